@@ -1,0 +1,102 @@
+//! What an estimator says after each sample.
+
+use crate::model::{Input, Sample};
+
+/// How the last frame met the sliding surfaces.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Phase {
+    /// Collecting the samples from which the state is started.
+    #[default]
+    Starting,
+    /// Every row was inside the boundary layer: equivalent control.
+    Sliding,
+    /// A row was outside the boundary layer and moved the parameters with bounded influence.
+    Reaching,
+    /// A row was so far away that no parameter inside the bounds explains it; it was not used.
+    Rejected,
+    /// No measurement in this frame: prediction only.
+    Predicting,
+}
+
+/// What the change detector holds of the parameters.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ChangeState {
+    /// No change suspected.
+    #[default]
+    Steady,
+    /// A change is suspected and a challenger runs beside the estimate: the reported bounds are widened.
+    InDoubt,
+    /// The challenger was adopted at this sample: the parameters changed.
+    ReReached,
+}
+
+/// What the change detector can see.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum DetectorState {
+    /// Switched off by the settings.
+    #[default]
+    Off,
+    /// Still learning how much this model wanders without any change.
+    Calibrating,
+    /// Armed.
+    Armed,
+    /// Model error hides changes below about three times the wander: see the change sensitivity.
+    Insensitive,
+}
+
+/// Verdict on one parameter.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ParameterStatus {
+    /// The data have said almost nothing about it: the bound is the prior's.
+    #[default]
+    NotExcited,
+    /// The bound is shrinking and not yet small.
+    Improving,
+    /// The bound is a small part of the prior's.
+    Converged,
+    /// It rests on one of its limits: the bounds given to the estimator exclude what the data say.
+    AtLimit,
+}
+
+/// Status of the whole estimator after one sample.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Status {
+    /// How the last frame met the surfaces.
+    pub phase: Phase,
+    /// The change detector's verdict.
+    pub change: ChangeState,
+    /// What the change detector can see.
+    pub detector: DetectorState,
+}
+
+/// Parameters with their bounds after one sample. Entries from the parameter count on are zero.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Estimate<const P: usize> {
+    /// Time of the last sample used, s.
+    pub time_s: f64,
+    /// Estimated parameters, the model's units.
+    pub parameters: [f64; P],
+    /// One-sigma error claimed by the estimator's covariance, widened while a change is in doubt.
+    pub std_error: [f64; P],
+    /// One-sigma error corrected for the colour of the residuals: never below `std_error`. Show this one.
+    pub corrected_std_error: [f64; P],
+    /// Observability, `1 - variance / prior variance` in `[0, 1]`: 0 where the data have said nothing.
+    pub observability: [f64; P],
+    /// Verdict per parameter.
+    pub parameter_status: [ParameterStatus; P],
+    /// Verdict on the estimator.
+    pub status: Status,
+}
+
+/// A causal estimator: one sample in, one estimate out; no allocation, no blocking, bounded work.
+pub trait Estimator<const R: usize, const P: usize> {
+    /// The model's known input.
+    type Input: Input;
+
+    /// Takes the next sample and gives the estimate that holds after it.
+    /// Only samples up to this one are ever used.
+    fn update(&mut self, sample: &Sample<Self::Input, R>) -> Estimate<P>;
+
+    /// Writes the covariance of the parameters (row and column = parameter) into `out`.
+    fn covariance(&self, out: &mut [[f64; P]; P]);
+}

@@ -1,0 +1,24 @@
+//! Causal estimators of aerodynamic parameters, with bounds.
+//!
+//! Every plant here is linear in its unknown parameters,
+//!
+//! ```text
+//! x' = f(x, u) + Phi(x, u) theta        x: N states, theta: p <= P parameters
+//! y  = h(x, theta, u) + noise           y: R measured outputs
+//! ```
+//!
+//! and is described once by a [`Model`]. An estimator is written once against that trait and never hears of an
+//! aircraft. It takes one [`Sample`] at a time and gives back an [`Estimate`]; it allocates nothing, does not block,
+//! does not panic, and takes a bounded number of operations per update.
+//!
+//! `P` is the capacity fixed at compile time; the number of parameters in use is a run-time length. One compiled
+//! estimator with `P = 24` serves a laptop, another with `P = 5` a flight computer (docs/performance.md measures what
+//! the unused capacity costs).
+#![no_std]
+#![cfg_attr(not(test), deny(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
+
+mod estimate;
+mod model;
+
+pub use estimate::{ChangeState, DetectorState, Estimate, Estimator, ParameterStatus, Phase, Status};
+pub use model::{Input, LinearizedOutputs, LinearizedRates, Model, Sample};

@@ -1,0 +1,90 @@
+//! What an estimator needs to know of a plant.
+
+/// The known input of a plant (surface positions, thrust, altitude, ...), held or interpolated between samples.
+pub trait Input: Copy {
+    /// The input a fraction `s` in `[0, 1]` of the way from `self` to `other`.
+    fn interpolate(&self, other: &Self, s: f64) -> Self;
+}
+
+impl<const M: usize> Input for [f64; M] {
+    fn interpolate(&self, other: &Self, s: f64) -> Self {
+        core::array::from_fn(|i| self[i] + s * (other[i] - self[i]))
+    }
+}
+
+/// State rates with their derivatives: the plant linearised at one point.
+#[derive(Clone, Copy, Debug)]
+pub struct LinearizedRates<const N: usize, const P: usize> {
+    /// `f(x, u) + Phi(x, u) theta`, state units per second.
+    pub rates: [f64; N],
+    /// `d(f + Phi theta)/dx`, row = rate, column = state.
+    pub state_jacobian: [[f64; N]; N],
+    /// `Phi(x, u)`, row = rate, column = parameter. Columns from the parameter count on are never read.
+    pub regressors: [[f64; P]; N],
+}
+
+impl<const N: usize, const P: usize> LinearizedRates<N, P> {
+    /// All zero.
+    pub const ZERO: Self = Self { rates: [0.0; N], state_jacobian: [[0.0; N]; N], regressors: [[0.0; P]; N] };
+}
+
+/// Outputs with their derivatives.
+#[derive(Clone, Copy, Debug)]
+pub struct LinearizedOutputs<const N: usize, const R: usize, const P: usize> {
+    /// `h(x, theta, u)`, output units.
+    pub outputs: [f64; R],
+    /// `H = dh/dx`, row = output, column = state.
+    pub state_jacobian: [[f64; N]; R],
+    /// `D = dh/dtheta`, row = output, column = parameter. Columns from the parameter count on are never read.
+    pub parameter_jacobian: [[f64; P]; R],
+}
+
+impl<const N: usize, const R: usize, const P: usize> LinearizedOutputs<N, R, P> {
+    /// All zero.
+    pub const ZERO: Self =
+        Self { outputs: [0.0; R], state_jacobian: [[0.0; N]; R], parameter_jacobian: [[0.0; P]; R] };
+}
+
+/// A plant that is linear in its unknown parameters: `x' = f(x, u) + Phi(x, u) theta`, `y = h(x, theta, u)`.
+///
+/// `N` states, `R` outputs, room for `P` parameters. Implementations must be pure functions of their arguments and
+/// finite for finite, physically possible ones; an estimator treats a non-finite value as a lost sample.
+/// Analytic or forward-mode Jacobians only: estimators rely on them to rounding.
+pub trait Model<const N: usize, const R: usize, const P: usize> {
+    /// The known input.
+    type Input: Input;
+
+    /// Parameters in use, at most `P`.
+    fn parameter_count(&self) -> usize;
+
+    /// `f(x, u) + Phi(x, u) theta` alone, state units per second.
+    fn rates(&self, x: &[f64; N], theta: &[f64; P], u: &Self::Input) -> [f64; N];
+
+    /// Rates, their state Jacobian and the regressors, written to `out`.
+    /// The known part `f` is what this gives with `theta = 0`.
+    fn linearized_rates(&self, x: &[f64; N], theta: &[f64; P], u: &Self::Input, out: &mut LinearizedRates<N, P>);
+
+    /// Outputs and their Jacobians, written to `out`.
+    fn linearized_outputs(
+        &self,
+        x: &[f64; N],
+        theta: &[f64; P],
+        u: &Self::Input,
+        out: &mut LinearizedOutputs<N, R, P>,
+    );
+
+    /// The output channel that measures state `state` directly (`h = x[state]`), if there is one.
+    fn measuring_output(&self, state: usize) -> Option<usize>;
+}
+
+/// What was measured at one instant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample<I, const R: usize> {
+    /// Time of the measurement, s. Must increase from sample to sample; one that does not is rejected.
+    pub time_s: f64,
+    /// Known input from this instant on (it is held until the next sample, or interpolated towards it).
+    pub input: I,
+    /// Measured outputs; a value that is not finite is missing. All missing is a dropped frame: the estimator
+    /// predicts through it.
+    pub outputs: [f64; R],
+}

@@ -1,0 +1,1 @@
+//! Surface actuators: first-order lag with rate and position limits.

@@ -1,0 +1,168 @@
+//! What the equations of motion need to know of an aircraft, and the quantities they exchange with it.
+
+use crate::atmosphere::Atmosphere;
+use crate::scalar::Scalar;
+
+/// Number of rigid-body and engine states.
+pub const STATES: usize = 13;
+
+/// Rigid-body and engine state of an aircraft over a flat earth. Also used for the rates (each per second).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct State<T = f64> {
+    /// Speed of the centre of gravity relative to the undisturbed air, m/s (true airspeed without gusts).
+    pub speed: T,
+    /// Angle of attack, rad.
+    pub alpha: T,
+    /// Sideslip angle, rad, positive with the wind from the right.
+    pub beta: T,
+    /// Roll (bank) angle, rad.
+    pub phi: T,
+    /// Pitch angle, rad.
+    pub theta: T,
+    /// Heading, rad, from north to east.
+    pub psi: T,
+    /// Roll rate, body x axis, rad/s.
+    pub p: T,
+    /// Pitch rate, body y axis, rad/s.
+    pub q: T,
+    /// Yaw rate, body z axis, rad/s.
+    pub r: T,
+    /// Position north, m.
+    pub north: T,
+    /// Position east, m.
+    pub east: T,
+    /// Altitude above sea level, m, positive up.
+    pub altitude: T,
+    /// Engine power level, percent (the aircraft's own engine state).
+    pub power: T,
+}
+
+impl<T: Copy> State<T> {
+    /// The states in the order of the fields.
+    pub fn to_array(self) -> [T; STATES] {
+        [
+            self.speed,
+            self.alpha,
+            self.beta,
+            self.phi,
+            self.theta,
+            self.psi,
+            self.p,
+            self.q,
+            self.r,
+            self.north,
+            self.east,
+            self.altitude,
+            self.power,
+        ]
+    }
+
+    /// The state from an array in the order of the fields.
+    pub fn from_array(a: [T; STATES]) -> Self {
+        let [speed, alpha, beta, phi, theta, psi, p, q, r, north, east, altitude, power] = a;
+        Self { speed, alpha, beta, phi, theta, psi, p, q, r, north, east, altitude, power }
+    }
+}
+
+/// Throttle lever and surface positions.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Controls<T = f64> {
+    /// Throttle lever, 0 to 1.
+    pub throttle: T,
+    /// Elevator, rad, positive trailing edge down (nose down).
+    pub elevator: T,
+    /// Aileron, rad, positive rolls to the left (F-16 convention of Stevens & Lewis).
+    pub aileron: T,
+    /// Rudder, rad, positive yaws to the left.
+    pub rudder: T,
+}
+
+/// The aircraft's motion relative to the air around it (gusts included), and that air.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AirData<T = f64> {
+    /// True airspeed, m/s.
+    pub speed: T,
+    /// Angle of attack, rad.
+    pub alpha: T,
+    /// Sideslip angle, rad.
+    pub beta: T,
+    /// Air density, kg/m^3.
+    pub density: T,
+    /// Dynamic pressure, Pa.
+    pub dynamic_pressure: T,
+    /// Mach number.
+    pub mach: T,
+}
+
+/// Nondimensional aerodynamic force and moment coefficients in body axes, moments about the centre of gravity.
+/// Forces are made dimensional by `qbar S`; rolling and yawing moment by `qbar S b`, pitching moment by `qbar S cbar`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Coefficients<T = f64> {
+    /// Axial force, body x forward.
+    pub cx: T,
+    /// Side force, body y right.
+    pub cy: T,
+    /// Normal force, body z down.
+    pub cz: T,
+    /// Rolling moment.
+    pub cl: T,
+    /// Pitching moment.
+    pub cm: T,
+    /// Yawing moment.
+    pub cn: T,
+}
+
+/// Force and moment of the propulsion system in body axes, about the centre of gravity.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Propulsion<T = f64> {
+    /// Force, N.
+    pub force: [T; 3],
+    /// Moment, N m.
+    pub moment: [T; 3],
+}
+
+/// Reference geometry.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Geometry {
+    /// Wing reference area, m^2.
+    pub wing_area: f64,
+    /// Wing span, m.
+    pub span: f64,
+    /// Mean aerodynamic chord, m.
+    pub mean_chord: f64,
+    /// Centre of gravity, fraction of the mean aerodynamic chord behind its leading edge.
+    pub cg: f64,
+    /// Moment reference point of the aerodynamic data, fraction of the mean aerodynamic chord.
+    pub cg_reference: f64,
+}
+
+/// An aircraft: data and the functions that make forces of them. The equations of motion are written once against
+/// this trait; another aircraft is another implementation, and no change to them.
+pub trait Aircraft {
+    /// Reference geometry.
+    fn geometry(&self) -> &Geometry;
+
+    /// Mass, rotational inertia and the spinning rotor's momentum.
+    fn mass_properties(&self) -> &crate::mass::MassProperties;
+
+    /// Acceleration of gravity, m/s^2.
+    fn gravity(&self) -> f64;
+
+    /// The atmosphere that the aircraft's data assume.
+    fn atmosphere(&self) -> Atmosphere;
+
+    /// Aerodynamic coefficients from air data, body rates `[p, q, r]` in rad/s and surface positions.
+    fn coefficients<T: Scalar>(&self, air: &AirData<T>, rates: [T; 3], controls: &Controls<T>) -> Coefficients<T>;
+
+    /// Propulsion from the engine state (percent), altitude (m) and Mach number.
+    fn propulsion<T: Scalar>(&self, power: T, altitude: T, mach: T) -> Propulsion<T>;
+
+    /// Rate of the engine state, percent per second, from the throttle lever (0 to 1) and the engine state.
+    fn power_rate<T: Scalar>(&self, throttle: T, power: T) -> T;
+
+    /// The engine state that a throttle lever position settles at, percent.
+    fn steady_power<T: Scalar>(&self, throttle: T) -> T;
+
+    /// Actuators of the surfaces.
+    fn actuators(&self) -> &crate::actuator::Actuators;
+}

@@ -1,0 +1,1 @@
+//! Air density, speed of sound and dynamic pressure.

@@ -1,0 +1,8 @@
+//! Rigid-body flight dynamics, written once and generic over the scalar.
+#![cfg_attr(not(feature = "std"), no_std)]
+
+
+
+
+
+pub mod scalar;

@@ -1,0 +1,1 @@
+//! Mass, rotational inertia and the momentum of spinning rotors.

@@ -1,0 +1,117 @@
+//! The result of an estimation: plain data to print, plot, save and compare.
+
+use phugoid_flight_data::quality::QualityReport;
+use serde::{Deserialize, Serialize};
+
+/// The final word on one parameter.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ParameterResult {
+    /// Name from the model file, e.g. `Cm_alpha` or `dCm_alpha`.
+    pub name: String,
+    /// Estimate at the end of the record, per radian where an angle is involved.
+    pub value: f64,
+    /// One-sigma error claimed by the covariance.
+    pub std_error: f64,
+    /// One-sigma error corrected for the colour of the residuals; this one makes the bounds.
+    pub corrected_std_error: f64,
+    /// `value - 2 corrected_std_error`.
+    pub lower: f64,
+    /// `value + 2 corrected_std_error`.
+    pub upper: f64,
+    /// One of `converged`, `improving`, `not_excited`, `at_limit`, `fixed`.
+    pub status: String,
+    /// First time after which the estimate stays within 5 % of its final value, or of the truth where that is known, s
+    /// from the start of the record; none if it is not reached or the parameter was not excited.
+    pub converged_at_s: Option<f64>,
+    /// Observability, `1 - variance / prior variance`.
+    pub observability: f64,
+    /// Start value.
+    pub initial: f64,
+    /// Prior one-sigma.
+    pub prior_std: f64,
+    /// Declared lower and upper bounds, if any.
+    pub bounds: Option<[f64; 2]>,
+    /// The true value, where the flight was simulated.
+    pub truth: Option<f64>,
+    /// True for sensor bias columns and other parameters that only support the others.
+    pub nuisance: bool,
+}
+
+/// A named signal with its unit, one value per time of the estimation.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Signal {
+    /// Canonical name, e.g. `alpha`.
+    pub name: String,
+    /// SI unit as printed, e.g. `rad`, `m/s`, or `-`.
+    pub unit: String,
+    /// Values; NaN where missing.
+    pub values: Vec<f64>,
+}
+
+/// Parameter against time.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ParameterHistory {
+    /// Name as in [`ParameterResult::name`].
+    pub name: String,
+    /// Estimate after each sample.
+    pub value: Vec<f64>,
+    /// Corrected one-sigma error after each sample.
+    pub std_error: Vec<f64>,
+    /// Surface per parameter for display: `theta_LS - theta`, in parameter units.
+    pub surface: Vec<f64>,
+}
+
+/// What happened at one instant of the estimation: a change suspected or adopted, a gap, a restart.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Event {
+    /// When, s.
+    pub time_s: f64,
+    /// One of `in_doubt`, `re_reached`, `doubt_dropped`, `insensitive`, `gap`, `restarted`.
+    pub kind: String,
+    /// In words.
+    pub message: String,
+}
+
+/// Histories over the samples of the record, all of the length of `time_s`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct History {
+    /// Time, s.
+    pub time_s: Vec<f64>,
+    /// Known inputs as used.
+    pub inputs: Vec<Signal>,
+    /// Measured outputs.
+    pub measured: Vec<Signal>,
+    /// The estimated model's outputs before the correction by the same sample (one-step prediction).
+    pub predicted: Vec<Signal>,
+    /// Whitened residuals, one sigma = 1, one signal per output.
+    pub residuals: Vec<Signal>,
+    /// Parameters.
+    pub parameters: Vec<ParameterHistory>,
+    /// Phase per sample: `starting`, `sliding`, `reaching`, `rejected`, `predicting`.
+    pub phase: Vec<String>,
+}
+
+/// Everything one run of one estimator on one record gives.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Estimation {
+    /// Record (file name or scenario).
+    pub source: String,
+    /// Model file or its built-in name.
+    pub model: String,
+    /// Estimator used, e.g. `smpe`.
+    pub method: String,
+    /// Parameters in the model's order, nuisance columns last.
+    pub parameters: Vec<ParameterResult>,
+    /// Correlation matrix of the parameters, same order.
+    pub correlation: Vec<Vec<f64>>,
+    /// Sentences for the user: verdict, pairs that cannot be told apart, unit doubts, model error.
+    pub verdict: Vec<String>,
+    /// Events in order of time.
+    pub events: Vec<Event>,
+    /// Data quality of the record.
+    pub quality: QualityReport,
+    /// Measurement noise used per output, SI: name, unit, one sigma (one value each).
+    pub noise: Vec<Signal>,
+    /// Histories.
+    pub history: History,
+}

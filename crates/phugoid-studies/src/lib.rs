@@ -1,0 +1,1 @@
+//! Scenarios, Monte Carlo studies and Cramer-Rao bounds.

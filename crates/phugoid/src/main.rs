@@ -1,0 +1,2 @@
+//! The `phugoid` command.
+fn main() {}
