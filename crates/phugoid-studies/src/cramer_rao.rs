@@ -1,0 +1,298 @@
+//! The Cramer-Rao bound: the smallest standard error that any unbiased estimator can have on a given flight.
+//!
+//! With outputs `y_k = h(x_k, theta) + n`, `n ~ N(0, diag sigma^2)` and no process noise, the information after sample
+//! `k` is the sum of `g^T g / sigma^2` over all output rows so far, where `g` is the derivative of the output with
+//! respect to everything unknown (Klein & Morelli, Aircraft System Identification, section 6.1). Unknown are the
+//! initial states and the parameters; no prior is used, so the bound says what the data alone can give.
+
+use nalgebra::{DMatrix, DVector};
+use phugoid_estimators::{Input, LinearizedOutputs, LinearizedRates, Model};
+
+/// The bound at one instant.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Bound {
+    /// Time of the last sample used, s.
+    pub time_s: f64,
+    /// Smallest possible standard error of each parameter, in the parameter's unit; infinite where the data up to now
+    /// do not determine it.
+    pub std_error: Vec<f64>,
+}
+
+/// Why the bound could not be computed.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum CramerRaoError {
+    /// The model's rates or outputs became infinite or not a number.
+    #[error("the model's motion is not finite at {time_s} s: the flight leaves the range of the model")]
+    NotFinite {
+        /// Time, s.
+        time_s: f64,
+    },
+    /// Times do not increase or lengths differ.
+    #[error("the {what}")]
+    BadInput {
+        /// What is wrong.
+        what: &'static str,
+    },
+}
+
+/// How the input goes from one sample to the next.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Between {
+    /// Held at the value of the earlier sample.
+    Held,
+    /// Interpolated linearly.
+    Interpolated,
+}
+
+/// The flight for which the bound is asked.
+#[derive(Clone, Copy, Debug)]
+pub struct Experiment<'a, I, const N: usize, const R: usize, const P: usize> {
+    /// True initial state, the model's units.
+    pub initial_state: [f64; N],
+    /// True parameters.
+    pub parameters: [f64; P],
+    /// Sample times, s, strictly increasing.
+    pub time_s: &'a [f64],
+    /// Known input at each sample.
+    pub inputs: &'a [I],
+    /// How the input goes from sample to sample.
+    pub between: Between,
+    /// One-sigma measurement noise of each output; an infinite one is an output that is not measured.
+    pub sigma: [f64; R],
+}
+
+/// Sensitivities of the state to the initial state and to the parameters.
+#[derive(Clone, Copy)]
+struct Sensitive<const N: usize, const P: usize> {
+    x: [f64; N],
+    initial: [[f64; N]; N],
+    parameter: [[f64; P]; N],
+}
+
+impl<const N: usize, const P: usize> Sensitive<N, P> {
+    fn plus(&self, h: f64, rate: &Self) -> Self {
+        let mut sum = *self;
+        for i in 0..N {
+            sum.x[i] += h * rate.x[i];
+            for j in 0..N {
+                sum.initial[i][j] += h * rate.initial[i][j];
+            }
+            for j in 0..P {
+                sum.parameter[i][j] += h * rate.parameter[i][j];
+            }
+        }
+        sum
+    }
+}
+
+/// Computes the bound at each of the times `at` (s; the last sample at or before each is used).
+///
+/// Runs the model with its true parameters through the inputs by RK4, and with it `dx/dx0` and `dx/dtheta`.
+pub fn cramer_rao<M, const N: usize, const R: usize, const P: usize>(
+    model: &M,
+    experiment: &Experiment<'_, M::Input, N, R, P>,
+    at: &[f64],
+) -> Result<Vec<Bound>, CramerRaoError>
+where
+    M: Model<N, R, P>,
+{
+    let Experiment { time_s, inputs, .. } = *experiment;
+    if time_s.len() != inputs.len() || time_s.is_empty() {
+        return Err(CramerRaoError::BadInput { what: "times and inputs must be equally many, at least one" });
+    }
+    if time_s.windows(2).any(|w| w[1] <= w[0]) {
+        return Err(CramerRaoError::BadInput { what: "sample times must increase" });
+    }
+    let p = model.parameter_count().min(P);
+    let unknowns = N + p;
+    let mut information = DMatrix::<f64>::zeros(unknowns, unknowns);
+    let mut state = Sensitive {
+        x: experiment.initial_state,
+        initial: core::array::from_fn(|i| core::array::from_fn(|j| f64::from(i == j))),
+        parameter: [[0.0; P]; N],
+    };
+    let mut outputs = LinearizedOutputs::<N, R, P>::ZERO;
+    // The last sample that counts for each requested time.
+    let last: Vec<usize> =
+        at.iter().map(|&t| time_s.partition_point(|&s| s <= t + 1e-9).saturating_sub(1)).collect();
+    let mut bounds: Vec<Option<Bound>> = vec![None; at.len()];
+
+    for k in 0..time_s.len() {
+        model.linearized_outputs(&state.x, &experiment.parameters, &inputs[k], &mut outputs);
+        for i in 0..R {
+            let weight = 1.0 / experiment.sigma[i];
+            if weight == 0.0 {
+                continue;
+            }
+            let mut row = DVector::<f64>::zeros(unknowns);
+            for j in 0..N {
+                row[j] = weight * (0..N).map(|l| outputs.state_jacobian[i][l] * state.initial[l][j]).sum::<f64>();
+            }
+            for j in 0..p {
+                let through_state: f64 = (0..N).map(|l| outputs.state_jacobian[i][l] * state.parameter[l][j]).sum();
+                row[N + j] = weight * (through_state + outputs.parameter_jacobian[i][j]);
+            }
+            if row.iter().any(|v| !v.is_finite()) {
+                return Err(CramerRaoError::NotFinite { time_s: time_s[k] });
+            }
+            information.ger(1.0, &row, &row, 1.0);
+        }
+        for (bound, _) in bounds.iter_mut().zip(&last).filter(|(_, l)| **l == k) {
+            *bound = Some(Bound { time_s: time_s[k], std_error: invert(&information, N, p) });
+        }
+        if k + 1 < time_s.len() {
+            state = step(model, experiment, &state, k);
+        }
+    }
+    Ok(bounds.into_iter().flatten().collect())
+}
+
+/// One RK4 step of state and sensitivities from sample `k` to `k + 1`.
+fn step<M, const N: usize, const R: usize, const P: usize>(
+    model: &M,
+    experiment: &Experiment<'_, M::Input, N, R, P>,
+    state: &Sensitive<N, P>,
+    k: usize,
+) -> Sensitive<N, P>
+where
+    M: Model<N, R, P>,
+{
+    let h = experiment.time_s[k + 1] - experiment.time_s[k];
+    let input = |s: f64| match experiment.between {
+        Between::Held => experiment.inputs[k],
+        Between::Interpolated => experiment.inputs[k].interpolate(&experiment.inputs[k + 1], s),
+    };
+    let rate = |at: &Sensitive<N, P>, u: M::Input| {
+        let mut l = LinearizedRates::<N, P>::ZERO;
+        model.linearized_rates(&at.x, &experiment.parameters, &u, &mut l);
+        // (dx/dx0)' = A dx/dx0,  (dx/dtheta)' = A dx/dtheta + Phi
+        Sensitive {
+            x: l.rates,
+            initial: core::array::from_fn(|i| {
+                core::array::from_fn(|j| (0..N).map(|m| l.state_jacobian[i][m] * at.initial[m][j]).sum())
+            }),
+            parameter: core::array::from_fn(|i| {
+                core::array::from_fn(|j| {
+                    l.regressors[i][j] + (0..N).map(|m| l.state_jacobian[i][m] * at.parameter[m][j]).sum::<f64>()
+                })
+            }),
+        }
+    };
+    let k1 = rate(state, input(0.0));
+    let k2 = rate(&state.plus(0.5 * h, &k1), input(0.5));
+    let k3 = rate(&state.plus(0.5 * h, &k2), input(0.5));
+    let k4 = rate(&state.plus(h, &k3), input(1.0));
+    state.plus(h / 6.0, &k1).plus(h / 3.0, &k2).plus(h / 3.0, &k3).plus(h / 6.0, &k4)
+}
+
+/// Standard errors of the parameters from the information on (initial state, parameters).
+fn invert(information: &DMatrix<f64>, states: usize, parameters: usize) -> Vec<f64> {
+    // Scaled to a unit diagonal, so that ft/s and rad do not decide what counts as singular.
+    let scale: Vec<f64> = information.diagonal().iter().map(|d| d.sqrt()).collect();
+    let known: Vec<usize> = (0..information.nrows()).filter(|&i| scale[i] > 0.0).collect();
+    let scaled = DMatrix::from_fn(known.len(), known.len(), |i, j| {
+        information[(known[i], known[j])] / (scale[known[i]] * scale[known[j]])
+    });
+    let mut errors = vec![f64::INFINITY; parameters];
+    // Below this the scaled information is singular to rounding, and no unbiased estimator exists.
+    let smallest = scaled.clone().symmetric_eigen().eigenvalues.min();
+    if known.is_empty() || smallest.is_nan() || smallest <= 1e-13 {
+        return errors;
+    }
+    if let Some(cholesky) = scaled.cholesky() {
+        let covariance = cholesky.inverse();
+        for (i, &unknown) in known.iter().enumerate() {
+            if unknown >= states {
+                errors[unknown - states] = covariance[(i, i)].sqrt() / scale[unknown];
+            }
+        }
+    }
+    errors
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// `x' = theta u`, `y = x + n`: the bound has a closed form.
+    struct Integrator;
+
+    impl Model<1, 1, 2> for Integrator {
+        type Input = [f64; 1];
+        fn parameter_count(&self) -> usize {
+            1
+        }
+        fn rates(&self, _: &[f64; 1], theta: &[f64; 2], u: &[f64; 1]) -> [f64; 1] {
+            [theta[0] * u[0]]
+        }
+        fn linearized_rates(&self, x: &[f64; 1], theta: &[f64; 2], u: &[f64; 1], out: &mut LinearizedRates<1, 2>) {
+            *out = LinearizedRates::ZERO;
+            out.rates = self.rates(x, theta, u);
+            out.regressors[0][0] = u[0];
+        }
+        fn linearized_outputs(
+            &self,
+            x: &[f64; 1],
+            _: &[f64; 2],
+            _: &[f64; 1],
+            out: &mut LinearizedOutputs<1, 1, 2>,
+        ) {
+            *out = LinearizedOutputs::ZERO;
+            out.outputs = *x;
+            out.state_jacobian[0][0] = 1.0;
+        }
+        fn measuring_output(&self, _: usize) -> Option<usize> {
+            Some(0)
+        }
+    }
+
+    /// With `u = 1` this is fitting a straight line: the slope's variance is `sigma^2 / sum (t - mean t)^2`.
+    #[test]
+    fn a_straight_line_has_the_textbook_bound() {
+        let time: Vec<f64> = (0..50).map(|k| 0.1 * f64::from(k)).collect();
+        let inputs = vec![[1.0]; 50];
+        let experiment = Experiment {
+            initial_state: [3.0],
+            parameters: [2.0, 0.0],
+            time_s: &time,
+            inputs: &inputs,
+            between: Between::Held,
+            sigma: [0.2],
+        };
+        let bounds = cramer_rao(&Integrator, &experiment, &[0.0, 1.0, 4.9]).unwrap();
+        assert!(bounds[0].std_error[0].is_infinite(), "one sample cannot tell a slope");
+        for (bound, n) in bounds[1..].iter().zip([11, 50]) {
+            let mean = time[..n].iter().sum::<f64>() / n as f64;
+            let spread: f64 = time[..n].iter().map(|t| (t - mean).powi(2)).sum();
+            let expected = 0.2 / spread.sqrt();
+            assert!((bound.std_error[0] / expected - 1.0).abs() < 1e-9, "{} {expected}", bound.std_error[0]);
+        }
+    }
+
+    #[test]
+    fn no_input_gives_no_bound() {
+        let time = [0.0, 0.1, 0.2];
+        let experiment = Experiment {
+            initial_state: [3.0],
+            parameters: [2.0, 0.0],
+            time_s: &time,
+            inputs: &[[0.0]; 3],
+            between: Between::Held,
+            sigma: [0.2],
+        };
+        assert!(cramer_rao(&Integrator, &experiment, &[0.2]).unwrap()[0].std_error[0].is_infinite());
+    }
+
+    #[test]
+    fn bad_times_are_told() {
+        let experiment = Experiment {
+            initial_state: [3.0],
+            parameters: [2.0, 0.0],
+            time_s: &[0.0, 0.0],
+            inputs: &[[0.0]; 2],
+            between: Between::Held,
+            sigma: [0.2],
+        };
+        assert!(matches!(cramer_rao(&Integrator, &experiment, &[0.0]), Err(CramerRaoError::BadInput { .. })));
+    }
+}

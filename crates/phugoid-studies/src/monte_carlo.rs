@@ -1,0 +1,103 @@
+//! Many runs of one experiment, each with its own seed.
+
+use rayon::prelude::*;
+
+/// Runs `experiment` for the run numbers `0..runs` on all cores and gives the results in the order of the runs.
+///
+/// A run must draw its random numbers from its number alone, so that the result is the same on any machine and with
+/// any number of cores. `done` is called after each run, from any thread. The first error in run order is returned.
+pub fn monte_carlo<T, E, F, D>(runs: usize, experiment: F, done: D) -> Result<Vec<T>, E>
+where
+    T: Send,
+    E: Send,
+    F: Fn(usize) -> Result<T, E> + Sync,
+    D: Fn() + Sync,
+{
+    let results: Vec<Result<T, E>> = (0..runs)
+        .into_par_iter()
+        .map(|run| {
+            let result = experiment(run);
+            done();
+            result
+        })
+        .collect();
+    results.into_iter().collect()
+}
+
+/// How the errors of one parameter over the runs compare with the bounds.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct Accuracy {
+    /// Parameter.
+    pub name: String,
+    /// True value.
+    pub truth: f64,
+    /// Cramer-Rao bound, one sigma.
+    pub cramer_rao: f64,
+    /// Root mean square error over the runs.
+    pub rmse: f64,
+    /// Mean error over the runs.
+    pub bias: f64,
+    /// Root mean square of the standard errors that the estimator claims.
+    pub claimed: f64,
+    /// `rmse / cramer_rao`.
+    pub rmse_over_cramer_rao: f64,
+    /// Fraction of the runs in which the truth lies within two corrected standard errors of the estimate.
+    pub coverage: f64,
+    /// The same with the uncorrected standard errors.
+    pub coverage_uncorrected: f64,
+}
+
+/// One run's word on one parameter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Outcome {
+    /// Estimate.
+    pub value: f64,
+    /// Claimed standard error.
+    pub std_error: f64,
+    /// Colour-corrected standard error.
+    pub corrected_std_error: f64,
+}
+
+impl Accuracy {
+    /// Compares outcomes with the truth and the bound.
+    pub fn of(name: &str, truth: f64, cramer_rao: f64, outcomes: &[Outcome]) -> Self {
+        let mean = |f: &dyn Fn(&Outcome) -> f64| outcomes.iter().map(f).sum::<f64>() / outcomes.len().max(1) as f64;
+        let rmse = mean(&|o| (o.value - truth).powi(2)).sqrt();
+        Self {
+            name: name.to_owned(),
+            truth,
+            cramer_rao,
+            rmse,
+            bias: mean(&|o| o.value - truth),
+            claimed: mean(&|o| o.corrected_std_error.powi(2)).sqrt(),
+            rmse_over_cramer_rao: rmse / cramer_rao,
+            coverage: mean(&|o| f64::from((o.value - truth).abs() <= 2.0 * o.corrected_std_error)),
+            coverage_uncorrected: mean(&|o| f64::from((o.value - truth).abs() <= 2.0 * o.std_error)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
+    #[test]
+    fn results_come_in_the_order_of_the_runs_whatever_thread_made_them() {
+        let count = AtomicUsize::new(0);
+        let results: Vec<usize> =
+            monte_carlo(100, |run| Ok::<_, ()>(run * run), || _ = count.fetch_add(1, Ordering::Relaxed)).unwrap();
+        assert_eq!(results, (0..100).map(|r| r * r).collect::<Vec<_>>());
+        assert_eq!(count.into_inner(), 100);
+        assert_eq!(monte_carlo(10, |run| if run > 3 { Err(run) } else { Ok(run) }, || ()), Err(4));
+    }
+
+    #[test]
+    fn accuracy_of_known_errors() {
+        let outcomes = [1.5, 0.5, 1.0, 1.0].map(|value| Outcome { value, std_error: 0.2, corrected_std_error: 0.3 });
+        let a = Accuracy::of("a", 1.0, 0.25, &outcomes);
+        assert!((a.rmse - 0.125_f64.sqrt()).abs() < 1e-15 && a.bias == 0.0);
+        assert!((a.rmse_over_cramer_rao - 2.0_f64.sqrt()).abs() < 1e-12);
+        assert_eq!((a.coverage, a.coverage_uncorrected), (1.0, 0.5));
+    }
+}
