@@ -5,4 +5,5 @@
 
 
 
+pub mod integrate;
 pub mod scalar;
