@@ -1,2 +1,8 @@
 //! From an aircraft and a flight record to aerodynamic parameters with bounds.
+#![cfg_attr(not(test), deny(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
+pub mod estimate;
 pub mod estimation;
+pub mod model_file;
+pub mod output;
+pub mod quantity;
+pub mod term;

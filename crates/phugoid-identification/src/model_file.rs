@@ -1,0 +1,250 @@
+//! The model file: an aircraft, its coefficient build-up and what is known beforehand, in TOML.
+//!
+//! The format is described in `docs/model-file.md`.
+
+mod parse;
+mod section;
+
+use std::collections::BTreeMap;
+
+use crate::output::{OUTPUTS, Output, STATES};
+use crate::term::{Coefficient, Term};
+
+/// What is wrong with a model file, and where.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{file}:{line}:{column}: {message}\n    {line} | {}", excerpt.trim_end())]
+pub struct ModelFileError {
+    /// File or built-in name.
+    pub file: String,
+    /// Line, from 1.
+    pub line: usize,
+    /// Column in characters, from 1.
+    pub column: usize,
+    /// Dotted path of the key, e.g. `parameters.CL_alpha.start`.
+    pub key: String,
+    /// What was found, what was expected, what to do.
+    pub message: String,
+    /// The valid word nearest to a misspelt one.
+    pub nearest: Option<String>,
+    /// The line of the file.
+    pub excerpt: String,
+}
+
+/// The aerodynamic database that the build-up is added to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Base {
+    /// None: the build-up is the whole coefficient.
+    None,
+    /// The F-16 of Stevens & Lewis; the build-up is made of increments about the reference point.
+    F16,
+}
+
+/// The speed that normalises the pitch rate, `q_hat = q cbar / (2 V)`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RateSpeed {
+    /// The actual airspeed.
+    Actual,
+    /// The reference speed of the model file.
+    Reference,
+}
+
+/// A quantity that is constant or recorded.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Source {
+    /// Constant, SI.
+    Constant(f64),
+    /// The channel with this canonical name.
+    Channel(String),
+}
+
+/// Where the thrust comes from.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Thrust {
+    /// Constant (N) or recorded.
+    Known(Source),
+    /// Constant, from the trim at the reference point.
+    Trim,
+}
+
+/// Where the air density comes from.
+#[derive(Clone, Debug, PartialEq)]
+pub enum AirDensity {
+    /// Constant (kg/m^3) or recorded.
+    Known(Source),
+    /// International standard atmosphere 1976 at the `altitude` channel.
+    StandardAtmosphere,
+    /// The air-data model of Stevens & Lewis (appendix A) at the `altitude` channel.
+    BookAtmosphere,
+}
+
+/// The aircraft as a rigid body.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AircraftData {
+    /// Mass, kg.
+    pub mass: Source,
+    /// Moment of inertia about the body y axis, kg m^2.
+    pub iyy: Source,
+    /// Wing reference area, m^2.
+    pub wing_area: f64,
+    /// Mean aerodynamic chord, m.
+    pub mean_chord: f64,
+    /// Centre of gravity behind the leading edge of the mean chord, fraction of it. Only databases need it.
+    pub cg: Option<f64>,
+    /// Thrust, N.
+    pub thrust: Thrust,
+    /// Angle of the thrust line above the body x axis, rad.
+    pub thrust_inclination: f64,
+    /// Pitching moment per newton of thrust, m: positive where the thrust line passes below the centre of gravity.
+    pub thrust_arm: f64,
+    /// Air density, kg/m^3.
+    pub air_density: AirDensity,
+    /// Reference speed `V0`, m/s.
+    pub reference_speed: Option<f64>,
+    /// Acceleration of gravity, m/s^2.
+    pub gravity: f64,
+}
+
+/// A component of the reference point about which increments are taken.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ReferenceValue {
+    /// Given, SI.
+    Given(f64),
+    /// From the level trim of the database at the reference speed and altitude.
+    Trim,
+    /// From the first sample of the record.
+    FirstSample,
+}
+
+/// The reference point: terms are functions of `alpha - alpha_ref` and `elevator - elevator_ref`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reference {
+    /// Angle of attack, rad.
+    pub alpha: ReferenceValue,
+    /// Elevator, rad.
+    pub elevator: ReferenceValue,
+    /// Altitude of the trim, m.
+    pub altitude: Option<f64>,
+}
+
+/// What a parameter multiplies.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Role {
+    /// A term of the build-up.
+    Term(Coefficient, Term),
+    /// A constant in a coefficient that takes up model error.
+    Offset(Coefficient),
+    /// The constant error of a sensor.
+    Bias(Output),
+}
+
+/// A parameter: name, role and what is known of it beforehand.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Parameter {
+    /// Name, e.g. `CL_alpha`, `dCm_q`, `offset_Cm`, `bias_alpha`.
+    pub name: String,
+    /// What it multiplies.
+    pub role: Role,
+    /// Start value, SI, per radian where an angle is involved.
+    pub start: f64,
+    /// One sigma of what is known beforehand about its distance from the start value.
+    pub prior_std: f64,
+    /// Declared limits.
+    pub bounds: Option<[f64; 2]>,
+    /// One sigma of a plausible sudden change; none for the automatic rule.
+    pub change_std: Option<f64>,
+    /// True if it is known and not estimated.
+    pub fixed: bool,
+}
+
+impl Parameter {
+    /// True for parameters that only support the others: offsets and sensor biases.
+    pub fn is_nuisance(&self) -> bool {
+        !matches!(self.role, Role::Term(..))
+    }
+}
+
+/// The process noise that stands for gusts and model error.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ProcessNoise {
+    /// Spectral densities of the rates of V (m^2/s^3), alpha (rad^2/s), theta (rad^2/s) and q (rad^2/s^3).
+    pub density: [f64; STATES],
+    /// True if a scale on all of them is learnt from the residuals.
+    pub adaptive: bool,
+}
+
+/// How a channel is called in the user's file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ChannelMapping {
+    /// Header in the file, exactly.
+    pub header: String,
+    /// Unit of its values, if the header does not say it.
+    pub unit: Option<String>,
+}
+
+/// How the input runs between two samples.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum InputHold {
+    /// Held at the value of the earlier sample.
+    Held,
+    /// Straight line to the next sample.
+    Interpolated,
+}
+
+/// A model file that has been read and checked.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ModelFile {
+    /// File or built-in name.
+    pub source: String,
+    /// Aircraft, for reports.
+    pub name: String,
+    /// Database.
+    pub base: Base,
+    /// Normalisation of the pitch rate.
+    pub rate_speed: RateSpeed,
+    /// Rigid body.
+    pub aircraft: AircraftData,
+    /// Names of the extra input channels that terms may use.
+    pub extra_inputs: Vec<String>,
+    /// Headers of the user's file, by canonical channel name.
+    pub channels: BTreeMap<String, ChannelMapping>,
+    /// Which outputs are measured.
+    pub outputs: [bool; OUTPUTS],
+    /// Measurement noise, one sigma, SI; none: measured from the record.
+    pub noise: [Option<f64>; OUTPUTS],
+    /// Parameters: terms in the order of the file, then offsets, then biases. Fixed ones included.
+    pub parameters: Vec<Parameter>,
+    /// Reference point of increments.
+    pub reference: Reference,
+    /// Process noise.
+    pub process_noise: ProcessNoise,
+    /// How the input runs between samples.
+    pub input: InputHold,
+    /// True if a change of the parameters in flight is looked for.
+    pub re_reaching: bool,
+}
+
+impl ModelFile {
+    /// Reads and checks a model file.
+    ///
+    /// # Errors
+    /// The first thing found wrong, with file, line, column, key and the nearest valid word.
+    pub fn parse(file: &str, text: &str) -> Result<Self, ModelFileError> {
+        parse::parse(file, text)
+    }
+
+    /// The model files built into the library: name and text.
+    pub const BUILT_IN: [(&'static str, &'static str); 2] = [
+        ("f16", include_str!("../../../data/models/f16.toml")),
+        ("hfb320", include_str!("../../../data/models/hfb320.toml")),
+    ];
+
+    /// The built-in model file with this name (`f16`, `hfb320`), if there is one.
+    pub fn built_in(name: &str) -> Option<Result<Self, ModelFileError>> {
+        Self::BUILT_IN.iter().find(|(n, _)| *n == name).map(|(n, text)| Self::parse(n, text))
+    }
+
+    /// Parameters that are estimated.
+    pub fn estimated(&self) -> impl Iterator<Item = &Parameter> {
+        self.parameters.iter().filter(|p| !p.fixed)
+    }
+}
