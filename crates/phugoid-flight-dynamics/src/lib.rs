@@ -6,4 +6,6 @@
 
 
 pub mod integrate;
+#[cfg(feature = "std")]
+pub mod modes;
 pub mod scalar;
