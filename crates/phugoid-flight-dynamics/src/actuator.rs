@@ -1,1 +1,109 @@
 //! Surface actuators: first-order lag with rate and position limits.
+
+use crate::aircraft::Controls;
+
+/// One actuator: `position' = clamp((clamp(command) - position) / lag, +-rate limit)`
+/// (Stevens & Lewis appendix A.4: a lag of 20.2 1/s behind rate and deflection limits).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Actuator {
+    /// Largest deflection to either side, rad.
+    pub limit: f64,
+    /// Largest rate, rad/s.
+    pub rate_limit: f64,
+    /// Time constant of the lag, s.
+    pub lag: f64,
+}
+
+impl Actuator {
+    /// The command that the actuator can follow: within the deflection limits, rad.
+    #[inline]
+    pub fn reachable(&self, command: f64) -> f64 {
+        command.clamp(-self.limit, self.limit)
+    }
+
+    /// Rate of the surface, rad/s, from the commanded and the present position (rad).
+    ///
+    /// The position never passes its limit: the command is limited before the lag, and the lag does not overshoot.
+    #[inline]
+    pub fn rate(&self, command: f64, position: f64) -> f64 {
+        ((self.reachable(command) - position) / self.lag).clamp(-self.rate_limit, self.rate_limit)
+    }
+}
+
+/// The actuators of elevator, aileron and rudder. The throttle lever has none: the engine's own lag follows it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Actuators {
+    /// Elevator.
+    pub elevator: Actuator,
+    /// Aileron.
+    pub aileron: Actuator,
+    /// Rudder.
+    pub rudder: Actuator,
+}
+
+/// Number of actuator states: elevator, aileron, rudder.
+pub const ACTUATOR_STATES: usize = 3;
+
+impl Actuators {
+    /// Rates `[elevator, aileron, rudder]`, rad/s, of the surface positions in the same order (rad): three more states
+    /// to integrate beside those of the aircraft.
+    #[inline]
+    pub fn rates(&self, commands: &Controls, positions: [f64; ACTUATOR_STATES]) -> [f64; ACTUATOR_STATES] {
+        [
+            self.elevator.rate(commands.elevator, positions[0]),
+            self.aileron.rate(commands.aileron, positions[1]),
+            self.rudder.rate(commands.rudder, positions[2]),
+        ]
+    }
+
+    /// The controls that the aircraft feels: the lever as commanded, the surfaces where the actuators have them.
+    #[inline]
+    pub fn controls(&self, commands: &Controls, positions: [f64; ACTUATOR_STATES]) -> Controls {
+        Controls { throttle: commands.throttle, elevator: positions[0], aileron: positions[1], rudder: positions[2] }
+    }
+
+    /// Commands within the deflection limits and the lever within 0 to 1.
+    #[inline]
+    pub fn reachable(&self, commands: &Controls) -> Controls {
+        Controls {
+            throttle: commands.throttle.clamp(0.0, 1.0),
+            elevator: self.elevator.reachable(commands.elevator),
+            aileron: self.aileron.reachable(commands.aileron),
+            rudder: self.rudder.reachable(commands.rudder),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ELEVATOR: Actuator = Actuator { limit: 0.436_332_313, rate_limit: 1.047_197_551, lag: 0.0495 };
+
+    /// A step flown with small Euler steps; the time constant is long against them.
+    fn follow(command: f64, seconds: f64) -> (f64, f64) {
+        let (mut position, mut fastest, step) = (0.0, 0.0_f64, 1e-5);
+        for _ in 0..(seconds / step) as usize {
+            let rate = ELEVATOR.rate(command, position);
+            fastest = fastest.max(rate.abs());
+            position += step * rate;
+        }
+        (position, fastest)
+    }
+
+    #[test]
+    fn a_small_step_is_a_first_order_lag() {
+        let step = 0.02; // 1.15 deg: initial rate 0.4 rad/s, below the limit
+        let (position, _) = follow(step, ELEVATOR.lag);
+        assert!((position / step - (1.0 - (-1.0_f64).exp())).abs() < 2e-4, "{position}");
+    }
+
+    #[test]
+    fn a_large_step_is_rate_limited_and_stops_at_the_stop() {
+        let (position, fastest) = follow(1.0, 0.2);
+        assert!((fastest - ELEVATOR.rate_limit).abs() < 1e-12);
+        assert!((position - 0.2 * ELEVATOR.rate_limit).abs() < 1e-4, "{position}");
+        let (position, _) = follow(1.0, 2.0);
+        assert!(position <= ELEVATOR.limit && ELEVATOR.limit - position < 1e-6, "{position}");
+    }
+}

@@ -1,0 +1,275 @@
+//! Aerodynamic increments: the unknown or damaged part of an aircraft, added to its database about a reference point.
+
+use crate::scalar::Scalar;
+
+/// Increments to the aerodynamic derivatives. Every derivative is dimensionless and per radian; each term vanishes at
+/// the reference point, so that increments leave the trim there alone (thesis 2.29, 2.30; build-up of section 4):
+///
+/// ```text
+/// C = C_database + dC_alpha (alpha - alpha_ref) + dC_q cbar (q - q_ref)/2V + dC_delta_e (elevator - elevator_ref)
+/// ```
+///
+/// and for the lateral axes the same about zero, with `b p/2V` and `b r/2V`. Lift and drag increments are along the
+/// stability axes of the air-relative velocity and are rotated into body axes by its angle of attack. Moments are about
+/// the centre of gravity; a lift increment does not bring a moment of its own with it.
+///
+/// The names are those of scenario files (`dCm_alpha = -0.2`).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "std", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
+#[allow(non_snake_case)] // the field's own spelling, which scenario files use as well
+pub struct Increments {
+    /// Angle of attack of the reference point, rad.
+    pub alpha_reference: f64,
+    /// Pitch rate of the reference point, rad/s.
+    pub q_reference: f64,
+    /// Elevator of the reference point, rad.
+    pub elevator_reference: f64,
+    /// Pitching moment due to angle of attack.
+    pub dCm_alpha: f64,
+    /// Pitching moment due to pitch rate `q cbar/2V`.
+    pub dCm_q: f64,
+    /// Pitching moment due to elevator.
+    pub dCm_delta_e: f64,
+    /// Lift due to angle of attack.
+    pub dCL_alpha: f64,
+    /// Lift due to pitch rate `q cbar/2V`.
+    pub dCL_q: f64,
+    /// Lift due to elevator.
+    pub dCL_delta_e: f64,
+    /// Drag due to angle of attack.
+    pub dCD_alpha: f64,
+    /// Drag due to pitch rate `q cbar/2V`.
+    pub dCD_q: f64,
+    /// Drag due to elevator.
+    pub dCD_delta_e: f64,
+    /// Side force due to sideslip.
+    pub dCY_beta: f64,
+    /// Side force due to roll rate `p b/2V`.
+    pub dCY_p: f64,
+    /// Side force due to yaw rate `r b/2V`.
+    pub dCY_r: f64,
+    /// Side force due to aileron.
+    pub dCY_delta_a: f64,
+    /// Side force due to rudder.
+    pub dCY_delta_r: f64,
+    /// Rolling moment due to sideslip.
+    pub dCl_beta: f64,
+    /// Rolling moment due to roll rate `p b/2V`.
+    pub dCl_p: f64,
+    /// Rolling moment due to yaw rate `r b/2V`.
+    pub dCl_r: f64,
+    /// Rolling moment due to aileron.
+    pub dCl_delta_a: f64,
+    /// Rolling moment due to rudder.
+    pub dCl_delta_r: f64,
+    /// Yawing moment due to sideslip.
+    pub dCn_beta: f64,
+    /// Yawing moment due to roll rate `p b/2V`.
+    pub dCn_p: f64,
+    /// Yawing moment due to yaw rate `r b/2V`.
+    pub dCn_r: f64,
+    /// Yawing moment due to aileron.
+    pub dCn_delta_a: f64,
+    /// Yawing moment due to rudder.
+    pub dCn_delta_r: f64,
+}
+
+impl Increments {
+    /// No increments.
+    pub const NONE: Self = Self {
+        alpha_reference: 0.0,
+        q_reference: 0.0,
+        elevator_reference: 0.0,
+        dCm_alpha: 0.0,
+        dCm_q: 0.0,
+        dCm_delta_e: 0.0,
+        dCL_alpha: 0.0,
+        dCL_q: 0.0,
+        dCL_delta_e: 0.0,
+        dCD_alpha: 0.0,
+        dCD_q: 0.0,
+        dCD_delta_e: 0.0,
+        dCY_beta: 0.0,
+        dCY_p: 0.0,
+        dCY_r: 0.0,
+        dCY_delta_a: 0.0,
+        dCY_delta_r: 0.0,
+        dCl_beta: 0.0,
+        dCl_p: 0.0,
+        dCl_r: 0.0,
+        dCl_delta_a: 0.0,
+        dCl_delta_r: 0.0,
+        dCn_beta: 0.0,
+        dCn_p: 0.0,
+        dCn_r: 0.0,
+        dCn_delta_a: 0.0,
+        dCn_delta_r: 0.0,
+    };
+
+    /// The same derivatives about another reference point: angle of attack (rad), pitch rate (rad/s), elevator (rad).
+    #[must_use]
+    pub fn about(self, alpha: f64, q: f64, elevator: f64) -> Self {
+        Self { alpha_reference: alpha, q_reference: q, elevator_reference: elevator, ..self }
+    }
+
+    /// Whether any longitudinal derivative is not zero.
+    #[inline]
+    pub fn is_longitudinal(&self) -> bool {
+        let all = [
+            self.dCm_alpha,
+            self.dCm_q,
+            self.dCm_delta_e,
+            self.dCL_alpha,
+            self.dCL_q,
+            self.dCL_delta_e,
+            self.dCD_alpha,
+            self.dCD_q,
+            self.dCD_delta_e,
+        ];
+        all.iter().any(|&d| d != 0.0)
+    }
+
+    /// Whether any lateral derivative is not zero.
+    #[inline]
+    pub fn is_lateral(&self) -> bool {
+        let all = [
+            self.dCY_beta,
+            self.dCY_p,
+            self.dCY_r,
+            self.dCY_delta_a,
+            self.dCY_delta_r,
+            self.dCl_beta,
+            self.dCl_p,
+            self.dCl_r,
+            self.dCl_delta_a,
+            self.dCl_delta_r,
+            self.dCn_beta,
+            self.dCn_p,
+            self.dCn_r,
+            self.dCn_delta_a,
+            self.dCn_delta_r,
+        ];
+        all.iter().any(|&d| d != 0.0)
+    }
+
+    /// `[dCL, dCD, dCm]` from the air-relative angle of attack (rad), `cbar / 2V` (s), pitch rate (rad/s) and elevator
+    /// (rad).
+    #[inline]
+    pub fn longitudinal<T: Scalar>(&self, alpha: T, chord_time: T, q: T, elevator: T) -> [T; 3] {
+        let alpha = alpha - self.alpha_reference;
+        let q_hat = chord_time * (q - self.q_reference);
+        let elevator = elevator - self.elevator_reference;
+        let sum = |a: f64, b: f64, c: f64| alpha * a + q_hat * b + elevator * c;
+        [
+            sum(self.dCL_alpha, self.dCL_q, self.dCL_delta_e),
+            sum(self.dCD_alpha, self.dCD_q, self.dCD_delta_e),
+            sum(self.dCm_alpha, self.dCm_q, self.dCm_delta_e),
+        ]
+    }
+
+    /// `[dCY, dCl, dCn]` from sideslip (rad), the dimensionless rates `p b/2V` and `r b/2V`, aileron and rudder (rad).
+    #[inline]
+    pub fn lateral<T: Scalar>(&self, beta: T, p_hat: T, r_hat: T, aileron: T, rudder: T) -> [T; 3] {
+        let sum = |d: [f64; 5]| beta * d[0] + p_hat * d[1] + r_hat * d[2] + aileron * d[3] + rudder * d[4];
+        [
+            sum([self.dCY_beta, self.dCY_p, self.dCY_r, self.dCY_delta_a, self.dCY_delta_r]),
+            sum([self.dCl_beta, self.dCl_p, self.dCl_r, self.dCl_delta_a, self.dCl_delta_r]),
+            sum([self.dCn_beta, self.dCn_p, self.dCn_r, self.dCn_delta_a, self.dCn_delta_r]),
+        ]
+    }
+}
+
+/// Lift and drag coefficients turned into body axes: `[CX, CZ]` from `CL`, `CD` and sine and cosine of the angle of
+/// attack. `CX = CL sin a - CD cos a`, `CZ = -CL cos a - CD sin a`.
+#[inline]
+pub fn lift_drag_to_body<T: Scalar>(lift: T, drag: T, sine: T, cosine: T) -> [T; 2] {
+    [lift * sine - drag * cosine, -(lift * cosine) - drag * sine]
+}
+
+/// Increments that change in flight: damage, icing, a store released.
+#[cfg(feature = "std")]
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(try_from = "Vec<IncrementChange>", into = "Vec<IncrementChange>")]
+pub struct IncrementSchedule {
+    changes: Vec<IncrementChange>,
+}
+
+/// From `time` on, `increments` are in force.
+#[cfg(feature = "std")]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct IncrementChange {
+    /// Time of the change, s.
+    pub time: f64,
+    /// What is in force from then on; it replaces, it does not add to, what was in force before.
+    pub increments: Increments,
+}
+
+/// A schedule that cannot be read.
+#[cfg(feature = "std")]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum ScheduleError {
+    /// Times must be numbers and increase.
+    #[error(
+        "increment schedule: change {index} is at {time} s, which is not after {previous} s; list the changes in \
+         order of time"
+    )]
+    Disorder {
+        /// Index of the change, from 0.
+        index: usize,
+        /// Its time, s.
+        time: f64,
+        /// Time of the change before it, s (minus infinity for the first).
+        previous: f64,
+    },
+}
+
+#[cfg(feature = "std")]
+impl IncrementSchedule {
+    /// The same increments for the whole flight.
+    pub fn constant(increments: Increments) -> Self {
+        Self { changes: vec![IncrementChange { time: f64::NEG_INFINITY, increments }] }
+    }
+
+    /// Changes in order of time. Before the first one the database stands alone.
+    pub fn new(changes: Vec<IncrementChange>) -> Result<Self, ScheduleError> {
+        let mut previous = f64::NEG_INFINITY;
+        for (index, change) in changes.iter().enumerate() {
+            let first = index == 0 && change.time == f64::NEG_INFINITY;
+            if !(change.time > previous || first) {
+                return Err(ScheduleError::Disorder { index, time: change.time, previous });
+            }
+            previous = change.time;
+        }
+        Ok(Self { changes })
+    }
+
+    /// What is in force at a time (s). A change counts from its own time on (right limit).
+    pub fn at(&self, time: f64) -> Increments {
+        let after = self.changes.partition_point(|change| change.time <= time);
+        after
+            .checked_sub(1)
+            .and_then(|last| self.changes.get(last))
+            .map_or(Increments::NONE, |change| change.increments)
+    }
+
+    /// The changes, in order of time.
+    pub fn changes(&self) -> &[IncrementChange] {
+        &self.changes
+    }
+}
+
+#[cfg(feature = "std")]
+impl TryFrom<Vec<IncrementChange>> for IncrementSchedule {
+    type Error = ScheduleError;
+    fn try_from(changes: Vec<IncrementChange>) -> Result<Self, ScheduleError> {
+        Self::new(changes)
+    }
+}
+
+#[cfg(feature = "std")]
+impl From<IncrementSchedule> for Vec<IncrementChange> {
+    fn from(schedule: IncrementSchedule) -> Self {
+        schedule.changes
+    }
+}

@@ -1,0 +1,161 @@
+//! The equations of motion: six degrees of freedom over a flat earth, written once for every aircraft and scalar.
+
+use crate::aircraft::{AirData, Aircraft, Coefficients, Controls, State};
+use crate::increments::{Increments, lift_drag_to_body};
+use crate::scalar::Scalar;
+
+/// What disturbs the flight. The default is nothing: still air and the database as it is.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Disturbance {
+    /// Velocity of the air in body axes, m/s, relative to the undisturbed air.
+    pub gust: [f64; 3],
+    /// Aerodynamic increments on top of the aircraft's database.
+    pub increments: Increments,
+}
+
+/// What the equations of motion give at one instant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Motion<T = f64> {
+    /// Rates of all states, each in its own unit per second.
+    pub rates: State<T>,
+    /// Motion relative to the air, gusts included.
+    pub air: AirData<T>,
+    /// Specific force at the centre of gravity in body axes, m/s^2: what accelerometers there feel, gravity left out.
+    pub specific_force: [T; 3],
+    /// Aerodynamic coefficients with the increments, body axes, moments about the centre of gravity.
+    pub coefficients: Coefficients<T>,
+}
+
+/// Rates of the states of an aircraft from its state, controls and disturbance.
+///
+/// Force, moment, kinematic and navigation equations of Stevens & Lewis table 2.5-1 with the speed, angle of attack and
+/// sideslip as states (their equation 2.5-29; thesis 2.14 to 2.23). Speed, angle of attack and sideslip of the state
+/// belong to the velocity relative to the undisturbed air; the aerodynamics see the velocity relative to the gust.
+///
+/// Singular, with results that are not finite, at zero speed, at 90 deg of pitch, and at 90 deg of sideslip.
+#[inline]
+pub fn motion<T: Scalar, A: Aircraft>(
+    aircraft: &A,
+    state: &State<T>,
+    controls: &Controls<T>,
+    disturbance: &Disturbance,
+) -> Motion<T> {
+    let geometry = aircraft.geometry();
+    let mass = aircraft.mass_properties();
+    let gravity = aircraft.gravity();
+    let &State { speed, alpha, beta, phi, theta, psi, p, q, r, altitude, power, .. } = state;
+
+    let (sin_alpha, cos_alpha) = alpha.sin_cos();
+    let (sin_beta, cos_beta) = beta.sin_cos();
+    let (sin_phi, cos_phi) = phi.sin_cos();
+    let (sin_theta, cos_theta) = theta.sin_cos();
+    let (sin_psi, cos_psi) = psi.sin_cos();
+
+    // Body-axis velocity relative to the undisturbed air (2.3-6).
+    let u = speed * cos_alpha * cos_beta;
+    let v = speed * sin_beta;
+    let w = speed * sin_alpha * cos_beta;
+
+    // Motion relative to the air.
+    let local_air = aircraft.atmosphere().at(altitude);
+    let gust = disturbance.gust;
+    let still = gust == [0.0; 3];
+    let (air_speed, air_alpha, air_beta, air_sin, air_cos) = if still {
+        (speed, alpha, beta, sin_alpha, cos_alpha)
+    } else {
+        let (ua, va, wa) = (u - gust[0], v - gust[1], w - gust[2]);
+        let in_plane = ua * ua + wa * wa;
+        let plane_speed = in_plane.sqrt();
+        let total = (in_plane + va * va).sqrt();
+        (total, wa.atan2(ua), va.atan2(plane_speed), wa / plane_speed, ua / plane_speed)
+    };
+    let air = AirData {
+        speed: air_speed,
+        alpha: air_alpha,
+        beta: air_beta,
+        density: local_air.density,
+        dynamic_pressure: local_air.density * air_speed * air_speed * 0.5,
+        mach: air_speed / local_air.speed_of_sound,
+    };
+
+    let mut coefficients = aircraft.coefficients(&air, [p, q, r], controls);
+    let increments = &disturbance.increments;
+    if increments.is_longitudinal() {
+        let chord_time = (air_speed * 2.0).recip() * geometry.mean_chord;
+        let [lift, drag, pitch] = increments.longitudinal(air_alpha, chord_time, q, controls.elevator);
+        let [cx, cz] = lift_drag_to_body(lift, drag, air_sin, air_cos);
+        coefficients.cx = coefficients.cx + cx;
+        coefficients.cz = coefficients.cz + cz;
+        coefficients.cm = coefficients.cm + pitch;
+    }
+    if increments.is_lateral() {
+        let span_time = (air_speed * 2.0).recip() * geometry.span;
+        let [side, roll, yaw] =
+            increments.lateral(air_beta, p * span_time, r * span_time, controls.aileron, controls.rudder);
+        coefficients.cy = coefficients.cy + side;
+        coefficients.cl = coefficients.cl + roll;
+        coefficients.cn = coefficients.cn + yaw;
+    }
+
+    let propulsion = aircraft.propulsion(power, altitude, air.mach);
+    let force_scale = air.dynamic_pressure * geometry.wing_area;
+    let acceleration_scale = force_scale * mass.inverse_mass();
+    let specific_force = [
+        coefficients.cx * acceleration_scale + propulsion.force[0] * mass.inverse_mass(),
+        coefficients.cy * acceleration_scale + propulsion.force[1] * mass.inverse_mass(),
+        coefficients.cz * acceleration_scale + propulsion.force[2] * mass.inverse_mass(),
+    ];
+    let moment_scale = force_scale * geometry.span;
+    let moment = [
+        coefficients.cl * moment_scale + propulsion.moment[0],
+        coefficients.cm * (force_scale * geometry.mean_chord) + propulsion.moment[1],
+        coefficients.cn * moment_scale + propulsion.moment[2],
+    ];
+
+    // Force equations, body axes.
+    let g_cos_theta = cos_theta * gravity;
+    let u_rate = r * v - q * w - sin_theta * gravity + specific_force[0];
+    let v_rate = p * w - r * u + sin_phi * g_cos_theta + specific_force[1];
+    let w_rate = q * u - p * v + cos_phi * g_cos_theta + specific_force[2];
+    // The same in speed, angle of attack and sideslip. u = V cos a cos b and so on are put in, so that one division
+    // serves all three.
+    let in_plane = cos_alpha * u_rate + sin_alpha * w_rate;
+    let speed_rate = in_plane * cos_beta + v_rate * sin_beta;
+    let inverse_speed = speed.recip();
+    let alpha_rate = (cos_alpha * w_rate - sin_alpha * u_rate) * inverse_speed / cos_beta;
+    let beta_rate = (v_rate * cos_beta - in_plane * sin_beta) * inverse_speed;
+
+    // Kinematic equations.
+    let inverse_cos_theta = cos_theta.recip();
+    let psi_rate = (q * sin_phi + r * cos_phi) * inverse_cos_theta;
+    let phi_rate = p + psi_rate * sin_theta;
+    let theta_rate = q * cos_phi - r * sin_phi;
+
+    // Moment equations.
+    let [p_rate, q_rate, r_rate] = mass.angular_acceleration([p, q, r], moment);
+
+    // Navigation equations: horizontal velocity along and across the heading, then turned to north and east.
+    let climbing = v * sin_phi + w * cos_phi;
+    let along = u * cos_theta + climbing * sin_theta;
+    let across = v * cos_phi - w * sin_phi;
+    let north_rate = along * cos_psi - across * sin_psi;
+    let east_rate = along * sin_psi + across * cos_psi;
+    let altitude_rate = u * sin_theta - climbing * cos_theta;
+
+    let rates = State {
+        speed: speed_rate,
+        alpha: alpha_rate,
+        beta: beta_rate,
+        phi: phi_rate,
+        theta: theta_rate,
+        psi: psi_rate,
+        p: p_rate,
+        q: q_rate,
+        r: r_rate,
+        north: north_rate,
+        east: east_rate,
+        altitude: altitude_rate,
+        power: aircraft.power_rate(controls.throttle, power),
+    };
+    Motion { rates, air, specific_force, coefficients }
+}
