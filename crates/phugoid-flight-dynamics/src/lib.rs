@@ -14,4 +14,6 @@ pub mod mass;
 pub mod modes;
 pub mod motion;
 pub mod scalar;
+#[cfg(feature = "std")]
+pub mod simulate;
 pub mod table;

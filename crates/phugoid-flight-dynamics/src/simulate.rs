@@ -1,0 +1,250 @@
+//! Flights of an aircraft from commands, gusts and a schedule of increments: histories in plain data.
+
+use crate::aircraft::{AirData, Aircraft, Coefficients, Controls, STATES, State};
+use crate::increments::IncrementSchedule;
+use crate::integrate::rk4_step;
+use crate::motion::{Disturbance, motion};
+
+/// How long a command lasts once it is given.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum CommandHold {
+    /// Over a whole sample, as from a flight computer that runs at the sample rate. The recorded commands then tell all
+    /// there is to know of the input.
+    #[default]
+    Sample,
+    /// Over one integration step.
+    Step,
+}
+
+/// A flight to be simulated with a fixed step. Fill in the fields, or start from [`Simulation::new`].
+///
+/// The step is `sample_time / substeps`, Runge-Kutta of order four. Commands and increments are taken at the beginning of
+/// their interval and held over it, so that what switches at `t` acts from `t` on and is in the sample at `t` (right
+/// limit). Gusts are taken at every stage of a step.
+#[derive(Clone, Debug)]
+pub struct Simulation<'a, A> {
+    /// The aircraft.
+    pub aircraft: &'a A,
+    /// State at time zero.
+    pub initial: State,
+    /// Surface positions at time zero, rad. Without actuators they are not used.
+    pub initial_surfaces: Controls,
+    /// Whether the surfaces follow their commands through the aircraft's actuators. Without, the surfaces are where they
+    /// are commanded, beyond their limits too.
+    pub use_actuators: bool,
+    /// Aerodynamic increments and when they change.
+    pub increments: IncrementSchedule,
+    /// Length of the flight, s.
+    pub duration: f64,
+    /// Time between samples, s.
+    pub sample_time: f64,
+    /// Integration steps per sample, at least one.
+    pub substeps: usize,
+    /// How long a command is held.
+    pub hold: CommandHold,
+}
+
+/// The flight at one instant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TrajectorySample {
+    /// Time, s.
+    pub time: f64,
+    /// State of the aircraft.
+    pub state: State,
+    /// Commands in force from this instant on (rad, throttle 0 to 1).
+    pub commands: Controls,
+    /// Throttle lever and surface positions (rad).
+    pub surfaces: Controls,
+    /// Motion relative to the air.
+    pub air: AirData,
+    /// Specific force at the centre of gravity in body axes, m/s^2.
+    pub specific_force: [f64; 3],
+    /// Rates of p, q, r, rad/s^2.
+    pub angular_acceleration: [f64; 3],
+    /// Aerodynamic coefficients with the increments in force, body axes, about the centre of gravity.
+    pub coefficients: Coefficients,
+}
+
+/// A simulated flight: one sample at time zero and then one every sample time, up to and including the duration.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Trajectory {
+    /// The samples in order of time.
+    pub samples: Vec<TrajectorySample>,
+}
+
+/// Why a flight could not be simulated to its end.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum SimulationError {
+    /// Times that make no grid.
+    #[error(
+        "duration {duration} s, sample time {sample_time} s, {substeps} steps per sample: the duration has to be finite \
+         and not negative, the sample time positive and the steps at least one"
+    )]
+    InvalidTimes {
+        /// Duration asked for, s.
+        duration: f64,
+        /// Sample time asked for, s.
+        sample_time: f64,
+        /// Steps per sample asked for.
+        substeps: usize,
+    },
+    /// A state has left the finite numbers: the motion has diverged, or an input is not a number.
+    #[error(
+        "state {state} is no longer finite at {time} s: the motion has diverged or an input is not a number; last finite \
+         airspeed {last_speed} m/s"
+    )]
+    NotFinite {
+        /// Name of the first state that is not finite.
+        state: &'static str,
+        /// End of the sample in which it happened, s.
+        time: f64,
+        /// True airspeed one sample earlier, m/s.
+        last_speed: f64,
+    },
+}
+
+const NAMES: [&str; VECTOR] = [
+    "speed", "alpha", "beta", "phi", "theta", "psi", "p", "q", "r", "north", "east", "altitude", "power", "elevator",
+    "aileron", "rudder",
+];
+
+/// Aircraft states and the three surface positions.
+const VECTOR: usize = STATES + crate::actuator::ACTUATOR_STATES;
+
+/// Air at rest, for [`Simulation::run`].
+pub fn still_air(_time: f64) -> [f64; 3] {
+    [0.0; 3]
+}
+
+impl<'a, A: Aircraft> Simulation<'a, A> {
+    /// A flight with actuators, no increments, 100 samples per second with two integration steps each.
+    pub fn new(aircraft: &'a A, initial: State, initial_surfaces: Controls, duration: f64) -> Self {
+        Self {
+            aircraft,
+            initial,
+            initial_surfaces,
+            use_actuators: true,
+            increments: IncrementSchedule::default(),
+            duration,
+            sample_time: 0.01,
+            substeps: 2,
+            hold: CommandHold::Sample,
+        }
+    }
+
+    /// Flies with commands and gust velocity (body axes, m/s) as functions of time alone.
+    ///
+    /// # Errors
+    /// [`SimulationError`] when the times make no grid or the motion diverges.
+    pub fn run(
+        &self,
+        mut commands: impl FnMut(f64) -> Controls,
+        gust: impl FnMut(f64) -> [f64; 3],
+    ) -> Result<Trajectory, SimulationError> {
+        self.run_closed_loop(|time, _| commands(time), gust)
+    }
+
+    /// Flies with commands from time and state: a pilot or an autopilot.
+    ///
+    /// # Errors
+    /// [`SimulationError`] when the times make no grid or the motion diverges.
+    pub fn run_closed_loop(
+        &self,
+        mut commands: impl FnMut(f64, &State) -> Controls,
+        mut gust: impl FnMut(f64) -> [f64; 3],
+    ) -> Result<Trajectory, SimulationError> {
+        let Self { duration, sample_time, substeps, .. } = *self;
+        let valid = duration >= 0.0 && duration.is_finite() && sample_time > 0.0 && sample_time.is_finite();
+        if !valid || substeps == 0 {
+            return Err(SimulationError::InvalidTimes { duration, sample_time, substeps });
+        }
+        // A duration that is a multiple of the sample time up to rounding includes its last sample.
+        let intervals = (duration / sample_time * (1.0 + 1e-12)) as usize;
+        let step = sample_time / substeps as f64;
+        let actuators = self.use_actuators.then(|| self.aircraft.actuators());
+        let surfaces = &self.initial_surfaces;
+        let mut x = join(&self.initial, [surfaces.elevator, surfaces.aileron, surfaces.rudder]);
+        let mut samples = Vec::with_capacity(intervals + 1);
+        for k in 0..=intervals {
+            let time = grid_time(k, sample_time);
+            let (state, positions) = split(&x);
+            let mut command = commands(time, &state);
+            let mut disturbance = Disturbance { gust: gust(time), increments: self.increments.at(time) };
+            let surfaces = actuators.map_or(command, |a| a.controls(&command, positions));
+            let now = motion(self.aircraft, &state, &surfaces, &disturbance);
+            samples.push(TrajectorySample {
+                time,
+                state,
+                commands: command,
+                surfaces,
+                air: now.air,
+                specific_force: now.specific_force,
+                angular_acceleration: [now.rates.p, now.rates.q, now.rates.r],
+                coefficients: now.coefficients,
+            });
+            if k == intervals {
+                break;
+            }
+            for substep in 0..substeps {
+                let t = time + substep as f64 * step;
+                if substep > 0 {
+                    if self.hold == CommandHold::Step {
+                        command = commands(t, &split(&x).0);
+                    }
+                    disturbance.increments = self.increments.at(t);
+                }
+                let rates = |t: f64, x: &[f64; VECTOR]| {
+                    let (state, positions) = split(x);
+                    disturbance.gust = gust(t);
+                    let (surfaces, surface_rates) = match actuators {
+                        Some(a) => (a.controls(&command, positions), a.rates(&command, positions)),
+                        None => (command, [0.0; 3]),
+                    };
+                    join(&motion(self.aircraft, &state, &surfaces, &disturbance).rates, surface_rates)
+                };
+                x = rk4_step(rates, t, &x, step);
+            }
+            if let Some(index) = x.iter().position(|v| !v.is_finite()) {
+                return Err(SimulationError::NotFinite {
+                    state: NAMES[index],
+                    time: grid_time(k + 1, sample_time),
+                    last_speed: state.speed,
+                });
+            }
+        }
+        Ok(Trajectory { samples })
+    }
+}
+
+/// The time of sample `k`. Where the sample rate is a whole number of hertz it is `k / rate`, which is the nearest number
+/// to the decimal that a scenario names (`k * 0.01` is not), so that a switch at 0.07 s falls on its sample.
+fn grid_time(k: usize, sample_time: f64) -> f64 {
+    let rate = (1.0 / sample_time).round();
+    if rate > 0.0 && (rate * sample_time - 1.0).abs() < 1e-12 { k as f64 / rate } else { k as f64 * sample_time }
+}
+
+fn join(state: &State, surfaces: [f64; 3]) -> [f64; VECTOR] {
+    let mut x = [0.0; VECTOR];
+    let (head, tail) = x.split_at_mut(STATES);
+    head.copy_from_slice(&state.to_array());
+    tail.copy_from_slice(&surfaces);
+    x
+}
+
+fn split(x: &[f64; VECTOR]) -> (State, [f64; 3]) {
+    (State::from_array(core::array::from_fn(|i| x[i])), core::array::from_fn(|i| x[STATES + i]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sample_times_are_the_decimals_that_scenarios_name() {
+        for (k, expected) in [(7, 0.07), (29, 0.29), (57, 0.57), (115, 1.15), (1999, 19.99)] {
+            assert_eq!(grid_time(k, 0.01), expected);
+        }
+        assert_eq!(grid_time(3, 0.02), 0.06);
+        assert_eq!(grid_time(4, 0.3), 4.0 * 0.3);
+    }
+}
