@@ -15,5 +15,7 @@ pub mod modes;
 pub mod motion;
 pub mod scalar;
 #[cfg(feature = "std")]
+pub mod sensors;
+#[cfg(feature = "std")]
 pub mod simulate;
 pub mod table;
