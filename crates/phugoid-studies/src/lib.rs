@@ -1,6 +1,10 @@
 //! Scenarios, Monte Carlo studies and Cramer-Rao bounds.
 #![cfg_attr(not(test), deny(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
+pub mod constant_thrust;
 pub mod cramer_rao;
+pub mod manoeuvre;
 pub mod monte_carlo;
 pub mod quantity;
+pub mod scenario;
+mod sensing;

@@ -6,40 +6,45 @@
 use std::fmt;
 use std::str::FromStr;
 
+use phugoid_flight_data::{record, units};
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
-const FOOT: f64 = 0.3048;
-const POUND_FORCE: f64 = 4.448_221_615_260_5;
-const STANDARD_GRAVITY: f64 = 9.806_65;
-const DEGREE: f64 = std::f64::consts::PI / 180.0;
+/// What a quantity is called, the units to name in messages (the most usual first), and how a unit is converted to SI.
+struct Kind {
+    name: &'static str,
+    units: &'static [&'static str],
+    convert: fn(&str, f64) -> Option<f64>,
+}
 
-/// A unit and its size in SI.
-type Unit = (&'static str, f64);
+macro_rules! kind {
+    ($name:literal, $quantity:ident, $units:expr) => {
+        Kind {
+            name: $name,
+            units: &$units,
+            convert: |unit, value| Some(units::find_for(unit, record::Quantity::$quantity)?.to_si(value)),
+        }
+    };
+}
 
-const LENGTH: &[Unit] =
-    &[("m", 1.0), ("ft", FOOT), ("km", 1000.0), ("nmi", 1852.0), ("mi", 1609.344), ("cm", 0.01), ("in", 0.0254)];
-const SPEED: &[Unit] = &[
-    ("m/s", 1.0),
-    ("ft/s", FOOT),
-    ("kt", 1852.0 / 3600.0),
-    ("km/h", 1.0 / 3.6),
-    ("mph", 1609.344 / 3600.0),
-    ("ft/min", FOOT / 60.0),
-];
-const ANGLE: &[Unit] = &[("deg", DEGREE), ("rad", 1.0), ("mrad", 1e-3), ("°", DEGREE)];
-const ANGULAR_RATE: &[Unit] = &[("deg/s", DEGREE), ("rad/s", 1.0), ("rpm", std::f64::consts::TAU / 60.0)];
-const ANGULAR_ACCELERATION: &[Unit] = &[("deg/s2", DEGREE), ("rad/s2", 1.0), ("deg/s^2", DEGREE), ("rad/s^2", 1.0)];
-const ACCELERATION: &[Unit] = &[
-    ("m/s2", 1.0),
-    ("ft/s2", FOOT),
-    ("g", STANDARD_GRAVITY),
-    ("m/s^2", 1.0),
-    ("ft/s^2", FOOT),
-    ("mg", 1e-3 * STANDARD_GRAVITY),
-];
-const TIME: &[Unit] = &[("s", 1.0), ("ms", 1e-3), ("min", 60.0), ("h", 3600.0)];
-const FREQUENCY: &[Unit] = &[("Hz", 1.0), ("kHz", 1000.0), ("rad/s", 1.0 / std::f64::consts::TAU)];
-const FORCE: &[Unit] = &[("N", 1.0), ("kN", 1000.0), ("lbf", POUND_FORCE)];
+const LENGTH: Kind = kind!("a length", Length, ["m", "ft", "km", "nmi", "cm", "in"]);
+const SPEED: Kind = kind!("a speed", Speed, ["m/s", "ft/s", "kt", "km/h", "mph", "ft/min"]);
+const ANGLE: Kind = kind!("an angle", Angle, ["deg", "rad", "mrad"]);
+const ANGULAR_RATE: Kind = kind!("an angular rate", AngularRate, ["deg/s", "rad/s"]);
+const ANGULAR_ACCELERATION: Kind = kind!("an angular acceleration", AngularAcceleration, ["deg/s2", "rad/s2"]);
+const ACCELERATION: Kind = kind!("an acceleration", Acceleration, ["m/s2", "ft/s2", "g", "mg"]);
+const TIME: Kind = kind!("a time", Time, ["s", "ms", "min", "h"]);
+const FORCE: Kind = kind!("a force", Force, ["N", "kN", "lbf"]);
+// Channels of a record are no frequencies, so the units of flight data have none.
+const FREQUENCY: Kind = Kind {
+    name: "a frequency",
+    units: &["Hz", "kHz", "rad/s"],
+    convert: |unit, value| match unit.to_lowercase().as_str() {
+        "hz" => Some(value),
+        "khz" => Some(1000.0 * value),
+        "rad/s" => Some(value / std::f64::consts::TAU),
+        _ => None,
+    },
+};
 
 /// Why a text is not a quantity.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -97,19 +102,21 @@ fn split(text: &str) -> Option<(f64, &str)> {
         })
 }
 
-fn parse(text: &str, kind: &'static str, units: &'static [Unit]) -> Result<f64, QuantityError> {
-    let list = || units.iter().map(|u| u.0).collect::<Vec<_>>().join(", ");
-    let first = units.first().map_or("", |u| u.0);
+fn parse(text: &str, kind: &Kind) -> Result<f64, QuantityError> {
+    let list = || kind.units.join(", ");
+    let first = kind.units.first().copied().unwrap_or_default();
     let Some((number, unit)) = split(text) else {
-        return Err(QuantityError::NoNumber { text: text.trim().into(), kind, first, units: list() });
+        return Err(QuantityError::NoNumber { text: text.trim().into(), kind: kind.name, first, units: list() });
     };
     if unit.is_empty() {
-        return Err(QuantityError::NoUnit { text: text.trim().into(), kind, first, units: list() });
+        return Err(QuantityError::NoUnit { text: text.trim().into(), kind: kind.name, first, units: list() });
     }
-    match units.iter().find(|u| u.0 == unit) {
-        Some(&(_, size)) => Ok(number * size),
-        None => Err(QuantityError::WrongUnit { text: text.trim().into(), unit: unit.into(), kind, units: list() }),
-    }
+    (kind.convert)(unit, number).filter(|si| si.is_finite()).ok_or_else(|| QuantityError::WrongUnit {
+        text: text.trim().into(),
+        unit: unit.into(),
+        kind: kind.name,
+        units: list(),
+    })
 }
 
 /// A quantity that can be read from text with its unit.
@@ -119,7 +126,7 @@ pub trait Quantity: Copy + FromStr<Err = QuantityError> {
 }
 
 macro_rules! quantity {
-    ($(#[$doc:meta])* $name:ident, $kind:literal, $units:expr, $si:literal) => {
+    ($(#[$doc:meta])* $name:ident, $kind:expr, $si:literal) => {
         $(#[$doc])*
         #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
         pub struct $name(f64);
@@ -145,7 +152,7 @@ macro_rules! quantity {
         impl FromStr for $name {
             type Err = QuantityError;
             fn from_str(text: &str) -> Result<Self, QuantityError> {
-                parse(text, $kind, $units).map(Self)
+                parse(text, &$kind).map(Self)
             }
         }
 
@@ -167,7 +174,7 @@ macro_rules! quantity {
                 impl de::Visitor<'_> for Visitor {
                     type Value = $name;
                     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                        write!(f, "{} with its unit in quotes, as in \"1 {}\"", $kind, $units[0].0)
+                        write!(f, "{} with its unit in quotes, as in \"1 {}\"", $kind.name, $kind.units[0])
                     }
                     fn visit_str<E: de::Error>(self, text: &str) -> Result<$name, E> {
                         text.parse().map_err(E::custom)
@@ -190,39 +197,39 @@ macro_rules! quantity {
 
 quantity!(
     /// A length or an altitude, m.
-    Length, "a length", LENGTH, "m"
+    Length, LENGTH, "m"
 );
 quantity!(
     /// A speed, m/s.
-    Speed, "a speed", SPEED, "m/s"
+    Speed, SPEED, "m/s"
 );
 quantity!(
     /// An angle, rad.
-    Angle, "an angle", ANGLE, "rad"
+    Angle, ANGLE, "rad"
 );
 quantity!(
     /// An angular rate, rad/s.
-    AngularRate, "an angular rate", ANGULAR_RATE, "rad/s"
+    AngularRate, ANGULAR_RATE, "rad/s"
 );
 quantity!(
     /// An angular acceleration, rad/s^2.
-    AngularAcceleration, "an angular acceleration", ANGULAR_ACCELERATION, "rad/s2"
+    AngularAcceleration, ANGULAR_ACCELERATION, "rad/s2"
 );
 quantity!(
     /// An acceleration, m/s^2; `g` is the standard 9.80665 m/s^2.
-    Acceleration, "an acceleration", ACCELERATION, "m/s2"
+    Acceleration, ACCELERATION, "m/s2"
 );
 quantity!(
     /// A time, s.
-    Time, "a time", TIME, "s"
+    Time, TIME, "s"
 );
 quantity!(
     /// A frequency, Hz.
-    Frequency, "a frequency", FREQUENCY, "Hz"
+    Frequency, FREQUENCY, "Hz"
 );
 quantity!(
     /// A force, N.
-    Force, "a force", FORCE, "N"
+    Force, FORCE, "N"
 );
 
 #[cfg(test)]

