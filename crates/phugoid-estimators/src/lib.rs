@@ -17,8 +17,12 @@
 #![no_std]
 #![cfg_attr(not(test), deny(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
+mod dense;
+pub mod discretization;
 mod estimate;
 mod model;
+pub mod smpe;
+pub mod ud;
 
 pub use estimate::{ChangeState, DetectorState, Estimate, Estimator, ParameterStatus, Phase, Status};
 pub use model::{Input, LinearizedOutputs, LinearizedRates, Model, Sample};

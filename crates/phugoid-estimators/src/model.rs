@@ -41,8 +41,7 @@ pub struct LinearizedOutputs<const N: usize, const R: usize, const P: usize> {
 
 impl<const N: usize, const R: usize, const P: usize> LinearizedOutputs<N, R, P> {
     /// All zero.
-    pub const ZERO: Self =
-        Self { outputs: [0.0; R], state_jacobian: [[0.0; N]; R], parameter_jacobian: [[0.0; P]; R] };
+    pub const ZERO: Self = Self { outputs: [0.0; R], state_jacobian: [[0.0; N]; R], parameter_jacobian: [[0.0; P]; R] };
 }
 
 /// A plant that is linear in its unknown parameters: `x' = f(x, u) + Phi(x, u) theta`, `y = h(x, theta, u)`.
@@ -65,13 +64,7 @@ pub trait Model<const N: usize, const R: usize, const P: usize> {
     fn linearized_rates(&self, x: &[f64; N], theta: &[f64; P], u: &Self::Input, out: &mut LinearizedRates<N, P>);
 
     /// Outputs and their Jacobians, written to `out`.
-    fn linearized_outputs(
-        &self,
-        x: &[f64; N],
-        theta: &[f64; P],
-        u: &Self::Input,
-        out: &mut LinearizedOutputs<N, R, P>,
-    );
+    fn linearized_outputs(&self, x: &[f64; N], theta: &[f64; P], u: &Self::Input, out: &mut LinearizedOutputs<N, R, P>);
 
     /// The output channel that measures state `state` directly (`h = x[state]`), if there is one.
     fn measuring_output(&self, state: usize) -> Option<usize>;

@@ -1,0 +1,554 @@
+//! SMPE, the sliding-mode parameter estimator on a parallel model.
+//!
+//! An estimated model runs in parallel with the plant. Each output row is a sliding surface, whitened by its predicted
+//! uncertainty and tied to the parameters by the *sensitivity* of the parallel model. Inside the boundary layer the
+//! equivalent control acts, outside the sign, both evaluated implicitly (proximally), so that the surfaces cannot
+//! chatter at any sample time; the bounds of the parameters decide the gain. docs/theory.md derives it and says what
+//! is proved. Honest identity: without saturation and without re-reaching this is the joint extended Kalman filter in
+//! separated form (B. Friedland, *Treatment of bias in recursive filtering*, IEEE TAC 14, 1969).
+
+mod challenge;
+mod change;
+mod colour;
+mod columns;
+mod reopen;
+mod settings;
+mod slot;
+mod start;
+
+pub use settings::{
+    ChangeDetection, ChangePrior, OutputInput, ParameterPrior, ProcessNoise, ReReaching, SmpeError, SmpeSettings,
+};
+pub use slot::{Innovations, RowPhase};
+
+use challenge::{Challenge, Verdict, maturity, needed_maturity};
+use change::ChangeDetector;
+use columns::Columns;
+use slot::{Slot, output_input};
+use start::Start;
+
+use crate::discretization::IntervalInput;
+use crate::estimate::{ChangeState, DetectorState, Estimate, Estimator, ParameterStatus, Phase, Status};
+use crate::model::{Model, Sample};
+
+/// Observability below which a parameter counts as not excited.
+const EXCITED: f64 = 0.1;
+/// Part of the prior standard deviation (or of twice the change prior, if that is smaller) below which a parameter
+/// counts as converged.
+const CONVERGED: f64 = 0.1;
+/// The process noise is adapted only after this time, s: the start transient is not a gust.
+const ADAPTATION_START_S: f64 = 0.3;
+
+/// What the change detector knows.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct DetectorReport {
+    /// Largest log Bayes factor of the last test, nats: change against wander.
+    pub bayes_factor: f64,
+    /// `w`: how far the parameters wander without any change, as a part of the change prior. Model error.
+    pub wander: f64,
+    /// `lev >= 1`: variance of the residuals over what the noise levels promise, at the time scale of the window.
+    pub leverage: f64,
+    /// Windows worth of information the wander was learnt from; armed from ten on.
+    pub informative_windows: f64,
+    /// Score of the running challenger on fresh data, nats; zero when none runs.
+    pub challenger_score: f64,
+    /// Challengers adopted so far.
+    pub adoptions: u32,
+    /// Challengers dropped so far.
+    pub dropped: u32,
+    /// Latched: the wander stayed large after an adoption, so the model itself is in error and changes are no longer
+    /// adopted.
+    pub model_error: bool,
+}
+
+enum Stage {
+    /// Collecting the median start. The flag tells a first start from one after a gap, which keeps the parameters.
+    Starting,
+    Running,
+}
+
+/// The sliding-mode parameter estimator: `N` states, `R` outputs, room for `P` columns (parameters and biases).
+///
+/// Columns of [`Estimate`] are the model's parameters in its order, then one per biased output.
+pub struct Smpe<M, const N: usize, const R: usize, const P: usize>
+where
+    M: Model<N, R, P>,
+{
+    model: M,
+    settings: SmpeSettings<N, R, P>,
+    columns: Columns<N, R, P>,
+    stage: Stage,
+    start: Start<M::Input, R>,
+    champion: Slot<N, P>,
+    challenger: Slot<N, P>,
+    in_doubt: bool,
+    detection: Option<(ChangeDetector<P>, Challenge)>,
+    /// Time of the first frame, s.
+    first_s: f64,
+    /// Time of the last frame used, s.
+    last_s: f64,
+    last_input: Option<M::Input>,
+    colour_block: u64,
+    surfaces: [f64; P],
+    innovations: Innovations<R>,
+    phase: Phase,
+    re_reached: bool,
+    rejected_samples: u64,
+    restarts: u32,
+}
+
+impl<M, const N: usize, const R: usize, const P: usize> Smpe<M, N, R, P>
+where
+    M: Model<N, R, P>,
+{
+    /// Sets the estimator up; the first samples start its state.
+    pub fn new(model: M, settings: SmpeSettings<N, R, P>) -> Result<Self, SmpeError> {
+        let parameters = model.parameter_count();
+        if parameters > P {
+            return Err(SmpeError::Capacity { needed: parameters, capacity: P });
+        }
+        settings.check(parameters)?;
+        let columns = Columns::new(&model, &settings);
+        let champion = Slot::prior(&settings, &columns);
+        let detection = match settings.re_reaching {
+            ReReaching::Off => None,
+            ReReaching::Safe(detection) => {
+                Some((ChangeDetector::new(detection, settings.sample_time_s, &columns), Challenge::new(detection)))
+            }
+        };
+        Ok(Self {
+            model,
+            settings,
+            columns,
+            stage: Stage::Starting,
+            start: Start::new(),
+            champion,
+            challenger: champion,
+            in_doubt: false,
+            detection,
+            first_s: f64::NAN,
+            last_s: f64::NEG_INFINITY,
+            last_input: None,
+            colour_block: 0,
+            surfaces: [0.0; P],
+            innovations: Innovations::EMPTY,
+            phase: Phase::Starting,
+            re_reached: false,
+            rejected_samples: 0,
+            restarts: 0,
+        })
+    }
+
+    /// The model.
+    pub fn model(&self) -> &M {
+        &self.model
+    }
+
+    /// The settings in force.
+    pub fn settings(&self) -> &SmpeSettings<N, R, P> {
+        &self.settings
+    }
+
+    /// Columns in use: the model's parameters and the biases.
+    pub fn column_count(&self) -> usize {
+        self.columns.count
+    }
+
+    /// Column that holds the bias of an output.
+    pub fn bias_column(&self, output: usize) -> Option<usize> {
+        self.columns.bias_of_output.get(output).copied().flatten()
+    }
+
+    /// Prior standard deviation per column, parameter units.
+    pub fn prior_sd(&self) -> &[f64; P] {
+        &self.columns.sd
+    }
+
+    /// State of the estimated model.
+    pub fn state(&self) -> &[f64; N] {
+        &self.champion.x
+    }
+
+    /// The last frame's rows before it corrected the estimate.
+    pub fn innovations(&self) -> &Innovations<R> {
+        &self.innovations
+    }
+
+    /// Surface per parameter, for display: `theta_LS - theta` before the last correction, where `theta_LS` is what
+    /// least squares would make of the frame. Parameter units. In the sliding phase it is removed at once.
+    pub fn surfaces(&self) -> &[f64; P] {
+        &self.surfaces
+    }
+
+    /// `q_s`, the adapted scale of the process noise.
+    pub fn process_noise_scale(&self) -> f64 {
+        self.champion.noise_scale
+    }
+
+    /// Samples refused because their time did not increase.
+    pub fn rejected_samples(&self) -> u64 {
+        self.rejected_samples
+    }
+
+    /// How often the state was started again (after a gap too long to predict through, or a model that did not answer
+    /// with numbers).
+    pub fn restarts(&self) -> u32 {
+        self.restarts
+    }
+
+    /// What the change detector knows; `None` when it is switched off.
+    pub fn detector(&self) -> Option<DetectorReport> {
+        self.detection.as_ref().map(|(detector, challenge)| DetectorReport {
+            bayes_factor: detector.bayes_factor(),
+            wander: detector.wander(),
+            leverage: detector.leverage(),
+            informative_windows: detector.informative(),
+            challenger_score: if self.in_doubt { challenge.score } else { 0.0 },
+            adoptions: challenge.adoptions,
+            dropped: challenge.dropped,
+            model_error: challenge.model_error,
+        })
+    }
+
+    /// `3 w d_j`: changes smaller than this cannot be told from model error. Parameter units; zero for columns that
+    /// are not tested or with the detector off.
+    pub fn change_sensitivity(&self) -> [f64; P] {
+        let mut out = [0.0; P];
+        if let Some((detector, _)) = &self.detection {
+            for &j in detector.tested() {
+                out[j] = 3.0 * detector.wander() * self.change_sd(j);
+            }
+        }
+        out
+    }
+
+    /// `d_j`, parameter units.
+    fn change_sd(&self, column: usize) -> f64 {
+        self.columns.change[column].sd(self.columns.initial[column], self.champion.theta[column])
+    }
+
+    /// `d_j` over the prior standard deviation.
+    fn change_over_prior(&self) -> [f64; P] {
+        let mut out = [0.0; P];
+        for j in 0..self.columns.count {
+            if self.columns.sd[j] > 0.0 {
+                out[j] = self.change_sd(j) / self.columns.sd[j];
+            }
+        }
+        out
+    }
+
+    fn collect(&mut self, sample: &Sample<M::Input, R>) {
+        self.phase = Phase::Starting;
+        self.innovations = Innovations::EMPTY;
+        self.surfaces = [0.0; P];
+        self.start.push(sample);
+        self.last_s = sample.time_s;
+        let Some(started) = self.start.state(&self.settings, &self.columns) else { return };
+        self.champion.start_state(started.x, &started.variances, &started.measured, &self.columns);
+        self.stage = Stage::Running;
+        for index in 0..self.start.len() {
+            let Some(frame) = self.start.frame(index) else { continue };
+            if index == 0 {
+                self.last_s = frame.time_s;
+                self.last_input = Some(frame.input);
+                if self.first_s.is_nan() {
+                    self.first_s = frame.time_s;
+                }
+                if self.settings.correct_first_sample {
+                    self.correct(&frame, frame.input);
+                }
+            } else {
+                self.advance(&frame);
+            }
+            if matches!(self.stage, Stage::Starting) {
+                // The model failed inside the window: `advance` has begun a new start with that frame.
+                return;
+            }
+        }
+        self.start = Start::new();
+    }
+
+    /// Starts the state again from measurements; parameters and covariance are kept.
+    fn restart(&mut self, sample: &Sample<M::Input, R>) {
+        self.restarts = self.restarts.saturating_add(1);
+        self.in_doubt = false;
+        if let Some((detector, _)) = &mut self.detection {
+            detector.clear();
+        }
+        if !self.champion.is_sound(self.columns.count) {
+            // Nothing of the estimate can be trusted: back to the prior.
+            self.champion = Slot::prior(&self.settings, &self.columns);
+        }
+        self.stage = Stage::Starting;
+        self.start = Start::new();
+        self.start.push(sample);
+        self.last_s = sample.time_s;
+        self.phase = Phase::Starting;
+        self.innovations = Innovations::EMPTY;
+        self.surfaces = [0.0; P];
+    }
+
+    /// One interval and the frame at its end.
+    fn advance(&mut self, sample: &Sample<M::Input, R>) {
+        let interval_s = sample.time_s - self.last_s;
+        let Some(from) = self.last_input else { return self.restart(sample) };
+        if interval_s > self.settings.maximum_gap_s {
+            return self.restart(sample);
+        }
+        let input = IntervalInput { from, to: sample.input, hold: self.settings.input_hold };
+        let Self { model, settings, columns, champion, challenger, in_doubt, .. } = self;
+        let challenger_lives = *in_doubt && challenger.predict(model, settings, columns, &input, interval_s);
+        if !champion.predict(model, settings, columns, &input, interval_s) {
+            if !challenger_lives {
+                return self.restart(sample);
+            }
+            // The champion is lost and the challenger is not.
+            *champion = *challenger;
+            *in_doubt = false;
+            if let Some((detector, challenge)) = &mut self.detection {
+                let widening = challenge.adopted(sample.time_s);
+                detector.widen_wander(widening);
+                detector.clear();
+            }
+            self.re_reached = true;
+        } else if *in_doubt && !challenger_lives {
+            self.drop_challenger();
+        }
+        if let Some((_, challenge)) = &mut self.detection {
+            challenge.pass_time(interval_s);
+        }
+        self.last_s = sample.time_s;
+        self.last_input = Some(sample.input);
+        self.correct(sample, output_input(&self.settings, from, sample.input));
+    }
+
+    /// The frame at the present time.
+    fn correct(&mut self, sample: &Sample<M::Input, R>, input: M::Input) {
+        let since_start_s = sample.time_s - self.first_s;
+        let adapt = since_start_s > ADAPTATION_START_S;
+        let kappa = self.settings.reaching_limit;
+        let Self { model, settings, columns, champion, challenger, surfaces, detection, .. } = self;
+        let watching = !self.in_doubt;
+        self.innovations =
+            champion.correct(model, settings, columns, &input, &sample.outputs, adapt, surfaces, |row| {
+                if let (true, Some((detector, _))) = (watching, detection.as_mut()) {
+                    detector.observe(&row, kappa);
+                }
+            });
+        let challenged = self.in_doubt.then(|| {
+            let mut unused = [0.0; P];
+            challenger.correct(model, settings, columns, &input, &sample.outputs, adapt, &mut unused, |_| {})
+        });
+        self.phase = phase_of(&self.innovations);
+
+        let block = (since_start_s / self.settings.colour_block_s + 1e-9) as u64;
+        if block != self.colour_block {
+            self.colour_block = block;
+            self.champion.colour.close_block(self.columns.count);
+            if self.in_doubt {
+                self.challenger.colour.close_block(self.columns.count);
+            }
+        }
+
+        if !self.champion.is_sound(self.columns.count) {
+            return self.restart(sample);
+        }
+        if let Some(innovations) = challenged {
+            self.contest(&innovations, sample.time_s);
+        } else if self.phase != Phase::Predicting {
+            self.watch(since_start_s, sample.time_s);
+        }
+    }
+
+    /// No challenger: has anything changed?
+    fn watch(&mut self, since_start_s: f64, time_s: f64) {
+        let change = self.change_over_prior();
+        let Some((detector, challenge)) = &mut self.detection else { return };
+        let Some(bayes_factor) = detector.end_frame(&change) else { return };
+        if detector.wander() > challenge.settings.insensitive_wander && challenge.adoptions > 0 {
+            challenge.model_error = true;
+        }
+        if challenge.is_triggered(bayes_factor, since_start_s) {
+            self.challenger = self.champion;
+            if reopen::reopen(&mut self.challenger, &self.columns, detector.tested(), &change, &self.settings.noise_sd)
+            {
+                challenge.open(time_s);
+                self.in_doubt = true;
+            } else {
+                detector.clear();
+            }
+        }
+    }
+
+    /// A challenger runs: who explains the fresh data?
+    fn contest(&mut self, innovations: &Innovations<R>, time_s: f64) {
+        let change = self.change_over_prior();
+        let Some((detector, challenge)) = &mut self.detection else { return };
+        challenge.add_frame(&self.innovations, innovations, detector.leverage());
+        let sound = self.challenger.is_sound(self.columns.count);
+        let mut difference = [0.0; P];
+        let mut covariance = [[0.0; P]; P];
+        if sound {
+            for j in 0..self.columns.count {
+                if self.columns.sd[j] > 0.0 {
+                    difference[j] = (self.challenger.theta[j] - self.champion.theta[j]) / self.columns.sd[j];
+                }
+            }
+            self.challenger.c.write_dense(&mut covariance);
+        }
+        let tested = detector.tested();
+        let matured = maturity(&difference, &covariance, &change, detector.wander_squared(), tested);
+        let needed = needed_maturity(&challenge.settings, tested.len());
+        match challenge.decide(time_s, matured, needed, sound) {
+            Verdict::Undecided => {}
+            Verdict::Drop => self.drop_challenger(),
+            Verdict::Adopt => {
+                let widening = challenge.adopted(time_s);
+                detector.widen_wander(widening);
+                detector.clear();
+                self.champion = self.challenger;
+                self.in_doubt = false;
+                self.re_reached = true;
+            }
+        }
+    }
+
+    fn drop_challenger(&mut self) {
+        self.in_doubt = false;
+        if let Some((detector, challenge)) = &mut self.detection {
+            let widening = challenge.was_dropped();
+            detector.widen_wander(widening);
+            detector.clear();
+        }
+    }
+
+    fn detector_state(&self) -> DetectorState {
+        match &self.detection {
+            None => DetectorState::Off,
+            Some((detector, challenge)) => {
+                if challenge.model_error || detector.wander() > challenge.settings.insensitive_wander {
+                    DetectorState::Insensitive
+                } else if detector.has_learnt() {
+                    DetectorState::Armed
+                } else {
+                    DetectorState::Calibrating
+                }
+            }
+        }
+    }
+
+    /// The estimate that holds after the last sample.
+    pub fn estimate(&self) -> Estimate<P> {
+        let p = self.columns.count;
+        let slot = &self.champion;
+        let mut dense = [[0.0; P]; P];
+        slot.c.write_dense(&mut dense);
+        let coloured = slot.colour.variances(&dense, p);
+        let mut estimate = Estimate {
+            time_s: self.last_s,
+            parameters: slot.theta,
+            std_error: [0.0; P],
+            corrected_std_error: [0.0; P],
+            observability: [0.0; P],
+            parameter_status: [ParameterStatus::NotExcited; P],
+            status: Status {
+                phase: self.phase,
+                change: if self.re_reached {
+                    ChangeState::ReReached
+                } else if self.in_doubt {
+                    ChangeState::InDoubt
+                } else {
+                    ChangeState::Steady
+                },
+                detector: self.detector_state(),
+            },
+        };
+        let challenger_variances = if self.in_doubt { self.challenger.c.variances() } else { [0.0; P] };
+        for j in 0..p {
+            let sd = self.columns.sd[j];
+            let mut variance = dense[j][j];
+            let mut corrected = variance.max(coloured[j]);
+            estimate.observability[j] = if sd > 0.0 { (1.0 - variance).clamp(0.0, 1.0) } else { 0.0 };
+            if self.in_doubt && sd > 0.0 {
+                // Bounds in doubt: both answers lie inside.
+                let difference = (self.challenger.theta[j] - slot.theta[j]) / sd;
+                let spread = difference * difference;
+                variance = variance.max(challenger_variances[j]) + spread;
+                corrected = corrected.max(challenger_variances[j]) + spread;
+            }
+            estimate.std_error[j] = sd * libm::sqrt(variance);
+            estimate.corrected_std_error[j] = sd * libm::sqrt(corrected);
+            estimate.parameter_status[j] =
+                self.parameter_status(j, estimate.observability[j], estimate.corrected_std_error[j]);
+        }
+        estimate
+    }
+
+    fn parameter_status(&self, j: usize, observability: f64, corrected: f64) -> ParameterStatus {
+        let theta = self.champion.theta[j];
+        let limited = j < self.columns.own && {
+            let prior = &self.settings.priors[j];
+            theta - 2.0 * corrected > prior.upper
+                || theta + 2.0 * corrected < prior.lower
+                || theta <= self.columns.clip_low[j]
+                || theta >= self.columns.clip_high[j]
+        };
+        let sd = self.columns.sd[j];
+        let change = self.change_sd(j);
+        let scale = if change > 0.0 { sd.min(2.0 * change) } else { sd };
+        if observability < EXCITED {
+            ParameterStatus::NotExcited
+        } else if limited {
+            ParameterStatus::AtLimit
+        } else if corrected <= CONVERGED * scale {
+            ParameterStatus::Converged
+        } else {
+            ParameterStatus::Improving
+        }
+    }
+}
+
+impl<M, const N: usize, const R: usize, const P: usize> Estimator<R, P> for Smpe<M, N, R, P>
+where
+    M: Model<N, R, P>,
+{
+    type Input = M::Input;
+
+    fn update(&mut self, sample: &Sample<Self::Input, R>) -> Estimate<P> {
+        self.re_reached = false;
+        if !sample.time_s.is_finite() || sample.time_s <= self.last_s {
+            self.rejected_samples = self.rejected_samples.saturating_add(1);
+            self.phase = Phase::Rejected;
+        } else {
+            match self.stage {
+                Stage::Starting => self.collect(sample),
+                Stage::Running => self.advance(sample),
+            }
+        }
+        self.estimate()
+    }
+
+    fn covariance(&self, out: &mut [[f64; P]; P]) {
+        *out = [[0.0; P]; P];
+        self.champion.c.write_dense(out);
+        for i in 0..self.columns.count {
+            for j in 0..self.columns.count {
+                out[i][j] *= self.columns.sd[i] * self.columns.sd[j];
+            }
+        }
+    }
+}
+
+fn phase_of<const R: usize>(innovations: &Innovations<R>) -> Phase {
+    let any = |phase| innovations.phase.contains(&phase);
+    if any(RowPhase::Rejected) {
+        Phase::Rejected
+    } else if any(RowPhase::Reaching) {
+        Phase::Reaching
+    } else if any(RowPhase::Sliding) {
+        Phase::Sliding
+    } else {
+        Phase::Predicting
+    }
+}

@@ -1,0 +1,415 @@
+//! What the estimator is told before the first sample.
+
+use core::fmt;
+
+use crate::discretization::InputHold;
+
+/// How large a *sudden* change of a parameter in flight would be: the alternative the change detector tests against.
+/// Not the start prior: with a change prior as wide as a start prior no real change is ever believed (Occam).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ChangePrior {
+    /// Never changes: biases, offsets and other nuisance columns. Not tested, not re-opened.
+    None,
+    /// One sigma of the change, parameter units.
+    Fixed(f64),
+    /// `min(maximum, fraction * max(|initial|, |current estimate|))`, for parameters in absolute form.
+    Relative {
+        /// One sigma of the change as a part of the parameter itself.
+        fraction: f64,
+        /// Upper limit, parameter units; may be infinite.
+        maximum: f64,
+    },
+}
+
+impl ChangePrior {
+    /// One sigma of a sudden change when the parameter started at `initial` and is now estimated as `current`.
+    pub fn sd(&self, initial: f64, current: f64) -> f64 {
+        match *self {
+            Self::None => 0.0,
+            Self::Fixed(d) => d,
+            Self::Relative { fraction, maximum } => (fraction * initial.abs().max(current.abs())).min(maximum),
+        }
+    }
+}
+
+/// What is known of one parameter before the flight. Parameter units throughout.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ParameterPrior {
+    /// Start value.
+    pub initial: f64,
+    /// One sigma of the start value. Zero keeps the parameter fixed.
+    pub sd: f64,
+    /// Declared lower bound; may be minus infinity.
+    pub lower: f64,
+    /// Declared upper bound; may be infinity.
+    pub upper: f64,
+    /// Plausible sudden change in flight.
+    pub change_sd: ChangePrior,
+}
+
+impl ParameterPrior {
+    /// A parameter known by its bounds: `C0 = (R/2)^2`, half width `R` (theory: the bounds decide the gain), and half
+    /// of `R` as one sigma of a sudden change. The form for increments on a database.
+    pub fn bounded(initial: f64, lower: f64, upper: f64) -> Self {
+        let sd = 0.25 * (upper - lower);
+        Self { initial, sd, lower, upper, change_sd: ChangePrior::Fixed(sd) }
+    }
+
+    /// A parameter in absolute form, known by a start value and its one sigma; a sudden change is of the order of half
+    /// the parameter.
+    pub fn absolute(initial: f64, sd: f64) -> Self {
+        Self {
+            initial,
+            sd,
+            lower: f64::NEG_INFINITY,
+            upper: f64::INFINITY,
+            change_sd: ChangePrior::Relative { fraction: 0.5, maximum: f64::INFINITY },
+        }
+    }
+
+    /// A parameter that only supports the others (offset, bias): start value zero, never a sudden change.
+    pub fn nuisance(sd: f64) -> Self {
+        Self { initial: 0.0, sd, lower: f64::NEG_INFINITY, upper: f64::INFINITY, change_sd: ChangePrior::None }
+    }
+
+    /// A parameter held at a value.
+    pub fn fixed(value: f64) -> Self {
+        Self { initial: value, ..Self::nuisance(0.0) }
+    }
+
+    /// Half width of the declared bounds; infinite if one of them is.
+    pub fn half_width(&self) -> f64 {
+        0.5 * (self.upper - self.lower)
+    }
+
+    fn check(&self, parameter: usize) -> Result<(), SmpeError> {
+        let change_is_wrong = match self.change_sd {
+            ChangePrior::None => false,
+            ChangePrior::Fixed(d) => !(d.is_finite() && d >= 0.0),
+            ChangePrior::Relative { fraction, maximum } => !(fraction.is_finite() && fraction >= 0.0 && maximum >= 0.0),
+        };
+        if !self.initial.is_finite() || !(self.sd.is_finite() && self.sd >= 0.0) || change_is_wrong {
+            return Err(SmpeError::Prior { parameter });
+        }
+        if !(self.lower < self.upper && (self.lower..=self.upper).contains(&self.initial)) {
+            return Err(SmpeError::Bounds { parameter, lower: self.lower, initial: self.initial, upper: self.upper });
+        }
+        Ok(())
+    }
+}
+
+/// Noise that drives the states beside the known input: gusts and what the model leaves out.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ProcessNoise<const N: usize, const R: usize> {
+    /// `Qx`, variance per second of each state, (state unit)^2/s. Scaled by the adaptive factor `q_s`.
+    pub variance_per_s: [f64; N],
+    /// `q_s` at the start.
+    pub initial_scale: f64,
+    /// Gain per row of `q_s <- q_s exp(gain (min(xi^2, 9) - 1))`; zero switches the adaptation off.
+    pub adaptation_gain: f64,
+    /// Limits of `q_s`.
+    pub scale_limits: [f64; 2],
+    /// Output rows whose innovations adapt `q_s`.
+    pub adapting_outputs: [bool; R],
+}
+
+impl<const N: usize, const R: usize> ProcessNoise<N, R> {
+    /// None at all.
+    pub const NONE: Self = Self {
+        variance_per_s: [0.0; N],
+        initial_scale: 1.0,
+        adaptation_gain: 0.0,
+        scale_limits: [1e-4, 1e3],
+        adapting_outputs: [false; R],
+    };
+
+    /// `Qx` adapted with the default gain on the given rows.
+    pub fn adaptive(variance_per_s: [f64; N], adapting_outputs: [bool; R]) -> Self {
+        Self { variance_per_s, adaptation_gain: 0.01, adapting_outputs, ..Self::NONE }
+    }
+
+    /// `Qx` as given, never scaled.
+    pub fn fixed(variance_per_s: [f64; N]) -> Self {
+        Self { variance_per_s, ..Self::NONE }
+    }
+}
+
+/// Which input the output equation sees at a sample where the held input steps.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum OutputInput {
+    /// The input of the sample itself (right limit).
+    #[default]
+    Current,
+    /// The input held up to the sample (left limit).
+    Previous,
+}
+
+/// Whether a change of the parameters in flight is looked for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ReReaching {
+    /// Constant parameters are assumed.
+    Off,
+    /// Bayes-factor test with champion and challenger.
+    Safe(ChangeDetection),
+}
+
+/// Settings of the change detector. The defaults hold for any number of parameters and any rate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ChangeDetection {
+    /// Length of the window, s; twenty blocks of at least one sample each.
+    pub window_s: f64,
+    /// Log Bayes factor at which a challenger is started, nats.
+    pub trigger: f64,
+    /// Score on fresh data at which the challenger is adopted, nats.
+    pub adoption: f64,
+    /// Score at the time limit at which it is adopted whatever the maturity of the change, nats.
+    pub adoption_at_limit: f64,
+    /// Score at which it is dropped, nats (negative).
+    pub dropping: f64,
+    /// Longest doubt, s.
+    pub doubt_limit_s: f64,
+    /// Maturity `dtheta^T (C_B + w^2 diag d^2)^-1 dtheta` needed for adoption; none: chi-square quantile at
+    /// `1 - 1.4e-4` for the number of tested parameters.
+    pub maturity: Option<f64>,
+    /// No trigger before this time from the first sample, s.
+    pub arming_s: f64,
+    /// `w` at the start: how far the parameters of this model are expected to wander without any change, as a part of
+    /// `d`.
+    pub initial_wander: f64,
+    /// Limits of `w`.
+    pub wander_limits: [f64; 2],
+    /// `w` above which the detector is called insensitive (and latches "model error" after an adoption).
+    pub insensitive_wander: f64,
+}
+
+impl Default for ChangeDetection {
+    fn default() -> Self {
+        Self {
+            window_s: 1.0,
+            trigger: 15.0,
+            adoption: 10.0,
+            adoption_at_limit: 300.0,
+            dropping: -30.0,
+            doubt_limit_s: 6.0,
+            maturity: None,
+            arming_s: 2.0,
+            initial_wander: 0.15,
+            wander_limits: [0.03, 0.7],
+            insensitive_wander: 0.25,
+        }
+    }
+}
+
+/// Everything the sliding-mode parameter estimator is told. [`SmpeSettings::automatic`] fills it by rule; every field
+/// may then be changed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SmpeSettings<const N: usize, const R: usize, const P: usize> {
+    /// Priors of the model's parameters, the model's order; entries from its parameter count on are ignored.
+    pub priors: [ParameterPrior; P],
+    /// One sigma of the measurement noise per output, output units. Zero or not finite: the output is not used.
+    pub noise_sd: [f64; R],
+    /// One sigma of an unknown constant bias per output, output units. Zero or not finite: no bias column. Bias
+    /// columns follow the model's parameters in the order of the outputs and count against the capacity `P`.
+    pub bias_sd: [f64; R],
+    /// Start value of states that no output measures.
+    pub initial_state: [f64; N],
+    /// One sigma of [`Self::initial_state`].
+    pub initial_state_sd: [f64; N],
+    /// Gusts and the like.
+    pub process_noise: ProcessNoise<N, R>,
+    /// `kappa`: up to this normalised surface value a row slides (equivalent control).
+    pub reaching_limit: f64,
+    /// `kappa2`: beyond this a row is rejected.
+    pub rejection_limit: f64,
+    /// Nominal sample time, s.
+    pub sample_time_s: f64,
+    /// What the input does between samples.
+    pub input_hold: InputHold,
+    /// Which input the outputs see at a sample.
+    pub output_input: OutputInput,
+    /// Longest integration step, s; longer intervals are divided.
+    pub maximum_step_s: f64,
+    /// Longest interval that is predicted through, s. After a longer one the state is started again from the
+    /// measurements; the parameters and their covariance are kept.
+    pub maximum_gap_s: f64,
+    /// Length of the median start, s.
+    pub start_window_s: f64,
+    /// Whether the very first sample also corrects (it has already helped to start the state).
+    pub correct_first_sample: bool,
+    /// Estimates are held inside this many half widths of their bounds.
+    pub clip_factor: f64,
+    /// Length of the blocks of the colour correction, s.
+    pub colour_block_s: f64,
+    /// Change detection.
+    pub re_reaching: ReReaching,
+}
+
+impl<const N: usize, const R: usize, const P: usize> SmpeSettings<N, R, P> {
+    /// The automatic rule: everything from the priors (bounds), the measured noise (one sigma per output) and the
+    /// sample time. No process noise, no biases, states not measured start at zero with variance zero: set
+    /// [`Self::process_noise`], [`Self::with_biases`] and [`Self::initial_state`] where the plant has them.
+    pub fn automatic(priors: &[ParameterPrior], noise_sd: [f64; R], sample_time_s: f64) -> Result<Self, SmpeError> {
+        if priors.len() > P {
+            return Err(SmpeError::Capacity { needed: priors.len(), capacity: P });
+        }
+        let mut all = [ParameterPrior::fixed(0.0); P];
+        all[..priors.len()].copy_from_slice(priors);
+        let settings = Self {
+            priors: all,
+            noise_sd,
+            bias_sd: [0.0; R],
+            initial_state: [0.0; N],
+            initial_state_sd: [0.0; N],
+            process_noise: ProcessNoise::NONE,
+            reaching_limit: 3.0,
+            rejection_limit: automatic_rejection_limit(priors.len()),
+            sample_time_s,
+            input_hold: InputHold::Zero,
+            output_input: OutputInput::Current,
+            maximum_step_s: (1.5 * sample_time_s).clamp(0.02, 0.15),
+            maximum_gap_s: 2.0_f64.max(20.0 * sample_time_s),
+            start_window_s: 0.2,
+            correct_first_sample: true,
+            clip_factor: 1.5,
+            colour_block_s: 0.5,
+            re_reaching: ReReaching::Safe(ChangeDetection::default()),
+        };
+        settings.check(priors.len())?;
+        Ok(settings)
+    }
+
+    /// Adds bias columns (one sigma per output, zero for none) and widens the rejection limit for their number.
+    pub fn with_biases(mut self, bias_sd: [f64; R]) -> Self {
+        self.bias_sd = bias_sd;
+        let parameters = self.priors.iter().filter(|prior| prior.sd > 0.0).count();
+        let columns = parameters + self.bias_columns().count();
+        self.rejection_limit = self.rejection_limit.max(automatic_rejection_limit(columns));
+        self
+    }
+
+    /// Outputs that have a bias column, in order.
+    pub fn bias_columns(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..R).filter(|&i| self.bias_sd[i] > 0.0 && self.bias_sd[i].is_finite())
+    }
+
+    /// Checks the settings for a model with `parameters` parameters.
+    pub(crate) fn check(&self, parameters: usize) -> Result<(), SmpeError> {
+        let needed = parameters + self.bias_columns().count();
+        if needed > P {
+            return Err(SmpeError::Capacity { needed, capacity: P });
+        }
+        for (i, prior) in self.priors[..parameters].iter().enumerate() {
+            prior.check(i)?;
+        }
+        let positive = [
+            ("sample_time_s", self.sample_time_s),
+            ("maximum_step_s", self.maximum_step_s),
+            ("maximum_gap_s", self.maximum_gap_s),
+            ("reaching_limit", self.reaching_limit),
+            ("rejection_limit", self.rejection_limit),
+            ("clip_factor", self.clip_factor),
+            ("colour_block_s", self.colour_block_s),
+        ];
+        for (name, value) in positive {
+            // Infinity is allowed: no limit.
+            if value.is_nan() || value <= 0.0 || (name == "sample_time_s" && value.is_infinite()) {
+                return Err(SmpeError::Setting { name, value });
+            }
+        }
+        if self.start_window_s.is_nan() || self.start_window_s < 0.0 {
+            return Err(SmpeError::Setting { name: "start_window_s", value: self.start_window_s });
+        }
+        for value in self.process_noise.variance_per_s {
+            if !(value.is_finite() && value >= 0.0) {
+                return Err(SmpeError::Setting { name: "process_noise.variance_per_s", value });
+            }
+        }
+        let [low, high] = self.process_noise.scale_limits;
+        if !(low > 0.0 && high >= low && (low..=high).contains(&self.process_noise.initial_scale)) {
+            return Err(SmpeError::Setting {
+                name: "process_noise.initial_scale",
+                value: self.process_noise.initial_scale,
+            });
+        }
+        for i in 0..N {
+            if !self.initial_state[i].is_finite() {
+                return Err(SmpeError::Setting { name: "initial_state", value: self.initial_state[i] });
+            }
+            if !(self.initial_state_sd[i].is_finite() && self.initial_state_sd[i] >= 0.0) {
+                return Err(SmpeError::Setting { name: "initial_state_sd", value: self.initial_state_sd[i] });
+            }
+        }
+        if !self.noise_sd.iter().any(|sd| sd.is_finite() && *sd > 0.0) {
+            return Err(SmpeError::NoOutput);
+        }
+        Ok(())
+    }
+}
+
+/// `kappa2 = max(6, 2 sqrt(p) + 2)`: beyond it nothing inside the bounds explains a row.
+fn automatic_rejection_limit(columns: usize) -> f64 {
+    (2.0 * libm::sqrt(columns as f64) + 2.0).max(6.0)
+}
+
+/// Why an estimator cannot be set up.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SmpeError {
+    /// More columns (parameters and biases) than the compiled capacity.
+    Capacity {
+        /// Columns needed.
+        needed: usize,
+        /// Columns there is room for.
+        capacity: usize,
+    },
+    /// A start value, standard deviation or change prior is not a finite number of the right sign.
+    Prior {
+        /// Index of the parameter.
+        parameter: usize,
+    },
+    /// Bounds in the wrong order, or a start value outside of them.
+    Bounds {
+        /// Index of the parameter.
+        parameter: usize,
+        /// Lower bound found.
+        lower: f64,
+        /// Start value found.
+        initial: f64,
+        /// Upper bound found.
+        upper: f64,
+    },
+    /// A setting has an impossible value.
+    Setting {
+        /// Its name.
+        name: &'static str,
+        /// What was found.
+        value: f64,
+    },
+    /// No output has a positive noise level: nothing could be learnt.
+    NoOutput,
+}
+
+impl fmt::Display for SmpeError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::Capacity { needed, capacity } => write!(
+                f,
+                "{needed} columns (parameters and sensor biases) are asked for, this estimator has room for \
+                 {capacity}: drop some, or compile a larger capacity"
+            ),
+            Self::Prior { parameter } => write!(
+                f,
+                "parameter {parameter}: start value, standard deviation and change prior must be finite, the last \
+                 two not negative"
+            ),
+            Self::Bounds { parameter, lower, initial, upper } => write!(
+                f,
+                "parameter {parameter}: needs lower < upper with the start value between, found lower {lower}, start \
+                 {initial}, upper {upper}"
+            ),
+            Self::Setting { name, value } => write!(f, "setting {name} cannot be {value}"),
+            Self::NoOutput => write!(f, "no output has a positive noise level: give at least one"),
+        }
+    }
+}
+
+impl core::error::Error for SmpeError {}

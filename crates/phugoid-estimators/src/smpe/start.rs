@@ -1,0 +1,112 @@
+//! The median start: an outlier in the very first sample must not become the start of the state.
+
+use super::columns::Columns;
+use super::settings::SmpeSettings;
+use crate::model::Sample;
+
+/// Most frames the start collects.
+pub(crate) const START_CAPACITY: usize = 64;
+
+/// Frames collected until the state can be started from their median; they are then replayed.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Start<I, const R: usize> {
+    frames: [Option<Sample<I, R>>; START_CAPACITY],
+    count: usize,
+}
+
+/// A state started from measurements.
+pub(crate) struct StartedState<const N: usize> {
+    pub(crate) x: [f64; N],
+    pub(crate) variances: [f64; N],
+    /// Whether the state was read from an output.
+    pub(crate) measured: [bool; N],
+}
+
+impl<I: Copy, const R: usize> Start<I, R> {
+    pub(crate) fn new() -> Self {
+        Self { frames: [None; START_CAPACITY], count: 0 }
+    }
+
+    /// Takes a frame. Frames without any measurement before the first useful one are dropped: there is nothing to
+    /// predict from. When full, the oldest is dropped.
+    pub(crate) fn push(&mut self, sample: &Sample<I, R>) {
+        if self.count == 0 && !sample.outputs.iter().any(|y| y.is_finite()) {
+            return;
+        }
+        if self.count == START_CAPACITY {
+            self.frames.rotate_left(1);
+            self.count -= 1;
+        }
+        self.frames[self.count] = Some(*sample);
+        self.count += 1;
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        self.count
+    }
+
+    pub(crate) fn frame(&self, index: usize) -> Option<Sample<I, R>> {
+        self.frames.get(index).copied().flatten()
+    }
+
+    /// The median state, once the window is over and every measured state has been read at least once (or the buffer
+    /// is full; what has not been read by then starts from the settings).
+    ///
+    /// Call it with the newest frame already pushed: the window is over when that frame lies beyond it.
+    pub(crate) fn state<const N: usize, const P: usize>(
+        &self,
+        settings: &SmpeSettings<N, R, P>,
+        columns: &Columns<N, R, P>,
+    ) -> Option<StartedState<N>> {
+        let first = self.frame(0)?.time_s;
+        let newest = self.frame(self.count - 1)?.time_s;
+        // A frame that falls on the end of the window but for rounding lies beyond it.
+        let inside = |time_s: f64| time_s - first < settings.start_window_s - 1e-9 || settings.start_window_s == 0.0;
+        let full = self.count == START_CAPACITY;
+        let over = !inside(newest) || settings.start_window_s == 0.0;
+        if !over && !full {
+            return None;
+        }
+        let mut started = StartedState {
+            x: settings.initial_state,
+            variances: settings.initial_state_sd.map(|sd| sd * sd),
+            measured: [false; N],
+        };
+        for state in 0..N {
+            let Some(output) = columns.output_of_state[state] else { continue };
+            let mut values = [0.0; START_CAPACITY];
+            let mut count = 0;
+            let mut read = |only_inside: bool| {
+                count = 0;
+                for frame in self.frames[..self.count].iter().flatten() {
+                    if frame.outputs[output].is_finite() && (!only_inside || inside(frame.time_s)) {
+                        values[count] = frame.outputs[output];
+                        count += 1;
+                    }
+                }
+                count
+            };
+            // The window alone if it holds a value; else whatever came later.
+            let found = if read(true) > 0 { count } else { read(false) };
+            if found > 0 {
+                started.x[state] = median(&mut values[..found]);
+                started.variances[state] = settings.noise_sd[output] * settings.noise_sd[output];
+                started.measured[state] = true;
+            } else if !full {
+                return None;
+            }
+        }
+        Some(started)
+    }
+}
+
+/// Median of finite values; the mean of the middle two for an even count. Zero for none.
+pub(crate) fn median(values: &mut [f64]) -> f64 {
+    values.sort_unstable_by(f64::total_cmp);
+    let n = values.len();
+    match n {
+        0 => 0.0,
+        _ if n % 2 == 1 => values[n / 2],
+        _ => 0.5 * (values[n / 2 - 1] + values[n / 2]),
+    }
+}

@@ -1,0 +1,251 @@
+//! Covariance as `U D U^T`: positive definite by construction, whatever the rounding does.
+//!
+//! Measurement update and rank-one increase after G. J. Bierman, *Factorization Methods for Discrete Sequential
+//! Estimation*, Academic Press 1977 (chapters III and V); time update by modified weighted Gram-Schmidt after
+//! C. L. Thornton, *Triangular Covariance Factorizations for Kalman Filtering*, JPL TM 33-798, 1976.
+
+/// `C = U diag(D) U^T` with `U` unit upper triangular, of run-time size `len <= CAPACITY`.
+///
+/// A variance may be zero (a parameter known exactly); none can become negative.
+#[derive(Clone, Copy, Debug)]
+pub struct Ud<const CAPACITY: usize> {
+    len: usize,
+    /// `columns[j][i] = U_ij` for `i < j`. The diagonal of ones is implied, the rest is never read.
+    columns: [[f64; CAPACITY]; CAPACITY],
+    diagonal: [f64; CAPACITY],
+}
+
+/// A scalar measurement `y = a x + noise` seen through the factors: everything needed to judge it before it is used.
+#[derive(Clone, Copy, Debug)]
+pub struct Projection<const CAPACITY: usize> {
+    /// `U^T a`.
+    f: [f64; CAPACITY],
+    /// `D U^T a`.
+    g: [f64; CAPACITY],
+    /// `a C a^T + r`, the innovation variance.
+    pub variance: f64,
+}
+
+impl<const CAPACITY: usize> Ud<CAPACITY> {
+    /// A diagonal covariance of size `variances.len()`, cut at the capacity. Negative or non-finite variances count
+    /// as zero.
+    pub fn from_variances(variances: &[f64]) -> Self {
+        let len = variances.len().min(CAPACITY);
+        let mut diagonal = [0.0; CAPACITY];
+        for (d, v) in diagonal.iter_mut().zip(variances) {
+            *d = if v.is_finite() && *v > 0.0 { *v } else { 0.0 };
+        }
+        Self { len, columns: [[0.0; CAPACITY]; CAPACITY], diagonal }
+    }
+
+    /// Size in use.
+    pub fn len(&self) -> usize {
+        self.len
+    }
+
+    /// True if the size is zero.
+    pub fn is_empty(&self) -> bool {
+        self.len == 0
+    }
+
+    /// `f = U^T a`, `g = D f` and the innovation variance `r + f^T g` of a scalar measurement with row `a` (its first
+    /// `len` entries) and noise variance `r`. Changes nothing.
+    #[inline]
+    pub fn project(&self, a: &[f64; CAPACITY], r: f64) -> Projection<CAPACITY> {
+        let n = self.len.min(CAPACITY);
+        let mut f = [0.0; CAPACITY];
+        let mut g = [0.0; CAPACITY];
+        let mut variance = r;
+        for j in 0..n {
+            let mut sum = a[j];
+            for (u, ai) in self.columns[j][..j].iter().zip(&a[..j]) {
+                sum += u * ai;
+            }
+            f[j] = sum;
+            g[j] = self.diagonal[j] * sum;
+            variance += sum * g[j];
+        }
+        Projection { f, g, variance }
+    }
+
+    /// `C a^T` of a projected measurement, without using the measurement.
+    #[inline]
+    pub fn cross_covariance(&self, projection: &Projection<CAPACITY>) -> [f64; CAPACITY] {
+        let n = self.len.min(CAPACITY);
+        let mut b = [0.0; CAPACITY];
+        for j in 0..n {
+            let g = projection.g[j];
+            for (bi, u) in b[..j].iter_mut().zip(&self.columns[j][..j]) {
+                *bi += u * g;
+            }
+            b[j] = g;
+        }
+        b
+    }
+
+    /// Bierman's update by a projected measurement with noise variance `r > 0`:
+    /// `C <- C - (C a^T)(a C)/(a C a^T + r)`. Gives `C a^T` of before, so that the gain is that over the innovation
+    /// variance.
+    #[inline]
+    pub fn update(&mut self, projection: &Projection<CAPACITY>, r: f64) -> [f64; CAPACITY] {
+        let n = self.len.min(CAPACITY);
+        let Projection { f, g, .. } = projection;
+        let mut b = [0.0; CAPACITY];
+        let mut alpha = r;
+        let mut inverse = 1.0 / r;
+        for j in 0..n {
+            let beta = alpha;
+            let inverse_beta = inverse;
+            alpha += f[j] * g[j];
+            inverse = 1.0 / alpha;
+            self.diagonal[j] *= beta * inverse;
+            let lambda = -f[j] * inverse_beta;
+            let gj = g[j];
+            for (u, bi) in self.columns[j][..j].iter_mut().zip(&mut b[..j]) {
+                let before = *u;
+                *u = before + *bi * lambda;
+                *bi += gj * before;
+            }
+            b[j] = gj;
+        }
+        b
+    }
+
+    /// Agee and Turner's rank-one increase `C <- C + c a a^T`, `c >= 0`. A negative or non-finite `c` is ignored.
+    pub fn add_rank_one(&mut self, c: f64, a: &[f64; CAPACITY]) {
+        if !(c > 0.0 && c.is_finite()) {
+            return;
+        }
+        let n = self.len.min(CAPACITY);
+        let mut a = *a;
+        let mut c = c;
+        for j in (0..n).rev() {
+            let aj = a[j];
+            let before = self.diagonal[j];
+            let after = before + c * aj * aj;
+            if after <= 0.0 {
+                // Both the variance and the increase along this direction are zero: nothing to rotate.
+                continue;
+            }
+            let beta = c * aj / after;
+            c *= before / after;
+            self.diagonal[j] = after;
+            for (u, ai) in self.columns[j][..j].iter_mut().zip(&mut a[..j]) {
+                *ai -= aj * *u;
+                *u += beta * *ai;
+            }
+        }
+    }
+
+    /// Thornton's time update `C <- A C A^T + diag(q)`, `q >= 0`.
+    pub fn predict(&mut self, a: &[[f64; CAPACITY]; CAPACITY], q: &[f64; CAPACITY]) {
+        let n = self.len.min(CAPACITY);
+        // Rows of W = [A U, I], weights [D, q].
+        let mut left = [[0.0; CAPACITY]; CAPACITY];
+        let mut right = [[0.0; CAPACITY]; CAPACITY];
+        for i in 0..n {
+            for j in 0..n {
+                let mut sum = a[i][j];
+                for (u, aik) in self.columns[j][..j].iter().zip(&a[i][..j]) {
+                    sum += aik * u;
+                }
+                left[i][j] = sum;
+            }
+            right[i][i] = 1.0;
+        }
+        let d = self.diagonal;
+        for j in (0..n).rev() {
+            let row_left = left[j];
+            let row_right = right[j];
+            let mut weighted_left = [0.0; CAPACITY];
+            let mut weighted_right = [0.0; CAPACITY];
+            let mut variance = 0.0;
+            for k in 0..n {
+                weighted_left[k] = row_left[k] * d[k];
+                weighted_right[k] = row_right[k] * q[k];
+                variance += row_left[k] * weighted_left[k] + row_right[k] * weighted_right[k];
+            }
+            self.diagonal[j] = variance;
+            let inverse = if variance > 0.0 { 1.0 / variance } else { 0.0 };
+            for i in 0..j {
+                let mut sum = 0.0;
+                for k in 0..n {
+                    sum += left[i][k] * weighted_left[k] + right[i][k] * weighted_right[k];
+                }
+                let u = sum * inverse;
+                self.columns[j][i] = u;
+                for k in 0..n {
+                    left[i][k] -= u * row_left[k];
+                    right[i][k] -= u * row_right[k];
+                }
+            }
+        }
+    }
+
+    /// Writes `C^-1 y` over the first `len` entries of `y`. Directions of zero variance give zero.
+    pub fn solve(&self, y: &mut [f64; CAPACITY]) {
+        let n = self.len.min(CAPACITY);
+        // U z = y, from the bottom.
+        for j in (0..n).rev() {
+            let yj = y[j];
+            for (yi, u) in y[..j].iter_mut().zip(&self.columns[j][..j]) {
+                *yi -= u * yj;
+            }
+        }
+        for j in 0..n {
+            y[j] = if self.diagonal[j] > 0.0 { y[j] / self.diagonal[j] } else { 0.0 };
+        }
+        // U^T w = z, from the top.
+        for j in 0..n {
+            let mut sum = y[j];
+            for (u, yi) in self.columns[j][..j].iter().zip(&y[..j]) {
+                sum -= u * yi;
+            }
+            y[j] = sum;
+        }
+    }
+
+    /// The diagonal of `C`.
+    #[inline]
+    pub fn variances(&self) -> [f64; CAPACITY] {
+        let n = self.len.min(CAPACITY);
+        let mut out = [0.0; CAPACITY];
+        for j in 0..n {
+            let d = self.diagonal[j];
+            for (v, u) in out[..j].iter_mut().zip(&self.columns[j][..j]) {
+                *v += u * u * d;
+            }
+            out[j] = d;
+        }
+        out
+    }
+
+    /// Writes `C` into the leading `len` by `len` part of `out`.
+    #[inline]
+    pub fn write_dense(&self, out: &mut [[f64; CAPACITY]; CAPACITY]) {
+        let n = self.len.min(CAPACITY);
+        for j in 0..n {
+            // Rank one: D_j times the outer product of column j, whose entry j is one.
+            let d = self.diagonal[j];
+            for i in 0..j {
+                let ud = self.columns[j][i] * d;
+                for (o, u) in out[i][..j].iter_mut().zip(&self.columns[j][..j]) {
+                    *o += ud * u;
+                }
+                out[i][j] = ud;
+                out[j][i] = ud;
+            }
+            out[j][j] = d;
+        }
+    }
+
+    /// True if every factor is finite and no variance is negative.
+    pub fn is_sound(&self) -> bool {
+        let n = self.len.min(CAPACITY);
+        (0..n).all(|j| {
+            self.diagonal[j] >= 0.0
+                && self.diagonal[j].is_finite()
+                && self.columns[j][..j].iter().all(|u| u.is_finite())
+        })
+    }
+}
