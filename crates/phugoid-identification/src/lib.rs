@@ -2,7 +2,12 @@
 #![cfg_attr(not(test), deny(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 pub mod estimate;
 pub mod estimation;
+pub mod longitudinal;
 pub mod model_file;
+pub mod noise;
 pub mod output;
+pub mod plausibility;
+pub mod prepare;
 pub mod quantity;
 pub mod term;
+pub mod trim;

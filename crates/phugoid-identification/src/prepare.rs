@@ -1,0 +1,243 @@
+//! From a model file and a record to what the estimator takes: the model, its inputs and the measured outputs.
+
+use phugoid_flight_data::record::Record;
+use phugoid_flight_dynamics::atmosphere::Atmosphere;
+use phugoid_flight_dynamics::f16::{F16, F16Options};
+
+use crate::estimate::EstimateError;
+use crate::longitudinal::{Database, INPUTS, LongitudinalConstants, LongitudinalModel, input};
+use crate::model_file::{AirDensity, Base, ModelFile, Reference, ReferenceValue, Role, Source, Thrust};
+use crate::noise::median;
+use crate::output::{OUTPUTS, Output};
+use crate::quantity::nearest;
+use crate::trim::{LevelTrim, TrimCondition, level_trim};
+
+/// Everything the estimator needs of one record.
+#[derive(Clone, Debug)]
+pub struct Prepared {
+    /// The model with its constants filled in.
+    pub model: LongitudinalModel,
+    /// Time, s.
+    pub time: Vec<f64>,
+    /// Known input per sample.
+    pub inputs: Vec<[f64; INPUTS]>,
+    /// Measured outputs per sample; NaN where missing.
+    pub outputs: Vec<[f64; OUTPUTS]>,
+    /// Index in the record of the first sample used.
+    pub first: usize,
+    /// Sentences about what was filled in.
+    pub notes: Vec<String>,
+}
+
+/// Builds the model and collects the signals.
+///
+/// # Errors
+/// A missing channel, a channel without any value, an impossible trim.
+pub fn prepare(record: &Record, file: &ModelFile) -> Result<Prepared, EstimateError> {
+    let mut notes = Vec::new();
+    let recorded = |source: &Source| match source {
+        Source::Constant(value) => Ok(vec![*value; record.time.len()]),
+        Source::Channel(name) => channel(record, name).map(<[f64]>::to_vec),
+    };
+    let aircraft = &file.aircraft;
+    let database = match file.base {
+        Base::None => Database::None,
+        Base::F16 => {
+            let options = F16Options { cg: aircraft.cg.unwrap_or(0.35), ..F16Options::default() };
+            Database::F16(Box::new(F16::new(options).map_err(|e| EstimateError::Model(e.to_string()))?))
+        }
+    };
+    let density = match &aircraft.air_density {
+        AirDensity::Known(source) => recorded(source)?,
+        AirDensity::StandardAtmosphere => densities(Atmosphere::Standard, channel(record, "altitude")?),
+        AirDensity::BookAtmosphere => densities(Atmosphere::Book, channel(record, "altitude")?),
+    };
+    let (mass, iyy) = (recorded(&aircraft.mass)?, recorded(&aircraft.iyy)?);
+    let trim = trim_of(file, &database, [&density, &mass])?;
+    let thrust = match (&aircraft.thrust, trim) {
+        (Thrust::Known(source), _) => recorded(source)?,
+        (Thrust::Trim, Some(trim)) => vec![trim.thrust; record.time.len()],
+        (Thrust::Trim, None) => return Err(EstimateError::Model("thrust = \"trim\" needs a database".to_owned())),
+    };
+    let mut columns: Vec<Vec<f64>> = vec![Vec::new(); INPUTS];
+    columns[input::ELEVATOR] = channel(record, "elevator")?.to_vec();
+    columns[input::AIR_DENSITY] = density;
+    columns[input::THRUST] = thrust;
+    columns[input::MASS] = mass;
+    columns[input::IYY] = iyy;
+    for (slot, name) in columns[input::EXTRA..].iter_mut().zip(&file.extra_inputs) {
+        *slot = channel(record, name)?.to_vec();
+    }
+    let mut measured: Vec<Option<&[f64]>> = Vec::with_capacity(OUTPUTS);
+    for output in Output::ALL {
+        let wanted = file.outputs[output.index()];
+        measured.push(if wanted { Some(channel(record, output.name())?) } else { None });
+    }
+
+    // Everything known, nothing filled in from later samples: start where every input has a value.
+    let complete = |k: usize| columns.iter().all(|c| c.is_empty() || c[k].is_finite());
+    let Some(first) = (0..record.time.len()).find(|&k| complete(k)) else {
+        let culprit = columns.iter().position(|c| !c.is_empty() && !c.iter().any(|v| v.is_finite())).unwrap_or(0);
+        return Err(EstimateError::EmptyChannel(input_name(culprit, &file.extra_inputs)));
+    };
+    if first > 0 {
+        notes.push(format!(
+            "the first {first} samples were left out: not every input has a value before {:.3} s",
+            record.time[first]
+        ));
+    }
+    let samples = record.time.len() - first;
+    if samples < 20 {
+        return Err(EstimateError::TooShort { samples });
+    }
+    for (index, column) in columns.iter_mut().enumerate().filter(|(_, c)| !c.is_empty()) {
+        let held = hold(&mut column[first..]);
+        if held > 0 {
+            let name = input_name(index, &file.extra_inputs);
+            notes.push(format!("input `{name}` is missing in {held} samples: its last value was held there"));
+        }
+    }
+    let inputs: Vec<[f64; INPUTS]> = (first..record.time.len())
+        .map(|k| std::array::from_fn(|i| columns[i].get(k).copied().unwrap_or(0.0)))
+        .collect();
+    let outputs: Vec<[f64; OUTPUTS]> = (first..record.time.len())
+        .map(|k| std::array::from_fn(|i| measured[i].map_or(f64::NAN, |values| values[k])))
+        .collect();
+    for output in Output::ALL {
+        if file.outputs[output.index()] && !outputs.iter().any(|y| y[output.index()].is_finite()) {
+            return Err(EstimateError::EmptyChannel(output.name().to_owned()));
+        }
+    }
+
+    let alpha = reference_value(file.reference.alpha, trim.map(|t| t.alpha), || first_alpha(&outputs))?;
+    let elevator =
+        reference_value(file.reference.elevator, trim.map(|t| t.elevator), || Some(inputs[0][input::ELEVATOR]))?;
+    let model = build(file, database, alpha, elevator);
+    Ok(Prepared { model, time: record.time[first..].to_vec(), inputs, outputs, first, notes })
+}
+
+/// The model of a file with a given reference point: estimated terms become columns, fixed ones known terms.
+/// For simulation and studies as well as for estimation.
+pub fn build(file: &ModelFile, database: Database, alpha_reference: f64, elevator_reference: f64) -> LongitudinalModel {
+    let aircraft = &file.aircraft;
+    let reference_speed = aircraft.reference_speed.unwrap_or(1.0);
+    let constants = LongitudinalConstants {
+        wing_area: aircraft.wing_area,
+        mean_chord: aircraft.mean_chord,
+        gravity: aircraft.gravity,
+        thrust_inclination: aircraft.thrust_inclination,
+        thrust_arm: aircraft.thrust_arm,
+        reference_speed,
+        rate_speed: (file.rate_speed == crate::model_file::RateSpeed::Reference).then_some(reference_speed),
+        alpha_reference,
+        elevator_reference,
+    };
+    let (mut columns, mut known) = (Vec::new(), Vec::new());
+    for parameter in &file.parameters {
+        let (coefficient, term) = match &parameter.role {
+            Role::Term(coefficient, term) => (*coefficient, term.clone()),
+            Role::Offset(coefficient) => (*coefficient, crate::term::Term::default()),
+            Role::Bias(_) => continue,
+        };
+        if parameter.fixed {
+            known.push((coefficient, term, parameter.start));
+        } else {
+            columns.push((coefficient, term));
+        }
+    }
+    LongitudinalModel::new(constants, database, columns, known)
+}
+
+/// The values of a channel of the record.
+///
+/// # Errors
+/// [`EstimateError::MissingChannel`] with the nearest channel that is there.
+pub(crate) fn channel<'a>(record: &'a Record, name: &str) -> Result<&'a [f64], EstimateError> {
+    match record.channel(name) {
+        Some(channel) => Ok(&channel.values),
+        None => Err(missing(record, name)),
+    }
+}
+
+fn missing(record: &Record, name: &str) -> EstimateError {
+    EstimateError::MissingChannel {
+        record: record.source.clone(),
+        channel: name.to_owned(),
+        present: record.channels.iter().map(|c| c.name.clone()).collect(),
+        nearest: nearest(name, record.channels.iter().map(|c| c.name.as_str())).map(str::to_owned),
+    }
+}
+
+fn densities(atmosphere: Atmosphere, altitude: &[f64]) -> Vec<f64> {
+    altitude.iter().map(|h| atmosphere.at(*h).density).collect()
+}
+
+fn trim_of(
+    file: &ModelFile,
+    database: &Database,
+    [density, mass]: [&[f64]; 2],
+) -> Result<Option<LevelTrim>, EstimateError> {
+    let Reference { alpha, elevator, altitude } = file.reference;
+    let wanted = file.aircraft.thrust == Thrust::Trim || [alpha, elevator].contains(&ReferenceValue::Trim);
+    if !wanted || matches!(database, Database::None) {
+        return Ok(None);
+    }
+    let aircraft = &file.aircraft;
+    let density = match (&aircraft.air_density, altitude) {
+        (AirDensity::BookAtmosphere, Some(h)) => Atmosphere::Book.at(h).density,
+        (AirDensity::StandardAtmosphere, Some(h)) => Atmosphere::Standard.at(h).density,
+        _ => density.iter().copied().find(|v| v.is_finite()).unwrap_or(f64::NAN),
+    };
+    let condition = TrimCondition {
+        speed: aircraft.reference_speed.unwrap_or(f64::NAN),
+        density,
+        mass: mass.iter().copied().find(|v| v.is_finite()).unwrap_or(f64::NAN),
+        gravity: aircraft.gravity,
+        wing_area: aircraft.wing_area,
+        mean_chord: aircraft.mean_chord,
+        thrust_inclination: aircraft.thrust_inclination,
+        thrust_arm: aircraft.thrust_arm,
+    };
+    level_trim(database, &condition).map(Some).map_err(EstimateError::Model)
+}
+
+fn reference_value(
+    wanted: ReferenceValue,
+    trim: Option<f64>,
+    first: impl Fn() -> Option<f64>,
+) -> Result<f64, EstimateError> {
+    let value = match wanted {
+        ReferenceValue::Given(value) => Some(value),
+        ReferenceValue::Trim => trim,
+        ReferenceValue::FirstSample => first(),
+    };
+    value.ok_or_else(|| EstimateError::Model("the reference point of the increments could not be found".to_owned()))
+}
+
+/// Angle of attack at the start: the median of the first values, so that one outlier does not shift the reference.
+fn first_alpha(outputs: &[[f64; OUTPUTS]]) -> Option<f64> {
+    let alpha = Output::Alpha.index();
+    let mut first: Vec<f64> = outputs.iter().map(|y| y[alpha]).filter(|v| v.is_finite()).take(5).collect();
+    median(&mut first)
+}
+
+/// Fills missing values with the last one before; the first must be there. Gives the number filled.
+fn hold(values: &mut [f64]) -> usize {
+    let (mut last, mut held) = (f64::NAN, 0);
+    for value in values {
+        if value.is_finite() {
+            last = *value;
+        } else {
+            *value = last;
+            held += 1;
+        }
+    }
+    held
+}
+
+/// Name of a position of the input vector.
+pub(crate) fn input_name(index: usize, extra_inputs: &[String]) -> String {
+    let fixed = ["elevator", "air_density", "thrust", "mass", "iyy"];
+    let extra = || extra_inputs.get(index.wrapping_sub(input::EXTRA)).cloned();
+    fixed.get(index).map(|n| (*n).to_owned()).or_else(extra).unwrap_or_default()
+}
