@@ -1,0 +1,145 @@
+//! Series and state bars inside a panel.
+
+use crate::decimate;
+use crate::figure::{Colour, Kind, Series};
+use crate::layout::Map;
+use crate::scene::{Scene, Shape};
+
+/// Width of a curve, px.
+pub(crate) const LINE_WIDTH: f64 = 1.6;
+/// Diameter of a sample's dot, px.
+pub(crate) const DOT: f64 = 2.6;
+/// Opacity of a band.
+pub(crate) const BAND_OPACITY: f64 = 0.28;
+
+/// Draws one series.
+pub(crate) fn draw(scene: &mut Scene, map: &Map, series: &Series) {
+    let points = |y: &[f64]| -> Vec<[f64; 2]> { near(map, &series.x, y).map(|p| place(map, p)).collect() };
+    let colour = series.colour;
+    match &series.kind {
+        Kind::Line(y) => stroke(scene, map, decimate::lines(&points(y)), colour, LINE_WIDTH, None),
+        Kind::Dashed(y) => {
+            stroke(scene, map, decimate::lines(&points(y)), colour, LINE_WIDTH, Some([6.0, 4.0]));
+        }
+        Kind::Step(y) => stroke(scene, map, decimate::lines(&steps(&points(y))), colour, LINE_WIDTH, None),
+        Kind::Points(y) => {
+            let mut centres = decimate::points(&points(y));
+            centres.retain(|p| map.frame.contains(p));
+            if !centres.is_empty() {
+                scene.shapes.push(Shape::Dots { centres, colour, diameter: DOT, opacity: 0.75 });
+            }
+        }
+        Kind::Bars(y) => {
+            let foot = map.at([map.x[0], 0.0])[1];
+            let bars = decimate::points(&points(y)).into_iter().map(|p| vec![[p[0], foot], p]).collect();
+            stroke(scene, map, bars, colour, LINE_WIDTH, None);
+        }
+        Kind::Band { lower, upper } => {
+            let samples: Vec<[f64; 3]> = near(map, &series.x, lower)
+                .zip(near(map, &series.x, upper))
+                .map(|(low, high)| {
+                    if low[1].is_finite() && high[1].is_finite() {
+                        let (low, high) = (map.frame.clamp(map.at(low)), map.frame.clamp(map.at(high)));
+                        [low[0], low[1], high[1]]
+                    } else {
+                        [f64::NAN; 3]
+                    }
+                })
+                .collect();
+            let outlines: Vec<Vec<[f64; 2]>> = decimate::areas(&samples)
+                .into_iter()
+                .map(|outline| outline.into_iter().map(|p| map.frame.clamp(p)).collect())
+                .collect();
+            if !outlines.is_empty() {
+                scene.shapes.push(Shape::Areas { outlines, colour, opacity: BAND_OPACITY });
+            }
+        }
+        Kind::Trajectory(y) => {
+            let points: Vec<[f64; 2]> = series.x.iter().zip(y).map(|(x, y)| place(map, [*x, *y])).collect();
+            stroke(scene, map, decimate::trajectory(&points), colour, 1.2, None);
+            let end = points.iter().rev().find(|p| p[0].is_finite() && p[1].is_finite());
+            if let Some(end) = end.filter(|p| map.frame.contains(p)) {
+                scene.shapes.push(Shape::Dots { centres: vec![*end], colour, diameter: 7.0, opacity: 1.0 });
+            }
+        }
+    }
+}
+
+/// Draws a bar of states; states later in the list over earlier ones, none narrower than a pixel.
+pub(crate) fn draw_strip(scene: &mut Scene, map: &Map, x: &[f64], state: &[usize], states: &[(String, Colour)]) {
+    let count = x.len().min(state.len());
+    for (index, (_, colour)) in states.iter().enumerate() {
+        let mut outlines: Vec<Vec<[f64; 2]>> = Vec::new();
+        let mut start = 0;
+        while start < count {
+            let mut end = start + 1;
+            while end < count && state[end] == state[start] {
+                end += 1;
+            }
+            if state[start] == index {
+                // A state holds until the next sample; the last one until the end of the axis.
+                let from = map.at([x[start], 0.0])[0].max(map.frame.left);
+                let to = map.at([x.get(end).copied().unwrap_or(map.x[1]), 0.0])[0].min(map.frame.right);
+                let (from, to) =
+                    if to - from < 1.0 { (from.min(map.frame.right - 1.0), from + 1.0) } else { (from, to) };
+                let joins = outlines.last().is_some_and(|o| o[1][0] >= from);
+                match outlines.last_mut() {
+                    Some(outline) if joins => {
+                        outline[1][0] = outline[1][0].max(to);
+                        outline[2][0] = outline[2][0].max(to);
+                    }
+                    _ => outlines.push(vec![
+                        [from, map.frame.top],
+                        [to, map.frame.top],
+                        [to, map.frame.bottom],
+                        [from, map.frame.bottom],
+                    ]),
+                }
+            }
+            start = end;
+        }
+        if !outlines.is_empty() {
+            scene.shapes.push(Shape::Areas { outlines, colour: *colour, opacity: 1.0 });
+        }
+    }
+}
+
+/// Samples within the abscissa's limits, and the neighbours just outside so that lines run to the border.
+fn near<'a>(map: &Map, x: &'a [f64], y: &'a [f64]) -> impl Iterator<Item = [f64; 2]> + use<'a> {
+    let limits = map.x;
+    let count = x.len().min(y.len());
+    let first = x.partition_point(|v| *v < limits[0]).saturating_sub(1);
+    let last = (x.partition_point(|v| *v <= limits[1]) + 1).min(count);
+    (first..last.max(first)).map(|i| [x[i], y[i]])
+}
+
+fn place(map: &Map, point: [f64; 2]) -> [f64; 2] {
+    if point[0].is_finite() && point[1].is_finite() { map.at(point) } else { [f64::NAN; 2] }
+}
+
+fn steps(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let mut out = Vec::with_capacity(2 * points.len());
+    for (i, point) in points.iter().enumerate() {
+        if i > 0 && point[0].is_finite() {
+            out.push([point[0], points[i - 1][1]]);
+        }
+        out.push(*point);
+    }
+    out
+}
+
+fn stroke(scene: &mut Scene, map: &Map, lines: Vec<Vec<[f64; 2]>>, colour: Colour, width: f64, dash: Option<[f64; 2]>) {
+    let mut inside: Vec<Vec<[f64; 2]>> = Vec::new();
+    for line in lines {
+        if let [only] = line.as_slice() {
+            if map.frame.contains(only) {
+                inside.push(line);
+            }
+        } else {
+            inside.extend(map.frame.clip(&line));
+        }
+    }
+    if !inside.is_empty() {
+        scene.shapes.push(Shape::Lines { lines: inside, colour, width, dash, opacity: 1.0 });
+    }
+}

@@ -1,0 +1,128 @@
+//! Each parameter against time, twice: the whole course, and the end of it enlarged to the final precision.
+
+use phugoid_identification::estimation::{ParameterHistory, ParameterResult};
+
+use super::{Context, scaled};
+use crate::figure::{At, Axis, Colour, Figure, Kind, Panel, Reference, Series};
+use crate::names::HumanUnit;
+use crate::ticks::significant;
+
+/// Parameters per figure: what fits a page.
+const PER_FIGURE: usize = 6;
+
+pub(super) fn figures(context: &Context) -> Vec<(String, Figure)> {
+    let mut out = Vec::new();
+    for (nuisance, slug, title) in
+        [(false, "parameters", "Parameters against time"), (true, "nuisance", "Offsets and sensor biases against time")]
+    {
+        let parameters = context.parameters(nuisance);
+        let groups = parameters.len().div_ceil(PER_FIGURE);
+        for (index, group) in parameters.chunks(PER_FIGURE).enumerate() {
+            let title = if groups > 1 { format!("{title}, {} of {groups}", index + 1) } else { title.to_owned() };
+            let mut figure = context.figure(
+                &title,
+                "Left: the whole course; the band of the first moments, before the input begins, is cut off. Right: the \
+                 same curves enlarged to the precision at the end. Band: ±2 corrected standard errors.",
+            );
+            figure.columns = 2;
+            for (parameter, history, unit) in group {
+                figure.panels.extend(panels(context, parameter, history, unit));
+            }
+            out.push((format!("{slug}-{}", index + 1), figure));
+        }
+    }
+    out
+}
+
+fn panels(context: &Context, parameter: &ParameterResult, history: &ParameterHistory, unit: &HumanUnit) -> [Panel; 2] {
+    let values = scaled(&history.value, unit);
+    let errors = scaled(&history.std_error, unit);
+    let band = |sign: f64| values.iter().zip(&errors).map(|(v, s)| v + 2.0 * sign * s).collect::<Vec<f64>>();
+    let series = || {
+        let spread = Kind::Band { lower: band(-1.0), upper: band(1.0) };
+        vec![
+            Series::new("±2σ (corrected)", Colour::Blue, &context.time, spread),
+            Series::new("estimate", Colour::Blue, &context.time, Kind::Line(values.clone())),
+        ]
+    };
+    let last = Final {
+        value: parameter.value * unit.factor,
+        sigma: parameter.corrected_std_error * unit.factor,
+        truth: parameter.truth.map(|t| t * unit.factor),
+    };
+    let bounds = parameter.bounds.map(|b| b.map(|v| v * unit.factor));
+
+    let mut whole = Panel::plot(ranged(&parameter.name, unit, whole_range(&values, &last, bounds)), series());
+    let label = format!("{} ± {}, 2σ", significant(last.value, 4), significant(2.0 * last.sigma, 2));
+    let mut end = Panel::plot(ranged(&label, unit, end_range(&values, &last)), series());
+    for panel in [&mut whole, &mut end] {
+        let mut lines: Vec<Reference> = Vec::new();
+        let mut add = |label: &str, colour, dashed, at| {
+            lines.push(Reference { label: label.to_owned(), colour, dashed, at });
+        };
+        if let Some(truth) = last.truth {
+            add("truth", Colour::Vermillion, false, At::HorizontalIfVisible(truth));
+        }
+        for bound in bounds.into_iter().flatten() {
+            add("bounds", Colour::Muted, true, At::HorizontalIfVisible(bound));
+        }
+        if let Some(converged) = parameter.converged_at_s {
+            let start = context.time.first().copied().unwrap_or(0.0);
+            add("converged (stays within 5 %)", Colour::Green, true, At::Vertical(start + converged));
+        }
+        for line in lines {
+            *panel = panel.clone().with_reference(line);
+        }
+    }
+    [whole, end]
+}
+
+struct Final {
+    value: f64,
+    sigma: f64,
+    truth: Option<f64>,
+}
+
+fn ranged(label: &str, unit: &HumanUnit, range: Option<[f64; 2]>) -> Axis {
+    let axis = Axis::new(label, unit.text.clone());
+    match range {
+        Some([low, high]) => axis.with_range(low, high),
+        None => axis,
+    }
+}
+
+/// Limits that show where the estimate went, not how little was known at first: all but the wildest 1 % of its course,
+/// its end with +-2 sigma, the truth, and bounds that are not far off.
+fn whole_range(values: &[f64], last: &Final, bounds: Option<[f64; 2]>) -> Option<[f64; 2]> {
+    let mut sorted: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
+    sorted.sort_unstable_by(f64::total_cmp);
+    let rank = |share: f64| sorted.get(((sorted.len().checked_sub(1)?) as f64 * share).round() as usize).copied();
+    let start = values.iter().copied().find(|v| v.is_finite());
+    let ends = [Some(last.value - 2.0 * last.sigma), Some(last.value + 2.0 * last.sigma), last.truth, start];
+    let seen: Vec<f64> =
+        ends.into_iter().chain([rank(0.005), rank(0.995)]).flatten().filter(|v| v.is_finite()).collect();
+    let low = seen.iter().copied().reduce(f64::min)?;
+    let high = seen.iter().copied().reduce(f64::max)?;
+    let span = high - low;
+    let (mut from, mut to) = (low, high);
+    for bound in bounds.into_iter().flatten() {
+        if bound >= low - 0.6 * span && bound <= high + 0.6 * span {
+            from = from.min(bound);
+            to = to.max(bound);
+        }
+    }
+    let pad = 0.08 * (to - from);
+    (pad > 0.0).then_some([from - pad, to + pad])
+}
+
+/// Limits about the end: four sigma, or what the estimate moved in the second half, or as far as a truth that is near.
+fn end_range(values: &[f64], last: &Final) -> Option<[f64; 2]> {
+    let centre = last.value;
+    let moved =
+        values[values.len() / 2..].iter().map(|v| (v - centre).abs()).filter(|v| v.is_finite()).fold(0.0, f64::max);
+    let mut half = (1.15 * moved).max(if last.sigma.is_finite() { 4.0 * last.sigma } else { 0.0 });
+    if let Some(error) = last.truth.map(|t| (t - centre).abs()).filter(|e| *e <= 4.0 * half) {
+        half = half.max(1.25 * error);
+    }
+    (half > 1e-12 * centre.abs() && half > 0.0).then_some([centre - half, centre + half])
+}

@@ -1,0 +1,82 @@
+//! Signals against time: inputs, measured and modelled outputs, and histories of any kind.
+
+use std::sync::Arc;
+
+use phugoid_identification::estimation::Signal;
+
+use super::{Context, human_axis, scaled};
+use crate::figure::{Axis, Colour, Figure, Kind, LINE_COLOURS, Panel, Series};
+use crate::names::{human_unit, signal_label};
+
+pub(super) fn inputs(context: &Context) -> Option<(String, Figure)> {
+    let inputs = &context.estimation.history.inputs;
+    let mut figure = context.figure("Inputs", "Known inputs as the estimator used them.");
+    for input in inputs {
+        let (axis, unit) = human_axis(signal_label(&input.name), &input.unit);
+        let line = Kind::Line(scaled(&input.values, &unit));
+        figure.panels.push(Panel::plot(axis, vec![Series::new("", Colour::Blue, &context.time, line)]));
+    }
+    (!inputs.is_empty()).then(|| ("inputs".to_owned(), figure))
+}
+
+pub(super) fn outputs(context: &Context) -> Option<(String, Figure)> {
+    let history = &context.estimation.history;
+    let mut figure = context.figure(
+        "Measured and estimated-model outputs",
+        "Dots: measurements. Line: the estimated model one sample ahead, before it is corrected by the measurement it is \
+         compared with.",
+    );
+    for measured in &history.measured {
+        let (axis, unit) = human_axis(signal_label(&measured.name), &measured.unit);
+        let dots = Kind::Points(scaled(&measured.values, &unit));
+        let mut series = vec![Series::new("measured", Colour::Ink, &context.time, dots)];
+        if let Some(predicted) = history.predicted.iter().find(|p| p.name == measured.name) {
+            let line = Kind::Line(scaled(&predicted.values, &unit));
+            series.push(Series::new("estimated model, one step ahead", Colour::Vermillion, &context.time, line));
+        }
+        figure.panels.push(Panel::plot(axis, series));
+    }
+    (!history.measured.is_empty()).then(|| ("outputs".to_owned(), figure))
+}
+
+/// One panel of [`time_histories`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct TimeHistoryPanel {
+    /// Quantity; with an empty label a single signal's own name is used.
+    pub label: String,
+    /// SI unit of all its signals (`rad`, `m/s`, `-`, ...); drawn in degrees where it is in radians.
+    pub unit: String,
+    /// Curves; with more than one each appears in the legend under its name.
+    pub signals: Vec<Signal>,
+}
+
+/// A figure of named histories over a common time, s, one panel below the other: a simulated flight, say.
+pub fn time_histories(title: &str, caption: &str, time_s: &[f64], panels: &[TimeHistoryPanel]) -> Figure {
+    let time: Arc<[f64]> = Arc::from(time_s);
+    let mut figure = Figure {
+        title: title.to_owned(),
+        caption: caption.to_owned(),
+        x: Axis::new("Time", "s"),
+        columns: 1,
+        ..Figure::default()
+    };
+    for panel in panels {
+        let unit = human_unit(&panel.unit);
+        let label = match panel.signals.as_slice() {
+            [only] if panel.label.is_empty() => signal_label(&only.name),
+            _ => panel.label.clone(),
+        };
+        let several = panel.signals.len() > 1;
+        let series = panel
+            .signals
+            .iter()
+            .zip(LINE_COLOURS.iter().cycle())
+            .map(|(signal, colour)| {
+                let name = if several { signal_label(&signal.name) } else { String::new() };
+                Series::new(name, *colour, &time, Kind::Line(scaled(&signal.values, &unit)))
+            })
+            .collect();
+        figure.panels.push(Panel::plot(Axis::new(label, unit.text), series));
+    }
+    figure
+}

@@ -1,0 +1,418 @@
+//! Where everything goes: from what a figure says to shapes on paper.
+
+use crate::clip::Frame;
+use crate::figure::{At, Axis, Body, Colour, Figure, Kind, Panel, Reference, Series};
+use crate::font::{Fonts, reserved_width};
+use crate::legend::{self, Entry, Swatch};
+use crate::scene::{Anchor, Scene, Shape};
+use crate::ticks::{Ticks, superscript, ticks};
+use crate::{curves, matrix};
+
+/// Width of a figure, px.
+pub(crate) const WIDTH: f64 = 960.0;
+/// Size of tick labels, px.
+pub(crate) const SMALL: f64 = 12.0;
+/// Size of axis labels and legend, px.
+pub(crate) const NORMAL: f64 = 13.0;
+const TITLE: f64 = 17.0;
+const RIGHT_MARGIN: f64 = 18.0;
+const COLUMN_GAP: f64 = 22.0;
+const LABEL_ROOM: f64 = 26.0;
+const ROW_GAP: f64 = 12.0;
+
+/// The shapes of a figure; with its title, or without where the page around it shows one.
+pub(crate) fn scene(figure: &Figure, with_title: bool) -> Scene {
+    // Only a damaged build has no font; then widths are guessed here, and a picture is refused where it is drawn.
+    let fonts = Fonts::load().ok();
+    let fonts = fonts.as_ref();
+    if let [Panel { body: Body::Matrix { labels, values }, .. }] = figure.panels.as_slice() {
+        return matrix::scene(fonts, with_title.then_some(figure.title.as_str()), labels, values);
+    }
+
+    let mut scene = Scene { width: WIDTH, height: 0.0, shapes: Vec::new() };
+    let columns = figure.columns.max(1);
+    let x_shared = shared_limits(figure);
+    let plans: Vec<Plan> = figure.panels.iter().map(|panel| Plan::new(panel, figure, x_shared, fonts)).collect();
+
+    let lefts: Vec<f64> = (0..columns)
+        .map(|c| plans.iter().skip(c).step_by(columns).fold(30.0_f64, |m, plan| m.max(plan.tick_width + 12.0)))
+        .collect();
+    let room = WIDTH - RIGHT_MARGIN - lefts.iter().sum::<f64>() - COLUMN_GAP * (columns - 1) as f64;
+    let plot_width = room / columns as f64;
+
+    let mut top = 8.0;
+    if with_title && !figure.title.is_empty() {
+        top += TITLE;
+        scene.shapes.push(text(&figure.title, [lefts[0], top], TITLE, Anchor::Start, true, Colour::Ink));
+        top += 8.0;
+    }
+    top = legend::draw(&mut scene, fonts, &entries(figure), [lefts[0], top], WIDTH - RIGHT_MARGIN);
+
+    for (row, panels) in plans.chunks(columns).enumerate() {
+        let height = panels.iter().map(|p| p.panel.height).fold(10.0, f64::max);
+        let frame_top = top + LABEL_ROOM;
+        let mut below: f64 = ROW_GAP;
+        let mut left = 0.0;
+        for (column, plan) in panels.iter().enumerate() {
+            left += lefts[column] + if column > 0 { COLUMN_GAP } else { 0.0 };
+            let frame = Frame { left, top: frame_top, right: left + plot_width, bottom: frame_top + height };
+            left += plot_width;
+            let last_of_column = (row + 1) * columns + column >= plans.len();
+            let labelled = plan.panel.x.is_some() || last_of_column;
+            plan.draw(&mut scene, figure, frame, labelled, fonts);
+            if labelled {
+                below = below.max(46.0);
+            }
+        }
+        top = frame_top + height + below;
+    }
+    scene.height = top + if plans.is_empty() { 20.0 } else { 0.0 };
+    scene
+}
+
+/// One panel with its limits settled.
+struct Plan<'a> {
+    panel: &'a Panel,
+    x_axis: &'a Axis,
+    x: [f64; 2],
+    y: [f64; 2],
+    y_ticks: Ticks,
+    tick_width: f64,
+    empty: bool,
+}
+
+impl<'a> Plan<'a> {
+    fn new(panel: &'a Panel, figure: &'a Figure, x_shared: [f64; 2], fonts: Option<&Fonts>) -> Self {
+        let x_axis = panel.x.as_ref().unwrap_or(&figure.x);
+        let x = if panel.x.is_some() { own_limits(panel, x_axis) } else { x_shared };
+        let (y, empty) = match &panel.body {
+            Body::Plot { series, references } => ordinate_limits(&panel.y, series, references, x),
+            Body::Strip { x, .. } => ([0.0, 1.0], x.is_empty()),
+            Body::Matrix { .. } => ([0.0, 1.0], true),
+        };
+        let y_ticks = match &panel.body {
+            Body::Plot { .. } if !empty => ticks(y, ((panel.height / 30.0).round() as usize).clamp(2, 8)),
+            _ => Ticks { values: Vec::new(), labels: Vec::new(), exponent: 0 },
+        };
+        let tick_width = y_ticks.labels.iter().map(|l| reserved_width(fonts, l, SMALL, false)).fold(0.0, f64::max);
+        Self { panel, x_axis, x, y, y_ticks, tick_width, empty }
+    }
+
+    fn draw(&self, scene: &mut Scene, figure: &Figure, frame: Frame, labelled: bool, fonts: Option<&Fonts>) {
+        let label = axis_text(&self.panel.y, self.y_ticks.exponent);
+        let label = fitted(fonts, label, NORMAL, true, frame.right - frame.left);
+        scene.shapes.push(text(&label, [frame.left, frame.top - 8.0], NORMAL, Anchor::Start, true, Colour::Ink));
+
+        let wanted = (((frame.right - frame.left) / 85.0) as usize).clamp(2, 12);
+        let x_ticks = ticks(self.x, wanted);
+        let map = Map { x: self.x, y: self.y, frame };
+        self.draw_grid(scene, &map, &x_ticks);
+        match &self.panel.body {
+            _ if self.empty => {
+                let middle = [(frame.left + frame.right) / 2.0, (frame.top + frame.bottom) / 2.0 + 4.0];
+                scene.shapes.push(text("no data", middle, NORMAL, Anchor::Middle, false, Colour::Muted));
+            }
+            Body::Plot { series, references } => {
+                for series in series.iter().filter(|s| matches!(s.kind, Kind::Band { .. })) {
+                    curves::draw(scene, &map, series);
+                }
+                for reference in references {
+                    draw_reference(scene, &map, reference);
+                }
+                self.draw_events(scene, figure, &map);
+                for series in series.iter().filter(|s| !matches!(s.kind, Kind::Band { .. })) {
+                    curves::draw(scene, &map, series);
+                }
+            }
+            Body::Strip { x, state, states } => {
+                curves::draw_strip(scene, &map, x, state, states);
+                self.draw_events(scene, figure, &map);
+            }
+            Body::Matrix { .. } => {}
+        }
+        let border = vec![vec![[frame.left, frame.top], [frame.left, frame.bottom], [frame.right, frame.bottom]]];
+        scene.shapes.push(line(border, Colour::Muted, 1.0));
+
+        for (value, label) in self.y_ticks.values.iter().zip(&self.y_ticks.labels) {
+            let y = map.at([self.x[0], *value])[1];
+            scene.shapes.push(text(label, [frame.left - 6.0, y + 4.0], SMALL, Anchor::End, false, Colour::Muted));
+        }
+        if labelled {
+            for (value, label) in x_ticks.values.iter().zip(&x_ticks.labels) {
+                let x = map.at([*value, self.y[0]])[0];
+                scene.shapes.push(text(label, [x, frame.bottom + 16.0], SMALL, Anchor::Middle, false, Colour::Muted));
+            }
+            let label = fitted(fonts, axis_text(self.x_axis, x_ticks.exponent), SMALL, false, frame.right - frame.left);
+            let middle = (frame.left + frame.right) / 2.0;
+            scene.shapes.push(text(&label, [middle, frame.bottom + 33.0], SMALL, Anchor::Middle, false, Colour::Ink));
+        }
+    }
+
+    fn draw_grid(&self, scene: &mut Scene, map: &Map, x_ticks: &Ticks) {
+        let frame = map.frame;
+        let mut lines: Vec<Vec<[f64; 2]>> = x_ticks
+            .values
+            .iter()
+            .map(|v| map.at([*v, self.y[0]])[0])
+            .map(|x| vec![[x, frame.top], [x, frame.bottom]])
+            .collect();
+        lines.extend(
+            self.y_ticks
+                .values
+                .iter()
+                .map(|v| map.at([self.x[0], *v])[1])
+                .map(|y| vec![[frame.left, y], [frame.right, y]]),
+        );
+        if !lines.is_empty() {
+            scene.shapes.push(line(lines, Colour::Grid, 1.0));
+        }
+    }
+
+    fn draw_events(&self, scene: &mut Scene, figure: &Figure, map: &Map) {
+        if self.panel.x.is_some() {
+            return;
+        }
+        for event in figure.events.iter().filter(|e| e.x >= self.x[0] && e.x <= self.x[1]) {
+            let x = map.at([event.x, self.y[0]])[0];
+            let whole = vec![vec![[x, map.frame.top], [x, map.frame.bottom]]];
+            scene.shapes.push(line(whole, event.colour, 1.2));
+        }
+    }
+}
+
+/// From values to px.
+pub(crate) struct Map {
+    pub(crate) x: [f64; 2],
+    pub(crate) y: [f64; 2],
+    pub(crate) frame: Frame,
+}
+
+impl Map {
+    /// Position of a point; far outside values are held near the sheet so that they stay drawable.
+    pub(crate) fn at(&self, point: [f64; 2]) -> [f64; 2] {
+        let share = |v: f64, [low, high]: [f64; 2]| ((v - low) / (high - low)).clamp(-1e3, 1e3);
+        let frame = &self.frame;
+        [
+            frame.left + share(point[0], self.x) * (frame.right - frame.left),
+            frame.bottom - share(point[1], self.y) * (frame.bottom - frame.top),
+        ]
+    }
+}
+
+fn draw_reference(scene: &mut Scene, map: &Map, reference: &Reference) {
+    let frame = map.frame;
+    let ends = match reference.at {
+        At::Horizontal(value) | At::HorizontalIfVisible(value) => {
+            let y = map.at([map.x[0], value])[1];
+            if !(y >= frame.top && y <= frame.bottom) {
+                return;
+            }
+            [[frame.left, y], [frame.right, y]]
+        }
+        At::Vertical(value) => {
+            let x = map.at([value, map.y[0]])[0];
+            if !(x >= frame.left && x <= frame.right) {
+                return;
+            }
+            [[x, frame.top], [x, frame.bottom]]
+        }
+    };
+    scene.shapes.push(Shape::Lines {
+        lines: vec![ends.to_vec()],
+        colour: reference.colour,
+        width: 1.3,
+        dash: reference.dashed.then_some([6.0, 4.0]),
+        opacity: 1.0,
+    });
+}
+
+/// Legend entries of a figure in order of appearance, each once.
+fn entries(figure: &Figure) -> Vec<Entry> {
+    let mut entries: Vec<Entry> = Vec::new();
+    let mut add = |label: &str, colour: Colour, swatch: Swatch| {
+        let entry = Entry { label: label.to_owned(), colour, swatch };
+        if !label.is_empty() && !entries.contains(&entry) {
+            entries.push(entry);
+        }
+    };
+    for panel in &figure.panels {
+        match &panel.body {
+            Body::Plot { series, references } => {
+                for series in series {
+                    add(&series.label, series.colour, Swatch::of(&series.kind));
+                }
+                for reference in references {
+                    let swatch = if reference.dashed { Swatch::Dashed } else { Swatch::Line };
+                    add(&reference.label, reference.colour, swatch);
+                }
+            }
+            Body::Strip { states, state, .. } => {
+                for (index, (label, colour)) in states.iter().enumerate() {
+                    if state.contains(&index) {
+                        add(label, *colour, Swatch::Strip);
+                    }
+                }
+            }
+            Body::Matrix { .. } => {}
+        }
+    }
+    for event in &figure.events {
+        add(&event.label, event.colour, Swatch::Event);
+    }
+    entries
+}
+
+/// Limits of the common abscissa.
+fn shared_limits(figure: &Figure) -> [f64; 2] {
+    if let Some(range) = figure.x.range {
+        return range;
+    }
+    let mut limits = Limits::default();
+    for panel in figure.panels.iter().filter(|p| p.x.is_none()) {
+        match &panel.body {
+            Body::Plot { series, .. } => {
+                for series in series {
+                    limits.add_all(&series.x);
+                }
+            }
+            Body::Strip { x, .. } => limits.add_all(x),
+            Body::Matrix { .. } => {}
+        }
+    }
+    limits.or_unit()
+}
+
+fn own_limits(panel: &Panel, axis: &Axis) -> [f64; 2] {
+    if let Some(range) = axis.range {
+        return range;
+    }
+    let mut limits = Limits::default();
+    let mut pad = 0.0;
+    if let Body::Plot { series, .. } = &panel.body {
+        for series in series {
+            limits.add_all(&series.x);
+            if matches!(series.kind, Kind::Trajectory(_) | Kind::Bars(_)) {
+                pad = 0.04;
+            }
+        }
+    }
+    let [low, high] = limits.or_unit();
+    [low - pad * (high - low), high + pad * (high - low)]
+}
+
+/// Limits of the ordinate from the data within the abscissa's limits, and whether there is nothing to show.
+fn ordinate_limits(axis: &Axis, series: &[Series], references: &[Reference], x: [f64; 2]) -> ([f64; 2], bool) {
+    let mut limits = Limits::default();
+    for series in series {
+        let inside = |i: usize| series.x.get(i).is_some_and(|v| *v >= x[0] && *v <= x[1]);
+        let mut add = |values: &[f64]| {
+            values.iter().enumerate().filter(|(i, _)| inside(*i)).for_each(|(_, v)| limits.add(*v));
+        };
+        match &series.kind {
+            Kind::Line(y) | Kind::Dashed(y) | Kind::Step(y) | Kind::Points(y) | Kind::Trajectory(y) => add(y),
+            Kind::Bars(y) => {
+                add(y);
+                if !y.is_empty() {
+                    limits.add(0.0);
+                }
+            }
+            Kind::Band { lower, upper } => {
+                add(lower);
+                add(upper);
+            }
+        }
+    }
+    let empty = limits.none();
+    if let Some(range) = axis.range {
+        return (range, empty);
+    }
+    for reference in references {
+        if let At::Horizontal(value) = reference.at {
+            limits.add(value);
+        }
+    }
+    let [low, high] = limits.or_unit();
+    let pad = 0.06 * (high - low);
+    ([low - pad, high + pad], empty)
+}
+
+/// Smallest and largest finite value seen.
+struct Limits {
+    low: f64,
+    high: f64,
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self { low: f64::INFINITY, high: f64::NEG_INFINITY }
+    }
+}
+
+impl Limits {
+    fn add(&mut self, value: f64) {
+        if value.is_finite() {
+            self.low = self.low.min(value);
+            self.high = self.high.max(value);
+        }
+    }
+
+    fn add_all(&mut self, values: &[f64]) {
+        values.iter().for_each(|v| self.add(*v));
+    }
+
+    fn none(&self) -> bool {
+        self.low > self.high
+    }
+
+    /// The limits, 0 to 1 where nothing was seen, and room around a constant.
+    fn or_unit(&self) -> [f64; 2] {
+        let size = self.low.abs().max(self.high.abs());
+        if self.none() {
+            [0.0, 1.0]
+        } else if self.high - self.low > 1e-9 * size {
+            [self.low, self.high]
+        } else {
+            let half = if size > 0.0 { 0.05 * size } else { 1.0 };
+            [self.low - half, self.high + half]
+        }
+    }
+}
+
+/// `label (unit)`, with the power of ten that the tick labels leave out.
+fn axis_text(axis: &Axis, exponent: i32) -> String {
+    let power = if exponent == 0 { String::new() } else { format!("10{}", superscript(exponent)) };
+    let unit = match (power.is_empty(), axis.unit.is_empty() || (axis.unit == "–" && !power.is_empty())) {
+        (true, true) => String::new(),
+        (true, false) => format!(" ({})", axis.unit),
+        (false, true) => format!(" ({power})"),
+        (false, false) => format!(" ({power} {})", axis.unit),
+    };
+    format!("{}{unit}", axis.label)
+}
+
+/// The text, shortened in front of its unit if it is wider than the room.
+fn fitted(fonts: Option<&Fonts>, label: String, size: f64, bold: bool, room: f64) -> String {
+    if reserved_width(fonts, &label, size, bold) <= room {
+        return label;
+    }
+    let (name, unit) = match label.rfind(" (") {
+        Some(at) => label.split_at(at),
+        None => (label.as_str(), ""),
+    };
+    let mut kept: Vec<char> = name.chars().collect();
+    loop {
+        kept.pop();
+        let shorter = format!("{}…{unit}", kept.iter().collect::<String>());
+        if kept.is_empty() || reserved_width(fonts, &shorter, size, bold) <= room {
+            return shorter;
+        }
+    }
+}
+
+pub(crate) fn text(words: &str, at: [f64; 2], size: f64, anchor: Anchor, bold: bool, colour: Colour) -> Shape {
+    Shape::Text { text: words.to_owned(), at, size, anchor, bold, colour, rotation: 0.0 }
+}
+
+fn line(lines: Vec<Vec<[f64; 2]>>, colour: Colour, width: f64) -> Shape {
+    Shape::Lines { lines, colour, width, dash: None, opacity: 1.0 }
+}

@@ -1,0 +1,94 @@
+//! The legend: one row or a few above the panels, where no curve can run through it.
+
+use crate::curves::{BAND_OPACITY, DOT, LINE_WIDTH};
+use crate::figure::{Colour, Kind};
+use crate::font::{Fonts, reserved_width};
+use crate::layout::{NORMAL, text};
+use crate::scene::{Anchor, Scene, Shape};
+
+const SAMPLE: f64 = 24.0;
+const ROW: f64 = 20.0;
+
+/// One entry.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Entry {
+    pub(crate) label: String,
+    pub(crate) colour: Colour,
+    pub(crate) swatch: Swatch,
+}
+
+/// The sample drawn before an entry's label.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Swatch {
+    Line,
+    Dashed,
+    Dots,
+    Band,
+    Strip,
+    Event,
+}
+
+impl Swatch {
+    pub(crate) fn of(kind: &Kind) -> Self {
+        match kind {
+            Kind::Line(_) | Kind::Step(_) | Kind::Bars(_) | Kind::Trajectory(_) => Swatch::Line,
+            Kind::Dashed(_) => Swatch::Dashed,
+            Kind::Points(_) => Swatch::Dots,
+            Kind::Band { .. } => Swatch::Band,
+        }
+    }
+}
+
+/// Draws the entries from `at` (left, top) with line breaks before `right`; gives the bottom.
+pub(crate) fn draw(scene: &mut Scene, fonts: Option<&Fonts>, entries: &[Entry], at: [f64; 2], right: f64) -> f64 {
+    if entries.is_empty() {
+        return at[1];
+    }
+    let [mut x, mut y] = [at[0], at[1] + 14.0];
+    for entry in entries {
+        let width = SAMPLE + 7.0 + reserved_width(fonts, &entry.label, NORMAL, false);
+        if x + width > right && x > at[0] {
+            x = at[0];
+            y += ROW;
+        }
+        scene.shapes.push(sample(entry, [x, y - 4.5]));
+        scene.shapes.push(text(&entry.label, [x + SAMPLE + 7.0, y], NORMAL, Anchor::Start, false, Colour::Ink));
+        x += width + 20.0;
+    }
+    y + 6.0
+}
+
+fn sample(entry: &Entry, [x, y]: [f64; 2]) -> Shape {
+    let colour = entry.colour;
+    let lines = |dash| Shape::Lines {
+        lines: vec![vec![[x, y], [x + SAMPLE, y]]],
+        colour,
+        width: LINE_WIDTH + 0.4,
+        dash,
+        opacity: 1.0,
+    };
+    let area = |opacity| Shape::Areas {
+        outlines: vec![vec![[x, y - 5.0], [x + SAMPLE, y - 5.0], [x + SAMPLE, y + 5.0], [x, y + 5.0]]],
+        colour,
+        opacity,
+    };
+    match entry.swatch {
+        Swatch::Line => lines(None),
+        Swatch::Dashed => lines(Some([6.0, 4.0])),
+        Swatch::Dots => Shape::Dots {
+            centres: [0.1, 0.37, 0.63, 0.9].map(|s| [x + s * SAMPLE, y]).to_vec(),
+            colour,
+            diameter: DOT + 0.4,
+            opacity: 1.0,
+        },
+        Swatch::Band => area(BAND_OPACITY),
+        Swatch::Strip => area(1.0),
+        Swatch::Event => Shape::Lines {
+            lines: vec![vec![[x + SAMPLE / 2.0, y - 7.0], [x + SAMPLE / 2.0, y + 7.0]]],
+            colour,
+            width: 1.6,
+            dash: None,
+            opacity: 1.0,
+        },
+    }
+}

@@ -1,0 +1,73 @@
+//! A matrix of correlations as coloured cells.
+
+use crate::figure::Colour;
+use crate::font::{Fonts, reserved_width};
+use crate::layout::{WIDTH, text};
+use crate::scene::{Anchor, Scene, Shape};
+use crate::ticks::fixed;
+
+const LABEL: f64 = 12.0;
+
+/// The sheet of a matrix figure, as wide as it needs to be.
+pub(crate) fn scene(fonts: Option<&Fonts>, title: Option<&str>, labels: &[String], values: &[Vec<f64>]) -> Scene {
+    let mut scene = Scene { width: 0.0, height: 0.0, shapes: Vec::new() };
+    let count = labels.len();
+    let label_width = labels.iter().map(|l| reserved_width(fonts, l, LABEL, false)).fold(0.0, f64::max);
+    // Column names climb at 45 degrees.
+    let climb = (label_width + LABEL) * std::f64::consts::FRAC_1_SQRT_2;
+    let left = label_width + 16.0;
+    let cell = ((WIDTH - left - climb - 10.0) / count.max(1) as f64).clamp(14.0, 46.0);
+    let mut top = 8.0;
+    if let Some(title) = title {
+        top += 17.0;
+        scene.shapes.push(text(title, [8.0, top], 17.0, Anchor::Start, true, Colour::Ink));
+        top += 6.0;
+        scene.width = 16.0 + reserved_width(fonts, title, 17.0, true);
+    }
+    top += climb + 6.0;
+    scene.width = scene.width.max(left + cell * count as f64 + climb + 10.0);
+    scene.height = top + cell * count as f64 + 10.0;
+
+    for (row, name) in labels.iter().enumerate() {
+        let y = top + cell * row as f64;
+        scene.shapes.push(text(name, [left - 8.0, y + cell / 2.0 + 4.0], LABEL, Anchor::End, false, Colour::Ink));
+        scene.shapes.push(Shape::Text {
+            text: name.clone(),
+            at: [left + cell * (row as f64 + 0.5) + 4.0, top - 6.0],
+            size: LABEL,
+            anchor: Anchor::Start,
+            bold: false,
+            colour: Colour::Ink,
+            rotation: -45.0,
+        });
+        for column in 0..count {
+            let value = values.get(row).and_then(|r| r.get(column)).copied().unwrap_or(f64::NAN);
+            draw_cell(&mut scene, [left + cell * column as f64, y], cell, value, row == column);
+        }
+    }
+    scene
+}
+
+fn draw_cell(scene: &mut Scene, [x, y]: [f64; 2], cell: f64, value: f64, diagonal: bool) {
+    let size = cell - 1.5;
+    let square = vec![[x, y], [x + size, y], [x + size, y + size], [x, y + size]];
+    let centre = [x + size / 2.0, y + size / 2.0 + 4.0];
+    // An empty cell first, so that a small correlation still has a visible place.
+    scene.shapes.push(Shape::Areas { outlines: vec![square.clone()], colour: Colour::Grid, opacity: 0.5 });
+    if diagonal {
+        return;
+    }
+    if !value.is_finite() {
+        scene.shapes.push(text("–", centre, 11.0, Anchor::Middle, false, Colour::Muted));
+        return;
+    }
+    let colour = if value > 0.0 { Colour::Blue } else { Colour::Orange };
+    let strength = value.abs().min(1.0);
+    scene.shapes.push(Shape::Areas { outlines: vec![square], colour, opacity: 0.8 * strength });
+    let (wide, narrow) = (cell >= 34.0, cell >= 24.0);
+    if wide || (narrow && strength >= 0.3) {
+        let size = if wide { 11.5 } else { 9.5 };
+        let words = if wide { fixed(value, 2) } else { fixed(value, 1) };
+        scene.shapes.push(text(&words, centre, size, Anchor::Middle, strength >= 0.9, Colour::Ink));
+    }
+}

@@ -1,0 +1,88 @@
+//! Shapes on paper: what layout hands to the SVG and PNG writers. Lengths in px, x right, y down.
+
+use crate::figure::Colour;
+
+/// Shapes in drawing order on a sheet.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Scene {
+    pub(crate) width: f64,
+    pub(crate) height: f64,
+    pub(crate) shapes: Vec<Shape>,
+}
+
+/// A shape.
+#[derive(Clone, Debug)]
+pub(crate) enum Shape {
+    /// Open lines.
+    Lines { lines: Vec<Vec<[f64; 2]>>, colour: Colour, width: f64, dash: Option<[f64; 2]>, opacity: f64 },
+    /// Round dots.
+    Dots { centres: Vec<[f64; 2]>, colour: Colour, diameter: f64, opacity: f64 },
+    /// Filled areas.
+    Areas { outlines: Vec<Vec<[f64; 2]>>, colour: Colour, opacity: f64 },
+    /// One line of text; `at` is on the baseline, rotation clockwise about it in degrees.
+    Text { text: String, at: [f64; 2], size: f64, anchor: Anchor, bold: bool, colour: Colour, rotation: f64 },
+}
+
+/// Which point of a text lies on its position.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Anchor {
+    Start,
+    Middle,
+    End,
+}
+
+/// Where colours come from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Theme {
+    /// Fixed colours for white paper.
+    Paper,
+    /// Style variables of the page around the figure.
+    Variables,
+}
+
+impl Colour {
+    /// Red, green, blue on white paper.
+    pub(crate) fn rgb(self) -> [u8; 3] {
+        match self {
+            Colour::Ink => [0x1b, 0x1f, 0x24],
+            Colour::Muted => [0x5f, 0x68, 0x73],
+            Colour::Blue => [0x00, 0x72, 0xb2],
+            Colour::Orange => [0xe6, 0x9f, 0x00],
+            Colour::Green => [0x00, 0x9e, 0x73],
+            Colour::Vermillion => [0xd5, 0x5e, 0x00],
+            Colour::Purple => [0xcc, 0x79, 0xa7],
+            Colour::Sky => [0x56, 0xb4, 0xe9],
+            Colour::Yellow => [0xf0, 0xe4, 0x42],
+            Colour::Grid => [0xe3, 0xe6, 0xea],
+            Colour::Background => [0xff, 0xff, 0xff],
+        }
+    }
+
+    /// Name of the style variable, without the two dashes.
+    pub(crate) fn variable(self) -> &'static str {
+        match self {
+            Colour::Ink => "ink",
+            Colour::Muted => "muted",
+            Colour::Blue => "blue",
+            Colour::Orange => "orange",
+            Colour::Green => "green",
+            Colour::Vermillion => "vermillion",
+            Colour::Purple => "purple",
+            Colour::Sky => "sky",
+            Colour::Yellow => "yellow",
+            Colour::Grid => "grid",
+            Colour::Background => "paper",
+        }
+    }
+
+    /// As an SVG paint.
+    pub(crate) fn paint(self, theme: Theme) -> String {
+        match theme {
+            Theme::Paper => {
+                let [r, g, b] = self.rgb();
+                format!("#{r:02x}{g:02x}{b:02x}")
+            }
+            Theme::Variables => format!("var(--{})", self.variable()),
+        }
+    }
+}

@@ -1,0 +1,143 @@
+//! Tick marks and printed numbers.
+
+/// Ticks of one axis.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Ticks {
+    /// Values at the ticks.
+    pub(crate) values: Vec<f64>,
+    /// Printed at the ticks, in units of ten to the power of `exponent`.
+    pub(crate) labels: Vec<String>,
+    /// Power of ten taken out of the labels; a multiple of 3.
+    pub(crate) exponent: i32,
+}
+
+/// Ticks at multiples of 1, 2 or 5 times a power of ten within the limits, about `wanted` of them.
+pub(crate) fn ticks(limits: [f64; 2], wanted: usize) -> Ticks {
+    let [lower, upper] = limits;
+    let span = upper - lower;
+    if !(span > 0.0 && span.is_finite()) {
+        return Ticks { values: Vec::new(), labels: Vec::new(), exponent: 0 };
+    }
+    let raw = span / wanted.max(1) as f64;
+    let power = 10f64.powf(raw.log10().floor());
+    // The smallest of 1, 2, 5, 10 that does not give more than the wanted number; the slack is for rounding.
+    let step = [1.0, 2.0, 5.0, 10.0].map(|m| m * power).into_iter().find(|s| *s >= raw * 0.999).unwrap_or(10.0 * power);
+    let first = (lower / step - 1e-6).ceil();
+    let count = ((upper / step + 1e-6).floor() - first).max(0.0) as usize + 1;
+    let values: Vec<f64> = (0..count.min(50)).map(|k| (first + k as f64) * step).collect();
+
+    let largest = values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+    let exponent = if largest >= 1e5 || (largest > 0.0 && largest < 1e-2) {
+        3 * ((largest.log10() / 3.0).floor() as i32)
+    } else {
+        0
+    };
+    let scale = 10f64.powi(exponent);
+    let decimals = (-((step / scale).log10() + 1e-9).floor()).clamp(0.0, 9.0) as usize;
+    let labels = values.iter().map(|v| fixed(v / scale, decimals)).collect();
+    Ticks { values, labels, exponent }
+}
+
+/// A number with a fixed count of decimals, a true minus sign and no negative zero.
+pub(crate) fn fixed(value: f64, decimals: usize) -> String {
+    let text = format!("{value:.decimals$}");
+    match text.strip_prefix('-') {
+        Some(rest) if rest.bytes().all(|b| b == b'0' || b == b'.') => rest.to_owned(),
+        Some(rest) => format!("−{rest}"),
+        None => text,
+    }
+}
+
+/// A number with this many significant digits, as people write it: plain between 1e-3 and 1e6, else with a power of ten.
+pub fn significant(value: f64, digits: usize) -> String {
+    if !value.is_finite() {
+        return "–".to_owned();
+    }
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    let digits = digits.clamp(1, 15);
+    // Rounding first: 0.99996 has four digits as 1.000.
+    let text = format!("{value:.*e}", digits - 1);
+    let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "0"));
+    let exponent: i32 = exponent.parse().unwrap_or(0);
+    if (-3..6).contains(&exponent) {
+        let decimals = (digits as i32 - 1 - exponent).max(0) as usize;
+        fixed(value, decimals)
+    } else {
+        format!("{}·10{}", mantissa.replace('-', "−"), superscript(exponent))
+    }
+}
+
+/// A whole number in superscript digits.
+pub(crate) fn superscript(number: i32) -> String {
+    number
+        .to_string()
+        .chars()
+        .map(|c| match c {
+            '-' => '⁻',
+            '1' => '¹',
+            '2' => '²',
+            '3' => '³',
+            '0' => '⁰',
+            other => other.to_digit(10).and_then(|d| char::from_u32(0x2070 + d)).unwrap_or(other),
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    #[test]
+    fn usual_axes() {
+        let axis = ticks([0.0, 20.0], 10);
+        assert_eq!(axis.labels, ["0", "2", "4", "6", "8", "10", "12", "14", "16", "18", "20"]);
+        assert_eq!(ticks([-0.31, 0.12], 4).labels, ["−0.2", "0.0"]);
+        assert_eq!(ticks([-0.31, 0.12], 5).labels, ["−0.3", "−0.2", "−0.1", "0.0", "0.1"]);
+        let small = ticks([0.0, 3.2e-4], 4);
+        assert_eq!((small.exponent, small.labels), (-6, vec!["0".into(), "100".into(), "200".into(), "300".into()]));
+        let zoom = ticks([-0.20013, -0.19987], 3);
+        assert_eq!(zoom.labels, ["−0.2001", "−0.2000", "−0.1999"]);
+        assert!(ticks([f64::NAN, 1.0], 4).values.is_empty());
+        assert!(ticks([1.0, 1.0], 4).values.is_empty());
+    }
+
+    #[test]
+    fn printed_numbers() {
+        for (value, text) in [
+            (-0.200_34, "−0.2003"),
+            (12_345.6, "12346"),
+            (0.999_96, "1.000"),
+            (1.234_5e-5, "1.234·10⁻⁵"),
+            (-3e-10, "−3.000·10⁻¹⁰"),
+            (7.5e8, "7.500·10⁸"),
+            (0.0, "0"),
+            (f64::NAN, "–"),
+            (0.001_234_5, "0.001234"),
+        ] {
+            assert_eq!(significant(value, 4), text);
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn ticks_lie_within_the_limits_and_do_not_repeat(
+            centre in -1e6..1e6f64, exponent in -5..6i32, wanted in 1usize..12,
+        ) {
+            let half = 10f64.powi(exponent);
+            let limits = [centre - half, centre + half];
+            let axis = ticks(limits, wanted);
+            prop_assert!(axis.values.len() <= wanted + 1);
+            prop_assert_eq!(axis.values.len(), axis.labels.len());
+            for pair in axis.values.windows(2) {
+                prop_assert!(pair[1] > pair[0]);
+            }
+            for v in &axis.values {
+                prop_assert!(*v >= limits[0] - 1e-3 * half && *v <= limits[1] + 1e-3 * half);
+            }
+        }
+    }
+}

@@ -1,0 +1,41 @@
+//! Figures as files.
+
+use std::path::{Path, PathBuf};
+
+use phugoid_identification::estimation::Estimation;
+
+use crate::error::ReportError;
+use crate::figure::Figure;
+use crate::figures::figures;
+
+/// Writes every figure of an estimation as `NAME.svg` and `NAME.png` into a folder, which is made if it does not
+/// exist; gives the paths in the order written.
+///
+/// # Errors
+/// [`ReportError::Write`] with the path that could not be written, [`ReportError::Raster`] for a figure that could not
+/// be drawn.
+pub fn write_figures(dir: &Path, estimation: &Estimation) -> Result<Vec<PathBuf>, ReportError> {
+    write_named_figures(dir, &figures(estimation))
+}
+
+/// Writes figures as `NAME.svg` and `NAME.png` into a folder, as [`write_figures`] does.
+///
+/// # Errors
+/// As [`write_figures`].
+pub fn write_named_figures(dir: &Path, figures: &[(String, Figure)]) -> Result<Vec<PathBuf>, ReportError> {
+    let failed = |path: &Path| {
+        let path = path.to_owned();
+        move |source| ReportError::Write { path, source }
+    };
+    std::fs::create_dir_all(dir).map_err(failed(dir))?;
+    let mut written = Vec::new();
+    for (name, figure) in figures {
+        let svg = dir.join(format!("{name}.svg"));
+        std::fs::write(&svg, figure.to_svg()).map_err(failed(&svg))?;
+        written.push(svg);
+        let png = dir.join(format!("{name}.png"));
+        std::fs::write(&png, figure.to_png()?).map_err(failed(&png))?;
+        written.push(png);
+    }
+    Ok(written)
+}
