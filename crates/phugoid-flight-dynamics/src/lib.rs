@@ -19,3 +19,5 @@ pub mod sensors;
 #[cfg(feature = "std")]
 pub mod simulate;
 pub mod table;
+#[cfg(feature = "std")]
+pub mod trim;

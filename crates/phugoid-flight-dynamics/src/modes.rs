@@ -176,11 +176,11 @@ pub fn lateral_modes(a: &[[f64; 4]; 4]) -> Result<Vec<Mode>, ModesError> {
         .collect();
     let dutch_roll = modes.iter().any(|m| m.name == ModeName::DutchRoll);
     let mut real: Vec<&mut Mode> = modes.iter_mut().filter(|m| m.eigenvalue_imaginary == 0.0).collect();
-    if let (true, [fast, slow]) = (dutch_roll, real.as_mut_slice()) {
-        if fast.name == slow.name {
-            fast.name = ModeName::Roll;
-            slow.name = ModeName::Spiral;
-        }
+    if let (true, [fast, slow]) = (dutch_roll, real.as_mut_slice())
+        && fast.name == slow.name
+    {
+        fast.name = ModeName::Roll;
+        slow.name = ModeName::Spiral;
     }
     Ok(modes)
 }
