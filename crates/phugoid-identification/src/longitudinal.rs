@@ -1,6 +1,6 @@
 //! The longitudinal motion of an aircraft as a model for the estimators.
 
-use phugoid_estimators::{LinearizedOutputs, LinearizedRates, Model};
+use phugoid_estimators::{Input, LinearizedOutputs, LinearizedRates, Model};
 use phugoid_flight_dynamics::f16::F16;
 use phugoid_flight_dynamics::longitudinal::{
     LongitudinalLoads, LongitudinalMotion, LongitudinalState, longitudinal_motion,
@@ -10,23 +10,41 @@ use phugoid_flight_dynamics::scalar::{Dual, Scalar};
 use crate::output::{OUTPUTS, Output, STATES};
 use crate::term::{Coefficient, EXTRA_INPUTS, FACTORS, Term};
 
-/// Length of the model's input vector, see [`input`].
-pub const INPUTS: usize = 5 + EXTRA_INPUTS;
-
-/// Positions in the model's input vector.
-pub mod input {
+/// What is known of the flight at one instant beside the state.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LongitudinalInput {
     /// Elevator, rad, positive trailing edge down.
-    pub const ELEVATOR: usize = 0;
+    pub elevator: f64,
     /// Air density, kg/m^3.
-    pub const AIR_DENSITY: usize = 1;
+    pub air_density: f64,
     /// Thrust, N.
-    pub const THRUST: usize = 2;
+    pub thrust: f64,
     /// Mass, kg.
-    pub const MASS: usize = 3;
+    pub mass: f64,
     /// Moment of inertia about body y, kg m^2.
-    pub const IYY: usize = 4;
-    /// The first of the model file's extra inputs.
-    pub const EXTRA: usize = 5;
+    pub iyy: f64,
+    /// The model file's extra inputs, in its order.
+    pub extra: [f64; EXTRA_INPUTS],
+    /// True if elevator and extra inputs are held until the next sample, as a digital command is; false if they run
+    /// straight to it, as a recorded surface does. All else always runs straight.
+    pub controls_held: bool,
+}
+
+impl Input for LongitudinalInput {
+    #[inline]
+    fn interpolate(&self, other: &Self, s: f64) -> Self {
+        let between = |a: f64, b: f64| a + s * (b - a);
+        let control = |a: f64, b: f64| if self.controls_held { a } else { between(a, b) };
+        Self {
+            elevator: control(self.elevator, other.elevator),
+            air_density: between(self.air_density, other.air_density),
+            thrust: between(self.thrust, other.thrust),
+            mass: between(self.mass, other.mass),
+            iyy: between(self.iyy, other.iyy),
+            extra: std::array::from_fn(|i| control(self.extra[i], other.extra[i])),
+            controls_held: self.controls_held,
+        }
+    }
 }
 
 /// The known part of the aerodynamics.
@@ -77,7 +95,7 @@ pub struct LongitudinalConstants {
     pub elevator_reference: f64,
 }
 
-/// Longitudinal motion: states `V, alpha, theta, q`, outputs as in [`Output`], inputs as in [`input`].
+/// Longitudinal motion: states `V, alpha, theta, q`, outputs as in [`Output`].
 ///
 /// ```text
 /// C_k = database + sum_j theta_j r_j(alpha, q_hat, v_hat, elevator, ...)      k = L, D, m
@@ -115,7 +133,7 @@ impl LongitudinalModel {
 
     /// Flight variables of the terms, see [`crate::term::factor_names`].
     #[inline(always)]
-    fn factors<T: Scalar>(&self, x: &[T; STATES], u: &[f64; INPUTS]) -> [T; FACTORS] {
+    fn factors<T: Scalar>(&self, x: &[T; STATES], u: &LongitudinalInput) -> [T; FACTORS] {
         let c = &self.constants;
         let q_hat = match c.rate_speed {
             Some(speed) => x[3] * (0.5 * c.mean_chord / speed),
@@ -125,8 +143,8 @@ impl LongitudinalModel {
         factors[0] = x[1] - c.alpha_reference;
         factors[1] = q_hat;
         factors[2] = x[0] * (1.0 / c.reference_speed);
-        factors[3] = T::from(u[input::ELEVATOR] - c.elevator_reference);
-        for (factor, extra) in factors[4..].iter_mut().zip(&u[input::EXTRA..]) {
+        factors[3] = T::from(u.elevator - c.elevator_reference);
+        for (factor, extra) in factors[4..].iter_mut().zip(&u.extra) {
             *factor = T::from(*extra);
         }
         factors
@@ -138,14 +156,14 @@ impl LongitudinalModel {
         &self,
         x: &[T; STATES],
         theta: &[f64; P],
-        u: &[f64; INPUTS],
+        u: &LongitudinalInput,
         factors: &[T; FACTORS],
     ) -> [T; 3] {
         let mut total = match self.database {
             Database::None => [T::from(0.0); 3],
             ref database => {
                 let q_hat = x[3] * (0.5 * self.constants.mean_chord) / x[0];
-                database.coefficients(x[1], q_hat, T::from(u[input::ELEVATOR]))
+                database.coefficients(x[1], q_hat, T::from(u.elevator))
             }
         };
         for (coefficient, term, value) in &self.known {
@@ -160,19 +178,19 @@ impl LongitudinalModel {
     }
 
     #[inline(always)]
-    fn motion<T: Scalar>(&self, x: &[T; STATES], u: &[f64; INPUTS], [cl, cd, cm]: [T; 3]) -> LongitudinalMotion<T> {
+    fn motion<T: Scalar>(&self, x: &[T; STATES], u: &LongitudinalInput, [cl, cd, cm]: [T; 3]) -> LongitudinalMotion<T> {
         let c = &self.constants;
         let [speed, alpha, theta, q] = *x;
-        let force = speed * speed * (0.5 * u[input::AIR_DENSITY] * c.wing_area);
+        let force = speed * speed * (0.5 * u.air_density * c.wing_area);
         let (sin, cos) = alpha.sin_cos();
-        let thrust = u[input::THRUST];
+        let thrust = u.thrust;
         let loads = LongitudinalLoads {
             force_x: force * (cl * sin - cd * cos) + thrust * self.thrust_direction[0],
             force_z: -(force * (cl * cos + cd * sin)) + thrust * self.thrust_direction[1],
             pitching_moment: force * cm * c.mean_chord + thrust * c.thrust_arm,
         };
         let state = LongitudinalState { speed, alpha, theta, q };
-        longitudinal_motion(&state, &loads, u[input::MASS], u[input::IYY], c.gravity)
+        longitudinal_motion(&state, &loads, u.mass, u.iyy, c.gravity)
     }
 
     /// The output vector, see [`Output`].
@@ -191,7 +209,7 @@ fn variables(x: &[f64; STATES]) -> [Dual<STATES>; STATES] {
 }
 
 impl<const P: usize> Model<STATES, OUTPUTS, P> for LongitudinalModel {
-    type Input = [f64; INPUTS];
+    type Input = LongitudinalInput;
 
     fn parameter_count(&self) -> usize {
         self.columns.len().min(P)
@@ -218,13 +236,9 @@ impl<const P: usize> Model<STATES, OUTPUTS, P> for LongitudinalModel {
             out.rates[i] = rates[i].value;
             out.state_jacobian[i] = rates[i].derivatives;
         }
-        let force = 0.5 * u[input::AIR_DENSITY] * self.constants.wing_area * x[0] * x[0];
+        let force = 0.5 * u.air_density * self.constants.wing_area * x[0] * x[0];
         let values = factors.map(|f| f.value);
-        let per_coefficient = [
-            -force / (u[input::MASS] * x[0]),
-            -force / u[input::MASS],
-            force * self.constants.mean_chord / u[input::IYY],
-        ];
+        let per_coefficient = [-force / (u.mass * x[0]), -force / u.mass, force * self.constants.mean_chord / u.iyy];
         for (j, (coefficient, term)) in self.columns.iter().take(P).enumerate() {
             let mut entry = [0.0; STATES];
             let state = match coefficient {
@@ -254,9 +268,9 @@ impl<const P: usize> Model<STATES, OUTPUTS, P> for LongitudinalModel {
             out.outputs[i] = outputs[i].value;
             out.state_jacobian[i] = outputs[i].derivatives;
         }
-        let force = 0.5 * u[input::AIR_DENSITY] * self.constants.wing_area * x[0] * x[0];
-        let specific = force / u[input::MASS];
-        let angular = force * self.constants.mean_chord / u[input::IYY];
+        let force = 0.5 * u.air_density * self.constants.wing_area * x[0] * x[0];
+        let specific = force / u.mass;
+        let angular = force * self.constants.mean_chord / u.iyy;
         let (sin, cos) = x[1].sin_cos();
         let values = factors.map(|f| f.value);
         for (j, (coefficient, term)) in self.columns.iter().take(P).enumerate() {

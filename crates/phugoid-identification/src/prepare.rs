@@ -5,8 +5,8 @@ use phugoid_flight_dynamics::atmosphere::Atmosphere;
 use phugoid_flight_dynamics::f16::{F16, F16Options};
 
 use crate::estimate::EstimateError;
-use crate::longitudinal::{Database, INPUTS, LongitudinalConstants, LongitudinalModel, input};
-use crate::model_file::{AirDensity, Base, ModelFile, Reference, ReferenceValue, Role, Source, Thrust};
+use crate::longitudinal::{Database, LongitudinalConstants, LongitudinalInput, LongitudinalModel};
+use crate::model_file::{AirDensity, Base, InputHold, ModelFile, Reference, ReferenceValue, Role, Source, Thrust};
 use crate::noise::median;
 use crate::output::{OUTPUTS, Output};
 use crate::quantity::nearest;
@@ -20,7 +20,7 @@ pub struct Prepared {
     /// Time, s.
     pub time: Vec<f64>,
     /// Known input per sample.
-    pub inputs: Vec<[f64; INPUTS]>,
+    pub inputs: Vec<LongitudinalInput>,
     /// Measured outputs per sample; NaN where missing.
     pub outputs: Vec<[f64; OUTPUTS]>,
     /// Index in the record of the first sample used.
@@ -59,14 +59,9 @@ pub fn prepare(record: &Record, file: &ModelFile) -> Result<Prepared, EstimateEr
         (Thrust::Trim, Some(trim)) => vec![trim.thrust; record.time.len()],
         (Thrust::Trim, None) => return Err(EstimateError::Model("thrust = \"trim\" needs a database".to_owned())),
     };
-    let mut columns: Vec<Vec<f64>> = vec![Vec::new(); INPUTS];
-    columns[input::ELEVATOR] = channel(record, "elevator")?.to_vec();
-    columns[input::AIR_DENSITY] = density;
-    columns[input::THRUST] = thrust;
-    columns[input::MASS] = mass;
-    columns[input::IYY] = iyy;
-    for (slot, name) in columns[input::EXTRA..].iter_mut().zip(&file.extra_inputs) {
-        *slot = channel(record, name)?.to_vec();
+    let mut columns = vec![channel(record, "elevator")?.to_vec(), density, thrust, mass, iyy];
+    for name in &file.extra_inputs {
+        columns.push(channel(record, name)?.to_vec());
     }
     let mut measured: Vec<Option<&[f64]>> = Vec::with_capacity(OUTPUTS);
     for output in Output::ALL {
@@ -75,9 +70,9 @@ pub fn prepare(record: &Record, file: &ModelFile) -> Result<Prepared, EstimateEr
     }
 
     // Everything known, nothing filled in from later samples: start where every input has a value.
-    let complete = |k: usize| columns.iter().all(|c| c.is_empty() || c[k].is_finite());
+    let complete = |k: usize| columns.iter().all(|c| c[k].is_finite());
     let Some(first) = (0..record.time.len()).find(|&k| complete(k)) else {
-        let culprit = columns.iter().position(|c| !c.is_empty() && !c.iter().any(|v| v.is_finite())).unwrap_or(0);
+        let culprit = columns.iter().position(|c| !c.iter().any(|v| v.is_finite())).unwrap_or(0);
         return Err(EstimateError::EmptyChannel(input_name(culprit, &file.extra_inputs)));
     };
     if first > 0 {
@@ -90,15 +85,23 @@ pub fn prepare(record: &Record, file: &ModelFile) -> Result<Prepared, EstimateEr
     if samples < 20 {
         return Err(EstimateError::TooShort { samples });
     }
-    for (index, column) in columns.iter_mut().enumerate().filter(|(_, c)| !c.is_empty()) {
+    for (index, column) in columns.iter_mut().enumerate() {
         let held = hold(&mut column[first..]);
         if held > 0 {
             let name = input_name(index, &file.extra_inputs);
             notes.push(format!("input `{name}` is missing in {held} samples: its last value was held there"));
         }
     }
-    let inputs: Vec<[f64; INPUTS]> = (first..record.time.len())
-        .map(|k| std::array::from_fn(|i| columns[i].get(k).copied().unwrap_or(0.0)))
+    let inputs: Vec<LongitudinalInput> = (first..record.time.len())
+        .map(|k| LongitudinalInput {
+            elevator: columns[0][k],
+            air_density: columns[1][k],
+            thrust: columns[2][k],
+            mass: columns[3][k],
+            iyy: columns[4][k],
+            extra: std::array::from_fn(|i| columns.get(5 + i).map_or(0.0, |c| c[k])),
+            controls_held: file.input == InputHold::Held,
+        })
         .collect();
     let outputs: Vec<[f64; OUTPUTS]> = (first..record.time.len())
         .map(|k| std::array::from_fn(|i| measured[i].map_or(f64::NAN, |values| values[k])))
@@ -110,8 +113,7 @@ pub fn prepare(record: &Record, file: &ModelFile) -> Result<Prepared, EstimateEr
     }
 
     let alpha = reference_value(file.reference.alpha, trim.map(|t| t.alpha), || first_alpha(&outputs))?;
-    let elevator =
-        reference_value(file.reference.elevator, trim.map(|t| t.elevator), || Some(inputs[0][input::ELEVATOR]))?;
+    let elevator = reference_value(file.reference.elevator, trim.map(|t| t.elevator), || Some(inputs[0].elevator))?;
     let model = build(file, database, alpha, elevator);
     Ok(Prepared { model, time: record.time[first..].to_vec(), inputs, outputs, first, notes })
 }
@@ -235,9 +237,9 @@ fn hold(values: &mut [f64]) -> usize {
     held
 }
 
-/// Name of a position of the input vector.
-pub(crate) fn input_name(index: usize, extra_inputs: &[String]) -> String {
+/// Name of an input by its position among all.
+fn input_name(index: usize, extra_inputs: &[String]) -> String {
     let fixed = ["elevator", "air_density", "thrust", "mass", "iyy"];
-    let extra = || extra_inputs.get(index.wrapping_sub(input::EXTRA)).cloned();
+    let extra = || extra_inputs.get(index.wrapping_sub(fixed.len())).cloned();
     fixed.get(index).map(|n| (*n).to_owned()).or_else(extra).unwrap_or_default()
 }

@@ -2,7 +2,7 @@
 
 use phugoid_estimators::{LinearizedOutputs, LinearizedRates, Model};
 use phugoid_flight_dynamics::f16::{F16, F16Options};
-use phugoid_identification::longitudinal::{Database, INPUTS, LongitudinalModel};
+use phugoid_identification::longitudinal::{Database, LongitudinalInput, LongitudinalModel};
 use phugoid_identification::model_file::ModelFile;
 use phugoid_identification::output::{OUTPUTS, STATES};
 use phugoid_identification::prepare::build;
@@ -37,13 +37,13 @@ fn rich() -> LongitudinalModel {
     build(&file, Database::F16(Box::new(aircraft)), 0.0417, -0.0343)
 }
 
-fn outputs(m: &LongitudinalModel, x: &[f64; STATES], theta: &[f64; P], u: &[f64; INPUTS]) -> [f64; OUTPUTS] {
+fn outputs(m: &LongitudinalModel, x: &[f64; STATES], theta: &[f64; P], u: &LongitudinalInput) -> [f64; OUTPUTS] {
     let mut out = LinearizedOutputs::<STATES, OUTPUTS, P>::ZERO;
     m.linearized_outputs(x, theta, u, &mut out);
     out.outputs
 }
 
-fn check_jacobians(m: &LongitudinalModel, x: [f64; STATES], theta: [f64; P], u: [f64; INPUTS]) {
+fn check_jacobians(m: &LongitudinalModel, x: [f64; STATES], theta: [f64; P], u: LongitudinalInput) {
     let mut rates = LinearizedRates::<STATES, P>::ZERO;
     m.linearized_rates(&x, &theta, &u, &mut rates);
     let mut out = LinearizedOutputs::<STATES, OUTPUTS, P>::ZERO;
@@ -98,7 +98,7 @@ proptest! {
         values in proptest::array::uniform24(-2.0..2.0_f64),
     ) {
         let x = [speed, alpha, pitch, q];
-        let u = [elevator, density, thrust, 9300.0, 75000.0, flap, 0.0, 0.0];
+        let u = LongitudinalInput { elevator, air_density: density, thrust, mass: 9300.0, iyy: 75000.0, extra: [flap, 0.0, 0.0], controls_held: false };
         for model in [hfb320(), f16(), rich()] {
             check_jacobians(&model, x, values, u);
         }
@@ -129,7 +129,14 @@ fn hfb320_rates_are_the_books() {
         q,
         sc_i * qbar * cm + lt * thrust,
     ];
-    let u = [de, 0.792, thrust, 7472.0, 91388.0, 0.0, 0.0, 0.0];
+    let u = LongitudinalInput {
+        elevator: de,
+        air_density: 0.792,
+        thrust,
+        mass: 7472.0,
+        iyy: 91388.0,
+        ..LongitudinalInput::default()
+    };
     let found = <LongitudinalModel as Model<STATES, OUTPUTS, P>>::rates(&m, &[v, a, pitch, q], &theta, &u);
     for i in 0..STATES {
         // The book rounds S/m and S c/Iyy to four and five digits.
