@@ -8,6 +8,8 @@ pub mod f16;
 pub mod gust;
 pub mod increments;
 pub mod integrate;
+#[cfg(feature = "std")]
+pub mod linearize;
 pub mod longitudinal;
 pub mod mass;
 #[cfg(feature = "std")]

@@ -1,4 +1,5 @@
 //! The integrators against known solutions, their orders of convergence and their conserved quantities.
+#![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests are tests
 
 use std::f64::consts::PI;
 

@@ -1,4 +1,5 @@
 //! Sensors: their statistics, timing and reproducibility.
+#![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests are tests
 
 use phugoid_flight_dynamics::sensors::{Sensor, SensorError, SensorSpecification, SensorSuite};
 use proptest::prelude::*;

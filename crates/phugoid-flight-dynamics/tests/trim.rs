@@ -1,4 +1,5 @@
 //! Trim against the tables of Stevens, Lewis & Johnson, and its limits.
+#![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests are tests
 
 mod reference;
 
