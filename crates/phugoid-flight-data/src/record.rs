@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::channels;
 use crate::quality::QualityReport;
 
 /// The physical quantity of a channel: it decides which unit suffixes are understood and the SI unit kept inside.
@@ -38,6 +39,68 @@ pub enum Quantity {
     Number,
 }
 
+impl Quantity {
+    /// The SI unit as printed: `rad/s`, `kg m^2`, `-` for a pure number.
+    pub fn si_unit(self) -> &'static str {
+        match self {
+            Quantity::Time => "s",
+            Quantity::Angle => "rad",
+            Quantity::AngularRate => "rad/s",
+            Quantity::AngularAcceleration => "rad/s^2",
+            Quantity::Speed => "m/s",
+            Quantity::Acceleration => "m/s^2",
+            Quantity::Length => "m",
+            Quantity::Pressure => "Pa",
+            Quantity::Density => "kg/m^3",
+            Quantity::Force => "N",
+            Quantity::Mass => "kg",
+            Quantity::Inertia => "kg m^2",
+            Quantity::Temperature => "K",
+            Quantity::Number => "-",
+        }
+    }
+
+    /// The SI unit as a header suffix: `rad_s`, `kg_m2`, empty for a pure number.
+    pub fn si_suffix(self) -> &'static str {
+        match self {
+            Quantity::Time => "s",
+            Quantity::Angle => "rad",
+            Quantity::AngularRate => "rad_s",
+            Quantity::AngularAcceleration => "rad_s2",
+            Quantity::Speed => "m_s",
+            Quantity::Acceleration => "m_s2",
+            Quantity::Length => "m",
+            Quantity::Pressure => "pa",
+            Quantity::Density => "kg_m3",
+            Quantity::Force => "n",
+            Quantity::Mass => "kg",
+            Quantity::Inertia => "kg_m2",
+            Quantity::Temperature => "k",
+            Quantity::Number => "",
+        }
+    }
+
+    /// What it is in a sentence: `an angle`, `a speed`.
+    pub fn in_words(self) -> &'static str {
+        match self {
+            Quantity::Time => "a time",
+            Quantity::Angle => "an angle",
+            Quantity::AngularRate => "an angular rate",
+            Quantity::AngularAcceleration => "an angular acceleration",
+            Quantity::Speed => "a speed",
+            Quantity::Acceleration => "an acceleration",
+            Quantity::Length => "a length",
+            Quantity::Pressure => "a pressure",
+            Quantity::Density => "a density",
+            Quantity::Force => "a force",
+            Quantity::Mass => "a mass",
+            Quantity::Inertia => "a moment of inertia",
+            Quantity::Temperature => "a temperature",
+            Quantity::Number => "a pure number",
+        }
+    }
+}
+
 /// One measured or computed signal on the record's time base.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Channel {
@@ -67,4 +130,70 @@ impl Record {
     pub fn channel(&self, name: &str) -> Option<&Channel> {
         self.channels.iter().find(|c| c.name == name)
     }
+
+    /// The channel with this canonical name, or an error that says what there is instead.
+    ///
+    /// # Errors
+    /// [`MissingChannel`] if the record has no channel of this name.
+    pub fn require(&self, name: &str) -> Result<&Channel, MissingChannel> {
+        self.channel(name).ok_or_else(|| {
+            let alike = self
+                .channels
+                .iter()
+                .map(|channel| (channel, strsim::normalized_damerau_levenshtein(name, &channel.name)))
+                .filter(|&(_, likeness)| likeness >= 0.6)
+                .max_by(|a, b| a.1.total_cmp(&b.1))
+                .map(|(channel, _)| channel.name.clone());
+            MissingChannel {
+                source_name: self.source.clone(),
+                channel: name.to_owned(),
+                header: match channels::by_name(name) {
+                    Some(spec) if spec.quantity != Quantity::Number => {
+                        format!("{name}_{}", spec.quantity.si_suffix())
+                    }
+                    _ => name.to_owned(),
+                },
+                alike,
+                available: self.channels.iter().map(|channel| channel.name.clone()).collect(),
+            }
+        })
+    }
+
+    /// Number of times.
+    pub fn len(&self) -> usize {
+        self.time.len()
+    }
+
+    /// True if there is no time at all.
+    pub fn is_empty(&self) -> bool {
+        self.time.is_empty()
+    }
+
+    /// Median of the time steps, s; zero if there are fewer than two times.
+    pub fn sample_time_s(&self) -> f64 {
+        let mut steps: Vec<f64> = self.time.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        steps.sort_by(f64::total_cmp);
+        steps.get(steps.len() / 2).copied().unwrap_or(0.0)
+    }
+}
+
+/// A channel that was needed and is not in the record.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "{source_name}: there is no channel '{channel}'{}. The record has: {}. \
+     Give the column the header '{header}', or map it in the model file.",
+    alike.as_ref().map(|alike| format!(" (did you mean '{alike}'?)")).unwrap_or_default(),
+    available.join(", ")
+)]
+pub struct MissingChannel {
+    /// Where the record came from.
+    pub source_name: String,
+    /// The channel that was asked for.
+    pub channel: String,
+    /// A header that would have been read as this channel.
+    pub header: String,
+    /// A channel of the record with a similar name.
+    pub alike: Option<String>,
+    /// The channels that there are.
+    pub available: Vec<String>,
 }

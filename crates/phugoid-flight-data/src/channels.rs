@@ -1,0 +1,209 @@
+//! The channels that are known by name: canonical names, quantities, signs and synonyms.
+//!
+//! Axes are body axes: x forward, y to the right wing, z down. Angles and rates follow the right-hand rule about them.
+//! `docs/units-and-signs.md` shows this table; a test keeps the two alike.
+
+use crate::record::Quantity;
+use Quantity::{
+    Acceleration, Angle, AngularAcceleration, AngularRate, Density, Force, Inertia, Length, Mass, Number, Pressure,
+    Speed, Temperature, Time,
+};
+
+/// One known channel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ChannelSpec {
+    /// Canonical name, as used in records and model files.
+    pub name: &'static str,
+    /// What it is; values inside are in the SI unit of this quantity.
+    pub quantity: Quantity,
+    /// What it is, in words.
+    pub description: &'static str,
+    /// Which way is positive; empty where there is no question.
+    pub sign: &'static str,
+    /// Other header names that are understood. Case, spaces and underscores do not matter.
+    pub synonyms: &'static [&'static str],
+    /// Is it a signal that moves in a manoeuvre? A constant value is then worth a word.
+    pub moves: bool,
+}
+
+const fn moving(
+    name: &'static str,
+    quantity: Quantity,
+    description: &'static str,
+    sign: &'static str,
+    synonyms: &'static [&'static str],
+) -> ChannelSpec {
+    ChannelSpec { name, quantity, description, sign, synonyms, moves: true }
+}
+
+const fn slow(
+    name: &'static str,
+    quantity: Quantity,
+    description: &'static str,
+    sign: &'static str,
+    synonyms: &'static [&'static str],
+) -> ChannelSpec {
+    ChannelSpec { name, quantity, description, sign, synonyms, moves: false }
+}
+
+/// Every known channel. Where two share a synonym (`q` is a pitch rate or a dynamic pressure, `t` a time or a
+/// temperature) the unit decides, and without a unit the first one here is meant.
+#[rustfmt::skip]
+pub const CHANNELS: &[ChannelSpec] = &[
+    slow("time", Time, "time", "strictly increasing", &["t", "timestamp", "elapsed_time", "elapsed", "time_stamp"]),
+
+    moving("true_airspeed", Speed, "true airspeed", "", &["tas", "vt", "vtas", "v_true", "airspeed_true", "speed_true"]),
+    slow("calibrated_airspeed", Speed, "calibrated airspeed", "", &["cas", "vc", "vcas", "vcal", "airspeed_calibrated"]),
+    slow("indicated_airspeed", Speed, "indicated airspeed", "", &["ias", "vi", "vias", "airspeed_indicated"]),
+    slow("equivalent_airspeed", Speed, "equivalent airspeed", "", &["eas", "ve", "veas", "airspeed_equivalent"]),
+    slow("ground_speed", Speed, "speed over ground", "", &["gs", "gnd_spd", "ground_spd"]),
+    slow("vertical_speed", Speed, "rate of climb", "up", &["climb_rate", "rate_of_climb", "roc", "vspd", "hdot", "altitude_rate"]),
+    moving("u", Speed, "velocity through the air along body x", "forward", &["u_body", "ub"]),
+    moving("v", Speed, "velocity through the air along body y", "to the right", &["v_body", "vb"]),
+    moving("w", Speed, "velocity through the air along body z", "down", &["w_body", "wb"]),
+
+    moving("alpha", Angle, "angle of attack", "air from below", &["aoa", "angle_of_attack", "alfa", "alpha_true"]),
+    moving("beta", Angle, "angle of sideslip", "air from the right", &["aos", "sideslip", "angle_of_sideslip", "sideslip_angle", "beta_true"]),
+    moving("theta", Angle, "pitch attitude", "nose up", &["pitch", "pitch_angle", "pitch_attitude"]),
+    moving("phi", Angle, "bank angle", "right wing down", &["roll", "roll_angle", "roll_attitude", "bank", "bank_angle"]),
+    slow("psi", Angle, "heading", "nose right, zero at north", &["yaw", "yaw_angle", "heading", "hdg", "true_heading", "heading_true"]),
+    moving("flight_path_angle", Angle, "flight-path angle", "climbing", &["gamma", "fpa"]),
+
+    moving("p", AngularRate, "roll rate about body x", "right wing going down", &["roll_rate", "p_body", "gyro_x", "gyr_x", "omega_x"]),
+    moving("q", AngularRate, "pitch rate about body y", "nose going up", &["pitch_rate", "q_body", "gyro_y", "gyr_y", "omega_y"]),
+    moving("r", AngularRate, "yaw rate about body z", "nose going right", &["yaw_rate", "r_body", "gyro_z", "gyr_z", "omega_z"]),
+    moving("pdot", AngularAcceleration, "roll acceleration", "as p", &["roll_acceleration", "roll_accel", "dp_dt"]),
+    moving("qdot", AngularAcceleration, "pitch acceleration", "as q", &["pitch_acceleration", "pitch_accel", "dq_dt"]),
+    moving("rdot", AngularAcceleration, "yaw acceleration", "as r", &["yaw_acceleration", "yaw_accel", "dr_dt"]),
+
+    moving("ax", Acceleration, "specific force at the centre of gravity along body x, what an accelerometer shows", "forward",
+        &["accel_x", "acc_x", "a_x", "x_accel", "acceleration_x", "longitudinal_acceleration", "longitudinal_accel"]),
+    moving("ay", Acceleration, "specific force at the centre of gravity along body y", "to the right",
+        &["accel_y", "acc_y", "a_y", "y_accel", "acceleration_y", "lateral_acceleration", "lateral_accel"]),
+    moving("az", Acceleration, "specific force at the centre of gravity along body z", "down: about -9.8 m/s2 in level flight",
+        &["accel_z", "acc_z", "a_z", "z_accel", "acceleration_z"]),
+    moving("nx", Number, "load factor ax/g", "forward", &["n_x", "longitudinal_load_factor"]),
+    moving("ny", Number, "load factor ay/g", "to the right", &["n_y", "lateral_load_factor"]),
+    moving("nz", Number, "normal load factor -az/g", "up: about +1 in level flight", &["n_z", "load_factor", "normal_load_factor"]),
+
+    moving("elevator", Angle, "elevator or all-moving tail deflection", "trailing edge down",
+        &["de", "delta_e", "elev", "elevator_deflection", "elevator_position", "elevator_angle", "stabilator"]),
+    slow("aileron", Angle, "aileron deflection", "right aileron trailing edge down (rolls left)",
+        &["da", "delta_a", "ail", "aileron_deflection", "aileron_position", "aileron_angle"]),
+    slow("rudder", Angle, "rudder deflection", "trailing edge left (yaws left)",
+        &["dr", "delta_r", "rud", "rudder_deflection", "rudder_position", "rudder_angle"]),
+    slow("flaps", Angle, "trailing-edge flap deflection", "trailing edge down", &["flap", "flap_angle", "flap_position", "flap_deflection"]),
+    slow("leading_edge_flap", Angle, "leading-edge flap deflection", "leading edge down", &["lef", "leading_edge_flaps"]),
+    slow("speed_brake", Angle, "speed-brake deflection", "open", &["speedbrakes", "airbrake"]),
+    slow("throttle", Number, "throttle, 0 idle to 1 full", "more thrust", &["thr", "throttle_position", "power_lever"]),
+
+    slow("altitude", Length, "geometric altitude above mean sea level", "up", &["alt", "h", "altitude_msl", "alt_msl", "geometric_altitude"]),
+    slow("pressure_altitude", Length, "altitude of the static pressure in the standard atmosphere", "up",
+        &["hp", "palt", "press_alt", "alt_press", "baro_altitude", "altitude_pressure", "altitude_baro"]),
+    slow("north", Length, "distance flown to the north", "north", &["position_north", "pos_n"]),
+    slow("east", Length, "distance flown to the east", "east", &["position_east", "pos_e"]),
+    slow("latitude", Angle, "latitude", "north", &["lat"]),
+    slow("longitude", Angle, "longitude", "east", &["lon", "lng"]),
+
+    slow("dynamic_pressure", Pressure, "dynamic pressure, half density times true airspeed squared", "", &["qbar", "q", "dyn_press", "pdyn", "dynamic_press"]),
+    slow("impact_pressure", Pressure, "pitot minus static pressure", "", &["qc", "qci", "differential_pressure", "diff_press"]),
+    slow("static_pressure", Pressure, "static pressure of the air", "", &["pressure", "p", "ps", "p_static", "ambient_pressure", "baro_pressure"]),
+    slow("air_density", Density, "density of the air", "", &["rho", "density"]),
+    slow("temperature", Temperature, "static temperature of the air", "", &["oat", "sat", "static_temperature", "outside_air_temperature", "air_temperature", "temp", "t"]),
+    slow("total_temperature", Temperature, "total temperature of the air", "", &["tat"]),
+    slow("mach", Number, "Mach number", "", &["mach_number", "mach_no"]),
+
+    slow("thrust", Force, "total thrust of all engines", "forward", &["net_thrust", "total_thrust", "thrust_total", "t"]),
+    slow("mass", Mass, "mass of the aircraft", "", &["aircraft_mass", "gross_mass", "weight", "gross_weight", "m"]),
+    slow("ixx", Inertia, "moment of inertia about body x", "", &["jx", "i_xx"]),
+    slow("iyy", Inertia, "moment of inertia about body y", "", &["jy", "i_yy"]),
+    slow("izz", Inertia, "moment of inertia about body z", "", &["jz", "i_zz"]),
+    slow("ixz", Inertia, "product of inertia, integral of x z dm", "", &["jxz", "i_xz"]),
+    slow("cg", Number, "centre of gravity, fraction of the mean aerodynamic chord behind its leading edge", "aft", &["xcg", "x_cg", "cg_position", "center_of_gravity", "centre_of_gravity"]),
+    slow("fuel", Mass, "fuel on board", "", &["fuel_mass", "fuel_quantity", "fuel_weight", "fuel_total"]),
+];
+
+/// Header names that could mean several channels and are never guessed, with what they could mean.
+pub const AMBIGUOUS: &[(&str, &[&str])] = &[
+    ("airspeed", &["true_airspeed", "calibrated_airspeed", "indicated_airspeed"]),
+    ("speed", &["true_airspeed", "calibrated_airspeed", "indicated_airspeed", "ground_speed"]),
+    ("velocity", &["true_airspeed", "ground_speed"]),
+    ("v", &["true_airspeed", "v"]),
+];
+
+/// The channel with this canonical name (exactly).
+pub fn by_name(name: &str) -> Option<&'static ChannelSpec> {
+    CHANNELS.iter().find(|channel| channel.name == name)
+}
+
+/// All channels that this name, in any spelling, can mean: canonical name or synonym; the likeliest first.
+pub fn by_any_name(name: &str) -> Vec<&'static ChannelSpec> {
+    let key = key(name);
+    CHANNELS
+        .iter()
+        .filter(|channel| key_is(channel.name, &key) || channel.synonyms.iter().any(|synonym| key_is(synonym, &key)))
+        .collect()
+}
+
+/// The canonical name nearest to a misspelt one, if any is near: `aplha` gives `alpha`.
+pub fn nearest(name: &str) -> Option<&'static str> {
+    let key = key(name);
+    // Short names are all near one another, and so are the `delta_e` kind.
+    if key.len() < 4 {
+        return None;
+    }
+    let spellings = CHANNELS.iter().flat_map(|channel| {
+        let synonyms = channel.synonyms.iter().filter(|synonym| synonym.len() > 3 && !synonym.starts_with("delta_"));
+        std::iter::once(channel.name).chain(synonyms.copied()).map(move |spelling| (channel.name, spelling))
+    });
+    spellings
+        .map(|(name, spelling)| (name, strsim::normalized_damerau_levenshtein(&key, &self::key(spelling))))
+        .filter(|&(_, likeness)| likeness >= 0.75)
+        .max_by(|a, b| a.1.total_cmp(&b.1))
+        .map(|(name, _)| name)
+}
+
+/// Letters and digits alone, lower case: `True Airspeed`, `true_airspeed` and `TrueAirspeed` are one name.
+pub(crate) fn key(name: &str) -> String {
+    name.chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect()
+}
+
+fn key_is(spelling: &str, key: &str) -> bool {
+    spelling.bytes().filter(|&b| b != b'_').eq(key.bytes())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_name_means_one_channel_per_quantity() {
+        for channel in CHANNELS {
+            for spelling in std::iter::once(channel.name).chain(channel.synonyms.iter().copied()) {
+                let same: Vec<_> =
+                    by_any_name(spelling).into_iter().filter(|other| other.quantity == channel.quantity).collect();
+                assert_eq!(same, [channel], "{spelling} is claimed twice");
+            }
+            assert_eq!(by_any_name(channel.name).first(), Some(&channel), "{} must mean itself first", channel.name);
+        }
+    }
+
+    #[test]
+    fn ambiguous_names_lead_to_known_channels() {
+        for (_, meanings) in AMBIGUOUS {
+            for meaning in *meanings {
+                assert!(by_name(meaning).is_some(), "{meaning}");
+            }
+        }
+    }
+
+    #[test]
+    fn misspelt_names_find_their_neighbour() {
+        assert_eq!(nearest("aplha"), Some("alpha"));
+        assert_eq!(nearest("elevater"), Some("elevator"));
+        assert_eq!(nearest("True_Airsped"), Some("true_airspeed"));
+        assert_eq!(nearest("pich_rate"), Some("q"));
+        assert_eq!(nearest("q1"), None);
+        assert_eq!(nearest("humidity"), None);
+    }
+}

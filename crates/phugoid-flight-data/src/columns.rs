@@ -1,0 +1,380 @@
+//! Which column becomes which channel.
+
+use crate::channels::{self, ChannelSpec};
+use crate::csv::{ColumnMapping, CsvOptions, ReadError};
+use crate::header::{self, Conflict, Doubt, Meaning};
+use crate::quality::QualityReport;
+use crate::record::Quantity;
+use crate::units::{self, Unit};
+
+/// The head of a file: one header per column, and perhaps a row of units below.
+pub(crate) struct Head<'a> {
+    pub(crate) source: &'a str,
+    pub(crate) line: usize,
+    pub(crate) headers: &'a [String],
+    pub(crate) units: Option<&'a [String]>,
+}
+
+/// One column and what it becomes.
+#[derive(Clone, Debug)]
+pub(crate) struct ColumnUse {
+    pub(crate) column: usize,
+    pub(crate) header: String,
+    pub(crate) name: String,
+    pub(crate) spec: Option<&'static ChannelSpec>,
+    pub(crate) unit: Unit,
+    pub(crate) unit_assumed: bool,
+    pub(crate) scale: f64,
+}
+
+impl ColumnUse {
+    pub(crate) fn to_si(&self, value: f64) -> f64 {
+        self.unit.to_si(self.scale * value)
+    }
+}
+
+/// The time column (none if the sample time is given) and the channels in the order of the file.
+pub(crate) struct Plan {
+    pub(crate) time: Option<ColumnUse>,
+    pub(crate) channels: Vec<ColumnUse>,
+}
+
+/// Decides for every column, and says in the report what was assumed.
+pub(crate) fn plan(head: &Head<'_>, options: &CsvOptions, report: &mut QualityReport) -> Result<Plan, ReadError> {
+    let mut uses = Vec::new();
+    for mapping in &options.columns {
+        uses.push(mapped(head, mapping, report)?);
+    }
+    if let Some((first, second)) = first_pair(&uses, |a, b| a.name == b.name) {
+        return Err(two_columns(head, first, second));
+    }
+    let mapped_columns: Vec<usize> = uses.iter().map(|column| column.column).collect();
+    let mapped_names: Vec<String> = uses.iter().map(|column| column.name.clone()).collect();
+    for column in 0..head.headers.len() {
+        if !mapped_columns.contains(&column)
+            && let Some(used) = automatic(head, column, &mapped_names, &uses, report)?
+        {
+            uses.push(used);
+        }
+    }
+    uses.sort_by_key(|column| column.column);
+    name_apart(&mut uses, report);
+
+    let time = uses.iter().position(|column| column.name == "time").map(|index| uses.remove(index));
+    if time.is_none() && options.sample_time_s.is_none() {
+        return Err(no_time(head));
+    }
+    for column in uses.iter().filter(|column| column.unit_assumed) {
+        say_assumed(column, report);
+    }
+    Ok(Plan { time, channels: uses })
+}
+
+/// The warning about a column without a unit.
+pub(crate) fn say_assumed(column: &ColumnUse, report: &mut QualityReport) {
+    let quantity = column.unit.quantity;
+    report.warn(
+        format!("column '{}'", column.header),
+        format!(
+            "{} is {} but no unit is written; taken as {} (SI). Write the unit into the header, e.g. {}_{}; understood \
+             are {}",
+            column.name,
+            quantity.in_words(),
+            quantity.si_unit(),
+            column.header,
+            quantity.si_suffix(),
+            units::accepted(quantity)
+        ),
+    );
+}
+
+fn unit_below<'a>(head: &Head<'a>, column: usize) -> Option<&'a str> {
+    head.units.and_then(|units| units.get(column)).map(String::as_str)
+}
+
+fn mapped(head: &Head<'_>, mapping: &ColumnMapping, report: &mut QualityReport) -> Result<ColumnUse, ReadError> {
+    let bad = |problem: String| ReadError::BadMapping {
+        channel: mapping.channel.clone(),
+        header: mapping.header.clone(),
+        problem,
+    };
+    if mapping.channel.trim().is_empty() {
+        return Err(bad("the channel has no name".into()));
+    }
+    if !mapping.scale.is_finite() || mapping.scale == 0.0 {
+        return Err(bad(format!("scale = {} makes no sense; write 1, -1 or another factor", mapping.scale)));
+    }
+    let spec = channels::by_name(&mapping.channel);
+    if spec.is_none() {
+        let synonym = channels::by_any_name(&mapping.channel).first().map(|spec| spec.name);
+        if let Some(name) = synonym.or_else(|| channels::nearest(&mapping.channel)) {
+            return Err(bad(format!("'{}' is no channel name; did you mean '{name}'?", mapping.channel)));
+        }
+    }
+    let column = find_column(head, mapping)?;
+    let header = head.headers.get(column).cloned().unwrap_or_default();
+    let below = unit_below(head, column);
+    let quantity = spec.map(|spec| spec.quantity);
+    let mut unit_assumed = false;
+    let unit = match (&mapping.unit, quantity) {
+        (Some(text), Some(quantity)) => units::find_for(text, quantity).ok_or_else(|| {
+            let accepted = units::accepted(quantity);
+            bad(format!("unit '{text}' is not understood for {}; accepted are {accepted}", quantity.in_words()))
+        })?,
+        (Some(text), None) => *units::find(text).first().ok_or_else(|| {
+            bad(format!("unit '{text}' is not understood; write for instance deg, rad/s, ft/s, kt, psf"))
+        })?,
+        (None, Some(quantity)) => header::unit_for(&header, below, quantity).unwrap_or_else(|| {
+            unit_assumed = quantity != Quantity::Number;
+            si(quantity)
+        }),
+        (None, None) => match header::interpret(&header, below) {
+            Ok(Meaning::Known { unit: Some(unit), .. } | Meaning::Unknown { unit: Some(unit), .. }) => unit,
+            _ => si(Quantity::Number),
+        },
+    };
+    if mapping.scale != 1.0 {
+        report.note(
+            format!("column '{header}'"),
+            format!("multiplied by {} to become {}, as the mapping asks", mapping.scale, mapping.channel),
+        );
+    }
+    Ok(ColumnUse { column, header, name: mapping.channel.clone(), spec, unit, unit_assumed, scale: mapping.scale })
+}
+
+fn find_column(head: &Head<'_>, mapping: &ColumnMapping) -> Result<usize, ReadError> {
+    let wanted = mapping.header.trim();
+    let alike = |loose: bool| -> Vec<usize> {
+        let same = |header: &String| match loose {
+            true => header.trim().to_lowercase() == wanted.to_lowercase(),
+            false => header.trim() == wanted,
+        };
+        head.headers.iter().enumerate().filter(|(_, header)| same(header)).map(|(column, _)| column).collect()
+    };
+    let exact = alike(false);
+    let found = if exact.is_empty() { alike(true) } else { exact };
+    match found.as_slice() {
+        [one] => Ok(*one),
+        [first, second, ..] => Err(ReadError::TwoColumns {
+            source_name: head.source.to_owned(),
+            line: head.line,
+            channel: mapping.channel.clone(),
+            first_column: first + 1,
+            first: head.headers.get(*first).cloned().unwrap_or_default(),
+            second_column: second + 1,
+            second: head.headers.get(*second).cloned().unwrap_or_default(),
+        }),
+        [] => {
+            let likeness = |header: &str| {
+                strsim::normalized_damerau_levenshtein(&wanted.to_lowercase(), &header.trim().to_lowercase())
+            };
+            let nearest = head
+                .headers
+                .iter()
+                .map(|header| (header, likeness(header)))
+                .filter(|&(_, likeness)| likeness >= 0.6)
+                .max_by(|a, b| a.1.total_cmp(&b.1));
+            Err(ReadError::MappedColumnMissing {
+                source_name: head.source.to_owned(),
+                line: head.line,
+                mapping: Box::new(mapping.clone()),
+                nearest: nearest.map(|(header, _)| format!("; did you mean '{header}'?")).unwrap_or_default(),
+                headers: list(head.headers),
+            })
+        }
+    }
+}
+
+fn automatic(
+    head: &Head<'_>,
+    column: usize,
+    mapped_names: &[String],
+    uses: &[ColumnUse],
+    report: &mut QualityReport,
+) -> Result<Option<ColumnUse>, ReadError> {
+    let header = head.headers.get(column).map(|header| header.trim()).unwrap_or_default().to_owned();
+    let place = format!("column '{header}'");
+    let below = unit_below(head, column);
+    let meaning = header::interpret(&header, below).map_err(|Conflict { first, second }| ReadError::TwoUnits {
+        source_name: head.source.to_owned(),
+        line: head.line,
+        column: column + 1,
+        header: header.clone(),
+        first,
+        second,
+    })?;
+    let meaning = body_velocity(meaning, head);
+    match meaning {
+        Meaning::Known { spec, unit } => {
+            if mapped_names.iter().any(|name| name == spec.name) {
+                report.note(place, format!("left out: the mapping takes {} from another column", spec.name));
+                return Ok(None);
+            }
+            let used = ColumnUse {
+                column,
+                header,
+                name: spec.name.to_owned(),
+                spec: Some(spec),
+                unit: unit.unwrap_or_else(|| si(spec.quantity)),
+                unit_assumed: unit.is_none() && spec.quantity != Quantity::Number,
+                scale: 1.0,
+            };
+            match uses.iter().find(|other| other.name == spec.name) {
+                Some(other) => Err(two_columns(head, other, &used)),
+                None => Ok(Some(used)),
+            }
+        }
+        Meaning::Unknown { name, unit, doubt } => {
+            let mut name = name;
+            if let Some(doubt) = doubt {
+                doubtful(&place, &header, &doubt, head, report);
+            }
+            if name.is_empty() {
+                name = format!("column_{}", column + 1);
+            }
+            // A foreign column must not pass for a known channel (`airspeed` mapped by hand, `v` in doubt).
+            if channels::by_name(&name).is_some() {
+                name = format!("{name}?");
+            }
+            let unit = unit.unwrap_or_else(|| si(Quantity::Number));
+            Ok(Some(ColumnUse { column, header, name, spec: None, unit, unit_assumed: false, scale: 1.0 }))
+        }
+    }
+}
+
+/// `v` beside `u` or `w` is the lateral velocity; alone it may as well be the airspeed.
+fn body_velocity(meaning: Meaning, head: &Head<'_>) -> Meaning {
+    let Meaning::Unknown { unit, doubt: Some(Doubt::Ambiguous(meanings)), .. } = &meaning else { return meaning };
+    let Some(spec) = meanings.iter().find(|name| **name == "v").and_then(|name| channels::by_name(name)) else {
+        return meaning;
+    };
+    let neighbour = head.headers.iter().any(
+        |header| matches!(header::interpret(header, None), Ok(Meaning::Known { spec, .. }) if matches!(spec.name, "u" | "w")),
+    );
+    let suits = unit.is_none_or(|unit| unit.quantity == spec.quantity);
+    if neighbour && suits { Meaning::Known { spec, unit: *unit } } else { meaning }
+}
+
+fn doubtful(place: &str, header: &str, doubt: &Doubt, head: &Head<'_>, report: &mut QualityReport) {
+    match doubt {
+        Doubt::Unit { spec, text, found } => {
+            let what = match found {
+                Some(quantity) => format!("'{text}' is {}", quantity.in_words()),
+                None => format!("'{text}' is no unit that is understood"),
+            };
+            report.warn(
+                place,
+                format!(
+                    "looks like {} ({}), but {what}; kept as a channel of its own, not as {}. Write one of the units {} \
+                     or map it",
+                    spec.name,
+                    spec.quantity.in_words(),
+                    spec.name,
+                    units::accepted(spec.quantity)
+                ),
+            );
+        }
+        Doubt::Ambiguous(meanings) => report.warn(
+            place,
+            format!(
+                "could be {}; not guessed, kept as a channel of its own. Write which one it is into the header, or map \
+                 it",
+                meanings.join(" or ")
+            ),
+        ),
+        Doubt::Near(name) => {
+            let already = head.headers.iter().any(
+                |other| matches!(header::interpret(other, None), Ok(Meaning::Known { spec, .. }) if spec.name == *name),
+            );
+            if !already {
+                let suffix = channels::by_name(name).map(|spec| spec.quantity.si_suffix()).unwrap_or_default();
+                let example = if suffix.is_empty() { (*name).to_owned() } else { format!("{name}_{suffix}") };
+                report.warn(
+                    place,
+                    format!(
+                        "'{header}' is no known channel and is kept as it is; if it is {name}, write {example} (or its \
+                         unit), or map it"
+                    ),
+                );
+            }
+        }
+    }
+}
+
+/// Gives unknown columns of the same name different names; known ones have been refused before.
+fn name_apart(uses: &mut [ColumnUse], report: &mut QualityReport) {
+    for index in 1..uses.len() {
+        let (before, rest) = uses.split_at_mut(index);
+        let Some(this) = rest.first_mut() else { return };
+        let taken = |name: &str| before.iter().any(|other| other.name == name);
+        if this.spec.is_none() && taken(&this.name) {
+            let free = (2..).map(|n| format!("{}_{n}", this.name)).find(|name| !taken(name));
+            let Some(free) = free else { return };
+            report.warn(
+                format!("column '{}'", this.header),
+                format!("a second column of this name (column {}); kept as '{free}'", this.column + 1),
+            );
+            this.name = free;
+        }
+    }
+}
+
+fn si(quantity: Quantity) -> Unit {
+    const NUMBER: Unit = Unit { symbol: "-", quantity: Quantity::Number, scale: 1.0, offset: 0.0 };
+    units::UNITS.iter().find(|unit| unit.quantity == quantity).copied().unwrap_or(NUMBER)
+}
+
+fn first_pair(uses: &[ColumnUse], same: impl Fn(&ColumnUse, &ColumnUse) -> bool) -> Option<(&ColumnUse, &ColumnUse)> {
+    uses.iter().enumerate().find_map(|(index, second)| {
+        let first = uses.iter().take(index).find(|first| same(first, second))?;
+        Some((first, second))
+    })
+}
+
+fn two_columns(head: &Head<'_>, first: &ColumnUse, second: &ColumnUse) -> ReadError {
+    ReadError::TwoColumns {
+        source_name: head.source.to_owned(),
+        line: head.line,
+        channel: second.name.clone(),
+        first_column: first.column + 1,
+        first: first.header.clone(),
+        second_column: second.column + 1,
+        second: second.header.clone(),
+    }
+}
+
+fn no_time(head: &Head<'_>) -> ReadError {
+    let nearest = head.headers.iter().enumerate().find_map(|(column, header)| {
+        match header::interpret(header, unit_below(head, column)) {
+            Ok(Meaning::Unknown { doubt: Some(Doubt::Unit { spec, text, .. }), .. }) if spec.name == "time" => {
+                Some(format!(" '{header}' looks like it, but '{text}' is no unit of time."))
+            }
+            Ok(Meaning::Unknown { doubt: Some(Doubt::Near("time")), .. }) => {
+                Some(format!(" '{header}' looks like it."))
+            }
+            _ => channels::key(header).contains("time").then(|| format!(" '{header}' looks like it.")),
+        }
+    });
+    ReadError::NoTime {
+        source_name: head.source.to_owned(),
+        line: head.line,
+        headers: list(head.headers),
+        nearest: nearest.unwrap_or_default(),
+    }
+}
+
+/// The headers in one line, cut to what a screen shows.
+pub(crate) fn list(headers: &[String]) -> String {
+    const SHOWN: usize = 20;
+    let shown: Vec<String> = headers.iter().take(SHOWN).map(|header| cut(header, 40)).collect();
+    let more = headers.len().saturating_sub(SHOWN);
+    if more > 0 { format!("{}, ... and {more} more", shown.join(", ")) } else { shown.join(", ") }
+}
+
+/// At most `length` characters of a text, for messages.
+pub(crate) fn cut(text: &str, length: usize) -> String {
+    match text.char_indices().nth(length) {
+        Some((end, _)) => format!("{}...", text.get(..end).unwrap_or_default()),
+        None => text.to_owned(),
+    }
+}

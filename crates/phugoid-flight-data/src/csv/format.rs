@@ -1,0 +1,162 @@
+//! How a file is laid out: what separates cells and lines, and which mark stands before decimals.
+
+use super::ReadError;
+use super::cells::{self, Cell};
+
+/// What separates the cells of a line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Delimiter {
+    Byte(u8),
+    Blanks,
+}
+
+/// The layout of a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Format {
+    pub(super) delimiter: Delimiter,
+    pub(super) decimal_comma: bool,
+    /// The last byte of a line.
+    pub(super) line_end: u8,
+}
+
+impl Format {
+    /// The cells of a line; `scratch` holds them if there were quotes to take off.
+    pub(super) fn cells<'a>(&self, line: &'a str, scratch: &'a mut ::csv::StringRecord) -> Vec<&'a str> {
+        match self.delimiter {
+            Delimiter::Blanks => line.split_whitespace().collect(),
+            Delimiter::Byte(byte) if !line.contains('"') => line.split(char::from(byte)).map(str::trim).collect(),
+            Delimiter::Byte(byte) => {
+                let mut reader = ::csv::ReaderBuilder::new()
+                    .has_headers(false)
+                    .flexible(true)
+                    .trim(::csv::Trim::All)
+                    .delimiter(byte)
+                    .from_reader(line.as_bytes());
+                scratch.clear();
+                // A line of text from memory cannot fail to be read; if it did, it has no cells and is reported so.
+                let _ = reader.read_record(scratch);
+                scratch.iter().collect()
+            }
+        }
+    }
+
+    fn owned_cells(&self, line: &str) -> Vec<String> {
+        self.cells(line, &mut ::csv::StringRecord::new()).into_iter().map(str::to_owned).collect()
+    }
+}
+
+/// Refuses what is no text, by its first bytes, with a word on what it is.
+pub(super) fn refuse_binary(source: &str, start: &[u8]) -> Result<(), ReadError> {
+    let (found, advice) = match start {
+        [b'U', b'L', b'o', b'g', 0x01, 0x12, 0x35, ..] => {
+            ("a PX4 ULog", "convert it, for instance with ulog2csv of the pyulog tools")
+        }
+        [0xA3, 0x95, ..] => ("an ArduPilot DataFlash log", "convert it, for instance with mavlogdump.py --format csv"),
+        [0xFF, 0xFE, ..] | [0xFE, 0xFF, ..] => ("UTF-16 text", "save it as UTF-8"),
+        [b'P', b'K', 3, 4, ..] => ("a zip archive or a spreadsheet", "unpack it, or export the sheet as CSV"),
+        [0x1F, 0x8B, ..] => ("compressed by gzip", "unpack it first (gunzip)"),
+        [b'P', b'A', b'R', b'1', ..] => ("a Parquet file", "export it as CSV"),
+        [0x89, b'H', b'D', b'F', ..] => ("an HDF5 or MATLAB 7.3 file", "export it as CSV"),
+        _ if start.starts_with(b"MATLAB 5.0") => ("a MATLAB file", "export it as CSV, e.g. with writetable"),
+        _ if start.contains(&0) => ("binary data (there are zero bytes in it)", "check that it is the right file"),
+        _ => return Ok(()),
+    };
+    Err(ReadError::NotText { source_name: source.to_owned(), found, advice })
+}
+
+/// Finds the layout from the beginning of a file. `complete` says whether the sample is the whole file.
+pub(super) fn sniff(sample: &[u8], complete: bool, wanted: Option<char>) -> Format {
+    let line_end = if sample.contains(&b'\n') || !sample.contains(&b'\r') { b'\n' } else { b'\r' };
+    let text = decode(sample);
+    let mut lines: Vec<&str> = text.split(char::from(line_end)).map(str::trim_end).collect();
+    if !complete && lines.len() > 1 {
+        lines.pop();
+    }
+    let preset = lines.first().and_then(|first| separator_line(first));
+    let rows: Vec<&str> = lines.iter().copied().filter(|line| is_row(line)).take(30).collect();
+    let with = |delimiter| Format { delimiter, decimal_comma: false, line_end };
+    let chosen = wanted.or(preset).map(|c| match c {
+        ' ' => Delimiter::Blanks,
+        c => u8::try_from(c).map_or(Delimiter::Byte(b','), Delimiter::Byte),
+    });
+    let mut format = with(chosen.unwrap_or_else(|| best_delimiter(&rows, with)));
+    // Decimal commas: numbers written with a comma, and none with a point.
+    let mut commas = false;
+    for row in rows.iter().skip(1) {
+        for cell in format.owned_cells(row) {
+            let point = cell.contains('.') && matches!(cells::parse(&cell, false), Cell::Value(_));
+            if point {
+                return format;
+            }
+            commas |= cells::has_decimal_comma(&cell);
+        }
+    }
+    format.decimal_comma = commas;
+    format
+}
+
+/// The delimiter under which most of the first rows have as many cells as the header; of equals, the one with the most.
+fn best_delimiter(rows: &[&str], with: impl Fn(Delimiter) -> Format) -> Delimiter {
+    let candidates = [
+        Delimiter::Byte(b','),
+        Delimiter::Byte(b';'),
+        Delimiter::Byte(b'\t'),
+        Delimiter::Byte(b'|'),
+        Delimiter::Blanks,
+    ];
+    let mut best = (Delimiter::Byte(b','), 0, 1);
+    for candidate in candidates {
+        let counts: Vec<usize> = rows.iter().map(|row| with(candidate).owned_cells(row).len()).collect();
+        let Some((&header, below)) = counts.split_first() else { continue };
+        let agreeing = 1 + below.iter().filter(|&&count| count == header).count();
+        if header >= 2 && (agreeing, header) > (best.1, best.2) {
+            best = (candidate, agreeing, header);
+        }
+    }
+    best.0
+}
+
+/// `sep=;`, as spreadsheets write it in the first line.
+pub(super) fn separator_line(line: &str) -> Option<char> {
+    let mark = line.trim_end_matches(['\r', '\n']).strip_prefix("sep=")?;
+    let mut chars = mark.chars();
+    chars.next().filter(|c| c.is_ascii() && !c.is_alphanumeric() && chars.next().is_none())
+}
+
+/// Neither blank, nor a comment, nor a spreadsheet's `sep=` line.
+pub(super) fn is_row(line: &str) -> bool {
+    let line = line.trim();
+    !line.is_empty() && !line.starts_with('#') && separator_line(line).is_none()
+}
+
+/// UTF-8, or Latin-1 where it is not (a degree sign from an old instrument).
+pub(super) fn decode(bytes: &[u8]) -> std::borrow::Cow<'_, str> {
+    match std::str::from_utf8(bytes) {
+        Ok(text) => text.into(),
+        Err(_) => bytes.iter().map(|&byte| char::from(byte)).collect::<String>().into(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn format(text: &str) -> (Delimiter, bool) {
+        let format = sniff(text.as_bytes(), true, None);
+        (format.delimiter, format.decimal_comma)
+    }
+
+    #[test]
+    fn delimiters_and_decimal_marks() {
+        assert_eq!(format("a,b\n1.5,2\n"), (Delimiter::Byte(b','), false));
+        assert_eq!(format("a;b\n1,5;2\n"), (Delimiter::Byte(b';'), true));
+        assert_eq!(format("Alpha, deg;Time, s\n1,5;2\n"), (Delimiter::Byte(b';'), true));
+        assert_eq!(format("a;b\n1.5;2\n"), (Delimiter::Byte(b';'), false));
+        assert_eq!(format("a\tb\n1,5\t2\n"), (Delimiter::Byte(b'\t'), true));
+        assert_eq!(format("a  b   c\n1.0  2 3\n"), (Delimiter::Blanks, false));
+        assert_eq!(format("\"a, x\",\"b\"\n\"1,5\",\"2\"\n"), (Delimiter::Byte(b','), true));
+        assert_eq!(format("sep=;\na;b\n1;2\n"), (Delimiter::Byte(b';'), false));
+        assert_eq!(format("True Airspeed,Pitch Rate\n1,2\n"), (Delimiter::Byte(b','), false));
+        assert_eq!(sniff(b"a,b\r1,2\r", true, None).line_end, b'\r');
+    }
+}

@@ -1,0 +1,84 @@
+//! Reads and writes flight records as CSV.
+//!
+//! What is understood: a header line with names and units in any usual form (`alpha_deg`, `Alpha [deg]`, `KTAS`), also
+//! behind a comment mark, with a row of units below it, quoted, with a byte-order mark; comma, semicolon, tab, bar or
+//! blanks between the cells, decimal commas where the cells are not separated by commas; comment lines (`#`); Unix,
+//! Windows and old Mac line ends; empty cells, `NaN`, `inf`, `NA` as missing values; times in any unit of time or as a
+//! clock (`12:34:56.7`, `2024-05-01T12:34:56Z`).
+//!
+//! What is wrong in single rows is left out and reported with line numbers; what makes the whole file doubtful is an
+//! error. Lines are counted as an editor shows them, from 1.
+
+mod cells;
+mod error;
+mod format;
+mod read;
+mod write;
+
+pub use error::{ReadError, WriteError};
+pub use read::{read, read_path};
+pub use write::{write, write_path};
+
+use serde::{Deserialize, Serialize};
+
+/// Maps one column to a channel by hand, where the header does not say it or says it wrongly.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ColumnMapping {
+    /// Canonical channel name (see [`crate::channels::CHANNELS`]), or a free name for a signal of your own.
+    pub channel: String,
+    /// The column's header as it stands in the file, e.g. `ELEV_POS_2`; case does not matter if that is unambiguous.
+    pub header: String,
+    /// The column's unit, e.g. `deg`; without it, the unit in the header, else SI with a warning.
+    #[serde(default)]
+    pub unit: Option<String>,
+    /// Multiplies the column's values before the unit is converted; -1 turns the sign. Finite, not zero.
+    #[serde(default = "one")]
+    pub scale: f64,
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+impl ColumnMapping {
+    /// A mapping with the unit of the header and no change of sign.
+    pub fn new(channel: impl Into<String>, header: impl Into<String>) -> Self {
+        Self { channel: channel.into(), header: header.into(), unit: None, scale: 1.0 }
+    }
+
+    /// The same with the unit given.
+    #[must_use]
+    pub fn with_unit(mut self, unit: impl Into<String>) -> Self {
+        self.unit = Some(unit.into());
+        self
+    }
+
+    /// The same with a factor, such as -1 for a sign.
+    #[must_use]
+    pub fn with_scale(mut self, scale: f64) -> Self {
+        self.scale = scale;
+        self
+    }
+}
+
+/// How a CSV file is to be read. The default reads every file that explains itself.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CsvOptions {
+    /// Columns mapped by hand; all others are taken by their headers.
+    pub columns: Vec<ColumnMapping>,
+    /// The character between cells; found by itself if not given. One of `,` `;` tab `|` blank.
+    pub delimiter: Option<char>,
+    /// Time from one row to the next, s, for files without a time column; such rows are at 0, h, 2h, ...
+    pub sample_time_s: Option<f64>,
+    /// A step in time longer than this many median steps is reported as a gap. More than 1.
+    pub gap_factor: f64,
+    /// Bound on memory: rows times columns, 8 bytes each (default 100 million, 0.8 GB).
+    pub max_values: usize,
+}
+
+impl Default for CsvOptions {
+    fn default() -> Self {
+        Self { columns: Vec::new(), delimiter: None, sample_time_s: None, gap_factor: 3.5, max_values: 100_000_000 }
+    }
+}

@@ -1,0 +1,98 @@
+//! From a record to the text of a CSV file.
+
+use std::fs::File;
+use std::io::{BufWriter, Write};
+use std::path::Path;
+
+use super::WriteError;
+use crate::header::{self, Meaning};
+use crate::record::{Channel, Quantity, Record};
+
+/// Writes a CSV file to the disk; otherwise as [`write`].
+///
+/// # Errors
+/// As [`write`], with the path as the target's name. Names and lengths are checked before the file is created.
+pub fn write_path(record: &Record, path: &Path) -> Result<(), WriteError> {
+    let target = path.display().to_string();
+    let headers = headers(record, &target)?;
+    match File::create(path) {
+        Ok(file) => write_rows(record, &headers, BufWriter::new(file), &target),
+        Err(error) => Err(WriteError::Io { target, error }),
+    }
+}
+
+/// Writes a record as CSV in SI units, `time_s` first, with the unit in every header (`alpha_rad`, `true_airspeed_m_s`)
+/// and every digit that is needed to read the same number back. Missing values are empty cells. The quality report is
+/// not written.
+///
+/// # Errors
+/// [`WriteError`] if a channel has another length than the time, a name that could not be read back, or the writer
+/// fails.
+pub fn write(record: &Record, writer: impl Write) -> Result<(), WriteError> {
+    let target = if record.source.is_empty() { "record" } else { record.source.as_str() };
+    let headers = headers(record, target)?;
+    write_rows(record, &headers, writer, target)
+}
+
+fn headers(record: &Record, target: &str) -> Result<Vec<String>, WriteError> {
+    let mut headers = vec!["time_s".to_owned()];
+    for channel in &record.channels {
+        if channel.values.len() != record.time.len() {
+            return Err(WriteError::Length {
+                target: target.to_owned(),
+                channel: channel.name.clone(),
+                found: channel.values.len(),
+                expected: record.time.len(),
+            });
+        }
+        let name = |problem| WriteError::Name { target: target.to_owned(), channel: channel.name.clone(), problem };
+        if record.channels.iter().filter(|other| other.name == channel.name).count() > 1 {
+            return Err(name("stands twice in the record"));
+        }
+        if channel.name.is_empty() || channel.name.trim() != channel.name || channel.name.contains(['\n', '\r', '"']) {
+            return Err(name("is empty, or begins or ends with a blank, or holds a line end or a quote"));
+        }
+        let header = header_of(channel).ok_or_else(|| name("would not be read back as the same channel"))?;
+        headers.push(header);
+    }
+    Ok(headers)
+}
+
+/// A header that is read back as this channel: with a suffix, or in brackets where the suffix would not be understood.
+fn header_of(channel: &Channel) -> Option<String> {
+    let (name, quantity) = (&channel.name, channel.quantity);
+    let plain = match quantity {
+        Quantity::Number => name.clone(),
+        _ => format!("{name}_{}", quantity.si_suffix()),
+    };
+    let bracket = format!("{name} [{}]", if quantity == Quantity::Number { "-" } else { quantity.si_unit() });
+    [plain, bracket].into_iter().find(|header| match header::interpret(header, None) {
+        Ok(Meaning::Known { spec, unit }) => {
+            spec.name == name && spec.quantity == quantity && (unit.is_some() || quantity == Quantity::Number)
+        }
+        Ok(Meaning::Unknown { name: read, unit, .. }) => {
+            read == *name && unit.map_or(Quantity::Number, |unit| unit.quantity) == quantity
+        }
+        Err(_) => false,
+    })
+}
+
+fn write_rows(record: &Record, headers: &[String], writer: impl Write, target: &str) -> Result<(), WriteError> {
+    let failed = |error: ::csv::Error| WriteError::Io { target: target.to_owned(), error: error.into() };
+    let mut writer = ::csv::Writer::from_writer(writer);
+    writer.write_record(headers).map_err(failed)?;
+    let mut row = Vec::with_capacity(headers.len());
+    for (index, time) in record.time.iter().enumerate() {
+        row.clear();
+        row.push(time.to_string());
+        for channel in &record.channels {
+            // `Display` of f64 gives the shortest text that reads back as the same number.
+            row.push(match channel.values.get(index) {
+                Some(value) if value.is_finite() => value.to_string(),
+                _ => String::new(),
+            });
+        }
+        writer.write_record(&row).map_err(failed)?;
+    }
+    writer.flush().map_err(|error| WriteError::Io { target: target.to_owned(), error })
+}

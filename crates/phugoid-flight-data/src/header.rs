@@ -1,0 +1,326 @@
+//! What a header means: a name and perhaps a unit.
+
+use crate::channels::{self, AMBIGUOUS, ChannelSpec};
+use crate::record::Quantity;
+use crate::units::{self, Unit};
+
+/// What a header means.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Meaning {
+    /// A channel of the table, with the unit if one was written.
+    Known { spec: &'static ChannelSpec, unit: Option<Unit> },
+    /// Another channel, kept under its own name.
+    Unknown { name: String, unit: Option<Unit>, doubt: Option<Doubt> },
+}
+
+/// Why a header was not taken for a known channel although it looks like one.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Doubt {
+    /// The name is known, but the unit belongs to another quantity or is no unit.
+    Unit { spec: &'static ChannelSpec, text: String, found: Option<Quantity> },
+    /// The name could mean several channels.
+    Ambiguous(&'static [&'static str]),
+    /// Probably a misspelt name.
+    Near(&'static str),
+}
+
+/// A header says one unit and the row of units below it (or its own brackets) another.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Conflict {
+    pub(crate) first: String,
+    pub(crate) second: String,
+}
+
+/// What a header means, with the text below it in the row of units if there is one.
+pub(crate) fn interpret(header: &str, unit_below: Option<&str>) -> Result<Meaning, Conflict> {
+    let header = header.trim();
+    let below = unit_below.map(str::trim).filter(|text| !text.is_empty());
+    let (name, bracket) = split_bracket(header);
+    match (bracket.filter(|text| !text.is_empty()), below) {
+        (Some(unit), None) => with_unit(header, name, unit),
+        (None, Some(below)) => with_unit(name, name, below),
+        (None, None) => Ok(with_suffix(name)),
+        (Some(unit), Some(below)) => {
+            let (inside, outside) = (units::find(unit), units::find(below));
+            if !inside.is_empty() && !outside.is_empty() && inside != outside {
+                return Err(Conflict { first: unit.to_owned(), second: below.to_owned() });
+            }
+            with_unit(header, name, unit)
+        }
+    }
+}
+
+/// A unit written in a header or below it that suits a quantity, whatever the name says.
+pub(crate) fn unit_for(header: &str, unit_below: Option<&str>, quantity: Quantity) -> Option<Unit> {
+    let (name, bracket) = split_bracket(header.trim());
+    let stated = bracket.into_iter().chain(unit_below).find_map(|text| units::find_for(text, quantity));
+    stated.or_else(|| splits(name, true).into_iter().find_map(|(_, suffix)| units::find_for(suffix, quantity)))
+}
+
+/// `alpha [deg]`, `alpha (deg)`, `alpha {deg}`, `Alpha, deg`: the name and the unit's text.
+fn split_bracket(header: &str) -> (&str, Option<&str>) {
+    for (open, close) in [('[', ']'), ('(', ')'), ('{', '}')] {
+        if let Some(inner) = header.strip_suffix(close)
+            && let Some((name, unit)) = inner.rsplit_once(open)
+            && !name.trim().is_empty()
+        {
+            return (name.trim(), Some(unit.trim()));
+        }
+    }
+    if let Some((name, unit)) = header.rsplit_once(',')
+        && !name.trim().is_empty()
+        && !units::find(unit).is_empty()
+    {
+        return (name.trim(), Some(unit.trim()));
+    }
+    (header, None)
+}
+
+fn with_unit(header: &str, name: &str, unit_text: &str) -> Result<Meaning, Conflict> {
+    let found = units::find(unit_text);
+    if let Some(meanings) = ambiguous(name) {
+        let unit = found.first().copied();
+        return Ok(Meaning::Unknown { name: name.to_owned(), unit, doubt: Some(Doubt::Ambiguous(meanings)) });
+    }
+    let specs = channels::by_any_name(name);
+    for spec in &specs {
+        if let Some(unit) = found.iter().find(|unit| unit.quantity == spec.quantity) {
+            return Ok(Meaning::Known { spec, unit: Some(*unit) });
+        }
+        if let Some(unit) = load_factor_unit(spec, unit_text) {
+            return Ok(Meaning::Known { spec, unit: Some(unit) });
+        }
+    }
+    if let Some(spec) = specs.first() {
+        let doubt = Doubt::Unit { spec, text: unit_text.to_owned(), found: found.first().map(|unit| unit.quantity) };
+        return Ok(Meaning::Unknown { name: header.to_owned(), unit: None, doubt: Some(doubt) });
+    }
+    // `alpha_deg [deg]`: the name says a unit too.
+    let by_name = with_suffix(name);
+    if let Meaning::Known { unit: Some(suffix), .. } | Meaning::Unknown { unit: Some(suffix), .. } = &by_name
+        && !found.is_empty()
+    {
+        return match found.contains(suffix) {
+            true => Ok(by_name),
+            false => Err(Conflict { first: suffix.symbol.to_owned(), second: unit_text.to_owned() }),
+        };
+    }
+    // With an unknown unit the text in brackets stays part of the name.
+    let (name, unit) = match found.first() {
+        Some(unit) => (name, Some(*unit)),
+        None => (header, None),
+    };
+    Ok(Meaning::Unknown { name: name.to_owned(), unit, doubt: channels::nearest(name).map(Doubt::Near) })
+}
+
+fn with_suffix(header: &str) -> Meaning {
+    let unknown = |name: &str, unit, doubt| Meaning::Unknown { name: name.to_owned(), unit, doubt };
+    if let Some(meanings) = ambiguous(header) {
+        return unknown(header, None, Some(Doubt::Ambiguous(meanings)));
+    }
+    if let Some(spec) = channels::by_any_name(header).first() {
+        return Meaning::Known { spec, unit: None };
+    }
+    if let Some(known) = knots(header) {
+        return known;
+    }
+    let mut doubt = None;
+    for (name, suffix) in splits(header, true) {
+        let found = units::find(suffix);
+        let Some(first) = found.first() else { continue };
+        if let Some(meanings) = ambiguous(name) {
+            return unknown(name, Some(*first), Some(Doubt::Ambiguous(meanings)));
+        }
+        let specs = channels::by_any_name(name);
+        for spec in &specs {
+            if let Some(unit) = found.iter().find(|unit| unit.quantity == spec.quantity) {
+                return Meaning::Known { spec, unit: Some(*unit) };
+            }
+            if let Some(unit) = load_factor_unit(spec, suffix) {
+                return Meaning::Known { spec, unit: Some(unit) };
+            }
+        }
+        // One letter may be an index or a mark (`theta_c`: commanded) as well as a unit.
+        if let (Some(spec), None, true) = (specs.first(), &doubt, suffix.len() > 1) {
+            doubt = Some(Doubt::Unit { spec, text: suffix.to_owned(), found: Some(first.quantity) });
+        }
+    }
+    if doubt.is_some() {
+        return unknown(header, None, doubt);
+    }
+    // Under an unknown name only an unmistakable suffix is a unit: `delta_Cm` is no length, `theta_c` no temperature.
+    let unmistakable = splits(header, false).into_iter().find_map(|(name, suffix)| {
+        let unit = units::find(suffix).first().copied()?;
+        UNMISTAKABLE.contains(&unit.symbol).then_some((name, unit))
+    });
+    match unmistakable {
+        Some((name, unit)) => unknown(name, Some(unit), channels::nearest(name).map(Doubt::Near)),
+        None => {
+            let near = splits(header, true)
+                .into_iter()
+                .filter(|(name, suffix)| !units::find(suffix).is_empty() && channels::by_any_name(name).is_empty())
+                .find_map(|(name, _)| channels::nearest(name));
+            unknown(header, None, channels::nearest(header).or(near).map(Doubt::Near))
+        }
+    }
+}
+
+const UNMISTAKABLE: &[&str] = &[
+    "rad", "deg", "rad_s", "deg_s", "dps", "rad_s2", "deg_s2", "m_s", "ft_s", "kt", "m_s2", "ft_s2", "ft", "pa", "hpa",
+    "kpa", "psf", "kg", "lbf", "slug", "kg_m2", "slug_ft2", "kg_m3", "slug_ft3", "degc", "degf",
+];
+
+fn ambiguous(name: &str) -> Option<&'static [&'static str]> {
+    let key = channels::key(name);
+    AMBIGUOUS.iter().find(|(ambiguous, _)| *ambiguous == key).map(|(_, meanings)| *meanings)
+}
+
+/// A load factor in `g` is a pure number.
+fn load_factor_unit(spec: &ChannelSpec, text: &str) -> Option<Unit> {
+    let is_load_factor = matches!(spec.name, "nx" | "ny" | "nz");
+    let in_g = units::find_for(text, Quantity::Acceleration).is_some_and(|unit| unit.symbol == "g");
+    (is_load_factor && in_g).then(|| units::find_for("-", Quantity::Number)).flatten()
+}
+
+/// `KTAS`, `KIAS`, `KCAS`, `KEAS`: the unit stands first.
+fn knots(header: &str) -> Option<Meaning> {
+    let key = channels::key(header);
+    let name = key.strip_prefix('k').filter(|name| matches!(*name, "tas" | "ias" | "cas" | "eas"))?;
+    let spec = channels::by_any_name(name).first().copied()?;
+    Some(Meaning::Known { spec, unit: units::find_for("kt", Quantity::Speed) })
+}
+
+/// Ways to cut a header into a name and a suffix, the longest suffix first. Words begin after a separator and, where
+/// asked for, at a capital after a small letter (`TimeUS`).
+fn splits(header: &str, camel_case: bool) -> Vec<(&str, &str)> {
+    let mut starts = Vec::new();
+    let mut previous = ' ';
+    for (index, c) in header.char_indices() {
+        let separated = !previous.is_alphanumeric() && (c.is_alphanumeric() || c == '%' || c == '°');
+        let capital = camel_case && previous.is_lowercase() && c.is_uppercase();
+        if index > 0 && (separated || capital) {
+            starts.push(index);
+        }
+        previous = c;
+    }
+    let longest = starts.len().saturating_sub(4);
+    starts
+        .get(longest..)
+        .unwrap_or_default()
+        .iter()
+        .filter_map(|&start| header.split_at_checked(start))
+        .map(|(name, suffix)| (name.trim_end_matches(|c: char| !c.is_alphanumeric() && c != ')' && c != ']'), suffix))
+        .filter(|(name, _)| !name.is_empty())
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn known(header: &str) -> (String, Option<&'static str>) {
+        match interpret(header, None) {
+            Ok(Meaning::Known { spec, unit }) => (spec.name.to_owned(), unit.map(|unit| unit.symbol)),
+            other => panic!("{header}: {other:?}"),
+        }
+    }
+
+    fn unknown(header: &str) -> (String, Option<&'static str>, Option<Doubt>) {
+        match interpret(header, None) {
+            Ok(Meaning::Unknown { name, unit, doubt }) => (name, unit.map(|unit| unit.symbol), doubt),
+            other => panic!("{header}: {other:?}"),
+        }
+    }
+
+    #[test]
+    fn names_and_units() {
+        for (header, name, unit) in [
+            ("time_s", "time", Some("s")),
+            ("TimeUS", "time", Some("us")),
+            ("timestamp_ms", "time", Some("ms")),
+            ("tas_ft_s", "true_airspeed", Some("ft_s")),
+            ("tas_kt", "true_airspeed", Some("kt")),
+            ("tas_kts", "true_airspeed", Some("kt")),
+            ("KTAS", "true_airspeed", Some("kt")),
+            ("true_airspeed_m_s", "true_airspeed", Some("m_s")),
+            ("True Airspeed (knots)", "true_airspeed", Some("kt")),
+            ("IAS [kt]", "indicated_airspeed", Some("kt")),
+            ("alpha_rad", "alpha", Some("rad")),
+            ("alpha [deg]", "alpha", Some("deg")),
+            ("Alpha (deg)", "alpha", Some("deg")),
+            ("Alpha, deg", "alpha", Some("deg")),
+            ("ALPHA_DEG", "alpha", Some("deg")),
+            ("alpha [°]", "alpha", Some("deg")),
+            ("alpha deg", "alpha", Some("deg")),
+            ("AlphaDeg", "alpha", Some("deg")),
+            ("alpha_deg [deg]", "alpha", Some("deg")),
+            ("alpha", "alpha", None),
+            ("pitch_rad", "theta", Some("rad")),
+            ("theta_rad", "theta", Some("rad")),
+            ("q_rad_s", "q", Some("rad_s")),
+            ("q_deg_s", "q", Some("deg_s")),
+            ("q_dps", "q", Some("dps")),
+            ("q_psf", "dynamic_pressure", Some("psf")),
+            ("q", "q", None),
+            ("p_hpa", "static_pressure", Some("hpa")),
+            ("pressure_hpa", "static_pressure", Some("hpa")),
+            ("t_s", "time", Some("s")),
+            ("T [degC]", "temperature", Some("degc")),
+            ("qdot_rad_s2", "qdot", Some("rad_s2")),
+            ("Pitch Rate [deg/s]", "q", Some("deg_s")),
+            ("ax_g", "ax", Some("g")),
+            ("ax_ft_s2", "ax", Some("ft_s2")),
+            ("nz_g", "nz", Some("-")),
+            ("nz", "nz", None),
+            ("thrust_n", "thrust", Some("n")),
+            ("thrust_lb", "thrust", Some("lb")),
+            ("thrust_kN", "thrust", Some("kn")),
+            ("fuel_lb", "fuel", Some("lb")),
+            ("dynamic_pressure_pa", "dynamic_pressure", Some("pa")),
+            ("altitude_ft", "altitude", Some("ft")),
+            ("throttle [%]", "throttle", Some("pct")),
+            ("roll_rad", "phi", Some("rad")),
+            ("w_m_s", "w", Some("m_s")),
+            ("air_density_kg_m3", "air_density", Some("kg_m3")),
+            ("iyy_slug_ft2", "iyy", Some("slug_ft2")),
+        ] {
+            assert_eq!(known(header), (name.to_owned(), unit), "{header}");
+        }
+    }
+
+    #[test]
+    fn other_names_stay_as_they_are() {
+        for (header, name, unit) in [
+            ("expected_dCm_alpha", "expected_dCm_alpha", None),
+            ("expected_corrected_sd_dCm_q", "expected_corrected_sd_dCm_q", None),
+            ("frame_present", "frame_present", None),
+            ("process_noise_scale", "process_noise_scale", None),
+            ("delta_Cm", "delta_Cm", None),
+            ("pilot_command_rad", "pilot_command", Some("rad")),
+            ("probe temp rise [K]", "probe temp rise", Some("k")),
+            ("mode [auto]", "mode [auto]", None),
+        ] {
+            assert_eq!(unknown(header), (name.to_owned(), unit, None), "{header}");
+        }
+    }
+
+    #[test]
+    fn doubtful_headers_are_not_guessed() {
+        assert!(matches!(unknown("airspeed_kt").2, Some(Doubt::Ambiguous(_))));
+        assert!(matches!(unknown("V").2, Some(Doubt::Ambiguous(_))));
+        assert!(matches!(unknown("aplha_deg").2, Some(Doubt::Near("alpha"))));
+        // The letter is no temperature; whether it is the pitch attitude only the user knows.
+        assert_eq!(unknown("theta_c"), ("theta_c".into(), None, Some(Doubt::Near("theta"))));
+        assert!(matches!(unknown("elevtor").2, Some(Doubt::Near("elevator"))));
+        assert!(matches!(unknown("elevator_kt").2, Some(Doubt::Unit { found: Some(Quantity::Speed), .. })));
+        assert!(matches!(unknown("alpha (vane)").2, Some(Doubt::Unit { found: None, .. })));
+    }
+
+    #[test]
+    fn two_units_for_one_column_are_a_conflict() {
+        assert!(interpret("alpha_deg [rad]", None).is_err());
+        assert!(interpret("alpha [deg]", Some("rad")).is_err());
+        assert!(interpret("alpha_deg", Some("rad")).is_err());
+        assert!(interpret("alpha_deg", Some("deg")).is_ok());
+    }
+}

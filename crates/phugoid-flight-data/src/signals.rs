@@ -1,0 +1,142 @@
+//! Stuck channels and spikes: counted and said, never changed.
+
+use crate::channels;
+use crate::quality::{Short, plural};
+use crate::record::{Channel, Record};
+
+/// Notes on constant channels, frozen stretches and lone outliers.
+pub(crate) fn check(record: &mut Record) {
+    let mut stretches: Vec<((usize, usize), Vec<&str>)> = Vec::new();
+    for channel in &record.channels {
+        let spec = channels::by_name(&channel.name);
+        if let Some(value) = constant(&channel.values) {
+            if spec.is_some_and(|spec| spec.moves) && record.time.len() > 2 {
+                record.quality.note(
+                    &channel.name,
+                    format!(
+                        "is {} {} throughout: a sensor that is stuck or an input that was not moved",
+                        Short(value),
+                        channel.quantity.si_unit()
+                    ),
+                );
+            }
+            continue;
+        }
+        if spec.is_none() {
+            continue;
+        }
+        for stretch in frozen(channel, &record.time, record.quality.sample_time_s) {
+            match stretches.iter_mut().find(|(same, _)| *same == stretch) {
+                Some((_, names)) => names.push(&channel.name),
+                None => stretches.push((stretch, vec![&channel.name])),
+            }
+        }
+        let spikes = spikes(&channel.values);
+        if let Some(&first) = spikes.first() {
+            let time = record.time.get(first).copied().unwrap_or_default();
+            record.quality.note(
+                &channel.name,
+                format!(
+                    "{} far outside the neighbouring values, the first at {} s; kept, the estimators judge them",
+                    plural(spikes.len(), "single value"),
+                    Short(time)
+                ),
+            );
+            if let Some(entry) = record.quality.channels.iter_mut().find(|entry| entry.name == channel.name) {
+                entry.spikes = spikes.len();
+            }
+        }
+    }
+    for ((start, end), names) in stretches {
+        let (Some(from), Some(to)) = (record.time.get(start), record.time.get(end)) else { continue };
+        record.quality.note(
+            format!("{} s to {} s", Short(*from), Short(*to)),
+            format!("{} did not move in these {} rows, but elsewhere; kept", names.join(", "), end - start + 1),
+        );
+    }
+}
+
+/// The one value of a channel that has no other.
+fn constant(values: &[f64]) -> Option<f64> {
+    let mut present = values.iter().copied().filter(|value| !value.is_nan());
+    let first = present.next()?;
+    present.all(|value| value == first).then_some(first)
+}
+
+/// Stretches in which a channel that otherwise changes from row to row stays at one value for at least a second and ten
+/// rows: first and last row of each, at most three.
+fn frozen(channel: &Channel, time: &[f64], sample_time: f64) -> Vec<(usize, usize)> {
+    let values = &channel.values;
+    let pairs = values.windows(2).filter(|pair| !pair[0].is_nan() && !pair[1].is_nan());
+    let (all, equal) =
+        pairs.fold((0_usize, 0_usize), |(all, equal), pair| (all + 1, equal + usize::from(pair[0] == pair[1])));
+    let mut runs = Vec::new();
+    let mut start = 0;
+    for row in 1..=values.len() {
+        if row < values.len() && values[row] == values[start] {
+            continue;
+        }
+        let last = row - 1;
+        let long =
+            time.get(last).zip(time.get(start)).is_some_and(|(end, begin)| end - begin >= 1.0 - 0.5 * sample_time);
+        if last - start + 1 >= 10 && long {
+            runs.push((start, last));
+        }
+        start = row;
+    }
+    let in_runs: usize = runs.iter().map(|(start, end)| end - start).sum();
+    // Outside these stretches it must really move: a quantised or slowly sampled channel repeats its values anyway.
+    let moves_elsewhere = 10 * equal.saturating_sub(in_runs) < all.saturating_sub(in_runs);
+    if !moves_elsewhere {
+        return Vec::new();
+    }
+    runs.truncate(3);
+    runs
+}
+
+/// Rows whose value stands alone: on the same side of both neighbours, and from both further than six times what the
+/// upper quarter of all steps in this channel is (ten sigma of white noise), and than a twentieth of the channel's range.
+fn spikes(values: &[f64]) -> Vec<usize> {
+    let present: Vec<(usize, f64)> = values.iter().copied().enumerate().filter(|(_, value)| !value.is_nan()).collect();
+    if present.len() < 20 {
+        return Vec::new();
+    }
+    let mut steps: Vec<f64> = present.windows(2).map(|pair| (pair[1].1 - pair[0].1).abs()).collect();
+    steps.retain(|step| *step > 0.0);
+    let mut sorted: Vec<f64> = present.iter().map(|(_, value)| *value).collect();
+    let range = quantile(&mut sorted, 0.95) - quantile(&mut sorted, 0.05);
+    let bound = (6.0 * quantile(&mut steps, 0.75)).max(0.05 * range);
+    present
+        .windows(3)
+        .filter(|three| {
+            let (before, after) = (three[1].1 - three[0].1, three[1].1 - three[2].1);
+            before * after > 0.0 && before.abs().min(after.abs()) > bound
+        })
+        .map(|three| three[1].0)
+        .collect()
+}
+
+fn quantile(values: &mut [f64], fraction: f64) -> f64 {
+    if values.is_empty() {
+        return f64::NAN;
+    }
+    let index = ((values.len() - 1) as f64 * fraction).round() as usize;
+    *values.select_nth_unstable_by(index, f64::total_cmp).1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lone_outliers_are_spikes_and_steps_are_not() {
+        let mut values: Vec<f64> = (0..200).map(|i| (0.05 * f64::from(i)).sin() + 1e-3 * f64::from(i % 7)).collect();
+        values.iter_mut().skip(100).for_each(|value| *value += 3.0);
+        assert_eq!(spikes(&values), [] as [usize; 0], "a step is no spike");
+        values[50] += 1.0;
+        values[150] -= 1.0;
+        assert_eq!(spikes(&values), [50, 150]);
+        values[50] = f64::NAN;
+        assert_eq!(spikes(&values), [150]);
+    }
+}

@@ -1,0 +1,313 @@
+//! One strictly increasing time base out of whatever the file has.
+
+use crate::csv::ReadError;
+use crate::quality::{Lines, QualityReport, Short, plural};
+
+/// Rows as read: a finite time, the line in the file, and one value per channel.
+pub(crate) struct Table {
+    pub(crate) time: Vec<f64>,
+    pub(crate) lines: Vec<usize>,
+    pub(crate) columns: Vec<Vec<f64>>,
+}
+
+/// Rows that a clock must run on both sides of a jump back before the jump counts as a new start of the clock.
+const RESTART_ROWS: usize = 10;
+
+/// Makes the time strictly increasing: takes the longest part between starts of the clock, merges rows of equal time
+/// and leaves out the fewest rows that stand against the order.
+pub(crate) fn put_in_order(
+    table: &mut Table,
+    source: &str,
+    time_header: &str,
+    report: &mut QualityReport,
+) -> Result<(), ReadError> {
+    let mut rows: Vec<usize> = longest_part(table, report);
+    merge_equal_times(table, &mut rows, report);
+    let rising = longest_rising(&table.time, &rows);
+    if 2 * rising.len() < rows.len() {
+        return Err(ReadError::TimeDoesNotRise {
+            source_name: source.to_owned(),
+            header: time_header.to_owned(),
+            rising: rising.len(),
+            rows: rows.len(),
+        });
+    }
+    let mut left_out = Lines::default();
+    let mut kept = rising.iter().copied().peekable();
+    for &row in &rows {
+        if kept.next_if_eq(&row).is_none() {
+            left_out.add(table.lines.get(row).copied().unwrap_or_default());
+        }
+    }
+    if left_out.count() > 0 {
+        report.warn(
+            left_out.place(),
+            format!(
+                "{} left out: the time jumps back there or far ahead of the rows that follow",
+                plural(left_out.count(), "row")
+            ),
+        );
+    }
+    if rising.len() < table.time.len() {
+        let pick = |values: &Vec<f64>| rising.iter().filter_map(|&row| values.get(row).copied()).collect();
+        table.time = pick(&table.time);
+        for column in &mut table.columns {
+            *column = pick(column);
+        }
+        table.lines = rising.iter().filter_map(|&row| table.lines.get(row).copied()).collect();
+    }
+    Ok(())
+}
+
+/// The rows of the longest part between two starts of the clock (the first of equals).
+fn longest_part(table: &Table, report: &mut QualityReport) -> Vec<usize> {
+    let time = &table.time;
+    let mut starts = vec![0];
+    let mut from = 0;
+    for row in RESTART_ROWS..time.len().saturating_sub(RESTART_ROWS - 1) {
+        let (Some(before), Some(after)) = (time.get(row - RESTART_ROWS..row), time.get(row..row + RESTART_ROWS)) else {
+            continue;
+        };
+        let (last, first) = (before[RESTART_ROWS - 1], after[0]);
+        let starts_again = row >= from + RESTART_ROWS
+            && first < last
+            && before.iter().all(|&earlier| earlier >= first)
+            && after.iter().all(|&later| later < last);
+        if starts_again {
+            starts.push(row);
+            from = row;
+        }
+    }
+    let ends = starts.iter().skip(1).copied().chain([time.len()]);
+    let parts: Vec<(usize, usize)> = starts.iter().copied().zip(ends).collect();
+    let longest = parts.iter().copied().rev().max_by_key(|(start, end)| end - start).unwrap_or((0, time.len()));
+    for pair in parts.windows(2) {
+        let &[(_, end), (start, _)] = pair else { continue };
+        let line = table.lines.get(start).copied().unwrap_or_default();
+        let (from, to) = (time.get(end - 1).copied().unwrap_or(f64::NAN), time.get(start).copied().unwrap_or(f64::NAN));
+        report.warn(
+            format!("line {line}"),
+            format!(
+                "the time falls from {} s to {} s and runs on from there: the clock was started again. Each start is a \
+                 record of its own",
+                Short(from),
+                Short(to)
+            ),
+        );
+    }
+    if parts.len() > 1 {
+        let line = |row: usize| table.lines.get(row).copied().unwrap_or_default();
+        let (start, end) = longest;
+        let out = time.len() - (end - start);
+        report.warn(
+            format!("lines {} to {}", line(start), line(end - 1)),
+            format!(
+                "this longest of {} parts is used, {} outside it are left out; to use another part, cut the file at the \
+                 lines named above",
+                parts.len(),
+                plural(out, "row")
+            ),
+        );
+    }
+    (longest.0..longest.1).collect()
+}
+
+/// Merges neighbouring rows of equal time into the first of them: its missing values are taken from the later ones.
+fn merge_equal_times(table: &mut Table, rows: &mut Vec<usize>, report: &mut QualityReport) {
+    let mut merged = Lines::default();
+    let (mut filled, mut differing) = (0_usize, 0_usize);
+    let mut kept: Vec<usize> = Vec::with_capacity(rows.len());
+    for &row in rows.iter() {
+        let same = kept.last().copied().filter(|&last| table.time.get(last) == table.time.get(row));
+        let Some(first) = same else {
+            kept.push(row);
+            continue;
+        };
+        merged.add(table.lines.get(row).copied().unwrap_or_default());
+        for column in &mut table.columns {
+            let later = column.get(row).copied().unwrap_or(f64::NAN);
+            let Some(value) = column.get_mut(first) else { continue };
+            if value.is_nan() && !later.is_nan() {
+                *value = later;
+                filled += 1;
+            } else if !later.is_nan() && later != *value {
+                differing += 1;
+            }
+        }
+    }
+    if merged.count() > 0 {
+        let mut message = format!("{} with the time of the row before merged into it", plural(merged.count(), "row"));
+        if filled > 0 {
+            message += &format!("; {} missing there taken from the later row", plural(filled, "value"));
+        }
+        if differing > 0 {
+            message += &format!("; {} differ and the first is kept", plural(differing, "value"));
+        }
+        if differing > 0 && 2 * merged.count() > kept.len() {
+            message += ". The time seems to be written with too few digits for the rate of the rows: write more digits, \
+                        or give the sample time";
+        }
+        report.warn(merged.place(), message);
+    }
+    *rows = kept;
+}
+
+/// The longest strictly rising sequence of times among these rows; of two swapped rows the later in the file goes.
+fn longest_rising(time: &[f64], rows: &[usize]) -> Vec<usize> {
+    let at = |position: usize| rows.get(position).and_then(|&row| time.get(row)).copied().unwrap_or(f64::NAN);
+    if (1..rows.len()).all(|position| at(position - 1) < at(position)) {
+        return rows.to_vec();
+    }
+    // Patience sorting from the end with the order turned: `tails[n]` is the start of the falling sequence of length
+    // n + 1 with the largest start.
+    let mut tails: Vec<usize> = Vec::new();
+    let mut next = vec![usize::MAX; rows.len()];
+    for position in (0..rows.len()).rev() {
+        let length = tails.partition_point(|&tail| at(tail) > at(position));
+        if let Some(successor) = length.checked_sub(1).and_then(|index| tails.get(index)) {
+            next[position] = *successor;
+        }
+        match tails.get_mut(length) {
+            Some(tail) => *tail = position,
+            None => tails.push(position),
+        }
+    }
+    let mut sequence = Vec::with_capacity(tails.len());
+    let mut position = tails.last().copied();
+    while let Some(current) = position {
+        sequence.extend(rows.get(current));
+        position = next.get(current).copied().filter(|&following| following != usize::MAX);
+    }
+    sequence
+}
+
+/// Reports gaps, missing rows and jitter of a strictly increasing time.
+pub(crate) fn report_steps(time: &[f64], median: f64, gap_factor: f64, report: &mut QualityReport) {
+    const SHOWN: usize = 10;
+    if median <= 0.0 {
+        return;
+    }
+    let (mut gaps, mut gap_time, mut single) = (0_usize, 0.0, 0_usize);
+    let (mut shortest, mut longest) = (f64::INFINITY, 0.0_f64);
+    for pair in time.windows(2) {
+        let &[before, after] = pair else { continue };
+        let step = after - before;
+        if step > gap_factor * median {
+            gaps += 1;
+            gap_time += step - median;
+            if gaps <= SHOWN {
+                report.warn(
+                    format!("{} s to {} s", Short(before), Short(after)),
+                    format!(
+                        "gap of {} s ({} sample times); nothing is filled in",
+                        Short(step),
+                        Short((step / median).round())
+                    ),
+                );
+            }
+            continue;
+        }
+        if step > 1.5 * median {
+            single += 1;
+        } else {
+            shortest = shortest.min(step);
+            longest = longest.max(step);
+        }
+    }
+    if gaps > SHOWN {
+        report
+            .warn("", format!("{gaps} gaps in all, {} s without data; the first {SHOWN} are listed", Short(gap_time)));
+    }
+    if single > 0 {
+        report
+            .note("time", format!("{} longer than 1.5 sample times: single rows are missing", plural(single, "step")));
+    }
+    if longest - shortest > 0.1 * median {
+        report.note(
+            "time",
+            format!(
+                "irregular: steps from {} s to {} s about the median of {} s; used as they are",
+                Short(shortest),
+                Short(longest),
+                Short(median)
+            ),
+        );
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn table(time: &[f64]) -> Table {
+        let lines = (0..time.len()).map(|row| row + 2).collect();
+        Table { time: time.to_vec(), lines, columns: vec![(0..time.len()).map(|row| row as f64).collect()] }
+    }
+
+    fn ordered(time: &[f64]) -> (Vec<f64>, QualityReport) {
+        let mut table = table(time);
+        let mut report = QualityReport::default();
+        put_in_order(&mut table, "x", "time_s", &mut report).unwrap();
+        assert_eq!(table.time.len(), table.columns[0].len());
+        assert!(table.time.windows(2).all(|pair| pair[0] < pair[1]));
+        (table.time, report)
+    }
+
+    #[test]
+    fn swapped_rows_lose_the_one_that_goes_back() {
+        let (time, report) = ordered(&[0.0, 1.0, 3.0, 2.0, 4.0]);
+        assert_eq!(time, [0.0, 1.0, 3.0, 4.0]);
+        assert_eq!(report.findings[0].place, "line 5");
+    }
+
+    #[test]
+    fn a_wild_time_does_not_take_the_rest_with_it() {
+        let (time, report) = ordered(&[0.0, 1.0, 1e9, 2.0, 3.0, 4.0]);
+        assert_eq!(time, [0.0, 1.0, 2.0, 3.0, 4.0]);
+        assert_eq!(report.findings[0].place, "line 4");
+    }
+
+    #[test]
+    fn a_clock_that_starts_again_ends_the_record() {
+        let mut time: Vec<f64> = (0..40).map(f64::from).collect();
+        time.extend((0..25).map(f64::from));
+        let (kept, report) = ordered(&time);
+        assert_eq!(kept.len(), 40);
+        assert!(report.findings[0].message.contains("started again"), "{report}");
+        assert_eq!(report.findings[0].place, "line 42");
+        assert_eq!(report.findings[1].place, "lines 2 to 41");
+        // The longer part second: parts are never joined, even where the second runs past the end of the first.
+        let mut time: Vec<f64> = (0..20).map(f64::from).collect();
+        time.extend((0..50).map(f64::from));
+        assert_eq!(ordered(&time).0.len(), 50);
+    }
+
+    #[test]
+    fn three_starts_are_three_parts() {
+        let mut time: Vec<f64> = Vec::new();
+        for part in [15, 30, 20] {
+            time.extend((0..part).map(f64::from));
+        }
+        let (kept, report) = ordered(&time);
+        assert_eq!(kept.len(), 30);
+        assert_eq!(report.findings.iter().filter(|f| f.message.contains("started again")).count(), 2);
+    }
+
+    #[test]
+    fn a_column_that_is_no_time_is_refused() {
+        let mut table = table(&[5.0, 4.0, 3.0, 2.0, 1.0, 0.0]);
+        let error = put_in_order(&mut table, "x.csv", "t", &mut QualityReport::default()).unwrap_err();
+        assert!(error.to_string().contains("rises in only 1 of 6"), "{error}");
+    }
+
+    #[test]
+    fn gaps_are_measured_in_the_median() {
+        let mut report = QualityReport::default();
+        report_steps(&[0.0, 0.1, 0.2, 0.5, 0.6, 2.6, 2.7], 0.1, 3.5, &mut report);
+        let gaps: Vec<_> = report.warnings().collect();
+        assert_eq!(gaps.len(), 1);
+        assert_eq!(gaps[0].place, "0.6 s to 2.6 s");
+        assert!(gaps[0].message.contains("gap of 2 s (20 sample times)"), "{}", gaps[0].message);
+        assert!(report.findings.iter().any(|f| f.message.contains("1 step longer")), "{report}");
+    }
+}
