@@ -78,7 +78,8 @@ impl Actuators {
 mod tests {
     use super::*;
 
-    const ELEVATOR: Actuator = Actuator { limit: 0.436_332_313, rate_limit: 1.047_197_551, lag: 0.0495 };
+    const DEGREE: f64 = core::f64::consts::PI / 180.0;
+    const ELEVATOR: Actuator = Actuator { limit: 25.0 * DEGREE, rate_limit: 60.0 * DEGREE, lag: 0.0495 };
 
     /// A step flown with small Euler steps; the time constant is long against them.
     fn follow(command: f64, seconds: f64) -> (f64, f64) {

@@ -123,8 +123,7 @@ impl Aircraft for F16 {
         let time_scale = (air.speed * 2.0).recip();
         let span_time = time_scale * span;
         let [p_hat, q_hat, r_hat] = [rates[0] * span_time, rates[1] * (time_scale * mean_chord), rates[2] * span_time];
-        let (longitudinal, lateral) =
-            self.aerodynamics.all(air.alpha, air.beta, [p_hat, q_hat, r_hat], controls);
+        let (longitudinal, lateral) = self.aerodynamics.all(air.alpha, air.beta, [p_hat, q_hat, r_hat], controls);
         let Longitudinal { cx, cz, cm } = longitudinal;
         let Lateral { cy, cl, cn } = lateral;
         // From the reference point to the centre of gravity.

@@ -126,7 +126,7 @@ impl Increments {
             self.dCD_q,
             self.dCD_delta_e,
         ];
-        all.iter().any(|&d| d != 0.0)
+        any_not_zero(&all)
     }
 
     /// Whether any lateral derivative is not zero.
@@ -149,7 +149,7 @@ impl Increments {
             self.dCn_delta_a,
             self.dCn_delta_r,
         ];
-        all.iter().any(|&d| d != 0.0)
+        any_not_zero(&all)
     }
 
     /// `[dCL, dCD, dCm]` from the air-relative angle of attack (rad), `cbar / 2V` (s), pitch rate (rad/s) and elevator
@@ -177,6 +177,12 @@ impl Increments {
             sum([self.dCn_beta, self.dCn_p, self.dCn_r, self.dCn_delta_a, self.dCn_delta_r]),
         ]
     }
+}
+
+/// Asked at every evaluation: without branches, and zero of either sign is zero.
+#[inline(always)]
+fn any_not_zero(all: &[f64]) -> bool {
+    all.iter().fold(0, |bits, d| bits | d.to_bits()) << 1 != 0
 }
 
 /// Lift and drag coefficients turned into body axes: `[CX, CZ]` from `CL`, `CD` and sine and cosine of the angle of

@@ -21,5 +21,6 @@ pub mod sensors;
 #[cfg(feature = "std")]
 pub mod simulate;
 pub mod table;
+mod trigonometry;
 #[cfg(feature = "std")]
 pub mod trim;

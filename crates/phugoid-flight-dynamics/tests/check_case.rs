@@ -2,39 +2,23 @@
 //!
 //! The book printed it with its rounded constants; with exact ones the differences are known and asserted as well.
 
+#![allow(clippy::unwrap_used)] // in helpers of tests
+
 use phugoid_flight_dynamics::aircraft::{Controls, State};
 use phugoid_flight_dynamics::f16::{F16, F16Constants, F16Options, F16Tables};
 use phugoid_flight_dynamics::motion::{Disturbance, motion};
+use reference::{FOOT, numbers, published};
 use serde_json::Value;
-use std::path::PathBuf;
 
-const FOOT: f64 = 0.3048;
+mod reference;
+
 const DEGREE: f64 = std::f64::consts::PI / 180.0;
 const NAMES: [&str; 13] =
     ["speed", "alpha", "beta", "phi", "theta", "psi", "p", "q", "r", "north", "east", "altitude", "power"];
 
-/// The check case from the shared data, or `None` (said in one line) where the data are not there.
-fn check_case() -> Option<Value> {
-    let root = std::env::var_os("PHUGOID_SHARED_DATA")
-        .map_or_else(|| PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data")), PathBuf::from);
-    let path = root.join("checks/stevens_lewis/stevens_lewis_published.json");
-    match std::fs::read_to_string(&path) {
-        Ok(text) => Some(serde_json::from_str::<Value>(&text).unwrap()["check_case"].take()),
-        Err(error) => {
-            assert!(std::env::var_os("CI").is_none(), "{}: {error}", path.display());
-            println!("skipped: {}: {error} (set PHUGOID_SHARED_DATA)", path.display());
-            None
-        }
-    }
-}
-
-fn numbers<const N: usize>(value: &Value) -> [f64; N] {
-    let list: Vec<f64> = value.as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect();
-    list.try_into().unwrap()
-}
-
 /// Feet or feet per second in places 0 and 9 to 11; everything else has no length in it.
-fn scaled(x: [f64; 13], factor: f64) -> [f64; 13] {
+fn scaled(x: &[f64], factor: f64) -> [f64; 13] {
+    assert_eq!(x.len(), 13);
     std::array::from_fn(|i| if matches!(i, 0 | 9..=11) { x[i] * factor } else { x[i] })
 }
 
@@ -48,15 +32,17 @@ fn residuals(case: &Value, tables: F16Tables, constants: F16Constants) -> [f64; 
         aileron: u("ail_deg") * DEGREE,
         rudder: u("rdr_deg") * DEGREE,
     };
-    let state = State::from_array(scaled(numbers(&case["x"]), FOOT));
+    let state = State::from_array(scaled(&numbers(&case["x"]), FOOT));
     let rates = motion(&aircraft, &state, &controls, &Disturbance::default()).rates;
-    let (found, published) = (scaled(rates.to_array(), 1.0 / FOOT), numbers::<13>(&case["xdot"]));
+    let (found, published) = (scaled(&rates.to_array(), 1.0 / FOOT), numbers(&case["xdot"]));
+    assert_eq!(published.len(), 13);
     std::array::from_fn(|i| found[i] - published[i])
 }
 
 #[test]
 fn every_derivative_with_the_books_rounded_constants() {
-    let Some(case) = check_case() else { return };
+    let Some(mut all) = published() else { return };
+    let case = all["check_case"].take();
     let residuals = residuals(&case, F16Tables::Book, F16Constants::BookRounded);
     println!("{residuals:?}");
     for (name, residual) in NAMES.iter().zip(residuals) {
@@ -68,7 +54,8 @@ fn every_derivative_with_the_books_rounded_constants() {
 /// qdot -6e-5, rdot -6e-5". The statement has two digits.
 #[test]
 fn documented_differences_of_the_exact_constants() {
-    let Some(case) = check_case() else { return };
+    let Some(mut all) = published() else { return };
+    let case = all["check_case"].take();
     let r = residuals(&case, F16Tables::Book, F16Constants::Exact);
     println!("{r:?}");
     for (index, documented, rounding) in
@@ -86,7 +73,8 @@ fn documented_differences_of_the_exact_constants() {
 /// alone make 2.88e-2.
 #[test]
 fn documented_difference_of_the_morelli_tables() {
-    let Some(case) = check_case() else { return };
+    let Some(mut all) = published() else { return };
+    let case = all["check_case"].take();
     let exact = residuals(&case, F16Tables::Morelli, F16Constants::Exact);
     println!("{exact:?}");
     assert!((exact[6] - 2.6e-2).abs() < 5e-4, "pdot: {:e}", exact[6]);

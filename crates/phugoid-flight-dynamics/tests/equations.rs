@@ -1,5 +1,7 @@
 //! Laws that the equations of motion must obey whatever the aircraft, with an aircraft of the test's own beside the F-16.
 
+#![allow(clippy::unwrap_used)] // in helpers of tests
+
 use phugoid_flight_dynamics::actuator::{Actuator, Actuators};
 use phugoid_flight_dynamics::aircraft::{AirData, Aircraft, Coefficients, Controls, Geometry, Propulsion, State};
 use phugoid_flight_dynamics::atmosphere::Atmosphere;
@@ -134,11 +136,8 @@ fn newton_holds<A: Aircraft>(aircraft: &A, state: &State, controls: &Controls, g
         dv * sb + state.speed * cb * db,
         dv * sa * cb + state.speed * (ca * cb * da - sa * sb * db),
     ];
-    let cause = [
-        f[0] - g * st - (q * w - r * v),
-        f[1] + g * sf * ct - (r * u - p * w),
-        f[2] + g * cf * ct - (p * v - q * u),
-    ];
+    let cause =
+        [f[0] - g * st - (q * w - r * v), f[1] + g * sf * ct - (r * u - p * w), f[2] + g * cf * ct - (p * v - q * u)];
     for axis in 0..3 {
         assert!(close(change[axis], cause[axis], 1e3), "axis {axis}: {} {}", change[axis], cause[axis]);
     }
