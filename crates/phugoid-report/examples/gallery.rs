@@ -5,14 +5,24 @@ mod synthetic;
 
 use std::path::PathBuf;
 
-use phugoid_report::{ReportError, write_figures};
+use phugoid_report::{HtmlOptions, ReportError, html, write_figures};
 
 fn main() -> Result<(), ReportError> {
     let folder = PathBuf::from(std::env::args().nth(1).unwrap_or_else(|| "gallery".to_owned()));
     for case in [synthetic::fighter(), synthetic::jet()] {
         let estimation = synthetic::estimation(&case);
         let written = write_figures(&folder.join(case.source), &estimation)?;
-        println!("{}: {} files", case.source, written.len());
+        let page = folder.join(format!("{}.html", case.source));
+        let options = HtmlOptions {
+            notes: vec![
+                "A made-up estimation to look at the page with; no flight and no estimator is behind it.".to_owned(),
+            ],
+            settings: vec![("Window of the change test".to_owned(), "1 s".to_owned())],
+            ..HtmlOptions::default()
+        };
+        std::fs::write(&page, html(&estimation, &options))
+            .map_err(|source| ReportError::Write { path: page.clone(), source })?;
+        println!("{}: {} files and {}", case.source, written.len(), page.display());
     }
     Ok(())
 }

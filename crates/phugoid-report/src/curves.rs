@@ -6,9 +6,11 @@ use crate::layout::Map;
 use crate::scene::{Scene, Shape};
 
 /// Width of a curve, px.
-pub(crate) const LINE_WIDTH: f64 = 1.6;
+pub(crate) const LINE_WIDTH: f64 = 1.5;
 /// Diameter of a sample's dot, px.
 pub(crate) const DOT: f64 = 2.6;
+/// Diameter of a marked sample's dot, px.
+pub(crate) const MARK: f64 = 6.0;
 /// Opacity of a band.
 pub(crate) const BAND_OPACITY: f64 = 0.28;
 
@@ -22,11 +24,12 @@ pub(crate) fn draw(scene: &mut Scene, map: &Map, series: &Series) {
             stroke(scene, map, decimate::lines(&points(y)), colour, LINE_WIDTH, Some([6.0, 4.0]));
         }
         Kind::Step(y) => stroke(scene, map, decimate::lines(&steps(&points(y))), colour, LINE_WIDTH, None),
-        Kind::Points(y) => {
+        Kind::Points(y) | Kind::Marks(y) => {
             let mut centres = decimate::points(&points(y));
             centres.retain(|p| map.frame.contains(p));
             if !centres.is_empty() {
-                scene.shapes.push(Shape::Dots { centres, colour, diameter: DOT, opacity: 0.75 });
+                let (diameter, opacity) = if matches!(series.kind, Kind::Marks(_)) { (MARK, 1.0) } else { (DOT, 0.75) };
+                scene.shapes.push(Shape::Dots { centres, colour, diameter, opacity });
             }
         }
         Kind::Bars(y) => {
@@ -59,6 +62,7 @@ pub(crate) fn draw(scene: &mut Scene, map: &Map, series: &Series) {
             stroke(scene, map, decimate::trajectory(&points), colour, 1.2, None);
             let end = points.iter().rev().find(|p| p[0].is_finite() && p[1].is_finite());
             if let Some(end) = end.filter(|p| map.frame.contains(p)) {
+                let colour = Colour::Ink;
                 scene.shapes.push(Shape::Dots { centres: vec![*end], colour, diameter: 7.0, opacity: 1.0 });
             }
         }

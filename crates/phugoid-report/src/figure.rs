@@ -139,6 +139,8 @@ pub enum Kind {
     Step(Vec<f64>),
     /// One dot per sample.
     Points(Vec<f64>),
+    /// One large dot per sample, for the few that deserve a look.
+    Marks(Vec<f64>),
     /// Vertical bars from zero.
     Bars(Vec<f64>),
     /// The area between two curves.
@@ -218,8 +220,8 @@ pub enum Colour {
     Yellow,
     /// Grid lines.
     Grid,
-    /// Paper.
-    Background,
+    /// Text on strongly coloured areas.
+    OnColour,
 }
 
 /// Colours for several curves of equal rank in one panel, in this order; repeats after the last.

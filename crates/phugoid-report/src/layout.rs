@@ -279,7 +279,13 @@ fn shared_limits(figure: &Figure) -> [f64; 2] {
             Body::Matrix { .. } => {}
         }
     }
-    limits.or_unit()
+    rounded_out(limits.or_unit())
+}
+
+/// Limits moved out to the next tick where that is near: a record of 2000 samples at 100 Hz ends at 19.99 s, its axis at 20.
+fn rounded_out([low, high]: [f64; 2]) -> [f64; 2] {
+    let values = ticks([low - 0.01 * (high - low), high + 0.01 * (high - low)], 10).values;
+    [values.first().map_or(low, |v| v.min(low)), values.last().map_or(high, |v| v.max(high))]
 }
 
 fn own_limits(panel: &Panel, axis: &Axis) -> [f64; 2] {
@@ -309,7 +315,12 @@ fn ordinate_limits(axis: &Axis, series: &[Series], references: &[Reference], x: 
             values.iter().enumerate().filter(|(i, _)| inside(*i)).for_each(|(_, v)| limits.add(*v));
         };
         match &series.kind {
-            Kind::Line(y) | Kind::Dashed(y) | Kind::Step(y) | Kind::Points(y) | Kind::Trajectory(y) => add(y),
+            Kind::Line(y)
+            | Kind::Dashed(y)
+            | Kind::Step(y)
+            | Kind::Points(y)
+            | Kind::Marks(y)
+            | Kind::Trajectory(y) => add(y),
             Kind::Bars(y) => {
                 add(y);
                 if !y.is_empty() {

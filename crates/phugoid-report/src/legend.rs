@@ -1,12 +1,14 @@
 //! The legend: one row or a few above the panels, where no curve can run through it.
 
-use crate::curves::{BAND_OPACITY, DOT, LINE_WIDTH};
+use crate::curves::{BAND_OPACITY, DOT, LINE_WIDTH, MARK};
 use crate::figure::{Colour, Kind};
 use crate::font::{Fonts, reserved_width};
 use crate::layout::{NORMAL, text};
 use crate::scene::{Anchor, Scene, Shape};
 
 const SAMPLE: f64 = 24.0;
+/// Width of the samples that are as high as wide or narrower.
+const NARROW: f64 = 8.0;
 const ROW: f64 = 20.0;
 
 /// One entry.
@@ -23,6 +25,7 @@ pub(crate) enum Swatch {
     Line,
     Dashed,
     Dots,
+    Mark,
     Band,
     Strip,
     Event,
@@ -34,6 +37,7 @@ impl Swatch {
             Kind::Line(_) | Kind::Step(_) | Kind::Bars(_) | Kind::Trajectory(_) => Swatch::Line,
             Kind::Dashed(_) => Swatch::Dashed,
             Kind::Points(_) => Swatch::Dots,
+            Kind::Marks(_) => Swatch::Mark,
             Kind::Band { .. } => Swatch::Band,
         }
     }
@@ -46,13 +50,17 @@ pub(crate) fn draw(scene: &mut Scene, fonts: Option<&Fonts>, entries: &[Entry], 
     }
     let [mut x, mut y] = [at[0], at[1] + 14.0];
     for entry in entries {
-        let width = SAMPLE + 7.0 + reserved_width(fonts, &entry.label, NORMAL, false);
+        let sample_width = match entry.swatch {
+            Swatch::Event | Swatch::Mark => NARROW,
+            _ => SAMPLE,
+        };
+        let width = sample_width + 7.0 + reserved_width(fonts, &entry.label, NORMAL, false);
         if x + width > right && x > at[0] {
             x = at[0];
             y += ROW;
         }
         scene.shapes.push(sample(entry, [x, y - 4.5]));
-        scene.shapes.push(text(&entry.label, [x + SAMPLE + 7.0, y], NORMAL, Anchor::Start, false, Colour::Ink));
+        scene.shapes.push(text(&entry.label, [x + sample_width + 7.0, y], NORMAL, Anchor::Start, false, Colour::Ink));
         x += width + 20.0;
     }
     y + 6.0
@@ -81,10 +89,11 @@ fn sample(entry: &Entry, [x, y]: [f64; 2]) -> Shape {
             diameter: DOT + 0.4,
             opacity: 1.0,
         },
+        Swatch::Mark => Shape::Dots { centres: vec![[x + NARROW / 2.0, y]], colour, diameter: MARK, opacity: 1.0 },
         Swatch::Band => area(BAND_OPACITY),
         Swatch::Strip => area(1.0),
         Swatch::Event => Shape::Lines {
-            lines: vec![vec![[x + SAMPLE / 2.0, y - 7.0], [x + SAMPLE / 2.0, y + 7.0]]],
+            lines: vec![vec![[x + NARROW / 2.0, y - 7.0], [x + NARROW / 2.0, y + 7.0]]],
             colour,
             width: 1.6,
             dash: None,

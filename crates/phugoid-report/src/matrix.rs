@@ -68,6 +68,7 @@ fn draw_cell(scene: &mut Scene, [x, y]: [f64; 2], cell: f64, value: f64, diagona
     if wide || (narrow && strength >= 0.3) {
         let size = if wide { 11.5 } else { 9.5 };
         let words = if wide { fixed(value, 2) } else { fixed(value, 1) };
-        scene.shapes.push(text(&words, centre, size, Anchor::Middle, strength >= 0.9, Colour::Ink));
+        let on = if strength >= 0.55 { Colour::OnColour } else { Colour::Ink };
+        scene.shapes.push(text(&words, centre, size, Anchor::Middle, strength >= 0.9, on));
     }
 }

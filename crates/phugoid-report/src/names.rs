@@ -56,24 +56,6 @@ pub(crate) fn signal_label(name: &str) -> String {
     words.to_owned()
 }
 
-/// The symbol for a canonical channel name, for headings with little room.
-pub(crate) fn signal_symbol(name: &str) -> String {
-    match name {
-        "true_airspeed" => "V",
-        "alpha" => "α",
-        "beta" => "β",
-        "theta" => "θ",
-        "phi" => "φ",
-        "psi" => "ψ",
-        "flight_path_angle" => "γ",
-        "pdot" => "dp/dt",
-        "qdot" => "dq/dt",
-        "rdot" => "dr/dt",
-        other => return other.replace('_', " "),
-    }
-    .to_owned()
-}
-
 /// The unit of a parameter, from its name: `bias_alpha` has the unit of its channel (given by `unit_of_channel`, SI),
 /// derivatives such as `Cm_alpha` or `CL_alpha_elevator` are per radian once for each angle or normalised angular rate
 /// they multiply, everything else is a pure number.

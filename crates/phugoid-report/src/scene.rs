@@ -54,7 +54,7 @@ impl Colour {
             Colour::Sky => [0x56, 0xb4, 0xe9],
             Colour::Yellow => [0xf0, 0xe4, 0x42],
             Colour::Grid => [0xe3, 0xe6, 0xea],
-            Colour::Background => [0xff, 0xff, 0xff],
+            Colour::OnColour => [0x1b, 0x1f, 0x24],
         }
     }
 
@@ -71,7 +71,7 @@ impl Colour {
             Colour::Sky => "sky",
             Colour::Yellow => "yellow",
             Colour::Grid => "grid",
-            Colour::Background => "paper",
+            Colour::OnColour => "on-colour",
         }
     }
 

@@ -17,7 +17,10 @@ pub(crate) fn document(scene: &Scene, title: &str, theme: Theme) -> String {
     let (w, h) = (tenths(scene.width), tenths(scene.height));
     let size = match theme {
         Theme::Paper => format!(" width=\"{}\" height=\"{}\"", scene.width, scene.height),
-        Theme::Variables => String::new(),
+        // As wide as the page allows; on a narrow screen it can be moved sideways rather than become too small to read.
+        Theme::Variables => {
+            format!(" style=\"max-width:{:.0}px;min-width:{:.0}px\"", scene.width, 0.74 * scene.width)
+        }
     };
     // Formatting into a String cannot fail, so the results of write! are dropped here and below.
     let _ = write!(

@@ -11,7 +11,7 @@ pub(crate) struct Ticks {
     pub(crate) exponent: i32,
 }
 
-/// Ticks at multiples of 1, 2 or 5 times a power of ten within the limits, about `wanted` of them.
+/// Ticks at multiples of 1, 2 or 5 times a power of ten within the limits: about `wanted` of them, and at least three.
 pub(crate) fn ticks(limits: [f64; 2], wanted: usize) -> Ticks {
     let [lower, upper] = limits;
     let span = upper - lower;
@@ -20,15 +20,19 @@ pub(crate) fn ticks(limits: [f64; 2], wanted: usize) -> Ticks {
     }
     let raw = span / wanted.max(1) as f64;
     let power = 10f64.powf(raw.log10().floor());
-    // The smallest of 1, 2, 5, 10 that does not give more than the wanted number; the slack is for rounding.
-    let step = [1.0, 2.0, 5.0, 10.0].map(|m| m * power).into_iter().find(|s| *s >= raw * 0.999).unwrap_or(10.0 * power);
+    // From coarse to fine: the first step that is not too coarse for three ticks, starting where there are not more than
+    // wanted; the slack is for rounding.
+    let steps = [10.0, 5.0, 2.0, 1.0, 0.5, 0.2, 0.1].map(|m| m * power);
+    let smallest = steps.iter().copied().filter(|s| *s >= raw * 0.999).fold(10.0 * power, f64::min);
+    let count_of = |step: f64| (upper / step + 1e-6).floor() - (lower / step - 1e-6).ceil() + 1.0;
+    let step = steps.into_iter().filter(|s| *s <= smallest).find(|s| count_of(*s) >= 3.0).unwrap_or(smallest);
     let first = (lower / step - 1e-6).ceil();
-    let count = ((upper / step + 1e-6).floor() - first).max(0.0) as usize + 1;
-    let values: Vec<f64> = (0..count.min(50)).map(|k| (first + k as f64) * step).collect();
+    let count = count_of(step).clamp(0.0, 50.0) as usize;
+    let values: Vec<f64> = (0..count).map(|k| (first + k as f64) * step).collect();
 
     let largest = values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
     let exponent = if largest >= 1e5 || (largest > 0.0 && largest < 1e-2) {
-        3 * ((largest.log10() / 3.0).floor() as i32)
+        3 * (((largest.log10() + 1.0) / 3.0).floor() as i32)
     } else {
         0
     };
@@ -95,10 +99,11 @@ mod tests {
     fn usual_axes() {
         let axis = ticks([0.0, 20.0], 10);
         assert_eq!(axis.labels, ["0", "2", "4", "6", "8", "10", "12", "14", "16", "18", "20"]);
-        assert_eq!(ticks([-0.31, 0.12], 4).labels, ["−0.2", "0.0"]);
+        // Two ticks at steps of 0.2 would be too few to read a value from.
+        assert_eq!(ticks([-0.31, 0.12], 3).labels, ["−0.3", "−0.2", "−0.1", "0.0", "0.1"]);
         assert_eq!(ticks([-0.31, 0.12], 5).labels, ["−0.3", "−0.2", "−0.1", "0.0", "0.1"]);
         let small = ticks([0.0, 3.2e-4], 4);
-        assert_eq!((small.exponent, small.labels), (-6, vec!["0".into(), "100".into(), "200".into(), "300".into()]));
+        assert_eq!((small.exponent, small.labels), (-3, vec!["0.0".into(), "0.1".into(), "0.2".into(), "0.3".into()]));
         let zoom = ticks([-0.20013, -0.19987], 3);
         assert_eq!(zoom.labels, ["−0.2001", "−0.2000", "−0.1999"]);
         assert!(ticks([f64::NAN, 1.0], 4).values.is_empty());
@@ -130,7 +135,7 @@ mod tests {
             let half = 10f64.powi(exponent);
             let limits = [centre - half, centre + half];
             let axis = ticks(limits, wanted);
-            prop_assert!(axis.values.len() <= wanted + 1);
+            prop_assert!(axis.values.len() >= 3 && axis.values.len() <= wanted.max(6) + 1, "{:?}", axis);
             prop_assert_eq!(axis.values.len(), axis.labels.len());
             for pair in axis.values.windows(2) {
                 prop_assert!(pair[1] > pair[0]);

@@ -89,10 +89,10 @@ pub(crate) fn unit_of(estimation: &Estimation, parameter: &str) -> HumanUnit {
 /// Words and colour for a kind of event.
 pub(crate) fn event_kind(kind: &str) -> (String, Colour) {
     let (words, colour) = match kind {
-        "in_doubt" => ("bounds in doubt", Colour::Orange),
+        "in_doubt" => ("bounds in doubt", Colour::Purple),
         "re_reached" => ("change adopted (re-reached)", Colour::Vermillion),
-        "doubt_dropped" => ("doubt dropped", Colour::Green),
-        "insensitive" => ("change detector insensitive", Colour::Purple),
+        "doubt_dropped" => ("doubt dropped", Colour::Sky),
+        "insensitive" => ("change detector insensitive", Colour::Orange),
         "gap" => ("gap in the data", Colour::Muted),
         "restarted" => ("restarted", Colour::Ink),
         other => return (other.replace('_', " "), Colour::Muted),

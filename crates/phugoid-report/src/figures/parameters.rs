@@ -53,7 +53,12 @@ fn panels(context: &Context, parameter: &ParameterResult, history: &ParameterHis
     let bounds = parameter.bounds.map(|b| b.map(|v| v * unit.factor));
 
     let mut whole = Panel::plot(ranged(&parameter.name, unit, whole_range(&values, &last, bounds)), series());
-    let label = format!("{} ± {}, 2σ", significant(last.value, 4), significant(2.0 * last.sigma, 2));
+    let label = format!(
+        "{} at the end: {} ± {}, 2σ",
+        parameter.name,
+        significant(last.value, 4),
+        significant(2.0 * last.sigma, 2)
+    );
     let mut end = Panel::plot(ranged(&label, unit, end_range(&values, &last)), series());
     for panel in [&mut whole, &mut end] {
         let mut lines: Vec<Reference> = Vec::new();
@@ -115,12 +120,13 @@ fn whole_range(values: &[f64], last: &Final, bounds: Option<[f64; 2]>) -> Option
     (pad > 0.0).then_some([from - pad, to + pad])
 }
 
-/// Limits about the end: four sigma, or what the estimate moved in the second half, or as far as a truth that is near.
+/// Limits about the end: what the estimate moved in the second half with its band, and a truth that is not far off.
 fn end_range(values: &[f64], last: &Final) -> Option<[f64; 2]> {
     let centre = last.value;
     let moved =
         values[values.len() / 2..].iter().map(|v| (v - centre).abs()).filter(|v| v.is_finite()).fold(0.0, f64::max);
-    let mut half = (1.15 * moved).max(if last.sigma.is_finite() { 4.0 * last.sigma } else { 0.0 });
+    let sigma = if last.sigma.is_finite() { last.sigma } else { 0.0 };
+    let mut half = (1.1 * moved + 2.2 * sigma).max(3.5 * sigma);
     if let Some(error) = last.truth.map(|t| (t - centre).abs()).filter(|e| *e <= 4.0 * half) {
         half = half.max(1.25 * error);
     }

@@ -27,10 +27,10 @@ pub(super) fn series(context: &Context) -> Option<(String, Figure)> {
             let beyond = residual
                 .values
                 .iter()
-                .map(|v| if v.abs() > limit { 0.97 * limit.copysign(*v) } else { f64::NAN })
+                .map(|v| if v.abs() > limit { 0.95 * limit.copysign(*v) } else { f64::NAN })
                 .collect();
             let label = format!("beyond ±{LIMIT} σ, drawn at the border");
-            dots.push(Series::new(label, Colour::Vermillion, &context.time, Kind::Points(beyond)));
+            dots.push(Series::new(label, Colour::Vermillion, &context.time, Kind::Marks(beyond)));
         }
         let panel = Panel::plot(axis.with_range(-limit, limit), dots).with_height(96.0);
         let line = |at| Reference { label: "±2σ".to_owned(), colour: Colour::Orange, dashed: true, at };
@@ -64,7 +64,7 @@ pub(super) fn autocorrelations(context: &Context) -> Option<(String, Figure)> {
         let smallest = r.iter().copied().filter(|v| v.is_finite()).fold(-2.0 * limit, f64::min);
         let largest = r.iter().skip(1).copied().filter(|v| v.is_finite()).fold(2.0 * limit, f64::max);
         let axis = Axis::new(format!("Autocorrelation, {}", uncapitalised(&signal_label(&residual.name))), "–")
-            .with_range((1.15 * smallest).min(-0.2), (1.15 * largest).clamp(0.2, 1.05));
+            .with_range((1.15 * smallest).min(-0.22), (1.15 * largest).clamp(0.22, 1.05));
         let bars = Series::new("autocorrelation", Colour::Blue, &lag, Kind::Bars(r[1..].to_vec()));
         let line =
             |at| Reference { label: "95 % limits of white noise".to_owned(), colour: Colour::Orange, dashed: true, at };

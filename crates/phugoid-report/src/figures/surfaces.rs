@@ -126,13 +126,19 @@ fn says_something(surface: &[f64]) -> bool {
     surface.iter().any(|s| s.is_finite() && *s != 0.0)
 }
 
-/// Limits that leave out the wildest 2 % and contain zero.
+/// Limits with all values and zero; without the wildest 2 % if those would take more than two thirds of the height.
 fn robust_range(values: &[f64]) -> Option<[f64; 2]> {
     let mut sorted: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
     sorted.sort_unstable_by(f64::total_cmp);
     let last = sorted.len().checked_sub(1)?;
-    let low = sorted[(0.01 * last as f64).floor() as usize].min(0.0);
-    let high = sorted[(0.99 * last as f64).ceil() as usize].max(0.0);
-    let pad = 0.1 * (high - low);
+    let within = |share: f64| {
+        let low = sorted[(share * last as f64).floor() as usize].min(0.0);
+        let high = sorted[((1.0 - share) * last as f64).ceil() as usize].max(0.0);
+        [low, high]
+    };
+    let (all, most) = (within(0.0), within(0.01));
+    let span = |[low, high]: [f64; 2]| high - low;
+    let [low, high] = if span(all) <= 3.0 * span(most) { all } else { most };
+    let pad = 0.08 * (high - low);
     (pad > 0.0).then_some([low - pad, high + pad])
 }

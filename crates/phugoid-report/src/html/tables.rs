@@ -1,0 +1,266 @@
+//! The tables of the page.
+
+use std::fmt::Write as _;
+
+use phugoid_flight_data::quality::Severity;
+use phugoid_identification::estimation::{Estimation, ParameterResult};
+
+use super::{HtmlOptions, trimmed};
+use crate::escape::escape;
+use crate::figures::{event_kind, unit_of};
+use crate::names::{human_unit, signal_label};
+use crate::statistics::output_fits;
+use crate::ticks::{fixed, significant};
+
+/// Every parameter with what is known of it.
+pub(super) fn parameters(estimation: &Estimation) -> String {
+    if estimation.parameters.is_empty() {
+        return String::new();
+    }
+    let truth = estimation.parameters.iter().any(|p| p.truth.is_some());
+    let mut heads = vec![
+        ("", "Parameter"),
+        ("", "Unit"),
+        ("n", "Value"),
+        ("n", "Std. error<br>(corrected)"),
+        ("n", "Error<br>(%)"),
+        ("n", "2σ interval"),
+    ];
+    if truth {
+        heads.extend([("n", "Truth"), ("n", "Off by<br>(σ)")]);
+    }
+    heads.extend([
+        ("", "Status"),
+        ("n", "Converged<br>at (s)"),
+        ("n", "Observ-<br>ability"),
+        ("n", "Std. error<br>(claimed)"),
+        ("n", "Start ± prior 1σ"),
+    ]);
+    let mut out = String::from("<div class=\"scroll\"><table class=\"parameters\">\n<thead><tr>");
+    for (class, head) in &heads {
+        let _ = write!(out, "<th scope=\"col\"{}>{head}</th>", class_of(class));
+    }
+    out.push_str("</tr></thead>\n");
+    for (nuisance, group) in [(false, ""), (true, "Offsets and sensor biases, estimated to support the others")] {
+        let rows: Vec<&ParameterResult> = estimation.parameters.iter().filter(|p| p.nuisance == nuisance).collect();
+        if rows.is_empty() {
+            continue;
+        }
+        out.push_str("<tbody>\n");
+        if !group.is_empty() {
+            let _ = writeln!(
+                out,
+                "<tr class=\"group\"><th colspan=\"{}\" scope=\"rowgroup\">{group}</th></tr>",
+                heads.len()
+            );
+        }
+        for parameter in rows {
+            out.push_str(&parameter_row(estimation, parameter, truth));
+        }
+        out.push_str("</tbody>\n");
+    }
+    out.push_str("</table></div>\n");
+    out.push_str(
+        "<p class=\"note\">The 2σ interval rests on the corrected standard error, which allows for coloured residuals; \
+         the claimed one is the covariance's own. Error is the corrected standard error in per cent of the value. \
+         Converged at: from then on, in seconds from the start of the record, the estimate stays within 5 % of the truth \
+         where that is known, else of its final value. Observability is 1 − variance / prior variance: 1 means that the \
+         record decided the value, 0 that it says nothing.</p>\n",
+    );
+    out
+}
+
+fn parameter_row(estimation: &Estimation, parameter: &ParameterResult, truth: bool) -> String {
+    let unit = unit_of(estimation, &parameter.name);
+    let number = |value: f64, digits| significant(value * unit.factor, digits);
+    let sigma = parameter.corrected_std_error;
+    let fixed_value = parameter.status == "fixed";
+    let mut row = format!("<tr><th scope=\"row\">{}</th><td>{}</td>", escape(&parameter.name), escape(&unit.text));
+    let mut cell = |text: String| {
+        let _ = write!(row, "<td class=\"n\">{text}</td>");
+    };
+    cell(format!("<b>{}</b>", number(parameter.value, 4)));
+    if fixed_value {
+        (0..3).for_each(|_| cell("–".to_owned()));
+    } else {
+        cell(number(sigma, 3));
+        cell(percent(sigma, parameter.value));
+        cell(format!("{} … {}", number(parameter.lower, 4), number(parameter.upper, 4)));
+    }
+    if truth {
+        cell(parameter.truth.map_or_else(|| "–".to_owned(), |t| number(t, 4)));
+        cell(parameter.truth.map_or_else(|| "–".to_owned(), |t| off_by((parameter.value - t) / sigma)));
+    }
+    let class = match parameter.status.as_str() {
+        "converged" => " good",
+        "improving" => " waiting",
+        "not_excited" | "at_limit" => " bad",
+        _ => "",
+    };
+    let _ = write!(row, "<td><span class=\"status{class}\">{}</span></td>", escape(&status_words(&parameter.status)));
+    let mut cell = |text: String| {
+        let _ = write!(row, "<td class=\"n\">{text}</td>");
+    };
+    cell(parameter.converged_at_s.map_or_else(|| "–".to_owned(), |t| fixed(t, 2)));
+    if fixed_value {
+        (0..3).for_each(|_| cell("–".to_owned()));
+    } else {
+        cell(if parameter.observability.is_finite() { fixed(parameter.observability, 4) } else { "–".to_owned() });
+        cell(number(parameter.std_error, 3));
+        cell(format!("{} ± {}", number(parameter.initial, 3), number(parameter.prior_std, 3)));
+    }
+    row.push_str("</tr>\n");
+    row
+}
+
+fn percent(sigma: f64, value: f64) -> String {
+    let percent = 100.0 * sigma / value.abs();
+    match percent {
+        p if !p.is_finite() => "–".to_owned(),
+        p if p > 1000.0 => "&gt; 1000".to_owned(),
+        p => significant(p, 3),
+    }
+}
+
+fn off_by(sigmas: f64) -> String {
+    if !sigmas.is_finite() {
+        return "–".to_owned();
+    }
+    let text = format!("{}{}", if sigmas > 0.0 { "+" } else { "" }, fixed(sigmas, 1));
+    if sigmas.abs() > 2.0 { format!("<span class=\"far\">{text}</span>") } else { text }
+}
+
+/// A status in words.
+pub(super) fn status_words(status: &str) -> String {
+    match status {
+        "at_limit" => "at its limit".to_owned(),
+        other => other.replace('_', " "),
+    }
+}
+
+/// What is left of each output after the model, against the noise assumed.
+pub(super) fn fit(estimation: &Estimation) -> String {
+    let fits = output_fits(estimation);
+    if fits.is_empty() {
+        return String::new();
+    }
+    let mut out = table(&[
+        ("", "Output"),
+        ("", "Unit"),
+        ("n", "Noise used<br>(1σ)"),
+        ("n", "Rms error, one<br>step ahead"),
+        ("n", "Rms of whitened<br>residual"),
+        ("n", "Within ±2σ<br>(%)"),
+        ("n", "Autocorrelation<br>at one sample"),
+        ("n", "Samples"),
+    ]);
+    for fit in fits {
+        let unit = human_unit(&fit.unit);
+        let _ = write!(
+            out,
+            "<tr><th scope=\"row\">{}</th><td>{}</td>",
+            escape(&signal_label(&fit.name)),
+            escape(&unit.text)
+        );
+        let plain = |value: f64, decimals| if value.is_finite() { fixed(value, decimals) } else { "–".to_owned() };
+        for text in [
+            fit.noise.map_or_else(|| "–".to_owned(), |n| significant(n * unit.factor, 3)),
+            significant(fit.rms_error * unit.factor, 3),
+            plain(fit.residual_rms, 2),
+            plain(100.0 * fit.within_two_sigma, 1),
+            plain(fit.lag_one, 2),
+            fit.samples.to_string(),
+        ] {
+            let _ = write!(out, "<td class=\"n\">{text}</td>");
+        }
+        out.push_str("</tr>\n");
+    }
+    out.push_str("</tbody></table></div>\n");
+    out.push_str(
+        "<p class=\"note\">With the right model and noise the whitened residual has an rms of 1, 95.4 % of it lies within \
+         ±2σ, and its autocorrelation is near 0. An rms well above 1 means that the noise is larger than assumed or the \
+         model is wrong; a large autocorrelation speaks for the model.</p>\n",
+    );
+    out
+}
+
+/// What the reader of the record found.
+pub(super) fn quality(estimation: &Estimation) -> String {
+    let quality = &estimation.quality;
+    if *quality == phugoid_flight_data::quality::QualityReport::default() {
+        return String::new();
+    }
+    let mut out = format!("<p>{} rows read, {} kept", quality.rows_read, quality.rows_kept);
+    if quality.sample_time_s > 0.0 {
+        let _ = write!(out, "; median sample time {} s", trimmed(&significant(quality.sample_time_s, 4)));
+    }
+    out.push_str(".</p>\n");
+    if quality.findings.is_empty() {
+        out.push_str("<p>Nothing had to be mended or left out.</p>\n");
+        return out;
+    }
+    out.push_str(&table(&[("", "Weight"), ("", "Where"), ("", "Finding")]));
+    for finding in &quality.findings {
+        let (class, word) = match finding.severity {
+            Severity::Note => ("", "note"),
+            Severity::Warning => (" waiting", "warning"),
+        };
+        let place = if finding.place.is_empty() { "whole record" } else { &finding.place };
+        let _ = writeln!(
+            out,
+            "<tr><td><span class=\"status{class}\">{word}</span></td><td>{}</td><td class=\"words\">{}</td></tr>",
+            escape(place),
+            escape(&finding.message)
+        );
+    }
+    out.push_str("</tbody></table></div>\n");
+    out
+}
+
+/// What happened in flight.
+pub(super) fn events(estimation: &Estimation) -> String {
+    if estimation.events.is_empty() {
+        return String::new();
+    }
+    let mut out = table(&[("n", "Time (s)"), ("", "Event"), ("", "In words")]);
+    for event in &estimation.events {
+        let _ = writeln!(
+            out,
+            "<tr><td class=\"n\">{}</td><td>{}</td><td class=\"words\">{}</td></tr>",
+            if event.time_s.is_finite() { fixed(event.time_s, 2) } else { "–".to_owned() },
+            escape(&event_kind(&event.kind).0),
+            escape(&event.message)
+        );
+    }
+    out.push_str("</tbody></table></div>\n");
+    out
+}
+
+/// Estimator, model and settings.
+pub(super) fn method(estimation: &Estimation, options: &HtmlOptions) -> String {
+    let mut rows: Vec<(&str, &str)> = vec![("Method", &estimation.method), ("Model", &estimation.model)];
+    rows.extend(options.settings.iter().map(|(name, value)| (name.as_str(), value.as_str())));
+    rows.retain(|(_, value)| !value.is_empty());
+    if rows.is_empty() {
+        return String::new();
+    }
+    let mut out = table(&[("", "Setting"), ("", "Value")]);
+    for (name, value) in rows {
+        let _ = writeln!(out, "<tr><th scope=\"row\">{}</th><td>{}</td></tr>", escape(name), escape(value));
+    }
+    out.push_str("</tbody></table></div>\n");
+    out
+}
+
+fn table(heads: &[(&str, &str)]) -> String {
+    let mut out = String::from("<div class=\"scroll\"><table>\n<thead><tr>");
+    for (class, head) in heads {
+        let _ = write!(out, "<th scope=\"col\"{}>{head}</th>", class_of(class));
+    }
+    out.push_str("</tr></thead>\n<tbody>\n");
+    out
+}
+
+fn class_of(class: &str) -> String {
+    if class.is_empty() { String::new() } else { format!(" class=\"{class}\"") }
+}
