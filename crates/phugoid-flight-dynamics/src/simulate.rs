@@ -61,6 +61,8 @@ pub struct TrajectorySample {
     pub specific_force: [f64; 3],
     /// Rates of p, q, r, rad/s^2.
     pub angular_acceleration: [f64; 3],
+    /// Force of the propulsion system in body axes, N.
+    pub propulsive_force: [f64; 3],
     /// Aerodynamic coefficients with the increments in force, body axes, about the centre of gravity.
     pub coefficients: Coefficients,
 }
@@ -180,6 +182,7 @@ impl<'a, A: Aircraft> Simulation<'a, A> {
                 air: now.air,
                 specific_force: now.specific_force,
                 angular_acceleration: [now.rates.p, now.rates.q, now.rates.r],
+                propulsive_force: self.aircraft.propulsion(state.power, state.altitude, now.air.mach).force,
                 coefficients: now.coefficients,
             });
             if k == intervals {
