@@ -21,7 +21,9 @@ mod dense;
 pub mod discretization;
 mod estimate;
 mod model;
+pub mod noise;
 pub mod smpe;
+pub mod thesis;
 pub mod ud;
 
 pub use estimate::{ChangeState, DetectorState, Estimate, Estimator, ParameterStatus, Phase, Status};

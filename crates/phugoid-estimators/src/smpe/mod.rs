@@ -20,6 +20,7 @@ pub use settings::{
     ChangeDetection, ChangePrior, OutputInput, ParameterPrior, ProcessNoise, ReReaching, SmpeError, SmpeSettings,
 };
 pub use slot::{Innovations, RowPhase};
+pub(crate) use start::median;
 
 use challenge::{Challenge, Verdict, maturity, needed_maturity};
 use change::ChangeDetector;
