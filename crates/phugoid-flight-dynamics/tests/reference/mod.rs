@@ -1,19 +1,20 @@
-//! The published check cases of Stevens, Lewis & Johnson, read from the project's shared data.
+//! Published check cases, read from the project's shared data.
+
+#![allow(dead_code, clippy::unwrap_used)] // not every test file needs everything; helpers of tests may stop
 
 use serde_json::Value;
 
 /// m per ft.
 pub(crate) const FOOT: f64 = 0.3048;
 /// N per lbf.
-#[allow(dead_code)] // not every test file needs it
 pub(crate) const POUND_FORCE: f64 = 4.448_221_615_260_5;
 
-/// `checks/stevens_lewis/stevens_lewis_published.json`, or `None` (with a line that says so) when the data are absent.
-/// On CI their absence is a failure.
-pub(crate) fn published() -> Option<Value> {
+/// A JSON file of the shared data, or `None` (with a line that says so) when the data are absent. On CI their absence is
+/// a failure.
+pub(crate) fn shared(file: &str) -> Option<Value> {
     let folder = std::env::var("PHUGOID_SHARED_DATA")
         .unwrap_or_else(|_| concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data").to_string());
-    let path = format!("{folder}/checks/stevens_lewis/stevens_lewis_published.json");
+    let path = format!("{folder}/{file}");
     match std::fs::read_to_string(&path) {
         Ok(text) => Some(serde_json::from_str(&text).unwrap()),
         Err(error) => {
@@ -22,6 +23,11 @@ pub(crate) fn published() -> Option<Value> {
             None
         }
     }
+}
+
+/// The published cases of Stevens, Lewis & Johnson.
+pub(crate) fn published() -> Option<Value> {
+    shared("checks/stevens_lewis/stevens_lewis_published.json")
 }
 
 /// A list of numbers in the reference file.
