@@ -2,10 +2,20 @@
 
 use std::collections::BTreeMap;
 
+use phugoid_flight_data::channels::by_name;
 use phugoid_flight_data::record::Record;
 
 use crate::estimation::Estimation;
 use crate::model_file::ModelFile;
+use crate::noise::measure_noise;
+use crate::output::{OUTPUTS, Output};
+use crate::plausibility::{Certainty, Signals, check_units};
+use crate::prepare::{Prepared, prepare};
+use crate::run::run_smpe;
+use crate::summary::summarise;
+
+/// Parameters, sensor biases included, that this build has room for.
+pub const CAPACITY: usize = 24;
 
 /// Estimator to use.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -78,8 +88,9 @@ pub enum EstimateError {
     },
 }
 
-/// Estimates the parameters of `model` from `record`, sample by sample as an on-board computer would.
-/// `progress` is called with the fraction done, 0 to 1.
+/// Estimates the parameters of `model` from `record`, sample by sample as an on-board computer would: no estimate uses
+/// a later sample. (Measured noise levels, where the model file gives none, are those of the first second, or of the
+/// first 40 samples if that is longer.) `progress` is called with the fraction done, 0 to 1.
 ///
 /// # Errors
 /// [`EstimateError`]: a missing channel, too few samples, units that are certainly wrong, too many parameters.
@@ -89,9 +100,64 @@ pub fn estimate(
     options: &EstimateOptions,
     progress: &mut dyn FnMut(f64),
 ) -> Result<Estimation, EstimateError> {
-    let _ = (model, options, record);
-    progress(0.0);
-    Err(EstimateError::Model("the pipeline is not connected yet".to_owned()))
+    let wanted = model.estimated().count();
+    if wanted > CAPACITY {
+        return Err(EstimateError::TooManyParameters { wanted, capacity: CAPACITY });
+    }
+    let prepared = prepare(record, model)?;
+    let doubts = check_units(&signals(record, model));
+    let certain: Vec<String> =
+        doubts.iter().filter(|d| d.certainty == Certainty::Certain).map(|d| d.message.clone()).collect();
+    if !certain.is_empty() {
+        return Err(EstimateError::Units { units: certain });
+    }
+    let noise = noise_levels(&prepared, model)?;
+    let run = match options.method {
+        Method::Smpe => run_smpe(&prepared, model, options, &noise, progress)?,
+    };
+    Ok(summarise(record, model, options, &prepared, &noise, run, &doubts))
+}
+
+/// Channels that the unit checks look at.
+fn signals<'a>(record: &'a Record, model: &ModelFile) -> Signals<'a> {
+    let values = |name: &str| record.channel(name).map_or(&[][..], |c| c.values.as_slice());
+    let output = |o: Output| if model.outputs[o.index()] { values(o.name()) } else { &[] };
+    Signals {
+        time: &record.time,
+        true_airspeed: output(Output::TrueAirspeed),
+        alpha: output(Output::Alpha),
+        theta: output(Output::Theta),
+        q: output(Output::PitchRate),
+        az: output(Output::Az),
+        ax: output(Output::Ax),
+        elevator: values("elevator"),
+        altitude: values("altitude"),
+    }
+}
+
+/// One sigma per output, and whether it was measured from the record.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct NoiseLevel {
+    pub(crate) std: f64,
+    pub(crate) measured: bool,
+}
+
+fn noise_levels(prepared: &Prepared, model: &ModelFile) -> Result<[NoiseLevel; OUTPUTS], EstimateError> {
+    let start = prepared.time[0];
+    let second = prepared.time.iter().take_while(|t| **t - start <= 1.0).count();
+    let length = second.max(40).min(prepared.time.len());
+    let mut levels = [NoiseLevel { std: 0.0, measured: false }; OUTPUTS];
+    for output in Output::ALL.into_iter().filter(|o| model.outputs[o.index()]) {
+        levels[output.index()] = match model.noise[output.index()] {
+            Some(std) => NoiseLevel { std, measured: false },
+            None => {
+                let values: Vec<f64> = prepared.outputs[..length].iter().map(|y| y[output.index()]).collect();
+                let found = measure_noise(&values).ok_or_else(|| EstimateError::Noise(output.name().to_owned()))?;
+                NoiseLevel { std: found.std, measured: true }
+            }
+        };
+    }
+    Ok(levels)
 }
 
 fn missing_channel(record: &str, channel: &str, present: &[String], nearest: Option<&str>) -> String {
@@ -99,8 +165,10 @@ fn missing_channel(record: &str, channel: &str, present: &[String], nearest: Opt
     if let Some(near) = nearest {
         text.push_str(&format!("; the nearest one there is `{near}`"));
     }
+    let synonyms = by_name(channel).map_or(&[][..], |spec| spec.synonyms);
+    let also = if synonyms.is_empty() { String::new() } else { format!(" (or {})", synonyms.join(", ")) };
     text.push_str(&format!(
-        ". Name a column `{channel}` (with its unit), or map one in the model file: [channels] {channel} = \"your \
+        ". Name a column `{channel}`{also} with its unit, or map one in the model file: [channels] {channel} = \"your \
          header\". Channels in the record: {}",
         present.join(", ")
     ));

@@ -9,5 +9,8 @@ pub mod output;
 pub mod plausibility;
 pub mod prepare;
 pub mod quantity;
+mod run;
+mod summary;
 pub mod term;
 pub mod trim;
+mod verdict;

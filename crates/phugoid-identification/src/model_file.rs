@@ -173,12 +173,14 @@ pub struct ProcessNoise {
 }
 
 /// How a channel is called in the user's file.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct ChannelMapping {
     /// Header in the file, exactly.
     pub header: String,
     /// Unit of its values, if the header does not say it.
     pub unit: Option<String>,
+    /// Factor on its values, such as -1 for a sign.
+    pub scale: f64,
 }
 
 /// How the input runs between two samples.

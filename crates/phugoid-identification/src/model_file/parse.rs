@@ -255,14 +255,18 @@ fn channels(top: &Section, extra: &[String]) -> Result<BTreeMap<String, ChannelM
         let mapping = match section.get(key).map(Spanned::get_ref) {
             Some(DeValue::Table(_)) => {
                 let Some(inner) = section.section(key)? else { continue };
-                inner.allow("key", ["header", "unit"].into_iter())?;
+                inner.allow("key", ["header", "unit", "scale"].into_iter())?;
                 let header =
                     inner.string("header")?.ok_or_else(|| inner.missing("header", "the header in your file"))?;
-                ChannelMapping { header: header.to_owned(), unit: inner.string("unit")?.map(str::to_owned) }
+                ChannelMapping {
+                    header: header.to_owned(),
+                    unit: inner.string("unit")?.map(str::to_owned),
+                    scale: inner.number("scale", Dimension::NUMBER)?.unwrap_or(1.0),
+                }
             }
             _ => {
                 let header = section.string(key)?.unwrap_or_default();
-                ChannelMapping { header: header.to_owned(), unit: None }
+                ChannelMapping { header: header.to_owned(), unit: None, scale: 1.0 }
             }
         };
         channels.insert(key.to_owned(), mapping);

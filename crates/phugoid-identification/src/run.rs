@@ -1,0 +1,209 @@
+//! The estimator over the samples of a record, and what it said at each of them.
+
+use phugoid_estimators::discretization::InputHold;
+use phugoid_estimators::smpe::{
+    ChangeDetection, ChangePrior, DetectorReport, ParameterPrior, ProcessNoise, ReReaching, Smpe, SmpeSettings,
+};
+use phugoid_estimators::{ChangeState, DetectorState, Estimate, Estimator, ParameterStatus, Phase, Sample};
+
+use crate::estimate::{CAPACITY, EstimateError, EstimateOptions, NoiseLevel};
+use crate::estimation::Event;
+use crate::longitudinal::LongitudinalModel;
+use crate::model_file::{Base, ModelFile, Parameter, Role};
+use crate::output::{OUTPUTS, Output, STATES};
+use crate::prepare::Prepared;
+
+/// Everything that one run gave, by sample and by column.
+pub(crate) struct Run {
+    pub(crate) values: Vec<[f64; CAPACITY]>,
+    pub(crate) std_errors: Vec<[f64; CAPACITY]>,
+    pub(crate) surfaces: Vec<[f64; CAPACITY]>,
+    pub(crate) predicted: Vec<[f64; OUTPUTS]>,
+    pub(crate) residuals: Vec<[f64; OUTPUTS]>,
+    pub(crate) phases: Vec<Phase>,
+    pub(crate) events: Vec<Event>,
+    pub(crate) covariance: Box<[[f64; CAPACITY]; CAPACITY]>,
+    pub(crate) last: Estimate<CAPACITY>,
+    pub(crate) detector: Option<DetectorReport>,
+    pub(crate) change_sensitivity: [f64; CAPACITY],
+}
+
+pub(crate) fn run_smpe(
+    prepared: &Prepared,
+    file: &ModelFile,
+    options: &EstimateOptions,
+    noise: &[NoiseLevel; OUTPUTS],
+    progress: &mut dyn FnMut(f64),
+) -> Result<Run, EstimateError> {
+    let settings = smpe_settings(prepared, file, options, noise)?;
+    let set_up = |e: phugoid_estimators::smpe::SmpeError| EstimateError::Model(e.to_string());
+    let mut smpe: Smpe<LongitudinalModel, STATES, OUTPUTS, CAPACITY> =
+        Smpe::new(prepared.model.clone(), settings).map_err(set_up)?;
+    let samples = prepared.time.len();
+    let mut run = Run {
+        values: Vec::with_capacity(samples),
+        std_errors: Vec::with_capacity(samples),
+        surfaces: Vec::with_capacity(samples),
+        predicted: Vec::with_capacity(samples),
+        residuals: Vec::with_capacity(samples),
+        phases: Vec::with_capacity(samples),
+        events: Vec::new(),
+        covariance: Box::new([[0.0; CAPACITY]; CAPACITY]),
+        last: smpe.estimate(),
+        detector: None,
+        change_sensitivity: [0.0; CAPACITY],
+    };
+    let mut watch = Watch { gap_s: settings.maximum_step_s.max(3.5 * settings.sample_time_s), ..Watch::default() };
+    for k in 0..samples {
+        let sample = Sample { time_s: prepared.time[k], input: prepared.inputs[k], outputs: prepared.outputs[k] };
+        let estimate = smpe.update(&sample);
+        watch.look(&estimate, sample.time_s, smpe.restarts(), &mut run.events);
+        run.values.push(estimate.parameters);
+        run.std_errors.push(estimate.corrected_std_error);
+        run.surfaces.push(*smpe.surfaces());
+        let started = estimate.status.phase != Phase::Starting;
+        run.predicted.push(if started { smpe.innovations().predicted } else { [f64::NAN; OUTPUTS] });
+        run.residuals.push(smpe.innovations().normalised);
+        run.phases.push(estimate.status.phase);
+        run.last = estimate;
+        if k % 64 == 0 {
+            progress(k as f64 / samples as f64);
+        }
+    }
+    smpe.covariance(&mut run.covariance);
+    run.detector = smpe.detector();
+    run.change_sensitivity = smpe.change_sensitivity();
+    progress(1.0);
+    Ok(run)
+}
+
+/// Settings of the estimator for a prepared record: the automatic rule with what the model file says.
+///
+/// # Errors
+/// [`EstimateError::Model`] if the estimator refuses them.
+pub(crate) fn smpe_settings(
+    prepared: &Prepared,
+    file: &ModelFile,
+    options: &EstimateOptions,
+    noise: &[NoiseLevel; OUTPUTS],
+) -> Result<SmpeSettings<STATES, OUTPUTS, CAPACITY>, EstimateError> {
+    let own = file.estimated().filter(|p| !matches!(p.role, Role::Bias(_)));
+    let priors: Vec<ParameterPrior> = own.map(|p| prior(p, file.base)).collect();
+    let mut settings = SmpeSettings::automatic(&priors, noise.map(|n| n.std), sample_time(&prepared.time))
+        .map_err(|e| EstimateError::Model(e.to_string()))?;
+    // The input knows itself what is held (`LongitudinalInput::controls_held`).
+    settings.input_hold = InputHold::Linear;
+    let mut biases = [0.0; OUTPUTS];
+    for parameter in file.estimated() {
+        if let Role::Bias(output) = parameter.role {
+            biases[output.index()] = parameter.prior_std;
+        }
+    }
+    settings = settings.with_biases(biases);
+    let density = file.process_noise.density;
+    let gust_rows = std::array::from_fn(|i| i == Output::TrueAirspeed.index() || i == Output::Alpha.index());
+    settings.process_noise = if file.process_noise.adaptive {
+        ProcessNoise::adaptive(density, gust_rows)
+    } else {
+        ProcessNoise::fixed(density)
+    };
+    settings.re_reaching = if options.re_reaching.unwrap_or(file.re_reaching) {
+        ReReaching::Safe(ChangeDetection::default())
+    } else {
+        ReReaching::Off
+    };
+    Ok(settings)
+}
+
+fn prior(parameter: &Parameter, base: Base) -> ParameterPrior {
+    let [lower, upper] = parameter.bounds.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
+    let quarter = 0.25 * (upper - lower);
+    let change_sd = match (parameter.change_std, base) {
+        _ if parameter.is_nuisance() => ChangePrior::None,
+        (Some(std), _) => ChangePrior::Fixed(std),
+        (None, Base::F16) => ChangePrior::Fixed(quarter.min(parameter.prior_std)),
+        // In absolute form a sudden change is of the order of half the parameter, not of the start prior.
+        (None, Base::None) => ChangePrior::Relative { fraction: 0.5, maximum: quarter },
+    };
+    ParameterPrior { initial: parameter.start, sd: parameter.prior_std, lower, upper, change_sd }
+}
+
+/// Median of the first fifty intervals, s: later ones must not change what was estimated before them.
+fn sample_time(time: &[f64]) -> f64 {
+    let mut steps: Vec<f64> = time.windows(2).take(50).map(|w| w[1] - w[0]).collect();
+    crate::noise::median(&mut steps).unwrap_or(f64::NAN)
+}
+
+/// Turns changes of the status into events.
+#[derive(Default)]
+struct Watch {
+    gap_s: f64,
+    last_s: Option<f64>,
+    restarts: u32,
+    in_doubt: bool,
+    insensitive: bool,
+}
+
+impl Watch {
+    fn look(&mut self, estimate: &Estimate<CAPACITY>, time_s: f64, restarts: u32, events: &mut Vec<Event>) {
+        let mut say = |kind: &str, message: String| events.push(Event { time_s, kind: kind.to_owned(), message });
+        if let Some(last) = self.last_s
+            && time_s - last > self.gap_s
+        {
+            say("gap", format!("no sample for {:.3} s before this one", time_s - last));
+        }
+        self.last_s = Some(time_s);
+        if restarts > self.restarts {
+            say("restarted", "the state was started again from the measurements; the parameters were kept".to_owned());
+        }
+        self.restarts = restarts;
+        let in_doubt = estimate.status.change == ChangeState::InDoubt;
+        match estimate.status.change {
+            ChangeState::ReReached => say(
+                "re_reached",
+                "the parameters changed: a challenger that allows for it explains the new data better, and was adopted"
+                    .to_owned(),
+            ),
+            ChangeState::InDoubt if !self.in_doubt => say(
+                "in_doubt",
+                "a change of the parameters is suspected: bounds are widened until it is decided".to_owned(),
+            ),
+            ChangeState::Steady if self.in_doubt => {
+                say("doubt_dropped", "the suspicion was dropped: the estimate was right all along".to_owned());
+            }
+            _ => {}
+        }
+        self.in_doubt = in_doubt;
+        let insensitive = estimate.status.detector == DetectorState::Insensitive;
+        if insensitive && !self.insensitive {
+            say(
+                "insensitive",
+                "model error: this model's parameters wander so much without any change that only large changes can be \
+                 told from it"
+                    .to_owned(),
+            );
+        }
+        self.insensitive = insensitive;
+    }
+}
+
+/// The word for a parameter's status.
+pub(crate) fn status_word(status: ParameterStatus) -> &'static str {
+    match status {
+        ParameterStatus::NotExcited => "not_excited",
+        ParameterStatus::Improving => "improving",
+        ParameterStatus::Converged => "converged",
+        ParameterStatus::AtLimit => "at_limit",
+    }
+}
+
+/// The word for a phase.
+pub(crate) fn phase_word(phase: Phase) -> &'static str {
+    match phase {
+        Phase::Starting => "starting",
+        Phase::Sliding => "sliding",
+        Phase::Reaching => "reaching",
+        Phase::Rejected => "rejected",
+        Phase::Predicting => "predicting",
+    }
+}

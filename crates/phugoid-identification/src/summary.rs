@@ -1,0 +1,181 @@
+//! From a run to the result that is printed, plotted and saved, with the verdict in words.
+
+use phugoid_flight_data::record::Record;
+
+use crate::estimate::{EstimateOptions, Method, NoiseLevel};
+use crate::estimation::{Estimation, History, ParameterHistory, ParameterResult, Signal};
+use crate::model_file::{ModelFile, Parameter};
+use crate::output::{OUTPUTS, Output};
+use crate::plausibility::UnitDoubt;
+use crate::prepare::Prepared;
+use crate::run::{Run, phase_word, status_word};
+use crate::verdict::verdict;
+
+pub(crate) fn summarise(
+    record: &Record,
+    file: &ModelFile,
+    options: &EstimateOptions,
+    prepared: &Prepared,
+    noise: &[NoiseLevel; OUTPUTS],
+    run: Run,
+    doubts: &[UnitDoubt],
+) -> Estimation {
+    let columns = columns(file);
+    let parameters: Vec<ParameterResult> =
+        columns.iter().map(|(p, column)| result(p, *column, prepared, &run, options)).collect();
+    let correlation = correlation(&columns, &run);
+    let history = history(file, prepared, &columns, &run);
+    let noise_signals = measured(file).map(|o| signal(o.name(), o.unit(), vec![noise[o.index()].std])).collect();
+    let verdict = verdict(&parameters, &correlation, prepared, noise, &run, doubts, &history);
+    Estimation {
+        source: record.source.clone(),
+        model: file.source.clone(),
+        method: match options.method {
+            Method::Smpe => "smpe".to_owned(),
+        },
+        parameters,
+        correlation,
+        verdict,
+        events: run.events,
+        quality: record.quality.clone(),
+        noise: noise_signals,
+        history,
+    }
+}
+
+/// Parameters of the file, nuisance columns last, each with its column in the estimator; none for a fixed one.
+fn columns(file: &ModelFile) -> Vec<(&Parameter, Option<usize>)> {
+    let mut next = 0;
+    let mut columns: Vec<(&Parameter, Option<usize>)> = Vec::new();
+    for parameter in &file.parameters {
+        let column = (!parameter.fixed).then(|| {
+            next += 1;
+            next - 1
+        });
+        columns.push((parameter, column));
+    }
+    columns.sort_by_key(|(p, _)| p.is_nuisance());
+    columns
+}
+
+fn measured(file: &ModelFile) -> impl Iterator<Item = Output> {
+    Output::ALL.into_iter().filter(|o| file.outputs[o.index()])
+}
+
+fn signal(name: &str, unit: &str, values: Vec<f64>) -> Signal {
+    Signal { name: name.to_owned(), unit: unit.to_owned(), values }
+}
+
+fn truth_of(name: &str, options: &EstimateOptions) -> Option<f64> {
+    // Simulations call the elevator's derivatives by the symbol of the deflection.
+    let other = name.replace("_elevator", "_delta_e");
+    options.truth.get(name).or_else(|| options.truth.get(&other)).copied()
+}
+
+fn result(
+    parameter: &Parameter,
+    column: Option<usize>,
+    prepared: &Prepared,
+    run: &Run,
+    options: &EstimateOptions,
+) -> ParameterResult {
+    let truth = truth_of(&parameter.name, options);
+    let mut result = ParameterResult {
+        name: parameter.name.clone(),
+        value: parameter.start,
+        std_error: 0.0,
+        corrected_std_error: 0.0,
+        lower: parameter.start,
+        upper: parameter.start,
+        status: "fixed".to_owned(),
+        converged_at_s: None,
+        observability: 0.0,
+        initial: parameter.start,
+        prior_std: parameter.prior_std,
+        bounds: parameter.bounds,
+        truth,
+        nuisance: parameter.is_nuisance(),
+    };
+    let Some(j) = column else { return result };
+    let last = &run.last;
+    result.value = last.parameters[j];
+    result.std_error = last.std_error[j];
+    result.corrected_std_error = last.corrected_std_error[j];
+    result.lower = result.value - 2.0 * result.corrected_std_error;
+    result.upper = result.value + 2.0 * result.corrected_std_error;
+    result.status = status_word(last.parameter_status[j]).to_owned();
+    result.observability = last.observability[j];
+    if result.status != "not_excited" {
+        result.converged_at_s = converged_at(prepared, run, j, truth.unwrap_or(result.value));
+    }
+    result
+}
+
+/// First time after which the estimate stays within 5 % of `goal`, s from the start of the record.
+fn converged_at(prepared: &Prepared, run: &Run, column: usize, goal: f64) -> Option<f64> {
+    let outside = run.values.iter().rposition(|v| (v[column] - goal).abs() > 0.05 * goal.abs());
+    let first = outside.map_or(0, |k| k + 1);
+    Some(prepared.time.get(first)? - prepared.time.first()?)
+}
+
+fn correlation(columns: &[(&Parameter, Option<usize>)], run: &Run) -> Vec<Vec<f64>> {
+    let entry = |a: Option<usize>, b: Option<usize>, same: bool| match (a, b) {
+        _ if same => 1.0,
+        (Some(a), Some(b)) => {
+            let scale = (run.covariance[a][a] * run.covariance[b][b]).sqrt();
+            if scale > 0.0 { (run.covariance[a][b] / scale).clamp(-1.0, 1.0) } else { 0.0 }
+        }
+        _ => 0.0,
+    };
+    let row = |i: usize| columns.iter().enumerate().map(|(j, c)| entry(columns[i].1, c.1, i == j)).collect();
+    (0..columns.len()).map(row).collect()
+}
+
+fn history(file: &ModelFile, prepared: &Prepared, columns: &[(&Parameter, Option<usize>)], run: &Run) -> History {
+    let input = |name: &str, unit: &str, value: &dyn Fn(usize) -> f64| {
+        signal(name, unit, (0..prepared.time.len()).map(value).collect())
+    };
+    let u = &prepared.inputs;
+    let mut inputs = vec![
+        input("elevator", "rad", &|k| u[k].elevator),
+        input("air_density", "kg/m^3", &|k| u[k].air_density),
+        input("thrust", "N", &|k| u[k].thrust),
+        input("mass", "kg", &|k| u[k].mass),
+        input("iyy", "kg*m^2", &|k| u[k].iyy),
+    ];
+    // The elevator always, the others where they change.
+    let changes = |s: &Signal| s.values.iter().any(|v| *v != s.values[0]);
+    inputs.retain(|s| s.name == "elevator" || changes(s));
+    for (i, name) in file.extra_inputs.iter().enumerate() {
+        inputs.push(input(name, "-", &|k| u[k].extra[i]));
+    }
+    let outputs = |rows: &[[f64; OUTPUTS]], whitened: bool| -> Vec<Signal> {
+        measured(file)
+            .map(|o| {
+                let unit = if whitened { "-" } else { o.unit() };
+                signal(o.name(), unit, rows.iter().map(|r| r[o.index()]).collect())
+            })
+            .collect()
+    };
+    let parameter = |(p, column): &(&Parameter, Option<usize>)| {
+        let column_of = |rows: &[[f64; crate::estimate::CAPACITY]], otherwise: f64| match column {
+            Some(j) => rows.iter().map(|r| r[*j]).collect(),
+            None => vec![otherwise; rows.len()],
+        };
+        ParameterHistory {
+            name: p.name.clone(),
+            value: column_of(&run.values, p.start),
+            std_error: column_of(&run.std_errors, 0.0),
+            surface: column_of(&run.surfaces, 0.0),
+        }
+    };
+    History {
+        time_s: prepared.time.clone(),
+        inputs,
+        measured: outputs(&prepared.outputs, false),
+        predicted: outputs(&run.predicted, false),
+        residuals: outputs(&run.residuals, true),
+        parameters: columns.iter().map(parameter).collect(),
+        phase: run.phases.iter().map(|p| phase_word(*p).to_owned()).collect(),
+    }
+}

@@ -1,0 +1,158 @@
+//! The verdict on an estimation, in sentences.
+
+use crate::estimate::NoiseLevel;
+use crate::estimation::{History, ParameterResult, Signal};
+use crate::output::{OUTPUTS, Output};
+use crate::plausibility::UnitDoubt;
+use crate::prepare::Prepared;
+use crate::run::Run;
+
+/// Correlation from which two parameters are said to be indistinguishable.
+const INDISTINGUISHABLE: f64 = 0.99;
+/// Correlation from which two parameters are said to depend on each other.
+const CORRELATED: f64 = 0.95;
+
+pub(crate) fn verdict(
+    parameters: &[ParameterResult],
+    correlation: &[Vec<f64>],
+    prepared: &Prepared,
+    noise: &[NoiseLevel; OUTPUTS],
+    run: &Run,
+    doubts: &[UnitDoubt],
+    history: &History,
+) -> Vec<String> {
+    let mut sentences = Vec::new();
+    excitation(parameters, &mut sentences);
+    pairs(parameters, correlation, &mut sentences);
+    changes(parameters, run, &mut sentences);
+    residuals(&history.residuals, run, &mut sentences);
+    let measured: Vec<String> = Output::ALL
+        .iter()
+        .filter(|o| noise[o.index()].measured)
+        .map(|o| format!("{} {:.3e} {}", o.name(), noise[o.index()].std, o.unit()))
+        .collect();
+    if !measured.is_empty() {
+        sentences.push(format!("Noise levels measured from the record, one sigma: {}.", measured.join(", ")));
+    }
+    sentences.extend(doubts.iter().map(|d| format!("Check the units: {}.", d.message.trim_end_matches('.'))));
+    sentences.extend(prepared.notes.iter().map(|n| format!("{}.", capitalised(n))));
+    sentences
+}
+
+fn capitalised(text: &str) -> String {
+    let mut characters = text.chars();
+    characters.next().map_or_else(String::new, |c| c.to_uppercase().chain(characters).collect())
+}
+
+fn excitation(parameters: &[ParameterResult], sentences: &mut Vec<String>) {
+    let wanted: Vec<&ParameterResult> = parameters.iter().filter(|p| !p.nuisance && p.status != "fixed").collect();
+    let with =
+        |status: &str| -> Vec<&str> { wanted.iter().filter(|p| p.status == status).map(|p| p.name.as_str()).collect() };
+    let (converged, improving, silent, limited) =
+        (with("converged"), with("improving"), with("not_excited"), with("at_limit"));
+    if silent.len() == wanted.len() && !wanted.is_empty() {
+        sentences.push(
+            "No excitation: the record says almost nothing about any parameter. All bounds are still those given \
+             beforehand. Fly an elevator input such as a 3-2-1-1 or a doublet."
+                .to_owned(),
+        );
+        return;
+    }
+    sentences.push(format!("{} of {} parameters have converged.", converged.len(), wanted.len()));
+    if !improving.is_empty() {
+        sentences.push(format!("Still improving, more excitation would help: {}.", improving.join(", ")));
+    }
+    if !silent.is_empty() {
+        let plural = if silent.len() == 1 { "its bound is" } else { "their bounds are" };
+        sentences.push(format!(
+            "Not excited: {}. The record says almost nothing here; {plural} still the one given beforehand.",
+            silent.join(", ")
+        ));
+    }
+    if !limited.is_empty() {
+        sentences.push(format!(
+            "At the limit: {}. The data want a value outside the bounds in the model file: widen them, or check the \
+             aircraft data, units and signs.",
+            limited.join(", ")
+        ));
+    }
+}
+
+/// Parameters that the data cannot tell apart, with the pair and its correlation.
+fn pairs(parameters: &[ParameterResult], correlation: &[Vec<f64>], sentences: &mut Vec<String>) {
+    let told = |p: &ParameterResult| p.status != "fixed" && p.status != "not_excited";
+    let mut found: Vec<(f64, usize, usize)> = Vec::new();
+    for (i, row) in correlation.iter().enumerate() {
+        for (j, r) in row.iter().enumerate().skip(i + 1) {
+            if r.abs() >= CORRELATED && told(&parameters[i]) && told(&parameters[j]) {
+                found.push((*r, i, j));
+            }
+        }
+    }
+    found.sort_by(|a, b| b.0.abs().total_cmp(&a.0.abs()));
+    for (r, i, j) in found {
+        let (a, b) = (&parameters[i].name, &parameters[j].name);
+        sentences.push(if r.abs() >= INDISTINGUISHABLE {
+            format!(
+                "{a} and {b} cannot be told apart in this record (correlation {r:.4}): only a combination of them is \
+                 known. Fix one of them, or fly a manoeuvre that moves their regressors differently."
+            )
+        } else {
+            format!("{a} and {b} are strongly correlated ({r:.3}): read them together.")
+        });
+    }
+}
+
+fn changes(parameters: &[ParameterResult], run: &Run, sentences: &mut Vec<String>) {
+    let times: Vec<String> =
+        run.events.iter().filter(|e| e.kind == "re_reached").map(|e| format!("{:.2} s", e.time_s)).collect();
+    if !times.is_empty() {
+        sentences.push(format!("The parameters changed in flight: found at {}.", times.join(", ")));
+    }
+    let Some(detector) = run.detector else { return };
+    if run.events.iter().any(|e| e.kind == "insensitive") {
+        let seen: Vec<String> = parameters
+            .iter()
+            .filter(|p| !p.nuisance && p.status != "fixed")
+            .zip(run.change_sensitivity)
+            .filter(|(_, s)| *s > 0.0)
+            .map(|(p, s)| format!("{} {s:.3}", p.name))
+            .collect();
+        sentences.push(format!(
+            "Model error (wander {:.2}): sudden changes smaller than this could not be told from it: {}. Terms may be \
+             missing in the coefficient build-up; offsets = true under [coefficients] often helps.",
+            detector.wander,
+            seen.join(", ")
+        ));
+    }
+}
+
+/// Outliers, and residuals that are not white.
+fn residuals(residuals: &[Signal], run: &Run, sentences: &mut Vec<String>) {
+    let samples = run.phases.len().max(1) as f64;
+    for signal in residuals {
+        let present: Vec<f64> = signal.values.iter().copied().filter(|v| v.is_finite()).collect();
+        if present.len() < 20 {
+            continue;
+        }
+        let outliers = present.iter().filter(|v| v.abs() > 6.0).count();
+        if outliers > 0 && outliers as f64 > 0.002 * samples {
+            sentences.push(format!(
+                "{outliers} of {} samples of {} lie more than six sigmas away and were taken for outliers.",
+                present.len(),
+                signal.name
+            ));
+        }
+        let core: Vec<f64> = present.iter().map(|v| v.clamp(-3.0, 3.0)).collect();
+        let power: f64 = core.iter().map(|v| v * v).sum();
+        let lagged: f64 = core.windows(2).map(|w| w[0] * w[1]).sum();
+        if power > 0.0 && lagged / power > 0.4 {
+            sentences.push(format!(
+                "Residuals of {} are coloured (lag-one correlation {:.2}): model error, a sensor bias or lag, or too \
+                 small a noise level. The corrected standard errors allow for it.",
+                signal.name,
+                lagged / power
+            ));
+        }
+    }
+}
