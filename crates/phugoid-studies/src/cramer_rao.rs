@@ -113,8 +113,7 @@ where
     };
     let mut outputs = LinearizedOutputs::<N, R, P>::ZERO;
     // The last sample that counts for each requested time.
-    let last: Vec<usize> =
-        at.iter().map(|&t| time_s.partition_point(|&s| s <= t + 1e-9).saturating_sub(1)).collect();
+    let last: Vec<usize> = at.iter().map(|&t| time_s.partition_point(|&s| s <= t + 1e-9).saturating_sub(1)).collect();
     let mut bounds: Vec<Option<Bound>> = vec![None; at.len()];
 
     for k in 0..time_s.len() {
@@ -230,13 +229,7 @@ mod tests {
             out.rates = self.rates(x, theta, u);
             out.regressors[0][0] = u[0];
         }
-        fn linearized_outputs(
-            &self,
-            x: &[f64; 1],
-            _: &[f64; 2],
-            _: &[f64; 1],
-            out: &mut LinearizedOutputs<1, 1, 2>,
-        ) {
+        fn linearized_outputs(&self, x: &[f64; 1], _: &[f64; 2], _: &[f64; 1], out: &mut LinearizedOutputs<1, 1, 2>) {
             *out = LinearizedOutputs::ZERO;
             out.outputs = *x;
             out.state_jacobian[0][0] = 1.0;

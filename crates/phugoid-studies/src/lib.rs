@@ -1,10 +1,14 @@
 //! Scenarios, Monte Carlo studies and Cramer-Rao bounds.
 #![cfg_attr(not(test), deny(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
+pub mod accuracy;
 pub mod constant_thrust;
+pub mod convergence;
 pub mod cramer_rao;
+pub mod flight;
 pub mod manoeuvre;
 pub mod monte_carlo;
+pub mod published;
 pub mod quantity;
 pub mod scenario;
 mod sensing;

@@ -2,13 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
+use phugoid_flight_data::csv::{self, CsvOptions};
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 use serde::Deserialize;
 
 use crate::quantity::{Angle, Frequency, Time};
-use crate::scenario::ScenarioError;
+use crate::scenario::{ScenarioError, nearest};
 
 /// The surface that a manoeuvre moves.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
@@ -210,8 +211,26 @@ impl Manoeuvre {
 
 /// A channel of a recorded flight as deflection from its first value, held between its samples.
 fn recorded(file: &Path, channel: &str, time: &[f64]) -> Result<Vec<f64>, ScenarioError> {
-    let _ = (file, channel, time);
-    Ok(vec![])
+    let place = || file.display().to_string();
+    let record = csv::read_path(file, &CsvOptions::default())
+        .map_err(|e| ScenarioError::OutOfRange { place: place(), message: e.to_string() })?;
+    let Some(signal) = record.channel(channel) else {
+        let names: Vec<&str> = record.channels.iter().map(|c| c.name.as_str()).collect();
+        let near = nearest(channel, names.iter().copied());
+        let hint = near.map_or_else(|| format!("it has {}", names.join(", ")), |n| format!("did you mean `{n}`?"));
+        let message = format!("the record of a manoeuvre has no channel `{channel}`: {hint}");
+        return Err(ScenarioError::OutOfRange { place: place(), message });
+    };
+    let known: Vec<(f64, f64)> =
+        record.time.iter().copied().zip(signal.values.iter().copied()).filter(|(_, v)| v.is_finite()).collect();
+    let Some(&(start, first)) = known.first() else {
+        let message = format!("channel `{channel}` of the record of a manoeuvre has no values");
+        return Err(ScenarioError::OutOfRange { place: place(), message });
+    };
+    Ok(time
+        .iter()
+        .map(|t| known[known.partition_point(|(s, _)| s - start <= t + 1e-9).saturating_sub(1)].1 - first)
+        .collect())
 }
 
 #[cfg(test)]
@@ -247,6 +266,24 @@ mod tests {
         assert!((rms - 1.0).abs() < 0.052, "{rms}");
         assert_eq!(stick[..100], pilot(&time[..100], 0.0, 0.5, 7)[..]);
         assert_ne!(stick[..100], pilot(&time[..100], 0.0, 0.5, 8)[..]);
+    }
+
+    #[test]
+    fn a_recorded_stick_is_held_between_its_samples() {
+        let folder = std::env::temp_dir().join(format!("phugoid-manoeuvre-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        std::fs::write(folder.join("stick.csv"), "time_s,elevator_deg\n5,-2\n5.5,-1\n6,\n6.5,-3\n").unwrap();
+        let manoeuvre = |channel: &str| Manoeuvre::Csv {
+            surface: Surface::Elevator,
+            file: "stick.csv".into(),
+            channel: (!channel.is_empty()).then(|| channel.to_owned()),
+        };
+        let deflection = manoeuvre("").deflections(&[0.0, 0.4, 0.5, 1.4, 1.5, 9.0], 0, &folder).unwrap();
+        let degrees: Vec<f64> = deflection.iter().map(|d| (d.to_degrees() * 1e9).round() / 1e9).collect();
+        assert_eq!(degrees, [0.0, 0.0, 1.0, 1.0, -1.0, -1.0]);
+        let message = manoeuvre("elevater").deflections(&[0.0], 0, &folder).unwrap_err().to_string();
+        assert!(message.contains("did you mean `elevator`"), "{message}");
+        std::fs::remove_dir_all(&folder).unwrap();
     }
 
     #[test]

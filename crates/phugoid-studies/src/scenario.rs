@@ -7,7 +7,9 @@ use phugoid_flight_dynamics::sensors::SensorSpecification;
 use serde::Deserialize;
 
 use crate::manoeuvre::Manoeuvre;
-use crate::quantity::{Acceleration, Angle, AngularAcceleration, AngularRate, Frequency, Length, Quantity, Speed, Time};
+use crate::quantity::{
+    Acceleration, Angle, AngularAcceleration, AngularRate, Frequency, Length, Quantity, Speed, Time,
+};
 
 /// A simulated flight. Every quantity carries its unit: `altitude = "20000 ft"`.
 #[derive(Clone, Debug, PartialEq, Deserialize)]

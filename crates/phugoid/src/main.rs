@@ -1,2 +1,30 @@
 //! The `phugoid` command.
-fn main() {}
+#![cfg_attr(not(test), deny(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
+
+mod arguments;
+mod commands;
+mod failure;
+mod output;
+mod progress;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use crate::arguments::{Arguments, Command};
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    let result = match &arguments.command {
+        None => commands::demonstrate::run(&arguments.demonstration),
+        Some(Command::Trim(arguments)) => commands::trim::run(arguments),
+        Some(Command::Linearize(arguments)) => commands::linearize::run(arguments),
+        Some(Command::Simulate(arguments)) => commands::simulate::run(arguments),
+        Some(Command::Estimate(arguments)) => commands::estimate::run(arguments),
+        Some(Command::Study(arguments)) => commands::study::run(arguments),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => failure.report(),
+    }
+}

@@ -1,0 +1,175 @@
+//! How good are the estimates, and how true their bounds? Many flights of one scenario, each with its own sensor noise,
+//! against the Cramer-Rao bound.
+
+use phugoid_estimators::Model;
+use phugoid_identification::estimate::{EstimateError, EstimateOptions, estimate};
+use phugoid_identification::estimation::Estimation;
+use phugoid_identification::longitudinal::LongitudinalModel;
+use phugoid_identification::model_file::{InputHold, ModelFile};
+use phugoid_identification::output::{OUTPUTS, Output, STATES};
+use phugoid_identification::prepare::prepare;
+use serde::Serialize;
+
+use crate::cramer_rao::{Between, Bound, CramerRaoError, Experiment, cramer_rao};
+use crate::flight::{Flight, FlightError, fly, sense};
+use crate::monte_carlo::{Accuracy, Outcome, monte_carlo};
+use crate::scenario::Scenario;
+
+/// Room for parameters in the bound; the model's own count decides how many are used.
+const CAPACITY: usize = 24;
+
+/// Accuracy at one time of the flight.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Checkpoint {
+    /// Time, s.
+    pub time_s: f64,
+    /// Parameters in the model's order.
+    pub parameters: Vec<Accuracy>,
+}
+
+/// Result of an accuracy study.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct AccuracyStudy {
+    /// Scenario.
+    pub scenario: String,
+    /// Model file.
+    pub model: String,
+    /// Number of runs; run `i` has the scenario's seed plus `i`.
+    pub runs: usize,
+    /// Accuracy at each time asked for.
+    pub checkpoints: Vec<Checkpoint>,
+    /// Runs in which a sudden change was believed to have happened.
+    pub runs_with_re_reaching: usize,
+}
+
+/// Why a study could not be made.
+#[derive(Debug, thiserror::Error)]
+pub enum StudyError {
+    /// The flight.
+    #[error(transparent)]
+    Flight(#[from] FlightError),
+    /// The estimation.
+    #[error(transparent)]
+    Estimate(#[from] EstimateError),
+    /// The bound.
+    #[error("Cramer-Rao bound: {0}")]
+    CramerRao(#[from] CramerRaoError),
+    /// The study does not fit the model.
+    #[error("{0}")]
+    Unsuitable(String),
+}
+
+/// Flies `scenario` once, measures it `runs` times and estimates each measured flight with `model`; compares with the
+/// truth and the Cramer-Rao bound at the times `at` (s). `done` is called after each run, from any thread.
+///
+/// # Errors
+/// [`StudyError`]: the scenario cannot be flown, the model does not fit it, the bound does not exist.
+pub fn accuracy(
+    scenario: &Scenario,
+    model: &ModelFile,
+    runs: usize,
+    at: &[f64],
+    done: impl Fn() + Sync,
+) -> Result<AccuracyStudy, StudyError> {
+    let flight = fly(scenario)?;
+    let bounds = bound(&flight, model, at)?;
+    let options = EstimateOptions { truth: flight.true_parameters.clone(), ..EstimateOptions::default() };
+    let results = monte_carlo(
+        runs,
+        |run| {
+            let measured = sense(&flight.truth, scenario, scenario.seed.wrapping_add(run as u64))?;
+            let estimation = estimate(&measured, model, &options, &mut |_| {})?;
+            let re_reached = estimation.events.iter().any(|e| e.kind == "re_reached");
+            Ok::<_, StudyError>((outcomes(&estimation, at), re_reached))
+        },
+        done,
+    )?;
+    let names: Vec<&str> = model.estimated().map(|p| p.name.as_str()).collect();
+    let checkpoints = bounds
+        .iter()
+        .enumerate()
+        .map(|(k, bound)| Checkpoint {
+            time_s: bound.time_s,
+            parameters: bound
+                .std_error
+                .iter()
+                .zip(&names)
+                .enumerate()
+                .map(|(j, (cramer_rao, name))| {
+                    let outcomes: Vec<Outcome> =
+                        results.iter().filter_map(|(o, _)| o.get(k)?.get(j)).copied().collect();
+                    let truth = flight.true_parameters.get(*name).copied().unwrap_or(0.0);
+                    Accuracy::of(name, truth, *cramer_rao, &outcomes)
+                })
+                .collect(),
+        })
+        .collect();
+    Ok(AccuracyStudy {
+        scenario: scenario.name.clone(),
+        model: model.name.clone(),
+        runs,
+        checkpoints,
+        runs_with_re_reaching: results.iter().filter(|(_, re_reached)| *re_reached).count(),
+    })
+}
+
+/// Estimates at the last sample not after each of the times `at` (s), in the order of the parameters.
+fn outcomes(estimation: &Estimation, at: &[f64]) -> Vec<Vec<Outcome>> {
+    let time = &estimation.history.time_s;
+    at.iter()
+        .map(|&t| {
+            let k = time.partition_point(|&s| s <= t + 1e-9).saturating_sub(1);
+            let value = |values: &[f64]| values.get(k).copied().unwrap_or(f64::NAN);
+            estimation
+                .history
+                .parameters
+                .iter()
+                .map(|p| Outcome { value: value(&p.value), corrected_std_error: value(&p.std_error) })
+                .collect()
+        })
+        .collect()
+}
+
+/// The Cramer-Rao bound of a model's parameters on a flight, at each of the times `at` (s).
+///
+/// The noise is what the model file gives; the initial states are unknown, nothing is known of the parameters beforehand,
+/// and there is no process noise.
+///
+/// # Errors
+/// [`StudyError`]: the model needs a channel that the flight has not, sensor biases are asked for, no bound exists.
+pub fn bound(flight: &Flight, model: &ModelFile, at: &[f64]) -> Result<Vec<Bound>, StudyError> {
+    let prepared = prepare(&flight.truth, model)?;
+    let unsuitable = |what: &str| Err(StudyError::Unsuitable(format!("model `{}`: {what}", model.source)));
+    let count = <LongitudinalModel as Model<STATES, OUTPUTS, CAPACITY>>::parameter_count(&prepared.model);
+    let names: Vec<&str> = model.estimated().map(|p| p.name.as_str()).collect();
+    if names.len() != count {
+        return unsuitable("sensor biases have no place in this bound: leave [biases] out");
+    }
+    let mut parameters = [0.0; CAPACITY];
+    for (slot, name) in parameters.iter_mut().zip(&names) {
+        match flight.true_parameters.get(*name) {
+            Some(truth) => *slot = *truth,
+            None => return unsuitable(&format!("the true value of `{name}` is not known")),
+        }
+    }
+    let mut sigma = [f64::INFINITY; OUTPUTS];
+    for output in Output::ALL.into_iter().filter(|o| model.outputs[o.index()]) {
+        match model.noise[output.index()] {
+            Some(noise) => sigma[output.index()] = noise,
+            None => return unsuitable(&format!("the noise of `{}` is needed: give it under [noise]", output.name())),
+        }
+    }
+    let Some(first) = prepared.outputs.first() else { return unsuitable("the flight is empty") };
+    let experiment = Experiment {
+        initial_state: std::array::from_fn(|i| first[i]),
+        parameters,
+        time_s: &prepared.time,
+        inputs: &prepared.inputs,
+        between: match model.input {
+            InputHold::Held => Between::Held,
+            InputHold::Interpolated => Between::Interpolated,
+        },
+        sigma,
+    };
+    Ok(cramer_rao::<_, STATES, OUTPUTS, CAPACITY>(&prepared.model, &experiment, at)?)
+}

@@ -1,0 +1,16 @@
+//! The cases with published figures, embedded.
+
+/// F-16 in calm air at 20,000 ft and 675 ft/s, 3-2-1-1 of 1.5 deg, realistic sensors.
+pub const CALM_SCENARIO: &str = include_str!("../../../scenarios/f16-calm.toml");
+/// What its estimator is told.
+pub const CALM_MODEL: &str = include_str!("../../../scenarios/f16-model.toml");
+/// A doublet of 0.05 deg without sensor noise.
+pub const THESIS_DOUBLET: &str = include_str!("../../../scenarios/f16-thesis-doublet.toml");
+/// A sine of 0.05 deg at 1 Hz without sensor noise.
+pub const THESIS_SINE: &str = include_str!("../../../scenarios/f16-thesis-sine.toml");
+/// What the estimator is told in both.
+pub const THESIS_MODEL: &str = include_str!("../../../scenarios/f16-thesis-model.toml");
+/// Damage at 10 s under a pilot's random stick.
+pub const DAMAGE_SCENARIO: &str = include_str!("../../../scenarios/f16-damage.toml");
+/// What its estimator is told.
+pub const DAMAGE_MODEL: &str = include_str!("../../../scenarios/f16-damage-model.toml");

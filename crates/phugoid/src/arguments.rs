@@ -1,0 +1,268 @@
+//! The command line.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use phugoid_studies::quantity::{Angle, AngularRate, Length, Speed, Time};
+
+const EXIT_CODES: &str = "\
+Exit codes:
+  0  done
+  1  the task has no answer (no such trim, nothing to estimate)
+  2  wrong command line
+  3  an input file cannot be read or is wrong
+  4  a result cannot be written";
+
+/// Estimates an aircraft's aerodynamic coefficients from a flight, in real time or afterwards.
+///
+/// Without a command it flies the nonlinear F-16 with realistic sensors, estimates the aerodynamic increments that it
+/// was given, sample by sample as an on-board computer would, and writes a report with figures.
+#[derive(Debug, Parser)]
+#[command(name = "phugoid", version, args_conflicts_with_subcommands = true, after_help = examples_and_exit_codes(
+    "  phugoid                                          fly the F-16, estimate, write phugoid-report/
+  phugoid --seed 7 --json                          another noise, the result as JSON
+  phugoid estimate flight.csv --model jet.toml     your own flight
+  phugoid trim --aircraft f16 --altitude 20000ft --speed 675ft/s --cg 0.30"
+))]
+pub(crate) struct Arguments {
+    #[command(flatten)]
+    pub(crate) demonstration: Demonstration,
+    #[command(subcommand)]
+    pub(crate) command: Option<Command>,
+}
+
+/// Examples and exit codes, as they stand below every help text.
+fn examples_and_exit_codes(examples: &str) -> String {
+    format!("Examples:\n{examples}\n\n{EXIT_CODES}")
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    Trim(Trim),
+    Linearize(Linearize),
+    Simulate(Simulate),
+    Estimate(Estimate),
+    Study(Study),
+}
+
+/// The main job.
+#[derive(Debug, Args)]
+pub(crate) struct Demonstration {
+    /// Seed of the sensor noise
+    #[arg(long, value_name = "NUMBER")]
+    pub(crate) seed: Option<u64>,
+    /// Folder for the report [default: phugoid-report]
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Write the figures to this folder too, as SVG and PNG
+    #[arg(long, value_name = "DIR")]
+    pub(crate) figures: Option<PathBuf>,
+    /// Print one JSON document instead of text
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// Aircraft that are built in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum AircraftName {
+    /// F-16 of Stevens & Lewis
+    F16,
+}
+
+/// Aerodynamic tables of the F-16.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum TablesName {
+    /// Stevens, Lewis & Johnson, 3rd edition
+    Book,
+    /// Morelli's digitisation, as in NASA's DAVE-ML model
+    Morelli,
+}
+
+/// A condition to trim in.
+#[derive(Debug, Args)]
+pub(crate) struct FlightCondition {
+    /// Aircraft
+    #[arg(long, value_enum, default_value = "f16")]
+    pub(crate) aircraft: AircraftName,
+    /// Aerodynamic tables
+    #[arg(long, value_enum, default_value = "book")]
+    pub(crate) tables: TablesName,
+    /// Centre of gravity, fraction of the mean aerodynamic chord
+    #[arg(long, default_value_t = 0.35, value_parser = fraction, allow_negative_numbers = true)]
+    pub(crate) cg: f64,
+    /// Altitude above sea level, as in 20000ft or 6096m
+    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
+    pub(crate) altitude: Length,
+    /// True airspeed, as in 675ft/s, 400kt or 205.74m/s
+    #[arg(long, value_name = "SPEED", allow_hyphen_values = true)]
+    pub(crate) speed: Speed,
+    /// Angle of climb, as in 3deg
+    #[arg(long, value_name = "ANGLE", default_value = "0deg", allow_hyphen_values = true)]
+    pub(crate) flight_path: Angle,
+    /// Rate of turn about the vertical, positive to the right, as in 3deg/s
+    #[arg(long, value_name = "RATE", default_value = "0deg/s", allow_hyphen_values = true)]
+    pub(crate) turn_rate: AngularRate,
+}
+
+fn fraction(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if (0.0..=1.0).contains(&value) => Ok(value),
+        Ok(_) => Err("a fraction of the mean chord lies between 0 and 1, as in 0.30".to_owned()),
+        Err(_) => Err("write a fraction of the mean chord, as in 0.30".to_owned()),
+    }
+}
+
+/// Where results go, for commands whose result is one document.
+#[derive(Debug, Args)]
+pub(crate) struct Delivery {
+    /// Print one JSON document (SI units and radians) instead of text
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// Write the JSON document to this file too
+    #[arg(long, value_name = "FILE")]
+    pub(crate) out: Option<PathBuf>,
+}
+
+/// Finds the controls and attitude that hold an aircraft in steady flight
+#[derive(Debug, Args)]
+#[command(after_help = examples_and_exit_codes(
+    "  phugoid trim --aircraft f16 --altitude 20000ft --speed 675ft/s --cg 0.30 --json
+  phugoid trim --altitude 3000m --speed 180m/s --flight-path 5deg
+  phugoid trim --altitude 0ft --speed 502ft/s --cg 0.30 --turn-rate 0.3rad/s"
+))]
+pub(crate) struct Trim {
+    #[command(flatten)]
+    pub(crate) condition: FlightCondition,
+    #[command(flatten)]
+    pub(crate) delivery: Delivery,
+}
+
+/// Linearises an aircraft about a trim, with its natural modes
+#[derive(Debug, Args)]
+#[command(after_help = examples_and_exit_codes(
+    "  phugoid linearize --aircraft f16 --altitude 20000ft --speed 675ft/s --cg 0.30
+  phugoid linearize --altitude 6096m --speed 400kt --json --out model.json"
+))]
+pub(crate) struct Linearize {
+    #[command(flatten)]
+    pub(crate) condition: FlightCondition,
+    #[command(flatten)]
+    pub(crate) delivery: Delivery,
+}
+
+/// Flies a scenario and writes what the sensors measured and what was true
+#[derive(Debug, Args)]
+#[command(after_help = examples_and_exit_codes(
+    "  phugoid simulate f16-damage                      a built-in scenario (see `phugoid simulate --list`)
+  phugoid simulate my-flight.toml --out flights    writes flights/measured.csv and flights/truth.csv
+  phugoid simulate f16-calm --show > mine.toml     a scenario to start from"
+))]
+pub(crate) struct Simulate {
+    /// Scenario file, or the name of a built-in one
+    #[arg(value_name = "SCENARIO", required_unless_present = "list")]
+    pub(crate) scenario: Option<String>,
+    /// List the built-in scenarios
+    #[arg(long)]
+    pub(crate) list: bool,
+    /// Print the text of the scenario instead of flying it
+    #[arg(long, conflicts_with = "list")]
+    pub(crate) show: bool,
+    /// Seed of everything random, in place of the scenario's
+    #[arg(long, value_name = "NUMBER")]
+    pub(crate) seed: Option<u64>,
+    /// Folder for measured.csv and truth.csv
+    #[arg(long, value_name = "DIR", default_value = "phugoid-flight")]
+    pub(crate) out: PathBuf,
+    /// Write figures to this folder, as SVG and PNG
+    #[arg(long, value_name = "DIR")]
+    pub(crate) figures: Option<PathBuf>,
+    /// Print one JSON document instead of text
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// Estimators.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum MethodName {
+    /// Sliding-mode parameter estimator on a parallel model
+    Smpe,
+}
+
+/// Estimates the coefficients of an aircraft from a recorded flight
+#[derive(Debug, Args)]
+#[command(after_help = examples_and_exit_codes(
+    "  phugoid estimate flight.csv --model jet.toml
+  phugoid estimate hfb320.csv --model hfb320 --out report --figures figures
+  phugoid estimate flight.csv --model jet.toml --from 12s --to 40s --json > result.json
+  phugoid estimate --list-models                   the model files that are built in"
+))]
+pub(crate) struct Estimate {
+    /// The flight, a CSV file with units in its headers (alpha_deg, tas_kt, ...)
+    #[arg(value_name = "FLIGHT.csv", required_unless_present_any = ["list_models", "show_model"])]
+    pub(crate) flight: Option<PathBuf>,
+    /// The aircraft: a model file, or the name of a built-in one
+    #[arg(long, value_name = "AIRCRAFT.toml", required_unless_present_any = ["list_models", "show_model"])]
+    pub(crate) model: Option<String>,
+    /// Estimator
+    #[arg(long, value_enum, default_value = "smpe")]
+    pub(crate) method: MethodName,
+    /// Do not look for sudden changes of the coefficients
+    #[arg(long)]
+    pub(crate) no_change_detection: bool,
+    /// Look for sudden changes even where the model file says not to
+    #[arg(long, conflicts_with = "no_change_detection")]
+    pub(crate) change_detection: bool,
+    /// Begin at this time of the record
+    #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
+    pub(crate) from: Option<Time>,
+    /// End at this time of the record
+    #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
+    pub(crate) to: Option<Time>,
+    /// Folder for the report
+    #[arg(long, value_name = "DIR", default_value = "phugoid-report")]
+    pub(crate) out: PathBuf,
+    /// Write no report
+    #[arg(long)]
+    pub(crate) no_report: bool,
+    /// Write the figures to this folder too, as SVG and PNG
+    #[arg(long, value_name = "DIR")]
+    pub(crate) figures: Option<PathBuf>,
+    /// Print one JSON document instead of text
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// Put the histories of all signals and parameters into the JSON document
+    #[arg(long, requires = "json")]
+    pub(crate) history: bool,
+    /// List the built-in model files
+    #[arg(long)]
+    pub(crate) list_models: bool,
+    /// Print a built-in model file, to start your own from
+    #[arg(long, value_name = "NAME", conflicts_with = "list_models")]
+    pub(crate) show_model: Option<String>,
+}
+
+/// Measures the estimator against the Cramer-Rao bound
+#[derive(Debug, Args)]
+#[command(after_help = examples_and_exit_codes(
+    "  phugoid study calm-air --runs 200                RMSE over Cramer-Rao bound and coverage, all coefficients
+  phugoid study thesis-size --json                 0.05 deg doublet and sine without noise"
+))]
+pub(crate) struct Study {
+    /// Which study
+    #[arg(value_enum)]
+    pub(crate) study: StudyName,
+    /// Number of runs, each with its own noise
+    #[arg(long, default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub(crate) runs: u32,
+    #[command(flatten)]
+    pub(crate) delivery: Delivery,
+}
+
+/// Studies that are built in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum StudyName {
+    /// F-16 in calm air with realistic sensors: accuracy against the Cramer-Rao bound
+    CalmAir,
+    /// Inputs as small as the thesis used, without noise: time to converge
+    ThesisSize,
+}

@@ -1,0 +1,44 @@
+//! `phugoid` without a command: the F-16 flies, and its increments are estimated.
+
+use std::path::Path;
+
+use phugoid_identification::estimate::{EstimateOptions, estimate};
+use phugoid_identification::model_file::ModelFile;
+use phugoid_report::HtmlOptions;
+use phugoid_studies::flight::fly;
+use phugoid_studies::published::{CALM_MODEL, CALM_SCENARIO};
+use phugoid_studies::scenario::Scenario;
+
+use super::estimate::Presentation;
+use super::simulate;
+use crate::arguments::Demonstration;
+use crate::failure::Failure;
+use crate::progress::Progress;
+
+const FOLDER: &str = "phugoid-report";
+
+pub(crate) fn run(arguments: &Demonstration) -> Result<(), Failure> {
+    let mut scenario = Scenario::parse(CALM_SCENARIO, "f16-calm").map_err(Failure::input)?;
+    scenario.seed = arguments.seed.unwrap_or(scenario.seed);
+    let model = ModelFile::parse("f16-model", CALM_MODEL).map_err(Failure::input)?;
+    let flight = fly(&scenario).map_err(simulate::failure)?;
+    // The truth is only for the comparison that is printed: no estimator sees it.
+    let options = EstimateOptions { truth: flight.true_parameters, ..EstimateOptions::default() };
+    let estimation = {
+        let progress = Progress::new("estimating");
+        estimate(&flight.measured, &model, &options, &mut |done| progress.set(done)).map_err(Failure::impossible)?
+    };
+    let note = format!(
+        "A simulated flight: {}, sensor noise of seed {}. The increments to the aerodynamic tables were unknown to the \
+         estimator, which took one sample at a time; the truth is shown for comparison. Repeat it with `phugoid --seed {}`.",
+        scenario.name, scenario.seed, scenario.seed
+    );
+    let presentation = Presentation {
+        report: Some(arguments.out.as_deref().unwrap_or(Path::new(FOLDER))),
+        page: HtmlOptions { notes: vec![note], ..HtmlOptions::default() },
+        figures: arguments.figures.as_deref(),
+        history: false,
+        json: arguments.json,
+    };
+    presentation.present(&estimation)
+}

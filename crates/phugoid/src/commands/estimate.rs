@@ -1,0 +1,185 @@
+//! `phugoid estimate`.
+
+use std::path::{Path, PathBuf};
+
+use phugoid_flight_data::csv::{self, ColumnMapping, CsvOptions};
+use phugoid_flight_data::record::Record;
+use phugoid_identification::estimate::{EstimateOptions, Method, estimate};
+use phugoid_identification::estimation::Estimation;
+use phugoid_identification::model_file::ModelFile;
+use phugoid_report::HtmlOptions;
+use phugoid_studies::scenario::nearest;
+use serde::Serialize;
+
+use super::result::{self, Document};
+use crate::arguments::{self, MethodName};
+use crate::failure::Failure;
+use crate::output::{json, print};
+use crate::progress::Progress;
+
+pub(crate) fn run(arguments: &arguments::Estimate) -> Result<(), Failure> {
+    if let Some(name) = &arguments.show_model {
+        return show_model(name);
+    }
+    let (false, Some(flight), Some(wanted)) = (arguments.list_models, &arguments.flight, &arguments.model) else {
+        return list_models(arguments.json);
+    };
+    let model = model(wanted)?;
+    let options = CsvOptions { columns: columns(&model), ..CsvOptions::default() };
+    let record = csv::read_path(flight, &options).map_err(Failure::input)?;
+    let record = between(record, arguments.from.map(|t| t.si()), arguments.to.map(|t| t.si()))?;
+    let re_reaching = match (arguments.change_detection, arguments.no_change_detection) {
+        (true, _) => Some(true),
+        (_, true) => Some(false),
+        _ => None,
+    };
+    let method = match arguments.method {
+        MethodName::Smpe => Method::Smpe,
+    };
+    let options = EstimateOptions { method, re_reaching, ..EstimateOptions::default() };
+    let estimation = {
+        let progress = Progress::new("estimating");
+        estimate(&record, &model, &options, &mut |done| progress.set(done)).map_err(Failure::input)?
+    };
+    let yes = |yes: bool| if yes { "yes" } else { "no" }.to_owned();
+    let page = HtmlOptions {
+        settings: vec![
+            ("estimator".to_owned(), estimation.method.clone()),
+            ("looks for sudden changes".to_owned(), yes(re_reaching.unwrap_or(model.re_reaching))),
+            ("process noise learnt from the residuals".to_owned(), yes(model.process_noise.adaptive)),
+        ],
+        ..HtmlOptions::default()
+    };
+    let presentation = Presentation {
+        report: (!arguments.no_report).then_some(arguments.out.as_path()),
+        page,
+        figures: arguments.figures.as_deref(),
+        history: arguments.history,
+        json: arguments.json,
+    };
+    presentation.present(&estimation)
+}
+
+/// Where and how a result is shown.
+pub(crate) struct Presentation<'a> {
+    /// Folder of the report, if one is wanted.
+    pub(crate) report: Option<&'a Path>,
+    /// What the report says beyond the estimation.
+    pub(crate) page: HtmlOptions,
+    /// Folder of the figures, if they are wanted as files.
+    pub(crate) figures: Option<&'a Path>,
+    /// Whether the JSON document holds the histories.
+    pub(crate) history: bool,
+    /// JSON in place of text.
+    pub(crate) json: bool,
+}
+
+impl Presentation<'_> {
+    /// Writes report and figures, and prints the result.
+    pub(crate) fn present(&self, estimation: &Estimation) -> Result<(), Failure> {
+        let report = self.report.map(|folder| self.write_report(estimation, folder)).transpose()?;
+        let figures = match self.figures {
+            Some(folder) => {
+                phugoid_report::write_figures(folder, estimation).map_err(|e| Failure::writing(folder, e))?
+            }
+            None => Vec::new(),
+        };
+        if self.json {
+            let mut document = Document::new(estimation, report, figures);
+            document.history = self.history.then_some(&estimation.history);
+            print(&json(&document)?)
+        } else {
+            print(&result::text(estimation, report.as_deref(), &figures))
+        }
+    }
+
+    fn write_report(&self, estimation: &Estimation, folder: &Path) -> Result<PathBuf, Failure> {
+        let path = folder.join("report.html");
+        let page = phugoid_report::html(estimation, &self.page);
+        std::fs::create_dir_all(folder)
+            .and_then(|()| std::fs::write(&path, page))
+            .map_err(|e| Failure::writing(&path, e))?;
+        Ok(path)
+    }
+}
+
+/// A model file, or a built-in one by name.
+fn model(wanted: &str) -> Result<ModelFile, Failure> {
+    let path = Path::new(wanted);
+    if !path.exists()
+        && let Some(model) = ModelFile::built_in(wanted)
+    {
+        return model.map_err(Failure::input);
+    }
+    let text = std::fs::read_to_string(path).map_err(|error| unknown_model(wanted, &error))?;
+    ModelFile::parse(wanted, &text).map_err(Failure::input)
+}
+
+fn unknown_model(wanted: &str, error: &std::io::Error) -> Failure {
+    let names = || ModelFile::BUILT_IN.iter().map(|(name, _)| *name);
+    let hint = match nearest(wanted, names()) {
+        Some(near) => format!("Did you mean the built-in model `{near}`?"),
+        None => format!(
+            "Built-in models: {}. Start your own from one: phugoid estimate --show-model f16 > mine.toml",
+            names().collect::<Vec<_>>().join(", ")
+        ),
+    };
+    Failure::input(format!("cannot read the model file `{wanted}`: {error}\n{hint}"))
+}
+
+/// The model file's mapping of the user's headers.
+fn columns(model: &ModelFile) -> Vec<ColumnMapping> {
+    model
+        .channels
+        .iter()
+        .map(|(channel, mapping)| ColumnMapping {
+            unit: mapping.unit.clone(),
+            ..ColumnMapping::new(channel.as_str(), mapping.header.as_str())
+        })
+        .collect()
+}
+
+/// The part of a record from one time (s) to another, both included.
+fn between(mut record: Record, from: Option<f64>, to: Option<f64>) -> Result<Record, Failure> {
+    if from.is_none() && to.is_none() {
+        return Ok(record);
+    }
+    let (low, high) = (from.unwrap_or(f64::NEG_INFINITY), to.unwrap_or(f64::INFINITY));
+    let first = record.time.partition_point(|t| *t < low - 1e-9);
+    let end = record.time.partition_point(|t| *t <= high + 1e-9).max(first);
+    if first == end {
+        let ends = record.time.first().zip(record.time.last());
+        let span = ends.map_or_else(String::new, |(a, b)| format!(": the record runs from {a} s to {b} s"));
+        return Err(Failure::input(format!("no sample lies between --from and --to{span}")));
+    }
+    record.time = record.time[first..end].to_vec();
+    for channel in &mut record.channels {
+        channel.values = channel.values[first..end].to_vec();
+    }
+    Ok(record)
+}
+
+fn show_model(name: &str) -> Result<(), Failure> {
+    match ModelFile::BUILT_IN.iter().find(|(n, _)| *n == name) {
+        Some((_, text)) => print(text),
+        None => Err(unknown_model(name, &std::io::Error::other("there is no built-in model of this name"))),
+    }
+}
+
+#[derive(Serialize)]
+struct Listed {
+    name: &'static str,
+    description: String,
+}
+
+fn list_models(as_json: bool) -> Result<(), Failure> {
+    let mut listed = Vec::new();
+    for (name, text) in ModelFile::BUILT_IN {
+        listed.push(Listed { name, description: ModelFile::parse(name, text).map_err(Failure::input)?.name });
+    }
+    if as_json {
+        return print(&json(&listed)?);
+    }
+    let width = listed.iter().map(|l| l.name.len()).max().unwrap_or(0);
+    print(&listed.iter().map(|l| format!("{:width$}  {}\n", l.name, l.description)).collect::<String>())
+}

@@ -1,0 +1,9 @@
+//! One file per command: read, call, print.
+
+pub(crate) mod demonstrate;
+pub(crate) mod estimate;
+pub(crate) mod linearize;
+pub(crate) mod result;
+pub(crate) mod simulate;
+pub(crate) mod study;
+pub(crate) mod trim;

@@ -1,0 +1,150 @@
+//! An estimation as text and as JSON.
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use phugoid_flight_data::quality::{QualityReport, Severity};
+use phugoid_identification::estimation::{Estimation, Event, History, ParameterResult, Signal};
+use serde::Serialize;
+
+use crate::output::{Table, significant};
+
+/// What an estimation gives, as a JSON document. Angles in rad, everything else in SI, derivatives per rad.
+#[derive(Debug, Serialize)]
+pub(crate) struct Document<'a> {
+    pub(crate) source: &'a str,
+    pub(crate) model: &'a str,
+    pub(crate) method: &'a str,
+    pub(crate) samples: usize,
+    pub(crate) sample_time_s: f64,
+    pub(crate) parameters: &'a [ParameterResult],
+    /// Row and column as in `parameters`.
+    pub(crate) correlation: &'a [Vec<f64>],
+    pub(crate) verdict: &'a [String],
+    pub(crate) events: &'a [Event],
+    pub(crate) quality: &'a QualityReport,
+    pub(crate) noise: Vec<Noise<'a>>,
+    /// The report that was written.
+    pub(crate) report: Option<PathBuf>,
+    /// The figures that were written.
+    pub(crate) figures: Vec<PathBuf>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) history: Option<&'a History>,
+}
+
+/// Measurement noise of one output.
+#[derive(Debug, Serialize)]
+pub(crate) struct Noise<'a> {
+    name: &'a str,
+    unit: &'a str,
+    sigma: f64,
+}
+
+impl<'a> Document<'a> {
+    pub(crate) fn new(estimation: &'a Estimation, report: Option<PathBuf>, figures: Vec<PathBuf>) -> Self {
+        let sigma = |signal: &Signal| signal.values.first().copied().unwrap_or(f64::NAN);
+        Self {
+            source: &estimation.source,
+            model: &estimation.model,
+            method: &estimation.method,
+            samples: estimation.history.time_s.len(),
+            sample_time_s: estimation.quality.sample_time_s,
+            parameters: &estimation.parameters,
+            correlation: &estimation.correlation,
+            verdict: &estimation.verdict,
+            events: &estimation.events,
+            quality: &estimation.quality,
+            noise: estimation.noise.iter().map(|s| Noise { name: &s.name, unit: &s.unit, sigma: sigma(s) }).collect(),
+            report,
+            figures,
+            history: None,
+        }
+    }
+}
+
+/// The estimation as text for people.
+pub(crate) fn text(estimation: &Estimation, report: Option<&Path>, figures: &[PathBuf]) -> String {
+    let mut text = String::new();
+    let time = &estimation.history.time_s;
+    if let (Some(first), Some(last)) = (time.first(), time.last()) {
+        let _ = writeln!(
+            text,
+            "{}\n{} samples from {} s to {} s, model `{}`, estimator {}\n",
+            estimation.source,
+            time.len(),
+            significant(*first, 4),
+            significant(*last, 4),
+            estimation.model,
+            estimation.method
+        );
+    }
+    text.push_str(&parameters(estimation));
+    paragraph(&mut text, "Verdict", estimation.verdict.iter().cloned());
+    let event = |e: &Event| format!("{:8.2} s  {}", e.time_s, e.message);
+    paragraph(&mut text, "Events", estimation.events.iter().map(event));
+    let worth_telling = estimation.quality.findings.iter().filter(|f| f.severity == Severity::Warning);
+    paragraph(
+        &mut text,
+        "Data quality",
+        worth_telling.map(|f| match f.place.as_str() {
+            "" => f.message.clone(),
+            place => format!("{place}: {}", f.message),
+        }),
+    );
+    if let Some(report) = report {
+        let _ = writeln!(text, "\nReport with figures: {}", report.display());
+    }
+    if let Some(folder) = figures.first().and_then(|f| f.parent()) {
+        let _ = writeln!(text, "{} figure files in {}", figures.len(), folder.display());
+    }
+    text
+}
+
+fn paragraph(text: &mut String, title: &str, lines: impl Iterator<Item = String>) {
+    for (index, line) in lines.enumerate() {
+        if index == 0 {
+            let _ = writeln!(text, "\n{title}");
+        }
+        let _ = writeln!(text, "  {line}");
+    }
+}
+
+/// The table of parameters: those asked for first, then those that only support them.
+fn parameters(estimation: &Estimation) -> String {
+    let truth_known = estimation.parameters.iter().any(|p| p.truth.is_some());
+    let mut header = vec!["parameter", "estimate", "+- 2 sigma", "percent"];
+    if truth_known {
+        header.extend(["truth", "error/sigma"]);
+    }
+    header.extend(["converged at", "verdict"]);
+    let table = |nuisance: bool| {
+        let mut table = Table::new(&header);
+        let chosen: Vec<&ParameterResult> = estimation.parameters.iter().filter(|p| p.nuisance == nuisance).collect();
+        for p in &chosen {
+            let two_sigma = 2.0 * p.corrected_std_error;
+            let fixed = p.status == "fixed";
+            let dash = || "-".to_owned();
+            let mut cells = vec![
+                p.name.clone(),
+                significant(p.value, 5),
+                if fixed { dash() } else { significant(two_sigma, 3) },
+                if fixed || p.value == 0.0 { dash() } else { significant(100.0 * two_sigma / p.value.abs(), 3) },
+            ];
+            if truth_known {
+                cells.push(p.truth.map_or_else(dash, |t| significant(t, 5)));
+                let error = |t: f64| format!("{:+.1}", (p.value - t) / p.corrected_std_error);
+                cells.push(p.truth.filter(|_| !fixed).map_or_else(dash, error));
+            }
+            cells.push(p.converged_at_s.map_or_else(dash, |t| format!("{t:.2} s")));
+            cells.push(p.status.replace('_', " "));
+            table.row(cells);
+        }
+        if chosen.is_empty() { String::new() } else { table.render() }
+    };
+    let (main, nuisance) = (table(false), table(true));
+    if nuisance.is_empty() {
+        main
+    } else {
+        format!("{main}\nSensor errors and offsets, estimated beside them\n{nuisance}")
+    }
+}

@@ -1,0 +1,223 @@
+//! `phugoid simulate`.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use phugoid_flight_data::csv;
+use phugoid_flight_data::record::{Channel, Quantity, Record};
+use phugoid_flight_dynamics::trim::Trim;
+use phugoid_identification::estimation::Signal;
+use phugoid_report::{Figure, TimeHistoryPanel, time_histories, write_named_figures};
+use phugoid_studies::flight::{Flight, FlightError, fly};
+use phugoid_studies::scenario::{BUILT_IN, Scenario, ScenarioError, built_in, nearest};
+use serde::Serialize;
+
+use crate::arguments;
+use crate::failure::Failure;
+use crate::output::{Table, json, print, significant};
+
+#[derive(Serialize)]
+struct Document<'a> {
+    scenario: &'a str,
+    seed: u64,
+    samples: usize,
+    sample_time_s: f64,
+    duration_s: f64,
+    trim: &'a Trim,
+    true_parameters: &'a BTreeMap<String, f64>,
+    measured_channels: Vec<&'a str>,
+    measured_csv: &'a Path,
+    truth_csv: &'a Path,
+    figures: Vec<PathBuf>,
+}
+
+pub(crate) fn run(arguments: &arguments::Simulate) -> Result<(), Failure> {
+    let Some(wanted) = arguments.scenario.as_deref().filter(|_| !arguments.list) else {
+        return list(arguments.json);
+    };
+    if arguments.show {
+        return print(&text_of(wanted)?);
+    }
+    let mut scenario = scenario(wanted)?;
+    scenario.seed = arguments.seed.unwrap_or(scenario.seed);
+    let flight = fly(&scenario).map_err(failure)?;
+
+    std::fs::create_dir_all(&arguments.out).map_err(|e| Failure::writing(&arguments.out, e))?;
+    let (measured, truth) = (arguments.out.join("measured.csv"), arguments.out.join("truth.csv"));
+    for (record, path) in [(&flight.measured, &measured), (&flight.truth, &truth)] {
+        csv::write_path(record, path).map_err(|e| Failure::writing(path, e))?;
+    }
+    let figures = match &arguments.figures {
+        Some(folder) => {
+            write_named_figures(folder, &figures(&scenario, &flight)).map_err(|e| Failure::writing(folder, e))?
+        }
+        None => Vec::new(),
+    };
+    let document = Document {
+        scenario: &scenario.name,
+        seed: scenario.seed,
+        samples: flight.measured.time.len(),
+        sample_time_s: 1.0 / scenario.sample_rate.si(),
+        duration_s: scenario.duration.si(),
+        trim: &flight.trim,
+        true_parameters: &flight.true_parameters,
+        measured_channels: flight.measured.channels.iter().map(|c| c.name.as_str()).collect(),
+        measured_csv: &measured,
+        truth_csv: &truth,
+        figures,
+    };
+    if arguments.json { print(&json(&document)?) } else { print(&text(&document, &flight)) }
+}
+
+/// A scenario file, or a built-in scenario by name.
+pub(crate) fn scenario(wanted: &str) -> Result<Scenario, Failure> {
+    let file = Path::new(wanted);
+    match built_in(wanted) {
+        Some(result) if !file.exists() => result.map_err(Failure::input),
+        _ => Scenario::read(file).map_err(|error| unreadable(&error, wanted)),
+    }
+}
+
+fn unreadable(error: &ScenarioError, wanted: &str) -> Failure {
+    let mut message = error.to_string();
+    if matches!(error, ScenarioError::Unreadable { .. }) {
+        let names = BUILT_IN.iter().map(|(name, _)| *name);
+        match nearest(wanted, names.clone()) {
+            Some(near) => {
+                let _ = write!(message, "\nDid you mean the built-in scenario `{near}`?");
+            }
+            None => {
+                let _ = write!(message, "\nBuilt-in scenarios: {}", names.collect::<Vec<_>>().join(", "));
+            }
+        }
+    }
+    Failure::input(message)
+}
+
+/// A flight that cannot be flown: the scenario's fault, or the aircraft's.
+pub(crate) fn failure(error: FlightError) -> Failure {
+    match error {
+        FlightError::Scenario(_) | FlightError::Sensor(_) => Failure::input(error),
+        _ => Failure::impossible(error),
+    }
+}
+
+fn text_of(wanted: &str) -> Result<String, Failure> {
+    match BUILT_IN.iter().find(|(name, _)| *name == wanted) {
+        Some((_, text)) => Ok((*text).to_owned()),
+        None => std::fs::read_to_string(wanted)
+            .map_err(|source| unreadable(&ScenarioError::Unreadable { file: wanted.into(), source }, wanted)),
+    }
+}
+
+#[derive(Serialize)]
+struct Listed {
+    name: &'static str,
+    description: String,
+}
+
+fn list(as_json: bool) -> Result<(), Failure> {
+    let mut listed = Vec::new();
+    for (name, text) in BUILT_IN {
+        let description = Scenario::parse(text, name).map_err(Failure::input)?.name;
+        listed.push(Listed { name, description });
+    }
+    if as_json {
+        return print(&json(&listed)?);
+    }
+    let width = listed.iter().map(|l| l.name.len()).max().unwrap_or(0);
+    print(&listed.iter().map(|l| format!("{:width$}  {}\n", l.name, l.description)).collect::<String>())
+}
+
+fn text(document: &Document, flight: &Flight) -> String {
+    let mut text = format!(
+        "{}\n{} samples, {} s at {} Hz, seed {}\n\n",
+        document.scenario,
+        document.samples,
+        significant(document.duration_s, 4),
+        significant(1.0 / document.sample_time_s, 4),
+        document.seed
+    );
+    let _ = writeln!(
+        text,
+        "Trim: alpha {:.4} deg, elevator {:.4} deg, thrust {:.1} N\n",
+        document.trim.alpha_rad.to_degrees(),
+        document.trim.elevator_rad.to_degrees(),
+        document.trim.thrust_n
+    );
+    let mut table = Table::new(&["channel", "unit", "smallest", "largest", "missing"]);
+    for channel in &flight.measured.channels {
+        let (unit, scale) = human(channel.quantity);
+        let finite = || channel.values.iter().copied().filter(|v| v.is_finite());
+        table.row([
+            channel.name.clone(),
+            unit.to_owned(),
+            significant(scale * finite().fold(f64::INFINITY, f64::min), 5),
+            significant(scale * finite().fold(f64::NEG_INFINITY, f64::max), 5),
+            (channel.values.len() - finite().count()).to_string(),
+        ]);
+    }
+    text.push_str(&table.render());
+    let _ = writeln!(text, "\nMeasured: {}", document.measured_csv.display());
+    let _ = writeln!(text, "Truth:    {}", document.truth_csv.display());
+    if let Some(folder) = document.figures.first().and_then(|f| f.parent()) {
+        let _ = writeln!(text, "Figures:  {}", folder.display());
+    }
+    text
+}
+
+/// The unit in which people read a quantity, and its size: degrees, SI otherwise.
+fn human(quantity: Quantity) -> (&'static str, f64) {
+    let degrees = 1.0_f64.to_degrees();
+    match quantity {
+        Quantity::Angle => ("deg", degrees),
+        Quantity::AngularRate => ("deg/s", degrees),
+        Quantity::AngularAcceleration => ("deg/s2", degrees),
+        other => (si_unit(other), 1.0),
+    }
+}
+
+fn si_unit(quantity: Quantity) -> &'static str {
+    match quantity {
+        Quantity::Time => "s",
+        Quantity::Angle => "rad",
+        Quantity::AngularRate => "rad/s",
+        Quantity::AngularAcceleration => "rad/s^2",
+        Quantity::Speed => "m/s",
+        Quantity::Acceleration => "m/s^2",
+        Quantity::Length => "m",
+        Quantity::Pressure => "Pa",
+        Quantity::Density => "kg/m^3",
+        Quantity::Force => "N",
+        Quantity::Mass => "kg",
+        Quantity::Inertia => "kg m^2",
+        Quantity::Temperature => "K",
+        Quantity::Number => "-",
+    }
+}
+
+/// Measured over true, one panel per channel.
+fn figures(scenario: &Scenario, flight: &Flight) -> Vec<(String, Figure)> {
+    let signal = |name: String, channel: &Channel| Signal {
+        name,
+        unit: si_unit(channel.quantity).to_owned(),
+        values: channel.values.clone(),
+    };
+    let panels = |record: &Record, other: &Record| -> Vec<TimeHistoryPanel> {
+        record
+            .channels
+            .iter()
+            .map(|channel| TimeHistoryPanel {
+                label: channel.name.clone(),
+                unit: si_unit(channel.quantity).to_owned(),
+                signals: std::iter::once(signal("measured".to_owned(), channel))
+                    .chain(other.channel(&channel.name).map(|truth| signal("true".to_owned(), truth)))
+                    .collect(),
+            })
+            .collect()
+    };
+    let caption = format!("Seed {}. What the sensors measured and what was true.", scenario.seed);
+    let panels = panels(&flight.measured, &flight.truth);
+    vec![("flight".to_owned(), time_histories(&scenario.name, &caption, &flight.measured.time, &panels))]
+}

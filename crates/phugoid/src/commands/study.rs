@@ -1,0 +1,116 @@
+//! `phugoid study`.
+
+use std::fmt::Write as _;
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use phugoid_identification::model_file::ModelFile;
+use phugoid_studies::accuracy::{AccuracyStudy, StudyError, accuracy};
+use phugoid_studies::convergence::{ConvergenceStudy, convergence};
+use phugoid_studies::published::{CALM_MODEL, CALM_SCENARIO, THESIS_DOUBLET, THESIS_MODEL, THESIS_SINE};
+use phugoid_studies::scenario::Scenario;
+
+use crate::arguments::{self, StudyName};
+use crate::failure::Failure;
+use crate::output::{Table, deliver, significant};
+use crate::progress::Progress;
+
+/// One short-period cycle and two after the input starts at 0.5 s, and the end.
+const CHECKPOINTS_S: [f64; 3] = [0.5 + 4.17, 0.5 + 8.34, 20.0];
+
+/// Error within which a coefficient counts as found.
+const TOLERANCE: f64 = 0.05;
+
+pub(crate) fn run(arguments: &arguments::Study) -> Result<(), Failure> {
+    let delivery = &arguments.delivery;
+    match arguments.study {
+        StudyName::CalmAir => {
+            let study = calm_air(arguments.runs)?;
+            deliver(&study, delivery.json, delivery.out.as_deref(), || accuracy_text(&study))
+        }
+        StudyName::ThesisSize => {
+            let studies = [thesis_size(THESIS_DOUBLET)?, thesis_size(THESIS_SINE)?];
+            deliver(&studies, delivery.json, delivery.out.as_deref(), || {
+                studies.iter().map(convergence_text).collect::<Vec<_>>().join("\n")
+            })
+        }
+    }
+}
+
+fn failure(error: StudyError) -> Failure {
+    Failure::impossible(error)
+}
+
+fn calm_air(runs: u32) -> Result<AccuracyStudy, Failure> {
+    let scenario = Scenario::parse(CALM_SCENARIO, "f16-calm").map_err(Failure::input)?;
+    let model = ModelFile::parse("f16-model", CALM_MODEL).map_err(Failure::input)?;
+    let progress = Progress::new("flying");
+    let done = AtomicU32::new(0);
+    accuracy(&scenario, &model, runs as usize, &CHECKPOINTS_S, || {
+        let done = 1 + done.fetch_add(1, Ordering::Relaxed);
+        progress.set(f64::from(done) / f64::from(runs));
+    })
+    .map_err(failure)
+}
+
+fn thesis_size(scenario: &str) -> Result<ConvergenceStudy, Failure> {
+    let scenario = Scenario::parse(scenario, "f16-thesis").map_err(Failure::input)?;
+    let model = ModelFile::parse("f16-thesis-model", THESIS_MODEL).map_err(Failure::input)?;
+    convergence(&scenario, &model, TOLERANCE).map_err(failure)
+}
+
+fn accuracy_text(study: &AccuracyStudy) -> String {
+    let mut text = format!("{}\n{} runs, model `{}`\n", study.scenario, study.runs, study.model);
+    for checkpoint in &study.checkpoints {
+        let _ = writeln!(text, "\nAfter {:.2} s", checkpoint.time_s);
+        let mut table = Table::new(&[
+            "parameter",
+            "truth",
+            "bias",
+            "RMSE",
+            "Cramer-Rao",
+            "percent",
+            "RMSE/CRB",
+            "claimed/CRB",
+            "coverage",
+        ]);
+        for p in &checkpoint.parameters {
+            table.row([
+                p.name.clone(),
+                significant(p.truth, 3),
+                significant(p.bias, 3),
+                significant(p.rmse, 3),
+                significant(p.cramer_rao, 3),
+                significant(100.0 * p.cramer_rao / p.truth.abs(), 3),
+                format!("{:.3}", p.rmse_over_cramer_rao),
+                format!("{:.3}", p.claimed / p.cramer_rao),
+                format!("{:.1} %", 100.0 * p.coverage),
+            ]);
+        }
+        text.push_str(&table.render());
+    }
+    let _ = writeln!(
+        text,
+        "\nCramer-Rao: the smallest standard error of any unbiased estimator, initial states unknown, no prior; in percent\n\
+         of the truth beside it. Coverage: runs with the truth within two claimed standard errors.\n\
+         Runs in which a sudden change was believed to have happened: {} of {}",
+        study.runs_with_re_reaching, study.runs
+    );
+    text
+}
+
+fn convergence_text(study: &ConvergenceStudy) -> String {
+    let mut text = format!("{}, model `{}`\n", study.scenario, study.model);
+    let within = format!("within {} % after", significant(100.0 * study.tolerance, 3));
+    let mut table = Table::new(&["parameter", "truth", "estimate at the end", &within]);
+    for p in &study.parameters {
+        table.row([
+            p.name.clone(),
+            significant(p.truth, 3),
+            significant(p.value, 8),
+            p.reached_after_s.map_or_else(|| "never".to_owned(), |t| format!("{t:.2} s")),
+        ]);
+    }
+    text.push_str(&table.render());
+    let _ = writeln!(text, "  (counted from the start of the input at {:.2} s)", study.input_starts_s);
+    text
+}

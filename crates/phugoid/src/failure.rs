@@ -1,0 +1,55 @@
+//! How a command fails: one screen of text on standard error and an exit code that scripts can tell apart.
+
+use std::fmt::Display;
+use std::io::{self, Write};
+use std::path::Path;
+use std::process::ExitCode;
+
+/// Why a command ends without a result. Wrong command lines end with code 2 before anything runs.
+#[derive(Debug)]
+pub(crate) enum Failure {
+    /// The task is clear and has no answer: no trim, nothing to estimate. Exit code 1.
+    Impossible(String),
+    /// An input file cannot be read or is wrong. Exit code 3.
+    Input(String),
+    /// A result cannot be written. Exit code 4.
+    Output(String),
+    /// The reader of standard output went away, as `head` does: nothing went wrong. Exit code 0.
+    ReaderLeft,
+}
+
+impl Failure {
+    pub(crate) fn impossible(message: impl Display) -> Self {
+        Self::Impossible(message.to_string())
+    }
+
+    pub(crate) fn input(message: impl Display) -> Self {
+        Self::Input(message.to_string())
+    }
+
+    /// Writing to a file or folder failed.
+    pub(crate) fn writing(path: &Path, error: impl Display) -> Self {
+        Self::Output(format!("cannot write `{}`: {error}\nChoose another place with --out.", path.display()))
+    }
+
+    /// Writing to standard output failed.
+    pub(crate) fn standard_output(error: &io::Error) -> Self {
+        match error.kind() {
+            io::ErrorKind::BrokenPipe => Self::ReaderLeft,
+            _ => Self::Output(format!("cannot write to standard output: {error}")),
+        }
+    }
+
+    /// Prints the message and gives the exit code.
+    pub(crate) fn report(&self) -> ExitCode {
+        let (message, code) = match self {
+            Self::Impossible(message) => (message, 1),
+            Self::Input(message) => (message, 3),
+            Self::Output(message) => (message, 4),
+            Self::ReaderLeft => return ExitCode::SUCCESS,
+        };
+        // Nobody is left to tell when standard error is closed.
+        let _ = writeln!(io::stderr(), "error: {message}");
+        ExitCode::from(code)
+    }
+}
