@@ -205,10 +205,21 @@ pub struct IncrementSchedule {
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct IncrementChange {
-    /// Time of the change, s.
+    /// Time of the change, s. A file that names none means the whole flight.
+    #[serde(default = "whole_flight", skip_serializing_if = "is_whole_flight")]
     pub time: f64,
     /// What is in force from then on; it replaces, it does not add to, what was in force before.
     pub increments: Increments,
+}
+
+#[cfg(feature = "std")]
+fn whole_flight() -> f64 {
+    f64::NEG_INFINITY
+}
+
+#[cfg(feature = "std")]
+fn is_whole_flight(time: &f64) -> bool {
+    *time == f64::NEG_INFINITY
 }
 
 /// A schedule that cannot be read.

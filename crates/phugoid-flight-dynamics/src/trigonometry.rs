@@ -2,15 +2,23 @@
 //! and on board.
 //!
 //! Five of them are a third of the instructions of the equations of motion when the platform's library computes them, a
-//! quarter here; and libraries round differently, so that a longitudinal replay on the ground, which needs no other
+//! fifth here; and libraries round differently, so that a longitudinal replay on the ground, which needs no other
 //! function, would not be the flight.
 
-use core::f64::consts::FRAC_2_PI;
+use core::f64::consts::{FRAC_2_PI, FRAC_PI_4};
 
 /// Sine and cosine of an angle (rad), each within one unit in the last place of 1.
 #[inline]
 pub(crate) fn sin_cos(angle: f64) -> (f64, f64) {
-    if angle.abs() <= LARGEST { reduced(angle) } else { beyond(angle) }
+    // In the first case the reduction would take nothing off and turn no sign: the same bits for a third of the work,
+    // and angle of attack, sideslip and pitch are seldom larger.
+    if angle.abs() <= FRAC_PI_4 {
+        series(angle)
+    } else if angle.abs() <= LARGEST {
+        reduced(angle)
+    } else {
+        beyond(angle)
+    }
 }
 
 /// Largest angle reduced here, rad: some 2^20 quarter turns.
@@ -41,8 +49,18 @@ fn reduced(angle: f64) -> (f64, f64) {
     let shifted = angle * FRAC_2_PI + ROUND;
     let turns = shifted - ROUND;
     let quadrant = shifted.to_bits();
-    let r = (angle - turns * HALF_PI_HIGH) - turns * HALF_PI_LOW;
+    let (sine, cosine) = series((angle - turns * HALF_PI_HIGH) - turns * HALF_PI_LOW);
 
+    // Odd quadrants exchange the two; the second bit turns the sign.
+    let odd = quadrant & 1 != 0;
+    let (sine, cosine) = if odd { (cosine, sine) } else { (sine, cosine) };
+    let sign = |x: f64, bit: u64| f64::from_bits(x.to_bits() ^ ((bit & 2) << 62));
+    (sign(sine, quadrant), sign(cosine, quadrant.wrapping_add(1)))
+}
+
+/// Sine and cosine for |r| <= pi/4.
+#[inline(always)]
+fn series(r: f64) -> (f64, f64) {
     // Both series side by side, even and odd powers apart: short chains that the processor can overlap.
     let z = r * r;
     let w = z * z;
@@ -52,14 +70,7 @@ fn reduced(angle: f64) -> (f64, f64) {
         let odd = c(1) + w * (c(3) + w * (c(5) + w * c(7)));
         even + z * odd
     });
-    let sine = r + r * z * series[0];
-    let cosine = (1.0 - 0.5 * z) + w * series[1];
-
-    // Odd quadrants exchange the two; the second bit turns the sign.
-    let odd = quadrant & 1 != 0;
-    let (sine, cosine) = if odd { (cosine, sine) } else { (sine, cosine) };
-    let sign = |x: f64, bit: u64| f64::from_bits(x.to_bits() ^ ((bit & 2) << 62));
-    (sign(sine, quadrant), sign(cosine, quadrant.wrapping_add(1)))
+    (r + r * z * series[0], (1.0 - 0.5 * z) + w * series[1])
 }
 
 /// No aircraft turns this far: slow, and right.

@@ -25,6 +25,11 @@ fn damage_counts_from_its_own_time_on() {
     assert_eq!(schedule.at(100.0), worse);
     assert_eq!(IncrementSchedule::constant(damage).at(-1e9), damage);
     assert_eq!(IncrementSchedule::default().at(5.0), Increments::NONE);
+    // JSON has no infinity: a change for the whole flight goes without a time, there and back.
+    for schedule in [schedule, IncrementSchedule::constant(damage)] {
+        let text = serde_json::to_string(&schedule).unwrap();
+        assert_eq!(serde_json::from_str::<IncrementSchedule>(&text).unwrap(), schedule, "{text}");
+    }
 }
 
 #[test]
