@@ -172,10 +172,19 @@ impl<'a> Plan<'a> {
         if self.panel.x.is_some() {
             return;
         }
+        // One shape per colour and one line per pixel: a record may have a thousand gaps.
+        let mut groups: Vec<(Colour, Vec<Vec<[f64; 2]>>)> = Vec::new();
         for event in figure.events.iter().filter(|e| e.x >= self.x[0] && e.x <= self.x[1]) {
             let x = map.at([event.x, self.y[0]])[0];
-            let whole = vec![vec![[x, map.frame.top], [x, map.frame.bottom]]];
-            scene.shapes.push(line(whole, event.colour, 1.2));
+            let whole = vec![[x, map.frame.top], [x, map.frame.bottom]];
+            match groups.iter_mut().find(|(colour, _)| *colour == event.colour) {
+                Some((_, lines)) if lines.iter().any(|l| (l[0][0] - x).abs() < 1.0) => {}
+                Some((_, lines)) => lines.push(whole),
+                None => groups.push((event.colour, vec![whole])),
+            }
+        }
+        for (colour, lines) in groups {
+            scene.shapes.push(line(lines, colour, 1.2));
         }
     }
 }

@@ -61,14 +61,16 @@ fn draw_cell(scene: &mut Scene, [x, y]: [f64; 2], cell: f64, value: f64, diagona
         scene.shapes.push(text("–", centre, 11.0, Anchor::Middle, false, Colour::Muted));
         return;
     }
-    let colour = if value > 0.0 { Colour::Blue } else { Colour::Orange };
+    let colour = if value > 0.0 { Colour::Sky } else { Colour::Orange };
     let strength = value.abs().min(1.0);
     scene.shapes.push(Shape::Areas { outlines: vec![square], colour, opacity: 0.8 * strength });
     let (wide, narrow) = (cell >= 34.0, cell >= 24.0);
     if wide || (narrow && strength >= 0.3) {
         let size = if wide { 11.5 } else { 9.5 };
         let words = if wide { fixed(value, 2) } else { fixed(value, 1) };
-        let on = if strength >= 0.55 { Colour::OnColour } else { Colour::Ink };
+        // From here on dark text reads better than light on a dark page; on white both are dark.
+        let dark_from = if value > 0.0 { 0.6 } else { 0.75 };
+        let on = if strength >= dark_from { Colour::OnColour } else { Colour::Ink };
         scene.shapes.push(text(&words, centre, size, Anchor::Middle, strength >= 0.9, on));
     }
 }

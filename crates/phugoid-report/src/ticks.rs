@@ -52,7 +52,7 @@ pub(crate) fn fixed(value: f64, decimals: usize) -> String {
     }
 }
 
-/// A number with this many significant digits, as people write it: plain between 1e-3 and 1e6, else with a power of ten.
+/// A number with this many significant digits, as people write it: plain between 1e-4 and 1e6, else with a power of ten.
 pub fn significant(value: f64, digits: usize) -> String {
     if !value.is_finite() {
         return "–".to_owned();
@@ -65,11 +65,25 @@ pub fn significant(value: f64, digits: usize) -> String {
     let text = format!("{value:.*e}", digits - 1);
     let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "0"));
     let exponent: i32 = exponent.parse().unwrap_or(0);
-    if (-3..6).contains(&exponent) {
+    if (-4..6).contains(&exponent) {
         let decimals = (digits as i32 - 1 - exponent).max(0) as usize;
         fixed(value, decimals)
     } else {
         format!("{}·10{}", mantissa.replace('-', "−"), superscript(exponent))
+    }
+}
+
+/// A value with its error, both to the second digit of the error: `−0.1973 ± 0.0027`.
+pub(crate) fn with_error(value: f64, error: f64) -> String {
+    // Rounding first: an error of 0.00996 is 0.010.
+    let rounded: Option<f64> = format!("{:.1e}", error.abs()).parse().ok();
+    let magnitude = rounded.filter(|e| *e > 0.0 && e.is_finite()).map(|e| e.log10().floor() as i32);
+    match magnitude {
+        Some(magnitude) if (-7..6).contains(&magnitude) && value.is_finite() => {
+            let decimals = (1 - magnitude).max(0) as usize;
+            format!("{} ± {}", fixed(value, decimals), fixed(error, decimals))
+        }
+        _ => format!("{} ± {}", significant(value, 4), significant(error, 2)),
     }
 }
 
@@ -122,9 +136,21 @@ mod tests {
             (0.0, "0"),
             (f64::NAN, "–"),
             (0.001_234_5, "0.001234"),
+            (0.000_123_45, "0.0001234"),
         ] {
             assert_eq!(significant(value, 4), text);
         }
+    }
+
+    #[test]
+    fn a_value_has_as_many_digits_as_its_error_allows() {
+        assert_eq!(with_error(-0.197_34, 0.002_68), "−0.1973 ± 0.0027");
+        assert_eq!(with_error(0.12193, 0.000_996), "0.1219 ± 0.0010");
+        assert_eq!(with_error(-34.762, 0.3881), "−34.76 ± 0.39");
+        assert_eq!(with_error(1234.6, 217.0), "1235 ± 217");
+        assert_eq!(with_error(2.0, 0.0), "2.000 ± 0");
+        assert_eq!(with_error(2.0, f64::NAN), "2.000 ± –");
+        assert_eq!(with_error(0.5, 1e-12), "0.5000 ± 1.0·10⁻¹²");
     }
 
     proptest! {

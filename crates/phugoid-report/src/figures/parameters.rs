@@ -5,7 +5,7 @@ use phugoid_identification::estimation::{ParameterHistory, ParameterResult};
 use super::{Context, scaled};
 use crate::figure::{At, Axis, Colour, Figure, Kind, Panel, Reference, Series};
 use crate::names::HumanUnit;
-use crate::ticks::significant;
+use crate::ticks::with_error;
 
 /// Parameters per figure: what fits a page.
 const PER_FIGURE: usize = 6;
@@ -53,12 +53,7 @@ fn panels(context: &Context, parameter: &ParameterResult, history: &ParameterHis
     let bounds = parameter.bounds.map(|b| b.map(|v| v * unit.factor));
 
     let mut whole = Panel::plot(ranged(&parameter.name, unit, whole_range(&values, &last, bounds)), series());
-    let label = format!(
-        "{} at the end: {} ± {}, 2σ",
-        parameter.name,
-        significant(last.value, 4),
-        significant(2.0 * last.sigma, 2)
-    );
+    let label = format!("{} at the end: {}, 2σ", parameter.name, with_error(last.value, 2.0 * last.sigma));
     let mut end = Panel::plot(ranged(&label, unit, end_range(&values, &last)), series());
     for panel in [&mut whole, &mut end] {
         let mut lines: Vec<Reference> = Vec::new();

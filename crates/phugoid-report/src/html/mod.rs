@@ -121,7 +121,11 @@ fn summary(estimation: &Estimation) -> String {
         let list: Vec<String> =
             counts.iter().map(|(status, count)| format!("{count} {}", tables::status_words(status))).collect();
         let noun = if wanted.len() == 1 { "parameter" } else { "parameters" };
-        let _ = writeln!(out, "<p>{} {noun} estimated: {}.</p>", wanted.len(), escape(&list.join(", ")));
+        let list = match counts.as_slice() {
+            [(status, _)] if wanted.len() > 1 => format!("all {}", tables::status_words(status)),
+            _ => list.join(", "),
+        };
+        let _ = writeln!(out, "<p>{} {noun} estimated: {}.</p>", wanted.len(), escape(&list));
     }
     if !estimation.verdict.is_empty() {
         out.push_str("<ul class=\"verdict\">\n");

@@ -8,11 +8,14 @@ use phugoid_identification::estimation::{Estimation, ParameterResult};
 use super::{HtmlOptions, trimmed};
 use crate::escape::escape;
 use crate::figures::{event_kind, unit_of};
-use crate::names::{human_unit, signal_label};
+use crate::names::{HumanUnit, human_unit, signal_label};
 use crate::statistics::output_fits;
 use crate::ticks::{fixed, significant};
 
-/// Every parameter with what is known of it.
+/// Events listed; more are counted.
+const MOST_EVENTS: usize = 300;
+
+/// Every parameter: what a reader wants first, then how it came about.
 pub(super) fn parameters(estimation: &Estimation) -> String {
     if estimation.parameters.is_empty() {
         return String::new();
@@ -29,67 +32,69 @@ pub(super) fn parameters(estimation: &Estimation) -> String {
     if truth {
         heads.extend([("n", "Truth"), ("n", "Off by<br>(σ)")]);
     }
-    heads.extend([
-        ("", "Status"),
-        ("n", "Converged<br>at (s)"),
-        ("n", "Observ-<br>ability"),
+    heads.extend([("", "Status"), ("n", "Converged<br>at (s)")]);
+    let mut out = grouped(estimation, &heads, |p| result_row(estimation, p, truth));
+    out.push_str(
+        "<p class=\"note\">The 2σ interval rests on the corrected standard error, which allows for coloured residuals. \
+         Error is the corrected standard error in per cent of the value. Converged at: from then on, in seconds from the \
+         start of the record, the estimate stays within 5 % of the truth where that is known, else of its final value.</p>\n",
+    );
+    let heads = [
+        ("", "Parameter"),
+        ("", "Unit"),
+        ("n", "Start value"),
+        ("n", "Prior std.<br>deviation"),
+        ("n", "Bounds"),
+        ("n", "Observability"),
         ("n", "Std. error<br>(claimed)"),
-        ("n", "Start ± prior 1σ"),
-    ]);
-    let mut out = String::from("<div class=\"scroll\"><table class=\"parameters\">\n<thead><tr>");
-    for (class, head) in &heads {
-        let _ = write!(out, "<th scope=\"col\"{}>{head}</th>", class_of(class));
-    }
-    out.push_str("</tr></thead>\n");
+        ("n", "Corrected /<br>claimed"),
+    ];
+    out.push_str("<h3>What was known before, and what the record added</h3>\n");
+    out.push_str(&grouped(estimation, &heads, |p| prior_row(estimation, p)));
+    out.push_str(
+        "<p class=\"note\">Observability is 1 − variance / prior variance: 1 means that the record decided the value, 0 \
+         that it says nothing and the prior still stands. The claimed standard error is the covariance's own; a ratio well \
+         above 1 means coloured residuals.</p>\n",
+    );
+    out
+}
+
+/// A table of all parameters, those that only support the others in a group of their own.
+fn grouped(estimation: &Estimation, heads: &[(&str, &str)], row: impl Fn(&ParameterResult) -> String) -> String {
+    let mut out = String::from("<div class=\"scroll\"><table class=\"parameters\">\n");
+    out.push_str(&head(heads));
     for (nuisance, group) in [(false, ""), (true, "Offsets and sensor biases, estimated to support the others")] {
-        let rows: Vec<&ParameterResult> = estimation.parameters.iter().filter(|p| p.nuisance == nuisance).collect();
+        let rows: Vec<String> = estimation.parameters.iter().filter(|p| p.nuisance == nuisance).map(&row).collect();
         if rows.is_empty() {
             continue;
         }
         out.push_str("<tbody>\n");
         if !group.is_empty() {
-            let _ = writeln!(
-                out,
-                "<tr class=\"group\"><th colspan=\"{}\" scope=\"rowgroup\">{group}</th></tr>",
-                heads.len()
-            );
+            let span = heads.len();
+            let _ = writeln!(out, "<tr class=\"group\"><th colspan=\"{span}\" scope=\"rowgroup\">{group}</th></tr>");
         }
-        for parameter in rows {
-            out.push_str(&parameter_row(estimation, parameter, truth));
-        }
+        out.push_str(&rows.concat());
         out.push_str("</tbody>\n");
     }
     out.push_str("</table></div>\n");
-    out.push_str(
-        "<p class=\"note\">The 2σ interval rests on the corrected standard error, which allows for coloured residuals; \
-         the claimed one is the covariance's own. Error is the corrected standard error in per cent of the value. \
-         Converged at: from then on, in seconds from the start of the record, the estimate stays within 5 % of the truth \
-         where that is known, else of its final value. Observability is 1 − variance / prior variance: 1 means that the \
-         record decided the value, 0 that it says nothing.</p>\n",
-    );
     out
 }
 
-fn parameter_row(estimation: &Estimation, parameter: &ParameterResult, truth: bool) -> String {
+fn result_row(estimation: &Estimation, parameter: &ParameterResult, truth: bool) -> String {
     let unit = unit_of(estimation, &parameter.name);
     let number = |value: f64, digits| significant(value * unit.factor, digits);
     let sigma = parameter.corrected_std_error;
-    let fixed_value = parameter.status == "fixed";
-    let mut row = format!("<tr><th scope=\"row\">{}</th><td>{}</td>", escape(&parameter.name), escape(&unit.text));
-    let mut cell = |text: String| {
-        let _ = write!(row, "<td class=\"n\">{text}</td>");
-    };
-    cell(format!("<b>{}</b>", number(parameter.value, 4)));
-    if fixed_value {
-        (0..3).for_each(|_| cell("–".to_owned()));
+    let mut cells = vec![format!("<b>{}</b>", number(parameter.value, 4))];
+    if parameter.status == "fixed" {
+        cells.extend(["–", "–", "–"].map(str::to_owned));
     } else {
-        cell(number(sigma, 3));
-        cell(percent(sigma, parameter.value));
-        cell(format!("{} … {}", number(parameter.lower, 4), number(parameter.upper, 4)));
+        cells.push(number(sigma, 3));
+        cells.push(percent(sigma, parameter.value));
+        cells.push(format!("{} … {}", number(parameter.lower, 4), number(parameter.upper, 4)));
     }
     if truth {
-        cell(parameter.truth.map_or_else(|| "–".to_owned(), |t| number(t, 4)));
-        cell(parameter.truth.map_or_else(|| "–".to_owned(), |t| off_by((parameter.value - t) / sigma)));
+        cells.push(parameter.truth.map_or_else(dash, |t| number(t, 4)));
+        cells.push(parameter.truth.map_or_else(dash, |t| off_by((parameter.value - t) / sigma)));
     }
     let class = match parameter.status.as_str() {
         "converged" => " good",
@@ -97,20 +102,46 @@ fn parameter_row(estimation: &Estimation, parameter: &ParameterResult, truth: bo
         "not_excited" | "at_limit" => " bad",
         _ => "",
     };
-    let _ = write!(row, "<td><span class=\"status{class}\">{}</span></td>", escape(&status_words(&parameter.status)));
-    let mut cell = |text: String| {
-        let _ = write!(row, "<td class=\"n\">{text}</td>");
-    };
-    cell(parameter.converged_at_s.map_or_else(|| "–".to_owned(), |t| fixed(t, 2)));
-    if fixed_value {
-        (0..3).for_each(|_| cell("–".to_owned()));
+    format!(
+        "<tr>{}{}<td><span class=\"status{class}\">{}</span></td>{}</tr>\n",
+        first_cells(parameter, &unit),
+        number_cells(&cells),
+        escape(&status_words(&parameter.status)),
+        number_cells(&[parameter.converged_at_s.map_or_else(dash, |t| fixed(t, 2))])
+    )
+}
+
+fn prior_row(estimation: &Estimation, parameter: &ParameterResult) -> String {
+    let unit = unit_of(estimation, &parameter.name);
+    let number = |value: f64, digits| significant(value * unit.factor, digits);
+    let bounds = parameter.bounds.map_or_else(dash, |[low, high]| format!("{} … {}", number(low, 4), number(high, 4)));
+    let decimals = |value: f64, decimals| if value.is_finite() { fixed(value, decimals) } else { dash() };
+    let mut cells = vec![number(parameter.initial, 4)];
+    if parameter.status == "fixed" {
+        cells.extend([dash(), bounds, dash(), dash(), dash()]);
     } else {
-        cell(if parameter.observability.is_finite() { fixed(parameter.observability, 4) } else { "–".to_owned() });
-        cell(number(parameter.std_error, 3));
-        cell(format!("{} ± {}", number(parameter.initial, 3), number(parameter.prior_std, 3)));
+        cells.extend([
+            number(parameter.prior_std, 3),
+            bounds,
+            decimals(parameter.observability, 4),
+            number(parameter.std_error, 3),
+            decimals(parameter.corrected_std_error / parameter.std_error, 2),
+        ]);
     }
-    row.push_str("</tr>\n");
-    row
+    format!("<tr>{}{}</tr>\n", first_cells(parameter, &unit), number_cells(&cells))
+}
+
+fn first_cells(parameter: &ParameterResult, unit: &HumanUnit) -> String {
+    format!("<th scope=\"row\">{}</th><td>{}</td>", escape(&parameter.name), escape(&unit.text))
+}
+
+/// Cells of markup that is safe already.
+fn number_cells(cells: &[String]) -> String {
+    cells.iter().map(|cell| format!("<td class=\"n\">{cell}</td>")).collect()
+}
+
+fn dash() -> String {
+    "–".to_owned()
 }
 
 fn percent(sigma: f64, value: f64) -> String {
@@ -199,7 +230,7 @@ pub(super) fn quality(estimation: &Estimation) -> String {
         out.push_str("<p>Nothing had to be mended or left out.</p>\n");
         return out;
     }
-    out.push_str(&table(&[("", "Weight"), ("", "Where"), ("", "Finding")]));
+    out.push_str(&table(&[("", "Severity"), ("", "Where"), ("", "Finding")]));
     for finding in &quality.findings {
         let (class, word) = match finding.severity {
             Severity::Note => ("", "note"),
@@ -223,7 +254,7 @@ pub(super) fn events(estimation: &Estimation) -> String {
         return String::new();
     }
     let mut out = table(&[("n", "Time (s)"), ("", "Event"), ("", "In words")]);
-    for event in &estimation.events {
+    for event in estimation.events.iter().take(MOST_EVENTS) {
         let _ = writeln!(
             out,
             "<tr><td class=\"n\">{}</td><td>{}</td><td class=\"words\">{}</td></tr>",
@@ -233,6 +264,9 @@ pub(super) fn events(estimation: &Estimation) -> String {
         );
     }
     out.push_str("</tbody></table></div>\n");
+    if let Some(more) = estimation.events.len().checked_sub(MOST_EVENTS).filter(|more| *more > 0) {
+        let _ = writeln!(out, "<p class=\"note\">{more} later events are not listed.</p>");
+    }
     out
 }
 
@@ -244,7 +278,7 @@ pub(super) fn method(estimation: &Estimation, options: &HtmlOptions) -> String {
     if rows.is_empty() {
         return String::new();
     }
-    let mut out = table(&[("", "Setting"), ("", "Value")]);
+    let mut out = table(&[("", "Setting"), ("", "Value")]).replace("<table>", "<table class=\"narrow\">");
     for (name, value) in rows {
         let _ = writeln!(out, "<tr><th scope=\"row\">{}</th><td>{}</td></tr>", escape(name), escape(value));
     }
@@ -253,12 +287,13 @@ pub(super) fn method(estimation: &Estimation, options: &HtmlOptions) -> String {
 }
 
 fn table(heads: &[(&str, &str)]) -> String {
-    let mut out = String::from("<div class=\"scroll\"><table>\n<thead><tr>");
-    for (class, head) in heads {
-        let _ = write!(out, "<th scope=\"col\"{}>{head}</th>", class_of(class));
-    }
-    out.push_str("</tr></thead>\n<tbody>\n");
-    out
+    format!("<div class=\"scroll\"><table>\n{}<tbody>\n", head(heads))
+}
+
+fn head(heads: &[(&str, &str)]) -> String {
+    let cells: String =
+        heads.iter().map(|(class, words)| format!("<th scope=\"col\"{}>{words}</th>", class_of(class))).collect();
+    format!("<thead><tr>{cells}</tr></thead>\n")
 }
 
 fn class_of(class: &str) -> String {
