@@ -146,17 +146,19 @@ pub fn longitudinal_modes(a: &[[f64; 4]; 4]) -> Result<Vec<Mode>, ModesError> {
 /// The modes of a lateral model with states `[beta, phi, p, r]` (rows of `a` in that order; any units, time in seconds),
 /// fastest first.
 ///
-/// Of oscillations the one with the largest part of beta and r is the Dutch roll, if that is over half of it; another is
-/// a lateral phugoid. Real roots are roll, spiral, or a split Dutch roll after the state with the largest part: p, phi,
-/// or beta and r together. When that gives both of two real roots beside a Dutch roll the same name, the faster one is
-/// the roll mode and the slower one the spiral.
+/// Of two oscillations the one with the larger part of beta and r is the Dutch roll, the other a lateral phugoid. A single
+/// one is the Dutch roll if beta and r make up half of it. Beside a Dutch roll the faster of two real roots, if stable,
+/// is the roll mode and the slower one the spiral, as is usual; the participation tells how far they deserve it. Other
+/// real roots are named after the states with the largest part: roll (p), spiral (phi), yaw (beta and r).
 ///
 /// # Errors
 /// [`ModesError`] when an entry is not finite or the eigenvalues are not found.
 pub fn lateral_modes(a: &[[f64; 4]; 4]) -> Result<Vec<Mode>, ModesError> {
     let mut roots = roots(a)?;
     let yaw_share = |root: &Root| root.participation[0] + root.participation[3];
-    let most_yaw = roots.iter().filter(|r| r.oscillates()).map(yaw_share).fold(0.5, f64::max);
+    let oscillations = roots.iter().filter(|r| r.oscillates()).count();
+    let least_yaw = if oscillations == 2 { 0.0 } else { 0.5 };
+    let most_yaw = roots.iter().filter(|r| r.oscillates()).map(yaw_share).fold(least_yaw, f64::max);
     roots.sort_by(Root::fastest_first);
     let mut modes: Vec<Mode> = roots
         .iter()
@@ -177,7 +179,7 @@ pub fn lateral_modes(a: &[[f64; 4]; 4]) -> Result<Vec<Mode>, ModesError> {
     let dutch_roll = modes.iter().any(|m| m.name == ModeName::DutchRoll);
     let mut real: Vec<&mut Mode> = modes.iter_mut().filter(|m| m.eigenvalue_imaginary == 0.0).collect();
     if let (true, [fast, slow]) = (dutch_roll, real.as_mut_slice())
-        && fast.name == slow.name
+        && fast.eigenvalue_real < 0.0
     {
         fast.name = ModeName::Roll;
         slow.name = ModeName::Spiral;

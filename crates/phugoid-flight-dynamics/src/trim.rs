@@ -48,7 +48,8 @@ pub struct TrimCondition {
 }
 
 impl TrimCondition {
-    /// Straight and level at a true airspeed (m/s) and altitude (m), heading north, any angle of attack from -90 to 90 deg.
+    /// Straight and level at a true airspeed (m/s) and altitude (m), heading north. Angles of attack from -20 to 50 deg:
+    /// databases that go further are rare, and beyond its data an aircraft has equilibria that mean nothing.
     pub fn level(speed: f64, altitude: f64) -> Self {
         Self {
             speed,
@@ -57,7 +58,7 @@ impl TrimCondition {
             turn_rate: 0.0,
             heading: 0.0,
             increments: Increments::NONE,
-            alpha_range: [-core::f64::consts::FRAC_PI_2, core::f64::consts::FRAC_PI_2],
+            alpha_range: [-20.0 * DEGREE, 50.0 * DEGREE],
         }
     }
 }
@@ -214,6 +215,20 @@ pub enum TrimError {
         /// Highest angle of attack allowed, rad.
         highest_rad: f64,
     },
+    /// Too slow for the flight path: not even the best angle of attack carries the aircraft.
+    #[error(
+        "trim: not enough lift: the flight path needs a load factor of {needed:.2}, the most there is at this speed and \
+         altitude up to the highest angle of attack allowed is {available:.2} (at {:.1} deg with full thrust and neutral \
+         surfaces); fly faster, lower, or turn less", alpha_rad.to_degrees()
+    )]
+    NotEnoughLift {
+        /// Load factor across the flight path that is needed.
+        needed: f64,
+        /// Largest load factor across the flight path in the range of angle of attack, thrust included.
+        available: f64,
+        /// Angle of attack of the largest load factor, rad.
+        alpha_rad: f64,
+    },
     /// No equilibrium was found from any start.
     #[error(
         "trim: no equilibrium found: the best of {starts} starts leaves {equation} = {residual:.3e} at an angle of attack \
@@ -231,6 +246,7 @@ pub enum TrimError {
     },
 }
 
+const DEGREE: f64 = core::f64::consts::PI / 180.0;
 const UNKNOWNS: usize = 8;
 const EQUATIONS: [&str; UNKNOWNS] = [
     "speed rate",
@@ -255,7 +271,7 @@ const TOLERANCE: f64 = 1e-11;
 pub fn trim<A: Aircraft>(aircraft: &A, condition: &TrimCondition) -> Result<Trim, TrimError> {
     check(condition)?;
     let problem = Problem::new(aircraft, condition);
-    let mut best_refusal: Option<TrimError> = None;
+    let mut mildest: Option<(f64, TrimError)> = None;
     let mut closest: Option<Solution> = None;
     for start in STARTS_DEG {
         let solution = problem.solve(start.to_radians());
@@ -267,11 +283,18 @@ pub fn trim<A: Aircraft>(aircraft: &A, condition: &TrimCondition) -> Result<Trim
         }
         match problem.refusal(&solution) {
             None => return Ok(problem.report(&solution)),
-            Some(refusal) => best_refusal = best_refusal.or(Some(refusal)),
+            Some(refusal) => {
+                if mildest.as_ref().is_none_or(|m| refusal.0 < m.0) {
+                    mildest = Some(refusal);
+                }
+            }
         }
     }
-    match (best_refusal, closest) {
-        (Some(refusal), _) => Err(refusal),
+    if let Some(refusal) = problem.not_enough_lift() {
+        return Err(refusal);
+    }
+    match (mildest, closest) {
+        (Some((_, refusal)), _) => Err(refusal),
         (None, closest) => {
             let residuals = closest.as_ref().map_or([f64::NAN; UNKNOWNS], |s| s.residuals);
             let worst = (0..UNKNOWNS).max_by(|&a, &b| residuals[a].abs().total_cmp(&residuals[b].abs())).unwrap_or(0);
@@ -432,23 +455,23 @@ impl<'a, A: Aircraft> Problem<'a, A> {
         solution
     }
 
-    /// Which limit an equilibrium violates, the most telling one first.
-    fn refusal(&self, solution: &Solution) -> Option<TrimError> {
+    /// Which limit an equilibrium violates, and how badly: the excess over the limit in its own measure.
+    fn refusal(&self, solution: &Solution) -> Option<(f64, TrimError)> {
         let [alpha_rad, _, phi, _, lever, elevator, aileron, rudder] = solution.unknowns;
-        let inverted = phi.abs() > core::f64::consts::FRAC_PI_2;
         let [lowest_rad, highest_rad] = self.condition.alpha_range;
         if !(lowest_rad..=highest_rad).contains(&alpha_rad) {
-            return Some(TrimError::OutsideData { alpha_rad, lowest_rad, highest_rad });
+            let excess = (alpha_rad - highest_rad).max(lowest_rad - alpha_rad);
+            return Some((excess, TrimError::OutsideData { alpha_rad, lowest_rad, highest_rad }));
         }
         let (state, _) = self.state_and_controls(&solution.unknowns);
         let engine = self.thrust(&state);
-        let mass = self.aircraft.mass_properties().mass();
-        let missing = mass * norm(self.excess) * (lever - lever.clamp(0.0, 1.0));
-        if lever > 1.0 {
-            return Some(TrimError::NotEnoughThrust { needed_n: engine + missing, available_n: engine, alpha_rad });
+        let beyond = lever - lever.clamp(0.0, 1.0);
+        let needed_n = engine + self.aircraft.mass_properties().mass() * norm(self.excess) * beyond;
+        if beyond > 0.0 {
+            return Some((beyond, TrimError::NotEnoughThrust { needed_n, available_n: engine, alpha_rad }));
         }
-        if lever < 0.0 {
-            return Some(TrimError::TooMuchThrust { needed_n: engine + missing, idle_n: engine, alpha_rad });
+        if beyond < 0.0 {
+            return Some((-beyond, TrimError::TooMuchThrust { needed_n, idle_n: engine, alpha_rad }));
         }
         let actuators = self.aircraft.actuators();
         for (surface, needed_rad, limit_rad) in [
@@ -457,16 +480,32 @@ impl<'a, A: Aircraft> Problem<'a, A> {
             ("rudder", rudder, actuators.rudder.limit),
         ] {
             if needed_rad.abs() > limit_rad {
-                return Some(TrimError::SurfaceLimit { surface, needed_rad, limit_rad, alpha_rad });
+                let excess = needed_rad.abs() / limit_rad - 1.0;
+                return Some((excess, TrimError::SurfaceLimit { surface, needed_rad, limit_rad, alpha_rad }));
             }
         }
         // An equilibrium on its back is none of those asked for.
-        inverted.then_some(TrimError::NoConvergence {
-            starts: STARTS_DEG.len(),
-            equation: "upright flight: bank angle beyond 90 deg, rad",
-            residual: phi,
-            alpha_rad,
-        })
+        let inverted = phi.abs() > core::f64::consts::FRAC_PI_2;
+        let equation = "upright flight: bank angle beyond 90 deg, rad";
+        let starts = STARTS_DEG.len();
+        inverted.then_some((f64::INFINITY, TrimError::NoConvergence { starts, equation, residual: phi, alpha_rad }))
+    }
+
+    /// Whether the flight path is out of reach of lift and thrust together.
+    fn not_enough_lift(&self) -> Option<TrimError> {
+        let TrimCondition { speed, turn_rate, flight_path_angle: path, alpha_range: [low, high], .. } = *self.condition;
+        let gravity = self.aircraft.gravity();
+        // Across the path the aircraft is carried against gravity and turned with V cos(gamma).
+        let needed = path.cos() * (turn_rate * speed / gravity).hypot(1.0);
+        let load = |alpha: f64| {
+            let unknowns = [alpha, 0.0, 0.0, path + alpha, 1.0, 0.0, 0.0, 0.0];
+            let (state, controls) = self.state_and_controls(&unknowns);
+            let [ax, _, az] = motion(self.aircraft, &state, &controls, &self.disturbance).specific_force;
+            (alpha.sin() * ax - alpha.cos() * az) / gravity
+        };
+        let scan = (0..=100).map(|i| low + (high - low) * f64::from(i) / 100.0).map(|alpha| (load(alpha), alpha));
+        let (available, alpha_rad) = scan.fold((f64::NEG_INFINITY, f64::NAN), |a, b| if b.0 > a.0 { b } else { a });
+        (available < needed).then_some(TrimError::NotEnoughLift { needed, available, alpha_rad })
     }
 
     fn thrust(&self, state: &State) -> f64 {

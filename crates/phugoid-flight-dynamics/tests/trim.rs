@@ -183,10 +183,17 @@ fn refusals_say_how_much_was_needed() {
         Err(TrimError::TooMuchThrust { needed_n, idle_n, .. }) => assert!(needed_n < idle_n, "{needed_n} {idle_n}"),
         other => panic!("{other:?}"),
     }
-    // The same equilibrium is refused by a narrower range of data.
-    let narrow = TrimCondition { alpha_range: [-0.17, 0.35], ..level(150.0, 0.0) };
-    match trim(&aircraft, &narrow) {
-        Err(TrimError::OutsideData { alpha_rad, .. }) => assert!((alpha_rad.to_degrees() - 34.575).abs() < 0.01),
+    // Equilibria that exist are refused by a narrower range of data: 2.1 deg of angle of attack below it, 34.6 deg above
+    // it, where the lift within the range does not carry the aircraft.
+    let narrow = |speed| TrimCondition { alpha_range: [0.1, 0.35], ..level(speed, 0.0) };
+    match trim(&aircraft, &narrow(502.0)) {
+        Err(TrimError::OutsideData { alpha_rad, .. }) => assert!((alpha_rad - 0.0369).abs() < 1e-4, "{alpha_rad}"),
+        other => panic!("{other:?}"),
+    }
+    match trim(&aircraft, &narrow(150.0)) {
+        Err(TrimError::NotEnoughLift { available, alpha_rad, .. }) => {
+            assert!(available < 1.0 && alpha_rad == 0.35, "{available} {alpha_rad}");
+        }
         other => panic!("{other:?}"),
     }
     // A nose-heavy aircraft needs more elevator than there is.
@@ -197,8 +204,39 @@ fn refusals_say_how_much_was_needed() {
         }
         other => panic!("{other:?}"),
     }
+    // Below the stall: at 90 ft/s the dynamic pressure is half of that at 130 ft/s, the slowest speed of the book's table.
+    match trim(&aircraft, &level(90.0, 0.0)) {
+        Err(TrimError::NotEnoughLift { needed, available, .. }) => {
+            assert!(needed == 1.0 && (0.5..1.0).contains(&available), "{available}");
+        }
+        other => panic!("{other:?}"),
+    }
     let error = trim(&aircraft, &level(-5.0, 0.0)).unwrap_err();
     assert_eq!(error.to_string(), format!("trim: speed is {}, expected a positive number, m/s", -5.0 * FOOT));
+}
+
+#[test]
+fn every_condition_is_trimmed_or_refused_with_a_reason() {
+    let (mut trimmed, mut refused) = (0, 0);
+    for cg in [0.25, 0.30, 0.35] {
+        let aircraft = f16(cg, F16Constants::Exact);
+        for altitude in [0.0, 15e3, 30e3, 45e3] {
+            for speed in (12..100).step_by(4).map(|k| 10.0 * f64::from(k)) {
+                for (flight_path_angle, turn_rate) in [(0.0, 0.0), (0.1, 0.0), (-0.1, 0.0), (0.0, 0.1), (0.05, -0.2)] {
+                    let condition = TrimCondition { flight_path_angle, turn_rate, ..level(speed, altitude) };
+                    match trim(&aircraft, &condition) {
+                        Ok(_) => trimmed += 1,
+                        Err(TrimError::NoConvergence { .. } | TrimError::Condition { .. }) => {
+                            panic!("cg {cg}, {altitude} ft, {condition:?}")
+                        }
+                        Err(_) => refused += 1,
+                    }
+                }
+            }
+        }
+    }
+    println!("{trimmed} trimmed, {refused} refused");
+    assert!(trimmed > 700 && refused > 100, "{trimmed} {refused}");
 }
 
 #[test]
