@@ -36,3 +36,27 @@ impl Table {
         self.rows.iter().map(|row| row[index]).collect()
     }
 }
+
+/// Reproducible normal numbers (a 64-bit linear congruential generator and Box-Muller).
+pub(crate) struct Normal {
+    state: u64,
+}
+
+impl Normal {
+    pub(crate) fn new(seed: u64) -> Self {
+        let mut this = Self { state: seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) };
+        for _ in 0..8 {
+            this.uniform();
+        }
+        this
+    }
+
+    fn uniform(&mut self) -> f64 {
+        self.state = self.state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        ((self.state >> 11) as f64 + 0.5) / (1_u64 << 53) as f64
+    }
+
+    pub(crate) fn next(&mut self) -> f64 {
+        (-2.0 * self.uniform().ln()).sqrt() * (std::f64::consts::TAU * self.uniform()).cos()
+    }
+}
