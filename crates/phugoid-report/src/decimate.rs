@@ -199,7 +199,9 @@ mod tests {
 
     proptest! {
         #[test]
-        fn extremes_ends_and_order_survive(values in prop::collection::vec(-100.0..100.0f64, 2..4000), width in 1.0..50.0f64) {
+        fn extremes_ends_and_order_survive(
+            values in prop::collection::vec(-100.0..100.0f64, 2..4000), width in 1.0..50.0f64,
+        ) {
             let n = values.len() as f64;
             let given: Vec<[f64; 2]> =
                 values.iter().enumerate().map(|(i, v)| [i as f64 / n * width, *v]).collect();

@@ -291,7 +291,8 @@ fn shared_limits(figure: &Figure) -> [f64; 2] {
     rounded_out(limits.or_unit())
 }
 
-/// Limits moved out to the next tick where that is near: a record of 2000 samples at 100 Hz ends at 19.99 s, its axis at 20.
+/// Limits moved out to the next tick where that is near: a record of 2000 samples at 100 Hz ends at 19.99 s, its axis
+/// at 20.
 fn rounded_out([low, high]: [f64; 2]) -> [f64; 2] {
     let values = ticks([low - 0.01 * (high - low), high + 0.01 * (high - low)], 10).values;
     [values.first().map_or(low, |v| v.min(low)), values.last().map_or(high, |v| v.max(high))]

@@ -20,8 +20,8 @@ pub(crate) fn ticks(limits: [f64; 2], wanted: usize) -> Ticks {
     }
     let raw = span / wanted.max(1) as f64;
     let power = 10f64.powf(raw.log10().floor());
-    // From coarse to fine: the first step that is not too coarse for three ticks, starting where there are not more than
-    // wanted; the slack is for rounding.
+    // From coarse to fine: the first step that is not too coarse for three ticks, starting where there are not more
+    // than wanted; the slack is for rounding.
     let steps = [10.0, 5.0, 2.0, 1.0, 0.5, 0.2, 0.1].map(|m| m * power);
     let smallest = steps.iter().copied().filter(|s| *s >= raw * 0.999).fold(10.0 * power, f64::min);
     let count_of = |step: f64| (upper / step + 1e-6).floor() - (lower / step - 1e-6).ceil() + 1.0;
@@ -52,7 +52,8 @@ pub(crate) fn fixed(value: f64, decimals: usize) -> String {
     }
 }
 
-/// A number with this many significant digits, as people write it: plain between 1e-4 and 1e6, else with a power of ten.
+/// A number with this many significant digits, as people write it: plain between 1e-4 and 1e6, else with a power of
+/// ten.
 pub fn significant(value: f64, digits: usize) -> String {
     if !value.is_finite() {
         return "–".to_owned();

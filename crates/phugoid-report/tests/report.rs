@@ -17,8 +17,8 @@ fn page(estimation: &Estimation) -> String {
 fn assert_balanced(markup: &str) {
     let mut open: Vec<&str> = Vec::new();
     for piece in markup.split('<').skip(1) {
-        let tag = piece.split('>').next().unwrap();
-        let name = tag.trim_start_matches('/').split([' ', '/']).next().unwrap();
+        let tag = piece.split('>').next().unwrap_or_default();
+        let name = tag.trim_start_matches('/').split([' ', '/']).next().unwrap_or_default();
         if tag.starts_with('!') || tag.ends_with('/') || matches!(name, "meta" | "br") {
             continue;
         }

@@ -21,8 +21,9 @@ pub(super) fn figures(context: &Context) -> Vec<(String, Figure)> {
             let title = if groups > 1 { format!("{title}, {} of {groups}", index + 1) } else { title.to_owned() };
             let mut figure = context.figure(
                 &title,
-                "Left: the whole course; the band of the first moments, before the input begins, is cut off. Right: the \
-                 same curves enlarged to the precision at the end. Band: ±2 corrected standard errors.",
+                "Left: the whole course; the band of the first moments, before the input begins, is cut off, and \
+                 bounds are drawn where they are near. Right: the same curves enlarged to the precision at the end. \
+                 Band: ±2 corrected standard errors.",
             );
             figure.columns = 2;
             for (parameter, history, unit) in group {
@@ -52,29 +53,42 @@ fn panels(context: &Context, parameter: &ParameterResult, history: &ParameterHis
     };
     let bounds = parameter.bounds.map(|b| b.map(|v| v * unit.factor));
 
-    let mut whole = Panel::plot(ranged(&parameter.name, unit, whole_range(&values, &last, bounds)), series());
     let label = format!("{} at the end: {}, 2σ", parameter.name, with_error(last.value, 2.0 * last.sigma));
-    let mut end = Panel::plot(ranged(&label, unit, end_range(&values, &last)), series());
-    for panel in [&mut whole, &mut end] {
-        let mut lines: Vec<Reference> = Vec::new();
-        let mut add = |label: &str, colour, dashed, at| {
-            lines.push(Reference { label: label.to_owned(), colour, dashed, at });
-        };
-        if let Some(truth) = last.truth {
-            add("truth", Colour::Vermillion, false, At::HorizontalIfVisible(truth));
-        }
-        for bound in bounds.into_iter().flatten() {
-            add("bounds", Colour::Muted, true, At::HorizontalIfVisible(bound));
-        }
-        if let Some(converged) = parameter.converged_at_s {
-            let start = context.time.first().copied().unwrap_or(0.0);
-            add("converged (stays within 5 %)", Colour::Green, true, At::Vertical(start + converged));
-        }
-        for line in lines {
-            *panel = panel.clone().with_reference(line);
-        }
-    }
-    [whole, end]
+    let whole = ranged(&parameter.name, unit, whole_range(&values, &last, bounds));
+    let end = ranged(&label, unit, end_range(&values, &last));
+    [whole, end].map(|axis| {
+        let lines = references(context, parameter, &last, bounds, axis.range);
+        lines.into_iter().fold(Panel::plot(axis, series()), Panel::with_reference)
+    })
+}
+
+/// Truth, bounds and instant of convergence, as far as they lie within the ordinate's limits: a legend must not name
+/// what is not to be seen.
+fn references(
+    context: &Context,
+    parameter: &ParameterResult,
+    last: &Final,
+    bounds: Option<[f64; 2]>,
+    range: Option<[f64; 2]>,
+) -> Vec<Reference> {
+    let seen = |v: &f64| range.is_some_and(|[low, high]| low <= *v && *v <= high);
+    let level = |label: &str, colour, dashed, value| Reference {
+        label: label.to_owned(),
+        colour,
+        dashed,
+        at: At::HorizontalIfVisible(value),
+    };
+    let mut lines = Vec::new();
+    lines.extend(last.truth.filter(seen).map(|v| level("truth", Colour::Vermillion, false, v)));
+    lines.extend(bounds.into_iter().flatten().filter(seen).map(|v| level("bounds", Colour::Muted, true, v)));
+    let start = context.time.first().copied().unwrap_or(0.0);
+    lines.extend(parameter.converged_at_s.map(|after| Reference {
+        label: "converged (stays within 5 %)".to_owned(),
+        colour: Colour::Green,
+        dashed: true,
+        at: At::Vertical(start + after),
+    }));
+    lines
 }
 
 struct Final {
@@ -106,7 +120,7 @@ fn whole_range(values: &[f64], last: &Final, bounds: Option<[f64; 2]>) -> Option
     let span = high - low;
     let (mut from, mut to) = (low, high);
     for bound in bounds.into_iter().flatten() {
-        if bound >= low - 0.6 * span && bound <= high + 0.6 * span {
+        if bound >= low - 1.6 * span && bound <= high + 1.6 * span {
             from = from.min(bound);
             to = to.max(bound);
         }

@@ -14,8 +14,8 @@ pub(super) fn series(context: &Context) -> Option<(String, Figure)> {
     let residuals = &context.estimation.history.residuals;
     let mut figure = context.figure(
         "Whitened residuals",
-        "Measured minus predicted, divided by the standard deviation that the estimator expects. If model and noise are \
-         right, 95 % lie within ±2.",
+        "Measured minus predicted, divided by the standard deviation that the estimator expects. If model and noise \
+         are right, 95 % lie within ±2.",
     );
     for residual in residuals {
         let largest = residual.values.iter().filter(|v| v.is_finite()).fold(0.0_f64, |m, v| m.max(v.abs()));
@@ -41,13 +41,13 @@ pub(super) fn series(context: &Context) -> Option<(String, Figure)> {
 
 pub(super) fn autocorrelations(context: &Context) -> Option<(String, Figure)> {
     let step = median_step(&context.time);
-    if !(step > 0.0) {
+    if step.is_nan() || step <= 0.0 {
         return None;
     }
     let mut figure = context.figure(
         "Autocorrelation of the whitened residuals",
-        "Without model error and with white sensor noise 95 % of the bars stay between the dashed lines. Slowly decaying \
-         bars mean coloured residuals; the corrected standard errors allow for them.",
+        "Without model error and with white sensor noise 95 % of the bars stay between the dashed lines. Slowly \
+         decaying bars mean coloured residuals; the corrected standard errors allow for them.",
     );
     figure.columns = 2;
     figure.events.clear();

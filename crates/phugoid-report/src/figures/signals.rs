@@ -23,8 +23,8 @@ pub(super) fn outputs(context: &Context) -> Option<(String, Figure)> {
     let history = &context.estimation.history;
     let mut figure = context.figure(
         "Measured and estimated-model outputs",
-        "Dots: measurements. Line: the estimated model one sample ahead, before it is corrected by the measurement it is \
-         compared with.",
+        "Dots: measurements. Line: the estimated model one sample ahead, before it is corrected by the measurement it \
+         is compared with.",
     );
     for measured in &history.measured {
         let (axis, unit) = human_axis(signal_label(&measured.name), &measured.unit);

@@ -49,9 +49,9 @@ pub(super) fn figures(context: &Context) -> Vec<(String, Figure)> {
             };
             let mut figure = context.figure(
                 &title,
-                "The bar shows the phase of each sample: sliding (the model explains it), reaching (influence bounded), \
-                 rejected (nothing within the bounds explains it). A surface near zero means that the estimate is where \
-                 least squares would put it.",
+                "The bar shows the phase of each sample: sliding (the model explains it), reaching (influence \
+                 bounded), rejected (nothing within the bounds explains it). A surface near zero means that the \
+                 estimate is where least squares would put it.",
             );
             figure.panels.extend(strip.clone());
             figure.panels.extend(panels.iter().skip(index * PER_FIGURE).take(PER_FIGURE).cloned());
@@ -65,8 +65,8 @@ pub(super) fn portraits(context: &Context) -> Option<(String, Figure)> {
     let mut figure = context.figure(
         "Phase portraits",
         "Each parameter's surface against its error (estimate minus truth where known, else minus the final estimate). \
-         On the dashed line the surface equals the remaining error: there the information at hand knows the answer. The \
-         dot is the end.",
+         On the dashed line the surface equals the remaining error: there the information at hand knows the answer. \
+         The dot is the end.",
     );
     figure.columns = 3;
     figure.events.clear();

@@ -25,8 +25,8 @@ pub struct HtmlOptions {
     pub settings: Vec<(String, String)>,
 }
 
-/// The estimation as one self-contained HTML page: no scripts, no links to anywhere else, figures inline. Two calls with
-/// the same estimation and options give the same bytes.
+/// The estimation as one self-contained HTML page: no scripts, no links to anywhere else, figures inline. Two calls
+/// with the same estimation and options give the same bytes.
 pub fn html(estimation: &Estimation, options: &HtmlOptions) -> String {
     let title = options.title.clone().unwrap_or_else(|| match estimation.source.as_str() {
         "" => "Parameter estimation".to_owned(),

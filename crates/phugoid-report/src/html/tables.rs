@@ -36,8 +36,8 @@ pub(super) fn parameters(estimation: &Estimation) -> String {
     let mut out = grouped(estimation, &heads, |p| result_row(estimation, p, truth));
     out.push_str(
         "<p class=\"note\">The 2σ interval rests on the corrected standard error, which allows for coloured residuals. \
-         Error is the corrected standard error in per cent of the value. Converged at: from then on, in seconds from the \
-         start of the record, the estimate stays within 5 % of the truth where that is known, else of its final value.</p>\n",
+         Error is the corrected standard error in per cent of the value. Converged at: from then on, in seconds from \
+         the start of the record, the estimate stays within 5 % of the truth where that is known, else of its final value.</p>\n",
     );
     let heads = [
         ("", "Parameter"),
@@ -52,9 +52,9 @@ pub(super) fn parameters(estimation: &Estimation) -> String {
     out.push_str("<h3>What was known before, and what the record added</h3>\n");
     out.push_str(&grouped(estimation, &heads, |p| prior_row(estimation, p)));
     out.push_str(
-        "<p class=\"note\">Observability is 1 − variance / prior variance: 1 means that the record decided the value, 0 \
-         that it says nothing and the prior still stands. The claimed standard error is the covariance's own; a ratio well \
-         above 1 means coloured residuals.</p>\n",
+        "<p class=\"note\">Observability is 1 − variance / prior variance: 1 means that the record decided the value, \
+         0 that it says nothing and the prior still stands. The claimed standard error is the covariance's own; a \
+         ratio well above 1 means coloured residuals.</p>\n",
     );
     out
 }
@@ -208,9 +208,9 @@ pub(super) fn fit(estimation: &Estimation) -> String {
     }
     out.push_str("</tbody></table></div>\n");
     out.push_str(
-        "<p class=\"note\">With the right model and noise the whitened residual has an rms of 1, 95.4 % of it lies within \
-         ±2σ, and its autocorrelation is near 0. An rms well above 1 means that the noise is larger than assumed or the \
-         model is wrong; a large autocorrelation speaks for the model.</p>\n",
+        "<p class=\"note\">With the right model and noise the whitened residual has an rms of 1, 95.4 % of it lies \
+         within ±2σ, and its autocorrelation is near 0. An rms well above 1 means that the noise is larger than \
+         assumed or the model is wrong; a large autocorrelation speaks for the model.</p>\n",
     );
     out
 }
