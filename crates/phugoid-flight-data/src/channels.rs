@@ -145,22 +145,31 @@ pub fn by_any_name(name: &str) -> Vec<&'static ChannelSpec> {
         .collect()
 }
 
+/// Least likeness (one less the edits per letter) of a misspelt name with the right one.
+const LIKE: f64 = 0.75;
+
 /// The canonical name nearest to a misspelt one, if any is near: `aplha` gives `alpha`.
 pub fn nearest(name: &str) -> Option<&'static str> {
     let key = key(name);
-    // Short names are all near one another, and so are the `delta_e` kind.
+    // Short names are all near one another, so that only turned letters count (`beat`: beta); the `delta_e` kind too.
     if key.len() < 4 {
         return None;
     }
+    let letters = |text: &str| {
+        let mut letters: Vec<char> = text.chars().collect();
+        letters.sort_unstable();
+        letters
+    };
+    let near_enough = |spelling: &str| key.len() > 4 || letters(&key) == letters(spelling);
     let spellings = CHANNELS.iter().flat_map(|channel| {
         let synonyms = channel.synonyms.iter().filter(|synonym| synonym.len() > 3 && !synonym.starts_with("delta_"));
         std::iter::once(channel.name).chain(synonyms.copied()).map(move |spelling| (channel.name, spelling))
     });
     spellings
-        .map(|(name, spelling)| (name, strsim::normalized_damerau_levenshtein(&key, &self::key(spelling))))
-        .filter(|&(_, likeness)| likeness >= 0.75)
-        .max_by(|a, b| a.1.total_cmp(&b.1))
-        .map(|(name, _)| name)
+        .map(|(name, spelling)| (name, spelling, strsim::normalized_damerau_levenshtein(&key, &self::key(spelling))))
+        .filter(|&(_, spelling, likeness)| likeness >= LIKE && near_enough(spelling))
+        .max_by(|a, b| a.2.total_cmp(&b.2))
+        .map(|(name, ..)| name)
 }
 
 /// Letters and digits alone, lower case: `True Airspeed`, `true_airspeed` and `TrueAirspeed` are one name.
@@ -203,6 +212,8 @@ mod tests {
         assert_eq!(nearest("elevater"), Some("elevator"));
         assert_eq!(nearest("True_Airsped"), Some("true_airspeed"));
         assert_eq!(nearest("pich_rate"), Some("q"));
+        assert_eq!(nearest("beat"), Some("beta"));
+        assert_eq!(nearest("flag"), None);
         assert_eq!(nearest("q1"), None);
         assert_eq!(nearest("humidity"), None);
     }

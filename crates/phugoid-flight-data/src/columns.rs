@@ -349,10 +349,12 @@ fn no_time(head: &Head<'_>) -> ReadError {
             Ok(Meaning::Unknown { doubt: Some(Doubt::Unit { spec, text, .. }), .. }) if spec.name == "time" => {
                 Some(format!(" '{header}' looks like it, but '{text}' is no unit of time."))
             }
-            Ok(Meaning::Unknown { doubt: Some(Doubt::Near("time")), .. }) => {
-                Some(format!(" '{header}' looks like it."))
+            _ => {
+                let key = channels::key(header);
+                let near = |name| strsim::normalized_damerau_levenshtein(&key, name) >= 0.75;
+                let alike = key.contains("time") || near("time") || near("times");
+                alike.then(|| format!(" '{header}' looks like it."))
             }
-            _ => channels::key(header).contains("time").then(|| format!(" '{header}' looks like it.")),
         }
     });
     ReadError::NoTime {

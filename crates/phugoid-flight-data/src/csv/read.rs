@@ -210,8 +210,6 @@ struct Rows {
     unended: Option<usize>,
     /// Cells per channel that are text, and the first of them.
     text: Vec<(Lines, String)>,
-    /// Whether a channel has any value.
-    any: Vec<bool>,
     clock: bool,
     midnights: f64,
 }
@@ -233,7 +231,6 @@ impl Rows {
             cut: None,
             unended: None,
             text: vec![(Lines::default(), String::new()); count],
-            any: vec![false; count],
             clock: false,
             midnights: 0.0,
         }
@@ -275,8 +272,7 @@ impl Rows {
         }
         self.table.time.push(time);
         self.table.lines.push(row.line);
-        let state = self.text.iter_mut().zip(self.any.iter_mut());
-        for ((channel, values), (text, any)) in self.plan.channels.iter().zip(&mut self.table.columns).zip(state) {
+        for ((channel, values), text) in self.plan.channels.iter().zip(&mut self.table.columns).zip(&mut self.text) {
             let cell = cells.get(channel.column).copied().unwrap_or_default();
             let value = match cells::parse(cell, self.format.decimal_comma) {
                 Cell::Value(value) => channel.to_si(value),
@@ -291,7 +287,6 @@ impl Rows {
             };
             // A finite number may overflow in the conversion.
             let value = if value.is_finite() { value } else { f64::NAN };
-            *any |= !value.is_nan();
             values.push(value);
         }
         Ok(())
@@ -322,7 +317,7 @@ impl Rows {
             return Err(no_rows(self.why_no_rows()));
         }
         self.report_rows(&mut report);
-        let Self { plan, mut table, text, any, seen, header_line, .. } = self;
+        let Self { plan, mut table, text, seen, header_line, .. } = self;
         let time_header = plan.time.as_ref().map_or("(row number)", |column| column.header.as_str()).to_owned();
         if let Some(column) = plan.time.as_ref().filter(|column| column.unit_assumed && !self.clock) {
             columns::say_assumed(column, &mut report);
@@ -349,10 +344,8 @@ impl Rows {
             },
         });
         let mut holes = Vec::new();
-        for (((column, values), (text, example)), any) in
-            plan.channels.into_iter().zip(table.columns).zip(text).zip(any)
-        {
-            if let Some(channel) = keep(&column, values, &text, &example, any, &mut holes, &mut report) {
+        for ((column, values), (text, example)) in plan.channels.into_iter().zip(table.columns).zip(text) {
+            if let Some(channel) = keep(&column, values, &text, &example, &mut holes, &mut report) {
                 report.channels.push(quality_of(&column, channel.values.iter().filter(|value| value.is_nan()).count()));
                 record.channels.push(channel);
             }
@@ -460,12 +453,13 @@ fn keep(
     values: Vec<f64>,
     text: &Lines,
     example: &str,
-    any: bool,
     holes: &mut Vec<String>,
     report: &mut QualityReport,
 ) -> Option<Channel> {
     let place = format!("column '{}'", column.header);
     let known = channels::by_name(&column.name).is_some();
+    let missing = values.iter().filter(|value| value.is_nan()).count();
+    let any = missing < values.len();
     if !any && !known {
         match (text.count(), column.header.is_empty()) {
             (0, true) => {}
@@ -479,7 +473,6 @@ fn keep(
         let message = format!("{cells} of {} no number, such as '{example}'; taken as missing", column.name);
         report.warn(text.place(), message);
     }
-    let missing = values.iter().filter(|value| value.is_nan()).count();
     if !any {
         report.warn(place, format!("{} has no value at all", column.name));
     } else if missing > 0 {

@@ -5,6 +5,7 @@ use std::io::{BufWriter, Write};
 use std::path::Path;
 
 use super::WriteError;
+use crate::channels;
 use crate::header::{self, Meaning};
 use crate::record::{Channel, Quantity, Record};
 
@@ -61,17 +62,22 @@ fn headers(record: &Record, target: &str) -> Result<Vec<String>, WriteError> {
 /// A header that is read back as this channel: with a suffix, or in brackets where the suffix would not be understood.
 fn header_of(channel: &Channel) -> Option<String> {
     let (name, quantity) = (&channel.name, channel.quantity);
-    let plain = match quantity {
-        Quantity::Number => name.clone(),
+    let with_suffix = |name: &str| match quantity {
+        Quantity::Number => name.to_owned(),
         _ => format!("{name}_{}", quantity.si_suffix()),
     };
     let bracket = format!("{name} [{}]", if quantity == Quantity::Number { "-" } else { quantity.si_unit() });
-    [plain, bracket].into_iter().find(|header| match header::interpret(header, None) {
+    // `v` alone is ambiguous, `v_body` is not.
+    let synonyms = channels::by_name(name).map(|spec| spec.synonyms).unwrap_or_default();
+    let synonyms = synonyms.iter().map(|synonym| with_suffix(synonym));
+    [with_suffix(name), bracket].into_iter().chain(synonyms).find(|header| match header::interpret(header, None) {
         Ok(Meaning::Known { spec, unit }) => {
             spec.name == name && spec.quantity == quantity && (unit.is_some() || quantity == Quantity::Number)
         }
         Ok(Meaning::Unknown { name: read, unit, .. }) => {
-            read == *name && unit.map_or(Quantity::Number, |unit| unit.quantity) == quantity
+            read == *name
+                && channels::by_name(name).is_none()
+                && unit.map_or(Quantity::Number, |unit| unit.quantity) == quantity
         }
         Err(_) => false,
     })

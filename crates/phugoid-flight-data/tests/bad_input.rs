@@ -1,0 +1,545 @@
+//! Every kind of bad file: what is mended is said, what is hopeless is refused with a place and a remedy.
+#![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests, not production code
+
+use std::fmt::Write as _;
+use std::io::Read;
+
+use phugoid_flight_data::csv::{ColumnMapping, CsvOptions, ReadError, read};
+use phugoid_flight_data::record::{Quantity, Record};
+
+fn read_text(text: &str) -> Result<Record, ReadError> {
+    read(text.as_bytes(), "flight.csv", &CsvOptions::default())
+}
+
+fn good(text: &str) -> Record {
+    let record = read_text(text).unwrap_or_else(|error| panic!("{error}\n{text}"));
+    assert!(record.time.windows(2).all(|pair| pair[0] < pair[1]));
+    assert!(record.channels.iter().all(|channel| channel.values.len() == record.time.len()));
+    assert_eq!(record.quality.rows_kept, record.time.len());
+    record
+}
+
+/// The error's text, checked to fit on a screen and to name the source.
+fn refused(text: &str) -> String {
+    let message = read_text(text).map(|record| record.quality.to_string()).unwrap_err().to_string();
+    assert!(message.starts_with("flight.csv"), "{message}");
+    assert!(message.len() < 1200, "{message}");
+    message
+}
+
+fn values(record: &Record, name: &str) -> Vec<f64> {
+    record.require(name).unwrap_or_else(|error| panic!("{error}")).values.clone()
+}
+
+/// The warnings and notes with `place: message`.
+fn findings(record: &Record) -> Vec<String> {
+    record.quality.findings.iter().map(|finding| format!("{}: {}", finding.place, finding.message)).collect()
+}
+
+#[track_caller]
+fn says(record: &Record, parts: &[&str]) {
+    let all = findings(record);
+    assert!(all.iter().any(|finding| parts.iter().all(|part| finding.contains(part))), "{parts:?} not in {all:#?}");
+}
+
+#[track_caller]
+fn silent(record: &Record) {
+    assert_eq!(findings(record), [] as [String; 0]);
+}
+
+#[test]
+fn a_good_file_needs_no_word() {
+    let record = good("time_s,alpha_deg,tas_kt\n0,2,100\n0.1,3,101\n0.2,4,100.5\n");
+    silent(&record);
+    assert_eq!(record.time, [0.0, 0.1, 0.2]);
+    assert!((values(&record, "alpha")[1] - 3_f64.to_radians()).abs() < 1e-15);
+    assert!((values(&record, "true_airspeed")[0] - 51.444_444_444).abs() < 1e-8);
+    assert_eq!(record.quality.rows_read, 3);
+    assert!((record.quality.sample_time_s - 0.1).abs() < 1e-12);
+}
+
+#[test]
+fn empty_files_and_bare_headers() {
+    for text in ["", "\n\n", "\u{feff}", "# only a comment\n", "   \n\t\n"] {
+        assert!(refused(text).contains("the file is empty"), "{text:?}");
+    }
+    for text in ["time_s,alpha_rad\n", "time_s,alpha_rad", "time_s,alpha_rad\ns,rad\n"] {
+        let message = refused(text);
+        assert!(message.contains("no usable row of data below the header in line 1: there is none"), "{message}");
+    }
+    assert!(refused("time_s,alpha_rad\n0,1\n").contains("only one time is left"));
+}
+
+#[test]
+fn a_file_without_a_header_is_refused() {
+    let message = refused("# log\n0.0,1.0,2.0\n0.1,1.0,2.0\n");
+    assert!(message.contains("line 2: a header line"), "{message}");
+    // A commented header counts if it fits.
+    let record = good("# time_s, alpha_rad\n0.0,0.1\n0.1,0.2\n");
+    assert_eq!(values(&record, "alpha"), [0.1, 0.2]);
+    says(&record, &["line 1", "comment above the numbers is taken as the header"]);
+}
+
+#[test]
+fn no_time_is_refused_and_the_nearest_named() {
+    let message = refused("tme_s,alpha_rad\n0,1\n1,2\n");
+    assert!(
+        message.contains("line 1: no column is the time") && message.contains("'tme_s' looks like it"),
+        "{message}"
+    );
+    let message = refused("time (UTC),alpha_rad\n0,1\n1,2\n");
+    assert!(message.contains("'UTC' is no unit of time"), "{message}");
+    let options = CsvOptions { sample_time_s: Some(0.02), ..CsvOptions::default() };
+    let record = read("alpha_rad\n0.1\n0.2\n0.3\n".as_bytes(), "x", &options).unwrap();
+    assert_eq!(record.time, [0.0, 0.02, 0.04]);
+}
+
+#[test]
+fn a_missing_unit_is_taken_as_si_and_said() {
+    let record = good("time,alpha,tas\n0,0.1,100\n1,0.2,100\n");
+    says(&record, &["column 'alpha'", "an angle but no unit is written; taken as rad (SI)", "alpha_rad", "deg"]);
+    says(&record, &["column 'tas'", "taken as m/s (SI)"]);
+    says(&record, &["column 'time'", "taken as s (SI)"]);
+    assert!(record.quality.channels.iter().all(|channel| channel.unit_assumed));
+}
+
+#[test]
+fn degrees_given_as_radians_are_noticed() {
+    let mut text = String::from("time_s,alpha_rad,elevator_rad,theta_rad,q_rad_s\n");
+    for row in 0..100 {
+        let t = 0.1 * f64::from(row);
+        let (theta, q) = (5.0 + 2.0 * t.sin(), (2.0 * t.cos()).to_radians());
+        writeln!(text, "{t},{},{},{theta},{q}", 4.0 + t.sin(), -2.0 + t.cos()).unwrap();
+    }
+    let record = good(&text);
+    says(&record, &["alpha: reaches", "probably degrees taken for radians", "_deg"]);
+    says(&record, &["elevator: reaches", "probably degrees"]);
+    says(&record, &["theta and q", "theta is probably in degrees"]);
+    // The other way round: only the comparison of attitude and rate can tell.
+    let record = good(&text.replace("q_rad_s", "q_deg_s").replace("theta_rad", "theta_deg"));
+    says(&record, &["theta and q", "q is in rad/s and taken for deg/s"]);
+    // And with the right units there is nothing to say about these two.
+    let record = good(&text.replace("theta_rad", "theta_deg"));
+    assert!(!findings(&record).iter().any(|finding| finding.contains("theta and q")));
+}
+
+#[test]
+fn turned_signs_are_noticed() {
+    let mut text = String::from("time_s,theta_rad,q_rad_s,az_m_s2,nz\n");
+    for row in 0..100 {
+        let t = 0.1 * f64::from(row);
+        writeln!(text, "{t},{},{},9.7,-1.01", 0.05 * t.sin(), -0.05 * t.cos()).unwrap();
+    }
+    let record = good(&text);
+    says(&record, &["theta and q", "wrong sign"]);
+    says(&record, &["az: is 9.7 m/s2", "scale -1"]);
+    says(&record, &["nz: is -1.01", "positive up"]);
+}
+
+#[test]
+fn speed_and_pressure_that_contradict_one_another_are_noticed() {
+    let record = good("time_s,tas_m_s,qbar_pa\n0,347.9,4467\n1,347.9,4467\n2,347.8,4467\n");
+    says(&record, &["imply an air density of 0.0738"]);
+}
+
+#[test]
+fn misspelt_headers_get_a_suggestion() {
+    let record = good("time_s,aplha_deg,elevtor_deg\n0,1,2\n1,2,3\n");
+    says(&record, &["column 'aplha_deg'", "if it is alpha, write alpha_rad"]);
+    says(&record, &["column 'elevtor_deg'", "if it is elevator"]);
+    let error = record.require("alpha").unwrap_err().to_string();
+    assert!(error.contains("there is no channel 'alpha' (did you mean 'aplha'?)"), "{error}");
+    assert!(error.contains("'alpha_rad'") && error.contains("elevtor"), "{error}");
+}
+
+#[test]
+fn ambiguous_headers_are_not_guessed() {
+    let record = good("time_s,airspeed_kt,V_m_s\n0,200,1\n1,201,2\n");
+    says(&record, &["'airspeed_kt'", "true_airspeed or calibrated_airspeed or indicated_airspeed", "not guessed"]);
+    says(&record, &["'V_m_s'", "not guessed"]);
+    assert!(record.channel("true_airspeed").is_none() && record.channel("v").is_none());
+    // Beside u and w it is the lateral velocity.
+    let record = good("time_s,u_m_s,v_m_s,w_m_s\n0,200,1,3\n1,201,2,3.5\n");
+    assert_eq!(values(&record, "v"), [1.0, 2.0]);
+}
+
+#[test]
+fn a_unit_of_another_quantity_is_not_used() {
+    let record = good("time_s,alpha_kt,q (vane)\n0,1,1\n1,2,2\n");
+    says(&record, &["'alpha_kt'", "'kt' is a speed", "rad, deg"]);
+    says(&record, &["'q (vane)'", "'vane' is no unit"]);
+    assert!(record.channel("alpha").is_none() && record.channel("q").is_none());
+}
+
+#[test]
+fn two_columns_for_one_channel_are_refused() {
+    let message = refused("time_s,alpha_deg,aoa_rad\n0,1,2\n1,2,3\n");
+    assert!(message.contains("columns 2 ('alpha_deg') and 3 ('aoa_rad') are both alpha"), "{message}");
+    let message = refused("time_s,t_s,alpha_rad\n0,1,2\n1,2,3\n");
+    assert!(message.contains("('time_s') and 2 ('t_s') are both time"), "{message}");
+    // A mapping decides.
+    let options = CsvOptions { columns: vec![ColumnMapping::new("alpha", "aoa_rad")], ..CsvOptions::default() };
+    let record = read("time_s,alpha_deg,aoa_rad\n0,1,2\n1,2,3\n".as_bytes(), "x", &options).unwrap();
+    assert_eq!(values(&record, "alpha"), [2.0, 3.0]);
+    says(&record, &["'alpha_deg'", "left out: the mapping takes alpha"]);
+}
+
+#[test]
+fn foreign_columns_of_one_name_are_kept_apart() {
+    let record = good("time_s,x1,x1\n0,1,2\n1,2,3\n");
+    assert_eq!(values(&record, "x1"), [1.0, 2.0]);
+    assert_eq!(values(&record, "x1_2"), [2.0, 3.0]);
+    says(&record, &["kept as 'x1_2'"]);
+}
+
+#[test]
+fn mappings_give_name_unit_and_sign() {
+    let options = CsvOptions {
+        columns: vec![
+            ColumnMapping::new("time", "CLK").with_unit("ms"),
+            ColumnMapping::new("elevator", "elev_pos_2").with_unit("deg").with_scale(-1.0),
+            ColumnMapping::new("my_probe", "PRB [ft]"),
+            ColumnMapping::new("alpha", "AOA_RAW"),
+        ],
+        ..CsvOptions::default()
+    };
+    let text = "CLK,ELEV_POS_2,PRB [ft],AOA_RAW\n0,2,10,0.1\n20,3,20,0.2\n";
+    let record = read(text.as_bytes(), "x", &options).unwrap();
+    assert_eq!(record.time, [0.0, 0.02]);
+    assert!((values(&record, "elevator")[1] + 3_f64.to_radians()).abs() < 1e-15);
+    let probe = record.channel("my_probe").unwrap();
+    assert_eq!((probe.quantity, probe.values[0]), (Quantity::Length, 3.048));
+    says(&record, &["multiplied by -1"]);
+    says(&record, &["'AOA_RAW'", "no unit is written"]);
+}
+
+#[test]
+fn wrong_mappings_are_refused() {
+    let error = |mapping: ColumnMapping| {
+        let options = CsvOptions { columns: vec![mapping], ..CsvOptions::default() };
+        read("time_s,elev_deg\n0,1\n1,2\n".as_bytes(), "flight.csv", &options).unwrap_err().to_string()
+    };
+    let message = error(ColumnMapping::new("elevator", "elev_dg"));
+    assert!(message.contains("no such column; did you mean 'elev_deg'?"), "{message}");
+    assert!(message.contains("The columns are: time_s, elev_deg"), "{message}");
+    assert!(error(ColumnMapping::new("elevater", "elev_deg")).contains("did you mean 'elevator'?"));
+    assert!(error(ColumnMapping::new("pitch", "elev_deg")).contains("did you mean 'theta'?"));
+    let message = error(ColumnMapping::new("elevator", "elev_deg").with_unit("kt"));
+    assert!(message.contains("unit 'kt' is not understood for an angle; accepted are rad, deg"), "{message}");
+    assert!(error(ColumnMapping::new("elevator", "elev_deg").with_scale(0.0)).contains("scale = 0"));
+    assert!(error(ColumnMapping::new("elevator", "elev_deg").with_scale(f64::NAN)).contains("scale = NaN"));
+}
+
+#[test]
+fn wrong_options_are_refused() {
+    for (options, option) in [
+        (CsvOptions { gap_factor: 0.5, ..CsvOptions::default() }, "gap_factor"),
+        (CsvOptions { gap_factor: f64::NAN, ..CsvOptions::default() }, "gap_factor"),
+        (CsvOptions { sample_time_s: Some(0.0), ..CsvOptions::default() }, "sample_time_s"),
+        (CsvOptions { delimiter: Some('x'), ..CsvOptions::default() }, "delimiter"),
+    ] {
+        let error = read("time_s,a\n0,1\n1,2\n".as_bytes(), "x", &options).unwrap_err();
+        assert!(error.to_string().contains(option), "{error}");
+    }
+}
+
+#[test]
+fn two_units_for_one_column_are_refused() {
+    let message = refused("time_s,alpha_deg\ns,rad\n0,1\n1,2\n");
+    assert!(message.contains("line 1, column 2 ('alpha_deg')"), "{message}");
+    assert!(message.contains("as 'deg' and as 'rad'"), "{message}");
+}
+
+#[test]
+fn a_row_of_units_below_the_header() {
+    for units in ["s,deg,kt,-", "[s],[deg],[kts],[-]", "(s),(deg),(knots),()"] {
+        let record = good(&format!("Time,Alpha,True Airspeed,flag\n{units}\n0,2,100,1\n0.1,3,101,0\n"));
+        silent(&record);
+        assert!((values(&record, "alpha")[0] - 2_f64.to_radians()).abs() < 1e-15);
+        assert!((values(&record, "true_airspeed")[0] - 51.444_444_444).abs() < 1e-8);
+    }
+}
+
+#[test]
+fn missing_values_are_kept_missing_and_counted() {
+    let mut text = String::from("time_s,alpha_rad,beta_rad,gamma_rad\n");
+    for row in 0..100 {
+        let alpha = match row {
+            3 => "".into(),
+            4 => "nan".into(),
+            5 => "-inf".into(),
+            6 => "ERR".into(),
+            _ => format!("{}", 0.1 + 0.001 * f64::from(row)),
+        };
+        let beta = if row % 2 == 0 { "NaN".into() } else { format!("0.{row:03}") };
+        writeln!(text, "{},{alpha},{beta},", f64::from(row) * 0.5).unwrap();
+    }
+    let record = good(&text);
+    let alpha = values(&record, "alpha");
+    assert!(alpha[3..7].iter().all(|value| value.is_nan()));
+    assert_eq!(alpha.iter().filter(|value| value.is_nan()).count(), 4);
+    says(&record, &["line 8: 1 cell of alpha no number, such as 'ERR'"]);
+    says(&record, &["4 in alpha"]);
+    says(&record, &["'beta_rad'", "50 of 100 values of beta missing (50 %)"]);
+    says(&record, &["'gamma_rad'", "flight_path_angle has no value at all"]);
+    let quality: Vec<_> = record.quality.channels.iter().map(|c| (c.name.as_str(), c.missing)).collect();
+    assert_eq!(quality, [("time", 0), ("alpha", 4), ("beta", 50), ("flight_path_angle", 100)]);
+}
+
+#[test]
+fn columns_of_text_are_left_out() {
+    let record = good("time_s,mode,note,alpha_rad\n0,AUTO,,0.1\n1,MAN,,0.2\n");
+    assert!(record.channel("mode").is_none() && record.channel("note").is_none());
+    says(&record, &["'mode'", "holds text such as 'AUTO'"]);
+    says(&record, &["'note'", "it has no values"]);
+}
+
+#[test]
+fn rows_of_the_wrong_length_are_left_out() {
+    let record = good("time_s,a1,b1\n0,1,2\n1,1\n2,1,2\n\n# pause\n3,1,2,3\n4,1,2,,\n5,1,2\n");
+    assert_eq!(record.time, [0.0, 2.0, 4.0, 5.0]);
+    assert_eq!(record.quality.rows_read, 6);
+    says(&record, &["line 3: 1 row left out: fewer than the header's 3 cells"]);
+    says(&record, &["line 7: 1 row left out: more than"]);
+    says(&record, &["line 8: blank cells beyond"]);
+}
+
+#[test]
+fn when_no_row_fits_the_reason_is_given() {
+    let message = refused("time_s,a1\n0,1,0,5\n0,2,0,7\n");
+    assert!(
+        message.contains("2 rows with more than 2 cells (lines 2, 3; are there commas in the numbers?"),
+        "{message}"
+    );
+    let message = refused("time_s,a1\nx,1\ny,2\n");
+    assert!(message.contains("2 rows without a time (lines 2, 3)"), "{message}");
+}
+
+#[test]
+fn a_file_cut_in_the_middle_of_a_row() {
+    let record = good("time_s,a1,b1\n0,1,2\n1,1,2\n2,1");
+    assert_eq!(record.time, [0.0, 1.0]);
+    says(&record, &["line 4: the file ends in the middle of this row"]);
+    // With all cells there it may still be cut in the last number.
+    let record = good("time_s,a1,b1\n0,1,2\n1,1,2\n2,1,2");
+    assert_eq!(record.time.len(), 3);
+    says(&record, &["line 4: the last row has no line end"]);
+    let message = refused("time_s,a1,b1\n0,1");
+    assert!(message.contains("the only row, line 2, is cut off"), "{message}");
+}
+
+#[test]
+fn time_that_is_missing_or_goes_back() {
+    let record = good("time_s,a1\n0,1\n1,2\n,3\nnan,4\nx,5\n2,6\n1.5,7\n3,8\n");
+    assert_eq!(record.time, [0.0, 1.0, 2.0, 3.0]);
+    says(&record, &["lines 4, 5, 6: 3 rows left out: no time"]);
+    says(&record, &["line 8: 1 row left out: the time jumps back"]);
+}
+
+#[test]
+fn rows_of_equal_time_are_merged() {
+    let record = good("time_s,a1,b1\n0,1,\n0,,5\n1,2,6\n1,3,6\n2,4,7\n");
+    assert_eq!(record.time, [0.0, 1.0, 2.0]);
+    assert_eq!(values(&record, "a1"), [1.0, 2.0, 4.0]);
+    assert_eq!(values(&record, "b1"), [5.0, 6.0, 7.0]);
+    says(&record, &["lines 3, 5: 2 rows with the time of the row before merged", "1 value missing there taken"]);
+    says(&record, &["1 value differ and the first is kept"]);
+}
+
+#[test]
+fn a_time_with_too_few_digits_is_said() {
+    let mut text = String::from("time_s,a1\n");
+    for row in 0..100 {
+        writeln!(text, "{:.1},{row}", 0.01 * f64::from(row)).unwrap();
+    }
+    says(&good(&text), &["written with too few digits"]);
+}
+
+#[test]
+fn a_clock_that_starts_again_does_not_join_two_records() {
+    let mut text = String::from("time_s,a1\n");
+    for (part, rows) in [(0, 30), (1, 20)] {
+        for row in 0..rows {
+            writeln!(text, "{},{part}", row).unwrap();
+        }
+    }
+    let record = good(&text);
+    assert_eq!(record.time.len(), 30);
+    assert!(values(&record, "a1").iter().all(|&part| part == 0.0));
+    says(&record, &["line 32: the time falls from 29 s to 0 s", "started again"]);
+    says(&record, &["lines 2 to 31: this longest of 2 parts is used, 20 rows outside it are left out"]);
+}
+
+#[test]
+fn a_column_that_falls_is_no_time() {
+    let mut text = String::from("t_s,a1\n");
+    (0..9).for_each(|row| writeln!(text, "{},1", 100 - row).unwrap());
+    let message = refused(&text);
+    assert!(message.contains("column 't_s' does not work as the time: it rises in only 1 of 9 rows"), "{message}");
+}
+
+#[test]
+fn gaps_and_jitter_are_said() {
+    let mut text = String::from("time_s,a1\n");
+    let mut time = 0.0;
+    for row in 0..200 {
+        time += match row {
+            50 => 1.5,
+            100 => 0.04,
+            r if r % 10 == 0 => 0.023,
+            _ => 0.02,
+        };
+        writeln!(text, "{time:.3},{row}").unwrap();
+    }
+    let record = good(&text);
+    assert!((record.quality.sample_time_s - 0.02).abs() < 1e-9);
+    says(&record, &["gap of 1.5 s (75 sample times); nothing is filled in"]);
+    says(&record, &["1 step longer than 1.5 sample times"]);
+    says(&record, &["irregular: steps from 0.02 s to 0.023 s"]);
+}
+
+#[test]
+fn many_gaps_are_summed_up() {
+    let mut text = String::from("time_s,a1\n");
+    for row in 0..200 {
+        writeln!(text, "{},{row}", 0.1 * f64::from(row) + f64::from(row / 10)).unwrap();
+    }
+    let record = good(&text);
+    assert_eq!(record.quality.findings.iter().filter(|f| f.message.starts_with("gap of")).count(), 10);
+    says(&record, &["19 gaps in all"]);
+}
+
+#[test]
+fn stuck_channels_and_spikes_are_said_and_kept() {
+    let mut text = String::from("time_s,alpha_rad,beta_rad,q_rad_s\n");
+    for row in 0..300 {
+        let t = 0.02 * f64::from(row);
+        let alpha = if row == 150 { 1.2 } else { 0.05 + 0.02 * (3.0 * t).sin() };
+        let q = 0.1 * (3.0 * t.min(2.0).max(t - 2.0)).cos();
+        writeln!(text, "{t},{alpha},0.01,{q}").unwrap();
+    }
+    let record = good(&text);
+    assert_eq!(values(&record, "alpha")[150], 1.2);
+    says(&record, &["alpha: 1 single value far outside the neighbouring values, the first at 3 s"]);
+    says(&record, &["beta: is 0.01 rad throughout"]);
+    says(&record, &["2 s to 4 s: q did not move in these 101 rows"]);
+    assert_eq!(record.quality.channels.iter().find(|c| c.name == "alpha").unwrap().spikes, 1);
+}
+
+#[test]
+fn times_in_other_units_and_clocks() {
+    for (header, cells) in [
+        ("time_ms", ["1000", "1020", "1040"]),
+        ("TimeUS", ["1000000", "1020000", "1040000"]),
+        ("Time [min]", ["0.0166666666666666667", "0.017", "0.0173333333333333333"]),
+        ("time", ["00:00:01", "00:00:01.02", "0:00:01.04"]),
+        ("timestamp", ["1970-01-01T00:00:01Z", "1970-01-01T00:00:01.02Z", "1970-01-01 00:00:01.04"]),
+    ] {
+        let record = good(&format!("{header},a1\n{},1\n{},2\n{},3\n", cells[0], cells[1], cells[2]));
+        for (time, expected) in record.time.iter().zip([1.0, 1.02, 1.04]) {
+            assert!((time - expected).abs() < 1e-9, "{header}: {time}");
+        }
+        assert!(!findings(&record).iter().any(|finding| finding.contains("no unit is written")), "{header}");
+    }
+    let record = good("time,a1\n23:59:59,1\n00:00:00,2\n00:00:01,3\n");
+    assert_eq!(record.time, [86399.0, 86400.0, 86401.0]);
+    says(&record, &["passes midnight"]);
+}
+
+#[test]
+fn layouts_of_other_tools() {
+    let expected = good("time_s,alpha_deg\n0.5,1.5\n1.0,2.5\n2.0,3.5\n");
+    for text in [
+        "\u{feff}time_s,alpha_deg\r\n0.5,1.5\r\n1.0,2.5\r\n2.0,3.5\r\n",
+        "time_s;alpha_deg\n0,5;1,5\n1,0;2,5\n2,0;3,5\n",
+        "sep=;\ntime_s;alpha_deg\n0,5;1,5\n1,0;2,5\n2,0;3,5\n",
+        "time_s\talpha_deg\n0.5\t1.5\n1.0\t2.5\n2.0\t3.5\n",
+        "time_s|alpha_deg\n0.5|1.5\n1.0|2.5\n2.0|3.5\n",
+        "  time_s   alpha_deg\n  0.5  1.5\n  1.0  2.5\n 2.0  3.5\n",
+        "\"time_s\",\"Alpha, deg\"\n\"0.5\",\"1.5\"\n1.0,2.5\n2.0,3.5\n",
+        "\"time_s\",\"alpha_deg\"\n\"0,5\",\"1,5\"\n\"1,0\",\"2,5\"\n\"2,0\",\"3,5\"\n",
+        "# made by hand\n\ntime_s,alpha_deg\n# units: s, deg\n0.5,1.5\n\n1.0,2.5\n2.0,3.5\n",
+        "time_s,alpha_deg\r0.5,1.5\r1.0,2.5\r2.0,3.5\r",
+        "time_s,alpha_deg,\n0.5,1.5,\n1.0,2.5,\n2.0,3.5,\n",
+        "alpha_deg , time_s\n1.5 , 0.5\n2.5 , 1.0\n3.5 , 2.0\n",
+        "time_s,alpha_deg\n5.0E-01,1.5D0\n+1.0,2.5\n2.,3.5\n",
+    ] {
+        let record = good(text);
+        assert_eq!((&record.time, &record.channels), (&expected.time, &expected.channels), "{text}");
+    }
+    let latin1 = [&b"time_s,alpha [\xB0]\n0.5,1.5\n1.0,2.5\n2.0,3.5\n"[..]].concat();
+    let record = read(latin1.as_slice(), "x", &CsvOptions::default()).unwrap();
+    assert_eq!(record.channels, expected.channels);
+}
+
+#[test]
+fn line_numbers_are_those_of_an_editor() {
+    let record = good("# one\r\n\r\ntime_s,a1\r\n# four\r\n0,1\r\n1\r\n\r\n2,2\r\n");
+    says(&record, &["line 6: 1 row left out"]);
+}
+
+#[test]
+fn an_unclosed_quote_costs_one_row() {
+    let record = good("time_s,a1,b1\n0,1,2\n1,\"1,2\n2,1,2\n3,1,2\n");
+    assert_eq!(record.time, [0.0, 2.0, 3.0]);
+    says(&record, &["line 3: 1 row left out: fewer"]);
+}
+
+#[test]
+fn other_file_types_are_named() {
+    for (bytes, name) in [
+        (&b"ULog\x01\x12\x35\x01"[..], "PX4 ULog"),
+        (&b"\xA3\x95\x80\x80"[..], "ArduPilot DataFlash"),
+        (&b"\xFF\xFEt\0i\0"[..], "UTF-16"),
+        (&b"PK\x03\x04"[..], "zip"),
+        (&b"abc,d\0ef\n"[..], "binary"),
+    ] {
+        let error = read(bytes, "flight.csv", &CsvOptions::default()).unwrap_err().to_string();
+        assert!(error.contains(name), "{error}");
+    }
+}
+
+#[test]
+fn memory_is_bounded() {
+    let options = CsvOptions { max_values: 40, ..CsvOptions::default() };
+    let mut text = String::from("time_s,a1,b1\n");
+    (0..11).for_each(|row| writeln!(text, "{row},1,2").unwrap());
+    let error = read(text.as_bytes(), "flight.csv", &options).unwrap_err().to_string();
+    assert!(error.contains("line 12: the file holds more than 40 values"), "{error}");
+    // A file without line ends is not swallowed whole: this source would never end.
+    let endless = std::io::repeat(b'x');
+    let error = read(endless, "flight.csv", &CsvOptions::default()).unwrap_err().to_string();
+    assert!(error.contains("longer than 1048576 bytes"), "{error}");
+    // Nor do endless comments or bad rows pile up; they end with the source.
+    let comments = std::io::repeat(b'\n').take(1 << 22);
+    assert!(matches!(read(comments, "x", &CsvOptions::default()), Err(ReadError::Empty { .. })));
+}
+
+#[test]
+fn a_file_that_cannot_be_opened() {
+    let missing = std::path::Path::new("no/such/flight.csv");
+    let error = phugoid_flight_data::csv::read_path(missing, &CsvOptions::default()).unwrap_err().to_string();
+    assert!(error.starts_with("no/such/flight.csv: cannot be read: "), "{error}");
+}
+
+/// A reader that fails half way.
+struct Broken(usize);
+
+impl Read for Broken {
+    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
+        if self.0 == 0 {
+            return Err(std::io::Error::other("the disk is gone"));
+        }
+        self.0 -= 1;
+        let line = b"time_s,a1\n";
+        let n = line.len().min(buffer.len());
+        buffer[..n].copy_from_slice(&line[..n]);
+        Ok(n)
+    }
+}
+
+#[test]
+fn a_reader_that_fails_is_an_error() {
+    let error = read(Broken(1), "flight.csv", &CsvOptions::default()).unwrap_err().to_string();
+    assert!(error.contains("the disk is gone"), "{error}");
+}
