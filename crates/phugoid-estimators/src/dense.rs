@@ -1,45 +1,44 @@
 //! Small dense Cholesky factorisation for run-time sizes.
 
-/// Lower Cholesky factor of a symmetric positive definite matrix of size `len`.
-#[derive(Clone, Copy)]
-pub(crate) struct Cholesky<const P: usize> {
+use crate::kernels::{add_scaled, dot};
+
+/// Lower Cholesky factor, in place of a symmetric positive definite matrix of size `len`. In place because clearing or
+/// copying a matrix of the whole capacity costs more than factoring the part in use.
+pub(crate) struct Cholesky<'a, const P: usize> {
     len: usize,
-    lower: [[f64; P]; P],
+    lower: &'a [[f64; P]; P],
     inverse_diagonal: [f64; P],
     log_determinant: f64,
 }
 
-impl<const P: usize> Cholesky<P> {
+impl<'a, const P: usize> Cholesky<'a, P> {
     /// Factors the lower triangle of `a`. `None` if it is not positive definite and finite.
-    pub(crate) fn new(a: &[[f64; P]; P], len: usize) -> Option<Self> {
+    pub(crate) fn new(a: &'a mut [[f64; P]; P], len: usize) -> Option<Self> {
         let n = len.min(P);
-        let mut out = Self { len: n, lower: [[0.0; P]; P], inverse_diagonal: [0.0; P], log_determinant: 0.0 };
+        let mut inverse_diagonal = [0.0; P];
+        let mut log_determinant = 0.0;
         // Pivots are multiplied in fours before the logarithm: 1e75 each would be needed to overflow.
         let mut product = 1.0;
         for i in 0..n {
-            let mut row = a[i];
+            let (above, below) = a.split_at_mut(i);
+            let row = &mut below[0];
             for j in 0..i {
-                let mut sum = row[j];
-                for (x, y) in row[..j].iter().zip(&out.lower[j][..j]) {
-                    sum -= x * y;
-                }
-                row[j] = sum * out.inverse_diagonal[j];
+                row[j] = (row[j] - dot(&row[..j], &above[j][..j])) * inverse_diagonal[j];
             }
-            let pivot = row[i] - row[..i].iter().map(|x| x * x).sum::<f64>();
+            let pivot = row[i] - dot(&row[..i], &row[..i]);
             if !(pivot > 0.0 && pivot.is_finite()) {
                 return None;
             }
             let root = libm::sqrt(pivot);
             row[i] = root;
-            out.inverse_diagonal[i] = 1.0 / root;
-            out.lower[i] = row;
+            inverse_diagonal[i] = 1.0 / root;
             product *= pivot;
             if i % 4 == 3 || i + 1 == n {
-                out.log_determinant += libm::log(product);
+                log_determinant += libm::log(product);
                 product = 1.0;
             }
         }
-        Some(out)
+        Some(Self { len: n, lower: a, inverse_diagonal, log_determinant })
     }
 
     pub(crate) fn log_determinant(&self) -> f64 {
@@ -49,11 +48,7 @@ impl<const P: usize> Cholesky<P> {
     /// `L^-1 b` over `b`.
     pub(crate) fn solve_lower(&self, b: &mut [f64; P]) {
         for i in 0..self.len {
-            let mut sum = b[i];
-            for (l, x) in self.lower[i][..i].iter().zip(&b[..i]) {
-                sum -= l * x;
-            }
-            b[i] = sum * self.inverse_diagonal[i];
+            b[i] = (b[i] - dot(&self.lower[i][..i], &b[..i])) * self.inverse_diagonal[i];
         }
     }
 
@@ -63,9 +58,7 @@ impl<const P: usize> Cholesky<P> {
         for i in (0..self.len).rev() {
             let x = b[i] * self.inverse_diagonal[i];
             b[i] = x;
-            for (y, l) in b[..i].iter_mut().zip(&self.lower[i][..i]) {
-                *y -= l * x;
-            }
+            add_scaled(&mut b[..i], -x, &self.lower[i][..i]);
         }
     }
 
@@ -78,8 +71,7 @@ impl<const P: usize> Cholesky<P> {
             column[j] = self.inverse_diagonal[j];
             trace += column[j] * column[j];
             for i in j + 1..self.len {
-                let sum: f64 = self.lower[i][j..i].iter().zip(&column[j..i]).map(|(l, x)| l * x).sum();
-                column[i] = -sum * self.inverse_diagonal[i];
+                column[i] = -dot(&self.lower[i][j..i], &column[j..i]) * self.inverse_diagonal[i];
                 trace += column[i] * column[i];
             }
         }
@@ -94,7 +86,8 @@ mod tests {
     #[test]
     fn solves_and_measures_a_known_matrix() {
         let a = [[4.0, 2.0, 0.6], [2.0, 5.0, 1.0], [0.6, 1.0, 3.0]];
-        let chol = Cholesky::new(&a, 3).expect("positive definite");
+        let mut factored = a;
+        let chol = Cholesky::new(&mut factored, 3).expect("positive definite");
         let mut x = [1.0, -2.0, 0.5];
         chol.solve(&mut x);
         for i in 0..3 {
@@ -109,7 +102,7 @@ mod tests {
 
     #[test]
     fn refuses_an_indefinite_matrix() {
-        assert!(Cholesky::new(&[[1.0, 2.0], [2.0, 1.0]], 2).is_none());
-        assert!(Cholesky::new(&[[f64::NAN, 0.0], [0.0, 1.0]], 2).is_none());
+        assert!(Cholesky::new(&mut [[1.0, 2.0], [2.0, 1.0]], 2).is_none());
+        assert!(Cholesky::new(&mut [[f64::NAN, 0.0], [0.0, 1.0]], 2).is_none());
     }
 }

@@ -112,42 +112,32 @@ where
         let last = stage == 3;
         let mut next_by_state = [[0.0; N]; N];
         let mut next_by_parameter = [[0.0; P]; N];
+        let ahead = next * h;
         for i in 0..N {
             let jacobian = &lin.state_jacobian[i];
             slope[i] += weight * lin.rates[i];
 
-            let mut row = [0.0; N];
-            for k in 0..N {
-                for j in 0..N {
-                    row[j] += jacobian[k] * by_state[k][j];
-                }
-            }
             for j in 0..N {
-                slope_by_state[i][j] += weight * row[j];
-                next_by_state[i][j] = next * h * row[j];
-            }
-
-            let mut row = [0.0; P];
-            row[..own].copy_from_slice(&lin.regressors[i][..own]);
-            for k in 0..N {
-                let factor = jacobian[k];
-                for (r, s) in row[..p].iter_mut().zip(&by_parameter[k][..p]) {
-                    *r += factor * s;
+                let mut row = 0.0;
+                for k in 0..N {
+                    row += jacobian[k] * by_state[k][j];
                 }
+                slope_by_state[i][j] += weight * row;
+                next_by_state[i][j] = ahead * row;
             }
-            for (s, r) in slope_by_parameter[i][..p].iter_mut().zip(&row[..p]) {
-                *s += weight * r;
-            }
-            if !last {
-                let own_seed = &sensitivity[i][..p];
-                for ((n, r), s) in next_by_parameter[i][..p].iter_mut().zip(&row[..p]).zip(own_seed) {
-                    *n = s + next * h * r;
+            // One pass over the columns: slope, its weighted sum, and the next stage point.
+            for j in 0..p {
+                let mut row = if j < own { lin.regressors[i][j] } else { 0.0 };
+                for k in 0..N {
+                    row += jacobian[k] * by_parameter[k][j];
                 }
+                slope_by_parameter[i][j] += weight * row;
+                next_by_parameter[i][j] = sensitivity[i][j] + ahead * row;
             }
         }
         if !last {
             for i in 0..N {
-                point[i] = x[i] + next * h * lin.rates[i];
+                point[i] = x[i] + ahead * lin.rates[i];
                 next_by_state[i][i] += 1.0;
             }
             by_state = next_by_state;

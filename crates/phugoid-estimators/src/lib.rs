@@ -20,6 +20,7 @@
 mod dense;
 pub mod discretization;
 mod estimate;
+mod kernels;
 mod model;
 pub mod noise;
 pub mod smpe;

@@ -4,6 +4,8 @@
 //! Estimation*, Academic Press 1977 (chapters III and V); time update by modified weighted Gram-Schmidt after
 //! C. L. Thornton, *Triangular Covariance Factorizations for Kalman Filtering*, JPL TM 33-798, 1976.
 
+use crate::kernels::{add_scaled, dot, rotate};
+
 /// `C = U diag(D) U^T` with `U` unit upper triangular, of run-time size `len <= CAPACITY`.
 ///
 /// A variance may be zero (a parameter known exactly); none can become negative.
@@ -57,10 +59,7 @@ impl<const CAPACITY: usize> Ud<CAPACITY> {
         let mut g = [0.0; CAPACITY];
         let mut variance = r;
         for j in 0..n {
-            let mut sum = a[j];
-            for (u, ai) in self.columns[j][..j].iter().zip(&a[..j]) {
-                sum += u * ai;
-            }
+            let sum = a[j] + dot(&self.columns[j][..j], &a[..j]);
             f[j] = sum;
             g[j] = self.diagonal[j] * sum;
             variance += sum * g[j];
@@ -75,9 +74,7 @@ impl<const CAPACITY: usize> Ud<CAPACITY> {
         let mut b = [0.0; CAPACITY];
         for j in 0..n {
             let g = projection.g[j];
-            for (bi, u) in b[..j].iter_mut().zip(&self.columns[j][..j]) {
-                *bi += u * g;
-            }
+            add_scaled(&mut b[..j], g, &self.columns[j][..j]);
             b[j] = g;
         }
         b
@@ -100,13 +97,8 @@ impl<const CAPACITY: usize> Ud<CAPACITY> {
             inverse = 1.0 / alpha;
             self.diagonal[j] *= beta * inverse;
             let lambda = -f[j] * inverse_beta;
-            let gj = g[j];
-            for (u, bi) in self.columns[j][..j].iter_mut().zip(&mut b[..j]) {
-                let before = *u;
-                *u = before + *bi * lambda;
-                *bi += gj * before;
-            }
-            b[j] = gj;
+            rotate(&mut self.columns[j][..j], &mut b[..j], lambda, g[j]);
+            b[j] = g[j];
         }
         b
     }
@@ -145,11 +137,7 @@ impl<const CAPACITY: usize> Ud<CAPACITY> {
         let mut right = [[0.0; CAPACITY]; CAPACITY];
         for i in 0..n {
             for j in 0..n {
-                let mut sum = a[i][j];
-                for (u, aik) in self.columns[j][..j].iter().zip(&a[i][..j]) {
-                    sum += aik * u;
-                }
-                left[i][j] = sum;
+                left[i][j] = a[i][j] + dot(&self.columns[j][..j], &a[i][..j]);
             }
             right[i][i] = 1.0;
         }
@@ -188,20 +176,14 @@ impl<const CAPACITY: usize> Ud<CAPACITY> {
         // U z = y, from the bottom.
         for j in (0..n).rev() {
             let yj = y[j];
-            for (yi, u) in y[..j].iter_mut().zip(&self.columns[j][..j]) {
-                *yi -= u * yj;
-            }
+            add_scaled(&mut y[..j], -yj, &self.columns[j][..j]);
         }
         for j in 0..n {
             y[j] = if self.diagonal[j] > 0.0 { y[j] / self.diagonal[j] } else { 0.0 };
         }
         // U^T w = z, from the top.
         for j in 0..n {
-            let mut sum = y[j];
-            for (u, yi) in self.columns[j][..j].iter().zip(&y[..j]) {
-                sum -= u * yi;
-            }
-            y[j] = sum;
+            y[j] -= dot(&self.columns[j][..j], &y[..j]);
         }
     }
 
@@ -229,9 +211,7 @@ impl<const CAPACITY: usize> Ud<CAPACITY> {
             let d = self.diagonal[j];
             for i in 0..j {
                 let ud = self.columns[j][i] * d;
-                for (o, u) in out[i][..j].iter_mut().zip(&self.columns[j][..j]) {
-                    *o += ud * u;
-                }
+                add_scaled(&mut out[i][..j], ud, &self.columns[j][..j]);
                 out[i][j] = ud;
                 out[j][i] = ud;
             }
@@ -239,13 +219,39 @@ impl<const CAPACITY: usize> Ud<CAPACITY> {
         }
     }
 
+    /// Column `j` of `C`; zero beyond the size.
+    #[inline]
+    pub fn column(&self, j: usize) -> [f64; CAPACITY] {
+        let n = self.len.min(CAPACITY);
+        let mut out = [0.0; CAPACITY];
+        if j >= n {
+            return out;
+        }
+        out[j] = self.diagonal[j];
+        add_scaled(&mut out[..j], self.diagonal[j], &self.columns[j][..j]);
+        for k in j + 1..n {
+            // D_k U_jk times column k of U, whose entry k is one.
+            let weight = self.diagonal[k] * self.columns[k][j];
+            add_scaled(&mut out[..k], weight, &self.columns[k][..k]);
+            out[k] += weight;
+        }
+        out
+    }
+
     /// True if every factor is finite and no variance is negative.
+    #[inline]
     pub fn is_sound(&self) -> bool {
         let n = self.len.min(CAPACITY);
-        (0..n).all(|j| {
-            self.diagonal[j] >= 0.0
-                && self.diagonal[j].is_finite()
-                && self.columns[j][..j].iter().all(|u| u.is_finite())
-        })
+        // Zero times a factor is zero only if the factor is finite.
+        let mut check = 0.0;
+        let mut least = 0.0_f64;
+        for j in 0..n {
+            check += 0.0 * self.diagonal[j];
+            least = least.min(self.diagonal[j]);
+            for u in &self.columns[j][..j] {
+                check += 0.0 * u;
+            }
+        }
+        check == 0.0 && least >= 0.0
     }
 }

@@ -146,7 +146,7 @@ pub(crate) fn maturity<const P: usize>(
         a[i][i] += wander_squared * change[row] * change[row];
         left[i] = difference[row];
     }
-    let Some(cholesky) = Cholesky::new(&a, tested.len()) else { return 0.0 };
+    let Some(cholesky) = Cholesky::new(&mut a, tested.len()) else { return 0.0 };
     cholesky.solve_lower(&mut left);
     left[..tested.len()].iter().map(|x| x * x).sum()
 }

@@ -17,6 +17,7 @@ use super::columns::Columns;
 use super::settings::ChangeDetection;
 use super::slot::ScoredRow;
 use crate::dense::Cholesky;
+use crate::kernels::{add_scaled, dot};
 
 const BLOCKS: usize = 20;
 /// Window lengths tested, in blocks: the time of the change is unknown.
@@ -33,6 +34,24 @@ struct Block<const P: usize> {
 
 impl<const P: usize> Block<P> {
     const EMPTY: Self = Self { g: [0.0; P], m: [[0.0; P]; P] };
+
+    /// Zero where `n` columns are in use.
+    fn clear(&mut self, n: usize) {
+        self.g[..n].fill(0.0);
+        for row in &mut self.m[..n] {
+            row[..n].fill(0.0);
+        }
+    }
+}
+
+/// What calibration needs of the longest window.
+struct Moments {
+    /// `q`.
+    score: f64,
+    /// `m`, its mean under no change.
+    expected: f64,
+    /// `sh = p' - tr A2^-1`.
+    wander: f64,
 }
 
 #[derive(Clone, Copy)]
@@ -52,13 +71,9 @@ pub(crate) struct ChangeDetector<const P: usize> {
     leverage: f64,
     informative: f64,
     bayes_factor: f64,
-}
-
-/// Sums over a window in columns scaled by the change prior, and what follows from them.
-struct Window<const P: usize> {
-    score: f64,
-    jump: Cholesky<P>,
-    wander: Cholesky<P>,
+    /// Working storage of the test.
+    sum: Block<P>,
+    work: [[[f64; P]; P]; 2],
 }
 
 impl<const P: usize> ChangeDetector<P> {
@@ -92,6 +107,8 @@ impl<const P: usize> ChangeDetector<P> {
             leverage: 1.0,
             informative: 0.0,
             bayes_factor: 0.0,
+            sum: Block::EMPTY,
+            work: [[[0.0; P]; P]; 2],
         }
     }
 
@@ -118,9 +135,7 @@ impl<const P: usize> ChangeDetector<P> {
         for i in 0..n {
             let ai = a[i];
             block.g[i] += ai * x;
-            for (m, aj) in block.m[i][..=i].iter_mut().zip(&a[..=i]) {
-                *m += ai * aj;
-            }
+            add_scaled(&mut block.m[i][..=i], ai, &a[..=i]);
         }
     }
 
@@ -135,93 +150,95 @@ impl<const P: usize> ChangeDetector<P> {
         self.filled = (self.filled + 1).min(BLOCKS);
         self.since_calibration += 1;
 
-        let (best, full) = self.test(change_over_prior);
+        let calibration_is_due = self.since_calibration >= BLOCKS && self.filled == BLOCKS;
+        let (best, moments) = self.test(change_over_prior, calibration_is_due);
         self.bayes_factor = best;
-        if self.since_calibration >= BLOCKS {
-            if let Some(window) = full {
-                self.since_calibration = 0;
-                if self.informative < LEARNT || best < 0.7 * self.settings.trigger {
-                    self.calibrate(&window);
-                }
+        if let Some(moments) = moments {
+            self.since_calibration = 0;
+            if self.informative < LEARNT || best < 0.7 * self.settings.trigger {
+                self.calibrate(&moments);
             }
         }
 
         self.running = (self.running + 1) % BLOCKS;
-        self.blocks[self.running] = Block::EMPTY;
+        self.blocks[self.running].clear(self.count.min(P));
         Some(best)
     }
 
-    /// Largest log Bayes factor over the windows, and the longest window if it is there. The running block is the
-    /// newest complete one.
-    fn test(&self, change_over_prior: &[f64; P]) -> (f64, Option<Window<P>>) {
+    /// Largest log Bayes factor over the windows, and the moments of the longest one if they are wanted. The running
+    /// block is the newest complete one.
+    fn test(&mut self, change_over_prior: &[f64; P], with_moments: bool) -> (f64, Option<Moments>) {
         let n = self.count.min(P);
         let mut scale = [0.0; P];
         for (s, column) in scale[..n].iter_mut().zip(&self.tested[..n]) {
             *s = change_over_prior[*column];
         }
-        let mut sum = Block::<P>::EMPTY;
+        self.sum.clear(n);
         let mut taken = 0;
         let mut best = f64::NEG_INFINITY;
-        let mut full = None;
+        let mut moments = None;
         for length in SUFFIXES {
             if length > self.filled {
                 break;
             }
             while taken < length {
                 let block = &self.blocks[(self.running + BLOCKS - taken) % BLOCKS];
+                add_scaled(&mut self.sum.g[..n], 1.0, &block.g[..n]);
                 for i in 0..n {
-                    sum.g[i] += block.g[i];
-                    for (s, m) in sum.m[i][..=i].iter_mut().zip(&block.m[i][..=i]) {
-                        *s += m;
-                    }
+                    add_scaled(&mut self.sum.m[i][..=i], 1.0, &block.m[i][..=i]);
                 }
                 taken += 1;
             }
-            if let Some((factor, window)) = self.window(&sum, &scale) {
+            if let Some((factor, window)) = self.window(&scale, with_moments && length == BLOCKS) {
                 best = best.max(factor);
-                full = if length == BLOCKS { Some(window) } else { None };
+                moments = window;
             }
         }
-        (if best.is_finite() { best } else { 0.0 }, full)
+        (if best.is_finite() { best } else { 0.0 }, moments)
     }
 
-    fn window(&self, sum: &Block<P>, scale: &[f64; P]) -> Option<(f64, Window<P>)> {
+    /// Log Bayes factor of the summed window.
+    fn window(&mut self, scale: &[f64; P], with_moments: bool) -> Option<(f64, Option<Moments>)> {
         let n = self.count.min(P);
         let w2 = self.wander_squared;
         let inverse_leverage = 1.0 / self.leverage;
-        let mut a1 = [[0.0; P]; P];
-        let mut a2 = [[0.0; P]; P];
+        let [a1, a2] = &mut self.work;
         let mut left = [0.0; P];
         for i in 0..n {
-            left[i] = sum.g[i] * scale[i] * inverse_leverage;
+            let scale_i = scale[i] * inverse_leverage;
+            left[i] = self.sum.g[i] * scale_i;
             for j in 0..=i {
-                let m = sum.m[i][j] * scale[i] * scale[j] * inverse_leverage;
+                let m = self.sum.m[i][j] * scale_i * scale[j];
                 a1[i][j] = m;
                 a2[i][j] = w2 * m;
             }
             a1[i][i] += 1.0;
             a2[i][i] += 1.0;
         }
-        let jump = Cholesky::new(&a1, n)?;
-        let wander = Cholesky::new(&a2, n)?;
+        let jump = Cholesky::new(a1, n)?;
+        let wander = Cholesky::new(a2, n)?;
         let mut right = left;
         jump.solve(&mut left);
         wander.solve(&mut right);
         // A1 and A2 commute, so g^T A1^-1 A2^-1 g is this product.
-        let score: f64 = left[..n].iter().zip(&right[..n]).map(|(a, b)| a * b).sum();
+        let score = dot(&left[..n], &right[..n]);
         let factor = 0.5 * ((1.0 - w2) * score - jump.log_determinant() + wander.log_determinant());
-        Some((factor, Window { score, jump, wander }))
+        let moments = with_moments.then(|| Moments {
+            score,
+            expected: n as f64 - jump.inverse_trace(),
+            wander: n as f64 - wander.inverse_trace(),
+        });
+        Some((factor, moments))
     }
 
     /// Learns the wander and the leverage: under no change `E[q] = m = p' - tr A1^-1`, of which `sh` grows with `w`.
-    fn calibrate(&mut self, window: &Window<P>) {
-        let p = self.count as f64;
-        let m = p - window.jump.inverse_trace();
+    fn calibrate(&mut self, moments: &Moments) {
+        let m = moments.expected;
         if m <= 0.3 {
             return;
         }
-        let share = ((p - window.wander.inverse_trace()) / m).clamp(0.0, 1.0);
-        let excess = (window.score / m).min(4.0) - 1.0;
+        let share = (moments.wander / m).clamp(0.0, 1.0);
+        let excess = (moments.score / m).min(4.0) - 1.0;
         let early = self.informative < LEARNT;
         let gain = match (excess > 0.0, early) {
             (true, true) => 1.0,
@@ -236,7 +253,7 @@ impl<const P: usize> ChangeDetector<P> {
 
     /// Forgets the window, not what was learnt about the model.
     pub(crate) fn clear(&mut self) {
-        self.blocks[self.running] = Block::EMPTY;
+        self.blocks[self.running].clear(self.count.min(P));
         self.filled = 0;
         self.frames = 0;
         self.since_calibration = 0;

@@ -4,6 +4,7 @@
 //! sum `S` of the outer products of the block scores `g_b = sum psi^T xi` shows how much the score really scatters, and
 //! `C S C` is the covariance that follows (the "sandwich"). It is reported where it is larger.
 
+use crate::kernels::{add_scaled, dot};
 use crate::ud::Ud;
 
 #[derive(Clone, Copy, Debug)]
@@ -12,49 +13,62 @@ pub(crate) struct Colour<const P: usize> {
     block: [f64; P],
     /// `S`, full and symmetric.
     scatter: [[f64; P]; P],
+    /// `(C S C)_jj / C_jj`, at least one.
+    inflation: [f64; P],
+    /// Next column whose inflation is renewed.
+    next: usize,
 }
+
+/// Between the ends of blocks all inflations are renewed once in this many samples. `S` is constant then and `C` only
+/// shrinks, so an old inflation is too large, never too small.
+const SAMPLES_PER_ROUND: usize = 4;
 
 impl<const P: usize> Colour<P> {
     pub(crate) const fn new() -> Self {
-        Self { block: [0.0; P], scatter: [[0.0; P]; P] }
+        Self { block: [0.0; P], scatter: [[0.0; P]; P], inflation: [1.0; P], next: 0 }
     }
 
     #[inline]
     pub(crate) fn add(&mut self, psi: &[f64], xi: f64) {
-        for (g, a) in self.block.iter_mut().zip(psi) {
-            *g += a * xi;
-        }
+        add_scaled(&mut self.block, xi, psi);
     }
 
     /// Ends the running block.
-    pub(crate) fn close_block(&mut self, columns: usize) {
-        let p = columns.min(P);
+    pub(crate) fn close_block(&mut self, covariance: &Ud<P>) {
+        let p = covariance.len().min(P);
         for i in 0..p {
             let gi = self.block[i];
-            for (s, g) in self.scatter[i][..p].iter_mut().zip(&self.block[..p]) {
-                *s += gi * g;
-            }
+            add_scaled(&mut self.scatter[i][..p], gi, &self.block[..p]);
         }
         self.block = [0.0; P];
+        for j in 0..p {
+            self.renew_column(j, covariance);
+        }
     }
 
-    /// The diagonal of `C S C`.
-    pub(crate) fn variances(&self, covariance: &[[f64; P]; P], columns: usize) -> [f64; P] {
-        let p = columns.min(P);
-        let mut out = [0.0; P];
-        for j in 0..p {
-            // c_j^T S c_j with c_j the j-th row (= column) of C.
-            let c = &covariance[j];
-            let mut product = [0.0; P];
-            for i in 0..p {
-                let ci = c[i];
-                for (t, s) in product[..p].iter_mut().zip(&self.scatter[i][..p]) {
-                    *t += ci * s;
-                }
-            }
-            out[j] = product[..p].iter().zip(&c[..p]).map(|(a, b)| a * b).sum();
+    /// Renews a few inflations by the present covariance.
+    pub(crate) fn renew(&mut self, covariance: &Ud<P>) {
+        let p = covariance.len().min(P);
+        for _ in 0..p.div_ceil(SAMPLES_PER_ROUND) {
+            self.next = if self.next + 1 < p { self.next + 1 } else { 0 };
+            self.renew_column(self.next, covariance);
         }
-        out
+    }
+
+    fn renew_column(&mut self, j: usize, covariance: &Ud<P>) {
+        // c_j^T S c_j with c_j the j-th column of C.
+        let p = covariance.len().min(P);
+        let column = covariance.column(j);
+        let mut variance = 0.0;
+        for i in 0..p {
+            variance += column[i] * dot(&self.scatter[i][..p], &column[..p]);
+        }
+        self.inflation[j] = if variance > column[j] { variance / column[j] } else { 1.0 };
+    }
+
+    /// The larger of `C S C` and `C` over `C`, per column.
+    pub(crate) fn inflation(&self) -> &[f64; P] {
+        &self.inflation
     }
 
     /// Keeps `C S C` what it was when the covariance becomes `C'`: `S <- (C'^-1 C) S (C'^-1 C)^T`.
@@ -75,5 +89,8 @@ impl<const P: usize> Colour<P> {
             self.scatter = next;
         }
         self.block = [0.0; P];
+        for j in 0..p {
+            self.renew_column(j, after);
+        }
     }
 }

@@ -346,9 +346,14 @@ where
         let block = (since_start_s / self.settings.colour_block_s + 1e-9) as u64;
         if block != self.colour_block {
             self.colour_block = block;
-            self.champion.colour.close_block(self.columns.count);
+            self.champion.colour.close_block(&self.champion.c);
             if self.in_doubt {
-                self.challenger.colour.close_block(self.columns.count);
+                self.challenger.colour.close_block(&self.challenger.c);
+            }
+        } else {
+            self.champion.colour.renew(&self.champion.c);
+            if self.in_doubt {
+                self.challenger.colour.renew(&self.challenger.c);
             }
         }
 
@@ -443,9 +448,8 @@ where
     pub fn estimate(&self) -> Estimate<P> {
         let p = self.columns.count;
         let slot = &self.champion;
-        let mut dense = [[0.0; P]; P];
-        slot.c.write_dense(&mut dense);
-        let coloured = slot.colour.variances(&dense, p);
+        let variances = slot.c.variances();
+        let inflation = slot.colour.inflation();
         let mut estimate = Estimate {
             time_s: self.last_s,
             parameters: slot.theta,
@@ -468,8 +472,8 @@ where
         let challenger_variances = if self.in_doubt { self.challenger.c.variances() } else { [0.0; P] };
         for j in 0..p {
             let sd = self.columns.sd[j];
-            let mut variance = dense[j][j];
-            let mut corrected = variance.max(coloured[j]);
+            let mut variance = variances[j];
+            let mut corrected = variance * inflation[j];
             estimate.observability[j] = if sd > 0.0 { (1.0 - variance).clamp(0.0, 1.0) } else { 0.0 };
             if self.in_doubt && sd > 0.0 {
                 // Bounds in doubt: both answers lie inside.

@@ -46,7 +46,7 @@ pub(crate) fn reopen<const N: usize, const R: usize, const P: usize>(
         }
         g[i][i] += 1.0 / (change_over_prior[column] * change_over_prior[column]);
     }
-    let Some(g) = Cholesky::new(&g, count) else { return false };
+    let Some(g) = Cholesky::new(&mut g, count) else { return false };
 
     // Px' : with G = L L^T and W = L^-1 U_E^T the increase is W^T W, one rank per open column.
     let mut w = [[0.0; N]; P];

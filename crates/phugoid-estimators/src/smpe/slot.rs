@@ -4,6 +4,7 @@ use super::colour::Colour;
 use super::columns::Columns;
 use super::settings::{OutputInput, SmpeSettings};
 use crate::discretization::{self, IntervalInput, Part};
+use crate::kernels::{add_scaled, dot};
 use crate::model::{LinearizedOutputs, Model};
 use crate::ud::Ud;
 
@@ -199,18 +200,17 @@ impl<const N: usize, const P: usize> Slot<N, P> {
             let mut w = [0.0; P];
             w[..own].copy_from_slice(&d_row[..own]);
             let mut residual = measured[i] - predicted;
-            for (d, step) in d_row[..own].iter().zip(&dtheta[..own]) {
-                residual -= d * step;
-            }
+            residual -= dot(&d_row[..own], &dtheta[..own]);
             if let Some(column) = bias {
                 w[column] = 1.0;
                 residual -= dtheta[column];
             }
             for k in 0..N {
                 let factor = h_row[k];
-                residual -= factor * dx[k];
-                for (wj, u) in w[..p].iter_mut().zip(&self.sensitivity[k][..p]) {
-                    *wj += factor * u;
+                // Most rows measure one state: the zeros are worth a test.
+                if factor != 0.0 {
+                    residual -= factor * dx[k];
+                    add_scaled(&mut w[..p], factor, &self.sensitivity[k][..p]);
                 }
             }
 
@@ -219,6 +219,7 @@ impl<const N: usize, const P: usize> Slot<N, P> {
             let state_projection = self.px.project(h_row, r);
             let s = state_projection.variance;
             let inverse_root = 1.0 / libm::sqrt(s);
+            let inverse_s = inverse_root * inverse_root;
             let mut psi = [0.0; P];
             for ((a, wj), sd) in psi[..p].iter_mut().zip(&w[..p]).zip(&columns.sd[..p]) {
                 *a = wj * sd * inverse_root;
@@ -253,10 +254,7 @@ impl<const N: usize, const P: usize> Slot<N, P> {
                 p_h = self.px.update(&state_projection, r);
                 c_psi = self.c.update(&projection, 1.0);
                 for k in 0..N {
-                    let gain = p_h[k] / s;
-                    for (u, wj) in self.sensitivity[k][..p].iter_mut().zip(&w[..p]) {
-                        *u -= gain * wj;
-                    }
+                    add_scaled(&mut self.sensitivity[k][..p], -p_h[k] * inverse_s, &w[..p]);
                 }
             } else {
                 innovations.phase[i] = RowPhase::Reaching;
@@ -278,11 +276,7 @@ impl<const N: usize, const P: usize> Slot<N, P> {
                 dtheta[j] += step[j];
             }
             for k in 0..N {
-                let mut sum = p_h[k] * inverse_root * ex;
-                for (u, t) in self.sensitivity[k][..p].iter().zip(&step[..p]) {
-                    sum += u * t;
-                }
-                dx[k] += sum;
+                dx[k] += p_h[k] * inverse_root * ex + dot(&self.sensitivity[k][..p], &step[..p]);
             }
         }
 

@@ -1,0 +1,57 @@
+//! Inner loops over the parameter columns, in blocks of four: run-time lengths of 5 or 11 are too short for the
+//! compiler's own vectorisation to pay (its prologue costs more than the work).
+
+/// `y += a x` over the shorter length.
+#[inline(always)]
+pub(crate) fn add_scaled(y: &mut [f64], a: f64, x: &[f64]) {
+    let (y_blocks, y_rest) = y.as_chunks_mut::<4>();
+    let (x_blocks, x_rest) = x.as_chunks::<4>();
+    for (y, x) in y_blocks.iter_mut().zip(x_blocks) {
+        for l in 0..4 {
+            y[l] += a * x[l];
+        }
+    }
+    for (y, x) in y_rest.iter_mut().zip(x_rest) {
+        *y += a * x;
+    }
+}
+
+/// `sum x y` over equal lengths, in four partial sums.
+#[inline(always)]
+pub(crate) fn dot(x: &[f64], y: &[f64]) -> f64 {
+    let (x_blocks, x_rest) = x.as_chunks::<4>();
+    let (y_blocks, y_rest) = y.as_chunks::<4>();
+    let mut rest = 0.0;
+    for (x, y) in x_rest.iter().zip(y_rest) {
+        rest += x * y;
+    }
+    if x_blocks.is_empty() {
+        return rest;
+    }
+    let mut sums = [0.0; 4];
+    for (x, y) in x_blocks.iter().zip(y_blocks) {
+        for l in 0..4 {
+            sums[l] += x[l] * y[l];
+        }
+    }
+    (sums[0] + sums[2]) + (sums[1] + sums[3]) + rest
+}
+
+/// Bierman's inner loop, `u, b <- u + lambda b, b + g u`, over equal lengths.
+#[inline(always)]
+pub(crate) fn rotate(u: &mut [f64], b: &mut [f64], lambda: f64, g: f64) {
+    let (u_blocks, u_rest) = u.as_chunks_mut::<4>();
+    let (b_blocks, b_rest) = b.as_chunks_mut::<4>();
+    for (u, b) in u_blocks.iter_mut().zip(b_blocks) {
+        for l in 0..4 {
+            let before = u[l];
+            u[l] = before + lambda * b[l];
+            b[l] += g * before;
+        }
+    }
+    for (u, b) in u_rest.iter_mut().zip(b_rest) {
+        let before = *u;
+        *u = before + lambda * *b;
+        *b += g * before;
+    }
+}
