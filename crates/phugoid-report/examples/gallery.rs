@@ -9,7 +9,7 @@ use phugoid_report::{HtmlOptions, ReportError, html, write_figures};
 
 fn main() -> Result<(), ReportError> {
     let folder = PathBuf::from(std::env::args().nth(1).unwrap_or_else(|| "gallery".to_owned()));
-    for case in [synthetic::fighter(), synthetic::jet()] {
+    for case in [synthetic::fighter(), synthetic::jet(), synthetic::many(24)] {
         let estimation = synthetic::estimation(&case);
         let written = write_figures(&folder.join(case.source), &estimation)?;
         let page = folder.join(format!("{}.html", case.source));

@@ -16,7 +16,8 @@ pub(crate) const BAND_OPACITY: f64 = 0.28;
 
 /// Draws one series.
 pub(crate) fn draw(scene: &mut Scene, map: &Map, series: &Series) {
-    let points = |y: &[f64]| -> Vec<[f64; 2]> { near(map, &series.x, y).map(|p| place(map, p)).collect() };
+    let gap = longest_step(&series.x);
+    let points = |y: &[f64]| -> Vec<[f64; 2]> { broken(near(map, &series.x, y), gap).map(|p| place(map, p)).collect() };
     let colour = series.colour;
     match &series.kind {
         Kind::Line(y) => stroke(scene, map, decimate::lines(&points(y)), colour, LINE_WIDTH, None),
@@ -38,8 +39,8 @@ pub(crate) fn draw(scene: &mut Scene, map: &Map, series: &Series) {
             stroke(scene, map, bars, colour, LINE_WIDTH, None);
         }
         Kind::Band { lower, upper } => {
-            let samples: Vec<[f64; 3]> = near(map, &series.x, lower)
-                .zip(near(map, &series.x, upper))
+            let samples: Vec<[f64; 3]> = broken(near(map, &series.x, lower), gap)
+                .zip(broken(near(map, &series.x, upper), gap))
                 .map(|(low, high)| {
                     if low[1].is_finite() && high[1].is_finite() {
                         let (low, high) = (map.frame.clamp(map.at(low)), map.frame.clamp(map.at(high)));
@@ -115,6 +116,27 @@ fn near<'a>(map: &Map, x: &'a [f64], y: &'a [f64]) -> impl Iterator<Item = [f64;
     let first = x.partition_point(|v| *v < limits[0]).saturating_sub(1);
     let last = (x.partition_point(|v| *v <= limits[1]) + 1).min(count);
     (first..last.max(first)).map(|i| [x[i], y[i]])
+}
+
+/// Steps of the abscissa beyond which there was nothing between two samples, so that no line may join them: six median
+/// steps.
+fn longest_step(x: &[f64]) -> f64 {
+    let mut steps: Vec<f64> = x.windows(2).map(|w| w[1] - w[0]).filter(|d| d.is_finite()).collect();
+    if steps.len() < 2 {
+        return f64::INFINITY;
+    }
+    let middle = steps.len() / 2;
+    6.0 * *steps.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+/// The samples with one that is not finite put into every gap.
+fn broken(samples: impl Iterator<Item = [f64; 2]>, gap: f64) -> impl Iterator<Item = [f64; 2]> {
+    let mut before = f64::NAN;
+    samples.flat_map(move |sample| {
+        let apart = sample[0] - before > gap;
+        before = sample[0];
+        apart.then_some([f64::NAN; 2]).into_iter().chain([sample])
+    })
 }
 
 fn place(map: &Map, point: [f64; 2]) -> [f64; 2] {

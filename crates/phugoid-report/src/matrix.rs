@@ -67,7 +67,8 @@ fn draw_cell(scene: &mut Scene, [x, y]: [f64; 2], cell: f64, value: f64, diagona
     let (wide, narrow) = (cell >= 34.0, cell >= 24.0);
     if wide || (narrow && strength >= 0.3) {
         let size = if wide { 11.5 } else { 9.5 };
-        let words = if wide { fixed(value, 2) } else { fixed(value, 1) };
+        // Narrow cells have no room for the zero before the point.
+        let words = if wide { fixed(value, 2) } else { fixed(value, 2).replace("0.", ".") };
         // From here on dark text reads better than light on a dark page; on white both are dark.
         let dark_from = if value > 0.0 { 0.6 } else { 0.75 };
         let on = if strength >= dark_from { Colour::OnColour } else { Colour::Ink };

@@ -7,7 +7,7 @@ use phugoid_report::figure::Body;
 use phugoid_report::{
     HtmlOptions, ReportError, TimeHistoryPanel, figures, html, time_histories, write_figures, write_named_figures,
 };
-use synthetic::{Case, estimation, fighter, jet};
+use synthetic::{estimation, fighter, jet, many};
 
 fn page(estimation: &Estimation) -> String {
     html(estimation, &HtmlOptions::default())
@@ -29,11 +29,6 @@ fn assert_balanced(markup: &str) {
         }
     }
     assert!(open.is_empty(), "never closed: {open:?}");
-}
-
-fn synthetic_of(count: usize) -> Estimation {
-    let parameters = (0..count).map(|k| (format!("Cm_{k}x"), 0.1 + k as f64)).collect();
-    estimation(&Case { source: "many", seconds: 20.0, rate_hz: 100.0, parameters, truth_known: true, missing: false })
 }
 
 #[test]
@@ -195,8 +190,16 @@ fn a_gap_is_not_bridged() {
         // Curves: the widest paths; the grid and border are thinner.
         svg.lines().filter(|l| l.contains("stroke-width=\"15\"")).map(|l| l.matches('M').count()).sum::<usize>()
     };
+    let time_with_gap = {
+        let mut given = given.clone();
+        for time in &mut given.history.time_s[300..] {
+            *time += 2.0;
+        }
+        given
+    };
     assert_eq!(subpaths(&given), 1);
     assert_eq!(subpaths(&predicted_with_gap), 2);
+    assert_eq!(subpaths(&time_with_gap), 2);
 }
 
 #[test]
@@ -229,11 +232,11 @@ fn an_empty_estimation_still_makes_a_page() {
 
 #[test]
 fn one_parameter_and_twenty_four() {
-    let one = synthetic_of(1);
+    let one = estimation(&many(1));
     assert!(figures(&one).iter().all(|(name, _)| name != "correlation"));
     assert_balanced(&page(&one));
 
-    let many = synthetic_of(24);
+    let many = estimation(&many(24));
     let drawn = figures(&many);
     let panels: usize =
         drawn.iter().filter(|(name, _)| name.starts_with("parameters-")).map(|(_, figure)| figure.panels.len()).sum();

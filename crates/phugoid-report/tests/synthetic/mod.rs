@@ -59,6 +59,18 @@ pub(crate) fn jet() -> Case {
     }
 }
 
+/// 20 s at 100 Hz with any number of parameters, truth known.
+pub(crate) fn many(count: usize) -> Case {
+    let terms = ["0", "alpha", "q", "elevator", "V", "alpha2", "alpha_elevator", "flaps"];
+    let parameters = (0..count)
+        .map(|k| {
+            let coefficient = ["dCm", "dCL", "dCD"][k / terms.len() % 3];
+            (format!("{coefficient}_{}", terms[k % terms.len()]), 0.1 + k as f64)
+        })
+        .collect();
+    Case { source: "many", seconds: 20.0, rate_hz: 100.0, parameters, truth_known: true, missing: false }
+}
+
 /// Standard normal numbers from a linear congruential generator: the same everywhere and for ever.
 pub(crate) struct Noise(pub(crate) u64);
 
