@@ -248,11 +248,42 @@ fn a_long_gap_starts_the_state_again_and_keeps_the_parameters() {
 #[test]
 fn a_gap_short_enough_is_predicted_through() {
     let mut flight = jet_flight(6, 1500);
-    flight.drain(300..420);
-    let mut estimator = jet();
+    // A second without samples while the elevator rests.
+    flight.drain(700..800);
+    let mut settings = jet_settings();
+    settings.maximum_gap_s = 2.0;
+    let mut estimator = Jet::new(JET, settings).unwrap();
     let last = *run(&mut estimator, &flight).last().unwrap();
     assert_eq!(estimator.restarts(), 0);
     assert!(normalised_rms(&[last], &truth8()) < 2.0);
+}
+
+#[test]
+fn an_unrecorded_input_does_not_lock_the_estimator_out() {
+    // A second of elevator that the record does not show: the estimated state is lost, every row is rejected. Without a
+    // restart nothing would ever be accepted again.
+    let mut lost = 0;
+    for seed in 0..10 {
+        let shown = |t: f64| [elevator_3211(t)];
+        let real = |t: f64| [elevator_3211(t) + if (8.0..9.0).contains(&t) { 0.15 } else { 0.0 }];
+        let mut flight = fly(&JET, &regular(2500, 0.01), [0.0; 2], |_| truth8(), real, JET_NOISE, &mut seeded(seed));
+        for sample in &mut flight {
+            sample.input = shown(sample.time_s);
+        }
+        let mut settings = jet_settings();
+        settings.re_reaching = ReReaching::Off;
+        let mut estimator = Jet::new(JET, settings).unwrap();
+        let all = run(&mut estimator, &flight);
+        let sliding = all[1500..].iter().filter(|e| e.status.phase == Phase::Sliding).count();
+        assert!(sliding > 900, "seed {seed}: {sliding} of 1000 frames slide");
+        lost += estimator.restarts();
+        let last = all.last().unwrap();
+        for j in 0..4 {
+            let error = (last.parameters[j] / JET_TRUTH[j] - 1.0).abs();
+            assert!(error < 0.1, "seed {seed} parameter {j}: {error}");
+        }
+    }
+    assert!(lost >= 10, "{lost}");
 }
 
 #[test]
@@ -263,7 +294,8 @@ fn without_excitation_the_bounds_stay_at_the_prior() {
     let priors = jet_priors();
     for j in 0..4 {
         assert_eq!(last.parameter_status[j], ParameterStatus::NotExcited, "parameter {j}");
-        assert!(last.std_error[j] > 0.94 * priors[j].sd, "parameter {j}: {}", last.std_error[j]);
+        // Not exactly the prior: the median start leaves a transient, and the estimated state carries noise.
+        assert!(last.std_error[j] > 0.8 * priors[j].sd, "parameter {j}: {}", last.std_error[j]);
         assert!((last.parameters[j] - priors[j].initial).abs() < priors[j].sd);
     }
     assert_eq!(estimator.detector().unwrap().adoptions, 0);

@@ -32,13 +32,20 @@ use crate::discretization::IntervalInput;
 use crate::estimate::{ChangeState, DetectorState, Estimate, Estimator, ParameterStatus, Phase, Status};
 use crate::model::{Model, Sample};
 
-/// Observability below which a parameter counts as not excited.
-const EXCITED: f64 = 0.1;
+/// Observability below which a parameter counts as not excited: its bound has shrunk by less than 30 %. Lower would not
+/// do: the noise of the estimated state alone, minute after minute, looks like a little excitation.
+const EXCITED: f64 = 0.5;
 /// Part of the prior standard deviation (or of twice the change prior, if that is smaller) below which a parameter
 /// counts as converged.
 const CONVERGED: f64 = 0.1;
 /// The process noise is adapted only after this time, s: the start transient is not a gust.
 const ADAPTATION_START_S: f64 = 0.3;
+
+/// When more than half of the rows have been rejected in every frame for this long, s, the estimated state is lost (an
+/// input that was not recorded, say): what no parameter explains, no further prediction will bring back.
+const LOST_STATE_S: f64 = 0.5;
+/// ... and for at least this many frames.
+const LOST_STATE_FRAMES: u32 = 5;
 
 /// What the change detector knows.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -96,6 +103,9 @@ where
     re_reached: bool,
     rejected_samples: u64,
     restarts: u32,
+    /// Start of the present run of frames that were mostly rejected, and their number.
+    lost_since_s: f64,
+    lost_frames: u32,
 }
 
 impl<M, const N: usize, const R: usize, const P: usize> Smpe<M, N, R, P>
@@ -137,6 +147,8 @@ where
             re_reached: false,
             rejected_samples: 0,
             restarts: 0,
+            lost_since_s: 0.0,
+            lost_frames: 0,
         })
     }
 
@@ -191,8 +203,8 @@ where
         self.rejected_samples
     }
 
-    /// How often the state was started again (after a gap too long to predict through, or a model that did not answer
-    /// with numbers).
+    /// How often the state was started again (after a gap too long to predict through, when nearly everything was
+    /// rejected for half a second, or when the model did not answer with numbers).
     pub fn restarts(&self) -> u32 {
         self.restarts
     }
@@ -273,6 +285,7 @@ where
     /// Starts the state again from measurements; parameters and covariance are kept.
     fn restart(&mut self, sample: &Sample<M::Input, R>) {
         self.restarts = self.restarts.saturating_add(1);
+        self.lost_frames = 0;
         self.in_doubt = false;
         if let Some((detector, _)) = &mut self.detection {
             detector.clear();
@@ -357,7 +370,7 @@ where
             }
         }
 
-        if !self.champion.is_sound(self.columns.count) {
+        if !self.champion.is_sound(self.columns.count) || self.is_lost(sample.time_s) {
             return self.restart(sample);
         }
         if let Some(innovations) = challenged {
@@ -365,6 +378,25 @@ where
         } else if self.phase != Phase::Predicting {
             self.watch(since_start_s, sample.time_s);
         }
+    }
+
+    /// Whether the estimated state no longer has to do with the measurements.
+    fn is_lost(&mut self, time_s: f64) -> bool {
+        let count = |wanted: RowPhase| self.innovations.phase.iter().filter(|phase| **phase == wanted).count();
+        let rejected = count(RowPhase::Rejected);
+        if self.phase == Phase::Predicting {
+            return false;
+        }
+        if 2 * rejected <= R - count(RowPhase::Missing) {
+            self.lost_frames = 0;
+            return false;
+        }
+        if self.lost_frames == 0 {
+            self.lost_since_s = time_s;
+        }
+        self.lost_frames += 1;
+        // While a change is in doubt the challenger has the word.
+        !self.in_doubt && self.lost_frames >= LOST_STATE_FRAMES && time_s - self.lost_since_s >= LOST_STATE_S
     }
 
     /// No challenger: has anything changed?
@@ -494,10 +526,7 @@ where
         let theta = self.champion.theta[j];
         let limited = j < self.columns.own && {
             let prior = &self.settings.priors[j];
-            theta - 2.0 * corrected > prior.upper
-                || theta + 2.0 * corrected < prior.lower
-                || theta <= self.columns.clip_low[j]
-                || theta >= self.columns.clip_high[j]
+            self.champion.limited[j] || theta - 2.0 * corrected > prior.upper || theta + 2.0 * corrected < prior.lower
         };
         let sd = self.columns.sd[j];
         let change = self.change_sd(j);

@@ -90,6 +90,7 @@ pub(crate) fn reopen<const N: usize, const R: usize, const P: usize>(
                 if columns.sd[j] > 0.0 { y[j] / columns.sd[j] } else { slot.sensitivity[state][j] };
         }
     }
+    slot.limited = [false; P];
     slot.colour.reopen(&before, &slot.c);
     slot.is_sound(p)
 }

@@ -229,8 +229,8 @@ pub struct SmpeSettings<const N: usize, const R: usize, const P: usize> {
     pub output_input: OutputInput,
     /// Longest integration step, s; longer intervals are divided.
     pub maximum_step_s: f64,
-    /// Longest interval that is predicted through, s. After a longer one the state is started again from the
-    /// measurements; the parameters and their covariance are kept.
+    /// Longest interval between samples that is predicted through, s (the input inside it is not known). After a longer
+    /// one the state is started again from the measurements; the parameters and their covariance are kept.
     pub maximum_gap_s: f64,
     /// Length of the median start, s.
     pub start_window_s: f64,
@@ -267,7 +267,7 @@ impl<const N: usize, const R: usize, const P: usize> SmpeSettings<N, R, P> {
             input_hold: InputHold::Zero,
             output_input: OutputInput::Current,
             maximum_step_s: (1.5 * sample_time_s).clamp(0.02, 0.15),
-            maximum_gap_s: 2.0_f64.max(20.0 * sample_time_s),
+            maximum_gap_s: 0.5_f64.max(5.0 * sample_time_s),
             start_window_s: 0.2,
             correct_first_sample: true,
             clip_factor: 1.5,

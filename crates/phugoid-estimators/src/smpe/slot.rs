@@ -8,6 +8,9 @@ use crate::kernels::{add_scaled, dot};
 use crate::model::{LinearizedOutputs, Model};
 use crate::ud::Ud;
 
+/// Scaled variance below which a parameter is known better than half its prior.
+const KNOWN: f64 = 0.25;
+
 /// How one output row met its sliding surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum RowPhase {
@@ -73,6 +76,9 @@ pub(crate) struct Slot<const N: usize, const P: usize> {
     /// `q_s`.
     pub(crate) noise_scale: f64,
     pub(crate) colour: Colour<P>,
+    /// Was held at a limit after it had become known better than half its prior: the bounds exclude the data. It stays
+    /// said, because what the other columns have made of it since is not to be trusted either.
+    pub(crate) limited: [bool; P],
 }
 
 impl<const N: usize, const P: usize> Slot<N, P> {
@@ -86,6 +92,7 @@ impl<const N: usize, const P: usize> Slot<N, P> {
             c: Ud::from_variances(&[1.0; P][..columns.count]),
             noise_scale: settings.process_noise.initial_scale,
             colour: Colour::new(),
+            limited: [false; P],
         }
     }
 
@@ -284,7 +291,11 @@ impl<const N: usize, const P: usize> Slot<N, P> {
             self.x[k] += dx[k];
         }
         for j in 0..p {
-            self.theta[j] = (self.theta[j] + dtheta[j]).clamp(columns.clip_low[j], columns.clip_high[j]);
+            let free = self.theta[j] + dtheta[j];
+            self.theta[j] = free.clamp(columns.clip_low[j], columns.clip_high[j]);
+            if self.theta[j] != free && self.c.column(j)[j] < KNOWN {
+                self.limited[j] = true;
+            }
         }
         if adaptation != 0.0 {
             let noise = &settings.process_noise;
