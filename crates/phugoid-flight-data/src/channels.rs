@@ -161,11 +161,14 @@ pub fn nearest(name: &str) -> Option<&'static str> {
         letters
     };
     let near_enough = |spelling: &str| key.len() > 4 || letters(&key) == letters(spelling);
+    let longest = key.len() + key.len() / 2;
     let spellings = CHANNELS.iter().flat_map(|channel| {
         let synonyms = channel.synonyms.iter().filter(|synonym| synonym.len() > 3 && !synonym.starts_with("delta_"));
         std::iter::once(channel.name).chain(synonyms.copied()).map(move |spelling| (channel.name, spelling))
     });
     spellings
+        // Too long or too short to be like it: no need to compare letters.
+        .filter(|(_, spelling)| (2 * key.len() / 3..=longest + 4).contains(&spelling.len()))
         .map(|(name, spelling)| (name, spelling, strsim::normalized_damerau_levenshtein(&key, &self::key(spelling))))
         .filter(|&(_, spelling, likeness)| likeness >= LIKE && near_enough(spelling))
         .max_by(|a, b| a.2.total_cmp(&b.2))

@@ -1,5 +1,7 @@
 //! Which column becomes which channel.
 
+use std::collections::HashMap;
+
 use crate::channels::{self, ChannelSpec};
 use crate::csv::{ColumnMapping, CsvOptions, ReadError};
 use crate::header::{self, Conflict, Doubt, Meaning};
@@ -13,6 +15,37 @@ pub(crate) struct Head<'a> {
     pub(crate) line: usize,
     pub(crate) headers: &'a [String],
     pub(crate) units: Option<&'a [String]>,
+}
+
+/// What every header means, and the known channels among them.
+struct Meanings {
+    headers: Vec<Result<Meaning, Conflict>>,
+    present: Vec<&'static str>,
+}
+
+impl Meanings {
+    fn of(head: &Head<'_>) -> Self {
+        let headers: Vec<_> = head
+            .headers
+            .iter()
+            .enumerate()
+            .map(|(column, header)| header::interpret(header, unit_below(head, column)))
+            .collect();
+        let mut present: Vec<&'static str> = headers
+            .iter()
+            .filter_map(|meaning| match meaning {
+                Ok(Meaning::Known { spec, .. }) => Some(spec.name),
+                _ => None,
+            })
+            .collect();
+        present.sort_unstable();
+        present.dedup();
+        Self { headers, present }
+    }
+
+    fn has(&self, name: &str) -> bool {
+        self.present.contains(&name)
+    }
 }
 
 /// One column and what it becomes.
@@ -48,11 +81,12 @@ pub(crate) fn plan(head: &Head<'_>, options: &CsvOptions, report: &mut QualityRe
     if let Some((first, second)) = first_pair(&uses, |a, b| a.name == b.name) {
         return Err(two_columns(head, first, second));
     }
+    let meanings = Meanings::of(head);
     let mapped_columns: Vec<usize> = uses.iter().map(|column| column.column).collect();
     let mapped_names: Vec<String> = uses.iter().map(|column| column.name.clone()).collect();
     for column in 0..head.headers.len() {
         if !mapped_columns.contains(&column)
-            && let Some(used) = automatic(head, column, &mapped_names, &uses, report)?
+            && let Some(used) = automatic(head, column, &meanings, &mapped_names, &uses, report)?
         {
             uses.push(used);
         }
@@ -188,14 +222,15 @@ fn find_column(head: &Head<'_>, mapping: &ColumnMapping) -> Result<usize, ReadEr
 fn automatic(
     head: &Head<'_>,
     column: usize,
+    meanings: &Meanings,
     mapped_names: &[String],
     uses: &[ColumnUse],
     report: &mut QualityReport,
 ) -> Result<Option<ColumnUse>, ReadError> {
     let header = head.headers.get(column).map(|header| header.trim()).unwrap_or_default().to_owned();
     let place = format!("column '{header}'");
-    let below = unit_below(head, column);
-    let meaning = header::interpret(&header, below).map_err(|Conflict { first, second }| ReadError::TwoUnits {
+    let Some(meaning) = meanings.headers.get(column).cloned() else { return Ok(None) };
+    let meaning = meaning.map_err(|Conflict { first, second }| ReadError::TwoUnits {
         source_name: head.source.to_owned(),
         line: head.line,
         column: column + 1,
@@ -203,7 +238,7 @@ fn automatic(
         first,
         second,
     })?;
-    let meaning = body_velocity(meaning, head);
+    let meaning = body_velocity(meaning, meanings);
     match meaning {
         Meaning::Known { spec, unit } => {
             if mapped_names.iter().any(|name| name == spec.name) {
@@ -227,7 +262,7 @@ fn automatic(
         Meaning::Unknown { name, unit, doubt } => {
             let mut name = name;
             if let Some(doubt) = doubt {
-                doubtful(&place, &header, &doubt, head, report);
+                doubtful(&place, &header, &doubt, meanings, report);
             }
             if name.is_empty() {
                 name = format!("column_{}", column + 1);
@@ -243,19 +278,17 @@ fn automatic(
 }
 
 /// `v` beside `u` or `w` is the lateral velocity; alone it may as well be the airspeed.
-fn body_velocity(meaning: Meaning, head: &Head<'_>) -> Meaning {
-    let Meaning::Unknown { unit, doubt: Some(Doubt::Ambiguous(meanings)), .. } = &meaning else { return meaning };
-    let Some(spec) = meanings.iter().find(|name| **name == "v").and_then(|name| channels::by_name(name)) else {
+fn body_velocity(meaning: Meaning, meanings: &Meanings) -> Meaning {
+    let Meaning::Unknown { unit, doubt: Some(Doubt::Ambiguous(names)), .. } = &meaning else { return meaning };
+    let Some(spec) = names.iter().find(|name| **name == "v").and_then(|name| channels::by_name(name)) else {
         return meaning;
     };
-    let neighbour = head.headers.iter().any(
-        |header| matches!(header::interpret(header, None), Ok(Meaning::Known { spec, .. }) if matches!(spec.name, "u" | "w")),
-    );
+    let neighbour = meanings.has("u") || meanings.has("w");
     let suits = unit.is_none_or(|unit| unit.quantity == spec.quantity);
     if neighbour && suits { Meaning::Known { spec, unit: *unit } } else { meaning }
 }
 
-fn doubtful(place: &str, header: &str, doubt: &Doubt, head: &Head<'_>, report: &mut QualityReport) {
+fn doubtful(place: &str, header: &str, doubt: &Doubt, meanings: &Meanings, report: &mut QualityReport) {
     match doubt {
         Doubt::Unit { spec, text, found } => {
             let what = match found {
@@ -283,10 +316,7 @@ fn doubtful(place: &str, header: &str, doubt: &Doubt, head: &Head<'_>, report: &
             ),
         ),
         Doubt::Near(name) => {
-            let already = head.headers.iter().any(
-                |other| matches!(header::interpret(other, None), Ok(Meaning::Known { spec, .. }) if spec.name == *name),
-            );
-            if !already {
+            if !meanings.has(name) {
                 let suffix = channels::by_name(name).map(|spec| spec.quantity.si_suffix()).unwrap_or_default();
                 let example = if suffix.is_empty() { (*name).to_owned() } else { format!("{name}_{suffix}") };
                 report.warn(
@@ -303,19 +333,23 @@ fn doubtful(place: &str, header: &str, doubt: &Doubt, head: &Head<'_>, report: &
 
 /// Gives unknown columns of the same name different names; known ones have been refused before.
 fn name_apart(uses: &mut [ColumnUse], report: &mut QualityReport) {
-    for index in 1..uses.len() {
-        let (before, rest) = uses.split_at_mut(index);
-        let Some(this) = rest.first_mut() else { return };
-        let taken = |name: &str| before.iter().any(|other| other.name == name);
-        if this.spec.is_none() && taken(&this.name) {
-            let free = (2..).map(|n| format!("{}_{n}", this.name)).find(|name| !taken(name));
-            let Some(free) = free else { return };
+    let mut taken: HashMap<String, usize> =
+        uses.iter().filter(|c| c.spec.is_some()).map(|c| (c.name.clone(), 1)).collect();
+    for this in uses.iter_mut().filter(|column| column.spec.is_none()) {
+        if taken.contains_key(&this.name) {
+            let mut number = taken.get(&this.name).copied().unwrap_or(1);
+            let mut free = this.name.clone();
+            while taken.contains_key(&free) {
+                number += 1;
+                free = format!("{}_{number}", this.name);
+            }
+            taken.insert(std::mem::replace(&mut this.name, free), number);
             report.warn(
                 format!("column '{}'", this.header),
-                format!("a second column of this name (column {}); kept as '{free}'", this.column + 1),
+                format!("a second column of this name (column {}); kept as '{}'", this.column + 1, this.name),
             );
-            this.name = free;
         }
+        taken.insert(this.name.clone(), 1);
     }
 }
 

@@ -230,7 +230,7 @@ fn check(bytes: &[u8]) {
 /// Arbitrary bytes.
 #[test]
 fn arbitrary_bytes_never_panic() {
-    runner(3000)
+    runner(1500)
         .run(&proptest::collection::vec(any::<u8>(), 0..300), |bytes| {
             check(&bytes);
             Ok(())
@@ -292,7 +292,7 @@ fn arbitrary_tables_never_panic() {
         "_deg",
     ];
     let strategy = proptest::collection::vec(proptest::sample::select(pieces.to_vec()), 0..80);
-    runner(6000)
+    runner(2000)
         .run(&strategy, |pieces| {
             check(pieces.concat().as_bytes());
             Ok(())
@@ -304,7 +304,7 @@ fn arbitrary_tables_never_panic() {
 #[test]
 fn mutated_files_never_panic() {
     let edit = (any::<proptest::sample::Index>(), 0..4_u8, any::<u8>(), 0..20_usize);
-    runner(6000)
+    runner(2000)
         .run(&proptest::collection::vec(edit, 1..6), |edits| {
             let mut bytes = VALID.as_bytes().to_vec();
             for (place, kind, byte, length) in edits {

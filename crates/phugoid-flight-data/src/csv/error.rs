@@ -175,6 +175,21 @@ pub enum ReadError {
         /// The bound.
         max_values: usize,
     },
+    /// More columns than any flight record has.
+    #[error(
+        "{source_name}, line {line}: the header has {columns} columns, more than the {max_columns} that are read. Check \
+         that it is a CSV file with one signal per column, or leave out columns"
+    )]
+    TooManyColumns {
+        /// File or stream.
+        source_name: String,
+        /// Line of the header.
+        line: usize,
+        /// Columns found.
+        columns: usize,
+        /// The bound.
+        max_columns: usize,
+    },
     /// A line without an end.
     #[error(
         "{source_name}, line {line}: the line is longer than {max_bytes} bytes; this is hardly a table of text. Check \

@@ -16,6 +16,8 @@ use crate::{plausibility, signals, units};
 
 /// How much of the beginning is looked at to find the layout, bytes.
 const SAMPLE: usize = 64 * 1024;
+/// The most columns accepted.
+const MOST_COLUMNS: usize = 5000;
 /// The longest line accepted, bytes.
 const LONGEST_LINE: usize = 1024 * 1024;
 
@@ -45,6 +47,14 @@ pub fn read(reader: impl Read, source: &str, options: &CsvOptions) -> Result<Rec
     let mut file = TextFile::open(reader, source, options.delimiter)?;
     let mut report = QualityReport::default();
     let (line, headers, carried) = file.header(&mut report)?;
+    if headers.len() > MOST_COLUMNS {
+        return Err(ReadError::TooManyColumns {
+            source_name: source.to_owned(),
+            line,
+            columns: headers.len(),
+            max_columns: MOST_COLUMNS,
+        });
+    }
     let (units, carried) = file.unit_row(&headers, carried)?;
     let head = Head { source, line, headers: &headers, units: units.as_deref() };
     let plan = columns::plan(&head, options, &mut report)?;
