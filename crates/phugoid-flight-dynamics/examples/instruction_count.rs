@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! cargo build --release -p phugoid-flight-dynamics --example instruction_count
-//! valgrind --tool=callgrind --toggle-collect='*fly_steps*' target/release/examples/instruction_count 10000
+//! valgrind --tool=callgrind --toggle-collect='instruction_count::fly_steps' target/release/examples/instruction_count 10000
 //! ```
 //!
 //! The collected instructions divided by the number of steps are the cost of one step; the loading is left out.
