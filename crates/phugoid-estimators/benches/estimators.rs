@@ -1,4 +1,5 @@
 //! Time of one update. The synthetic plant costs next to nothing, so this is the estimator itself.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 #[path = "../tests/plants/mod.rs"]
 mod plants;

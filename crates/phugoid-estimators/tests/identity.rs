@@ -1,5 +1,6 @@
 //! theory: with an infinite boundary layer and without re-reaching the estimator *is* the joint extended Kalman filter
 //! in separated form. A plain dense joint filter, written here from the textbook, must agree sample by sample.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 mod plants;
 

@@ -1,4 +1,5 @@
 //! The factored covariance against dense algebra, over random covariances, rows and sizes.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use phugoid_estimators::ud::Ud;
 use proptest::prelude::*;

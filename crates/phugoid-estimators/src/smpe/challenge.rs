@@ -90,11 +90,11 @@ impl Challenge {
     pub(crate) fn decide(&self, time_s: f64, maturity: f64, needed_maturity: f64, sound: bool) -> Verdict {
         let expired = time_s - self.opened_at_s >= self.settings.doubt_limit_s;
         let caution = 1.0 + self.caution;
+        let mature = self.score > self.settings.adoption * caution && maturity > needed_maturity;
+        let overwhelming = expired && self.score > self.settings.adoption_at_limit * caution;
         if !sound || !self.score.is_finite() || self.model_error {
             Verdict::Drop
-        } else if self.score > self.settings.adoption * caution && maturity > needed_maturity {
-            Verdict::Adopt
-        } else if expired && self.score > self.settings.adoption_at_limit * caution {
+        } else if mature || overwhelming {
             Verdict::Adopt
         } else if self.score < self.settings.dropping || expired {
             Verdict::Drop

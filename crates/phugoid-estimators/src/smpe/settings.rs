@@ -88,10 +88,12 @@ impl ParameterPrior {
             ChangePrior::Fixed(d) => !(d.is_finite() && d >= 0.0),
             ChangePrior::Relative { fraction, maximum } => !(fraction.is_finite() && fraction >= 0.0 && maximum >= 0.0),
         };
-        if !self.initial.is_finite() || !(self.sd.is_finite() && self.sd >= 0.0) || change_is_wrong {
+        let sd_is_right = self.sd.is_finite() && self.sd >= 0.0;
+        if !self.initial.is_finite() || !sd_is_right || change_is_wrong {
             return Err(SmpeError::Prior { parameter });
         }
-        if !(self.lower < self.upper && (self.lower..=self.upper).contains(&self.initial)) {
+        let ordered = self.lower < self.upper;
+        if !ordered || !(self.lower..=self.upper).contains(&self.initial) {
             return Err(SmpeError::Bounds { parameter, lower: self.lower, initial: self.initial, upper: self.upper });
         }
         Ok(())
