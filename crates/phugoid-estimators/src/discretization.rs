@@ -86,6 +86,30 @@ pub fn step<M, const N: usize, const R: usize, const P: usize>(
 where
     M: Model<N, R, P>,
 {
+    // The full capacity as a constant: its loops unroll.
+    if columns >= P {
+        step_of(model, x, theta, input, interval_s, part, P, sensitivity, transition)
+    } else {
+        step_of(model, x, theta, input, interval_s, part, columns, sensitivity, transition)
+    }
+}
+
+#[inline(always)]
+#[allow(clippy::too_many_arguments)]
+fn step_of<M, const N: usize, const R: usize, const P: usize>(
+    model: &M,
+    x: &[f64; N],
+    theta: &[f64; P],
+    input: &IntervalInput<M::Input>,
+    interval_s: f64,
+    part: Part,
+    columns: usize,
+    sensitivity: &mut [[f64; P]; N],
+    transition: &mut [[f64; N]; N],
+) -> [f64; N]
+where
+    M: Model<N, R, P>,
+{
     let p = columns.min(P);
     let own = model.parameter_count().min(p);
     let h = interval_s * (part.to - part.from);
@@ -117,13 +141,20 @@ where
             let jacobian = &lin.state_jacobian[i];
             slope[i] += weight * lin.rates[i];
 
-            for j in 0..N {
-                let mut row = 0.0;
+            let mut row = [0.0; N];
+            if stage == 0 {
+                // The first stage point is the start itself.
+                row = *jacobian;
+            } else {
                 for k in 0..N {
-                    row += jacobian[k] * by_state[k][j];
+                    for j in 0..N {
+                        row[j] += jacobian[k] * by_state[k][j];
+                    }
                 }
-                slope_by_state[i][j] += weight * row;
-                next_by_state[i][j] = ahead * row;
+            }
+            for j in 0..N {
+                slope_by_state[i][j] += weight * row[j];
+                next_by_state[i][j] = ahead * row[j];
             }
             // One pass over the columns: slope, its weighted sum, and the next stage point.
             for j in 0..p {

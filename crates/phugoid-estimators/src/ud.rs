@@ -54,7 +54,12 @@ impl<const CAPACITY: usize> Ud<CAPACITY> {
     /// `len` entries) and noise variance `r`. Changes nothing.
     #[inline]
     pub fn project(&self, a: &[f64; CAPACITY], r: f64) -> Projection<CAPACITY> {
-        let n = self.len.min(CAPACITY);
+        // The full size as a constant: the loops of a filter that is used to its capacity unroll.
+        if self.len >= CAPACITY { self.project_of(CAPACITY, a, r) } else { self.project_of(self.len, a, r) }
+    }
+
+    #[inline(always)]
+    fn project_of(&self, n: usize, a: &[f64; CAPACITY], r: f64) -> Projection<CAPACITY> {
         let mut f = [0.0; CAPACITY];
         let mut g = [0.0; CAPACITY];
         let mut variance = r;
@@ -85,7 +90,16 @@ impl<const CAPACITY: usize> Ud<CAPACITY> {
     /// variance.
     #[inline]
     pub fn update(&mut self, projection: &Projection<CAPACITY>, r: f64) -> [f64; CAPACITY] {
-        let n = self.len.min(CAPACITY);
+        // The full size as a constant: the loops of a filter that is used to its capacity unroll.
+        if self.len >= CAPACITY {
+            self.update_of(CAPACITY, projection, r)
+        } else {
+            self.update_of(self.len, projection, r)
+        }
+    }
+
+    #[inline(always)]
+    fn update_of(&mut self, n: usize, projection: &Projection<CAPACITY>, r: f64) -> [f64; CAPACITY] {
         let Projection { f, g, .. } = projection;
         let mut b = [0.0; CAPACITY];
         let mut alpha = r;
@@ -130,8 +144,14 @@ impl<const CAPACITY: usize> Ud<CAPACITY> {
     }
 
     /// Thornton's time update `C <- A C A^T + diag(q)`, `q >= 0`.
+    #[inline]
     pub fn predict(&mut self, a: &[[f64; CAPACITY]; CAPACITY], q: &[f64; CAPACITY]) {
-        let n = self.len.min(CAPACITY);
+        // The full size as a constant: the loops of a filter that is used to its capacity unroll.
+        if self.len >= CAPACITY { self.predict_of(CAPACITY, a, q) } else { self.predict_of(self.len, a, q) }
+    }
+
+    #[inline(always)]
+    fn predict_of(&mut self, n: usize, a: &[[f64; CAPACITY]; CAPACITY], q: &[f64; CAPACITY]) {
         // Rows of W = [A U, I], weights [D, q].
         let mut left = [[0.0; CAPACITY]; CAPACITY];
         let mut right = [[0.0; CAPACITY]; CAPACITY];
@@ -190,7 +210,12 @@ impl<const CAPACITY: usize> Ud<CAPACITY> {
     /// The diagonal of `C`.
     #[inline]
     pub fn variances(&self) -> [f64; CAPACITY] {
-        let n = self.len.min(CAPACITY);
+        // The full size as a constant: the loops of a filter that is used to its capacity unroll.
+        if self.len >= CAPACITY { self.variances_of(CAPACITY) } else { self.variances_of(self.len) }
+    }
+
+    #[inline(always)]
+    fn variances_of(&self, n: usize) -> [f64; CAPACITY] {
         let mut out = [0.0; CAPACITY];
         for j in 0..n {
             let d = self.diagonal[j];
@@ -222,7 +247,12 @@ impl<const CAPACITY: usize> Ud<CAPACITY> {
     /// Column `j` of `C`; zero beyond the size.
     #[inline]
     pub fn column(&self, j: usize) -> [f64; CAPACITY] {
-        let n = self.len.min(CAPACITY);
+        // The full size as a constant: the loops of a filter that is used to its capacity unroll.
+        if self.len >= CAPACITY { self.column_of(CAPACITY, j) } else { self.column_of(self.len, j) }
+    }
+
+    #[inline(always)]
+    fn column_of(&self, n: usize, j: usize) -> [f64; CAPACITY] {
         let mut out = [0.0; CAPACITY];
         if j >= n {
             return out;

@@ -176,12 +176,37 @@ impl<const N: usize, const P: usize> Slot<N, P> {
         measured: &[f64; R],
         adapt_noise: bool,
         surface: &mut [f64; P],
+        observe: impl FnMut(ScoredRow<'_>),
+    ) -> Innovations<R>
+    where
+        M: Model<N, R, P>,
+    {
+        // The full capacity as a constant: its loops unroll.
+        let p = columns.count;
+        if p >= P {
+            self.correct_of(P, model, settings, columns, input, measured, adapt_noise, surface, observe)
+        } else {
+            self.correct_of(p, model, settings, columns, input, measured, adapt_noise, surface, observe)
+        }
+    }
+
+    #[inline(always)]
+    #[allow(clippy::too_many_arguments)]
+    fn correct_of<M, const R: usize>(
+        &mut self,
+        p: usize,
+        model: &M,
+        settings: &SmpeSettings<N, R, P>,
+        columns: &Columns<N, R, P>,
+        input: &M::Input,
+        measured: &[f64; R],
+        adapt_noise: bool,
+        surface: &mut [f64; P],
         mut observe: impl FnMut(ScoredRow<'_>),
     ) -> Innovations<R>
     where
         M: Model<N, R, P>,
     {
-        let p = columns.count.min(P);
         let own = columns.own.min(p);
         let (kappa, kappa2) = (settings.reaching_limit, settings.rejection_limit);
         let mut innovations = Innovations::EMPTY;
