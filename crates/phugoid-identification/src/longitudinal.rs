@@ -104,7 +104,9 @@ pub struct LongitudinalConstants {
 /// ```
 ///
 /// so that CD moves only the speed, CL only the angle of attack and Cm only the pitch rate. Linear in the parameters;
-/// the derivatives with respect to the state are exact (forward mode).
+/// the derivatives with respect to the state are exact. [`Model::rates`] goes through the equations of motion of
+/// `phugoid-flight-dynamics`; the linearised forms are worked out by hand in wind axes, because they are evaluated five
+/// times per sample on board. Tests hold the two together.
 #[derive(Clone, Debug)]
 pub struct LongitudinalModel {
     constants: LongitudinalConstants,
@@ -112,6 +114,79 @@ pub struct LongitudinalModel {
     database: Database,
     known: Vec<(Coefficient, Term, f64)>,
     columns: Vec<(Coefficient, Term)>,
+    /// The same for evaluation in flight.
+    quick: Vec<QuickTerm>,
+    quick_known: Vec<(QuickTerm, f64)>,
+}
+
+/// A term ready for evaluation: nearly all terms are one flight variable or the constant.
+#[derive(Clone, Debug)]
+struct QuickTerm {
+    coefficient: usize,
+    /// Position in [`Variables`]; [`PRODUCT`] for a product.
+    variable: usize,
+    term: Term,
+}
+
+/// Position of the constant 1 among the variables.
+const ONE: usize = FACTORS;
+/// Marks a product of variables.
+const PRODUCT: usize = usize::MAX;
+
+impl QuickTerm {
+    fn new(coefficient: Coefficient, term: &Term) -> Self {
+        let variable = match term.factors() {
+            [] => ONE,
+            [(index, 1)] => *index,
+            _ => PRODUCT,
+        };
+        Self { coefficient: coefficient as usize, variable, term: term.clone() }
+    }
+
+    #[inline(always)]
+    fn at(&self, variables: &Variables) -> (f64, [f64; 3]) {
+        match variables.value.get(self.variable) {
+            Some(value) => (*value, variables.gradient[self.variable]),
+            None => self.product(variables),
+        }
+    }
+
+    #[inline(never)]
+    fn product(&self, variables: &Variables) -> (f64, [f64; 3]) {
+        let (mut product, mut gradient) = (1.0, [0.0; 3]);
+        for &(index, power) in self.term.factors() {
+            let (value, slope) = (variables.value[index], variables.gradient[index]);
+            for _ in 0..power {
+                for (g, s) in gradient.iter_mut().zip(slope) {
+                    *g = *g * value + product * s;
+                }
+                product *= value;
+            }
+        }
+        (product, gradient)
+    }
+}
+
+/// Flight variables of the terms (and the constant 1 last), with their derivatives with respect to V, alpha and q.
+struct Variables {
+    value: [f64; FACTORS + 1],
+    gradient: [[f64; 3]; FACTORS + 1],
+}
+
+/// What rates and outputs share: coefficients with their derivatives, and the factors that make forces of them.
+struct Point {
+    variables: Variables,
+    /// `CL, CD, Cm`.
+    c: [f64; 3],
+    /// Their derivatives with respect to V, alpha and q.
+    dc: [[f64; 3]; 3],
+    sin_alpha: f64,
+    cos_alpha: f64,
+    /// `qbar S`, N, and its derivative with respect to V.
+    force: f64,
+    force_v: f64,
+    /// Thrust along body x and z, N.
+    thrust: [f64; 2],
 }
 
 impl LongitudinalModel {
@@ -123,7 +198,9 @@ impl LongitudinalModel {
         known: Vec<(Coefficient, Term, f64)>,
     ) -> Self {
         let (sin, cos) = constants.thrust_inclination.sin_cos();
-        Self { constants, thrust_direction: [cos, -sin], database, known, columns }
+        let quick = columns.iter().map(|(c, t)| QuickTerm::new(*c, t)).collect();
+        let quick_known = known.iter().map(|(c, t, value)| (QuickTerm::new(*c, t), *value)).collect();
+        Self { constants, thrust_direction: [cos, -sin], database, known, columns, quick, quick_known }
     }
 
     /// The estimated terms in the order of the parameter vector.
@@ -193,19 +270,89 @@ impl LongitudinalModel {
         longitudinal_motion(&state, &loads, u.mass, u.iyy, c.gravity)
     }
 
-    /// The output vector, see [`Output`].
     #[inline(always)]
-    fn outputs<T: Scalar>(x: &[T; STATES], motion: &LongitudinalMotion<T>) -> [T; OUTPUTS] {
-        [x[0], x[1], x[2], x[3], motion.specific_force_x, motion.specific_force_z, motion.rates.q]
+    fn variables(&self, x: &[f64; STATES], u: &LongitudinalInput) -> Variables {
+        let c = &self.constants;
+        let mut value = [0.0; FACTORS + 1];
+        let mut gradient = [[0.0; 3]; FACTORS + 1];
+        value[0] = x[1] - c.alpha_reference;
+        gradient[0][1] = 1.0;
+        match c.rate_speed {
+            Some(speed) => {
+                let scale = 0.5 * c.mean_chord / speed;
+                value[1] = x[3] * scale;
+                gradient[1][2] = scale;
+            }
+            None => {
+                let scale = 0.5 * c.mean_chord / x[0];
+                value[1] = x[3] * scale;
+                gradient[1] = [-value[1] / x[0], 0.0, scale];
+            }
+        }
+        let per_speed = 1.0 / c.reference_speed;
+        value[2] = x[0] * per_speed;
+        gradient[2][0] = per_speed;
+        value[3] = u.elevator - c.elevator_reference;
+        value[4..ONE].copy_from_slice(&u.extra);
+        value[ONE] = 1.0;
+        Variables { value, gradient }
+    }
+
+    #[inline(always)]
+    fn point<const P: usize>(&self, x: &[f64; STATES], theta: &[f64; P], u: &LongitudinalInput) -> Point {
+        let variables = self.variables(x, u);
+        let (sin_alpha, cos_alpha) = x[1].sin_cos();
+        let (mut c, mut dc) = match &self.database {
+            Database::None => ([0.0; 3], [[0.0; 3]; 3]),
+            Database::F16(aircraft) => {
+                // Derivatives with respect to alpha and q_hat, then q_hat = q cbar/2V.
+                let scale = 0.5 * self.constants.mean_chord / x[0];
+                let q_hat = x[3] * scale;
+                let (cx, cz, cm) = aircraft.longitudinal_coefficients(
+                    Dual::<2>::variable(x[1], 0),
+                    Dual::<2>::variable(q_hat, 1),
+                    Dual::<2>::from(u.elevator),
+                );
+                let chain = |alpha: f64, rate: f64| [-rate * q_hat / x[0], alpha, rate * scale];
+                let lift = |x: f64, z: f64| x * sin_alpha - z * cos_alpha;
+                let drag = |x: f64, z: f64| -(x * cos_alpha + z * sin_alpha);
+                let (cl, cd) = (lift(cx.value, cz.value), drag(cx.value, cz.value));
+                let [cx_a, cx_q] = cx.derivatives;
+                let [cz_a, cz_q] = cz.derivatives;
+                (
+                    [cl, cd, cm.value],
+                    [
+                        chain(lift(cx_a, cz_a) - cd, lift(cx_q, cz_q)),
+                        chain(drag(cx_a, cz_a) + cl, drag(cx_q, cz_q)),
+                        chain(cm.derivatives[0], cm.derivatives[1]),
+                    ],
+                )
+            }
+        };
+        let known = self.quick_known.iter().map(|(term, value)| (term, *value));
+        for (term, factor) in known.chain(self.quick.iter().zip(theta.iter().copied())) {
+            let (value, gradient) = term.at(&variables);
+            c[term.coefficient] += factor * value;
+            for (d, g) in dc[term.coefficient].iter_mut().zip(gradient) {
+                *d += factor * g;
+            }
+        }
+        let force_v = u.air_density * self.constants.wing_area * x[0];
+        Point {
+            variables,
+            c,
+            dc,
+            sin_alpha,
+            cos_alpha,
+            force: 0.5 * force_v * x[0],
+            force_v,
+            thrust: self.thrust_direction.map(|d| u.thrust * d),
+        }
     }
 }
 
 fn to_array<T: Copy>(rates: &LongitudinalState<T>) -> [T; STATES] {
     [rates.speed, rates.alpha, rates.theta, rates.q]
-}
-
-fn variables(x: &[f64; STATES]) -> [Dual<STATES>; STATES] {
-    std::array::from_fn(|i| Dual::variable(x[i], i))
 }
 
 impl<const P: usize> Model<STATES, OUTPUTS, P> for LongitudinalModel {
@@ -228,28 +375,47 @@ impl<const P: usize> Model<STATES, OUTPUTS, P> for LongitudinalModel {
         u: &Self::Input,
         out: &mut LinearizedRates<STATES, P>,
     ) {
-        let dual = variables(x);
-        let factors = self.factors(&dual, u);
-        let coefficients = self.coefficients(&dual, theta, u, &factors);
-        let rates = to_array(&self.motion(&dual, u, coefficients).rates);
-        for i in 0..STATES {
-            out.rates[i] = rates[i].value;
-            out.state_jacobian[i] = rates[i].derivatives;
-        }
-        let force = 0.5 * u.air_density * self.constants.wing_area * x[0] * x[0];
-        let values = factors.map(|f| f.value);
-        let per_coefficient = [-force / (u.mass * x[0]), -force / u.mass, force * self.constants.mean_chord / u.iyy];
-        for (j, (coefficient, term)) in self.columns.iter().take(P).enumerate() {
-            let mut entry = [0.0; STATES];
-            let state = match coefficient {
-                Coefficient::Lift => 1,
-                Coefficient::Drag => 0,
-                Coefficient::PitchingMoment => 3,
-            };
-            entry[state] = per_coefficient[*coefficient as usize] * term.value(&values);
-            for i in 0..STATES {
-                out.regressors[i][j] = entry[i];
-            }
+        let c = &self.constants;
+        let p = self.point(x, theta, u);
+        let [cl, cd, cm] = p.c;
+        let [dcl, dcd, dcm] = p.dc;
+        let per_mass = 1.0 / u.mass;
+        let per_speed = 1.0 / x[0];
+        let (sin_path, cos_path) = (x[2] - x[1]).sin_cos();
+        let (gs, gc) = (c.gravity * sin_path, c.gravity * cos_path);
+        // Thrust along the airspeed and perpendicular to it (down).
+        let along = (p.thrust[0] * p.cos_alpha + p.thrust[1] * p.sin_alpha) * per_mass;
+        let across = (p.thrust[1] * p.cos_alpha - p.thrust[0] * p.sin_alpha) * per_mass;
+        let f = p.force * per_mass;
+        let f_v = p.force_v * per_mass;
+        let moment = c.mean_chord / u.iyy;
+        // V' = -qbar S CD/m + T cos(a + s)/m - g sin(theta - a)
+        out.rates[0] = along - f * cd - gs;
+        out.state_jacobian[0] = [-(f_v * cd + f * dcd[0]), across - f * dcd[1] + gc, -gc, -f * dcd[2]];
+        // alpha' = q + (-qbar S CL/m - T sin(a + s)/m + g cos(theta - a)) / V
+        let turn = across - f * cl + gc;
+        out.rates[1] = x[3] + turn * per_speed;
+        out.state_jacobian[1] = [
+            -(f_v * cl + f * dcl[0] + turn * per_speed) * per_speed,
+            (gs - f * dcl[1] - along) * per_speed,
+            -gs * per_speed,
+            1.0 - f * dcl[2] * per_speed,
+        ];
+        // theta' = q
+        out.rates[2] = x[3];
+        out.state_jacobian[2] = [0.0, 0.0, 0.0, 1.0];
+        // q' = (qbar S cbar Cm + T l) / Iyy
+        out.rates[3] = p.force * cm * moment + u.thrust * c.thrust_arm / u.iyy;
+        out.state_jacobian[3] =
+            [moment * (p.force_v * cm + p.force * dcm[0]), moment * p.force * dcm[1], 0.0, moment * p.force * dcm[2]];
+        let per_coefficient = [[0.0, -f * per_speed, 0.0], [-f, 0.0, 0.0], [0.0, 0.0, p.force * moment]];
+        for (j, term) in self.quick.iter().take(P).enumerate() {
+            let (value, _) = term.at(&p.variables);
+            let [v, a, q] = per_coefficient[term.coefficient];
+            out.regressors[0][j] = v * value;
+            out.regressors[1][j] = a * value;
+            out.regressors[2][j] = 0.0;
+            out.regressors[3][j] = q * value;
         }
     }
 
@@ -260,38 +426,43 @@ impl<const P: usize> Model<STATES, OUTPUTS, P> for LongitudinalModel {
         u: &Self::Input,
         out: &mut LinearizedOutputs<STATES, OUTPUTS, P>,
     ) {
-        let dual = variables(x);
-        let factors = self.factors(&dual, u);
-        let coefficients = self.coefficients(&dual, theta, u, &factors);
-        let outputs = Self::outputs(&dual, &self.motion(&dual, u, coefficients));
-        for i in 0..OUTPUTS {
-            out.outputs[i] = outputs[i].value;
-            out.state_jacobian[i] = outputs[i].derivatives;
+        let p = self.point(x, theta, u);
+        let [cl, cd, cm] = p.c;
+        let [dcl, dcd, dcm] = p.dc;
+        let (sin, cos) = (p.sin_alpha, p.cos_alpha);
+        let per_mass = 1.0 / u.mass;
+        let f = p.force * per_mass;
+        let f_v = p.force_v * per_mass;
+        let moment = self.constants.mean_chord / u.iyy;
+        out.outputs[..STATES].copy_from_slice(x);
+        for i in 0..STATES {
+            out.state_jacobian[i] = [0.0; STATES];
+            out.state_jacobian[i][i] = 1.0;
         }
-        let force = 0.5 * u.air_density * self.constants.wing_area * x[0] * x[0];
-        let specific = force / u.mass;
-        let angular = force * self.constants.mean_chord / u.iyy;
-        let (sin, cos) = x[1].sin_cos();
-        let values = factors.map(|f| f.value);
-        for (j, (coefficient, term)) in self.columns.iter().take(P).enumerate() {
-            let mut entry = [0.0; OUTPUTS];
-            let r = term.value(&values);
-            match coefficient {
-                Coefficient::Lift => {
-                    entry[Output::Ax.index()] = specific * sin * r;
-                    entry[Output::Az.index()] = -specific * cos * r;
-                }
-                Coefficient::Drag => {
-                    entry[Output::Ax.index()] = -specific * cos * r;
-                    entry[Output::Az.index()] = -specific * sin * r;
-                }
-                Coefficient::PitchingMoment => {
-                    entry[Output::PitchAcceleration.index()] = angular * r;
-                }
+        // ax = (qbar S (CL sin a - CD cos a) + T cos s) / m,   az = (-qbar S (CL cos a + CD sin a) - T sin s) / m
+        let (x_force, z_force) = (cl * sin - cd * cos, -(cl * cos + cd * sin));
+        let along_x = |d: usize| dcl[d] * sin - dcd[d] * cos;
+        let along_z = |d: usize| -(dcl[d] * cos + dcd[d] * sin);
+        let ax = Output::Ax.index();
+        out.outputs[ax] = f * x_force + p.thrust[0] * per_mass;
+        out.state_jacobian[ax] = [f_v * x_force + f * along_x(0), f * (along_x(1) - z_force), 0.0, f * along_x(2)];
+        let az = Output::Az.index();
+        out.outputs[az] = f * z_force + p.thrust[1] * per_mass;
+        out.state_jacobian[az] = [f_v * z_force + f * along_z(0), f * (along_z(1) + x_force), 0.0, f * along_z(2)];
+        let qdot = Output::PitchAcceleration.index();
+        out.outputs[qdot] = p.force * cm * moment + u.thrust * self.constants.thrust_arm / u.iyy;
+        out.state_jacobian[qdot] =
+            [moment * (p.force_v * cm + p.force * dcm[0]), moment * p.force * dcm[1], 0.0, moment * p.force * dcm[2]];
+        let per_coefficient = [[f * sin, -f * cos, 0.0], [-f * cos, -f * sin, 0.0], [0.0, 0.0, p.force * moment]];
+        for (j, term) in self.quick.iter().take(P).enumerate() {
+            let (value, _) = term.at(&p.variables);
+            let [x_part, z_part, q_part] = per_coefficient[term.coefficient];
+            for row in &mut out.parameter_jacobian[..STATES] {
+                row[j] = 0.0;
             }
-            for i in 0..OUTPUTS {
-                out.parameter_jacobian[i][j] = entry[i];
-            }
+            out.parameter_jacobian[ax][j] = x_part * value;
+            out.parameter_jacobian[az][j] = z_part * value;
+            out.parameter_jacobian[qdot][j] = q_part * value;
         }
     }
 

@@ -284,7 +284,6 @@ fn disturbed_trace_until_the_damage_is_noticed() {
             start[i] = (start[i] + step[i] * (high[i] - low[i])).clamp(low[i], high[i]);
         }
     }
-    let samples = trace.samples.iter().take_while(|s| s.time_s < 10.25 - 1e-9).count();
     let place: Vec<f64> = (0..STATES).map(|i| (start[i] - low[i]) / (high[i] - low[i])).collect();
     println!("start at {place:.3?} of its intervals");
     let samples = trace.samples.iter().take_while(|s| s.time_s < 10.25 - 1e-9).count();
