@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use crate::channels::{self, ChannelSpec};
 use crate::csv::{ColumnMapping, CsvOptions, ReadError};
 use crate::header::{self, Conflict, Doubt, Meaning};
-use crate::quality::QualityReport;
+use crate::quality::{QualityReport, Short};
 use crate::record::Quantity;
 use crate::units::{self, Unit};
 
@@ -94,7 +94,14 @@ pub(crate) fn plan(head: &Head<'_>, options: &CsvOptions, report: &mut QualityRe
     uses.sort_by_key(|column| column.column);
     name_apart(&mut uses, report);
 
-    let time = uses.iter().position(|column| column.name == "time").map(|index| uses.remove(index));
+    let mut time = uses.iter().position(|column| column.name == "time").map(|index| uses.remove(index));
+    if let (Some(step), Some(column)) = (options.sample_time_s, &time) {
+        report.note(
+            format!("column '{}'", column.header),
+            format!("left out: the sample time is given as {} s, and the rows are counted", Short(step)),
+        );
+        time = None;
+    }
     if time.is_none() && options.sample_time_s.is_none() {
         return Err(no_time(head));
     }

@@ -59,6 +59,19 @@ fn magnitudes(record: &Record, report: &mut QualityReport) {
             );
         }
     }
+    let in_degrees = report.channels.iter().any(|entry| entry.name == "alpha" && entry.unit == "deg");
+    if let Some(alpha) = record.channel("alpha").filter(|_| in_degrees) {
+        let peak = typical_peak(&alpha.values).to_degrees();
+        if peak > 0.0 && peak < 0.35 {
+            report.note(
+                "alpha",
+                format!(
+                    "stays below {} deg: a deviation from trim, or radians taken for degrees. If so, write alpha_rad",
+                    Short(peak)
+                ),
+            );
+        }
+    }
     if let Some(throttle) = record.channel("throttle")
         && typical_peak(&throttle.values) > 1.5
     {

@@ -141,7 +141,7 @@ fn merge_equal_times(table: &mut Table, rows: &mut Vec<usize>, report: &mut Qual
             message += &format!("; {} missing there taken from the later row", plural(filled, "value"));
         }
         if differing > 0 {
-            message += &format!("; {} differ and the first is kept", plural(differing, "value"));
+            message += &format!("; {differing} of the values differ and the first is kept");
         }
         if differing > 0 && 2 * merged.count() > kept.len() {
             message += ". The time seems to be written with too few digits for the rate of the rows: write more digits, \

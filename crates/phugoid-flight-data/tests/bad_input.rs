@@ -74,6 +74,7 @@ fn empty_files_and_bare_headers() {
 fn a_file_without_a_header_is_refused() {
     let message = refused("# log\n0.0,1.0,2.0\n0.1,1.0,2.0\n");
     assert!(message.contains("line 2: a header line"), "{message}");
+    assert!(refused("12:30:00,1.0\n12:30:01,2.0\n").contains("line 1: a header line"));
     // A commented header counts if it fits.
     let record = good("# time_s, alpha_rad\n0.0,0.1\n0.1,0.2\n");
     assert_eq!(values(&record, "alpha"), [0.1, 0.2]);
@@ -92,6 +93,10 @@ fn no_time_is_refused_and_the_nearest_named() {
     let options = CsvOptions { sample_time_s: Some(0.02), ..CsvOptions::default() };
     let record = read("alpha_rad\n0.1\n0.2\n0.3\n".as_bytes(), "x", &options).unwrap();
     assert_eq!(record.time, [0.0, 0.02, 0.04]);
+    // A given sample time stands in for a time with too few digits.
+    let record = read("time_s,alpha_rad\n0.0,0.1\n0.0,0.2\n0.0,0.3\n".as_bytes(), "x", &options).unwrap();
+    assert_eq!(record.time, [0.0, 0.02, 0.04]);
+    says(&record, &["'time_s'", "left out: the sample time is given as 0.02 s"]);
 }
 
 #[test]
@@ -118,6 +123,8 @@ fn degrees_given_as_radians_are_noticed() {
     // The other way round: only the comparison of attitude and rate can tell.
     let record = good(&text.replace("q_rad_s", "q_deg_s").replace("theta_rad", "theta_deg"));
     says(&record, &["theta and q", "q is in rad/s and taken for deg/s"]);
+    let record = good("time_s,alpha_deg\n0,0.04\n1,0.05\n2,0.06\n");
+    says(&record, &["alpha: stays below 0.06 deg", "radians taken for degrees"]);
     // And with the right units there is nothing to say about these two.
     let record = good(&text.replace("theta_rad", "theta_deg"));
     assert!(!findings(&record).iter().any(|finding| finding.contains("theta and q")));
@@ -343,7 +350,7 @@ fn rows_of_equal_time_are_merged() {
     assert_eq!(values(&record, "a1"), [1.0, 2.0, 4.0]);
     assert_eq!(values(&record, "b1"), [5.0, 6.0, 7.0]);
     says(&record, &["lines 3, 5: 2 rows with the time of the row before merged", "1 value missing there taken"]);
-    says(&record, &["1 value differ and the first is kept"]);
+    says(&record, &["1 of the values differ and the first is kept"]);
 }
 
 #[test]

@@ -69,7 +69,8 @@ pub struct CsvOptions {
     pub columns: Vec<ColumnMapping>,
     /// The character between cells; found by itself if not given. One of `,` `;` tab `|` blank.
     pub delimiter: Option<char>,
-    /// Time from one row to the next, s, for files without a time column; such rows are at 0, h, 2h, ...
+    /// Time from one row to the next, s, for files without a time or with a bad one: the rows are then at 0, h, 2h, ...
+    /// and a time column, if there is one, is left out.
     pub sample_time_s: Option<f64>,
     /// A step in time longer than this many median steps is reported as a gap. More than 1.
     pub gap_factor: f64,

@@ -157,7 +157,10 @@ impl<'s, R: Read> TextFile<'s, R> {
         let comment = self.last_comment.take();
         let Some(first) = first else { return Err(ReadError::Empty { source_name: self.source.to_owned() }) };
         let mut cells = self.cells(&first.text);
-        if cells.iter().any(|cell| matches!(cells::parse(cell, self.format.decimal_comma), Cell::Text)) {
+        let word = |cell: &String| {
+            matches!(cells::parse(cell, self.format.decimal_comma), Cell::Text) && cells::clock(cell).is_none()
+        };
+        if cells.iter().any(word) {
             // Blank cells at the end of the header are the traces of a delimiter at the end of every line.
             while cells.last().is_some_and(|cell| cell.trim().is_empty()) {
                 cells.pop();
@@ -303,9 +306,10 @@ impl Rows {
     }
 
     fn time(&mut self, cells: &[&str], row_index: usize, options: &CsvOptions) -> Option<f64> {
-        let Some(column) = &self.plan.time else {
-            return options.sample_time_s.map(|step| step * row_index as f64);
-        };
+        if let Some(step) = options.sample_time_s {
+            return Some(step * row_index as f64).filter(|time| time.is_finite());
+        }
+        let column = self.plan.time.as_ref()?;
         let cell = cells.get(column.column).copied().unwrap_or_default();
         if let Cell::Value(value) = cells::parse(cell, self.format.decimal_comma) {
             return Some(column.to_si(value)).filter(|time| time.is_finite());
