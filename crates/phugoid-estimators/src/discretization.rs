@@ -3,6 +3,7 @@
 //! The derivatives are those of the *discrete* map (the chain rule through the four stages), not a discretisation of
 //! the continuous ones: an estimator that linearises the map it really integrates stays exact for any step.
 
+use crate::kernels::add_scaled;
 use crate::model::{Input, LinearizedRates, Model};
 
 /// What the known input does between two samples.
@@ -127,6 +128,8 @@ where
     let mut slope = [0.0; N];
     let mut slope_by_state = [[0.0; N]; N];
     let mut slope_by_parameter = [[0.0; P]; N];
+    let mut slope_row = [0.0; P];
+    let mut next_by_parameter = [[0.0; P]; N];
 
     // Classical RK4: (position in the step, weight of the slope, step to the next stage point).
     const STAGES: [(f64, f64); 4] = [(1.0 / 6.0, 0.5), (1.0 / 3.0, 0.5), (1.0 / 3.0, 1.0), (1.0 / 6.0, 0.0)];
@@ -135,7 +138,6 @@ where
         model.linearized_rates(&point, theta, &input.at(positions[stage]), &mut lin);
         let last = stage == 3;
         let mut next_by_state = [[0.0; N]; N];
-        let mut next_by_parameter = [[0.0; P]; N];
         let ahead = next * h;
         for i in 0..N {
             let jacobian = &lin.state_jacobian[i];
@@ -156,14 +158,16 @@ where
                 slope_by_state[i][j] += weight * row[j];
                 next_by_state[i][j] = ahead * row[j];
             }
-            // One pass over the columns: slope, its weighted sum, and the next stage point.
-            for j in 0..p {
-                let mut row = if j < own { lin.regressors[i][j] } else { 0.0 };
-                for k in 0..N {
-                    row += jacobian[k] * by_parameter[k][j];
-                }
-                slope_by_parameter[i][j] += weight * row;
-                next_by_parameter[i][j] = sensitivity[i][j] + ahead * row;
+            slope_row[..own].copy_from_slice(&lin.regressors[i][..own]);
+            slope_row[own..p].fill(0.0);
+            let row = &mut slope_row;
+            for k in 0..N {
+                add_scaled(&mut row[..p], jacobian[k], &by_parameter[k][..p]);
+            }
+            add_scaled(&mut slope_by_parameter[i][..p], weight, &row[..p]);
+            if !last {
+                next_by_parameter[i][..p].copy_from_slice(&sensitivity[i][..p]);
+                add_scaled(&mut next_by_parameter[i][..p], ahead, &row[..p]);
             }
         }
         if !last {
@@ -172,7 +176,9 @@ where
                 next_by_state[i][i] += 1.0;
             }
             by_state = next_by_state;
-            by_parameter = next_by_parameter;
+            for i in 0..N {
+                by_parameter[i][..p].copy_from_slice(&next_by_parameter[i][..p]);
+            }
         }
     }
 
