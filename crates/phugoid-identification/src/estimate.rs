@@ -89,8 +89,8 @@ pub enum EstimateError {
 }
 
 /// Estimates the parameters of `model` from `record`, sample by sample as an on-board computer would: no estimate uses
-/// a later sample. (Measured noise levels, where the model file gives none, are those of the first second, or of the
-/// first 40 samples if that is longer.) `progress` is called with the fraction done, 0 to 1.
+/// a later sample. (Measured noise levels, where the model file gives none, are those of the first two seconds, or of
+/// the first 40 samples if that is longer.) `progress` is called with the fraction done, 0 to 1.
 ///
 /// # Errors
 /// [`EstimateError`]: a missing channel, too few samples, units that are certainly wrong, too many parameters.
@@ -143,9 +143,7 @@ pub(crate) struct NoiseLevel {
 }
 
 fn noise_levels(prepared: &Prepared, model: &ModelFile) -> Result<[NoiseLevel; OUTPUTS], EstimateError> {
-    let start = prepared.time[0];
-    let second = prepared.time.iter().take_while(|t| **t - start <= 1.0).count();
-    let length = second.max(40).min(prepared.time.len());
+    let length = prepared.noise_samples();
     let mut levels = [NoiseLevel { std: 0.0, measured: false }; OUTPUTS];
     for output in Output::ALL.into_iter().filter(|o| model.outputs[o.index()]) {
         levels[output.index()] = match model.noise[output.index()] {

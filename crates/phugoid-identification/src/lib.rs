@@ -2,6 +2,7 @@
 #![cfg_attr(not(test), deny(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 pub mod estimate;
 pub mod estimation;
+mod excitation;
 pub mod longitudinal;
 pub mod model_file;
 pub mod noise;

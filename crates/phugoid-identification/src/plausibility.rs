@@ -63,9 +63,12 @@ pub fn check_units(signals: &Signals) -> Vec<UnitDoubt> {
 }
 
 fn doubt(doubts: &mut Vec<UnitDoubt>, channel: &str, certainty: Certainty, message: String) {
-    // The first finding about a channel is the plainest one.
-    if !doubts.iter().any(|d| d.channel == channel) {
-        doubts.push(UnitDoubt { channel: channel.to_owned(), certainty, message });
+    // The first finding about a channel is the plainest one, unless a later one is surer.
+    let new = UnitDoubt { channel: channel.to_owned(), certainty, message };
+    match doubts.iter_mut().find(|d| d.channel == channel) {
+        Some(old) if old.certainty == Certainty::Doubtful && certainty == Certainty::Certain => *old = new,
+        Some(_) => {}
+        None => doubts.push(new),
     }
 }
 

@@ -29,6 +29,14 @@ pub struct Prepared {
     pub notes: Vec<String>,
 }
 
+impl Prepared {
+    /// Samples at the start of the record that noise levels are measured from: two seconds, at least 40 samples.
+    pub fn noise_samples(&self) -> usize {
+        let start = self.time.first().copied().unwrap_or(0.0);
+        self.time.iter().take_while(|t| **t - start <= 2.0).count().max(40).min(self.time.len())
+    }
+}
+
 /// Builds the model and collects the signals.
 ///
 /// # Errors

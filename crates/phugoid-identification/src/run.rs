@@ -8,8 +8,10 @@ use phugoid_estimators::{ChangeState, DetectorState, Estimate, Estimator, Parame
 
 use crate::estimate::{CAPACITY, EstimateError, EstimateOptions, NoiseLevel};
 use crate::estimation::Event;
-use crate::longitudinal::LongitudinalModel;
+use crate::excitation::Excitation;
+use crate::longitudinal::{LongitudinalInput, LongitudinalModel};
 use crate::model_file::{Base, ModelFile, Parameter, Role};
+use crate::noise::measure_noise;
 use crate::output::{OUTPUTS, Output, STATES};
 use crate::prepare::Prepared;
 
@@ -26,6 +28,8 @@ pub(crate) struct Run {
     pub(crate) last: Estimate<CAPACITY>,
     pub(crate) detector: Option<DetectorReport>,
     pub(crate) change_sensitivity: [f64; CAPACITY],
+    /// True if any motion was visible above the noise.
+    pub(crate) excited: bool,
 }
 
 pub(crate) fn run_smpe(
@@ -52,11 +56,32 @@ pub(crate) fn run_smpe(
         last: smpe.estimate(),
         detector: None,
         change_sensitivity: [0.0; CAPACITY],
+        excited: false,
     };
+    // Increments only: in absolute form steady flight does inform about the sums of terms.
+    let mut waiting = file.base != Base::None;
+    let mut excitation = excitation(prepared, noise);
     let mut watch = Watch { gap_s: settings.maximum_step_s.max(3.5 * settings.sample_time_s), ..Watch::default() };
     for k in 0..samples {
-        let sample = Sample { time_s: prepared.time[k], input: prepared.inputs[k], outputs: prepared.outputs[k] };
-        let estimate = smpe.update(&sample);
+        let sample = sample_at(prepared, k);
+        let mut estimate = smpe.update(&sample);
+        let moved = excitation.update(sample.time_s, sample.input.elevator, &sample.outputs);
+        run.excited |= moved;
+        if waiting && moved {
+            waiting = false;
+            let from = prepared.time.partition_point(|t| *t < sample.time_s - LEAD_S - 1e-9);
+            if from > 0 {
+                // Forget what was taken for excitation before there was any.
+                smpe = Smpe::new(prepared.model.clone(), settings).map_err(set_up)?;
+                for i in from..=k {
+                    estimate = smpe.update(&sample_at(prepared, i));
+                }
+                watch.restarts = smpe.restarts();
+            }
+        }
+        if waiting {
+            estimate = unmoved(estimate, &settings, smpe.column_count(), smpe.prior_sd());
+        }
         watch.look(&estimate, sample.time_s, smpe.restarts(), &mut run.events);
         run.values.push(estimate.parameters);
         run.std_errors.push(estimate.corrected_std_error);
@@ -70,11 +95,55 @@ pub(crate) fn run_smpe(
             progress(k as f64 / samples as f64);
         }
     }
-    smpe.covariance(&mut run.covariance);
+    if waiting {
+        for (j, sd) in smpe.prior_sd().iter().enumerate().take(smpe.column_count()) {
+            run.covariance[j][j] = sd * sd;
+        }
+    } else {
+        smpe.covariance(&mut run.covariance);
+    }
     run.detector = smpe.detector();
     run.change_sensitivity = smpe.change_sensitivity();
     progress(1.0);
     Ok(run)
+}
+
+/// How far before the first visible motion the estimation of increments starts, s.
+const LEAD_S: f64 = 1.0;
+
+fn sample_at(prepared: &Prepared, k: usize) -> Sample<LongitudinalInput, OUTPUTS> {
+    Sample { time_s: prepared.time[k], input: prepared.inputs[k], outputs: prepared.outputs[k] }
+}
+
+fn excitation(prepared: &Prepared, noise: &[NoiseLevel; OUTPUTS]) -> Excitation {
+    let start: Vec<f64> = prepared.inputs.iter().take(prepared.noise_samples()).map(|u| u.elevator).collect();
+    let elevator_noise = measure_noise(&start).filter(|n| !n.quantised).map_or(0.0, |n| n.std);
+    Excitation::new(noise.map(|n| n.std), elevator_noise, prepared.inputs[0].elevator)
+}
+
+/// The estimate before anything has moved: the prior.
+fn unmoved(
+    estimate: Estimate<CAPACITY>,
+    settings: &SmpeSettings<STATES, OUTPUTS, CAPACITY>,
+    columns: usize,
+    prior_sd: &[f64; CAPACITY],
+) -> Estimate<CAPACITY> {
+    let mut prior = Estimate {
+        parameters: [0.0; CAPACITY],
+        std_error: [0.0; CAPACITY],
+        corrected_std_error: [0.0; CAPACITY],
+        observability: [0.0; CAPACITY],
+        parameter_status: [ParameterStatus::NotExcited; CAPACITY],
+        ..estimate
+    };
+    prior.status.change = ChangeState::Steady;
+    for j in 0..columns {
+        // Bias columns start at zero, as the unused entries of the settings do.
+        prior.parameters[j] = settings.priors[j].initial;
+        prior.std_error[j] = prior_sd[j];
+        prior.corrected_std_error[j] = prior_sd[j];
+    }
+    prior
 }
 
 /// Settings of the estimator for a prepared record: the automatic rule with what the model file says.

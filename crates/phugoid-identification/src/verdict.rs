@@ -1,5 +1,7 @@
 //! The verdict on an estimation, in sentences.
 
+use phugoid_estimators::DetectorState;
+
 use crate::estimate::NoiseLevel;
 use crate::estimation::{History, ParameterResult, Signal};
 use crate::output::{OUTPUTS, Output};
@@ -22,7 +24,7 @@ pub(crate) fn verdict(
     history: &History,
 ) -> Vec<String> {
     let mut sentences = Vec::new();
-    excitation(parameters, &mut sentences);
+    excitation(parameters, run.excited, &mut sentences);
     pairs(parameters, correlation, &mut sentences);
     changes(parameters, run, &mut sentences);
     residuals(&history.residuals, run, &mut sentences);
@@ -44,7 +46,7 @@ fn capitalised(text: &str) -> String {
     characters.next().map_or_else(String::new, |c| c.to_uppercase().chain(characters).collect())
 }
 
-fn excitation(parameters: &[ParameterResult], sentences: &mut Vec<String>) {
+fn excitation(parameters: &[ParameterResult], excited: bool, sentences: &mut Vec<String>) {
     let wanted: Vec<&ParameterResult> = parameters.iter().filter(|p| !p.nuisance && p.status != "fixed").collect();
     let with =
         |status: &str| -> Vec<&str> { wanted.iter().filter(|p| p.status == status).map(|p| p.name.as_str()).collect() };
@@ -57,6 +59,13 @@ fn excitation(parameters: &[ParameterResult], sentences: &mut Vec<String>) {
                 .to_owned(),
         );
         return;
+    }
+    if !excited {
+        sentences.push(
+            "No excitation: elevator, angle of attack and pitch rate never move beyond their noise. Only sums of terms \
+             are known; do not trust single ones. Fly an elevator input such as a 3-2-1-1 or a doublet."
+                .to_owned(),
+        );
     }
     sentences.push(format!("{} of {} parameters have converged.", converged.len(), wanted.len()));
     if !improving.is_empty() {
@@ -110,7 +119,7 @@ fn changes(parameters: &[ParameterResult], run: &Run, sentences: &mut Vec<String
         sentences.push(format!("The parameters changed in flight: found at {}.", times.join(", ")));
     }
     let Some(detector) = run.detector else { return };
-    if run.events.iter().any(|e| e.kind == "insensitive") {
+    if run.last.status.detector == DetectorState::Insensitive {
         let seen: Vec<String> = parameters
             .iter()
             .filter(|p| !p.nuisance && p.status != "fixed")

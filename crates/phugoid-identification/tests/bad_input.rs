@@ -1,0 +1,244 @@
+//! What people really hand in: missing channels, wrong units, holes, outliers, flights without excitation.
+
+mod common;
+
+use common::f16::{TRUTH, channel, fly, model};
+use phugoid_flight_data::record::{Quantity, Record};
+use phugoid_identification::estimate::{CAPACITY, EstimateError, EstimateOptions, estimate};
+use phugoid_identification::estimation::Estimation;
+use phugoid_identification::model_file::ModelFile;
+
+const F16: &str = include_str!("../../../data/models/f16.toml");
+const AMPLITUDE: f64 = 0.026; // 1.5 deg
+
+fn run(record: &Record, model: &ModelFile) -> Result<Estimation, EstimateError> {
+    let truth = TRUTH.iter().map(|(n, v)| ((*n).to_owned(), *v)).collect();
+    estimate(record, model, &EstimateOptions { truth, ..EstimateOptions::default() }, &mut |_| {})
+}
+
+fn values<'a>(record: &'a mut Record, name: &str) -> &'a mut Vec<f64> {
+    &mut record.channels.iter_mut().find(|c| c.name == name).unwrap().values
+}
+
+/// Every estimate within four corrected standard errors of the truth, and the bounds worth something.
+fn assert_good(estimation: &Estimation) {
+    for p in &estimation.parameters {
+        let error = (p.value - p.truth.unwrap()).abs();
+        assert!(error < 4.0 * p.corrected_std_error, "{}: {} +- {}", p.name, p.value, p.corrected_std_error);
+        assert!(p.corrected_std_error < 0.3 * p.prior_std, "{}: {}", p.name, p.corrected_std_error);
+    }
+}
+
+fn said(estimation: &Estimation, words: &[&str]) -> bool {
+    estimation.verdict.iter().any(|s| words.iter().all(|w| s.contains(w)))
+}
+
+#[test]
+fn a_sound_flight_gives_the_truth_within_its_bounds() {
+    let estimation = run(&fly(15.0, AMPLITUDE, 1), &model()).unwrap();
+    assert_good(&estimation);
+    assert!(estimation.events.is_empty(), "{:?}", estimation.events);
+    assert!(said(&estimation, &["Noise levels measured from the record"]));
+    for (signal, sd) in estimation.noise.iter().zip(common::f16::NOISE) {
+        let ratio = signal.values[0] / sd;
+        assert!((0.6..1.6).contains(&ratio), "{}: measured noise is {ratio:.2} of the true one", signal.name);
+    }
+    let n = estimation.history.time_s.len();
+    let h = &estimation.history;
+    assert_eq!(h.phase.len(), n);
+    for signal in h.inputs.iter().chain(&h.measured).chain(&h.predicted).chain(&h.residuals) {
+        assert_eq!(signal.values.len(), n, "{}", signal.name);
+    }
+    for p in &h.parameters {
+        assert_eq!((p.value.len(), p.std_error.len(), p.surface.len()), (n, n, n));
+    }
+    for (i, row) in estimation.correlation.iter().enumerate() {
+        assert_eq!(row[i], 1.0);
+        for (j, r) in row.iter().enumerate() {
+            assert!((r - estimation.correlation[j][i]).abs() < 1e-9 && r.abs() <= 1.0);
+        }
+    }
+}
+
+#[test]
+fn a_missing_channel_is_named_with_the_nearest_one() {
+    let mut record = fly(2.0, AMPLITUDE, 1);
+    record.channels.iter_mut().find(|c| c.name == "elevator").unwrap().name = "elevator_left".to_owned();
+    let error = run(&record, &model()).unwrap_err();
+    let EstimateError::MissingChannel { channel, nearest, .. } = &error else { panic!("{error}") };
+    assert_eq!((channel.as_str(), nearest.as_deref()), ("elevator", Some("elevator_left")));
+    let text = error.to_string();
+    assert!(text.contains("simulated") && text.contains("[channels]") && text.contains("true_airspeed"), "{text}");
+}
+
+#[test]
+fn degrees_given_as_radians_are_noticed_and_said() {
+    let degrees = 180.0 / std::f64::consts::PI;
+    let record = fly(15.0, AMPLITUDE, 2);
+    for wrong in
+        [&["alpha"][..], &["theta"], &["q"], &["elevator"], &["alpha", "theta"], &["alpha", "theta", "q", "elevator"]]
+    {
+        let mut record = record.clone();
+        for name in wrong {
+            values(&mut record, name).iter_mut().for_each(|v| *v *= degrees);
+        }
+        let error = run(&record, &model()).err().unwrap_or_else(|| panic!("{wrong:?} not noticed"));
+        let EstimateError::Units { units } = &error else { panic!("{wrong:?}: {error}") };
+        let text = units.join("\n");
+        println!("{wrong:?}: {text}");
+        assert!(text.contains("degrees read as radians") && text.contains("deg"), "{text}");
+        for name in wrong {
+            // q alone may be blamed on its partner: the ratio of theta and q is all that physics says.
+            assert!(text.contains(name) || wrong.len() > 1, "{name} is not named in {text}");
+        }
+    }
+}
+
+#[test]
+fn wrong_accelerometer_units_and_signs_are_refused() {
+    let record = fly(15.0, AMPLITUDE, 3);
+    for (factor, word) in [(-1.0, "sign"), (1.0 / 9.80665, "az_g"), (1.0 / 0.3048, "ft/s^2")] {
+        let mut record = record.clone();
+        values(&mut record, "az").iter_mut().for_each(|v| *v *= factor);
+        let error = run(&record, &model()).unwrap_err().to_string();
+        assert!(error.contains("`az`") && error.contains(word), "{error}");
+    }
+}
+
+#[test]
+fn missing_values_cost_information_and_nothing_else() {
+    let mut record = fly(15.0, AMPLITUDE, 4);
+    for name in ["alpha", "az", "elevator", "true_airspeed"] {
+        for (k, v) in values(&mut record, name).iter_mut().enumerate() {
+            if (k * 7 + name.len()) % 13 == 0 {
+                *v = f64::NAN;
+            }
+        }
+    }
+    values(&mut record, "altitude")[0] = f64::NAN;
+    let estimation = run(&record, &model()).unwrap();
+    for p in &estimation.parameters {
+        assert!(p.value.is_finite() && p.corrected_std_error.is_finite());
+    }
+    assert!(said(&estimation, &["elevator", "missing"]), "{:?}", estimation.verdict);
+    assert!(said(&estimation, &["samples were left out"]), "{:?}", estimation.verdict);
+
+    values(&mut record, "q").fill(f64::NAN);
+    let error = run(&record, &model()).unwrap_err();
+    assert_eq!(error, EstimateError::EmptyChannel("q".to_owned()));
+}
+
+#[test]
+fn twenty_sigma_outliers_do_not_matter_and_are_counted() {
+    let mut record = fly(15.0, AMPLITUDE, 5);
+    for (i, name) in ["true_airspeed", "alpha", "theta", "q", "ax", "az"].into_iter().enumerate() {
+        for (k, v) in values(&mut record, name).iter_mut().enumerate() {
+            if (k + 3 * i) % 20 == 7 {
+                *v += if k % 40 < 20 { 20.0 } else { -20.0 } * common::f16::NOISE[i];
+            }
+        }
+    }
+    let estimation = run(&record, &model()).unwrap();
+    assert_good(&estimation);
+    assert!(said(&estimation, &["samples of alpha", "outliers"]), "{:?}", estimation.verdict);
+}
+
+#[test]
+fn a_gap_is_an_event_and_not_a_catastrophe() {
+    let mut record = fly(15.0, AMPLITUDE, 6);
+    let cut = |values: &mut Vec<f64>| {
+        values.drain(300..450);
+    };
+    cut(&mut record.time);
+    for channel in &mut record.channels {
+        cut(&mut channel.values);
+    }
+    let estimation = run(&record, &model()).unwrap();
+    assert_good(&estimation);
+    let gap = estimation.events.iter().find(|e| e.kind == "gap").unwrap();
+    assert!((gap.time_s - 9.0).abs() < 1e-9 && gap.message.contains("3.0"), "{gap:?}");
+    assert!(!estimation.events.iter().any(|e| e.kind == "re_reached"));
+}
+
+#[test]
+fn without_excitation_the_bounds_stay_at_the_prior_and_the_verdict_says_so() {
+    let estimation = run(&fly(15.0, 0.0, 7), &model()).unwrap();
+    for p in &estimation.parameters {
+        println!("{}: {} +- {} ({}) of {}", p.name, p.value, p.std_error, p.corrected_std_error, p.prior_std);
+    }
+    assert!(said(&estimation, &["No excitation"]), "{:?}", estimation.verdict);
+    for p in &estimation.parameters {
+        assert_eq!(p.status, "not_excited", "{}", p.name);
+        assert!(p.std_error > 0.9 * p.prior_std, "{}: {} of {}", p.name, p.std_error, p.prior_std);
+        assert_eq!(p.converged_at_s, None);
+    }
+}
+
+#[test]
+fn parameters_that_cannot_be_told_apart_are_named_as_a_pair() {
+    let text = F16
+        .replace("base = \"f16\"", "base = \"f16\"\ninputs = [\"flap\"]")
+        .replace("\"q_hat\", \"elevator\"]", "\"q_hat\", \"elevator\", \"flap\"]")
+        .replace("dCm_elevator =", "dCm_flap = { bounds = [-0.4, 0.4] }\ndCm_elevator =");
+    let model = ModelFile::parse("flapped", &text).unwrap();
+    let mut record = fly(15.0, AMPLITUDE, 8);
+    // A flap that is geared to the elevator.
+    let flap = values(&mut record, "elevator").iter().map(|e| 0.5 * (e - common::f16::TRIM[1])).collect();
+    record.channels.push(channel("flap", Quantity::Angle, flap));
+    let estimation = run(&record, &model).unwrap();
+    assert!(said(&estimation, &["dCm_elevator", "dCm_flap", "cannot be told apart"]), "{:?}", estimation.verdict);
+}
+
+#[test]
+fn more_parameters_than_there_is_room_for_are_refused() {
+    let terms: Vec<String> = (1..=9).flat_map(|a| (1..=3).map(move |q| format!("\"alpha^{a}*q_hat^{q}\""))).collect();
+    let names: Vec<String> =
+        (1..=9).flat_map(|a| (1..=3).map(move |q| (a, q))).map(|(a, q)| power_name(a, q)).collect();
+    let priors: String = names.iter().map(|n| format!("{n}.prior_std = 1\n")).collect();
+    let text = F16
+        .replace("Cm = [", &format!("Cm = [{}, ", terms.join(", ")))
+        .replace("[parameters] ", &format!("[parameters]\n{priors}#"));
+    let model = ModelFile::parse("crowded", &text).unwrap();
+    let error = run(&fly(2.0, AMPLITUDE, 9), &model).unwrap_err();
+    assert_eq!(error, EstimateError::TooManyParameters { wanted: 32, capacity: CAPACITY });
+}
+
+fn power_name(alpha: u32, q: u32) -> String {
+    let power = |n: u32| if n > 1 { n.to_string() } else { String::new() };
+    format!("dCm_alpha{}_q{}", power(alpha), power(q))
+}
+
+#[test]
+fn a_record_that_is_cut_short_is_refused() {
+    let mut record = fly(2.0, AMPLITUDE, 10);
+    record.time.truncate(12);
+    for channel in &mut record.channels {
+        channel.values.truncate(12);
+    }
+    assert_eq!(run(&record, &model()).unwrap_err(), EstimateError::TooShort { samples: 12 });
+    record.time.clear();
+    for channel in &mut record.channels {
+        channel.values.clear();
+    }
+    assert!(run(&record, &model()).is_err());
+}
+
+#[test]
+fn units_and_the_order_of_channels_do_not_matter() {
+    // The same flight with its channels in reverse order gives the same bits.
+    let record = fly(8.0, AMPLITUDE, 11);
+    let mut reversed = record.clone();
+    reversed.channels.reverse();
+    let (a, b) = (run(&record, &model()).unwrap(), run(&reversed, &model()).unwrap());
+    assert_eq!(a.parameters, b.parameters);
+    // And a model file in SI the same numbers as one in feet and slugs.
+    let si = F16
+        .replace("\"637.2396642834939 slug\"", "9299.813806")
+        .replace("\"300 ft^2\"", "27.870912")
+        .replace("\"11.32 ft\"", "3.450336")
+        .replace("\"55814 slug*ft^2\"", "75673.623");
+    let c = run(&record, &ModelFile::parse("si", &si).unwrap()).unwrap();
+    for (p, q) in a.parameters.iter().zip(&c.parameters) {
+        assert!((p.value - q.value).abs() < 1e-4 * p.prior_std, "{}: {} {}", p.name, p.value, q.value);
+    }
+}
