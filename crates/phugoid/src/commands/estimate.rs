@@ -8,6 +8,7 @@ use phugoid_identification::estimate::{EstimateOptions, Method, estimate};
 use phugoid_identification::estimation::Estimation;
 use phugoid_identification::model_file::ModelFile;
 use phugoid_report::HtmlOptions;
+use phugoid_studies::published;
 use phugoid_studies::scenario::nearest;
 use serde::Serialize;
 
@@ -103,20 +104,25 @@ impl Presentation<'_> {
     }
 }
 
+/// The model files that are built in: name and text.
+fn built_in() -> impl Iterator<Item = (&'static str, &'static str)> + Clone {
+    ModelFile::BUILT_IN.into_iter().chain(published::MODELS.iter().copied())
+}
+
 /// A model file, or a built-in one by name.
 fn model(wanted: &str) -> Result<ModelFile, Failure> {
     let path = Path::new(wanted);
     if !path.exists()
-        && let Some(model) = ModelFile::built_in(wanted)
+        && let Some((name, text)) = built_in().find(|(name, _)| *name == wanted)
     {
-        return model.map_err(Failure::input);
+        return ModelFile::parse(name, text).map_err(Failure::input);
     }
     let text = std::fs::read_to_string(path).map_err(|error| unknown_model(wanted, &error))?;
     ModelFile::parse(wanted, &text).map_err(Failure::input)
 }
 
 fn unknown_model(wanted: &str, error: &std::io::Error) -> Failure {
-    let names = || ModelFile::BUILT_IN.iter().map(|(name, _)| *name);
+    let names = || built_in().map(|(name, _)| name);
     let hint = match nearest(wanted, names()) {
         Some(near) => format!("Did you mean the built-in model `{near}`?"),
         None => format!(
@@ -160,7 +166,7 @@ fn between(mut record: Record, from: Option<f64>, to: Option<f64>) -> Result<Rec
 }
 
 fn show_model(name: &str) -> Result<(), Failure> {
-    match ModelFile::BUILT_IN.iter().find(|(n, _)| *n == name) {
+    match built_in().find(|(n, _)| *n == name) {
         Some((_, text)) => print(text),
         None => Err(unknown_model(name, &std::io::Error::other("there is no built-in model of this name"))),
     }
@@ -174,7 +180,7 @@ struct Listed {
 
 fn list_models(as_json: bool) -> Result<(), Failure> {
     let mut listed = Vec::new();
-    for (name, text) in ModelFile::BUILT_IN {
+    for (name, text) in built_in() {
         listed.push(Listed { name, description: ModelFile::parse(name, text).map_err(Failure::input)?.name });
     }
     if as_json {
