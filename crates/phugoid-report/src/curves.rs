@@ -58,6 +58,10 @@ pub(crate) fn draw(scene: &mut Scene, map: &Map, series: &Series) {
                 scene.shapes.push(Shape::Areas { outlines, colour, opacity: BAND_OPACITY });
             }
         }
+        Kind::Curve(y) => {
+            let points: Vec<[f64; 2]> = series.x.iter().zip(y).map(|(x, y)| place(map, [*x, *y])).collect();
+            stroke(scene, map, decimate::trajectory(&points), colour, LINE_WIDTH, None);
+        }
         Kind::Trajectory(y) => {
             let points: Vec<[f64; 2]> = series.x.iter().zip(y).map(|(x, y)| place(map, [*x, *y])).collect();
             stroke(scene, map, decimate::trajectory(&points), colour, 1.2, None);

@@ -122,7 +122,7 @@ pub struct Series {
     pub label: String,
     /// Colour.
     pub colour: Colour,
-    /// Abscissa, ascending except in phase portraits.
+    /// Abscissa, ascending except for curves and trajectories.
     pub x: Arc<[f64]>,
     /// Shape and ordinates.
     pub kind: Kind,
@@ -150,7 +150,9 @@ pub enum Kind {
         /// Upper curve.
         upper: Vec<f64>,
     },
-    /// Straight lines between samples in any order of abscissa: a phase portrait. A dot marks the end.
+    /// Straight lines between samples in any order of abscissa.
+    Curve(Vec<f64>),
+    /// As [`Kind::Curve`], thinner, with a dot at the end: the path of something.
     Trajectory(Vec<f64>),
 }
 

@@ -307,7 +307,7 @@ fn own_limits(panel: &Panel, axis: &Axis) -> [f64; 2] {
     if let Body::Plot { series, .. } = &panel.body {
         for series in series {
             limits.add_all(&series.x);
-            if matches!(series.kind, Kind::Trajectory(_) | Kind::Bars(_)) {
+            if matches!(series.kind, Kind::Curve(_) | Kind::Trajectory(_) | Kind::Bars(_)) {
                 pad = 0.04;
             }
         }
@@ -330,6 +330,7 @@ fn ordinate_limits(axis: &Axis, series: &[Series], references: &[Reference], x: 
             | Kind::Step(y)
             | Kind::Points(y)
             | Kind::Marks(y)
+            | Kind::Curve(y)
             | Kind::Trajectory(y) => add(y),
             Kind::Bars(y) => {
                 add(y);

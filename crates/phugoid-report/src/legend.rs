@@ -34,7 +34,7 @@ pub(crate) enum Swatch {
 impl Swatch {
     pub(crate) fn of(kind: &Kind) -> Self {
         match kind {
-            Kind::Line(_) | Kind::Step(_) | Kind::Bars(_) | Kind::Trajectory(_) => Swatch::Line,
+            Kind::Line(_) | Kind::Step(_) | Kind::Bars(_) | Kind::Curve(_) | Kind::Trajectory(_) => Swatch::Line,
             Kind::Dashed(_) => Swatch::Dashed,
             Kind::Points(_) => Swatch::Dots,
             Kind::Marks(_) => Swatch::Mark,

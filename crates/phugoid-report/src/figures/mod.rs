@@ -9,6 +9,7 @@ use crate::names::{HumanUnit, human_unit, parameter_unit};
 
 mod correlation;
 mod parameters;
+mod planes;
 mod residuals;
 mod signals;
 mod surfaces;
@@ -16,7 +17,7 @@ mod surfaces;
 pub use signals::{TimeHistoryPanel, time_histories};
 
 /// All figures of an estimation with short names that serve as file names and anchors (`inputs`, `outputs`,
-/// `parameters-1`, `surfaces-1`, `phase-portraits`, `residuals`, `autocorrelation`, `correlation`). Figures for which
+/// `parameters-1`, `correlation`, `parameter-planes`, `surfaces-1`, `residuals`, `autocorrelation`). Figures for which
 /// the estimation has no data are left out: an estimator without surfaces has no surface figure.
 pub fn figures(estimation: &Estimation) -> Vec<(String, Figure)> {
     let context = Context::new(estimation);
@@ -25,8 +26,8 @@ pub fn figures(estimation: &Estimation) -> Vec<(String, Figure)> {
     figures.extend(signals::outputs(&context));
     figures.extend(parameters::figures(&context));
     figures.extend(correlation::figure(&context));
+    figures.extend(planes::figure(&context));
     figures.extend(surfaces::figures(&context));
-    figures.extend(surfaces::portraits(&context));
     figures.extend(residuals::series(&context));
     figures.extend(residuals::autocorrelations(&context));
     figures

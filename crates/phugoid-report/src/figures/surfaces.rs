@@ -1,8 +1,8 @@
-//! The sliding surfaces: against time with the phase, and against the parameter's error.
+//! The sliding surfaces against time, with the phase.
 
 use std::sync::Arc;
 
-use super::{Context, scaled};
+use super::Context;
 use crate::figure::{At, Axis, Body, Colour, Figure, Kind, Panel, Reference, Series};
 
 const PER_FIGURE: usize = 8;
@@ -18,22 +18,18 @@ const PHASES: [(&str, Colour); 5] = [
 
 pub(super) fn figures(context: &Context) -> Vec<(String, Figure)> {
     let mut panels: Vec<Panel> = Vec::new();
-    for (parameter, history, unit) in context.parameters(false).into_iter().chain(context.parameters(true)) {
+    for (parameter, history, _) in context.parameters(false).into_iter().chain(context.parameters(true)) {
         if !says_something(&history.surface) {
             continue;
         }
-        let axis = Axis::new(format!("Surface of {}", parameter.name), unit.text.clone());
-        let surface = scaled(&history.surface, &unit);
+        // In parameter units surfaces shrink with the covariance until nothing is to be seen.
+        let surface: Vec<f64> = history.surface.iter().zip(&history.std_error).map(|(s, sigma)| s / sigma).collect();
+        let axis = Axis::new(format!("Surface of {}", parameter.name), "σ");
         let axis = match robust_range(&surface) {
             Some([low, high]) => axis.with_range(low, high),
             None => axis,
         };
-        let line = Series::new(
-            "surface: least-squares estimate minus estimate",
-            Colour::Blue,
-            &context.time,
-            Kind::Line(surface),
-        );
+        let line = Series::new("surface", Colour::Blue, &context.time, Kind::Line(surface));
         panels.push(Panel::plot(axis, vec![line]).with_height(84.0).with_reference(zero()));
     }
     let strip = phase_strip(context);
@@ -49,58 +45,16 @@ pub(super) fn figures(context: &Context) -> Vec<(String, Figure)> {
             };
             let mut figure = context.figure(
                 &title,
-                "The bar shows the phase of each sample: sliding (the model explains it), reaching (influence \
-                 bounded), rejected (nothing within the bounds explains it). A surface near zero means that the \
-                 estimate is where least squares would put it.",
+                "The bar shows the phase of each sample: sliding (the model explains it), reaching (influence bounded), \
+                 rejected (nothing within the bounds explains it). Surface: by how much one sample alone would move the \
+                 estimate (least squares before the correction), in standard errors of that moment. In the sliding phase \
+                 it is removed at once and looks like noise about zero; a run to one side is a wrong parameter.",
             );
             figure.panels.extend(strip.clone());
             figure.panels.extend(panels.iter().skip(index * PER_FIGURE).take(PER_FIGURE).cloned());
             (format!("surfaces-{}", index + 1), figure)
         })
         .collect()
-}
-
-/// Surface against the error of the estimate, one panel per parameter.
-pub(super) fn portraits(context: &Context) -> Option<(String, Figure)> {
-    let mut figure = context.figure(
-        "Phase portraits",
-        "Each parameter's surface against its error (estimate minus truth where known, else minus the final estimate). \
-         On the dashed line the surface equals the remaining error: there the information at hand knows the answer. \
-         The dot is the end.",
-    );
-    figure.columns = 3;
-    figure.events.clear();
-    for (parameter, history, unit) in context.parameters(false) {
-        if !says_something(&history.surface) {
-            continue;
-        }
-        let (target, words) = match parameter.truth {
-            Some(truth) => (truth, "truth"),
-            None => (parameter.value, "final estimate"),
-        };
-        let error: Arc<[f64]> = history.value.iter().map(|v| (v - target) * unit.factor).collect();
-        let surface = scaled(&history.surface, &unit);
-        let y = Axis::new(format!("Surface of {}", parameter.name), unit.text.clone());
-        let y = match robust_range(&surface) {
-            Some([low, high]) => y.with_range(low, high),
-            None => y,
-        };
-        let x = Axis::new(format!("{} − {words}", parameter.name), unit.text.clone());
-        let x = match robust_range(&error) {
-            Some([low, high]) => x.with_range(low, high),
-            None => x,
-        };
-        let mut series = Vec::new();
-        if let Some([low, high]) = x.range {
-            let line: Arc<[f64]> = Arc::from([low, high]);
-            series.push(Series::new("surface = −error", Colour::Muted, &line, Kind::Dashed(vec![-low, -high])));
-        }
-        series.push(Series::new("course of the estimation", Colour::Blue, &error, Kind::Trajectory(surface)));
-        let panel = Panel::plot(y, series).with_x(x).with_height(190.0);
-        let vertical = Reference { at: At::Vertical(0.0), ..zero() };
-        figure.panels.push(panel.with_reference(zero()).with_reference(vertical));
-    }
-    (!figure.panels.is_empty()).then(|| ("phase-portraits".to_owned(), figure))
 }
 
 fn phase_strip(context: &Context) -> Option<Panel> {

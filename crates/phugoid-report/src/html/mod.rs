@@ -30,7 +30,8 @@ pub struct HtmlOptions {
 pub fn html(estimation: &Estimation, options: &HtmlOptions) -> String {
     let title = options.title.clone().unwrap_or_else(|| match estimation.source.as_str() {
         "" => "Parameter estimation".to_owned(),
-        source => format!("Parameter estimation: {source}"),
+        // A path is too long for a heading; it stands below as a whole.
+        source => format!("Parameter estimation: {}", source.rsplit(['/', '\\']).next().unwrap_or(source)),
     });
     let all = figures(estimation);
     let sections: Vec<(&str, &str, String)> = [
@@ -58,7 +59,7 @@ pub fn html(estimation: &Estimation, options: &HtmlOptions) -> String {
         title = escape(&title)
     );
     for note in &options.notes {
-        let _ = writeln!(page, "<p>{}</p>", escape(note));
+        let _ = writeln!(page, "<p>{}</p>", prose(note));
     }
     page.push_str(&facts(estimation));
     page.push_str("<nav aria-label=\"Sections\">");
@@ -92,10 +93,15 @@ fn facts(estimation: &Estimation) -> String {
     }
     let mut out = String::from("<dl class=\"facts\">\n");
     for (name, value) in facts.iter().filter(|(_, value)| !value.is_empty()) {
-        let _ = writeln!(out, "<div><dt>{name}</dt><dd>{}</dd></div>", escape(value));
+        let _ = writeln!(out, "<div><dt>{name}</dt><dd>{}</dd></div>", breakable(value));
     }
     out.push_str("</dl>\n");
     out
+}
+
+/// Escaped text that may be broken after the slashes of a path.
+fn breakable(text: &str) -> String {
+    escape(text).replace('/', "/<wbr>")
 }
 
 /// `0.01000` as `0.01`: for numbers that are settings, not results.
@@ -108,33 +114,41 @@ fn trimmed(number: &str) -> &str {
 }
 
 fn summary(estimation: &Estimation) -> String {
-    let mut out = String::new();
-    let wanted: Vec<_> = estimation.parameters.iter().filter(|p| !p.nuisance && p.status != "fixed").collect();
-    if !wanted.is_empty() {
-        let mut counts: Vec<(&str, usize)> = Vec::new();
-        for parameter in &wanted {
-            match counts.iter_mut().find(|(status, _)| *status == parameter.status) {
-                Some((_, count)) => *count += 1,
-                None => counts.push((&parameter.status, 1)),
-            }
-        }
-        let list: Vec<String> =
-            counts.iter().map(|(status, count)| format!("{count} {}", tables::status_words(status))).collect();
-        let noun = if wanted.len() == 1 { "parameter" } else { "parameters" };
-        let list = match counts.as_slice() {
-            [(status, _)] if wanted.len() > 1 => format!("all {}", tables::status_words(status)),
-            _ => list.join(", "),
-        };
-        let _ = writeln!(out, "<p>{} {noun} estimated: {}.</p>", wanted.len(), escape(&list));
-    }
-    if !estimation.verdict.is_empty() {
+    let Some((first, rest)) = estimation.verdict.split_first() else { return counts(estimation) };
+    let mut out = format!("<p class=\"lead\">{}</p>\n", prose(first));
+    if !rest.is_empty() {
         out.push_str("<ul class=\"verdict\">\n");
-        for sentence in &estimation.verdict {
-            let _ = writeln!(out, "<li>{}</li>", escape(sentence));
+        for sentence in rest {
+            let _ = writeln!(out, "<li>{}</li>", prose(sentence));
         }
         out.push_str("</ul>\n");
     }
     out
+}
+
+/// How many parameters have which status, for estimations without a verdict.
+fn counts(estimation: &Estimation) -> String {
+    let mut counts: Vec<(&str, usize)> = Vec::new();
+    for parameter in estimation.parameters.iter().filter(|p| !p.nuisance && p.status != "fixed") {
+        match counts.iter_mut().find(|(status, _)| *status == parameter.status) {
+            Some((_, count)) => *count += 1,
+            None => counts.push((&parameter.status, 1)),
+        }
+    }
+    let list: Vec<String> =
+        counts.iter().map(|(status, count)| format!("{count} {}", tables::status_words(status))).collect();
+    if list.is_empty() { String::new() } else { format!("<p>Parameters: {}.</p>\n", escape(&list.join(", "))) }
+}
+
+/// Escaped text with `code` between backticks set as such.
+fn prose(text: &str) -> String {
+    if text.matches('`').count() % 2 == 1 {
+        return escape(text);
+    }
+    text.split('`')
+        .enumerate()
+        .map(|(k, part)| if k % 2 == 1 { format!("<code>{}</code>", escape(part)) } else { escape(part) })
+        .collect()
 }
 
 fn correlation(estimation: &Estimation, all: &[(String, Figure)]) -> String {

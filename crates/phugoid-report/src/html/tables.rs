@@ -2,10 +2,10 @@
 
 use std::fmt::Write as _;
 
-use phugoid_flight_data::quality::Severity;
+use phugoid_flight_data::quality::{QualityReport, Severity};
 use phugoid_identification::estimation::{Estimation, ParameterResult};
 
-use super::{HtmlOptions, trimmed};
+use super::{HtmlOptions, prose, trimmed};
 use crate::escape::escape;
 use crate::figures::{event_kind, unit_of};
 use crate::names::{HumanUnit, human_unit, signal_label};
@@ -218,7 +218,7 @@ pub(super) fn fit(estimation: &Estimation) -> String {
 /// What the reader of the record found.
 pub(super) fn quality(estimation: &Estimation) -> String {
     let quality = &estimation.quality;
-    if *quality == phugoid_flight_data::quality::QualityReport::default() {
+    if *quality == QualityReport::default() {
         return String::new();
     }
     let mut out = format!("<p>{} rows read, {} kept", quality.rows_read, quality.rows_kept);
@@ -228,9 +228,15 @@ pub(super) fn quality(estimation: &Estimation) -> String {
     out.push_str(".</p>\n");
     if quality.findings.is_empty() {
         out.push_str("<p>Nothing had to be mended or left out.</p>\n");
-        return out;
+    } else {
+        out.push_str(&findings(quality));
     }
-    out.push_str(&table(&[("", "Severity"), ("", "Where"), ("", "Finding")]));
+    out.push_str(&channels(quality));
+    out
+}
+
+fn findings(quality: &QualityReport) -> String {
+    let mut out = table(&[("", "Severity"), ("", "Where"), ("", "Finding")]);
     for finding in &quality.findings {
         let (class, word) = match finding.severity {
             Severity::Note => ("", "note"),
@@ -241,7 +247,40 @@ pub(super) fn quality(estimation: &Estimation) -> String {
             out,
             "<tr><td><span class=\"status{class}\">{word}</span></td><td>{}</td><td class=\"words\">{}</td></tr>",
             escape(place),
-            escape(&finding.message)
+            prose(&finding.message)
+        );
+    }
+    out.push_str("</tbody></table></div>\n");
+    out
+}
+
+/// Where each channel came from, so that a wrong column or unit is seen.
+fn channels(quality: &QualityReport) -> String {
+    if quality.channels.is_empty() {
+        return String::new();
+    }
+    let mut out = String::from("<h3>Channels read</h3>\n");
+    out.push_str(&table(&[
+        ("", "Channel"),
+        ("", "Column in the file"),
+        ("", "Unit in the file"),
+        ("n", "Multiplied by"),
+        ("n", "Values missing"),
+        ("n", "Lone spikes"),
+    ]));
+    for channel in &quality.channels {
+        let assumed = if channel.unit_assumed { " (assumed)" } else { "" };
+        let _ = writeln!(
+            out,
+            "<tr><th scope=\"row\">{}</th><td>{}</td><td>{}{assumed}</td>{}</tr>",
+            escape(&signal_label(&channel.name)),
+            escape(&channel.header),
+            escape(if channel.unit == "-" { "–" } else { &channel.unit }),
+            number_cells(&[
+                trimmed(&significant(channel.scale, 6)).to_owned(),
+                channel.missing.to_string(),
+                channel.spikes.to_string()
+            ])
         );
     }
     out.push_str("</tbody></table></div>\n");
@@ -260,7 +299,7 @@ pub(super) fn events(estimation: &Estimation) -> String {
             "<tr><td class=\"n\">{}</td><td>{}</td><td class=\"words\">{}</td></tr>",
             if event.time_s.is_finite() { fixed(event.time_s, 2) } else { "–".to_owned() },
             escape(&event_kind(&event.kind).0),
-            escape(&event.message)
+            prose(&event.message)
         );
     }
     out.push_str("</tbody></table></div>\n");
