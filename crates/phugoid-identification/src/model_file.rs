@@ -15,19 +15,19 @@ use crate::term::{Coefficient, Term};
 #[error("{file}:{line}:{column}: {message}\n    {line} | {}", excerpt.trim_end())]
 pub struct ModelFileError {
     /// File or built-in name.
-    pub file: String,
+    pub file: Box<str>,
     /// Line, from 1.
     pub line: usize,
     /// Column in characters, from 1.
     pub column: usize,
     /// Dotted path of the key, e.g. `parameters.CL_alpha.start`.
-    pub key: String,
+    pub key: Box<str>,
     /// What was found, what was expected, what to do.
-    pub message: String,
+    pub message: Box<str>,
     /// The valid word nearest to a misspelt one.
-    pub nearest: Option<String>,
+    pub nearest: Option<Box<str>>,
     /// The line of the file.
-    pub excerpt: String,
+    pub excerpt: Box<str>,
 }
 
 /// The aerodynamic database that the build-up is added to.

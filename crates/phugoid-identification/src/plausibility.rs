@@ -217,7 +217,7 @@ fn normal_acceleration(s: &Signals, doubts: &mut Vec<UnitDoubt>) {
     let Some(az) = median(&mut finite) else { return };
     let expected = "expected about -9.8 m/s^2, the specific force along body z (down) in steady flight";
     let (certainty, advice) = match az {
-        a if (-30.0..=-3.0).contains(&a) && (-20.0..=-5.0).contains(&a) => return,
+        a if (-20.0..=-5.0).contains(&a) => return,
         a if (5.0..=20.0).contains(&a) => (Certainty::Certain, "its sign is that of an upward axis: change the sign"),
         a if (-1.6..=-0.5).contains(&a) => (Certainty::Certain, "it looks like g: name the column `az_g`"),
         a if (0.5..=1.6).contains(&a) => (
@@ -269,7 +269,7 @@ fn climb(s: &Signals, doubts: &mut Vec<UnitDoubt>) {
 /// `V (alpha' - q) = az cos a - ax sin a + g cos(theta - a)`: the accelerometer turns the path, the speed says how fast.
 fn airspeed(s: &Signals, doubts: &mut Vec<UnitDoubt>) {
     if let Some(size) = typical_size(s.true_airspeed)
-        && (size < 5.0 || size > 1200.0)
+        && !(5.0..=1200.0).contains(&size)
     {
         let message = format!("channel `true_airspeed` is about {size:.2} m/s: check its unit");
         doubt(doubts, "true_airspeed", Certainty::Doubtful, message);
@@ -289,7 +289,7 @@ fn airspeed(s: &Signals, doubts: &mut Vec<UnitDoubt>) {
         (force, alpha.iter().zip(&pitch).map(|(a, p)| speed * (a - p)).collect())
     };
     let Some((ratio, correlation)) = slope(&forces, &path) else { return };
-    if correlation > 0.9 && (ratio > 1.6 || ratio < 0.62) {
+    if correlation > 0.9 && !(0.62..=1.6).contains(&ratio) {
         let message = format!(
             "the accelerations turn the path {ratio:.2} times as fast as `true_airspeed` allows: a speed in ft/s read \
              as m/s gives 0.30, one in knots 0.51. Check the units of `true_airspeed`, `alpha` and `az`"

@@ -1,4 +1,5 @@
 //! What people really hand in: missing channels, wrong units, holes, outliers, flights without excitation.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // tests and benches may
 
 mod common;
 

@@ -13,6 +13,7 @@
 //! - Outputs see the elevator of their own sample (right limit). dCm_elevator is per radian.
 //! - Its median includes a frame that the second trace marks as dropped and does not give. See the test.
 //! - Its corrected standard errors are computed every tenth sample and are not compared.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // tests and benches may
 
 mod common;
 

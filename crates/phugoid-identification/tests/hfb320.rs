@@ -1,5 +1,6 @@
 //! A real flight: HFB-320, against the filter-error estimate published with it (R. V. Jategaonkar, Flight Vehicle System
 //! Identification, 2nd ed.). Eleven parameters, change detection on.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // tests and benches may
 
 mod common;
 

@@ -1,4 +1,5 @@
 //! The longitudinal model against its own differences, and against the equations as the HFB-320 example prints them.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // tests and benches may
 
 use phugoid_estimators::{LinearizedOutputs, LinearizedRates, Model};
 use phugoid_flight_dynamics::f16::{F16, F16Options};

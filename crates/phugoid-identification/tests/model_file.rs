@@ -1,4 +1,5 @@
 //! Model files: what they give, and how wrong ones are refused.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // tests and benches may
 
 use phugoid_identification::model_file::{Base, ModelFile, ReferenceValue, Role, Source, Thrust};
 use phugoid_identification::output::Output;
@@ -33,10 +34,12 @@ fn built_in_models_are_what_their_sources_say() {
     assert!(ModelFile::built_in("f18").is_none());
 }
 
-/// Each wrong file: what to replace, what the message must say, and the nearest word where there is one.
+/// A file, what to replace in it and by what, what the message must say, and the nearest word where there is one.
+type Case = (&'static str, &'static str, &'static str, &'static [&'static str], Option<&'static str>);
+
 #[test]
 fn a_wrong_file_is_refused_at_its_line_with_the_nearest_word() {
-    let cases: &[(&str, &str, &str, &[&str], Option<&str>)] = &[
+    let cases: &[Case] = &[
         // file, from, to, message, nearest
         (
             HFB320,
@@ -209,5 +212,21 @@ proptest! {
             prop_assert!(error.line >= 1 && error.column >= 1);
             prop_assert!(error.line <= text.lines().count() + 1, "{error}");
         }
+    }
+}
+
+/// What the documentation prints is read as it stands.
+#[test]
+fn the_documented_examples_are_true() {
+    let page = include_str!("../../../docs/model-file.md");
+    let whole = page.split("```toml\n").last().unwrap().split("```").next().unwrap();
+    let model = ModelFile::parse("glider.toml", whole).unwrap();
+    assert_eq!(model.estimated().count(), 9);
+    let misspelt = HFB320.replacen("CL_alpha = {", "CL_aplha = {", 1);
+    let error = ModelFile::parse("mine.toml", &misspelt).unwrap_err().to_string();
+    assert!(page.contains(&error), "docs/model-file.md should print:\n{error}");
+    for unit in ["m", "km", "cm", "mm", "ft", "in", "nmi"] {
+        let text = whole.replace("\"0.75 m\"", &format!("\"0.75 {unit}\""));
+        assert!(ModelFile::parse("glider.toml", &text).is_ok(), "{unit}");
     }
 }

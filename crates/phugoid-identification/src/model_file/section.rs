@@ -22,13 +22,13 @@ impl Source<'_> {
         let line = 1 + before.iter().filter(|&&b| b == b'\n').count();
         let line_start = before.iter().rposition(|&b| b == b'\n').map_or(0, |i| i + 1);
         let column = 1 + String::from_utf8_lossy(&before[line_start..]).chars().count();
-        let excerpt = self.text.lines().nth(line - 1).unwrap_or_default().to_owned();
+        let excerpt = self.text.lines().nth(line - 1).unwrap_or_default().into();
         ModelFileError {
-            file: self.file.to_owned(),
+            file: self.file.into(),
             line,
             column,
-            key: key.to_owned(),
-            message,
+            key: key.into(),
+            message: message.into(),
             nearest: None,
             excerpt,
         }
@@ -45,6 +45,8 @@ pub(super) struct Section<'a> {
     pub(super) span: Range<usize>,
 }
 
+/// Strings with their places.
+type Words<'a> = Vec<(&'a str, Range<usize>)>;
 type Found<'a> = Option<&'a Spanned<DeValue<'a>>>;
 
 impl<'a> Section<'a> {
@@ -73,7 +75,7 @@ impl<'a> Section<'a> {
             if !allowed.clone().any(|a| a == key) {
                 let message = format!("unknown {what} `{key}` {}{}", self.place(), did_you_mean(key, allowed.clone()));
                 let mut error = self.source.error(span, &self.dotted(key), message);
-                error.nearest = nearest(key, allowed.clone()).map(str::to_owned);
+                error.nearest = nearest(key, allowed.clone()).map(Into::into);
                 return Err(error);
             }
         }
@@ -139,13 +141,13 @@ impl<'a> Section<'a> {
         words.iter().find(|w| **w == found).copied().ok_or_else(|| {
             let message = format!("unknown word `{found}` for `{key}`{}", did_you_mean(found, words.iter().copied()));
             let mut error = self.source.error(span, &self.dotted(key), message);
-            error.nearest = nearest(found, words.iter().copied()).map(str::to_owned);
+            error.nearest = nearest(found, words.iter().copied()).map(Into::into);
             error
         })
     }
 
     /// A list of strings with their places.
-    pub(super) fn strings(&self, key: &str) -> Result<Option<Vec<(&'a str, Range<usize>)>>, ModelFileError> {
+    pub(super) fn strings(&self, key: &str) -> Result<Option<Words<'a>>, ModelFileError> {
         let Some(value) = self.get(key) else { return Ok(None) };
         let Some(array) = value.get_ref().as_array() else {
             return Err(self.error(key, format!("`{key}` is a {}: expected a list", value.get_ref().type_str())));
