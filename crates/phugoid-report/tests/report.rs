@@ -63,6 +63,7 @@ fn the_page_has_every_part_and_stays_small() {
         "id=\"quality\"",
         "id=\"events\"",
         "id=\"method\"",
+        "Channels read",
         "prefers-color-scheme:dark",
         "@media print",
         "name=\"viewport\"",
@@ -129,6 +130,9 @@ fn text_of_users_cannot_become_markup() {
     given.history.measured[0].name = attack.to_owned();
     given.history.measured[0].unit = attack.to_owned();
     given.history.phase[3] = attack.to_owned();
+    given.quality.channels[0].name = attack.to_owned();
+    given.quality.channels[0].header = attack.to_owned();
+    given.quality.channels[0].unit = attack.to_owned();
     given.quality.findings[0].place = attack.to_owned();
     given.quality.findings[0].message = attack.to_owned();
     given.events.push(Event { time_s: 3.0, kind: attack.to_owned(), message: attack.to_owned() });

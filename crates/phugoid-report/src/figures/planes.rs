@@ -30,9 +30,8 @@ pub(super) fn figure(context: &Context) -> Option<(String, Figure)> {
     let mut figure = context.figure(
         "Parameter planes",
         "The path of the estimate in the plane of two parameters, since it last came near its end, for the most \
-         correlated pairs. \
-         The ellipse encloses two standard errors in each direction: along its long axis the record cannot tell the two \
-         parameters apart.",
+         correlated pairs. The ellipse encloses two standard errors in each direction: along its long axis the record \
+         cannot tell the two parameters apart.",
     );
     figure.columns = 3;
     figure.events.clear();

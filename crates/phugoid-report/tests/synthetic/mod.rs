@@ -1,6 +1,6 @@
 //! Made-up estimations for tests and the gallery. Nothing here is measured or estimated: shapes only resemble a flight.
 
-use phugoid_flight_data::quality::{Finding, QualityReport, Severity};
+use phugoid_flight_data::quality::{ChannelQuality, Finding, QualityReport, Severity};
 use phugoid_identification::estimation::{Estimation, Event, History, ParameterHistory, ParameterResult, Signal};
 
 /// What to make up.
@@ -236,6 +236,17 @@ pub(crate) fn estimation(case: &Case) -> Estimation {
             rows_read: count + 3,
             rows_kept: count,
             sample_time_s: step,
+            channels: OUTPUTS
+                .map(|(name, unit, _)| ChannelQuality {
+                    name: name.to_owned(),
+                    header: format!("{name}_si"),
+                    unit: unit.to_owned(),
+                    unit_assumed: name == "q",
+                    scale: 1.0,
+                    missing: if case.missing { 25 } else { 0 },
+                    spikes: 2,
+                })
+                .to_vec(),
             findings: vec![
                 Finding {
                     severity: Severity::Note,
