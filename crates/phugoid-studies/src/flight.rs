@@ -66,6 +66,14 @@ const SUBSTEPS: usize = 2;
 /// # Errors
 /// [`FlightError`]: no trim in this condition, a recorded input that cannot be read, a motion that diverges.
 pub fn fly(scenario: &Scenario) -> Result<Flight, FlightError> {
+    fly_with_progress(scenario, &|_| ())
+}
+
+/// As [`fly`]; `progress` is called with the fraction flown, 0 to 1.
+///
+/// # Errors
+/// As [`fly`].
+pub fn fly_with_progress(scenario: &Scenario, progress: &dyn Fn(f64)) -> Result<Flight, FlightError> {
     let AircraftKind::F16 = scenario.aircraft.kind;
     let tables = match scenario.aircraft.tables {
         Tables::Book => F16Tables::Book,
@@ -80,9 +88,10 @@ pub fn fly(scenario: &Scenario) -> Result<Flight, FlightError> {
     };
     let trim = trim(&aircraft, &condition)?;
     let trajectory = match scenario.aircraft.thrust {
-        Thrust::Engine => trajectory(scenario, &aircraft, &trim)?,
+        Thrust::Engine => trajectory(scenario, &aircraft, &trim, progress)?,
         Thrust::Constant => {
-            trajectory(scenario, &ConstantThrust::at(&aircraft, trim.power_percent, trim.altitude_m, trim.mach), &trim)?
+            let frozen = ConstantThrust::at(&aircraft, trim.power_percent, trim.altitude_m, trim.mach);
+            trajectory(scenario, &frozen, &trim, progress)?
         }
     };
     let thrust = |s: &TrajectorySample| match scenario.aircraft.thrust {
@@ -104,7 +113,12 @@ pub fn sense(truth: &Record, scenario: &Scenario, seed: u64) -> Result<Record, F
 }
 
 /// The motion from the trim, through commands, gusts and changing increments.
-fn trajectory<A: Aircraft>(scenario: &Scenario, aircraft: &A, trim: &Trim) -> Result<Trajectory, FlightError> {
+fn trajectory<A: Aircraft>(
+    scenario: &Scenario,
+    aircraft: &A,
+    trim: &Trim,
+    progress: &dyn Fn(f64),
+) -> Result<Trajectory, FlightError> {
     let trim_controls = trim.controls();
     let sample_time = 1.0 / scenario.sample_rate.si();
     let time: Vec<f64> = (0..scenario.samples()).map(|k| k as f64 / scenario.sample_rate.si()).collect();
@@ -120,11 +134,17 @@ fn trajectory<A: Aircraft>(scenario: &Scenario, aircraft: &A, trim: &Trim) -> Re
         sum.iter_mut().zip(added).for_each(|(sum, added)| *sum += added);
     }
     let at = |t: f64| ((t * scenario.sample_rate.si() + 1e-6) as usize).min(time.len() - 1);
-    let commands = |t: f64| Controls {
-        throttle: trim_controls.throttle,
-        elevator: trim_controls.elevator + deflections[0][at(t)],
-        aileron: trim_controls.aileron + deflections[1][at(t)],
-        rudder: trim_controls.rudder + deflections[2][at(t)],
+    let commands = |t: f64| {
+        let k = at(t);
+        if k % 1000 == 0 {
+            progress(k as f64 / time.len() as f64);
+        }
+        Controls {
+            throttle: trim_controls.throttle,
+            elevator: trim_controls.elevator + deflections[0][k],
+            aileron: trim_controls.aileron + deflections[1][k],
+            rudder: trim_controls.rudder + deflections[2][k],
+        }
     };
     let gusts: Vec<Gust> = scenario
         .gust

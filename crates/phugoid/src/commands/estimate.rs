@@ -27,7 +27,10 @@ pub(crate) fn run(arguments: &arguments::Estimate) -> Result<(), Failure> {
     };
     let model = model(wanted)?;
     let options = CsvOptions { columns: columns(&model), ..CsvOptions::default() };
-    let record = csv::read_path(flight, &options).map_err(Failure::input)?;
+    let record = {
+        let _progress = Progress::spinner("reading");
+        csv::read_path(flight, &options).map_err(Failure::input)?
+    };
     let record = between(record, arguments.from.map(|t| t.si()), arguments.to.map(|t| t.si()))?;
     let re_reaching = match (arguments.change_detection, arguments.no_change_detection) {
         (true, _) => Some(true),
@@ -78,6 +81,7 @@ pub(crate) struct Presentation<'a> {
 impl Presentation<'_> {
     /// Writes report and figures, and prints the result.
     pub(crate) fn present(&self, estimation: &Estimation) -> Result<(), Failure> {
+        let progress = Progress::spinner("drawing");
         let report = self.report.map(|folder| self.write_report(estimation, folder)).transpose()?;
         let figures = match self.figures {
             Some(folder) => {
@@ -85,6 +89,7 @@ impl Presentation<'_> {
             }
             None => Vec::new(),
         };
+        drop(progress);
         if self.json {
             let mut document = Document::new(estimation, report, figures);
             document.history = self.history.then_some(&estimation.history);

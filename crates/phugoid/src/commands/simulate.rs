@@ -4,18 +4,20 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
+use phugoid_flight_data::channels::by_name;
 use phugoid_flight_data::csv;
-use phugoid_flight_data::record::{Channel, Quantity, Record};
+use phugoid_flight_data::record::{Channel, Quantity};
 use phugoid_flight_dynamics::trim::Trim;
 use phugoid_identification::estimation::Signal;
 use phugoid_report::{Figure, TimeHistoryPanel, time_histories, write_named_figures};
-use phugoid_studies::flight::{Flight, FlightError, fly};
+use phugoid_studies::flight::{Flight, FlightError, fly_with_progress};
 use phugoid_studies::scenario::{BUILT_IN, Scenario, ScenarioError, built_in, nearest};
 use serde::Serialize;
 
 use crate::arguments;
 use crate::failure::Failure;
 use crate::output::{Table, json, print, significant};
+use crate::progress::Progress;
 
 #[derive(Serialize)]
 struct Document<'a> {
@@ -41,7 +43,11 @@ pub(crate) fn run(arguments: &arguments::Simulate) -> Result<(), Failure> {
     }
     let mut scenario = scenario(wanted)?;
     scenario.seed = arguments.seed.unwrap_or(scenario.seed);
-    let flight = fly(&scenario).map_err(failure)?;
+    let flight = {
+        let progress = Progress::new("flying");
+        fly_with_progress(&scenario, &|done| progress.set(done)).map_err(failure)?
+    };
+    let writing = Progress::spinner("writing");
 
     std::fs::create_dir_all(&arguments.out).map_err(|e| Failure::writing(&arguments.out, e))?;
     let (measured, truth) = (arguments.out.join("measured.csv"), arguments.out.join("truth.csv"));
@@ -54,6 +60,7 @@ pub(crate) fn run(arguments: &arguments::Simulate) -> Result<(), Failure> {
         }
         None => Vec::new(),
     };
+    drop(writing);
     let document = Document {
         scenario: &scenario.name,
         seed: scenario.seed,
@@ -197,27 +204,46 @@ fn si_unit(quantity: Quantity) -> &'static str {
     }
 }
 
-/// Measured over true, one panel per channel.
+/// Channels of the figure of the inputs; lateral channels have a figure of their own, all others are the motion.
+const INPUTS: &[&str] = &["elevator", "aileron", "rudder", "throttle", "thrust"];
+const LATERAL: &[&str] = &["beta", "phi", "psi", "p", "r", "ay"];
+
+/// Measured and true histories, one panel per channel that moves.
 fn figures(scenario: &Scenario, flight: &Flight) -> Vec<(String, Figure)> {
-    let signal = |name: String, channel: &Channel| Signal {
-        name,
+    let signal = |name: &str, channel: &Channel| Signal {
+        name: name.to_owned(),
         unit: si_unit(channel.quantity).to_owned(),
         values: channel.values.clone(),
     };
-    let panels = |record: &Record, other: &Record| -> Vec<TimeHistoryPanel> {
-        record
-            .channels
-            .iter()
-            .map(|channel| TimeHistoryPanel {
-                label: channel.name.clone(),
-                unit: si_unit(channel.quantity).to_owned(),
-                signals: std::iter::once(signal("measured".to_owned(), channel))
-                    .chain(other.channel(&channel.name).map(|truth| signal("true".to_owned(), truth)))
-                    .collect(),
-            })
-            .collect()
+    let panel = |channel: &Channel| TimeHistoryPanel {
+        label: by_name(&channel.name).map_or_else(|| channel.name.clone(), |known| known.description.to_owned()),
+        unit: si_unit(channel.quantity).to_owned(),
+        signals: std::iter::once(signal("measured", channel))
+            .chain(flight.truth.channel(&channel.name).map(|truth| signal("true", truth)))
+            .collect(),
     };
-    let caption = format!("Seed {}. What the sensors measured and what was true.", scenario.seed);
-    let panels = panels(&flight.measured, &flight.truth);
-    vec![("flight".to_owned(), time_histories(&scenario.name, &caption, &flight.measured.time, &panels))]
+    let figure = |name: &str, title: &str, wanted: &dyn Fn(&str) -> bool| {
+        let panels: Vec<TimeHistoryPanel> =
+            flight.measured.channels.iter().filter(|c| wanted(&c.name) && moves(c)).map(panel).collect();
+        let title = format!("{}: {title}", scenario.name);
+        let caption = format!("Seed {}. What the sensors measured and what was true.", scenario.seed);
+        let figure = time_histories(&title, &caption, &flight.measured.time, &panels);
+        (!panels.is_empty()).then(|| (name.to_owned(), figure))
+    };
+    let input = |name: &str| INPUTS.contains(&name);
+    let lateral = |name: &str| LATERAL.contains(&name);
+    [
+        figure("inputs", "inputs", &input),
+        figure("longitudinal", "longitudinal motion", &|name| !input(name) && !lateral(name)),
+        figure("lateral", "lateral motion", &lateral),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
+}
+
+/// Whether a channel has more than one value.
+fn moves(channel: &Channel) -> bool {
+    let mut values = channel.values.iter().filter(|v| v.is_finite());
+    values.next().is_some_and(|first| values.any(|v| v != first))
 }
