@@ -24,8 +24,9 @@ pub(crate) fn verdict(
     history: &History,
 ) -> Vec<String> {
     let mut sentences = Vec::new();
-    excitation(parameters, run.excited, &mut sentences);
-    pairs(parameters, correlation, &mut sentences);
+    let pairs = pairs(parameters, correlation);
+    excitation(parameters, run.excited, &pairs, &mut sentences);
+    tell_pairs(parameters, &pairs, &mut sentences);
     changes(parameters, run, &mut sentences);
     residuals(&history.residuals, run, &mut sentences);
     let measured: Vec<String> = Output::ALL
@@ -46,7 +47,10 @@ fn capitalised(text: &str) -> String {
     characters.next().map_or_else(String::new, |c| c.to_uppercase().chain(characters).collect())
 }
 
-fn excitation(parameters: &[ParameterResult], excited: bool, sentences: &mut Vec<String>) {
+/// Two parameters and their correlation.
+type Pair = (f64, usize, usize);
+
+fn excitation(parameters: &[ParameterResult], excited: bool, pairs: &[Pair], sentences: &mut Vec<String>) {
     let wanted: Vec<&ParameterResult> = parameters.iter().filter(|p| !p.nuisance && p.status != "fixed").collect();
     let with =
         |status: &str| -> Vec<&str> { wanted.iter().filter(|p| p.status == status).map(|p| p.name.as_str()).collect() };
@@ -87,19 +91,24 @@ fn excitation(parameters: &[ParameterResult], excited: bool, sentences: &mut Vec
     }
 }
 
-/// Parameters that the data cannot tell apart, with the pair and its correlation.
-fn pairs(parameters: &[ParameterResult], correlation: &[Vec<f64>], sentences: &mut Vec<String>) {
-    let told = |p: &ParameterResult| p.status != "fixed" && p.status != "not_excited";
-    let mut found: Vec<(f64, usize, usize)> = Vec::new();
+/// Parameters that the data cannot tell apart, the worst pair first. Before the data have spoken parameters are
+/// uncorrelated, so that a correlation is always the data's.
+fn pairs(parameters: &[ParameterResult], correlation: &[Vec<f64>]) -> Vec<Pair> {
+    let estimated = |i: usize| parameters[i].status != "fixed";
+    let mut found: Vec<Pair> = Vec::new();
     for (i, row) in correlation.iter().enumerate() {
         for (j, r) in row.iter().enumerate().skip(i + 1) {
-            if r.abs() >= CORRELATED && told(&parameters[i]) && told(&parameters[j]) {
+            if r.abs() >= CORRELATED && estimated(i) && estimated(j) {
                 found.push((*r, i, j));
             }
         }
     }
     found.sort_by(|a, b| b.0.abs().total_cmp(&a.0.abs()));
-    for (r, i, j) in found {
+    found
+}
+
+fn tell_pairs(parameters: &[ParameterResult], found: &[Pair], sentences: &mut Vec<String>) {
+    for &(r, i, j) in found {
         let (a, b) = (&parameters[i].name, &parameters[j].name);
         sentences.push(if r.abs() >= INDISTINGUISHABLE {
             format!(
