@@ -52,24 +52,27 @@ type Pair = (f64, usize, usize);
 
 fn excitation(parameters: &[ParameterResult], excited: bool, pairs: &[Pair], sentences: &mut Vec<String>) {
     let wanted: Vec<&ParameterResult> = parameters.iter().filter(|p| !p.nuisance && p.status != "fixed").collect();
-    let with =
-        |status: &str| -> Vec<&str> { wanted.iter().filter(|p| p.status == status).map(|p| p.name.as_str()).collect() };
+    // A parameter that only its twin hides is not short of excitation.
+    let twin = |p: &ParameterResult| {
+        let is = |i: usize| parameters[i].name == p.name;
+        pairs.iter().any(|(r, i, j)| r.abs() >= INDISTINGUISHABLE && (is(*i) || is(*j)))
+    };
+    let with = |status: &str| -> Vec<&str> {
+        let told = |p: &&&ParameterResult| p.status == status && !(status == "not_excited" && twin(p));
+        wanted.iter().filter(told).map(|p| p.name.as_str()).collect()
+    };
     let (converged, improving, silent, limited) =
         (with("converged"), with("improving"), with("not_excited"), with("at_limit"));
-    if silent.len() == wanted.len() && !wanted.is_empty() {
-        sentences.push(
-            "No excitation: the record says almost nothing about any parameter. All bounds are still those given \
-             beforehand. Fly an elevator input such as a 3-2-1-1 or a doublet."
-                .to_owned(),
-        );
-        return;
-    }
     if !excited {
-        sentences.push(
-            "No excitation: elevator, angle of attack and pitch rate never move beyond their noise. Only sums of terms \
-             are known; do not trust single ones. Fly an elevator input such as a 3-2-1-1 or a doublet."
-                .to_owned(),
-        );
+        let known = if silent.len() == wanted.len() {
+            "The record says nothing about any parameter; all bounds are still those given beforehand."
+        } else {
+            "Only sums of terms are known; do not trust single ones."
+        };
+        sentences.push(format!(
+            "No excitation: elevator, angle of attack and pitch rate never move beyond their noise. {known} Fly an \
+             elevator input such as a 3-2-1-1 or a doublet."
+        ));
     }
     sentences.push(format!("{} of {} parameters have converged.", converged.len(), wanted.len()));
     if !improving.is_empty() {
