@@ -24,7 +24,7 @@ pub(crate) fn human_unit(si: &str) -> HumanUnit {
     HumanUnit { text, factor }
 }
 
-/// The words for a canonical channel name; the name itself where there are none.
+/// The words for a canonical channel name; the name itself as a heading where there are none.
 pub(crate) fn signal_label(name: &str) -> String {
     let words = match name {
         "true_airspeed" => "True airspeed V",
@@ -51,9 +51,21 @@ pub(crate) fn signal_label(name: &str) -> String {
         "altitude" => "Altitude",
         "mach" => "Mach number",
         "dynamic_pressure" => "Dynamic pressure",
-        other => return other.replace('_', " "),
+        other => return heading(other),
     };
     words.to_owned()
+}
+
+/// `air_density` as `Air density`; a single letter is a symbol and stays.
+fn heading(name: &str) -> String {
+    let words = name.replace('_', " ");
+    let mut characters = words.chars();
+    match characters.next() {
+        Some(first) if words.chars().nth(1).is_some_and(char::is_lowercase) => {
+            first.to_uppercase().chain(characters).collect()
+        }
+        _ => words,
+    }
 }
 
 /// The unit of a parameter, from its name: `bias_alpha` has the unit of its channel (given by `unit_of_channel`, SI),
@@ -130,6 +142,8 @@ mod tests {
         ] {
             assert_eq!(parameter_unit(name, channel).text, unit, "{name}");
         }
+        assert_eq!(signal_label("air_density"), "Air density");
+        assert_eq!((signal_label("u"), signal_label("")), ("u".to_owned(), String::new()));
         assert!((human_unit("rad/s").factor - 57.295_779_513).abs() < 1e-6);
         assert_eq!(human_unit("m/s^2"), HumanUnit { text: "m/s²".into(), factor: 1.0 });
     }

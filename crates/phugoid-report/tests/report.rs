@@ -296,7 +296,7 @@ fn simulated_histories_share_a_time_axis_and_a_legend() {
                 signals: vec![signal("theta", [0.0, 0.1, 0.2]), signal("phi", [0.0, -0.1, 1.0])],
             },
             TimeHistoryPanel {
-                label: "Altitude".into(),
+                label: "altitude".into(),
                 unit: "m".into(),
                 signals: vec![signal("altitude", [1e3, 1e3, 1e3])],
             },

@@ -129,11 +129,14 @@ fn whole_range(values: &[f64], last: &Final, bounds: Option<[f64; 2]>) -> Option
     (pad > 0.0).then_some([from - pad, to + pad])
 }
 
-/// Limits about the end: what the estimate moved in the second half with its band, and a truth that is not far off.
+/// Limits about the end: what the estimate moved in the last quarter with its band, and a truth that is not far off.
 fn end_range(values: &[f64], last: &Final) -> Option<[f64; 2]> {
     let centre = last.value;
-    let moved =
-        values[values.len() / 2..].iter().map(|v| (v - centre).abs()).filter(|v| v.is_finite()).fold(0.0, f64::max);
+    let moved = values[values.len() - values.len() / 4..]
+        .iter()
+        .map(|v| (v - centre).abs())
+        .filter(|v| v.is_finite())
+        .fold(0.0, f64::max);
     let sigma = if last.sigma.is_finite() { last.sigma } else { 0.0 };
     let mut half = (1.1 * moved + 2.2 * sigma).max(3.5 * sigma);
     if let Some(error) = last.truth.map(|t| (t - centre).abs()).filter(|e| *e <= 4.0 * half) {

@@ -42,7 +42,7 @@ pub(super) fn outputs(context: &Context) -> Option<(String, Figure)> {
 /// One panel of [`time_histories`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct TimeHistoryPanel {
-    /// Quantity; with an empty label a single signal's own name is used.
+    /// Quantity: words or a canonical channel name. With an empty label a single signal's own name is used.
     pub label: String,
     /// SI unit of all its signals (`rad`, `m/s`, `-`, ...); drawn in degrees where it is in radians.
     pub unit: String,
@@ -50,21 +50,23 @@ pub struct TimeHistoryPanel {
     pub signals: Vec<Signal>,
 }
 
-/// A figure of named histories over a common time, s, one panel below the other: a simulated flight, say.
+/// A figure of named histories over a common time, s, one panel below the other or, if there
+/// are many, in two columns: a simulated flight, say.
 pub fn time_histories(title: &str, caption: &str, time_s: &[f64], panels: &[TimeHistoryPanel]) -> Figure {
     let time: Arc<[f64]> = Arc::from(time_s);
     let mut figure = Figure {
         title: title.to_owned(),
         caption: caption.to_owned(),
         x: Axis::new("Time", "s"),
-        columns: 1,
+        // A long column of panels is neither seen at once nor printed on a page.
+        columns: if panels.len() > 8 { 2 } else { 1 },
         ..Figure::default()
     };
     for panel in panels {
         let unit = human_unit(&panel.unit);
         let label = match panel.signals.as_slice() {
             [only] if panel.label.is_empty() => signal_label(&only.name),
-            _ => panel.label.clone(),
+            _ => signal_label(&panel.label),
         };
         let several = panel.signals.len() > 1;
         let series = panel
