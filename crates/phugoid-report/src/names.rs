@@ -26,7 +26,16 @@ pub(crate) fn human_unit(si: &str) -> HumanUnit {
 
 /// The words for a canonical channel name; the name itself as a heading where there are none.
 pub(crate) fn signal_label(name: &str) -> String {
-    let words = match name {
+    known_label(name).map_or_else(|| heading(name), str::to_owned)
+}
+
+/// The words for a canonical channel name; the name itself as it is, for a legend, where there are none.
+pub(crate) fn legend_label(name: &str) -> String {
+    known_label(name).map_or_else(|| name.replace('_', " "), str::to_owned)
+}
+
+fn known_label(name: &str) -> Option<&'static str> {
+    Some(match name {
         "true_airspeed" => "True airspeed V",
         "alpha" => "Angle of attack α",
         "beta" => "Angle of sideslip β",
@@ -51,9 +60,8 @@ pub(crate) fn signal_label(name: &str) -> String {
         "altitude" => "Altitude",
         "mach" => "Mach number",
         "dynamic_pressure" => "Dynamic pressure",
-        other => return heading(other),
-    };
-    words.to_owned()
+        _ => return None,
+    })
 }
 
 /// `air_density` as `Air density`; a single letter is a symbol and stays.

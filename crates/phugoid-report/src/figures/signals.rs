@@ -6,7 +6,7 @@ use phugoid_identification::estimation::Signal;
 
 use super::{Context, human_axis, scaled};
 use crate::figure::{Axis, Colour, Figure, Kind, LINE_COLOURS, Panel, Series};
-use crate::names::{human_unit, signal_label};
+use crate::names::{human_unit, legend_label, signal_label};
 
 pub(super) fn inputs(context: &Context) -> Option<(String, Figure)> {
     let inputs = &context.estimation.history.inputs;
@@ -74,7 +74,7 @@ pub fn time_histories(title: &str, caption: &str, time_s: &[f64], panels: &[Time
             .iter()
             .zip(LINE_COLOURS.iter().cycle())
             .map(|(signal, colour)| {
-                let name = if several { signal_label(&signal.name) } else { String::new() };
+                let name = if several { legend_label(&signal.name) } else { String::new() };
                 Series::new(name, *colour, &time, Kind::Line(scaled(&signal.values, &unit)))
             })
             .collect();
