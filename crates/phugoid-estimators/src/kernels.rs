@@ -4,6 +4,9 @@
 /// `y += a x` over the shorter length.
 #[inline(always)]
 pub(crate) fn add_scaled(y: &mut [f64], a: f64, x: &[f64]) {
+    // Equal lengths, or the blocks and the rests of the two would not belong together.
+    let n = y.len().min(x.len());
+    let (y, x) = (&mut y[..n], &x[..n]);
     let (y_blocks, y_rest) = y.as_chunks_mut::<4>();
     let (x_blocks, x_rest) = x.as_chunks::<4>();
     for (y, x) in y_blocks.iter_mut().zip(x_blocks) {
@@ -16,9 +19,11 @@ pub(crate) fn add_scaled(y: &mut [f64], a: f64, x: &[f64]) {
     }
 }
 
-/// `sum x y` over equal lengths, in four partial sums.
+/// `sum x y` over the shorter length, in four partial sums.
 #[inline(always)]
 pub(crate) fn dot(x: &[f64], y: &[f64]) -> f64 {
+    let n = x.len().min(y.len());
+    let (x, y) = (&x[..n], &y[..n]);
     let (x_blocks, x_rest) = x.as_chunks::<4>();
     let (y_blocks, y_rest) = y.as_chunks::<4>();
     let mut rest = 0.0;
@@ -37,9 +42,11 @@ pub(crate) fn dot(x: &[f64], y: &[f64]) -> f64 {
     (sums[0] + sums[2]) + (sums[1] + sums[3]) + rest
 }
 
-/// Bierman's inner loop, `u, b <- u + lambda b, b + g u`, over equal lengths.
+/// Bierman's inner loop, `u, b <- u + lambda b, b + g u`, over the shorter length.
 #[inline(always)]
 pub(crate) fn rotate(u: &mut [f64], b: &mut [f64], lambda: f64, g: f64) {
+    let n = u.len().min(b.len());
+    let (u, b) = (&mut u[..n], &mut b[..n]);
     let (u_blocks, u_rest) = u.as_chunks_mut::<4>();
     let (b_blocks, b_rest) = b.as_chunks_mut::<4>();
     for (u, b) in u_blocks.iter_mut().zip(b_blocks) {
@@ -53,5 +60,35 @@ pub(crate) fn rotate(u: &mut [f64], b: &mut [f64], lambda: f64, g: f64) {
         let before = *u;
         *u = before + lambda * *b;
         *b += g * before;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{add_scaled, dot, rotate};
+
+    /// Every pair of lengths around the block size, against the loop one would write.
+    #[test]
+    fn any_two_lengths_agree_with_the_plain_loop() {
+        let x: [f64; 13] = core::array::from_fn(|i| 1.0 + i as f64);
+        let z: [f64; 13] = core::array::from_fn(|i| 0.5 - (i * i) as f64);
+        for n in 0..13 {
+            for m in 0..13 {
+                let shorter = n.min(m);
+                let mut y = z;
+                add_scaled(&mut y[..n], 2.0, &x[..m]);
+                let (mut u, mut b) = (x, z);
+                rotate(&mut u[..n], &mut b[..m], 3.0, -2.0);
+                for i in 0..13 {
+                    let used = i < shorter;
+                    assert_eq!(y[i], if used { z[i] + 2.0 * x[i] } else { z[i] });
+                    assert_eq!(u[i], if used { x[i] + 3.0 * z[i] } else { x[i] });
+                    assert_eq!(b[i], if used { z[i] - 2.0 * x[i] } else { z[i] });
+                }
+                // Whole numbers and halves: exact in any order.
+                let plain: f64 = (0..shorter).map(|i| x[i] * z[i]).sum();
+                assert_eq!(dot(&x[..n], &z[..m]), plain);
+            }
+        }
     }
 }

@@ -574,16 +574,18 @@ fn a_fixed_parameter_stays_and_the_others_are_found() {
 
 #[test]
 fn the_unused_capacity_changes_nothing() {
-    let flight = jet_flight(11, 800);
-    let mut wide =
-        Smpe::<_, 2, 3, 24>::new(JET, SmpeSettings::automatic(&jet_priors(), JET_NOISE, 0.01).unwrap()).unwrap();
-    let mut narrow =
-        Smpe::<_, 2, 3, 4>::new(JET, SmpeSettings::automatic(&jet_priors(), JET_NOISE, 0.01).unwrap()).unwrap();
-    for sample in &flight {
+    // Seven columns: no multiple of a block of the inner loops in either capacity.
+    fn estimator<const P: usize>() -> Smpe<ShortPeriod, 2, 3, P> {
+        let settings = SmpeSettings::automatic(&jet_priors(), JET_NOISE, 0.01).unwrap();
+        Smpe::new(JET, settings.with_biases([0.005, 0.002, 0.2])).unwrap()
+    }
+    let (mut wide, mut narrow) = (estimator::<24>(), estimator::<7>());
+    for sample in &jet_flight(11, 800) {
         let (a, b) = (wide.update(sample), narrow.update(sample));
-        assert_eq!(a.parameters[..4], b.parameters);
-        assert_eq!(a.corrected_std_error[..4], b.corrected_std_error);
-        assert!(a.parameters[4..].iter().all(|v| *v == 0.0));
+        assert_eq!(a.parameters[..7], b.parameters);
+        assert_eq!(a.corrected_std_error[..7], b.corrected_std_error);
+        assert!(a.parameters[7..].iter().all(|v| *v == 0.0));
+        assert_eq!(wide.detector(), narrow.detector());
     }
 }
 

@@ -1,8 +1,10 @@
 //! Standard errors that allow for coloured residuals.
 //!
-//! `C` counts every sample as new evidence. Where the residuals are correlated over a time shorter than a block, the
-//! sum `S` of the outer products of the block scores `g_b = sum psi^T xi` shows how much the score really scatters, and
-//! `C S C` is the covariance that follows (the "sandwich"). It is reported where it is larger.
+//! `C` counts every sample as new evidence. Its error obeys `C^-1 (theta - truth) = C0^-1 (theta0 - truth) + sum g`, with
+//! the score `g = psi^T xi` of a sliding row (the innovation stands for the unknown noise) and `g = psi^T phi` of a
+//! reaching row that knows better than it learns (`C` stays as it is). Where residuals are correlated over a time shorter than a block, the sum `S`
+//! of the outer products of the block sums of `g` shows how much the score really scatters, and `C S C` is the
+//! covariance that follows (the "sandwich"). It is reported where it is larger.
 
 use crate::kernels::{add_scaled, dot};
 use crate::ud::Ud;

@@ -281,6 +281,7 @@ impl<const N: usize, const P: usize> Slot<N, P> {
             let (phi, ex, c_psi, p_h);
             if size <= kappa {
                 innovations.phase[i] = RowPhase::Sliding;
+                self.colour.add(&psi[..p], xi);
                 phi = xi / nn;
                 ex = e;
                 p_h = self.px.update(&state_projection, r);
@@ -292,12 +293,15 @@ impl<const N: usize, const P: usize> Slot<N, P> {
                 innovations.phase[i] = RowPhase::Reaching;
                 let sign = if xi > 0.0 { 1.0 } else { -1.0 };
                 phi = kappa * sign / nn;
+                // C stays, so this row moves C^-1 theta by exactly psi^T phi. While a lot is still to be learnt (v >= 1)
+                // that is the way to the truth and not noise.
+                if one_plus_v < 2.0 {
+                    self.colour.add(&psi[..p], phi);
+                }
                 ex = kappa * nn * sign;
                 p_h = self.px.cross_covariance(&state_projection);
                 c_psi = self.c.cross_covariance(&projection);
             }
-            self.colour.add(&psi[..p], xi.clamp(-kappa, kappa));
-
             // dtheta += C_old psi^T phi;  dx += K sqrt(s) ex + U C_old psi^T phi  (U after its own update)
             let full = xi / nn;
             let mut step = [0.0; P];
