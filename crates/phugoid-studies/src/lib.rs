@@ -5,6 +5,7 @@ pub mod accuracy;
 pub mod constant_thrust;
 pub mod convergence;
 pub mod cramer_rao;
+pub mod damage;
 pub mod flight;
 pub mod manoeuvre;
 pub mod monte_carlo;

@@ -3,7 +3,10 @@
 use phugoid_identification::model_file::ModelFile;
 use phugoid_studies::accuracy::accuracy;
 use phugoid_studies::convergence::convergence;
-use phugoid_studies::published::{CALM_MODEL, CALM_SCENARIO, THESIS_DOUBLET, THESIS_MODEL, THESIS_SINE};
+use phugoid_studies::damage::damage;
+use phugoid_studies::published::{
+    CALM_MODEL, CALM_SCENARIO, DAMAGE_MODEL, DAMAGE_SCENARIO, THESIS_DOUBLET, THESIS_MODEL, THESIS_SINE,
+};
 use phugoid_studies::scenario::Scenario;
 
 /// RMSE at the Cramer-Rao bound and bounds that hold, one short-period cycle after the input starts and at the end.
@@ -45,4 +48,21 @@ fn thesis_size_inputs_suffice_within_a_fifth_of_a_second() {
             assert!((p.value / p.truth - 1.0).abs() < 1e-4, "{}: {} ends at {}", study.scenario, p.name, p.value);
         }
     }
+}
+
+/// Five coefficients change at 10 s under a pilot's stick: found in every run, no change seen before, and the bounds hold
+/// again at the end. (`phugoid study damage` makes more runs.)
+#[test]
+fn damage_is_found_and_the_bounds_hold_again() {
+    const RUNS: usize = 30;
+    let scenario = Scenario::parse(DAMAGE_SCENARIO, "f16-damage").unwrap();
+    let model = ModelFile::parse("f16-damage-model", DAMAGE_MODEL).unwrap();
+    let study = damage(&scenario, &model, RUNS, &[10.0], || ()).unwrap();
+    println!("{study:?}");
+    assert_eq!((study.missed, study.false_alarms), (0, 0), "{study:?}");
+    // The information limit for 5 % of all coefficients is above 1.6 s after the damage; detection needs a part of that.
+    assert!(study.latency_median_s < 0.5 && study.latency_90_percent_s < 1.5, "{study:?}");
+    // 95.4 % less four standard errors of a fraction of 30 runs.
+    let lowest = 0.954 - 4.0 * (0.954 * 0.046 / RUNS as f64).sqrt();
+    assert!(study.recovery[0].parameters.iter().all(|p| p.coverage > lowest), "{study:?}");
 }

@@ -245,7 +245,9 @@ pub(crate) struct Estimate {
 #[derive(Debug, Args)]
 #[command(after_help = examples_and_exit_codes(
     "  phugoid study calm-air --runs 200                RMSE over Cramer-Rao bound and coverage, all coefficients
-  phugoid study thesis-size --json                 0.05 deg doublet and sine without noise"
+  phugoid study thesis-size --json                 0.05 deg doublet and sine without noise
+  phugoid study damage --runs 100                  is damage found, how soon, and do the bounds hold again?
+  phugoid study accuracy --scenario mine.toml --model mine-model.toml --at 5s --at 20s"
 ))]
 pub(crate) struct Study {
     /// Which study
@@ -254,6 +256,15 @@ pub(crate) struct Study {
     /// Number of runs, each with its own noise
     #[arg(long, default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub(crate) runs: u32,
+    /// Scenario of the study `accuracy`: a file, or the name of a built-in one
+    #[arg(long, required_if_eq("study", "accuracy"))]
+    pub(crate) scenario: Option<String>,
+    /// Model file of the study `accuracy`, or the name of a built-in one. It has to give the noise of its outputs
+    #[arg(long, required_if_eq("study", "accuracy"))]
+    pub(crate) model: Option<String>,
+    /// Times of the study `accuracy` at which the estimates are compared [default: the end]
+    #[arg(long, value_name = "TIME")]
+    pub(crate) at: Vec<Time>,
     #[command(flatten)]
     pub(crate) delivery: Delivery,
 }
@@ -265,4 +276,8 @@ pub(crate) enum StudyName {
     CalmAir,
     /// Inputs as small as the thesis used, without noise: time to converge
     ThesisSize,
+    /// Five coefficients change at 10 s: detection and recovery
+    Damage,
+    /// Accuracy against the Cramer-Rao bound for a scenario and a model file of your own
+    Accuracy,
 }

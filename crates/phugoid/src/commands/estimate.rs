@@ -115,7 +115,7 @@ fn built_in() -> impl Iterator<Item = (&'static str, &'static str)> + Clone {
 }
 
 /// A model file, or a built-in one by name.
-fn model(wanted: &str) -> Result<ModelFile, Failure> {
+pub(crate) fn model(wanted: &str) -> Result<ModelFile, Failure> {
     let path = Path::new(wanted);
     if !path.exists()
         && let Some((name, text)) = built_in().find(|(name, _)| *name == wanted)

@@ -6,7 +6,10 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use phugoid_identification::model_file::ModelFile;
 use phugoid_studies::accuracy::{AccuracyStudy, StudyError, accuracy};
 use phugoid_studies::convergence::{ConvergenceStudy, convergence};
-use phugoid_studies::published::{CALM_MODEL, CALM_SCENARIO, THESIS_DOUBLET, THESIS_MODEL, THESIS_SINE};
+use phugoid_studies::damage::{DamageStudy, damage};
+use phugoid_studies::published::{
+    CALM_MODEL, CALM_SCENARIO, DAMAGE_MODEL, DAMAGE_SCENARIO, THESIS_DOUBLET, THESIS_MODEL, THESIS_SINE,
+};
 use phugoid_studies::scenario::Scenario;
 
 use crate::arguments::{self, StudyName};
@@ -17,6 +20,9 @@ use crate::progress::Progress;
 /// One short-period cycle and two after the input starts at 0.5 s, and the end.
 const CHECKPOINTS_S: [f64; 3] = [0.5 + 4.17, 0.5 + 8.34, 20.0];
 
+/// Times after the damage at which the estimates are looked at: 1, 2 and 4.2 s, and the end.
+const RECOVERY_S: [f64; 4] = [1.0, 2.0, 4.2, 10.0];
+
 /// Error within which a coefficient counts as found.
 const TOLERANCE: f64 = 0.05;
 
@@ -24,8 +30,24 @@ pub(crate) fn run(arguments: &arguments::Study) -> Result<(), Failure> {
     let delivery = &arguments.delivery;
     match arguments.study {
         StudyName::CalmAir => {
-            let study = calm_air(arguments.runs)?;
+            let scenario = Scenario::parse(CALM_SCENARIO, "f16-calm").map_err(Failure::input)?;
+            let model = ModelFile::parse("f16-model", CALM_MODEL).map_err(Failure::input)?;
+            let study = accurate(&scenario, &model, arguments.runs, &CHECKPOINTS_S)?;
             deliver(&study, delivery.json, delivery.out.as_deref(), || accuracy_text(&study))
+        }
+        StudyName::Accuracy => {
+            let scenario = super::simulate::scenario(arguments.scenario.as_deref().unwrap_or_default())?;
+            let model = super::estimate::model(arguments.model.as_deref().unwrap_or_default())?;
+            let mut at: Vec<f64> = arguments.at.iter().map(|t| t.si()).collect();
+            if at.is_empty() {
+                at.push(scenario.duration.si());
+            }
+            let study = accurate(&scenario, &model, arguments.runs, &at)?;
+            deliver(&study, delivery.json, delivery.out.as_deref(), || accuracy_text(&study))
+        }
+        StudyName::Damage => {
+            let study = damaged(arguments.runs)?;
+            deliver(&study, delivery.json, delivery.out.as_deref(), || damage_text(&study))
         }
         StudyName::ThesisSize => {
             let studies = [thesis_size(THESIS_DOUBLET)?, thesis_size(THESIS_SINE)?];
@@ -37,19 +59,28 @@ pub(crate) fn run(arguments: &arguments::Study) -> Result<(), Failure> {
 }
 
 fn failure(error: StudyError) -> Failure {
-    Failure::impossible(error)
+    match error {
+        StudyError::Flight(error) => super::simulate::failure(error),
+        StudyError::Estimate(_) | StudyError::Unsuitable(_) => Failure::input(error),
+        StudyError::CramerRao(_) => Failure::impossible(error),
+    }
 }
 
-fn calm_air(runs: u32) -> Result<AccuracyStudy, Failure> {
-    let scenario = Scenario::parse(CALM_SCENARIO, "f16-calm").map_err(Failure::input)?;
-    let model = ModelFile::parse("f16-model", CALM_MODEL).map_err(Failure::input)?;
+/// Runs many flights with a progress bar: `study` is given what to call after each run.
+fn with_progress<T>(runs: u32, study: impl FnOnce(&(dyn Fn() + Sync)) -> Result<T, StudyError>) -> Result<T, Failure> {
     let progress = Progress::new("flying");
     let done = AtomicU32::new(0);
-    accuracy(&scenario, &model, runs as usize, &CHECKPOINTS_S, || {
-        let done = 1 + done.fetch_add(1, Ordering::Relaxed);
-        progress.set(f64::from(done) / f64::from(runs));
-    })
-    .map_err(failure)
+    study(&|| progress.set(f64::from(1 + done.fetch_add(1, Ordering::Relaxed)) / f64::from(runs))).map_err(failure)
+}
+
+fn accurate(scenario: &Scenario, model: &ModelFile, runs: u32, at: &[f64]) -> Result<AccuracyStudy, Failure> {
+    with_progress(runs, |done| accuracy(scenario, model, runs as usize, at, done))
+}
+
+fn damaged(runs: u32) -> Result<DamageStudy, Failure> {
+    let scenario = Scenario::parse(DAMAGE_SCENARIO, "f16-damage").map_err(Failure::input)?;
+    let model = ModelFile::parse("f16-damage-model", DAMAGE_MODEL).map_err(Failure::input)?;
+    with_progress(runs, |done| damage(&scenario, &model, runs as usize, &RECOVERY_S, done))
 }
 
 fn thesis_size(scenario: &str) -> Result<ConvergenceStudy, Failure> {
@@ -112,5 +143,41 @@ fn convergence_text(study: &ConvergenceStudy) -> String {
     }
     text.push_str(&table.render());
     let _ = writeln!(text, "  (counted from the start of the input at {:.2} s)", study.input_starts_s);
+    text
+}
+
+fn damage_text(study: &DamageStudy) -> String {
+    let mut text = format!(
+        "{}\n{} runs, model `{}`, damage at {} s\n\n",
+        study.scenario,
+        study.runs,
+        study.model,
+        significant(study.damage_at_s, 3)
+    );
+    let seconds = |s: f64| if s.is_finite() { format!("{s:.2} s") } else { "never".to_owned() };
+    let _ = writeln!(
+        text,
+        "  found after {} (median), {} (nine runs of ten)\n  missed in {} runs, {} false alarms before the damage, {} further changes after it",
+        seconds(study.latency_median_s),
+        seconds(study.latency_90_percent_s),
+        study.missed,
+        study.false_alarms,
+        study.extra_changes
+    );
+    for at in &study.recovery {
+        let _ = writeln!(text, "\n{} s after the damage", significant(at.after_s, 3));
+        let mut table = Table::new(&["parameter", "truth", "median error", "RMSE", "coverage"]);
+        for p in &at.parameters {
+            table.row([
+                p.name.clone(),
+                significant(p.truth, 3),
+                significant(p.median_error, 3),
+                significant(p.rmse, 3),
+                format!("{:.1} %", 100.0 * p.coverage),
+            ]);
+        }
+        text.push_str(&table.render());
+    }
+    text.push_str("\nCoverage: runs with the truth after the damage within two claimed standard errors.\n");
     text
 }
