@@ -161,18 +161,29 @@ pub fn nearest(name: &str) -> Option<&'static str> {
         letters
     };
     let near_enough = |spelling: &str| key.len() > 4 || letters(&key) == letters(spelling);
-    let longest = key.len() + key.len() / 2;
     let spellings = CHANNELS.iter().flat_map(|channel| {
         let synonyms = channel.synonyms.iter().filter(|synonym| synonym.len() > 3 && !synonym.starts_with("delta_"));
         std::iter::once(channel.name).chain(synonyms.copied()).map(move |spelling| (channel.name, spelling))
     });
     spellings
-        // Too long or too short to be like it: no need to compare letters.
-        .filter(|(_, spelling)| (2 * key.len() / 3..=longest + 4).contains(&spelling.len()))
+        .filter(|(_, spelling)| may_be_like(spelling, &key))
         .map(|(name, spelling)| (name, spelling, strsim::normalized_damerau_levenshtein(&key, &self::key(spelling))))
         .filter(|&(_, spelling, likeness)| likeness >= LIKE && near_enough(spelling))
         .max_by(|a, b| a.2.total_cmp(&b.2))
         .map(|(name, ..)| name)
+}
+
+/// A quick no for most words: an edit changes the length by one at most and brings or takes one letter at most.
+fn may_be_like(spelling: &str, key: &str) -> bool {
+    let length = spelling.bytes().filter(|&b| b != b'_').count();
+    let edits = ((1.0 - LIKE) * length.max(key.len()) as f64) as u32;
+    let letters = |text: &str| {
+        text.bytes().filter(u8::is_ascii_lowercase).fold(0_u32, |letters, byte| letters | 1 << (byte - b'a'))
+    };
+    let (ours, theirs) = (letters(spelling), letters(key));
+    length.abs_diff(key.len()) <= edits as usize
+        && (ours & !theirs).count_ones() <= edits
+        && (theirs & !ours).count_ones() <= edits
 }
 
 /// Letters and digits alone, lower case: `True Airspeed`, `true_airspeed` and `TrueAirspeed` are one name.
@@ -205,6 +216,22 @@ mod tests {
         for (_, meanings) in AMBIGUOUS {
             for meaning in *meanings {
                 assert!(by_name(meaning).is_some(), "{meaning}");
+            }
+        }
+    }
+
+    /// The quick no never hides a name that a full comparison would find.
+    #[test]
+    fn the_quick_comparison_agrees_with_the_full_one() {
+        let words = CHANNELS.iter().flat_map(|c| std::iter::once(c.name).chain(c.synonyms.iter().copied()));
+        let words: Vec<String> = words.map(key).filter(|word| word.len() > 3).collect();
+        for word in &words {
+            for (index, letter) in word.char_indices() {
+                let misspelt = word.replacen(letter, if index % 2 == 0 { "x" } else { "" }, 1);
+                for other in &words {
+                    let likeness = strsim::normalized_damerau_levenshtein(&misspelt, other);
+                    assert!(likeness < LIKE || may_be_like(other, &misspelt), "{misspelt} {other} {likeness}");
+                }
             }
         }
     }
