@@ -15,7 +15,7 @@ fn calm_air_estimates_reach_the_bound() {
     const RUNS: usize = 100;
     let scenario = Scenario::parse(CALM_SCENARIO, "f16-calm").unwrap();
     let model = ModelFile::parse("f16-model", CALM_MODEL).unwrap();
-    let study = accuracy(&scenario, &model, RUNS, &[4.67, 20.0], || ()).unwrap();
+    let study = accuracy(&scenario, &model, RUNS, &[4.7, 20.0], || ()).unwrap();
     // The RMSE of n normal errors has the relative standard error 1/sqrt(2n), a coverage of 95.4 % that of sqrt(pq/n).
     // Four of each are allowed; the prior lets the ratio lie a little below one.
     let ratio_error = 4.0 / (2.0 * RUNS as f64).sqrt();

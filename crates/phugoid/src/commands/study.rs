@@ -17,8 +17,8 @@ use crate::failure::Failure;
 use crate::output::{Table, deliver, significant};
 use crate::progress::Progress;
 
-/// One short-period cycle and two after the input starts at 0.5 s, and the end.
-const CHECKPOINTS_S: [f64; 3] = [0.5 + 4.17, 0.5 + 8.34, 20.0];
+/// One short-period cycle (4.17 s; the 3-2-1-1 ends after 4.2 s) and two after the input starts at 0.5 s, and the end.
+const CHECKPOINTS_S: [f64; 3] = [0.5 + 4.2, 0.5 + 8.4, 20.0];
 
 /// Times after the damage at which the estimates are looked at: 1, 2 and 4.2 s, and the end.
 const RECOVERY_S: [f64; 4] = [1.0, 2.0, 4.2, 10.0];
