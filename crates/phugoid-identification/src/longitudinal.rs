@@ -203,6 +203,11 @@ impl LongitudinalModel {
         Self { constants, thrust_direction: [cos, -sin], database, known, columns, quick, quick_known }
     }
 
+    /// The constants it was built with.
+    pub fn constants(&self) -> &LongitudinalConstants {
+        &self.constants
+    }
+
     /// The estimated terms in the order of the parameter vector.
     pub fn columns(&self) -> &[(Coefficient, Term)] {
         &self.columns

@@ -69,6 +69,7 @@ pub(crate) fn run_smpe(
         run.excited |= moved;
         if waiting && moved {
             waiting = false;
+            run.events.retain(|e| !e.is_of_detector());
             let from = prepared.time.partition_point(|t| *t < sample.time_s - LEAD_S - 1e-9);
             if from > 0 {
                 // Forget what was taken for excitation before there was any.
@@ -96,6 +97,7 @@ pub(crate) fn run_smpe(
         }
     }
     if waiting {
+        run.events.retain(|e| !e.is_of_detector());
         for (j, sd) in smpe.prior_sd().iter().enumerate().take(smpe.column_count()) {
             run.covariance[j][j] = sd * sd;
         }
@@ -201,6 +203,13 @@ fn prior(parameter: &Parameter, base: Base) -> ParameterPrior {
 fn sample_time(time: &[f64]) -> f64 {
     let mut steps: Vec<f64> = time.windows(2).take(50).map(|w| w[1] - w[0]).collect();
     crate::noise::median(&mut steps).unwrap_or(f64::NAN)
+}
+
+impl Event {
+    /// True for what the change detector said; before anything has moved it had nothing to speak of.
+    fn is_of_detector(&self) -> bool {
+        matches!(self.kind.as_str(), "in_doubt" | "re_reached" | "doubt_dropped" | "insensitive")
+    }
 }
 
 /// Turns changes of the status into events.
