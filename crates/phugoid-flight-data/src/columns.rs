@@ -114,17 +114,17 @@ pub(crate) fn plan(head: &Head<'_>, options: &CsvOptions, report: &mut QualityRe
 /// The warning about a column without a unit.
 pub(crate) fn say_assumed(column: &ColumnUse, report: &mut QualityReport) {
     let quantity = column.unit.quantity;
+    let header = &column.header;
+    let other = units::UNITS.iter().filter(|unit| unit.quantity == quantity).nth(1).map(|unit| unit.symbol);
+    let other = other.map(|other| format!(" or {header}_{other}")).unwrap_or_default();
     report.warn(
-        format!("column '{}'", column.header),
+        format!("column '{header}'"),
         format!(
-            "{} is {} but no unit is written; taken as {} (SI). Write the unit into the header, e.g. {}_{}; understood \
-             are {}",
+            "{} is {} but no unit is written; taken as {} (SI). Write the unit into the header, e.g. {header}_{}{other}",
             column.name,
             quantity.in_words(),
             quantity.si_unit(),
-            column.header,
             quantity.si_suffix(),
-            units::accepted(quantity)
         ),
     );
 }

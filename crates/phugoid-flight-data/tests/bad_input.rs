@@ -104,7 +104,8 @@ fn a_missing_unit_is_taken_as_si_and_said() {
     let record = good("time,alpha,tas\n0,0.1,100\n1,0.2,100\n");
     says(&record, &["column 'alpha'", "an angle but no unit is written; taken as rad (SI)", "alpha_rad", "deg"]);
     says(&record, &["column 'tas'", "taken as m/s (SI)"]);
-    says(&record, &["column 'time'", "taken as s (SI)"]);
+    says(&record, &["column 'time'", "taken as s (SI)", "e.g. time_s or time_ms"]);
+    says(&record, &["time: the rows are 1 s apart: if the time is in milliseconds"]);
     assert!(record.quality.channels.iter().all(|channel| channel.unit_assumed));
 }
 

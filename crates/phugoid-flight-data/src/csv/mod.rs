@@ -13,6 +13,8 @@ mod cells;
 mod error;
 mod format;
 mod read;
+mod rows;
+mod text_file;
 mod write;
 
 pub use error::{ReadError, WriteError};

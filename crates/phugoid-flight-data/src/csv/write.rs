@@ -9,10 +9,10 @@ use crate::channels;
 use crate::header::{self, Meaning};
 use crate::record::{Channel, Quantity, Record};
 
-/// Writes a CSV file to the disk; otherwise as [`write`].
+/// Writes a CSV file to the disk; otherwise as [`write()`].
 ///
 /// # Errors
-/// As [`write`], with the path as the target's name. Names and lengths are checked before the file is created.
+/// As [`write()`], with the path as the target's name. Names and lengths are checked before the file is created.
 pub fn write_path(record: &Record, path: &Path) -> Result<(), WriteError> {
     let target = path.display().to_string();
     let headers = headers(record, &target)?;

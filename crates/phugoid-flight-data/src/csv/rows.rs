@@ -1,0 +1,322 @@
+//! The rows of a file: which are kept, what is wrong with the others, and the record they make.
+
+use super::cells::{self, Cell};
+use super::format::Format;
+use super::text_file::Row;
+use super::{CsvOptions, ReadError};
+use crate::channels;
+use crate::columns::{self, ColumnUse, Plan};
+use crate::quality::{ChannelQuality, Lines, QualityReport, Short, plural};
+use crate::record::{Channel, Record};
+use crate::time_base::{self, Table};
+use crate::{plausibility, signals};
+
+/// The rows read so far and what was wrong with the others.
+pub(super) struct Rows {
+    plan: Plan,
+    fields: usize,
+    header_line: usize,
+    format: Format,
+    table: Table,
+    seen: usize,
+    too_short: Lines,
+    too_long: Lines,
+    blank_at_end: Lines,
+    no_time: Lines,
+    cut: Option<usize>,
+    unended: Option<usize>,
+    /// Cells per channel that are text, and the first of them.
+    text: Vec<(Lines, String)>,
+    clock: bool,
+    midnights: f64,
+}
+
+impl Rows {
+    pub(super) fn new(plan: Plan, fields: usize, header_line: usize, format: Format) -> Self {
+        let count = plan.channels.len();
+        Self {
+            plan,
+            fields,
+            header_line,
+            format,
+            table: Table { time: Vec::new(), lines: Vec::new(), columns: vec![Vec::new(); count] },
+            seen: 0,
+            too_short: Lines::default(),
+            too_long: Lines::default(),
+            blank_at_end: Lines::default(),
+            no_time: Lines::default(),
+            cut: None,
+            unended: None,
+            text: vec![(Lines::default(), String::new()); count],
+            clock: false,
+            midnights: 0.0,
+        }
+    }
+
+    pub(super) fn add(&mut self, row: &Row, source: &str, options: &CsvOptions) -> Result<(), ReadError> {
+        let row_index = self.seen;
+        self.seen += 1;
+        let mut scratch = ::csv::StringRecord::new();
+        let cells = self.format.cells(&row.text, &mut scratch);
+        if cells.len() < self.fields {
+            match row.ended {
+                true => self.too_short.add(row.line),
+                false => self.cut = Some(row.line),
+            }
+            return Ok(());
+        }
+        if cells.len() > self.fields {
+            if cells.iter().skip(self.fields).any(|cell| !cell.trim().is_empty()) {
+                self.too_long.add(row.line);
+                return Ok(());
+            }
+            self.blank_at_end.add(row.line);
+        }
+        if !row.ended {
+            self.unended = Some(row.line);
+        }
+        let Some(time) = self.time(&cells, row_index, options) else {
+            self.no_time.add(row.line);
+            return Ok(());
+        };
+        // Two more per row: its time and its line.
+        if (self.table.time.len() + 1).saturating_mul(self.table.columns.len() + 2) > options.max_values {
+            return Err(ReadError::TooLarge {
+                source_name: source.to_owned(),
+                line: row.line,
+                max_values: options.max_values,
+            });
+        }
+        self.table.time.push(time);
+        self.table.lines.push(row.line);
+        for ((channel, values), text) in self.plan.channels.iter().zip(&mut self.table.columns).zip(&mut self.text) {
+            let cell = cells.get(channel.column).copied().unwrap_or_default();
+            let value = match cells::parse(cell, self.format.decimal_comma) {
+                Cell::Value(value) => channel.to_si(value),
+                Cell::Missing => f64::NAN,
+                Cell::Text => {
+                    if text.0.count() == 0 {
+                        text.1 = columns::cut(cell, 20);
+                    }
+                    text.0.add(row.line);
+                    f64::NAN
+                }
+            };
+            // A finite number may overflow in the conversion.
+            let value = if value.is_finite() { value } else { f64::NAN };
+            values.push(value);
+        }
+        Ok(())
+    }
+
+    fn time(&mut self, cells: &[&str], row_index: usize, options: &CsvOptions) -> Option<f64> {
+        if let Some(step) = options.sample_time_s {
+            return Some(step * row_index as f64).filter(|time| time.is_finite());
+        }
+        let column = self.plan.time.as_ref()?;
+        let cell = cells.get(column.column).copied().unwrap_or_default();
+        if let Cell::Value(value) = cells::parse(cell, self.format.decimal_comma) {
+            return Some(column.to_si(value)).filter(|time| time.is_finite());
+        }
+        let (seconds, dated) = cells::clock(cell)?;
+        self.clock = true;
+        // Without a date the clock starts again at midnight.
+        const DAY: f64 = 86_400.0;
+        if !dated && self.table.time.last().is_some_and(|last| seconds + self.midnights * DAY < last - 0.5 * DAY) {
+            self.midnights += 1.0;
+        }
+        Some(seconds + if dated { 0.0 } else { self.midnights * DAY })
+    }
+
+    pub(super) fn finish(
+        self,
+        source: &str,
+        options: &CsvOptions,
+        mut report: QualityReport,
+    ) -> Result<Record, ReadError> {
+        let no_rows =
+            |reason: String| ReadError::NoRows { source_name: source.to_owned(), line: self.header_line, reason };
+        if self.table.time.is_empty() {
+            return Err(no_rows(self.why_no_rows()));
+        }
+        self.report_rows(&mut report);
+        let Self { plan, mut table, text, seen, header_line, .. } = self;
+        let time_header = plan.time.as_ref().map_or("(row number)", |column| column.header.as_str()).to_owned();
+        if let Some(column) = plan.time.as_ref().filter(|column| column.unit_assumed && !self.clock) {
+            columns::say_assumed(column, &mut report);
+        }
+        time_base::put_in_order(&mut table, source, &time_header, &mut report)?;
+        if table.time.len() < 2 {
+            let reason = "only one time is left; a record needs at least two".to_owned();
+            return Err(ReadError::NoRows { source_name: source.to_owned(), line: header_line, reason });
+        }
+        let mut record = Record { source: source.to_owned(), time: table.time, ..Record::default() };
+        report.rows_read = seen;
+        report.rows_kept = record.time.len();
+        report.sample_time_s = record.sample_time_s();
+        let assumed = plan.time.as_ref().is_some_and(|column| column.unit_assumed && !self.clock);
+        if assumed && report.sample_time_s >= 1.0 {
+            let step = Short(report.sample_time_s);
+            report.warn("time", format!("the rows are {step} s apart: if the time is in milliseconds, write time_ms"));
+        }
+        time_base::report_steps(&record.time, report.sample_time_s, options.gap_factor, &mut report);
+
+        report.channels.push(match &plan.time {
+            Some(column) => quality_of(column, 0),
+            None => ChannelQuality {
+                name: "time".into(),
+                header: String::new(),
+                unit: "s".into(),
+                scale: 1.0,
+                ..ChannelQuality::default()
+            },
+        });
+        let mut holes = Vec::new();
+        for ((column, values), (text, example)) in plan.channels.into_iter().zip(table.columns).zip(text) {
+            if let Some(channel) = keep(&column, values, &text, &example, &mut holes, &mut report) {
+                report.channels.push(quality_of(&column, channel.values.iter().filter(|value| value.is_nan()).count()));
+                record.channels.push(channel);
+            }
+        }
+        if !holes.is_empty() {
+            report.note(
+                "",
+                format!("values missing in {} rows: {}; nothing is filled in", report.rows_kept, holes.join(", ")),
+            );
+        }
+        record.quality = report;
+        signals::check(&mut record);
+        plausibility::check(&mut record);
+        Ok(record)
+    }
+
+    fn why_no_rows(&self) -> String {
+        let (short, long, untimed) = (self.too_short.count(), self.too_long.count(), self.no_time.count());
+        if let (Some(line), 0, 0, 0) = (self.cut, short, long, untimed) {
+            return format!("the only row, line {line}, is cut off before its end");
+        }
+        if short == 0 && long == 0 && untimed == 0 {
+            return "there is none".into();
+        }
+        let mut reasons = Vec::new();
+        if short > 0 {
+            let rows = plural(short, "row");
+            reasons.push(format!("{rows} with fewer than {} cells ({})", self.fields, self.too_short.place()));
+        }
+        if long > 0 {
+            let rows = plural(long, "row");
+            reasons.push(format!(
+                "{rows} with more than {} cells ({}; are there commas in the numbers? then separate the cells by \
+                 semicolons)",
+                self.fields,
+                self.too_long.place()
+            ));
+        }
+        if untimed > 0 {
+            reasons.push(format!("{} without a time ({})", plural(untimed, "row"), self.no_time.place()));
+        }
+        reasons.join("; ")
+    }
+
+    fn report_rows(&self, report: &mut QualityReport) {
+        let fields = self.fields;
+        if self.too_short.count() > 0 {
+            let rows = plural(self.too_short.count(), "row");
+            report.warn(
+                self.too_short.place(),
+                format!(
+                    "{rows} left out: fewer than the header's {fields} cells, so that it is not known which is missing"
+                ),
+            );
+        }
+        if self.too_long.count() > 0 {
+            let rows = plural(self.too_long.count(), "row");
+            report.warn(self.too_long.place(), format!("{rows} left out: more than the header's {fields} cells"));
+        }
+        if self.blank_at_end.count() > 0 {
+            report.note(self.blank_at_end.place(), "blank cells beyond the header's last column ignored");
+        }
+        if self.no_time.count() > 0 {
+            let rows = plural(self.no_time.count(), "row");
+            report.warn(self.no_time.place(), format!("{rows} left out: no time, or one that is no number"));
+        }
+        if let Some(line) = self.cut {
+            report.warn(
+                format!("line {line}"),
+                "the file ends in the middle of this row, which is left out; the file was probably cut off: if rows are \
+                 missing, copy it again",
+            );
+        }
+        if let Some(line) = self.unended {
+            report.note(
+                format!("line {line}"),
+                "the last row has no line end; it is kept, but if the file was cut off there its last number may be short",
+            );
+        }
+        if self.clock {
+            report.note("time", "given as a clock; counted in seconds from midnight (from 1970 where there is a date)");
+        }
+        if self.midnights > 0.0 {
+            report.note("time", format!("the clock passes midnight {} times; counted on", Short(self.midnights)));
+        }
+    }
+}
+
+fn quality_of(column: &ColumnUse, missing: usize) -> ChannelQuality {
+    ChannelQuality {
+        name: column.name.clone(),
+        header: column.header.clone(),
+        unit: column.unit.symbol.to_owned(),
+        unit_assumed: column.unit_assumed,
+        scale: column.scale,
+        missing,
+        spikes: 0,
+    }
+}
+
+/// The channel of a column, with a word on what is missing in it (a few missing values go to `holes`); none for columns
+/// of text.
+fn keep(
+    column: &ColumnUse,
+    values: Vec<f64>,
+    text: &Lines,
+    example: &str,
+    holes: &mut Vec<String>,
+    report: &mut QualityReport,
+) -> Option<Channel> {
+    let place = format!("column '{}'", column.header);
+    let known = channels::by_name(&column.name).is_some();
+    let missing = values.iter().filter(|value| value.is_nan()).count();
+    let any = missing < values.len();
+    if !any && !known {
+        match (text.count(), column.header.is_empty()) {
+            (0, true) => {}
+            (0, false) => report.note(place, "left out: it has no values"),
+            _ => report.note(place, format!("left out: it holds text such as '{example}', not numbers")),
+        }
+        return None;
+    }
+    if text.count() > 0 {
+        let cells = plural(text.count(), "cell");
+        let message = format!("{cells} of {} no number, such as '{example}'; taken as missing", column.name);
+        report.warn(text.place(), message);
+    }
+    if !any {
+        report.warn(place, format!("{} has no value at all", column.name));
+    } else if missing > 0 {
+        let percent = 100.0 * missing as f64 / values.len() as f64;
+        match percent > 10.0 {
+            true => report.warn(
+                place,
+                format!(
+                    "{missing} of {} values of {} missing ({} %); kept as missing, nothing is filled in",
+                    values.len(),
+                    column.name,
+                    Short(percent)
+                ),
+            ),
+            false => holes.push(format!("{missing} in {}", column.name)),
+        }
+    }
+    Some(Channel { name: column.name.clone(), quantity: column.unit.quantity, values })
+}

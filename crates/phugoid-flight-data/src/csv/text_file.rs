@@ -1,0 +1,140 @@
+//! The lines of a text file, its header and its row of units.
+
+use std::io::{BufRead, BufReader, Chain, Cursor, Read};
+
+use super::ReadError;
+use super::cells::{self, Cell};
+use super::format::{self, Format};
+use crate::quality::QualityReport;
+use crate::{columns, units};
+
+/// How much of the beginning is looked at to find the layout, bytes.
+const SAMPLE: usize = 64 * 1024;
+/// The longest line accepted, bytes.
+const LONGEST_LINE: usize = 1024 * 1024;
+
+/// One line that is neither blank nor a comment.
+pub(super) struct Row {
+    pub(super) line: usize,
+    pub(super) text: String,
+    /// Did it end with a line end?
+    pub(super) ended: bool,
+}
+
+/// The lines of a text file, with their numbers, in bounded memory.
+pub(super) struct TextFile<'s, R: Read> {
+    source: &'s str,
+    lines: BufReader<Chain<Cursor<Vec<u8>>, R>>,
+    pub(super) format: Format,
+    line: usize,
+    last_comment: Option<(usize, String)>,
+}
+
+impl<'s, R: Read> TextFile<'s, R> {
+    pub(super) fn open(mut reader: R, source: &'s str, delimiter: Option<char>) -> Result<Self, ReadError> {
+        let io = |error| ReadError::Io { source_name: source.to_owned(), error };
+        let mut sample = Vec::new();
+        reader.by_ref().take(SAMPLE as u64).read_to_end(&mut sample).map_err(io)?;
+        let complete = sample.len() < SAMPLE;
+        format::refuse_binary(source, &sample)?;
+        if sample.starts_with(&[0xEF, 0xBB, 0xBF]) {
+            sample.drain(..3);
+        }
+        let format = format::sniff(&sample, complete, delimiter);
+        let lines = BufReader::new(Cursor::new(sample).chain(reader));
+        Ok(Self { source, lines, format, line: 0, last_comment: None })
+    }
+
+    pub(super) fn next_row(&mut self) -> Result<Option<Row>, ReadError> {
+        let mut bytes = Vec::new();
+        loop {
+            bytes.clear();
+            let bound = LONGEST_LINE as u64 + 1;
+            let read = (&mut self.lines).take(bound).read_until(self.format.line_end, &mut bytes);
+            let read = read.map_err(|error| ReadError::Io { source_name: self.source.to_owned(), error })?;
+            if read == 0 {
+                return Ok(None);
+            }
+            self.line += 1;
+            if read > LONGEST_LINE {
+                return Err(ReadError::LineTooLong {
+                    source_name: self.source.to_owned(),
+                    line: self.line,
+                    max_bytes: LONGEST_LINE,
+                });
+            }
+            let ended = bytes.ends_with(&[self.format.line_end]);
+            let text = format::decode(&bytes);
+            let text = text.trim_end_matches(['\n', '\r']);
+            if format::is_row(text) {
+                return Ok(Some(Row { line: self.line, text: text.to_owned(), ended }));
+            }
+            if let Some(comment) = text.trim_start().strip_prefix('#') {
+                self.last_comment = Some((self.line, comment.trim().to_owned()));
+            }
+        }
+    }
+
+    fn cells(&self, text: &str) -> Vec<String> {
+        let mut scratch = ::csv::StringRecord::new();
+        self.format.cells(text, &mut scratch).into_iter().map(str::to_owned).collect()
+    }
+
+    /// The header's line and cells, and a row that was read beyond it.
+    pub(super) fn header(
+        &mut self,
+        report: &mut QualityReport,
+    ) -> Result<(usize, Vec<String>, Option<Row>), ReadError> {
+        let first = self.next_row()?;
+        let comment = self.last_comment.take();
+        let Some(first) = first else { return Err(ReadError::Empty { source_name: self.source.to_owned() }) };
+        let mut cells = self.cells(&first.text);
+        let word = |cell: &String| {
+            matches!(cells::parse(cell, self.format.decimal_comma), Cell::Text) && cells::clock(cell).is_none()
+        };
+        if cells.iter().any(word) {
+            // Blank cells at the end of the header are the traces of a delimiter at the end of every line.
+            while cells.last().is_some_and(|cell| cell.trim().is_empty()) {
+                cells.pop();
+            }
+            return Ok((first.line, cells, None));
+        }
+        if let Some((line, text)) = comment {
+            let names = self.cells(&text);
+            let all_names = names.iter().all(|name| matches!(cells::parse(name, false), Cell::Text));
+            if all_names && names.len() == cells.len() {
+                report.note(format!("line {line}"), "the comment above the numbers is taken as the header");
+                return Ok((line, names, Some(first)));
+            }
+        }
+        Err(ReadError::NoHeader {
+            source_name: self.source.to_owned(),
+            line: first.line,
+            found: columns::cut(&first.text, 60),
+        })
+    }
+
+    /// A row of units below the header, if there is one, else the row that was read in looking for it.
+    pub(super) fn unit_row(
+        &mut self,
+        headers: &[String],
+        carried: Option<Row>,
+    ) -> Result<(Option<Vec<String>>, Option<Row>), ReadError> {
+        if carried.is_some() {
+            return Ok((None, carried));
+        }
+        let Some(row) = self.next_row()? else { return Ok((None, None)) };
+        let cells = self.cells(&row.text);
+        let filled: Vec<&String> = cells.iter().filter(|cell| !cell.trim().is_empty()).collect();
+        let unit = |cell: &&&String| !units::find(cell.trim_matches(['[', ']', '(', ')'])).is_empty();
+        let no_number = |cell: &&String| !matches!(cells::parse(cell, self.format.decimal_comma), Cell::Value(_));
+        let is_unit_row = cells.len() <= headers.len()
+            && filled.iter().all(no_number)
+            && 2 * filled.iter().filter(unit).count() > filled.len();
+        if !is_unit_row {
+            return Ok((None, Some(row)));
+        }
+        let strip = |cell: String| cell.trim().trim_matches(['[', ']', '(', ')']).to_owned();
+        Ok((Some(cells.into_iter().map(strip).collect()), None))
+    }
+}
