@@ -169,8 +169,8 @@ fn residuals(residuals: &[Signal], run: &Run, sentences: &mut Vec<String>) {
         let lagged: f64 = core.windows(2).map(|w| w[0] * w[1]).sum();
         if power > 0.0 && lagged / power > 0.4 {
             sentences.push(format!(
-                "Residuals of {} are coloured (lag-one correlation {:.2}): model error, a sensor bias or lag, or too \
-                 small a noise level. The corrected standard errors allow for it.",
+                "Residuals of {} are coloured (lag-one correlation {:.2}): model error, a sensor bias or lag, turbulence, or too \
+                 small a noise level. The corrected standard errors allow for colour shorter than half a second.",
                 signal.name,
                 lagged / power
             ));

@@ -24,7 +24,7 @@ fn trim() -> LevelTrim {
     let condition = TrimCondition {
         speed: 675.0 * 0.3048,
         density: phugoid_flight_dynamics::atmosphere::Atmosphere::Book.at(6096.0).density,
-        mass: 9299.813_806,
+        mass: 9_299.813_806,
         gravity: 32.17 * 0.3048,
         wing_area: 27.870_912,
         mean_chord: 3.450_336,
@@ -73,7 +73,7 @@ fn run(coefficient: Coefficient, term: &str, truth: f64, channel: SurfaceChannel
             + if t >= 3.0 { 0.05_f64.to_radians() * (std::f64::consts::TAU * (t - 3.0)).sin() } else { 0.0 },
         air_density: phugoid_flight_dynamics::atmosphere::Atmosphere::Book.at(6096.0).density,
         thrust: trim.thrust,
-        mass: 9299.813_806,
+        mass: 9_299.813_806,
         iyy: 75_673.623,
         ..LongitudinalInput::default()
     };
