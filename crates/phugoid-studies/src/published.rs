@@ -14,7 +14,15 @@ pub const THESIS_MODEL: &str = include_str!("../../../scenarios/f16-thesis-model
 pub const DAMAGE_SCENARIO: &str = include_str!("../../../scenarios/f16-damage.toml");
 /// What its estimator is told.
 pub const DAMAGE_MODEL: &str = include_str!("../../../scenarios/f16-damage-model.toml");
+/// Gusts, actuators and poor sensors.
+pub const GUST_SCENARIO: &str = include_str!("../../../scenarios/f16-gust-actuators.toml");
+/// What its estimator is told.
+pub const GUST_MODEL: &str = include_str!("../../../scenarios/f16-gust-model.toml");
 
 /// The model files of these cases: name and text.
-pub const MODELS: &[(&str, &str)] =
-    &[("f16-model", CALM_MODEL), ("f16-thesis-model", THESIS_MODEL), ("f16-damage-model", DAMAGE_MODEL)];
+pub const MODELS: &[(&str, &str)] = &[
+    ("f16-model", CALM_MODEL),
+    ("f16-thesis-model", THESIS_MODEL),
+    ("f16-damage-model", DAMAGE_MODEL),
+    ("f16-gust-model", GUST_MODEL),
+];

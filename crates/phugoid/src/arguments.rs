@@ -241,12 +241,12 @@ pub(crate) struct Estimate {
     pub(crate) show_model: Option<String>,
 }
 
-/// Measures the estimator against the Cramer-Rao bound
+/// Measures the estimator on many simulated flights: against the Cramer-Rao bound, after damage
 #[derive(Debug, Args)]
 #[command(after_help = examples_and_exit_codes(
-    "  phugoid study calm-air --runs 200                RMSE over Cramer-Rao bound and coverage, all coefficients
-  phugoid study thesis-size --json                 0.05 deg doublet and sine without noise
-  phugoid study damage --runs 100                  is damage found, how soon, and do the bounds hold again?
+    "  phugoid study calm-air --runs 200        RMSE over Cramer-Rao bound, and coverage
+  phugoid study thesis-size --json         0.05 deg doublet and sine without noise
+  phugoid study damage --runs 100          is damage found, how soon, do the bounds hold?
   phugoid study accuracy --scenario mine.toml --model mine-model.toml --at 5s --at 20s"
 ))]
 pub(crate) struct Study {
