@@ -40,6 +40,7 @@ fn a_sound_flight_gives_the_truth_within_its_bounds() {
     assert_good(&estimation);
     assert!(estimation.events.is_empty(), "{:?}", estimation.events);
     assert!(said(&estimation, &["Noise levels measured from the record"]));
+    assert!(!said(&estimation, &["Check the units"]), "{:?}", estimation.verdict);
     for (signal, sd) in estimation.noise.iter().zip(common::f16::NOISE) {
         let ratio = signal.values[0] / sd;
         assert!((0.6..1.6).contains(&ratio), "{}: measured noise is {ratio:.2} of the true one", signal.name);
