@@ -114,7 +114,7 @@ pub const CHANNELS: &[ChannelSpec] = &[
     slow("mach", Number, "Mach number", "", &["mach_number", "mach_no"]),
 
     slow("thrust", Force, "total thrust of all engines", "forward", &["net_thrust", "total_thrust", "thrust_total", "t"]),
-    slow("mass", Mass, "mass of the aircraft", "", &["aircraft_mass", "gross_mass", "weight", "gross_weight", "m"]),
+    slow("mass", Mass, "mass of the aircraft", "", &["aircraft_mass", "gross_mass", "weight", "gross_weight"]),
     slow("ixx", Inertia, "moment of inertia about body x", "", &["jx", "i_xx"]),
     slow("iyy", Inertia, "moment of inertia about body y", "", &["jy", "i_yy"]),
     slow("izz", Inertia, "moment of inertia about body z", "", &["jz", "i_zz"]),
@@ -129,6 +129,7 @@ pub const AMBIGUOUS: &[(&str, &[&str])] = &[
     ("speed", &["true_airspeed", "calibrated_airspeed", "indicated_airspeed", "ground_speed"]),
     ("velocity", &["true_airspeed", "ground_speed"]),
     ("v", &["true_airspeed", "v"]),
+    ("m", &["mach", "mass"]),
 ];
 
 /// The channel with this canonical name (exactly).

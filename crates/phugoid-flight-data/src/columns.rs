@@ -25,7 +25,7 @@ struct Meanings {
 
 impl Meanings {
     fn of(head: &Head<'_>) -> Self {
-        let headers: Vec<_> = head
+        let mut headers: Vec<_> = head
             .headers
             .iter()
             .enumerate()
@@ -38,6 +38,25 @@ impl Meanings {
                 _ => None,
             })
             .collect();
+        // `T` beside `time_s` is hardly a second time: where another column says the unit, a bare namesake is in doubt.
+        let stated: Vec<&str> = headers
+            .iter()
+            .filter_map(|meaning| match meaning {
+                Ok(Meaning::Known { spec, unit: Some(_) }) => Some(spec.name),
+                _ => None,
+            })
+            .collect();
+        for (meaning, header) in headers.iter_mut().zip(head.headers) {
+            if let Ok(Meaning::Known { spec, unit: None }) = meaning
+                && stated.contains(&spec.name)
+            {
+                let namesakes: Vec<&str> = channels::by_any_name(header).iter().map(|spec| spec.name).collect();
+                if namesakes.len() > 1 {
+                    let doubt = Some(Doubt::Ambiguous(namesakes));
+                    *meaning = Ok(Meaning::Unknown { name: header.clone(), unit: None, doubt });
+                }
+            }
+        }
         present.sort_unstable();
         present.dedup();
         Self { headers, present }

@@ -19,7 +19,7 @@ pub(crate) enum Doubt {
     /// The name is known, but the unit belongs to another quantity or is no unit.
     Unit { spec: &'static ChannelSpec, text: String, found: Option<Quantity> },
     /// The name could mean several channels.
-    Ambiguous(&'static [&'static str]),
+    Ambiguous(Vec<&'static str>),
     /// Probably a misspelt name.
     Near(&'static str),
 }
@@ -79,8 +79,11 @@ fn split_bracket(header: &str) -> (&str, Option<&str>) {
 fn with_unit(header: &str, name: &str, unit_text: &str) -> Result<Meaning, Conflict> {
     let found = units::find(unit_text);
     if let Some(meanings) = ambiguous(name) {
+        if let Some(known) = only_one(meanings, &found) {
+            return Ok(known);
+        }
         let unit = found.first().copied();
-        return Ok(Meaning::Unknown { name: name.to_owned(), unit, doubt: Some(Doubt::Ambiguous(meanings)) });
+        return Ok(Meaning::Unknown { name: name.to_owned(), unit, doubt: Some(Doubt::Ambiguous(meanings.to_vec())) });
     }
     let specs = channels::by_any_name(name);
     for spec in &specs {
@@ -116,7 +119,7 @@ fn with_unit(header: &str, name: &str, unit_text: &str) -> Result<Meaning, Confl
 fn with_suffix(header: &str) -> Meaning {
     let unknown = |name: &str, unit, doubt| Meaning::Unknown { name: name.to_owned(), unit, doubt };
     if let Some(meanings) = ambiguous(header) {
-        return unknown(header, None, Some(Doubt::Ambiguous(meanings)));
+        return unknown(header, None, Some(Doubt::Ambiguous(meanings.to_vec())));
     }
     if let Some(spec) = channels::by_any_name(header).first() {
         return Meaning::Known { spec, unit: None };
@@ -129,7 +132,10 @@ fn with_suffix(header: &str) -> Meaning {
         let found = units::find(suffix);
         let Some(first) = found.first() else { continue };
         if let Some(meanings) = ambiguous(name) {
-            return unknown(name, Some(*first), Some(Doubt::Ambiguous(meanings)));
+            if let Some(known) = only_one(meanings, &found) {
+                return known;
+            }
+            return unknown(name, Some(*first), Some(Doubt::Ambiguous(meanings.to_vec())));
         }
         let specs = channels::by_any_name(name);
         for spec in &specs {
@@ -173,6 +179,15 @@ const UNMISTAKABLE: &[&str] = &[
 fn ambiguous(name: &str) -> Option<&'static [&'static str]> {
     let key = channels::key(name);
     AMBIGUOUS.iter().find(|(ambiguous, _)| *ambiguous == key).map(|(_, meanings)| *meanings)
+}
+
+/// The one channel among the meanings that the unit suits: `m_kg` is the mass.
+fn only_one(meanings: &[&str], found: &[Unit]) -> Option<Meaning> {
+    let mut suiting = meanings.iter().filter_map(|name| channels::by_name(name)).filter_map(|spec| {
+        let unit = found.iter().find(|unit| unit.quantity == spec.quantity)?;
+        Some(Meaning::Known { spec, unit: Some(*unit) })
+    });
+    suiting.next().filter(|_| suiting.next().is_none())
 }
 
 /// A load factor in `g` is a pure number.
@@ -276,6 +291,8 @@ mod tests {
             ("thrust_lb", "thrust", Some("lb")),
             ("thrust_kN", "thrust", Some("kn")),
             ("fuel_lb", "fuel", Some("lb")),
+            ("m_kg", "mass", Some("kg")),
+            ("M [-]", "mach", Some("-")),
             ("dynamic_pressure_pa", "dynamic_pressure", Some("pa")),
             ("altitude_ft", "altitude", Some("ft")),
             ("throttle [%]", "throttle", Some("pct")),

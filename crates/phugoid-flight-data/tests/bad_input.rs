@@ -166,6 +166,12 @@ fn ambiguous_headers_are_not_guessed() {
     says(&record, &["'airspeed_kt'", "true_airspeed or calibrated_airspeed or indicated_airspeed", "not guessed"]);
     says(&record, &["'V_m_s'", "not guessed"]);
     assert!(record.channel("true_airspeed").is_none() && record.channel("v").is_none());
+    // A bare namesake of a column that says its unit.
+    let record = good("T,M,time_s,q_deg_s,Q\n300,0.6,0,1,5000\n301,0.6,1,2,5001\n");
+    assert_eq!(record.time, [0.0, 1.0]);
+    says(&record, &["'T'", "time or temperature or thrust; not guessed"]);
+    says(&record, &["'M'", "mach or mass; not guessed"]);
+    says(&record, &["'Q'", "q or dynamic_pressure; not guessed"]);
     // Beside u and w it is the lateral velocity.
     let record = good("time_s,u_m_s,v_m_s,w_m_s\n0,200,1,3\n1,201,2,3.5\n");
     assert_eq!(values(&record, "v"), [1.0, 2.0]);
