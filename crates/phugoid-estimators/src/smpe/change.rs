@@ -25,6 +25,11 @@ const SUFFIXES: [usize; 4] = [2, 5, 10, BLOCKS];
 /// Blocks worth of information after which the wander counts as learnt.
 const LEARNT: f64 = 10.0;
 
+/// Information up to which every window is learnt from at once. After that a window is learnt from one window later, and
+/// not at all if it has led to a trigger by then: a change that is only beginning to show otherwise raises `w` and hides
+/// itself.
+const EAGER: f64 = 5.0;
+
 #[derive(Clone, Copy)]
 struct Block<const P: usize> {
     g: [f64; P],
@@ -45,6 +50,7 @@ impl<const P: usize> Block<P> {
 }
 
 /// What calibration needs of the longest window.
+#[derive(Clone, Copy)]
 struct Moments {
     /// `q`.
     score: f64,
@@ -71,6 +77,8 @@ pub(crate) struct ChangeDetector<const P: usize> {
     leverage: f64,
     informative: f64,
     bayes_factor: f64,
+    /// What the last window had to say, not yet believed.
+    pending: Option<Moments>,
     /// Working storage of the test.
     sum: Block<P>,
     work: [[[f64; P]; P]; 2],
@@ -107,6 +115,7 @@ impl<const P: usize> ChangeDetector<P> {
             leverage: 1.0,
             informative: 0.0,
             bayes_factor: 0.0,
+            pending: None,
             sum: Block::EMPTY,
             work: [[[0.0; P]; P]; 2],
         }
@@ -155,8 +164,13 @@ impl<const P: usize> ChangeDetector<P> {
         self.bayes_factor = best;
         if let Some(moments) = moments {
             self.since_calibration = 0;
-            if self.informative < LEARNT || best < 0.7 * self.settings.trigger {
+            if self.informative < EAGER {
                 self.calibrate(&moments);
+            } else {
+                let pending = self.pending.replace(moments);
+                if let (Some(pending), true) = (pending, best < 0.7 * self.settings.trigger) {
+                    self.calibrate(&pending);
+                }
             }
         }
 
@@ -258,6 +272,7 @@ impl<const P: usize> ChangeDetector<P> {
         self.frames = 0;
         self.since_calibration = 0;
         self.bayes_factor = 0.0;
+        self.pending = None;
     }
 
     /// Takes more wander for granted (chain breaker).

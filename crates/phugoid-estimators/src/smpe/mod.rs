@@ -44,6 +44,8 @@ const ADAPTATION_START_S: f64 = 0.3;
 /// When more than half of the rows have been rejected in every frame for this long, s, the estimated state is lost (an
 /// input that was not recorded, say): what no parameter explains, no further prediction will bring back.
 const LOST_STATE_S: f64 = 0.5;
+/// The same with change detection: a large change looks like this too, and the detector is to find it first.
+const LOST_STATE_WATCHED_S: f64 = 1.5;
 /// ... and for at least this many frames.
 const LOST_STATE_FRAMES: u32 = 5;
 
@@ -395,8 +397,9 @@ where
             self.lost_since_s = time_s;
         }
         self.lost_frames += 1;
+        let limit_s = if self.detection.is_some() { LOST_STATE_WATCHED_S } else { LOST_STATE_S };
         // While a change is in doubt the challenger has the word.
-        !self.in_doubt && self.lost_frames >= LOST_STATE_FRAMES && time_s - self.lost_since_s >= LOST_STATE_S
+        !self.in_doubt && self.lost_frames >= LOST_STATE_FRAMES && time_s - self.lost_since_s >= limit_s
     }
 
     /// No challenger: has anything changed?
