@@ -8,7 +8,6 @@ use phugoid_flight_dynamics::aircraft::{Aircraft, Controls};
 use phugoid_flight_dynamics::f16::{F16, F16DataError, F16Options, F16Tables};
 use phugoid_flight_dynamics::gust::{Gust, total_velocity};
 use phugoid_flight_dynamics::increments::{IncrementChange, IncrementSchedule, Increments};
-use phugoid_flight_dynamics::sensors::SensorError;
 use phugoid_flight_dynamics::simulate::{CommandHold, Simulation, SimulationError, Trajectory, TrajectorySample};
 use phugoid_flight_dynamics::trim::{Trim, TrimCondition, TrimError, trim};
 
@@ -43,9 +42,6 @@ pub enum FlightError {
     /// No trim.
     #[error("the scenario has no trim to start in: {0}")]
     Trim(#[from] TrimError),
-    /// A sensor that cannot be.
-    #[error("sensors: {0}")]
-    Sensor(#[from] SensorError),
     /// The motion diverges.
     #[error("{0}")]
     Simulation(#[from] SimulationError),
@@ -107,7 +103,7 @@ pub fn fly_with_progress(scenario: &Scenario, progress: &dyn Fn(f64)) -> Result<
 /// What the scenario's sensors make of a true record, with a seed of their noise.
 ///
 /// # Errors
-/// [`FlightError::Sensor`] for a sensor that cannot be.
+/// [`FlightError::Scenario`] for a sensor that cannot be.
 pub fn sense(truth: &Record, scenario: &Scenario, seed: u64) -> Result<Record, FlightError> {
     Ok(measure(truth, &scenario.sensors, seed, scenario.name.clone())?)
 }

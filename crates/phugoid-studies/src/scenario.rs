@@ -292,12 +292,13 @@ impl Scenario {
     }
 
     fn check(&self) -> Result<(), String> {
-        const MOST_SAMPLES: f64 = 1e7;
+        // Some 700 bytes each while the flight is in memory.
+        const MOST_SAMPLES: f64 = 2e6;
         let range = |ok: bool, what: &str| if ok { Ok(()) } else { Err(what.to_owned()) };
         range(self.duration.si() > 0.0, "`duration` must be positive")?;
         range(self.sample_rate.si() > 0.0, "`sample_rate` must be positive")?;
         let samples = self.duration.si() * self.sample_rate.si();
-        range(samples <= MOST_SAMPLES, "`duration` times `sample_rate` is more than ten million samples: shorten one")?;
+        range(samples <= MOST_SAMPLES, "`duration` times `sample_rate` is more than two million samples: shorten one")?;
         range(samples >= 1.0, "`duration` is shorter than one sample of `sample_rate`")?;
         range(
             (0.0..=1.0).contains(&self.aircraft.cg),

@@ -6,7 +6,7 @@ use phugoid_flight_dynamics::sensors::{Sensor, SensorError, SensorSpecification}
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
-use crate::scenario::Sensors;
+use crate::scenario::{ScenarioError, Sensors};
 
 /// Channels that one frame of air data and inertial sensors brings; whole frames may be missing.
 const FRAME: &[&str] =
@@ -44,7 +44,7 @@ fn specification(sensors: &Sensors, channel: &str) -> Option<SensorSpecification
 
 /// The record that the sensors make of the true one. The lateral channels of a flight in which they stay at zero are left
 /// out, unless their sensors are named.
-pub(crate) fn measure(truth: &Record, sensors: &Sensors, seed: u64, source: String) -> Result<Record, SensorError> {
+pub(crate) fn measure(truth: &Record, sensors: &Sensors, seed: u64, source: String) -> Result<Record, ScenarioError> {
     // Its own stream, so that dropping frames changes no sensor's noise.
     let mut random = Pcg64::seed_from_u64(seed ^ 0x6672_616d_6573);
     let dropped: Vec<bool> = truth.time.iter().map(|_| random.random::<f64>() < sensors.drops).collect();
@@ -56,7 +56,12 @@ pub(crate) fn measure(truth: &Record, sensors: &Sensors, seed: u64, source: Stri
         if still && perfect && !LONGITUDINAL.contains(&channel.name.as_str()) {
             continue;
         }
-        let mut values = Sensor::new(specification, seed, index)?.record(&truth.time, &channel.values)?;
+        let mut values = Sensor::new(specification, seed, index)
+            .and_then(|mut sensor| sensor.record(&truth.time, &channel.values))
+            .map_err(|error| ScenarioError::OutOfRange {
+                place: source.clone(),
+                message: told(&channel.name, error),
+            })?;
         if FRAME.contains(&channel.name.as_str()) {
             values.iter_mut().zip(&dropped).filter(|(_, dropped)| **dropped).for_each(|(v, _)| *v = f64::NAN);
         }
@@ -66,4 +71,49 @@ pub(crate) fn measure(truth: &Record, sensors: &Sensors, seed: u64, source: Stri
     let sample_time_s = truth.quality.sample_time_s;
     let quality = QualityReport { rows_read: rows, rows_kept: rows, sample_time_s, ..QualityReport::default() };
     Ok(Record { source, time: truth.time.clone(), channels, quality })
+}
+
+/// The sensor's complaint under the name that its channel has in the scenario file.
+fn told(channel: &str, error: SensorError) -> String {
+    match error {
+        SensorError::Specification { field, value, expected, .. } => {
+            format!("`sensors.{channel}`: {field} is {value} in SI units, expected {expected}")
+        }
+        other => format!("`sensors.{channel}`: {other}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::flight::fly;
+    use crate::scenario::Scenario;
+
+    const CALM: &str = include_str!("../../../scenarios/f16-calm.toml");
+
+    #[test]
+    fn a_sensor_that_cannot_be_is_named() {
+        let text = CALM.replace("noise = \"0.1 deg\"", "noise = \"-0.1 deg\"");
+        let message = fly(&Scenario::parse(&text, "calm").unwrap()).unwrap_err().to_string();
+        assert!(message.contains("`sensors.alpha`: noise is -0.0017"), "{message}");
+    }
+
+    #[test]
+    fn dropped_frames_change_no_other_number() {
+        let fly_with = |drops: &str| {
+            let text = CALM.replace("[sensors]", &format!("[sensors]\ndrops = {drops}"));
+            fly(&Scenario::parse(&text, "calm").unwrap()).unwrap().measured
+        };
+        let (all, some) = (fly_with("0.0"), fly_with("0.1"));
+        let mut missing = 0;
+        for (a, b) in all.channels.iter().zip(&some.channels) {
+            for (x, y) in a.values.iter().zip(&b.values) {
+                assert!(y.is_nan() || x == y, "{}", a.name);
+                missing += usize::from(y.is_nan() && a.name == "alpha");
+            }
+        }
+        // 10 % of 2001 frames, five standard deviations of 13.4.
+        assert!((133..=268).contains(&missing), "{missing}");
+        assert!(some.channel("elevator").unwrap().values.iter().all(|v| v.is_finite()));
+        assert!(all.channel("qdot").is_none(), "not measured unless it is named");
+    }
 }

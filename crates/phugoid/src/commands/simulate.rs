@@ -105,7 +105,7 @@ fn unreadable(error: &ScenarioError, wanted: &str) -> Failure {
 /// A flight that cannot be flown: the scenario's fault, or the aircraft's.
 pub(crate) fn failure(error: FlightError) -> Failure {
     match error {
-        FlightError::Scenario(_) | FlightError::Sensor(_) => Failure::input(error),
+        FlightError::Scenario(_) => Failure::input(error),
         _ => Failure::impossible(error),
     }
 }
