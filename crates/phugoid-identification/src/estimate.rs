@@ -120,7 +120,8 @@ pub fn estimate(
 
 /// Channels that the unit checks look at.
 fn signals<'a>(record: &'a Record, model: &ModelFile) -> Signals<'a> {
-    let values = |name: &str| record.channel(name).map_or(&[][..], |c| c.values.as_slice());
+    let sound = |name: &str| record.channel(name).filter(|c| c.values.len() == record.time.len());
+    let values = |name: &str| sound(name).map_or(&[][..], |c| c.values.as_slice());
     let output = |o: Output| if model.outputs[o.index()] { values(o.name()) } else { &[] };
     Signals {
         time: &record.time,

@@ -161,10 +161,17 @@ pub fn build(file: &ModelFile, database: Database, alpha_reference: f64, elevato
 /// The values of a channel of the record.
 ///
 /// # Errors
-/// [`EstimateError::MissingChannel`] with the nearest channel that is there.
+/// [`EstimateError::MissingChannel`] with the nearest channel that is there; [`EstimateError::Model`] if it is not as long
+/// as the time.
 pub(crate) fn channel<'a>(record: &'a Record, name: &str) -> Result<&'a [f64], EstimateError> {
     match record.channel(name) {
-        Some(channel) => Ok(&channel.values),
+        Some(channel) if channel.values.len() == record.time.len() => Ok(&channel.values),
+        Some(channel) => Err(EstimateError::Model(format!(
+            "{}: channel `{name}` has {} values for {} times: a record needs one value (NaN where missing) per time",
+            record.source,
+            channel.values.len(),
+            record.time.len()
+        ))),
         None => Err(missing(record, name)),
     }
 }

@@ -8,6 +8,7 @@ use phugoid_flight_data::record::{Quantity, Record};
 use phugoid_identification::estimate::{CAPACITY, EstimateError, EstimateOptions, estimate};
 use phugoid_identification::estimation::Estimation;
 use phugoid_identification::model_file::ModelFile;
+use proptest::prelude::*;
 
 const F16: &str = include_str!("../../../data/models/f16.toml");
 const AMPLITUDE: f64 = 0.026; // 1.5 deg
@@ -242,5 +243,43 @@ fn units_and_the_order_of_channels_do_not_matter() {
     let c = run(&record, &ModelFile::parse("si", &si).unwrap()).unwrap();
     for (p, q) in a.parameters.iter().zip(&c.parameters) {
         assert!((p.value - q.value).abs() < 1e-4 * p.prior_std, "{}: {} {}", p.name, p.value, q.value);
+    }
+}
+
+#[test]
+fn a_channel_of_another_length_is_refused() {
+    let mut record = fly(2.0, AMPLITUDE, 12);
+    values(&mut record, "alpha").pop();
+    let error = run(&record, &model()).unwrap_err().to_string();
+    assert!(error.contains("`alpha` has 99 values for 100 times"), "{error}");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 48, failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// Whatever numbers stand in a record: an answer that is finite where it matters, or an error, and never a panic.
+    #[test]
+    fn wild_values_never_panic(
+        damage in prop::collection::vec(
+            (0..8_usize, 0..150_usize, 1..60_usize, prop::sample::select(vec![
+                f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 0.0, -1.0, 1e300, -1e300, 1e-300, 1e6, -500.0,
+            ])),
+            0..6,
+        ),
+        gap in 0.0..1e4_f64,
+    ) {
+        let mut record = fly(3.0, AMPLITUDE, 13);
+        for (channel, from, length, value) in damage {
+            for v in record.channels[channel].values.iter_mut().skip(from).take(length) {
+                *v = value;
+            }
+        }
+        record.time.iter_mut().skip(100).for_each(|t| *t += gap);
+        if let Ok(estimation) = run(&record, &model()) {
+            for p in &estimation.parameters {
+                prop_assert!(p.value.is_finite() && p.corrected_std_error.is_finite(), "{} {}", p.name, p.value);
+                prop_assert!(p.corrected_std_error >= 0.0 && p.corrected_std_error >= p.std_error);
+            }
+        }
     }
 }
