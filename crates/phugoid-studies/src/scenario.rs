@@ -401,4 +401,16 @@ mod tests {
         let cut = CALM.find("675").unwrap();
         assert!(Scenario::parse(&CALM[..cut], "cut.toml").is_err());
     }
+    proptest::proptest! {
+        /// Whatever is cut off or typed into a scenario, the answer is a scenario or a message of a few lines.
+        #[test]
+        fn spoilt_scenarios_are_refused_in_words(at in 0..CALM.len(), cut in 0_usize..40, typed in "\\PC{0,6}") {
+            let start = (0..=at).rev().find(|i| CALM.is_char_boundary(*i)).unwrap();
+            let end = (at + cut..=CALM.len()).find(|i| CALM.is_char_boundary(*i)).unwrap_or(CALM.len());
+            let text = format!("{}{typed}{}", &CALM[..start], &CALM[end..]);
+            if let Err(error) = Scenario::parse(&text, "spoilt.toml") {
+                proptest::prop_assert!(error.to_string().starts_with("spoilt.toml"));
+            }
+        }
+    }
 }

@@ -79,6 +79,9 @@ pub(crate) fn text(estimation: &Estimation, report: Option<&Path>, figures: &[Pa
         );
     }
     text.push_str(&parameters(estimation));
+    text.push_str(
+        "\nDerivatives per radian. Bounds are two standard errors, corrected for the colour of the residuals.\n",
+    );
     paragraph(&mut text, "Verdict", estimation.verdict.iter().cloned());
     let event = |e: &Event| format!("{:8.2} s  {}", e.time_s, e.message);
     paragraph(&mut text, "Events", estimation.events.iter().map(event));
