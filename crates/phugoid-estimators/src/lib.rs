@@ -11,6 +11,14 @@
 //! aircraft. It takes one [`Sample`] at a time and gives back an [`Estimate`]; it allocates nothing, does not block,
 //! does not panic, and takes a bounded number of operations per update.
 //!
+//! | module | what |
+//! |---|---|
+//! | [`smpe`] | the flagship: sliding-mode parameter estimator with bounds, biases and change detection |
+//! | [`thesis`] | the one-parameter energy-surface law it grew from |
+//! | [`discretization`] | the RK4 step map of a model with its exact derivatives |
+//! | [`ud`] | covariances as `U D U^T`, positive definite by construction |
+//! | [`noise`] | measurement noise told from the measurements |
+//!
 //! `P` is the capacity fixed at compile time; the number of parameters in use is a run-time length. One compiled
 //! estimator with `P = 24` serves a laptop, another with `P = 5` a flight computer (docs/performance.md measures what
 //! the unused capacity costs).
