@@ -116,6 +116,26 @@ fn an_outlier_in_the_first_sample_does_not_start_the_state() {
     assert!(normalised_rms(&[last], &truth8()) < 2.5);
 }
 
+/// A first-order lag whose record starts with the step: the state moves by 160 sigma inside the start window, and its
+/// median is half of that away from where the record begins.
+#[test]
+fn a_record_that_starts_in_the_middle_of_a_motion_is_started_with_care() {
+    let mut square = 0.0;
+    for seed in 0..40 {
+        let flight = fly(&FirstOrder, &regular(100, 0.01), [0.0], |_| [3.0], |_| [1.0], [1e-3], &mut seeded(seed));
+        let settings = SmpeSettings::automatic(&[ParameterPrior::bounded(5.0, 1.0, 9.0)], [1e-3], 0.01).unwrap();
+        let mut estimator = Smpe::<_, 1, 1, 1>::new(FirstOrder, settings).unwrap();
+        for sample in &flight {
+            estimator.update(sample);
+        }
+        let last = estimator.estimate();
+        square += ((last.parameters[0] - 3.0) / last.corrected_std_error[0]).powi(2) / 40.0;
+    }
+    let rms = square.sqrt();
+    println!("started in a motion: rms error over claimed {rms}");
+    assert!((0.7..1.3).contains(&rms), "{rms}");
+}
+
 #[test]
 fn outliers_of_twenty_sigma_cost_little() {
     // Theory section 5: 5 % of all values, 20 sigma; kappa 3 with the second threshold stays at 1.0 of the bound.

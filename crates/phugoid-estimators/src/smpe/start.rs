@@ -89,8 +89,13 @@ impl<I: Copy, const R: usize> Start<I, R> {
             // The window alone if it holds a value; else whatever came later.
             let found = if read(true) > 0 { count } else { read(false) };
             if found > 0 {
-                started.x[state] = median(&mut values[..found]);
-                started.variances[state] = settings.noise_sd[output] * settings.noise_sd[output];
+                let middle = median(&mut values[..found]);
+                for value in &mut values[..found] {
+                    *value = (*value - middle).abs();
+                }
+                let scatter = 1.4826 * median(&mut values[..found]);
+                started.x[state] = middle;
+                started.variances[state] = start_variance(settings.noise_sd[output], scatter);
                 started.measured[state] = true;
             } else if !full {
                 return None;
@@ -98,6 +103,14 @@ impl<I: Copy, const R: usize> Start<I, R> {
         }
         Some(started)
     }
+}
+
+/// The median belongs to the middle of the window and the estimated model starts at its beginning. On a state at rest
+/// only noise lies between the two; on one that moves by more than the noise, up to half the motion does, which is
+/// less than twice the scatter about the median.
+fn start_variance(noise_sd: f64, scatter: f64) -> f64 {
+    let sd = if scatter > 2.0 * noise_sd { 2.0 * scatter } else { noise_sd };
+    sd * sd
 }
 
 /// Median of finite values; the mean of the middle two for an even count. Zero for none.
