@@ -1,13 +1,20 @@
 #!/bin/sh
-# Installs what the checks need beyond Rust, on Debian: Chromium, to render report pages.
+# Installs what the checks need beyond Rust: cargo-deny (licences, duplicate dependencies) from crates.io, and on Debian
+# Chromium, to render report pages.
 # Does nothing, and needs no network and no rights, where everything is there already.
 set -eu
+
+if command -v cargo-deny >/dev/null 2>&1; then
+    echo "install-tools: cargo-deny is there"
+else
+    cargo install --locked --version 0.20.2 cargo-deny
+fi
 
 missing=
 command -v chromium >/dev/null 2>&1 || missing="$missing chromium"
 
 if [ -z "$missing" ]; then
-    echo "install-tools: nothing to do"
+    echo "install-tools: Chromium is there"
     exit 0
 fi
 if ! command -v apt-get >/dev/null 2>&1; then
