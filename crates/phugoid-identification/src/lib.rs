@@ -1,11 +1,13 @@
 //! From an aircraft and a flight record to aerodynamic parameters with bounds.
 #![cfg_attr(not(test), deny(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
+mod error;
 pub mod estimate;
 pub mod estimation;
 mod excitation;
 pub mod longitudinal;
 pub mod model_file;
 pub mod noise;
+mod options;
 pub mod output;
 pub mod plausibility;
 pub mod prepare;

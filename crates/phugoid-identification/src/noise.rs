@@ -39,6 +39,13 @@ pub fn measure_noise(values: &[f64]) -> Option<MeasuredNoise> {
     })
 }
 
+/// One sigma per output, and whether it was measured from the record.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct NoiseLevel {
+    pub(crate) std: f64,
+    pub(crate) measured: bool,
+}
+
 /// Median; the slice is reordered. Nothing for an empty slice.
 pub(crate) fn median(values: &mut [f64]) -> Option<f64> {
     if values.is_empty() {

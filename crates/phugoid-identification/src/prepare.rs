@@ -4,7 +4,7 @@ use phugoid_flight_data::record::Record;
 use phugoid_flight_dynamics::atmosphere::Atmosphere;
 use phugoid_flight_dynamics::f16::{F16, F16Options};
 
-use crate::estimate::EstimateError;
+use crate::error::EstimateError;
 use crate::longitudinal::{Database, LongitudinalConstants, LongitudinalInput, LongitudinalModel};
 use crate::model_file::{AirDensity, Base, InputHold, ModelFile, Reference, ReferenceValue, Role, Source, Thrust};
 use crate::noise::median;

@@ -6,12 +6,13 @@ use phugoid_estimators::smpe::{
 };
 use phugoid_estimators::{ChangeState, DetectorState, Estimate, Estimator, ParameterStatus, Phase, Sample};
 
-use crate::estimate::{CAPACITY, EstimateError, EstimateOptions, NoiseLevel};
+use crate::error::EstimateError;
 use crate::estimation::Event;
 use crate::excitation::Excitation;
 use crate::longitudinal::{LongitudinalInput, LongitudinalModel};
 use crate::model_file::{Base, ModelFile, Parameter, Role};
-use crate::noise::measure_noise;
+use crate::noise::{NoiseLevel, measure_noise};
+use crate::options::{CAPACITY, EstimateOptions};
 use crate::output::{OUTPUTS, Output, STATES};
 use crate::prepare::Prepared;
 

@@ -2,9 +2,10 @@
 
 use phugoid_flight_data::record::Record;
 
-use crate::estimate::{EstimateOptions, Method, NoiseLevel};
 use crate::estimation::{Estimation, History, ParameterHistory, ParameterResult, Signal};
 use crate::model_file::{ModelFile, Parameter};
+use crate::noise::NoiseLevel;
+use crate::options::{CAPACITY, EstimateOptions, Method};
 use crate::output::{OUTPUTS, Output};
 use crate::plausibility::UnitDoubt;
 use crate::prepare::Prepared;
@@ -158,7 +159,7 @@ fn history(file: &ModelFile, prepared: &Prepared, columns: &[(&Parameter, Option
             .collect()
     };
     let parameter = |(p, column): &(&Parameter, Option<usize>)| {
-        let column_of = |rows: &[[f64; crate::estimate::CAPACITY]], otherwise: f64| match column {
+        let column_of = |rows: &[[f64; CAPACITY]], otherwise: f64| match column {
             Some(j) => rows.iter().map(|r| r[*j]).collect(),
             None => vec![otherwise; rows.len()],
         };

@@ -2,8 +2,8 @@
 
 use phugoid_estimators::DetectorState;
 
-use crate::estimate::NoiseLevel;
 use crate::estimation::{History, ParameterResult, Signal};
+use crate::noise::NoiseLevel;
 use crate::output::{OUTPUTS, Output};
 use crate::plausibility::UnitDoubt;
 use crate::prepare::Prepared;

@@ -1,0 +1,70 @@
+//! Why an estimation could not be made.
+
+use phugoid_flight_data::channels::by_name;
+
+/// Why an estimation could not be made.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum EstimateError {
+    /// A channel that the model needs is not in the record.
+    #[error("{}", missing_channel(record, channel, present, nearest.as_deref()))]
+    MissingChannel {
+        /// Source of the record.
+        record: String,
+        /// Canonical name of the channel that is not there.
+        channel: String,
+        /// Channels that are there.
+        present: Vec<String>,
+        /// The one among them with the most similar name.
+        nearest: Option<String>,
+    },
+    /// A channel is there but has no value.
+    #[error("channel `{0}` has no finite value in the whole record: check the column in the file")]
+    EmptyChannel(String),
+    /// Too few samples for anything.
+    #[error("the record has {samples} usable samples: at least 20 are needed")]
+    TooShort {
+        /// Samples in which every input has a value.
+        samples: usize,
+    },
+    /// A channel has an impossible unit or sign.
+    #[error("{}", units.join("\n"))]
+    Units {
+        /// One sentence per channel.
+        units: Vec<String>,
+    },
+    /// The noise of an output cannot be measured.
+    #[error(
+        "the noise of `{0}` cannot be measured from the record: the channel does not move, or has fewer than eleven \
+         values at the start. Give it under [noise] in the model file, or leave `{0}` out of `outputs`"
+    )]
+    Noise(String),
+    /// The model cannot be built.
+    #[error("{0}")]
+    Model(String),
+    /// More parameters than the estimator has room for.
+    #[error(
+        "the model has {wanted} parameters, sensor biases included; this build has room for {capacity}. Fix some \
+         (fixed = true) or drop terms"
+    )]
+    TooManyParameters {
+        /// Parameters of the model file that are not fixed.
+        wanted: usize,
+        /// Capacity.
+        capacity: usize,
+    },
+}
+
+fn missing_channel(record: &str, channel: &str, present: &[String], nearest: Option<&str>) -> String {
+    let mut text = format!("{record}: channel `{channel}` is missing");
+    if let Some(near) = nearest {
+        text.push_str(&format!("; the nearest one there is `{near}`"));
+    }
+    let synonyms = by_name(channel).map_or(&[][..], |spec| spec.synonyms);
+    let also = if synonyms.is_empty() { String::new() } else { format!(" (or {})", synonyms.join(", ")) };
+    text.push_str(&format!(
+        ". Name a column `{channel}`{also} with its unit, or map one in the model file: [channels] {channel} = \"your \
+         header\". Channels in the record: {}",
+        present.join(", ")
+    ));
+    text
+}
