@@ -90,15 +90,43 @@ fn write_rows(record: &Record, headers: &[String], writer: impl Write, target: &
     let mut row = Vec::with_capacity(headers.len());
     for (index, time) in record.time.iter().enumerate() {
         row.clear();
-        row.push(time.to_string());
+        row.push(shortest(*time));
         for channel in &record.channels {
-            // `Display` of f64 gives the shortest text that reads back as the same number.
             row.push(match channel.values.get(index) {
-                Some(value) if value.is_finite() => value.to_string(),
+                Some(value) if value.is_finite() => shortest(*value),
                 _ => String::new(),
             });
         }
         writer.write_record(&row).map_err(failed)?;
     }
     writer.flush().map_err(|error| WriteError::Io { target: target.to_owned(), error })
+}
+
+/// The shortest text that reads back as the same number, with an exponent where there would be many zeros.
+fn shortest(value: f64) -> String {
+    let size = value.abs();
+    if value == 0.0 || (1e-5..=1e15).contains(&size) { value.to_string() } else { format!("{value:e}") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::shortest;
+
+    #[test]
+    fn numbers_are_short_and_read_back_the_same() {
+        for (value, text) in [
+            (0.0, "0"),
+            (-0.0, "-0"),
+            (-2.77e-29, "-2.77e-29"),
+            (9.999e-6, "9.999e-6"),
+            (1e-5, "0.00001"),
+            (0.1, "0.1"),
+            (1e15, "1000000000000000"),
+            (6.02e23, "6.02e23"),
+            (f64::MIN_POSITIVE, "2.2250738585072014e-308"),
+        ] {
+            assert_eq!(shortest(value), text);
+            assert_eq!(shortest(value).parse::<f64>().map(f64::to_bits), Ok(value.to_bits()));
+        }
+    }
 }
