@@ -372,6 +372,8 @@ impl<'a, A: Aircraft> Problem<'a, A> {
         let (sin_phi, cos_phi) = phi.sin_cos();
         let (sin_theta, cos_theta) = theta.sin_cos();
         let turn = self.condition.turn_rate;
+        // Zero plus a product: without a turn the rates are 0, not -0.
+        let zero = T::from(0.0);
         let state = State {
             speed: T::from(self.condition.speed),
             alpha,
@@ -379,9 +381,9 @@ impl<'a, A: Aircraft> Problem<'a, A> {
             phi,
             theta,
             psi: T::from(self.condition.heading),
-            p: sin_theta * -turn,
-            q: sin_phi * cos_theta * turn,
-            r: cos_phi * cos_theta * turn,
+            p: zero - sin_theta * turn,
+            q: zero + sin_phi * cos_theta * turn,
+            r: zero + cos_phi * cos_theta * turn,
             north: T::from(0.0),
             east: T::from(0.0),
             altitude: T::from(self.condition.altitude),
