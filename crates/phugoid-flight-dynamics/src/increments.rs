@@ -6,14 +6,15 @@ use crate::scalar::Scalar;
 /// the reference point, so that increments leave the trim there alone (thesis 2.29, 2.30; build-up of section 4):
 ///
 /// ```text
-/// C = C_database + dC_alpha (alpha - alpha_ref) + dC_q cbar (q - q_ref)/2V + dC_delta_e (elevator - elevator_ref)
+/// C = C_database + dC_alpha (alpha - alpha_ref) + dC_q cbar (q - q_ref)/2V + dC_elevator (elevator - elevator_ref)
 /// ```
 ///
 /// and for the lateral axes the same about zero, with `b p/2V` and `b r/2V`. Lift and drag increments are along the
 /// stability axes of the air-relative velocity and are rotated into body axes by its angle of attack. Moments are about
 /// the centre of gravity; a lift increment does not bring a moment of its own with it.
 ///
-/// The names are those of scenario files (`dCm_alpha = -0.2`).
+/// The names are those of scenario files and model files (`dCm_alpha = -0.2`); files may also write `dCm_delta_e` for
+/// `dCm_elevator` and so on.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "std", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 #[allow(non_snake_case)] // the field's own spelling, which scenario files use as well
@@ -29,19 +30,25 @@ pub struct Increments {
     /// Pitching moment due to pitch rate `q cbar/2V`.
     pub dCm_q: f64,
     /// Pitching moment due to elevator.
-    pub dCm_delta_e: f64,
+    #[doc(alias = "dCm_delta_e")]
+    #[cfg_attr(feature = "std", serde(alias = "dCm_delta_e"))]
+    pub dCm_elevator: f64,
     /// Lift due to angle of attack.
     pub dCL_alpha: f64,
     /// Lift due to pitch rate `q cbar/2V`.
     pub dCL_q: f64,
     /// Lift due to elevator.
-    pub dCL_delta_e: f64,
+    #[doc(alias = "dCL_delta_e")]
+    #[cfg_attr(feature = "std", serde(alias = "dCL_delta_e"))]
+    pub dCL_elevator: f64,
     /// Drag due to angle of attack.
     pub dCD_alpha: f64,
     /// Drag due to pitch rate `q cbar/2V`.
     pub dCD_q: f64,
     /// Drag due to elevator.
-    pub dCD_delta_e: f64,
+    #[doc(alias = "dCD_delta_e")]
+    #[cfg_attr(feature = "std", serde(alias = "dCD_delta_e"))]
+    pub dCD_elevator: f64,
     /// Side force due to sideslip.
     pub dCY_beta: f64,
     /// Side force due to roll rate `p b/2V`.
@@ -49,9 +56,13 @@ pub struct Increments {
     /// Side force due to yaw rate `r b/2V`.
     pub dCY_r: f64,
     /// Side force due to aileron.
-    pub dCY_delta_a: f64,
+    #[doc(alias = "dCY_delta_a")]
+    #[cfg_attr(feature = "std", serde(alias = "dCY_delta_a"))]
+    pub dCY_aileron: f64,
     /// Side force due to rudder.
-    pub dCY_delta_r: f64,
+    #[doc(alias = "dCY_delta_r")]
+    #[cfg_attr(feature = "std", serde(alias = "dCY_delta_r"))]
+    pub dCY_rudder: f64,
     /// Rolling moment due to sideslip.
     pub dCl_beta: f64,
     /// Rolling moment due to roll rate `p b/2V`.
@@ -59,9 +70,13 @@ pub struct Increments {
     /// Rolling moment due to yaw rate `r b/2V`.
     pub dCl_r: f64,
     /// Rolling moment due to aileron.
-    pub dCl_delta_a: f64,
+    #[doc(alias = "dCl_delta_a")]
+    #[cfg_attr(feature = "std", serde(alias = "dCl_delta_a"))]
+    pub dCl_aileron: f64,
     /// Rolling moment due to rudder.
-    pub dCl_delta_r: f64,
+    #[doc(alias = "dCl_delta_r")]
+    #[cfg_attr(feature = "std", serde(alias = "dCl_delta_r"))]
+    pub dCl_rudder: f64,
     /// Yawing moment due to sideslip.
     pub dCn_beta: f64,
     /// Yawing moment due to roll rate `p b/2V`.
@@ -69,9 +84,13 @@ pub struct Increments {
     /// Yawing moment due to yaw rate `r b/2V`.
     pub dCn_r: f64,
     /// Yawing moment due to aileron.
-    pub dCn_delta_a: f64,
+    #[doc(alias = "dCn_delta_a")]
+    #[cfg_attr(feature = "std", serde(alias = "dCn_delta_a"))]
+    pub dCn_aileron: f64,
     /// Yawing moment due to rudder.
-    pub dCn_delta_r: f64,
+    #[doc(alias = "dCn_delta_r")]
+    #[cfg_attr(feature = "std", serde(alias = "dCn_delta_r"))]
+    pub dCn_rudder: f64,
 }
 
 impl Increments {
@@ -82,28 +101,28 @@ impl Increments {
         elevator_reference: 0.0,
         dCm_alpha: 0.0,
         dCm_q: 0.0,
-        dCm_delta_e: 0.0,
+        dCm_elevator: 0.0,
         dCL_alpha: 0.0,
         dCL_q: 0.0,
-        dCL_delta_e: 0.0,
+        dCL_elevator: 0.0,
         dCD_alpha: 0.0,
         dCD_q: 0.0,
-        dCD_delta_e: 0.0,
+        dCD_elevator: 0.0,
         dCY_beta: 0.0,
         dCY_p: 0.0,
         dCY_r: 0.0,
-        dCY_delta_a: 0.0,
-        dCY_delta_r: 0.0,
+        dCY_aileron: 0.0,
+        dCY_rudder: 0.0,
         dCl_beta: 0.0,
         dCl_p: 0.0,
         dCl_r: 0.0,
-        dCl_delta_a: 0.0,
-        dCl_delta_r: 0.0,
+        dCl_aileron: 0.0,
+        dCl_rudder: 0.0,
         dCn_beta: 0.0,
         dCn_p: 0.0,
         dCn_r: 0.0,
-        dCn_delta_a: 0.0,
-        dCn_delta_r: 0.0,
+        dCn_aileron: 0.0,
+        dCn_rudder: 0.0,
     };
 
     /// The same derivatives about another reference point: angle of attack (rad), pitch rate (rad/s), elevator (rad).
@@ -112,19 +131,27 @@ impl Increments {
         Self { alpha_reference: alpha, q_reference: q, elevator_reference: elevator, ..self }
     }
 
+    /// The longitudinal derivatives under their names.
+    pub fn named_longitudinal(&self) -> [(&'static str, f64); 9] {
+        macro_rules! named {
+            ($($name:ident)*) => { [$((stringify!($name), self.$name)),*] };
+        }
+        named![dCm_alpha dCm_q dCm_elevator dCL_alpha dCL_q dCL_elevator dCD_alpha dCD_q dCD_elevator]
+    }
+
     /// Whether any longitudinal derivative is not zero.
     #[inline]
     pub fn is_longitudinal(&self) -> bool {
         let all = [
             self.dCm_alpha,
             self.dCm_q,
-            self.dCm_delta_e,
+            self.dCm_elevator,
             self.dCL_alpha,
             self.dCL_q,
-            self.dCL_delta_e,
+            self.dCL_elevator,
             self.dCD_alpha,
             self.dCD_q,
-            self.dCD_delta_e,
+            self.dCD_elevator,
         ];
         any_not_zero(&all)
     }
@@ -136,18 +163,18 @@ impl Increments {
             self.dCY_beta,
             self.dCY_p,
             self.dCY_r,
-            self.dCY_delta_a,
-            self.dCY_delta_r,
+            self.dCY_aileron,
+            self.dCY_rudder,
             self.dCl_beta,
             self.dCl_p,
             self.dCl_r,
-            self.dCl_delta_a,
-            self.dCl_delta_r,
+            self.dCl_aileron,
+            self.dCl_rudder,
             self.dCn_beta,
             self.dCn_p,
             self.dCn_r,
-            self.dCn_delta_a,
-            self.dCn_delta_r,
+            self.dCn_aileron,
+            self.dCn_rudder,
         ];
         any_not_zero(&all)
     }
@@ -161,9 +188,9 @@ impl Increments {
         let elevator = elevator - self.elevator_reference;
         let sum = |a: f64, b: f64, c: f64| alpha * a + q_hat * b + elevator * c;
         [
-            sum(self.dCL_alpha, self.dCL_q, self.dCL_delta_e),
-            sum(self.dCD_alpha, self.dCD_q, self.dCD_delta_e),
-            sum(self.dCm_alpha, self.dCm_q, self.dCm_delta_e),
+            sum(self.dCL_alpha, self.dCL_q, self.dCL_elevator),
+            sum(self.dCD_alpha, self.dCD_q, self.dCD_elevator),
+            sum(self.dCm_alpha, self.dCm_q, self.dCm_elevator),
         ]
     }
 
@@ -172,9 +199,9 @@ impl Increments {
     pub fn lateral<T: Scalar>(&self, beta: T, p_hat: T, r_hat: T, aileron: T, rudder: T) -> [T; 3] {
         let sum = |d: [f64; 5]| beta * d[0] + p_hat * d[1] + r_hat * d[2] + aileron * d[3] + rudder * d[4];
         [
-            sum([self.dCY_beta, self.dCY_p, self.dCY_r, self.dCY_delta_a, self.dCY_delta_r]),
-            sum([self.dCl_beta, self.dCl_p, self.dCl_r, self.dCl_delta_a, self.dCl_delta_r]),
-            sum([self.dCn_beta, self.dCn_p, self.dCn_r, self.dCn_delta_a, self.dCn_delta_r]),
+            sum([self.dCY_beta, self.dCY_p, self.dCY_r, self.dCY_aileron, self.dCY_rudder]),
+            sum([self.dCl_beta, self.dCl_p, self.dCl_r, self.dCl_aileron, self.dCl_rudder]),
+            sum([self.dCn_beta, self.dCn_p, self.dCn_r, self.dCn_aileron, self.dCn_rudder]),
         ]
     }
 }

@@ -279,8 +279,8 @@ proptest! {
     ) {
         let aircraft = f16();
         let increments = Increments {
-            dCL_alpha: d[0], dCD_alpha: d[1], dCm_alpha: d[2], dCm_q: d[3], dCm_delta_e: d[4], dCL_q: d[5],
-            dCn_beta: d[6], dCl_p: d[7], dCY_delta_r: d[8], ..Increments::NONE
+            dCL_alpha: d[0], dCD_alpha: d[1], dCm_alpha: d[2], dCm_q: d[3], dCm_elevator: d[4], dCL_q: d[5],
+            dCn_beta: d[6], dCl_p: d[7], dCY_rudder: d[8], ..Increments::NONE
         }
         .about(0.1, 0.05, -0.02);
         let wind = |c: &Coefficients| {
@@ -305,8 +305,8 @@ proptest! {
         let coefficients = |increments| {
             motion(&aircraft, &state, &controls, &Disturbance { increments, ..Default::default() }).coefficients
         };
-        let longitudinal = Increments { dCn_beta: 0.0, dCl_p: 0.0, dCY_delta_r: 0.0, ..increments };
-        let lateral = Increments { dCn_beta: d[6], dCl_p: d[7], dCY_delta_r: d[8], ..Increments::NONE };
+        let longitudinal = Increments { dCn_beta: 0.0, dCl_p: 0.0, dCY_rudder: 0.0, ..increments };
+        let lateral = Increments { dCn_beta: d[6], dCl_p: d[7], dCY_rudder: d[8], ..Increments::NONE };
         let (a, b) = (coefficients(longitudinal), coefficients(lateral));
         prop_assert_eq!(Coefficients { cy: bare.cy, cl: bare.cl, cn: bare.cn, ..with }, a);
         prop_assert_eq!(Coefficients { cx: bare.cx, cz: bare.cz, cm: bare.cm, ..with }, b);

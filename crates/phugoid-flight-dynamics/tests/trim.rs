@@ -245,7 +245,7 @@ fn increments_are_part_of_the_trim() {
     let turn = TrimCondition { turn_rate: 0.05, ..level(500.0, 10_000.0) };
     let nominal = trim(&aircraft, &turn).unwrap();
     // Half of the aileron's effect lost: nearly twice the aileron for the same turn at the same bank.
-    let weak = Increments { dCl_delta_a: 0.05, ..Increments::NONE };
+    let weak = Increments { dCl_aileron: 0.05, ..Increments::NONE };
     let weakened = trim(&aircraft, &TrimCondition { increments: weak, ..turn }).unwrap();
     assert!(weakened.aileron_rad.abs() > 1.2 * nominal.aileron_rad.abs(), "{weakened:?}");
     assert!((weakened.phi_rad - nominal.phi_rad).abs() < 1e-3);
@@ -262,6 +262,10 @@ fn serialised_names_carry_their_units() {
     let json = serde_json::to_value(t).unwrap();
     for name in ["alpha_rad", "elevator_rad", "thrust_n", "throttle", "power_percent", "trim_index", "q_rad_s"] {
         assert!(json[name].is_f64(), "{name}");
+    }
+    // Rates of straight flight are zero, not minus zero.
+    for name in ["p_rad_s", "q_rad_s", "r_rad_s"] {
+        assert_eq!(json[name].to_string(), "0.0", "{name}");
     }
 }
 

@@ -67,12 +67,6 @@ fn signal(name: &str, unit: &str, values: Vec<f64>) -> Signal {
     Signal { name: name.to_owned(), unit: unit.to_owned(), values }
 }
 
-fn truth_of(name: &str, options: &EstimateOptions) -> Option<f64> {
-    // Simulations call the elevator's derivatives by the symbol of the deflection.
-    let other = name.replace("_elevator", "_delta_e");
-    options.truth.get(name).or_else(|| options.truth.get(&other)).copied()
-}
-
 fn result(
     parameter: &Parameter,
     column: Option<usize>,
@@ -80,7 +74,7 @@ fn result(
     run: &Run,
     options: &EstimateOptions,
 ) -> ParameterResult {
-    let truth = truth_of(&parameter.name, options);
+    let truth = options.truth.get(&parameter.name).copied();
     let mut result = ParameterResult {
         name: parameter.name.clone(),
         value: parameter.start,

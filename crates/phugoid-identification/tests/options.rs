@@ -47,7 +47,7 @@ fn fixed_parameters_stay_and_the_others_allow_for_them() {
     let text = F16.replace("dCm_q = { bounds = [-6, 6] }", "dCm_q = { start = -2, fixed = true }");
     let model = ModelFile::parse("fixed", &text).unwrap();
     let options = EstimateOptions {
-        truth: [("dCm_delta_e".to_owned(), 0.15)].into(),
+        truth: [("dCm_elevator".to_owned(), 0.15)].into(),
         re_reaching: Some(false),
         ..EstimateOptions::default()
     };
@@ -61,7 +61,6 @@ fn fixed_parameters_stay_and_the_others_allow_for_them() {
         let p = named(name);
         assert!((p.value - truth).abs() < 4.0 * p.corrected_std_error, "{name}: {} for {truth}", p.value);
     }
-    // Simulations call the elevator's derivative by its symbol.
     assert_eq!(named("dCm_elevator").truth, Some(0.15));
     let i = estimation.parameters.iter().position(|p| p.name == "dCm_q").unwrap();
     assert!(estimation.correlation[i].iter().enumerate().all(|(j, r)| *r == f64::from(i == j)));

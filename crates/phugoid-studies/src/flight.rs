@@ -25,7 +25,7 @@ pub struct Flight {
     pub truth: Record,
     /// The trim that the flight started in.
     pub trim: Trim,
-    /// True values, at the end of the flight, of the parameters of a model file about this trim, by their names there
+    /// True values, at the end of the flight, of the longitudinal increments about this trim, by their names
     /// (`dCm_alpha`, ..., `dCm_elevator`). Increments that are zero are among them.
     pub true_parameters: BTreeMap<String, f64>,
 }
@@ -97,7 +97,8 @@ pub fn fly_with_progress(scenario: &Scenario, progress: &dyn Fn(f64)) -> Result<
     let truth = true_record(scenario, &trajectory, thrust);
     let measured = sense(&truth, scenario, scenario.seed)?;
     let last = scenario.damage.last().map_or(&scenario.increments, |d| &d.increments);
-    Ok(Flight { measured, truth, trim, true_parameters: true_parameters(last) })
+    let true_parameters = last.named_longitudinal().map(|(name, value)| (name.to_owned(), value)).into();
+    Ok(Flight { measured, truth, trim, true_parameters })
 }
 
 /// What the scenario's sensors make of a true record, with a seed of their noise.
@@ -218,22 +219,4 @@ fn true_record(scenario: &Scenario, trajectory: &Trajectory, thrust: impl Fn(&Tr
     };
     let source = format!("{} (truth)", scenario.name);
     Record { source, time: samples.iter().map(|s| s.time).collect(), channels, quality }
-}
-
-/// Longitudinal increments under the names that they have in a model file.
-fn true_parameters(increments: &Increments) -> BTreeMap<String, f64> {
-    let i = increments;
-    [
-        ("dCm_alpha", i.dCm_alpha),
-        ("dCm_q", i.dCm_q),
-        ("dCm_elevator", i.dCm_delta_e),
-        ("dCL_alpha", i.dCL_alpha),
-        ("dCL_q", i.dCL_q),
-        ("dCL_elevator", i.dCL_delta_e),
-        ("dCD_alpha", i.dCD_alpha),
-        ("dCD_q", i.dCD_q),
-        ("dCD_elevator", i.dCD_delta_e),
-    ]
-    .map(|(name, value)| (name.to_owned(), value))
-    .into()
 }

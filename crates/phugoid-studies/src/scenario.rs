@@ -401,6 +401,16 @@ mod tests {
         let cut = CALM.find("675").unwrap();
         assert!(Scenario::parse(&CALM[..cut], "cut.toml").is_err());
     }
+    /// `delta_e` is what many books call the elevator.
+    #[test]
+    fn the_symbol_of_a_surface_is_understood_in_increments() {
+        let text = CALM.replace("dCm_q = -2.0", "dCm_q = -2.0\ndCm_delta_e = 0.15\ndCn_delta_r = -0.01");
+        let increments = Scenario::parse(&text, "symbols.toml").unwrap().increments;
+        assert_eq!((increments.dCm_elevator, increments.dCn_rudder), (0.15, -0.01));
+        let text = CALM.replace("dCm_q = -2.0", "dCm_q = -2.0\ndCm_elevator = 0.15\ndCn_rudder = -0.01");
+        assert_eq!(Scenario::parse(&text, "names.toml").unwrap().increments, increments);
+    }
+
     proptest::proptest! {
         /// Whatever is cut off or typed into a scenario, the answer is a scenario or a message of a few lines.
         #[test]

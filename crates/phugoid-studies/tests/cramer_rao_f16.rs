@@ -50,6 +50,6 @@ fn five_increments_have_the_published_bound() {
         ("dCD_alpha", ["4.4", "4.3", "2.9"]),
         ("dCm_elevator", ["0.53", "0.43", "0.30"]),
     ];
-    let scenario = CALM_SCENARIO.replace("dCD_alpha = 0.1\n", "dCD_alpha = 0.1\ndCm_delta_e = 0.15\n");
+    let scenario = CALM_SCENARIO.replace("dCD_alpha = 0.1\n", "dCD_alpha = 0.1\ndCm_elevator = 0.15\n");
     compare(&scenario, DAMAGE_MODEL, &published);
 }
