@@ -141,6 +141,37 @@ fn a_simulated_flight_can_be_estimated() {
     assert!(without["events"].as_array().unwrap().iter().all(|e| e["kind"] != "re_reached"));
 }
 
+/// A column of another name, unit and sign, mapped in the model file.
+#[test]
+fn a_mapped_column_is_scaled() {
+    let folder = Folder::new("scale");
+    phugoid(&folder.0, &["simulate", "f16-calm", "--out", "."]);
+    let text = folder.read("measured.csv");
+    let mut lines = text.lines();
+    let header = lines.next().unwrap();
+    let column = header.split(',').position(|h| h == "elevator_rad").unwrap();
+    let mut turned = header.replace("elevator_rad", "DE");
+    for line in lines {
+        let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
+        cells[column] = (-cells[column].parse::<f64>().unwrap().to_degrees()).to_string();
+        turned.push_str(&format!("\n{}", cells.join(",")));
+    }
+    folder.file("turned.csv", &turned);
+    let model = phugoid(&folder.0, &["estimate", "--show-model", "f16-model"]).out;
+    let mapping = "[channels]\nelevator = { header = \"DE\", unit = \"deg\", scale = -1 }\n";
+    folder.file("mapped.toml", &format!("{model}\n{mapping}"));
+    let estimate = |flight: &str, model: &str| {
+        phugoid(&folder.0, &["estimate", flight, "--model", model, "--json", "--no-report"]).json()
+    };
+    let (plain, mapped) = (estimate("measured.csv", "f16-model"), estimate("turned.csv", "mapped.toml"));
+    for (a, b) in plain["parameters"].as_array().unwrap().iter().zip(mapped["parameters"].as_array().unwrap()) {
+        // Degrees and back cost a rounding of the elevator.
+        assert!((number(&a["value"]) - number(&b["value"])).abs() < 1e-6 * number(&a["std_error"]), "{a} {b}");
+    }
+    let findings = mapped["quality"]["findings"].as_array().unwrap();
+    assert!(findings.iter().any(|f| f["message"].as_str().unwrap().contains("multiplied by -1")), "{findings:?}");
+}
+
 #[test]
 fn a_part_of_a_record_can_be_chosen() {
     let folder = Folder::new("part");

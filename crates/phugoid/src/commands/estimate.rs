@@ -145,6 +145,7 @@ fn columns(model: &ModelFile) -> Vec<ColumnMapping> {
         .iter()
         .map(|(channel, mapping)| ColumnMapping {
             unit: mapping.unit.clone(),
+            scale: mapping.scale,
             ..ColumnMapping::new(channel.as_str(), mapping.header.as_str())
         })
         .collect()

@@ -181,26 +181,7 @@ fn human(quantity: Quantity) -> (&'static str, f64) {
         Quantity::Angle => ("deg", degrees),
         Quantity::AngularRate => ("deg/s", degrees),
         Quantity::AngularAcceleration => ("deg/s2", degrees),
-        other => (si_unit(other), 1.0),
-    }
-}
-
-fn si_unit(quantity: Quantity) -> &'static str {
-    match quantity {
-        Quantity::Time => "s",
-        Quantity::Angle => "rad",
-        Quantity::AngularRate => "rad/s",
-        Quantity::AngularAcceleration => "rad/s^2",
-        Quantity::Speed => "m/s",
-        Quantity::Acceleration => "m/s^2",
-        Quantity::Length => "m",
-        Quantity::Pressure => "Pa",
-        Quantity::Density => "kg/m^3",
-        Quantity::Force => "N",
-        Quantity::Mass => "kg",
-        Quantity::Inertia => "kg m^2",
-        Quantity::Temperature => "K",
-        Quantity::Number => "-",
+        other => (other.si_unit(), 1.0),
     }
 }
 
@@ -212,12 +193,12 @@ const LATERAL: &[&str] = &["beta", "phi", "psi", "p", "r", "ay"];
 fn figures(scenario: &Scenario, flight: &Flight) -> Vec<(String, Figure)> {
     let signal = |name: &str, channel: &Channel| Signal {
         name: name.to_owned(),
-        unit: si_unit(channel.quantity).to_owned(),
+        unit: channel.quantity.si_unit().to_owned(),
         values: channel.values.clone(),
     };
     let panel = |channel: &Channel| TimeHistoryPanel {
         label: by_name(&channel.name).map_or_else(|| channel.name.clone(), |known| known.description.to_owned()),
-        unit: si_unit(channel.quantity).to_owned(),
+        unit: channel.quantity.si_unit().to_owned(),
         signals: std::iter::once(signal("measured", channel))
             .chain(flight.truth.channel(&channel.name).map(|truth| signal("true", truth)))
             .collect(),
