@@ -17,6 +17,7 @@
 pub mod channels;
 pub mod csv;
 pub mod quality;
+pub mod quantity;
 pub mod record;
 pub mod units;
 

@@ -11,6 +11,8 @@ use crate::quality::QualityReport;
 pub enum Quantity {
     /// s
     Time,
+    /// Hz
+    Frequency,
     /// rad
     Angle,
     /// rad/s
@@ -44,6 +46,7 @@ impl Quantity {
     pub fn si_unit(self) -> &'static str {
         match self {
             Quantity::Time => "s",
+            Quantity::Frequency => "Hz",
             Quantity::Angle => "rad",
             Quantity::AngularRate => "rad/s",
             Quantity::AngularAcceleration => "rad/s^2",
@@ -64,6 +67,7 @@ impl Quantity {
     pub fn si_suffix(self) -> &'static str {
         match self {
             Quantity::Time => "s",
+            Quantity::Frequency => "hz",
             Quantity::Angle => "rad",
             Quantity::AngularRate => "rad_s",
             Quantity::AngularAcceleration => "rad_s2",
@@ -81,9 +85,10 @@ impl Quantity {
     }
 
     /// What it is in a sentence: `an angle`, `a speed`.
-    pub fn in_words(self) -> &'static str {
+    pub const fn in_words(self) -> &'static str {
         match self {
             Quantity::Time => "a time",
+            Quantity::Frequency => "a frequency",
             Quantity::Angle => "an angle",
             Quantity::AngularRate => "an angular rate",
             Quantity::AngularAcceleration => "an angular acceleration",

@@ -42,8 +42,8 @@ const FEET2: f64 = FOOT * FOOT;
 const INCH2: f64 = FEET2 / 144.0;
 
 use Quantity::{
-    Acceleration, Angle, AngularAcceleration, AngularRate, Density, Force, Inertia, Length, Mass, Number, Pressure,
-    Speed, Temperature, Time,
+    Acceleration, Angle, AngularAcceleration, AngularRate, Density, Force, Frequency, Inertia, Length, Mass, Number,
+    Pressure, Speed, Temperature, Time,
 };
 
 /// Every unit understood. The first of a quantity is its SI unit. A symbol may stand under two quantities (`lb`, `kn`):
@@ -52,6 +52,8 @@ use Quantity::{
 pub const UNITS: &[Unit] = &[
     unit("s", Time, 1.0), unit("ms", Time, 1e-3), unit("us", Time, 1e-6), unit("ns", Time, 1e-9),
     unit("min", Time, 60.0), unit("h", Time, 3600.0),
+
+    unit("hz", Frequency, 1.0), unit("khz", Frequency, 1e3),
 
     unit("rad", Angle, 1.0), unit("deg", Angle, DEGREE), unit("mrad", Angle, 1e-3),
 
@@ -119,35 +121,6 @@ pub fn find_for(text: &str, quantity: Quantity) -> Option<Unit> {
 pub fn accepted(quantity: Quantity) -> String {
     let symbols: Vec<_> = UNITS.iter().filter(|unit| unit.quantity == quantity).map(|unit| unit.symbol).collect();
     symbols.join(", ")
-}
-
-/// A number with its unit as typed by a person, `20000ft`, `675 ft/s`, `2.5deg`, in SI.
-///
-/// # Errors
-/// A sentence that says what was found and what is accepted: no number, no unit, or a unit of another quantity. A
-/// missing unit is accepted for [`Quantity::Number`] alone.
-pub fn parse_quantity(text: &str, quantity: Quantity) -> Result<f64, String> {
-    let text = text.trim();
-    let say = |found: &str| {
-        let accepted = accepted(quantity);
-        format!("'{text}': {found}; write a number and one of these units: {accepted}")
-    };
-    // The longest beginning that is a number: `1e3ft` is 1000 ft and `2e` is 2 with the unit `e`.
-    let number = (1..=text.len()).rev().filter_map(|end| text.get(..end)).find_map(|head| {
-        let value = head.trim_end().parse::<f64>().ok().filter(|value| value.is_finite())?;
-        text.get(head.len()..).map(|rest| (value, rest.trim()))
-    });
-    let Some((value, rest)) = number else { return Err(say("there is no number")) };
-    if rest.is_empty() && quantity != Number {
-        return Err(say("there is no unit"));
-    }
-    if rest.is_empty() {
-        return Ok(value);
-    }
-    match find_for(rest, quantity) {
-        Some(unit) => Ok(unit.to_si(value)),
-        None => Err(say(&format!("'{rest}' is not understood here"))),
-    }
 }
 
 /// A unit as typed, brought to the form of the table: lower case, factors joined by `_`, exponents as digits.
@@ -266,26 +239,6 @@ mod tests {
             assert_eq!(find_for(unit.symbol, unit.quantity).map(|u| u.scale), Some(unit.scale), "{}", unit.symbol);
             let double = UNITS[..index].iter().any(|o| o.symbol == unit.symbol && o.quantity == unit.quantity);
             assert!(!double, "{}", unit.symbol);
-        }
-    }
-
-    #[test]
-    fn quantities_typed_by_hand() {
-        let close = |text: &str, quantity, si: f64| {
-            let value = parse_quantity(text, quantity).unwrap();
-            assert!((value - si).abs() < 1e-9 * si.abs().max(1.0), "{text}: {value}");
-        };
-        close("20000ft", Length, 6096.0);
-        close("675 ft/s", Speed, 205.74);
-        close("-2.5deg", Angle, -2.5 * DEGREE);
-        close("1e3 m", Length, 1000.0);
-        close("0.30", Number, 0.30);
-        close("30%", Number, 0.30);
-        for (text, quantity) in
-            [("20000", Length), ("ft", Length), ("", Speed), ("5 kt", Length), ("inf m", Length), ("5e", Length)]
-        {
-            let message = parse_quantity(text, quantity).unwrap_err();
-            assert!(message.contains("write a number and one of these units"), "{message}");
         }
     }
 }

@@ -1,6 +1,6 @@
 //! States and outputs of the longitudinal motion: names, units, order.
 
-use crate::quantity::Dimension;
+use phugoid_flight_data::quantity::Dimension;
 
 /// States of the longitudinal motion: true airspeed, angle of attack, pitch angle, pitch rate.
 pub const STATES: usize = 4;

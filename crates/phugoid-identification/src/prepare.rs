@@ -9,8 +9,8 @@ use crate::longitudinal::{Database, LongitudinalConstants, LongitudinalInput, Lo
 use crate::model_file::{AirDensity, Base, InputHold, ModelFile, Reference, ReferenceValue, Role, Source, Thrust};
 use crate::noise::median;
 use crate::output::{OUTPUTS, Output};
-use crate::quantity::nearest;
 use crate::trim::{LevelTrim, TrimCondition, level_trim};
+use crate::words::nearest;
 
 /// Everything the estimator needs of one record.
 #[derive(Clone, Debug)]

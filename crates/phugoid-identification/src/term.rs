@@ -2,7 +2,7 @@
 
 use phugoid_flight_dynamics::scalar::Scalar;
 
-use crate::quantity::did_you_mean;
+use crate::words::did_you_mean;
 
 /// Room for inputs of the model file beyond the elevator (flap, speed brake, ...).
 pub const EXTRA_INPUTS: usize = 3;

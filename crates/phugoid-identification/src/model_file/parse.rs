@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use phugoid_flight_data::quantity::Dimension;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
@@ -11,7 +12,6 @@ use super::{
     RateSpeed, Reference, ReferenceValue, Role, Source, Thrust,
 };
 use crate::output::{OUTPUTS, Output, STATES};
-use crate::quantity::Dimension;
 use crate::term::{Coefficient, EXTRA_INPUTS, Term, factor_names};
 
 const TOP_KEYS: [&str; 15] = [

@@ -2,11 +2,12 @@
 
 use std::ops::Range;
 
+use phugoid_flight_data::quantity::Dimension;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::ModelFileError;
-use crate::quantity::{Dimension, did_you_mean, nearest, parse_quantity};
+use crate::words::{did_you_mean, nearest};
 
 /// The text of a model file, for turning byte offsets into lines.
 pub(super) struct Source<'a> {
@@ -176,7 +177,7 @@ impl<'a> Section<'a> {
         let result = match value.get_ref() {
             DeValue::Float(number) => number.as_str().replace('_', "").parse::<f64>().map_err(|e| e.to_string()),
             DeValue::Integer(number) => number.as_str().replace('_', "").parse::<f64>().map_err(|e| e.to_string()),
-            DeValue::String(text) => parse_quantity(text, dimension),
+            DeValue::String(text) => dimension.parse_or_si(text).map_err(|error| error.to_string()),
             other => Err(format!(
                 "`{key}` is a {}: expected a number in {} or a string with a unit",
                 other.type_str(),

@@ -1,0 +1,423 @@
+//! Quantities as people write them: a number with its unit, `20000ft`, `-2 deg`, `300 ft^2`, `55814 slug*ft^2`.
+//!
+//! Command lines, scenario files and model files all read them here, and every factor is that of [`crate::units`].
+
+use crate::record::Quantity;
+use crate::units::{self, UNITS};
+
+/// Powers of length, mass, time, angle and temperature.
+type Powers = [i8; 5];
+
+/// What a quantity is measured in: powers of the base units, and words for messages.
+///
+/// Angles have a dimension of their own here, although SI has none for them: it catches `5 m` written for an angle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Dimension {
+    powers: Powers,
+    name: &'static str,
+    /// The SI unit first; all are examples of what is understood.
+    units: &'static [&'static str],
+}
+
+/// Powers of the base units in the SI unit of a channel's quantity.
+const fn powers(quantity: Quantity) -> Powers {
+    match quantity {
+        Quantity::Time => [0, 0, 1, 0, 0],
+        Quantity::Frequency => [0, 0, -1, 0, 0],
+        Quantity::Angle => [0, 0, 0, 1, 0],
+        Quantity::AngularRate => [0, 0, -1, 1, 0],
+        Quantity::AngularAcceleration => [0, 0, -2, 1, 0],
+        Quantity::Speed => [1, 0, -1, 0, 0],
+        Quantity::Acceleration => [1, 0, -2, 0, 0],
+        Quantity::Length => [1, 0, 0, 0, 0],
+        Quantity::Pressure => [-1, 1, -2, 0, 0],
+        Quantity::Density => [-3, 1, 0, 0, 0],
+        Quantity::Force => [1, 1, -2, 0, 0],
+        Quantity::Mass => [0, 1, 0, 0, 0],
+        Quantity::Inertia => [2, 1, 0, 0, 0],
+        Quantity::Temperature => [0, 0, 0, 0, 1],
+        Quantity::Number => [0; 5],
+    }
+}
+
+impl Dimension {
+    const fn of(quantity: Quantity, units: &'static [&'static str]) -> Self {
+        Self { powers: powers(quantity), name: quantity.in_words(), units }
+    }
+    /// A pure number.
+    pub const NUMBER: Self = Self::of(Quantity::Number, &["a pure number", "%"]);
+    /// m
+    pub const LENGTH: Self = Self::of(Quantity::Length, &["m", "ft", "km", "nmi", "cm", "mm", "in"]);
+    /// m^2
+    pub const AREA: Self = Self { powers: [2, 0, 0, 0, 0], name: "an area", units: &["m^2", "ft^2", "in^2"] };
+    /// kg
+    pub const MASS: Self = Self::of(Quantity::Mass, &["kg", "lb", "slug", "t"]);
+    /// kg m^2
+    pub const INERTIA: Self = Self::of(Quantity::Inertia, &["kg*m^2", "slug*ft^2", "lb*ft^2"]);
+    /// s
+    pub const TIME: Self = Self::of(Quantity::Time, &["s", "ms", "min", "h"]);
+    /// Hz
+    pub const FREQUENCY: Self = Self::of(Quantity::Frequency, &["Hz", "kHz"]);
+    /// rad
+    pub const ANGLE: Self = Self::of(Quantity::Angle, &["rad", "deg", "mrad"]);
+    /// rad/s
+    pub const ANGULAR_RATE: Self = Self::of(Quantity::AngularRate, &["rad/s", "deg/s"]);
+    /// rad/s^2
+    pub const ANGULAR_ACCELERATION: Self = Self::of(Quantity::AngularAcceleration, &["rad/s^2", "deg/s^2"]);
+    /// m/s
+    pub const SPEED: Self = Self::of(Quantity::Speed, &["m/s", "ft/s", "kt", "km/h", "mph", "ft/min"]);
+    /// m/s^2
+    pub const ACCELERATION: Self = Self::of(Quantity::Acceleration, &["m/s^2", "ft/s^2", "g", "mg"]);
+    /// N
+    pub const FORCE: Self = Self::of(Quantity::Force, &["N", "kN", "lbf"]);
+    /// kg/m^3
+    pub const DENSITY: Self = Self::of(Quantity::Density, &["kg/m^3", "slug/ft^3", "lb/ft^3"]);
+    /// m^2/s^3, the spectral density of a speed's rate
+    pub const SPEED_NOISE: Self = Self {
+        powers: [2, 0, -3, 0, 0],
+        name: "a spectral density of an acceleration",
+        units: &["m^2/s^3", "ft^2/s^3"],
+    };
+    /// rad^2/s, the spectral density of an angle's rate
+    pub const ANGLE_NOISE: Self = Self {
+        powers: [0, 0, -1, 2, 0],
+        name: "a spectral density of an angular rate",
+        units: &["rad^2/s", "deg^2/s"],
+    };
+    /// rad^2/s^3, the spectral density of an angular rate's rate
+    pub const ANGULAR_RATE_NOISE: Self = Self {
+        powers: [0, 0, -3, 2, 0],
+        name: "a spectral density of an angular acceleration",
+        units: &["rad^2/s^3", "deg^2/s^3"],
+    };
+
+    /// The SI unit of this dimension as text.
+    pub fn si_unit(&self) -> &'static str {
+        self.units.first().copied().unwrap_or_default()
+    }
+
+    /// What it is in a sentence: `a length`, `an angle`.
+    pub fn in_words(&self) -> &'static str {
+        self.name
+    }
+
+    /// A number with its unit, in SI. A bare number is refused, because `alpha = 2` means two very different things to two
+    /// people; only a pure number needs no unit.
+    ///
+    /// The unit is a product of units with whole powers: `ft/s^2`, `slug*ft^2`, `kg m^2`, `deg/s`; `/` divides by the next
+    /// factor alone. Where a symbol has two meanings (`lb`, `kn`) the one that gives this dimension is taken.
+    ///
+    /// # Errors
+    /// [`QuantityError`]: no number, no unit, an unknown unit, a unit of something else.
+    pub fn parse(&self, text: &str) -> Result<f64, QuantityError> {
+        match self.split(text)? {
+            (_, "") if *self != Self::NUMBER => Err(QuantityError::NoUnit {
+                text: text.trim().into(),
+                kind: self.name,
+                first: self.si_unit(),
+                units: self.units.join(", "),
+            }),
+            (number, unit) => self.convert(text, number, unit),
+        }
+    }
+
+    /// As [`Self::parse`]; a bare number is in SI.
+    ///
+    /// # Errors
+    /// As [`Self::parse`], but for the missing unit.
+    pub fn parse_or_si(&self, text: &str) -> Result<f64, QuantityError> {
+        let (number, unit) = self.split(text)?;
+        self.convert(text, number, unit)
+    }
+
+    /// Where the number ends and the unit begins: the longest prefix that is a number. `1e3m` is a thousand metres, and
+    /// the `e` of `1ev` belongs to nothing.
+    fn split<'a>(&self, text: &'a str) -> Result<(f64, &'a str), QuantityError> {
+        let trimmed = text.trim();
+        // `inf` and `nan` parse as numbers in Rust and are none here.
+        let end = trimmed.find(|c: char| !(c.is_ascii_digit() || "+-.eE_".contains(c))).unwrap_or(trimmed.len());
+        (1..=end)
+            .rev()
+            .find_map(|i| {
+                let number: f64 = trimmed.get(..i)?.replace('_', "").parse().ok()?;
+                number.is_finite().then_some((number, trimmed.get(i..)?.trim()))
+            })
+            .ok_or_else(|| QuantityError::NoNumber {
+                text: trimmed.into(),
+                kind: self.name,
+                first: self.si_unit(),
+                units: self.units.join(", "),
+            })
+    }
+
+    fn convert(&self, text: &str, number: f64, unit: &str) -> Result<f64, QuantityError> {
+        if unit.is_empty() {
+            return Ok(number);
+        }
+        // A temperature has a zero of its own.
+        let value = match units::find(unit).into_iter().find(|u| u.offset != 0.0 && powers(u.quantity) == self.powers) {
+            Some(with_zero) => Some(with_zero.to_si(number)),
+            None => self.factor(text, unit)?.map(|factor| number * factor),
+        };
+        value.filter(|si| si.is_finite()).ok_or_else(|| QuantityError::WrongUnit {
+            text: text.trim().into(),
+            unit: unit.into(),
+            kind: self.name,
+            units: self.units.join(", "),
+        })
+    }
+
+    /// SI units per unit; none if the unit is one of something else.
+    fn factor(&self, text: &str, unit: &str) -> Result<Option<f64>, QuantityError> {
+        // Every meaning of the words so far; few words have more than one.
+        let mut meanings: Vec<(f64, [i32; 5])> = vec![(1.0, [0; 5])];
+        let mut sign = 1;
+        let spaced = unit.replace(['*', '·'], " ").replace('/', " / ").replace('²', "^2").replace('³', "^3");
+        for word in spaced.split_whitespace() {
+            if word == "/" || word == "per" {
+                sign = -1;
+                continue;
+            }
+            let (name, power) = name_and_power(word).ok_or_else(|| self.unknown(text, word))?;
+            let found = units::find(name);
+            if found.is_empty() || meanings.len() > 64 {
+                return Err(self.unknown(text, name));
+            }
+            meanings = meanings
+                .iter()
+                .flat_map(|(factor, total)| {
+                    // What has a zero of its own makes no products.
+                    found.iter().filter(|u| u.offset == 0.0).map(move |u| {
+                        let powers = powers(u.quantity);
+                        let total = std::array::from_fn(|i| total[i] + sign * power * i32::from(powers[i]));
+                        (factor * u.scale.powi(sign * power), total)
+                    })
+                })
+                .collect();
+            sign = 1;
+        }
+        let wanted = self.powers.map(i32::from);
+        Ok(meanings.into_iter().find(|(_, powers)| *powers == wanted).map(|(factor, _)| factor))
+    }
+
+    fn unknown(&self, text: &str, word: &str) -> QuantityError {
+        let symbols = self.units.iter().copied().chain(UNITS.iter().map(|unit| unit.symbol));
+        let near = symbols
+            .map(|symbol| (strsim::jaro_winkler(&word.to_lowercase(), &symbol.to_lowercase()), symbol))
+            .filter(|(likeness, _)| *likeness > 0.75)
+            // The first of equals: the units of this quantity come first.
+            .fold(
+                None,
+                |best: Option<(f64, &str)>, next| if best.is_none_or(|b| next.0 > b.0) { Some(next) } else { best },
+            );
+        QuantityError::UnknownUnit {
+            text: text.trim().into(),
+            word: word.into(),
+            kind: self.name,
+            near: near.map(|(_, symbol)| symbol),
+            units: self.units.join(", "),
+        }
+    }
+}
+
+/// `ft^2`, `ft2` and `s^-1` as a unit and its power, at most the sixth; none if the power makes no sense.
+fn name_and_power(word: &str) -> Option<(&str, i32)> {
+    let (name, power) = match word.split_once('^') {
+        Some(parts) => parts,
+        // `m_s2` and `dps2` are units of their own.
+        None if !units::find(word).is_empty() => return Some((word, 1)),
+        None => {
+            let name = word.trim_end_matches(|c: char| c.is_ascii_digit()).trim_end_matches('-');
+            (name, word.get(name.len()..).filter(|power| !power.is_empty()).unwrap_or("1"))
+        }
+    };
+    power.parse().ok().filter(|power: &i32| power.abs() <= 6).map(|power| (name, power))
+}
+
+/// Why a text is not a quantity.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum QuantityError {
+    /// A number without a unit.
+    #[error("`{text}` has no unit: write {kind} as in `{text}{first}` (units: {units})")]
+    NoUnit {
+        /// What was written.
+        text: String,
+        /// The quantity, with its article.
+        kind: &'static str,
+        /// The SI unit.
+        first: &'static str,
+        /// Units understood.
+        units: String,
+    },
+    /// No number in front.
+    #[error("`{text}` does not start with a number: write {kind} as in `10 {first}` (units: {units})")]
+    NoNumber {
+        /// What was written.
+        text: String,
+        /// The quantity, with its article.
+        kind: &'static str,
+        /// The SI unit.
+        first: &'static str,
+        /// Units understood.
+        units: String,
+    },
+    /// A unit of something else.
+    #[error("`{unit}` in `{text}` is not a unit of {kind}: expected {units} or its like")]
+    WrongUnit {
+        /// What was written.
+        text: String,
+        /// The part that was taken for the unit.
+        unit: String,
+        /// The quantity, with its article.
+        kind: &'static str,
+        /// Units understood.
+        units: String,
+    },
+    /// No unit at all.
+    #[error("unknown unit `{word}` in `{text}`{}", match near {
+        Some(near) => format!(": did you mean `{near}`?"),
+        None => format!(", which should be {kind}: expected {units} or its like"),
+    })]
+    UnknownUnit {
+        /// What was written.
+        text: String,
+        /// The word that is no unit.
+        word: String,
+        /// The quantity, with its article.
+        kind: &'static str,
+        /// The unit with the most similar symbol.
+        near: Option<&'static str>,
+        /// Units understood.
+        units: String,
+    },
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const ALL: [Dimension; 18] = [
+        Dimension::NUMBER,
+        Dimension::LENGTH,
+        Dimension::AREA,
+        Dimension::MASS,
+        Dimension::INERTIA,
+        Dimension::TIME,
+        Dimension::FREQUENCY,
+        Dimension::ANGLE,
+        Dimension::ANGULAR_RATE,
+        Dimension::ANGULAR_ACCELERATION,
+        Dimension::SPEED,
+        Dimension::ACCELERATION,
+        Dimension::FORCE,
+        Dimension::DENSITY,
+        Dimension::SPEED_NOISE,
+        Dimension::ANGLE_NOISE,
+        Dimension::ANGULAR_RATE_NOISE,
+        Dimension::of(Quantity::Temperature, &["K", "degC", "degF"]),
+    ];
+
+    #[test]
+    fn units_convert_to_si() {
+        let close = |text: &str, dimension: Dimension, expected: f64| {
+            let value = dimension.parse(text).unwrap();
+            assert!((value - expected).abs() <= 1e-12 * expected.abs(), "{text}: {value} != {expected}");
+        };
+        close("2.43 m", Dimension::LENGTH, 2.43);
+        close("20000ft", Dimension::LENGTH, 6096.0);
+        close("20_000 ft", Dimension::LENGTH, 6096.0);
+        close("1e3m", Dimension::LENGTH, 1000.0);
+        close("675 ft/s", Dimension::SPEED, 205.74);
+        close("36 km/h", Dimension::SPEED, 10.0);
+        close("300 ft^2", Dimension::AREA, 300.0 * 0.3048 * 0.3048);
+        close("300ft²", Dimension::AREA, 300.0 * 0.3048 * 0.3048);
+        close("-2 deg", Dimension::ANGLE, -2.0_f64.to_radians());
+        close("3 °/s", Dimension::ANGULAR_RATE, 3.0_f64.to_radians());
+        close("3 deg per sec", Dimension::ANGULAR_RATE, 3.0_f64.to_radians());
+        close("3 deg_s", Dimension::ANGULAR_RATE, 3.0_f64.to_radians());
+        close("20500 lb", Dimension::MASS, 20500.0 * 0.453_592_37);
+        close("20500lb", Dimension::MASS, 20500.0 * 0.453_592_37);
+        // The dimension decides what a pound and a kn are.
+        close("1 lb", Dimension::FORCE, 4.448_221_615_260_5);
+        close("1 kn", Dimension::FORCE, 1000.0);
+        close("3600 kn", Dimension::SPEED, 1852.0);
+        close("1 lb/ft^3", Dimension::DENSITY, 0.453_592_37 / 0.3048_f64.powi(3));
+        // 1 slug = 14.593902937206 kg (NIST SP 811, table B.8)
+        close("1 slug", Dimension::MASS, 14.593_902_937_206_364);
+        for text in ["55814 slug*ft^2", "55814 slug ft2", "55814 slug_ft2", "55814 slug·ft²"] {
+            close(text, Dimension::INERTIA, 55814.0 * 1.355_817_948_331_400_4);
+        }
+        close("32.17 ft/s^2", Dimension::ACCELERATION, 9.805_416);
+        close("32.17 ft/s/s", Dimension::ACCELERATION, 9.805_416);
+        close("32.17 ft s-2", Dimension::ACCELERATION, 9.805_416);
+        close("2227.744 lbf", Dimension::FORCE, 2227.744 * 4.448_221_615_260_5);
+        close("10 ft^2/s^3", Dimension::SPEED_NOISE, 10.0 * 0.3048 * 0.3048);
+        close("1e-4 rad^2/s", Dimension::ANGLE_NOISE, 1e-4);
+        close("2 1/s", Dimension::FREQUENCY, 2.0);
+        close("59 degF", ALL[17], 288.15);
+        close("30 %", Dimension::NUMBER, 0.3);
+        close("0.3", Dimension::NUMBER, 0.3);
+        assert_eq!(Dimension::LENGTH.parse_or_si("3"), Ok(3.0));
+    }
+
+    #[test]
+    fn the_units_in_messages_are_understood() {
+        for dimension in ALL {
+            for unit in dimension.units.iter().filter(|unit| **unit != "a pure number") {
+                assert!(dimension.parse(&format!("2 {unit}")).is_ok(), "{unit}");
+            }
+            assert!(
+                dimension == Dimension::NUMBER || dimension.parse(&format!("2 {}", dimension.si_unit())) == Ok(2.0)
+            );
+        }
+    }
+
+    /// The powers of a quantity and the factor of its units are two statements about one thing.
+    #[test]
+    fn every_unit_of_the_table_is_one_of_its_dimension() {
+        for unit in UNITS.iter().filter(|unit| unit.symbol != "-" && unit.symbol != "1") {
+            let dimension = Dimension::of(unit.quantity, &[]);
+            assert_eq!(dimension.parse(&format!("3 {}", unit.symbol)), Ok(unit.to_si(3.0)), "{}", unit.symbol);
+            // A composite is what its factors make of it; but `g` alone is that of the accelerations, no gram.
+            if let Some((first, rest)) = unit.symbol.split_once('_').filter(|(first, _)| *first != "g") {
+                let per = unit.quantity != Quantity::Inertia;
+                let product = format!("3 {first}{}{rest}", if per { "/" } else { "*" });
+                let value = dimension.parse(&product).unwrap();
+                assert!((value / unit.to_si(3.0) - 1.0).abs() < 1e-15, "{product}");
+            }
+        }
+    }
+
+    #[test]
+    fn wrong_units_are_named() {
+        let error = |text: &str, dimension: Dimension| dimension.parse(text).unwrap_err().to_string();
+        assert!(error("5 m", Dimension::ANGLE).contains("not a unit of an angle: expected rad"));
+        assert!(error("5 slgu", Dimension::MASS).contains("did you mean `slug`"));
+        assert!(error("5 slgu*ft^2", Dimension::INERTIA).contains("unknown unit `slgu`"));
+        assert!(error("55 kg/m^2", Dimension::INERTIA).contains("not a unit of a moment of inertia"));
+        assert!(error("55 ft*s", Dimension::SPEED).contains("not a unit of a speed"));
+        assert!(error("5 xyzzy", Dimension::MASS).contains("kg, lb, slug"));
+        assert!(error("675", Dimension::SPEED).contains("no unit") && error("675", Dimension::SPEED).contains("kt"));
+        for text in ["five", "", "5 m^99", "5 m^m", "5 ^2", "nan", "inf m", "NaNm", "1e999m", "5 degC"] {
+            assert!(Dimension::LENGTH.parse(text).is_err() && Dimension::LENGTH.parse_or_si(text).is_err(), "{text}");
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn no_text_panics(text in "\\PC*", unit in "[a-z0-9 */^.-]{0,40}") {
+            for dimension in ALL {
+                let _ = dimension.parse(&text);
+                let _ = dimension.parse(&format!("3 {unit}"));
+            }
+        }
+
+        #[test]
+        fn what_is_printed_is_read_back(value in -1e6..1e6_f64) {
+            for dimension in &ALL[1..] {
+                prop_assert_eq!(dimension.parse(&format!("{value} {}", dimension.si_unit())), Ok(value));
+            }
+        }
+    }
+}
