@@ -4,7 +4,7 @@ use phugoid_estimators::discretization::InputHold;
 use phugoid_estimators::smpe::{
     ChangeDetection, ChangePrior, DetectorReport, ParameterPrior, ProcessNoise, ReReaching, Smpe, SmpeSettings,
 };
-use phugoid_estimators::{ChangeState, DetectorState, Estimate, Estimator, ParameterStatus, Phase, Sample};
+use phugoid_estimators::{ChangeState, DetectorState, Estimate, Estimator, ParameterStatus, Phase, Sample, Status};
 
 use crate::error::EstimateError;
 use crate::estimation::Event;
@@ -17,23 +17,61 @@ use crate::output::{OUTPUTS, Output, STATES};
 use crate::prepare::Prepared;
 
 /// Everything that one run gave, by sample and by column.
+#[derive(Debug)]
 pub(crate) struct Run {
-    pub(crate) values: Vec<[f64; CAPACITY]>,
-    pub(crate) std_errors: Vec<[f64; CAPACITY]>,
-    pub(crate) surfaces: Vec<[f64; CAPACITY]>,
+    /// One per estimated parameter, in the order of the columns.
+    pub(crate) columns: Vec<ColumnRun>,
     pub(crate) predicted: Vec<[f64; OUTPUTS]>,
     pub(crate) residuals: Vec<[f64; OUTPUTS]>,
     pub(crate) phases: Vec<Phase>,
     pub(crate) events: Vec<Event>,
-    pub(crate) covariance: Box<[[f64; CAPACITY]; CAPACITY]>,
-    pub(crate) last: Estimate<CAPACITY>,
+    /// Of the parameters at the end, row and column as in `columns`.
+    pub(crate) covariance: Vec<Vec<f64>>,
+    /// At the end.
+    pub(crate) status: Status,
     pub(crate) detector: Option<DetectorReport>,
-    pub(crate) change_sensitivity: [f64; CAPACITY],
     /// True if any motion was visible above the noise.
     pub(crate) excited: bool,
 }
 
+/// What one run gave of one parameter.
+#[derive(Clone, Debug)]
+pub(crate) struct ColumnRun {
+    /// By sample.
+    pub(crate) values: Vec<f64>,
+    /// By sample, corrected for the colour of the residuals.
+    pub(crate) std_errors: Vec<f64>,
+    /// By sample.
+    pub(crate) surfaces: Vec<f64>,
+    /// The rest: at the end.
+    pub(crate) value: f64,
+    pub(crate) std_error: f64,
+    pub(crate) corrected_std_error: f64,
+    pub(crate) observability: f64,
+    pub(crate) status: ParameterStatus,
+    pub(crate) change_sensitivity: f64,
+}
+
+/// Room of the smaller of the two estimators that are compiled in: unused room costs time in every update (a third of
+/// it with five parameters in room for [`CAPACITY`]).
+const SMALL_CAPACITY: usize = 8;
+
+/// Runs the estimator in the smallest room that holds the model; the numbers do not depend on the room.
 pub(crate) fn run_smpe(
+    prepared: &Prepared,
+    file: &ModelFile,
+    options: &EstimateOptions,
+    noise: &[NoiseLevel; OUTPUTS],
+    progress: &mut dyn FnMut(f64),
+) -> Result<Run, EstimateError> {
+    if file.estimated().count() <= SMALL_CAPACITY {
+        run_in_room::<SMALL_CAPACITY>(prepared, file, options, noise, progress)
+    } else {
+        run_in_room::<CAPACITY>(prepared, file, options, noise, progress)
+    }
+}
+
+fn run_in_room<const ROOM: usize>(
     prepared: &Prepared,
     file: &ModelFile,
     options: &EstimateOptions,
@@ -42,23 +80,32 @@ pub(crate) fn run_smpe(
 ) -> Result<Run, EstimateError> {
     let settings = smpe_settings(prepared, file, options, noise)?;
     let set_up = |e: phugoid_estimators::smpe::SmpeError| EstimateError::Model(e.to_string());
-    let mut smpe: Smpe<LongitudinalModel, STATES, OUTPUTS, CAPACITY> =
+    let mut smpe: Smpe<LongitudinalModel, STATES, OUTPUTS, ROOM> =
         Smpe::new(prepared.model.clone(), settings).map_err(set_up)?;
     let samples = prepared.time.len();
-    let mut run = Run {
+    let blank = ColumnRun {
         values: Vec::with_capacity(samples),
         std_errors: Vec::with_capacity(samples),
         surfaces: Vec::with_capacity(samples),
+        value: 0.0,
+        std_error: 0.0,
+        corrected_std_error: 0.0,
+        observability: 0.0,
+        status: ParameterStatus::NotExcited,
+        change_sensitivity: 0.0,
+    };
+    let mut run = Run {
+        columns: vec![blank; smpe.column_count()],
         predicted: Vec::with_capacity(samples),
         residuals: Vec::with_capacity(samples),
         phases: Vec::with_capacity(samples),
         events: Vec::new(),
-        covariance: Box::new([[0.0; CAPACITY]; CAPACITY]),
-        last: smpe.estimate(),
+        covariance: Vec::new(),
+        status: Status::default(),
         detector: None,
-        change_sensitivity: [0.0; CAPACITY],
         excited: false,
     };
+    let mut last = smpe.estimate();
     // Increments only: in absolute form steady flight does inform about the sums of terms.
     let mut waiting = file.base != Base::None;
     let mut excitation = excitation(prepared, noise);
@@ -85,28 +132,42 @@ pub(crate) fn run_smpe(
             estimate = unmoved(estimate, &settings, smpe.column_count(), smpe.prior_sd());
         }
         watch.look(&estimate, sample.time_s, smpe.restarts(), &mut run.events);
-        run.values.push(estimate.parameters);
-        run.std_errors.push(estimate.corrected_std_error);
-        run.surfaces.push(*smpe.surfaces());
+        for (j, column) in run.columns.iter_mut().enumerate() {
+            column.values.push(estimate.parameters[j]);
+            column.std_errors.push(estimate.corrected_std_error[j]);
+            column.surfaces.push(smpe.surfaces()[j]);
+        }
         let started = estimate.status.phase != Phase::Starting;
         run.predicted.push(if started { smpe.innovations().predicted } else { [f64::NAN; OUTPUTS] });
         run.residuals.push(smpe.innovations().normalised);
         run.phases.push(estimate.status.phase);
-        run.last = estimate;
+        last = estimate;
         if k % 64 == 0 {
             progress(k as f64 / samples as f64);
         }
     }
+    let mut covariance = [[0.0; ROOM]; ROOM];
     if waiting {
         run.events.retain(|e| !e.is_of_detector());
         for (j, sd) in smpe.prior_sd().iter().enumerate().take(smpe.column_count()) {
-            run.covariance[j][j] = sd * sd;
+            covariance[j][j] = sd * sd;
         }
     } else {
-        smpe.covariance(&mut run.covariance);
+        smpe.covariance(&mut covariance);
     }
+    let columns = run.columns.len();
+    run.covariance = covariance[..columns].iter().map(|row| row[..columns].to_vec()).collect();
+    let sensitivity = smpe.change_sensitivity();
+    for (j, column) in run.columns.iter_mut().enumerate() {
+        column.value = last.parameters[j];
+        column.std_error = last.std_error[j];
+        column.corrected_std_error = last.corrected_std_error[j];
+        column.observability = last.observability[j];
+        column.status = last.parameter_status[j];
+        column.change_sensitivity = sensitivity[j];
+    }
+    run.status = last.status;
     run.detector = smpe.detector();
-    run.change_sensitivity = smpe.change_sensitivity();
     progress(1.0);
     Ok(run)
 }
@@ -125,18 +186,18 @@ fn excitation(prepared: &Prepared, noise: &[NoiseLevel; OUTPUTS]) -> Excitation 
 }
 
 /// The estimate before anything has moved: the prior.
-fn unmoved(
-    estimate: Estimate<CAPACITY>,
-    settings: &SmpeSettings<STATES, OUTPUTS, CAPACITY>,
+fn unmoved<const ROOM: usize>(
+    estimate: Estimate<ROOM>,
+    settings: &SmpeSettings<STATES, OUTPUTS, ROOM>,
     columns: usize,
-    prior_sd: &[f64; CAPACITY],
-) -> Estimate<CAPACITY> {
+    prior_sd: &[f64; ROOM],
+) -> Estimate<ROOM> {
     let mut prior = Estimate {
-        parameters: [0.0; CAPACITY],
-        std_error: [0.0; CAPACITY],
-        corrected_std_error: [0.0; CAPACITY],
-        observability: [0.0; CAPACITY],
-        parameter_status: [ParameterStatus::NotExcited; CAPACITY],
+        parameters: [0.0; ROOM],
+        std_error: [0.0; ROOM],
+        corrected_std_error: [0.0; ROOM],
+        observability: [0.0; ROOM],
+        parameter_status: [ParameterStatus::NotExcited; ROOM],
         ..estimate
     };
     prior.status.change = ChangeState::Steady;
@@ -153,12 +214,12 @@ fn unmoved(
 ///
 /// # Errors
 /// [`EstimateError::Model`] if the estimator refuses them.
-pub(crate) fn smpe_settings(
+pub(crate) fn smpe_settings<const ROOM: usize>(
     prepared: &Prepared,
     file: &ModelFile,
     options: &EstimateOptions,
     noise: &[NoiseLevel; OUTPUTS],
-) -> Result<SmpeSettings<STATES, OUTPUTS, CAPACITY>, EstimateError> {
+) -> Result<SmpeSettings<STATES, OUTPUTS, ROOM>, EstimateError> {
     let own = file.estimated().filter(|p| !matches!(p.role, Role::Bias(_)));
     let priors: Vec<ParameterPrior> = own.map(|p| prior(p, file.base)).collect();
     let mut settings = SmpeSettings::automatic(&priors, noise.map(|n| n.std), sample_time(&prepared.time))
@@ -224,7 +285,13 @@ struct Watch {
 }
 
 impl Watch {
-    fn look(&mut self, estimate: &Estimate<CAPACITY>, time_s: f64, restarts: u32, events: &mut Vec<Event>) {
+    fn look<const ROOM: usize>(
+        &mut self,
+        estimate: &Estimate<ROOM>,
+        time_s: f64,
+        restarts: u32,
+        events: &mut Vec<Event>,
+    ) {
         let mut say = |kind: &str, message: String| events.push(Event { time_s, kind: kind.to_owned(), message });
         if let Some(last) = self.last_s
             && time_s - last > self.gap_s
@@ -286,3 +353,6 @@ pub(crate) fn phase_word(phase: Phase) -> &'static str {
         Phase::Predicting => "predicting",
     }
 }
+
+#[cfg(test)]
+mod tests;

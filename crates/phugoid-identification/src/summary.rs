@@ -5,11 +5,11 @@ use phugoid_flight_data::record::Record;
 use crate::estimation::{Estimation, History, ParameterHistory, ParameterResult, Signal};
 use crate::model_file::{ModelFile, Parameter};
 use crate::noise::NoiseLevel;
-use crate::options::{CAPACITY, EstimateOptions, Method};
+use crate::options::{EstimateOptions, Method};
 use crate::output::{OUTPUTS, Output};
 use crate::plausibility::UnitDoubt;
 use crate::prepare::Prepared;
-use crate::run::{Run, phase_word, status_word};
+use crate::run::{ColumnRun, Run, phase_word, status_word};
 use crate::verdict::verdict;
 
 pub(crate) fn summarise(
@@ -92,23 +92,23 @@ fn result(
         nuisance: parameter.is_nuisance(),
     };
     let Some(j) = column else { return result };
-    let last = &run.last;
-    result.value = last.parameters[j];
-    result.std_error = last.std_error[j];
-    result.corrected_std_error = last.corrected_std_error[j];
+    let last = &run.columns[j];
+    result.value = last.value;
+    result.std_error = last.std_error;
+    result.corrected_std_error = last.corrected_std_error;
     result.lower = result.value - 2.0 * result.corrected_std_error;
     result.upper = result.value + 2.0 * result.corrected_std_error;
-    result.status = status_word(last.parameter_status[j]).to_owned();
-    result.observability = last.observability[j];
+    result.status = status_word(last.status).to_owned();
+    result.observability = last.observability;
     if result.status != "not_excited" {
-        result.converged_at_s = converged_at(prepared, run, j, truth.unwrap_or(result.value));
+        result.converged_at_s = converged_at(prepared, &last.values, truth.unwrap_or(result.value));
     }
     result
 }
 
 /// First time after which the estimate stays within 5 % of `goal`, s from the start of the record.
-fn converged_at(prepared: &Prepared, run: &Run, column: usize, goal: f64) -> Option<f64> {
-    let outside = run.values.iter().rposition(|v| (v[column] - goal).abs() > 0.05 * goal.abs());
+fn converged_at(prepared: &Prepared, values: &[f64], goal: f64) -> Option<f64> {
+    let outside = values.iter().rposition(|v| (v - goal).abs() > 0.05 * goal.abs());
     let first = outside.map_or(0, |k| k + 1);
     Some(prepared.time.get(first)? - prepared.time.first()?)
 }
@@ -152,16 +152,22 @@ fn history(file: &ModelFile, prepared: &Prepared, columns: &[(&Parameter, Option
             })
             .collect()
     };
+    let samples = prepared.time.len();
     let parameter = |(p, column): &(&Parameter, Option<usize>)| {
-        let column_of = |rows: &[[f64; CAPACITY]], otherwise: f64| match column {
-            Some(j) => rows.iter().map(|r| r[*j]).collect(),
-            None => vec![otherwise; rows.len()],
-        };
-        ParameterHistory {
-            name: p.name.clone(),
-            value: column_of(&run.values, p.start),
-            std_error: column_of(&run.std_errors, 0.0),
-            surface: column_of(&run.surfaces, 0.0),
+        let name = p.name.clone();
+        match column.map(|j| &run.columns[j]) {
+            Some(ColumnRun { values, std_errors, surfaces, .. }) => ParameterHistory {
+                name,
+                value: values.clone(),
+                std_error: std_errors.clone(),
+                surface: surfaces.clone(),
+            },
+            None => ParameterHistory {
+                name,
+                value: vec![p.start; samples],
+                std_error: vec![0.0; samples],
+                surface: vec![0.0; samples],
+            },
         }
     };
     History {

@@ -131,11 +131,11 @@ fn changes(parameters: &[ParameterResult], run: &Run, sentences: &mut Vec<String
         sentences.push(format!("The parameters changed in flight: found at {}.", times.join(", ")));
     }
     let Some(detector) = run.detector else { return };
-    if run.last.status.detector == DetectorState::Insensitive {
+    if run.status.detector == DetectorState::Insensitive {
         let seen: Vec<String> = parameters
             .iter()
             .filter(|p| !p.nuisance && p.status != "fixed")
-            .zip(run.change_sensitivity)
+            .zip(run.columns.iter().map(|c| c.change_sensitivity))
             .filter(|(_, s)| *s > 0.0)
             .map(|(p, s)| format!("{} {s:.3}", p.name))
             .collect();

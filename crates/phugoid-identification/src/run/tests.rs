@@ -1,0 +1,89 @@
+//! The numbers do not depend on the room that the estimator was compiled with.
+
+use super::{CAPACITY, ColumnRun, Run, SMALL_CAPACITY, run_in_room};
+use crate::model_file::ModelFile;
+use crate::noise::NoiseLevel;
+use crate::options::EstimateOptions;
+use crate::output::OUTPUTS;
+use crate::prepare::prepare;
+
+#[path = "../../tests/common/mod.rs"]
+mod common;
+
+use common::f16::{NOISE, TRIM, fly};
+use phugoid_flight_data::record::Record;
+
+const F16: &str = include_str!("../../../../data/models/f16.toml");
+
+/// Two flights one after the other, the recorder of the elevator changed in between (for the estimator a change of
+/// every derivative with respect to it), with outliers and missing values: whatever the estimator can do, it has to do.
+fn eventful() -> Record {
+    let (mut record, later) = (fly(10.0, 0.026, 31), fly(10.0, 0.026, 32));
+    record.time.extend(later.time.iter().map(|t| t + 10.0));
+    for (channel, more) in record.channels.iter_mut().zip(&later.channels) {
+        channel.values.extend(&more.values);
+    }
+    let elevator = &mut record.channels.iter_mut().find(|c| c.name == "elevator").unwrap().values;
+    elevator[500..].iter_mut().for_each(|e| *e = TRIM[1] + 2.0 * (*e - TRIM[1]));
+    let q = &mut record.channels.iter_mut().find(|c| c.name == "q").unwrap().values;
+    q.iter_mut().skip(11).step_by(37).for_each(|v| *v = f64::NAN);
+    q.iter_mut().skip(19).step_by(41).for_each(|v| *v += 0.5);
+    record
+}
+
+fn assert_same_bits(a: &[f64], b: &[f64], what: &str) {
+    assert_eq!(a.len(), b.len(), "{what}");
+    for (k, (a, b)) in a.iter().zip(b).enumerate() {
+        assert_eq!(a.to_bits(), b.to_bits(), "{what}, {k}: {a:e} {b:e}");
+    }
+}
+
+fn assert_same(a: &Run, b: &Run) {
+    assert_eq!(a.columns.len(), b.columns.len());
+    let end = |c: &ColumnRun| [c.value, c.std_error, c.corrected_std_error, c.observability, c.change_sensitivity];
+    for (a, b) in a.columns.iter().zip(&b.columns) {
+        assert_same_bits(&a.values, &b.values, "values");
+        assert_same_bits(&a.std_errors, &b.std_errors, "standard errors");
+        assert_same_bits(&a.surfaces, &b.surfaces, "surfaces");
+        assert_same_bits(&end(a), &end(b), "at the end");
+        assert_eq!(a.status, b.status);
+    }
+    for (a, b) in [(&a.predicted, &b.predicted), (&a.residuals, &b.residuals)] {
+        assert_same_bits(a.as_flattened(), b.as_flattened(), "outputs");
+    }
+    assert_same_bits(&a.covariance.concat(), &b.covariance.concat(), "covariance");
+    assert_eq!((&a.phases, &a.events, a.status, a.excited), (&b.phases, &b.events, b.status, b.excited));
+    assert_eq!(a.detector, b.detector);
+}
+
+#[test]
+fn the_room_does_not_change_a_bit() {
+    let record = eventful();
+    let noise = NOISE.map(|std| NoiseLevel { std, measured: false });
+    // Five parameters, and as many as the small room holds.
+    for (biases, columns) in [("", 5), ("\n[biases]\nalpha = \"0.3 deg\"\nq = \"0.1 deg/s\"\naz = \"0.02 g\"\n", 8)] {
+        let file = ModelFile::parse("f16", &format!("{F16}{biases}")).unwrap();
+        let prepared = prepare(&record, &file).unwrap();
+        let options = EstimateOptions::default();
+        let small = run_in_room::<SMALL_CAPACITY>(&prepared, &file, &options, &noise, &mut |_| {}).unwrap();
+        let large = run_in_room::<CAPACITY>(&prepared, &file, &options, &noise, &mut |_| {}).unwrap();
+        let exact = run_in_room::<13>(&prepared, &file, &options, &noise, &mut |_| {}).unwrap();
+        assert_eq!(small.columns.len(), columns);
+        let kinds: Vec<&str> = small.events.iter().map(|e| e.kind.as_str()).collect();
+        println!("{columns} columns: {kinds:?}, {:?}", small.status);
+        assert!(kinds.contains(&"in_doubt"), "nothing happened on this flight: {kinds:?}");
+        assert_same(&small, &large);
+        assert_same(&small, &exact);
+    }
+}
+
+#[test]
+fn a_model_beyond_the_small_room_is_refused_by_it() {
+    let file = ModelFile::built_in("hfb320").unwrap().unwrap();
+    assert!(file.estimated().count() > SMALL_CAPACITY);
+    let noise = [NoiseLevel { std: 0.1, measured: false }; OUTPUTS];
+    let f16 = ModelFile::parse("f16", F16).unwrap();
+    let prepared = prepare(&fly(2.0, 0.026, 33), &f16).unwrap();
+    let error = run_in_room::<SMALL_CAPACITY>(&prepared, &file, &EstimateOptions::default(), &noise, &mut |_| {});
+    assert!(error.unwrap_err().to_string().contains('8'));
+}
