@@ -4,7 +4,9 @@
 //! angle of attack still wanders about it by its own noise wherever process noise is allowed for, and an estimator that
 //! linearises about its estimate takes that wander for excitation: on a simulated F-16 in steady flight it "learnt"
 //! dCL_alpha to 0.3 where the prior is 0.75, and was seven of these sigmas wrong. So the estimates of increments start
-//! with the first motion that is visible above the noise, not before.
+//! with the first motion that is visible above the noise, not before. In absolute form steady flight does tell something,
+//! but of sums of terms: there the estimator runs from the first sample, and its estimates are shown from the first motion
+//! on.
 
 use crate::output::{OUTPUTS, Output};
 

@@ -21,7 +21,3 @@ mod words;
 // The helpers of the integration tests, used in unit tests too, call this crate by its name.
 #[cfg(test)]
 extern crate self as phugoid_identification;
-
-// The helpers of the integration tests, used in unit tests too, call this crate by its name.
-#[cfg(test)]
-extern crate self as phugoid_identification;

@@ -49,6 +49,8 @@ pub struct Signals<'a> {
 }
 
 const DEGREES: f64 = 180.0 / std::f64::consts::PI;
+/// Standard gravity, m/s^2; flight is nowhere off it by more than a hundredth.
+const GRAVITY: f64 = 9.80665;
 
 /// All checks.
 pub fn check_units(signals: &Signals) -> Vec<UnitDoubt> {
@@ -211,13 +213,16 @@ fn alpha_scale(s: &Signals, doubts: &mut Vec<UnitDoubt>) {
     }
 }
 
-/// In steady flight an accelerometer along body z (down) shows -9.8 m/s^2.
+/// In steady flight an accelerometer along body z (down) shows -9.8 m/s^2; in a manoeuvre what turns the path.
 fn normal_acceleration(s: &Signals, doubts: &mut Vec<UnitDoubt>) {
     let mut finite: Vec<f64> = s.az.iter().copied().filter(|v| v.is_finite()).collect();
     let Some(az) = median(&mut finite) else { return };
+    // A short record may be all manoeuvre.
+    if (-20.0..=-5.0).contains(&az) || is_manoeuvre(s) {
+        return;
+    }
     let expected = "expected about -9.8 m/s^2, the specific force along body z (down) in steady flight";
     let (certainty, advice) = match az {
-        a if (-20.0..=-5.0).contains(&a) => return,
         a if (5.0..=20.0).contains(&a) => (Certainty::Certain, "its sign is that of an upward axis: change the sign"),
         a if (-1.6..=-0.5).contains(&a) => (Certainty::Certain, "it looks like g: name the column `az_g`"),
         a if (0.5..=1.6).contains(&a) => (
@@ -232,9 +237,35 @@ fn normal_acceleration(s: &Signals, doubts: &mut Vec<UnitDoubt>) {
             Certainty::Certain,
             "gravity seems to have been removed: give what an accelerometer measures, with gravity's share",
         ),
+        // Between one unit and the next: a manoeuvre sooner than an error.
+        a if a.abs() < 50.0 => return,
         _ => (Certainty::Doubtful, "check its unit and sign"),
     };
     doubt(doubts, "az", certainty, format!("channel `az` has the median {az:.3}: {expected}; {advice}"));
+}
+
+/// True if the path turns as `az` says, `V (alpha' - q) = az cos a - ax sin a + g cos(theta - a)`, in means over a second.
+fn is_manoeuvre(s: &Signals) -> bool {
+    if [s.true_airspeed, s.alpha, s.theta, s.q].iter().any(|c| c.is_empty()) {
+        return false;
+    }
+    let rest = |k: usize| {
+        let ax = s.ax.get(k).copied().unwrap_or(0.0);
+        (ax * s.alpha[k].sin() - GRAVITY * (s.theta[k] - s.alpha[k]).cos()) / s.alpha[k].cos()
+    };
+    let (change, pitch) = windows(s.time, s.alpha, |k| s.q[k], 1.0);
+    let (_, rest) = windows(s.time, s.alpha, rest, 1.0);
+    let (_, measured) = windows(s.time, s.alpha, |k| s.az[k], 1.0);
+    let (_, duration) = windows(s.time, s.alpha, |_| 1.0, 1.0);
+    let speed = typical_size(s.true_airspeed).unwrap_or(f64::NAN);
+    let (mut missing, mut predicted): (Vec<f64>, Vec<f64>) = (0..duration.len())
+        .filter(|&i| duration[i] > 0.3)
+        .map(|i| ((speed * (change[i] - pitch[i]) + rest[i]) / duration[i], measured[i] / duration[i]))
+        .filter(|(predicted, measured)| predicted.is_finite() && measured.is_finite())
+        .map(|(predicted, measured)| ((measured - predicted).abs(), predicted.abs()))
+        .unzip();
+    // Noise of alpha, and a sensor off the centre of gravity, cost one or two m/s^2; another unit or sign costs nine.
+    matches!((median(&mut missing), median(&mut predicted)), (Some(m), Some(p)) if m < 2.0_f64.max(0.25 * p))
 }
 
 /// `h' = V sin(theta - alpha)` with the wings level.
@@ -280,7 +311,7 @@ fn airspeed(s: &Signals, doubts: &mut Vec<UnitDoubt>) {
     }
     let turn = |k: usize| {
         let (sin, cos) = s.alpha[k].sin_cos();
-        s.az[k] * cos - s.ax[k] * sin + 9.80665 * (s.theta[k] - s.alpha[k]).cos()
+        s.az[k] * cos - s.ax[k] * sin + GRAVITY * (s.theta[k] - s.alpha[k]).cos()
     };
     let (forces, path): (Vec<f64>, Vec<f64>) = {
         let (alpha, force) = windows(s.time, s.alpha, turn, 1.0);

@@ -106,8 +106,8 @@ fn run_in_room<const ROOM: usize>(
         excited: false,
     };
     let mut last = smpe.estimate();
-    // Increments only: in absolute form steady flight does inform about the sums of terms.
-    let mut waiting = file.base != Base::None;
+    // Until something has moved the prior is all that is known of single parameters: steady flight tells sums of terms.
+    let mut waiting = true;
     let mut excitation = excitation(prepared, noise);
     let mut watch = Watch { gap_s: settings.maximum_step_s.max(3.5 * settings.sample_time_s), ..Watch::default() };
     for k in 0..samples {
@@ -119,7 +119,8 @@ fn run_in_room<const ROOM: usize>(
             waiting = false;
             run.events.retain(|e| !e.is_of_detector());
             let from = prepared.time.partition_point(|t| *t < sample.time_s - LEAD_S - 1e-9);
-            if from > 0 {
+            // In absolute form the sums that steady flight tells are worth keeping.
+            if from > 0 && file.base != Base::None {
                 // Forget what was taken for excitation before there was any.
                 smpe = Smpe::new(prepared.model.clone(), settings).map_err(set_up)?;
                 for i in from..=k {

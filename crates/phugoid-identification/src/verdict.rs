@@ -64,15 +64,12 @@ fn excitation(parameters: &[ParameterResult], excited: bool, pairs: &[Pair], sen
     let (converged, improving, silent, limited) =
         (with("converged"), with("improving"), with("not_excited"), with("at_limit"));
     if !excited {
-        let known = if silent.len() == wanted.len() {
-            "The record says nothing about any parameter; all bounds are still those given beforehand."
-        } else {
-            "Only sums of terms are known; do not trust single ones."
-        };
-        sentences.push(format!(
-            "No excitation: elevator, angle of attack and pitch rate never move beyond their noise. {known} Fly an \
+        sentences.push(
+            "No excitation: elevator, angle of attack and pitch rate never move beyond their noise. Steady flight tells \
+             at most sums of terms, so all parameters and their bounds are still those given beforehand. Fly an \
              elevator input such as a 3-2-1-1 or a doublet."
-        ));
+                .to_owned(),
+        );
     }
     sentences.push(format!("{} of {} parameters have converged.", converged.len(), wanted.len()));
     if !improving.is_empty() {

@@ -177,6 +177,53 @@ fn without_excitation_the_bounds_stay_at_the_prior_and_the_verdict_says_so() {
     }
 }
 
+/// In absolute form steady flight fits a whole plane of parameters: a frozen recorder is no estimate of any of them.
+#[test]
+fn a_frozen_record_leaves_a_whole_build_up_at_its_prior() {
+    let model = ModelFile::built_in("hfb320").unwrap().unwrap();
+    let time: Vec<f64> = (0..300).map(|k| 0.1 * f64::from(k)).collect();
+    let frozen = [
+        ("true_airspeed", Quantity::Speed, 106.0),
+        ("alpha", Quantity::Angle, 0.117),
+        ("theta", Quantity::Angle, 0.096),
+        ("q", Quantity::AngularRate, 0.002),
+        ("ax", Quantity::Acceleration, 1.03),
+        ("az", Quantity::Acceleration, -9.6),
+        ("qdot", Quantity::AngularAcceleration, 0.003),
+        ("elevator", Quantity::Angle, -0.032),
+        ("thrust", Quantity::Force, 8500.0),
+    ];
+    let channels = frozen.iter().map(|(name, quantity, v)| channel(name, *quantity, vec![*v; time.len()])).collect();
+    let record = Record { source: "frozen".to_owned(), time, channels, ..Record::default() };
+    let estimation = run(&record, &model).unwrap();
+    assert!(said(&estimation, &["No excitation"]), "{:?}", estimation.verdict);
+    assert!(estimation.events.is_empty(), "{:?}", estimation.events);
+    assert_eq!(estimation.parameters.len(), 11);
+    for p in &estimation.parameters {
+        assert_eq!((p.status.as_str(), p.converged_at_s, p.observability), ("not_excited", None, 0.0), "{}", p.name);
+        assert_eq!((p.value, p.std_error, p.corrected_std_error), (p.initial, p.prior_std, p.prior_std), "{}", p.name);
+    }
+}
+
+#[test]
+fn a_record_cut_within_a_manoeuvre_is_not_taken_for_another_unit() {
+    let mut record = fly(15.0, 2.0 * AMPLITUDE, 14);
+    let az = values(&mut record, "az").clone();
+    let middle = |from: usize| {
+        let mut window = az[from..from + 40].to_vec();
+        window.sort_by(f64::total_cmp);
+        window[20]
+    };
+    let from = (0..az.len() - 40).max_by(|a, b| middle(*a).total_cmp(&middle(*b))).unwrap();
+    println!("from {:.2} s on az has the median {:.2} m/s^2", record.time[from], middle(from));
+    assert!(middle(from) > -4.0, "no push-over in this flight");
+    let cut = |values: &mut Vec<f64>| *values = values[from..from + 40].to_vec();
+    cut(&mut record.time);
+    record.channels.iter_mut().for_each(|c| cut(&mut c.values));
+    let estimation = run(&record, &model()).unwrap();
+    assert!(!said(&estimation, &["Check the units", "az"]), "{:?}", estimation.verdict);
+}
+
 #[test]
 fn parameters_that_cannot_be_told_apart_are_named_as_a_pair() {
     let text = F16
