@@ -25,10 +25,14 @@ pub(crate) fn verdict(
 ) -> Vec<String> {
     let mut sentences = Vec::new();
     let pairs = pairs(parameters, correlation);
-    excitation(parameters, run.excited, &pairs, &mut sentences);
-    tell_pairs(parameters, &pairs, &mut sentences);
-    changes(parameters, run, &mut sentences);
-    residuals(&history.residuals, run, &mut sentences);
+    if run.excited {
+        excitation(parameters, &pairs, &mut sentences);
+        tell_pairs(parameters, &pairs, &mut sentences);
+        changes(parameters, run, &mut sentences);
+        residuals(&history.residuals, run, &mut sentences);
+    } else {
+        no_excitation(&history.measured, &mut sentences);
+    }
     let measured: Vec<String> = Output::ALL
         .iter()
         .filter(|o| noise[o.index()].measured)
@@ -50,7 +54,19 @@ fn capitalised(text: &str) -> String {
 /// Two parameters and their correlation.
 type Pair = (f64, usize, usize);
 
-fn excitation(parameters: &[ParameterResult], excited: bool, pairs: &[Pair], sentences: &mut Vec<String>) {
+fn no_excitation(measured: &[Signal], sentences: &mut Vec<String>) {
+    sentences.push(
+        "No excitation: elevator, angle of attack and pitch rate never move beyond their noise. Steady flight tells at \
+         most sums of terms, so all parameters and their bounds are still those given beforehand. Fly an elevator input \
+         such as a 3-2-1-1 or a doublet."
+            .to_owned(),
+    );
+    if measured.iter().all(|signal| signal.values.windows(2).all(|pair| pair[0] == pair[1])) {
+        sentences.push("Every measured output is exactly constant: the recorder was frozen.".to_owned());
+    }
+}
+
+fn excitation(parameters: &[ParameterResult], pairs: &[Pair], sentences: &mut Vec<String>) {
     let wanted: Vec<&ParameterResult> = parameters.iter().filter(|p| !p.nuisance && p.status != "fixed").collect();
     // A parameter that only its twin hides is not short of excitation.
     let twin = |p: &ParameterResult| {
@@ -63,14 +79,6 @@ fn excitation(parameters: &[ParameterResult], excited: bool, pairs: &[Pair], sen
     };
     let (converged, improving, silent, limited) =
         (with("converged"), with("improving"), with("not_excited"), with("at_limit"));
-    if !excited {
-        sentences.push(
-            "No excitation: elevator, angle of attack and pitch rate never move beyond their noise. Steady flight tells \
-             at most sums of terms, so all parameters and their bounds are still those given beforehand. Fly an \
-             elevator input such as a 3-2-1-1 or a doublet."
-                .to_owned(),
-        );
-    }
     sentences.push(format!("{} of {} parameters have converged.", converged.len(), wanted.len()));
     if !improving.is_empty() {
         sentences.push(format!("Still improving, more excitation would help: {}.", improving.join(", ")));

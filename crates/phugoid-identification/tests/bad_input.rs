@@ -197,6 +197,7 @@ fn a_frozen_record_leaves_a_whole_build_up_at_its_prior() {
     let record = Record { source: "frozen".to_owned(), time, channels, ..Record::default() };
     let estimation = run(&record, &model).unwrap();
     assert!(said(&estimation, &["No excitation"]), "{:?}", estimation.verdict);
+    assert!(said(&estimation, &["recorder was frozen"]), "{:?}", estimation.verdict);
     assert!(estimation.events.is_empty(), "{:?}", estimation.events);
     assert_eq!(estimation.parameters.len(), 11);
     for p in &estimation.parameters {
