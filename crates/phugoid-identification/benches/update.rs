@@ -16,7 +16,8 @@ use phugoid_identification::prepare::build;
 const NOISE: [f64; OUTPUTS] = [0.3, 1.7e-3, 0.9e-3, 1.7e-3, 0.1, 0.1, 0.0];
 
 fn f16() -> (LongitudinalModel, Vec<ParameterPrior>, LongitudinalInput, [f64; STATES]) {
-    let file = ModelFile::built_in("f16").unwrap().unwrap();
+    let text = include_str!("../../../data/models/f16.toml").split("\n[biases]").next().unwrap();
+    let file = ModelFile::parse("f16", text).unwrap();
     let aircraft = F16::new(F16Options { cg: 0.3, ..F16Options::default() }).unwrap();
     let model = build(&file, Database::F16(Box::new(aircraft)), 0.0417, -0.03425);
     let priors = file.parameters.iter().map(|p| ParameterPrior::bounded(0.0, -2.0 * p.prior_std, 2.0 * p.prior_std));

@@ -3,14 +3,13 @@
 
 mod common;
 
-use common::f16::{TRUTH, channel, fly, model};
+use common::f16::{TRUTH, channel, fly, model, unbiased};
 use phugoid_flight_data::record::{Quantity, Record};
 use phugoid_identification::estimate::{CAPACITY, EstimateError, EstimateOptions, estimate};
 use phugoid_identification::estimation::Estimation;
 use phugoid_identification::model_file::ModelFile;
 use proptest::prelude::*;
 
-const F16: &str = include_str!("../../../data/models/f16.toml");
 const AMPLITUDE: f64 = 0.026; // 1.5 deg
 
 fn run(record: &Record, model: &ModelFile) -> Result<Estimation, EstimateError> {
@@ -227,7 +226,7 @@ fn a_record_cut_within_a_manoeuvre_is_not_taken_for_another_unit() {
 
 #[test]
 fn parameters_that_cannot_be_told_apart_are_named_as_a_pair() {
-    let text = F16
+    let text = unbiased()
         .replace("base = \"f16\"", "base = \"f16\"\ninputs = [\"flap\"]")
         .replace("\"q_hat\", \"elevator\"]", "\"q_hat\", \"elevator\", \"flap\"]")
         .replace("dCm_elevator =", "dCm_flap = { bounds = [-0.4, 0.4] }\ndCm_elevator =");
@@ -246,7 +245,7 @@ fn more_parameters_than_there_is_room_for_are_refused() {
     let names: Vec<String> =
         (1..=9).flat_map(|a| (1..=3).map(move |q| (a, q))).map(|(a, q)| power_name(a, q)).collect();
     let priors: String = names.iter().map(|n| format!("{n}.prior_std = 1\n")).collect();
-    let text = F16
+    let text = unbiased()
         .replace("Cm = [", &format!("Cm = [{}, ", terms.join(", ")))
         .replace("[parameters] ", &format!("[parameters]\n{priors}#"));
     let model = ModelFile::parse("crowded", &text).unwrap();
@@ -283,7 +282,7 @@ fn units_and_the_order_of_channels_do_not_matter() {
     let (a, b) = (run(&record, &model()).unwrap(), run(&reversed, &model()).unwrap());
     assert_eq!(a.parameters, b.parameters);
     // And a model file in SI the same numbers as one in feet and slugs.
-    let si = F16
+    let si = unbiased()
         .replace("\"637.2396642834939 slug\"", "9299.813806")
         .replace("\"300 ft^2\"", "27.870912")
         .replace("\"11.32 ft\"", "3.450336")

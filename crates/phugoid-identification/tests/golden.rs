@@ -122,7 +122,7 @@ fn trace(index: usize) -> Option<Trace> {
     let names: Vec<&str> = trace["parameters"].as_array().unwrap().iter().map(|v| v.as_str().unwrap()).collect();
     let ranges = numbers(&settings["range_half_width"]);
 
-    let mut text = include_str!("../../../data/models/f16.toml").to_owned();
+    let mut text = common::f16::unbiased().to_owned();
     if names.len() == 4 {
         text = text.replace("\"q_hat\", \"elevator\"]", "\"q_hat\"]").replace("dCm_elevator", "# dCm_elevator");
     }

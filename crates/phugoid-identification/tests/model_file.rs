@@ -26,7 +26,8 @@ fn built_in_models_are_what_their_sources_say() {
     let f16 = ModelFile::built_in("f16").unwrap().unwrap();
     assert_eq!(f16.base, Base::F16);
     let names: Vec<&str> = f16.parameters.iter().map(|p| p.name.as_str()).collect();
-    assert_eq!(names, ["dCL_alpha", "dCD_alpha", "dCm_alpha", "dCm_q", "dCm_elevator"]);
+    assert_eq!(names[..5], ["dCL_alpha", "dCD_alpha", "dCm_alpha", "dCm_q", "dCm_elevator"]);
+    assert_eq!(names[5..], ["bias_true_airspeed", "bias_alpha", "bias_theta", "bias_q", "bias_ax", "bias_az"]);
     assert_eq!(f16.parameters[3].bounds, Some([-6.0, 6.0]));
     assert_eq!(f16.parameters[3].prior_std, 3.0);
     assert!(!f16.outputs[Output::PitchAcceleration.index()]);

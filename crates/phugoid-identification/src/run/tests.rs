@@ -10,10 +10,8 @@ use crate::prepare::prepare;
 #[path = "../../tests/common/mod.rs"]
 mod common;
 
-use common::f16::{NOISE, TRIM, fly};
+use common::f16::{NOISE, TRIM, fly, unbiased};
 use phugoid_flight_data::record::Record;
-
-const F16: &str = include_str!("../../../../data/models/f16.toml");
 
 /// Two flights one after the other, the recorder of the elevator changed in between (for the estimator a change of
 /// every derivative with respect to it), with outliers and missing values: whatever the estimator can do, it has to do.
@@ -62,7 +60,7 @@ fn the_room_does_not_change_a_bit() {
     let noise = NOISE.map(|std| NoiseLevel { std, measured: false });
     // Five parameters, and as many as the small room holds.
     for (biases, columns) in [("", 5), ("\n[biases]\nalpha = \"0.3 deg\"\nq = \"0.1 deg/s\"\naz = \"0.02 g\"\n", 8)] {
-        let file = ModelFile::parse("f16", &format!("{F16}{biases}")).unwrap();
+        let file = ModelFile::parse("f16", &format!("{}{biases}", unbiased())).unwrap();
         let prepared = prepare(&record, &file).unwrap();
         let options = EstimateOptions::default();
         let small = run_in_room::<SMALL_CAPACITY>(&prepared, &file, &options, &noise, &mut |_| {}).unwrap();
@@ -82,7 +80,7 @@ fn a_model_beyond_the_small_room_is_refused_by_it() {
     let file = ModelFile::built_in("hfb320").unwrap().unwrap();
     assert!(file.estimated().count() > SMALL_CAPACITY);
     let noise = [NoiseLevel { std: 0.1, measured: false }; OUTPUTS];
-    let f16 = ModelFile::parse("f16", F16).unwrap();
+    let f16 = ModelFile::parse("f16", unbiased()).unwrap();
     let prepared = prepare(&fly(2.0, 0.026, 33), &f16).unwrap();
     let error = run_in_room::<SMALL_CAPACITY>(&prepared, &file, &EstimateOptions::default(), &noise, &mut |_| {});
     assert!(error.unwrap_err().to_string().contains('8'));

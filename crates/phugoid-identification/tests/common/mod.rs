@@ -81,7 +81,12 @@ pub(crate) mod f16 {
     pub(crate) const TRIM: [f64; 2] = [0.041_701_849_9, -0.034_252_805_2];
 
     pub(crate) fn model() -> ModelFile {
-        ModelFile::built_in("f16").unwrap().unwrap()
+        ModelFile::parse("f16", unbiased()).unwrap()
+    }
+
+    /// The text of the built-in model without its sensor biases: five parameters.
+    pub(crate) fn unbiased() -> &'static str {
+        include_str!("../../../../data/models/f16.toml").split("\n[biases]").next().unwrap()
     }
 
     pub(crate) fn channel(name: &str, quantity: Quantity, values: Vec<f64>) -> Channel {
