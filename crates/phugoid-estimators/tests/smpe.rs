@@ -4,8 +4,13 @@
 mod plants;
 
 use phugoid_estimators::discretization::InputHold;
-use phugoid_estimators::smpe::{ChangePrior, ParameterPrior, ProcessNoise, ReReaching, Smpe, SmpeError, SmpeSettings};
-use phugoid_estimators::{ChangeState, DetectorState, Estimate, Estimator, ParameterStatus, Phase, Sample};
+use phugoid_estimators::smpe::{
+    ChangeDetection, ChangePrior, ParameterPrior, ProcessNoise, ReReaching, Smpe, SmpeError, SmpeSettings,
+};
+use phugoid_estimators::{
+    ChangeState, DetectorState, Estimate, Estimator, LinearizedOutputs, LinearizedRates, Model, ParameterStatus, Phase,
+    Sample,
+};
 use plants::*;
 use proptest::prelude::*;
 use rand::RngExt;
@@ -730,6 +735,65 @@ fn impossible_settings_are_refused_with_their_numbers() {
     wrong.colour_block_s = 0.0;
     let error = Smpe::<_, 2, 3, 4>::new(JET, wrong).err().unwrap();
     assert_eq!(error, SmpeError::Setting { name: "colour_block_s", value: 0.0 });
+    // Limits the wrong way round are no limits to hold a number between.
+    let crossed = ChangeDetection { wander_limits: [0.7, 0.03], ..ChangeDetection::default() };
+    let mut wrong = automatic(&jet_priors()).unwrap();
+    wrong.re_reaching = ReReaching::Safe(crossed);
+    let error = Smpe::<_, 2, 3, 4>::new(JET, wrong).err().unwrap();
+    assert!(matches!(error, SmpeError::Setting { name, .. } if name.starts_with("change_detection")), "{error}");
+}
+
+/// The short period whose outputs have a pole: where the input says 9, every output sensitivity is out of all range.
+struct Pole;
+
+impl Model<2, 3, 8> for Pole {
+    type Input = [f64; 1];
+
+    fn parameter_count(&self) -> usize {
+        4
+    }
+
+    fn rates(&self, x: &[f64; 2], theta: &[f64; 8], u: &[f64; 1]) -> [f64; 2] {
+        JET.rates(x, theta, &[if u[0] == 9.0 { 0.0 } else { u[0] }])
+    }
+
+    fn linearized_rates(&self, x: &[f64; 2], theta: &[f64; 8], u: &[f64; 1], out: &mut LinearizedRates<2, 8>) {
+        JET.linearized_rates(x, theta, &[if u[0] == 9.0 { 0.0 } else { u[0] }], out);
+    }
+
+    fn linearized_outputs(&self, x: &[f64; 2], theta: &[f64; 8], u: &[f64; 1], out: &mut LinearizedOutputs<2, 3, 8>) {
+        JET.linearized_outputs(x, theta, u, out);
+        if u[0] == 9.0 {
+            out.parameter_jacobian[2][..4].fill(1e200);
+            out.state_jacobian[0] = [1e200; 2];
+        }
+    }
+
+    fn measuring_output(&self, state: usize) -> Option<usize> {
+        Some(state)
+    }
+}
+
+#[test]
+fn an_output_sensitivity_out_of_all_range_is_a_missing_value() {
+    let mut flight = jet_flight(13, 1200);
+    let mut estimator = Smpe::new(Pole, jet_settings()).unwrap();
+    let mut before = None;
+    for (k, sample) in flight.iter_mut().enumerate() {
+        if k == 1000 {
+            sample.input = [9.0];
+        }
+        let estimate = estimator.update(sample);
+        if k == 1000 {
+            let before: Estimate<8> = before.unwrap();
+            for j in 0..4 {
+                assert!((estimate.parameters[j] - before.parameters[j]).abs() < before.std_error[j]);
+                assert!(estimate.std_error[j] <= before.std_error[j], "what was learnt is lost");
+            }
+        }
+        before = Some(estimate);
+    }
+    assert_eq!(estimator.restarts(), 0);
 }
 
 proptest! {

@@ -202,6 +202,29 @@ impl Default for ChangeDetection {
     }
 }
 
+impl ChangeDetection {
+    fn check(&self) -> Result<(), SmpeError> {
+        let [low, high] = self.wander_limits;
+        let settings = [
+            ("change_detection.window_s", self.window_s, self.window_s > 0.0),
+            ("change_detection.trigger", self.trigger, !self.trigger.is_nan()),
+            ("change_detection.adoption", self.adoption, !self.adoption.is_nan()),
+            ("change_detection.adoption_at_limit", self.adoption_at_limit, !self.adoption_at_limit.is_nan()),
+            ("change_detection.dropping", self.dropping, !self.dropping.is_nan()),
+            ("change_detection.doubt_limit_s", self.doubt_limit_s, self.doubt_limit_s >= 0.0),
+            ("change_detection.arming_s", self.arming_s, !self.arming_s.is_nan()),
+            ("change_detection.initial_wander", self.initial_wander, (low..=high).contains(&self.initial_wander)),
+            ("change_detection.wander_limits", low, low > 0.0 && low <= high),
+            ("change_detection.wander_limits", high, high.is_finite()),
+            ("change_detection.insensitive_wander", self.insensitive_wander, !self.insensitive_wander.is_nan()),
+        ];
+        match settings.into_iter().find(|(_, _, right)| !right) {
+            Some((name, value, _)) => Err(SmpeError::Setting { name, value }),
+            None => Ok(()),
+        }
+    }
+}
+
 /// Everything the sliding-mode parameter estimator is told. [`SmpeSettings::automatic`] fills it by rule; every field
 /// may then be changed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -264,7 +287,7 @@ impl<const N: usize, const R: usize, const P: usize> SmpeSettings<N, R, P> {
             initial_state_sd: [0.0; N],
             process_noise: ProcessNoise::NONE,
             reaching_limit: 3.0,
-            rejection_limit: automatic_rejection_limit(priors.len()),
+            rejection_limit: automatic_rejection_limit(learnt(priors)),
             sample_time_s,
             input_hold: InputHold::Zero,
             output_input: OutputInput::Current,
@@ -283,8 +306,7 @@ impl<const N: usize, const R: usize, const P: usize> SmpeSettings<N, R, P> {
     /// Adds bias columns (one sigma per output, zero for none) and widens the rejection limit for their number.
     pub fn with_biases(mut self, bias_sd: [f64; R]) -> Self {
         self.bias_sd = bias_sd;
-        let parameters = self.priors.iter().filter(|prior| prior.sd > 0.0).count();
-        let columns = parameters + self.bias_columns().count();
+        let columns = learnt(&self.priors) + self.bias_columns().count();
         self.rejection_limit = self.rejection_limit.max(automatic_rejection_limit(columns));
         self
     }
@@ -333,6 +355,13 @@ impl<const N: usize, const R: usize, const P: usize> SmpeSettings<N, R, P> {
                 value: self.process_noise.initial_scale,
             });
         }
+        let gain = self.process_noise.adaptation_gain;
+        if !(gain.is_finite() && gain >= 0.0) {
+            return Err(SmpeError::Setting { name: "process_noise.adaptation_gain", value: gain });
+        }
+        if let ReReaching::Safe(detection) = &self.re_reaching {
+            detection.check()?;
+        }
         for i in 0..N {
             if !self.initial_state[i].is_finite() {
                 return Err(SmpeError::Setting { name: "initial_state", value: self.initial_state[i] });
@@ -346,6 +375,11 @@ impl<const N: usize, const R: usize, const P: usize> SmpeSettings<N, R, P> {
         }
         Ok(())
     }
+}
+
+/// How many parameters are learnt: a fixed one is a known number.
+fn learnt(priors: &[ParameterPrior]) -> usize {
+    priors.iter().filter(|prior| prior.sd > 0.0).count()
 }
 
 /// `kappa2 = max(6, 2 sqrt(p) + 2)`: beyond it nothing inside the bounds explains a row.

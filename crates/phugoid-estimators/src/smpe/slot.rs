@@ -261,7 +261,8 @@ impl<const N: usize, const P: usize> Slot<N, P> {
             let one_plus_v = projection.variance;
             let nn = libm::sqrt(one_plus_v);
             let xi = e / nn;
-            if !(xi.is_finite() && s > 0.0 && one_plus_v >= 1.0) {
+            // A variance that overflows would pass for a residual of zero and take the covariances with it.
+            if !(xi.is_finite() && s > 0.0 && s.is_finite() && one_plus_v >= 1.0 && one_plus_v.is_finite()) {
                 continue;
             }
             observe(ScoredRow { psi: &psi[..p], xi, v: one_plus_v - 1.0, nn });
