@@ -305,3 +305,150 @@ impl<const P: usize> ChangeDetector<P> {
         self.informative
     }
 }
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use std::vec::Vec;
+
+    use super::{BLOCKS, ChangeDetector, SUFFIXES};
+    use crate::smpe::columns::Columns;
+    use crate::smpe::settings::{ChangeDetection, ChangePrior};
+    use crate::smpe::slot::ScoredRow;
+    use rand::{RngExt, SeedableRng};
+    use rand_pcg::Pcg64Mcg;
+
+    const P: usize = 11;
+    const COLUMNS: usize = 9;
+    /// No multiple of a block of the inner loops, and not the leading columns.
+    const TESTED: [usize; 5] = [0, 2, 3, 6, 8];
+    const T: usize = TESTED.len();
+
+    /// Inverse and logarithm of the determinant by Gauss and Jordan.
+    fn invert(mut a: [[f64; T]; T]) -> ([[f64; T]; T], f64) {
+        let mut inverse: [[f64; T]; T] = core::array::from_fn(|i| core::array::from_fn(|j| f64::from(i == j)));
+        let mut log_determinant = 0.0;
+        for k in 0..T {
+            let pivot = a[k][k];
+            log_determinant += pivot.ln();
+            for j in 0..T {
+                a[k][j] /= pivot;
+                inverse[k][j] /= pivot;
+            }
+            for i in (0..T).filter(|i| *i != k) {
+                let factor = a[i][k];
+                for j in 0..T {
+                    a[i][j] -= factor * a[k][j];
+                    inverse[i][j] -= factor * inverse[k][j];
+                }
+            }
+        }
+        (inverse, log_determinant)
+    }
+
+    struct Window {
+        g: [f64; T],
+        m: [[f64; T]; T],
+    }
+
+    /// `(B, q, m, sh)` of a window of whole blocks, from the equations.
+    fn window(blocks: &[Window], change: &[f64; P], w2: f64, leverage: f64) -> (f64, f64, f64, f64) {
+        let sum = |part: &dyn Fn(&Window) -> f64| blocks.iter().map(part).sum::<f64>() / leverage;
+        let g: [f64; T] = core::array::from_fn(|i| change[TESTED[i]] * sum(&|b| b.g[i]));
+        let scaled = |i: usize, j: usize| change[TESTED[i]] * change[TESTED[j]] * sum(&|b| b.m[i][j]);
+        let plus = |factor: f64| -> [[f64; T]; T] {
+            core::array::from_fn(|i| core::array::from_fn(|j| f64::from(i == j) + factor * scaled(i, j)))
+        };
+        let (a1, log_a1) = invert(plus(1.0));
+        let (a2, log_a2) = invert(plus(w2));
+        let mut q = 0.0;
+        for i in 0..T {
+            for j in 0..T {
+                for k in 0..T {
+                    q += g[i] * a1[i][j] * a2[j][k] * g[k];
+                }
+            }
+        }
+        let trace = |a: &[[f64; T]; T]| (0..T).map(|i| a[i][i]).sum::<f64>();
+        (0.5 * ((1.0 - w2) * q - log_a1 + log_a2), q, T as f64 - trace(&a1), T as f64 - trace(&a2))
+    }
+
+    #[test]
+    fn the_bayes_factor_and_the_calibration_are_those_of_the_equations() {
+        let mut change_prior = [ChangePrior::None; P];
+        for j in TESTED {
+            change_prior[j] = ChangePrior::Fixed(1.0);
+        }
+        let columns = Columns::<1, 1, P> {
+            count: COLUMNS,
+            own: COLUMNS,
+            initial: [0.0; P],
+            sd: [1.0; P],
+            clip_low: [f64::NEG_INFINITY; P],
+            clip_high: [f64::INFINITY; P],
+            change: change_prior,
+            bias_of_output: [None],
+            output_of_state: [None],
+        };
+        // Three frames to a block: 1 s / (20 * 1/60 s).
+        let settings = ChangeDetection { window_s: 1.0, ..ChangeDetection::default() };
+        let mut detector = ChangeDetector::new(settings, 1.0 / 60.0, &columns);
+        assert_eq!(detector.tested(), &TESTED);
+        let mut rng = Pcg64Mcg::seed_from_u64(8);
+        let mut uniform = || 2.0 * rng.random::<f64>() - 1.0;
+        let mut blocks: Vec<Window> = Vec::new();
+        let (mut tests, mut calibrations) = (0, 0);
+        for frame in 0..400 {
+            if frame == 250 {
+                // In the middle of a block and of the ring.
+                detector.clear();
+                blocks.clear();
+            }
+            let since_clear = if frame >= 250 { frame - 250 } else { frame };
+            if since_clear % 3 == 0 {
+                blocks.push(Window { g: [0.0; T], m: [[0.0; T]; T] });
+            }
+            for row in 0..4 {
+                let psi: [f64; COLUMNS] = core::array::from_fn(|_| 0.6 * uniform());
+                let xi = 4.0 * uniform();
+                // The last row still learns: no evidence.
+                let v = if row == 3 { 1.0 } else { 0.5 * (1.0 + uniform()) * 0.99 };
+                let nn = (1.0 + v).sqrt();
+                detector.observe(&ScoredRow { psi: &psi, xi, v, nn }, 3.0);
+                if row < 3 {
+                    let block = blocks.last_mut().unwrap();
+                    for i in 0..T {
+                        block.g[i] += psi[TESTED[i]] / nn * xi.clamp(-3.0, 3.0);
+                        for j in 0..T {
+                            block.m[i][j] += psi[TESTED[i]] * psi[TESTED[j]] / (nn * nn);
+                        }
+                    }
+                }
+            }
+            let change: [f64; P] = core::array::from_fn(|j| 0.3 + 0.05 * j as f64 + 0.001 * f64::from(frame));
+            let (w2, leverage) = (detector.wander_squared(), detector.leverage());
+            let answer = detector.end_frame(&change);
+            assert_eq!(answer.is_some(), since_clear % 3 == 2, "frame {frame}");
+            let Some(factor) = answer else { continue };
+            let of = |length: usize| window(&blocks[blocks.len() - length..], &change, w2, leverage);
+            let expected = SUFFIXES.into_iter().filter(|l| *l <= blocks.len()).map(|l| of(l).0).reduce(f64::max);
+            assert!((factor - expected.unwrap_or(0.0)).abs() < 1e-10, "frame {frame}: {factor} {expected:?}");
+            tests += 1;
+            if blocks.len().is_multiple_of(BLOCKS) && detector.informative() < 5.0 {
+                let (_, q, m, sh) = of(BLOCKS);
+                let share = sh / m;
+                let excess = (q / m).min(4.0) - 1.0;
+                let gain = if excess > 0.0 { 1.0 } else { 0.5 };
+                let [low, high] = settings.wander_limits;
+                let wander = (w2 * (gain * share * excess).exp()).clamp(low * low, high * high);
+                let level = (leverage * (0.1 * (1.0 - share) * excess).exp()).clamp(1.0, 20.0);
+                assert!((detector.wander_squared() / wander - 1.0).abs() < 1e-9);
+                assert!((detector.leverage() / level - 1.0).abs() < 1e-9);
+                calibrations += 1;
+            } else {
+                assert_eq!((detector.wander_squared(), detector.leverage()), (w2, leverage), "frame {frame}");
+            }
+        }
+        assert!(tests > 100 && calibrations >= 3, "{tests} {calibrations}");
+    }
+}

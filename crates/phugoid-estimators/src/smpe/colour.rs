@@ -22,7 +22,8 @@ pub(crate) struct Colour<const P: usize> {
 }
 
 /// Between the ends of blocks all inflations are renewed once in this many samples. `S` is constant then and `C` only
-/// shrinks, so an old inflation is too large, never too small.
+/// shrinks, but their ratio may go either way while `C` turns: a corrected standard error up to four samples old is mostly
+/// within 5 % of the present one, and was up to 40 % below it in the middle of a first manoeuvre.
 const SAMPLES_PER_ROUND: usize = 4;
 
 impl<const P: usize> Colour<P> {
@@ -93,6 +94,84 @@ impl<const P: usize> Colour<P> {
         self.block = [0.0; P];
         for j in 0..p {
             self.renew_column(j, after);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Colour;
+    use crate::ud::Ud;
+
+    const P: usize = 9;
+    const COLUMNS: usize = 7;
+
+    fn dense(c: &Ud<P>) -> [[f64; P]; P] {
+        let mut out = [[0.0; P]; P];
+        c.write_dense(&mut out);
+        out
+    }
+
+    /// `C S C` from the definition.
+    fn sandwich(c: &[[f64; P]; P], s: &[[f64; P]; P]) -> [[f64; P]; P] {
+        let product = |a: &[[f64; P]; P], b: &[[f64; P]; P]| -> [[f64; P]; P] {
+            core::array::from_fn(|i| core::array::from_fn(|j| (0..P).map(|k| a[i][k] * b[k][j]).sum()))
+        };
+        product(&product(c, s), c)
+    }
+
+    #[test]
+    fn the_inflation_is_the_sandwich_and_survives_a_re_opening() {
+        let mut c = Ud::<P>::from_variances(&[1.0; COLUMNS]);
+        let mut colour = Colour::<P>::new();
+        let mut scatter = [[0.0; P]; P];
+        for block in 0..12 {
+            let mut sum = [0.0; P];
+            for k in 0..3 {
+                let psi: [f64; P] = core::array::from_fn(|j| {
+                    if j < COLUMNS {
+                        (1.3 * (j + 1) as f64 * f64::from(block + 1) + 0.1 * f64::from(k)).sin()
+                    } else {
+                        0.0
+                    }
+                });
+                // Coloured: the same sign all over a block.
+                let xi = if block % 3 == 0 { 2.5 } else { -3.0 };
+                let projection = c.project(&psi, 1.0);
+                c.update(&projection, 1.0);
+                colour.add(&psi[..COLUMNS], xi);
+                for j in 0..P {
+                    sum[j] += xi * psi[j];
+                }
+            }
+            for i in 0..P {
+                for j in 0..P {
+                    scatter[i][j] += sum[i] * sum[j];
+                }
+            }
+            colour.close_block(&c);
+        }
+        let before = sandwich(&dense(&c), &scatter);
+        let variances = c.variances();
+        for j in 0..COLUMNS {
+            let expected = (before[j][j] / variances[j]).max(1.0);
+            assert!((colour.inflation()[j] / expected - 1.0).abs() < 1e-12, "{j}");
+            assert!(expected > 1.0, "{j}: no colour in this test");
+        }
+        assert!(colour.inflation()[COLUMNS..].iter().all(|inflation| *inflation == 1.0));
+
+        let mut opened = c;
+        for j in [0, 3] {
+            let mut unit = [0.0; P];
+            unit[j] = 1.0;
+            opened.add_rank_one(0.5, &unit);
+        }
+        colour.reopen(&dense(&c), &opened);
+        let after = sandwich(&dense(&opened), &colour.scatter);
+        for i in 0..P {
+            for j in 0..P {
+                assert!((after[i][j] - before[i][j]).abs() < 1e-11 * (before[i][i] * before[j][j]).sqrt().max(1e-3));
+            }
         }
     }
 }

@@ -551,6 +551,7 @@ where
             },
         };
         let challenger_variances = if self.in_doubt { self.challenger.c.variances() } else { [0.0; P] };
+        let challenger_inflation = self.challenger.colour.inflation();
         for j in 0..p {
             let sd = self.columns.sd[j];
             let mut variance = variances[j];
@@ -561,7 +562,7 @@ where
                 let difference = (self.challenger.theta[j] - slot.theta[j]) / sd;
                 let spread = difference * difference;
                 variance = variance.max(challenger_variances[j]) + spread;
-                corrected = corrected.max(challenger_variances[j]) + spread;
+                corrected = corrected.max(challenger_variances[j] * challenger_inflation[j]) + spread;
             }
             estimate.std_error[j] = sd * libm::sqrt(variance);
             estimate.corrected_std_error[j] = sd * libm::sqrt(corrected);

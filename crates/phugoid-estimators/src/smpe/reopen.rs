@@ -94,3 +94,105 @@ pub(crate) fn reopen<const N: usize, const R: usize, const P: usize>(
     slot.colour.reopen(&before, &slot.c);
     slot.is_sound(p)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::columns::Columns;
+    use super::super::settings::ChangePrior;
+    use super::super::slot::Slot;
+    use super::reopen;
+    use crate::ud::Ud;
+    use rand::{RngExt, SeedableRng};
+    use rand_pcg::Pcg64Mcg;
+
+    const N: usize = 3;
+    const R: usize = 2;
+    const P: usize = 9;
+    /// Columns in use: less than the capacity and no multiple of a block of the inner loops.
+    const COLUMNS: usize = 7;
+    const J: usize = N + COLUMNS;
+
+    fn joint(slot: &Slot<N, P>, columns: &Columns<N, R, P>) -> [[f64; J]; J] {
+        let (mut px, mut c) = ([[0.0; N]; N], [[0.0; P]; P]);
+        slot.px.write_dense(&mut px);
+        slot.c.write_dense(&mut c);
+        // U C in raw units; the state block is Px + U C U^T.
+        let raw = |i: usize, j: usize| columns.sd[i] * c[i][j] * columns.sd[j];
+        let uc = |state: usize, j: usize| (0..COLUMNS).map(|i| slot.sensitivity[state][i] * raw(i, j)).sum::<f64>();
+        core::array::from_fn(|a| {
+            core::array::from_fn(|b| match (a < N, b < N) {
+                (true, true) => px[a][b] + (0..COLUMNS).map(|j| uc(a, j) * slot.sensitivity[b][j]).sum::<f64>(),
+                (true, false) => uc(a, b - N),
+                (false, true) => uc(b, a - N),
+                (false, false) => raw(a - N, b - N),
+            })
+        })
+    }
+
+    /// A jump of the tested parameters adds its variance to their block of the joint covariance and changes nothing
+    /// else, but for the allowance on the measured states.
+    #[test]
+    fn the_joint_covariance_grows_by_the_jump_alone() {
+        let mut rng = Pcg64Mcg::seed_from_u64(3);
+        for _ in 0..50 {
+            let mut uniform = || 2.0 * rng.random::<f64>() - 1.0;
+            let mut columns = Columns::<N, R, P> {
+                count: COLUMNS,
+                own: 5,
+                initial: [0.0; P],
+                sd: core::array::from_fn(|j| if j < COLUMNS { 10_f64.powf(2.0 * uniform()) } else { 0.0 }),
+                clip_low: [f64::NEG_INFINITY; P],
+                clip_high: [f64::INFINITY; P],
+                change: [ChangePrior::None; P],
+                bias_of_output: [Some(5), Some(6)],
+                output_of_state: [Some(1), None, Some(0)],
+            };
+            // A fixed parameter among them.
+            columns.sd[1] = 0.0;
+            let mut slot = Slot::<N, P> {
+                x: [0.0; N],
+                theta: [0.0; P],
+                sensitivity: core::array::from_fn(|_| {
+                    core::array::from_fn(|j| {
+                        if j < COLUMNS && columns.sd[j] > 0.0 { uniform() / columns.sd[j] } else { 0.0 }
+                    })
+                }),
+                px: Ud::from_variances(&[0.3, 0.02, 0.1]),
+                c: Ud::from_variances(&[1.0; COLUMNS]),
+                noise_scale: 1.0,
+                colour: super::super::colour::Colour::new(),
+                limited: [true; P],
+            };
+            slot.px.add_rank_one(0.2, &[uniform(), uniform(), uniform()]);
+            for _ in 0..4 {
+                let row: [f64; P] =
+                    core::array::from_fn(|j| if j == 1 || j >= COLUMNS { 0.0 } else { 3.0 * uniform() });
+                let projection = slot.c.project(&row, 1.0);
+                slot.c.update(&projection, 1.0);
+            }
+            let noise_sd = [0.05, 0.2];
+            let tested = [0, 2, 4];
+            let mut change = [0.0; P];
+            change[0] = 0.5;
+            change[2] = 0.0; // a relative change prior of a parameter that is zero just now
+            change[4] = 2.0;
+            let before = joint(&slot, &columns);
+            assert!(reopen(&mut slot, &columns, &tested, &change, &noise_sd));
+            let after = joint(&slot, &columns);
+            let mut expected = before;
+            expected[0][0] += 25.0 * 0.2 * 0.2;
+            expected[2][2] += 25.0 * 0.05 * 0.05;
+            for j in tested {
+                expected[N + j][N + j] += (change[j] * columns.sd[j]).powi(2);
+            }
+            for a in 0..J {
+                for b in 0..J {
+                    let size = (expected[a][a] * expected[b][b]).sqrt();
+                    let error = (after[a][b] - expected[a][b]).abs();
+                    assert!(error <= 1e-10 * size, "{a} {b}: {} {}", after[a][b], expected[a][b]);
+                }
+            }
+            assert!(!slot.limited.contains(&true));
+        }
+    }
+}
