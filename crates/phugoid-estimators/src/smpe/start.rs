@@ -61,7 +61,8 @@ impl<I: Copy, const R: usize> Start<I, R> {
         let first = self.frame(0)?.time_s;
         let newest = self.frame(self.count - 1)?.time_s;
         // A frame that falls on the end of the window but for rounding lies beyond it.
-        let inside = |time_s: f64| time_s - first < settings.start_window_s - 1e-9 || settings.start_window_s == 0.0;
+        // The first frame always lies inside: a window of length zero is that frame alone.
+        let inside = |time_s: f64| time_s <= first || time_s - first < settings.start_window_s - 1e-9;
         let full = self.count == START_CAPACITY;
         let over = !inside(newest) || settings.start_window_s == 0.0;
         if !over && !full {
