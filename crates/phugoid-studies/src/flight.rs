@@ -25,8 +25,7 @@ pub struct Flight {
     pub truth: Record,
     /// The trim that the flight started in.
     pub trim: Trim,
-    /// True values, at the end of the flight, of the longitudinal increments about this trim, by their names
-    /// (`dCm_alpha`, ..., `dCm_elevator`). Increments that are zero are among them.
+    /// As [`Scenario::true_parameters`].
     pub true_parameters: BTreeMap<String, f64>,
 }
 
@@ -96,9 +95,7 @@ pub fn fly_with_progress(scenario: &Scenario, progress: &dyn Fn(f64)) -> Result<
     };
     let truth = true_record(scenario, &trajectory, thrust);
     let measured = sense(&truth, scenario, scenario.seed)?;
-    let last = scenario.damage.last().map_or(&scenario.increments, |d| &d.increments);
-    let true_parameters = last.named_longitudinal().map(|(name, value)| (name.to_owned(), value)).into();
-    Ok(Flight { measured, truth, trim, true_parameters })
+    Ok(Flight { measured, truth, trim, true_parameters: scenario.true_parameters() })
 }
 
 /// What the scenario's sensors make of a true record, with a seed of their noise.

@@ -1,5 +1,6 @@
 //! Scenario files: a simulated flight, from the aircraft to the faults of its sensors.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use phugoid_flight_dynamics::increments::Increments;
@@ -266,6 +267,24 @@ impl Scenario {
         let mut scenario = Self::parse(&text, &file.display().to_string())?;
         scenario.folder = file.parent().map(Path::to_owned).unwrap_or_default();
         Ok(scenario)
+    }
+
+    /// True values, at the end of the flight, of what a model file may ask for, by its names: the longitudinal increments
+    /// about the trim (`dCm_alpha`, ..., `dCm_elevator`), zero or not, and the sensors' constant errors (`bias_alpha`, ...),
+    /// SI.
+    pub fn true_parameters(&self) -> BTreeMap<String, f64> {
+        let last = self.damage.last().map_or(&self.increments, |damage| &damage.increments);
+        let sensors = &self.sensors;
+        let biases = [
+            ("bias_true_airspeed", sensors.true_airspeed.bias.si()),
+            ("bias_alpha", sensors.alpha.bias.si()),
+            ("bias_theta", sensors.theta.bias.si()),
+            ("bias_q", sensors.q.bias.si()),
+            ("bias_ax", sensors.ax.bias.si()),
+            ("bias_az", sensors.az.bias.si()),
+            ("bias_qdot", sensors.qdot.map_or(0.0, |sensor| sensor.bias.si())),
+        ];
+        last.named_longitudinal().into_iter().chain(biases).map(|(name, value)| (name.to_owned(), value)).collect()
     }
 
     /// Parses the text of a scenario; `place` is its name in messages.

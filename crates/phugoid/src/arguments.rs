@@ -188,12 +188,30 @@ pub(crate) enum MethodName {
     Smpe,
 }
 
+/// What is known to be true of a simulated flight.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Truth {
+    /// The scenario that was flown.
+    Scenario(String),
+    /// One parameter by its name in the model file.
+    Value(String, f64),
+}
+
+fn truth(text: &str) -> Result<Truth, String> {
+    let Some((name, value)) = text.split_once('=') else { return Ok(Truth::Scenario(text.to_owned())) };
+    match value.trim().parse::<f64>() {
+        Ok(value) if value.is_finite() => Ok(Truth::Value(name.trim().to_owned(), value)),
+        _ => Err(format!("`{}` is no number: write a value per radian (SI), as in dCm_alpha=-0.2", value.trim())),
+    }
+}
+
 /// Estimates the coefficients of an aircraft from a recorded flight
 #[derive(Debug, Args)]
 #[command(after_help = examples_and_exit_codes(
     "  phugoid estimate flight.csv --model jet.toml
   phugoid estimate hfb320.csv --model hfb320 --out report --figures figures
   phugoid estimate flight.csv --model jet.toml --from 12s --to 40s --json > result.json
+  phugoid estimate flight.csv --model f16 --truth f16-damage       a simulated flight beside its truth
   phugoid estimate --list-models                   the model files that are built in"
 ))]
 pub(crate) struct Estimate {
@@ -218,6 +236,10 @@ pub(crate) struct Estimate {
     /// End at this time of the record
     #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
     pub(crate) to: Option<Time>,
+    /// The truth to compare with, where the flight was simulated: the scenario (a file, or the name of a built-in one), or
+    /// values one by one, as in `--truth dCm_alpha=-0.2 --truth dCm_q=-2`. The estimator does not see it
+    #[arg(long, value_name = "SCENARIO|NAME=VALUE", value_parser = truth)]
+    pub(crate) truth: Vec<Truth>,
     /// Folder for the report
     #[arg(long, value_name = "DIR", default_value = "phugoid-report")]
     pub(crate) out: PathBuf,

@@ -141,6 +141,35 @@ fn a_simulated_flight_can_be_estimated() {
     assert!(without["events"].as_array().unwrap().iter().all(|e| e["kind"] != "re_reached"));
 }
 
+#[test]
+fn a_simulated_flight_is_shown_beside_its_truth() {
+    let folder = Folder::new("truth");
+    phugoid(&folder.0, &["simulate", "f16-gust-actuators", "--out", "."]);
+    let command = ["estimate", "measured.csv", "--model", "f16-gust-model", "--no-report"];
+    let plain = phugoid(&folder.0, &command).out;
+    assert!(!plain.contains("truth"), "{plain}");
+    let with_scenario = [&command[..], &["--truth", "f16-gust-actuators"]].concat();
+    let text = phugoid(&folder.0, &with_scenario).out;
+    assert!(text.contains("truth") && text.contains("error/sigma"), "{text}");
+    let document = phugoid(&folder.0, &[&with_scenario[..], &["--json", "--truth", "dCm_q=-2.5"]].concat()).json();
+    let truth = |name: &str| {
+        let all = document["parameters"].as_array().unwrap();
+        number(&all.iter().find(|p| p["name"] == name).unwrap()["truth"])
+    };
+    // The scenario's increments and sensor errors; a value by itself wins over it.
+    assert_eq!((truth("dCm_alpha"), truth("dCL_alpha"), truth("dCm_q")), (-0.2, 0.4, -2.5));
+    assert!((truth("bias_alpha").to_degrees() - 0.2).abs() < 1e-12 && (truth("bias_az") - 0.0980665).abs() < 1e-12);
+    // The truth changes nothing but the comparison.
+    let blind = phugoid(&folder.0, &[&command[..], &["--json"]].concat()).json();
+    for (a, b) in document["parameters"].as_array().unwrap().iter().zip(blind["parameters"].as_array().unwrap()) {
+        assert_eq!((&a["value"], &a["std_error"], &b["truth"]), (&b["value"], &b["std_error"], &Value::Null));
+    }
+    let with = |truth: &str| phugoid(&folder.0, &[&command[..], &["--truth", truth]].concat());
+    assert!(with("dCm_alfa=1").fails(3).contains("did you mean `dCm_alpha`"));
+    assert!(with("dCm_q=two").fails(2).contains("no number"));
+    assert!(with("f16-gust-actuator").fails(3).contains("`f16-gust-actuators`"));
+}
+
 /// A column of another name, unit and sign, mapped in the model file.
 #[test]
 fn a_mapped_column_is_scaled() {

@@ -1,5 +1,6 @@
 //! `phugoid estimate`.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use phugoid_flight_data::csv::{self, ColumnMapping, CsvOptions};
@@ -13,7 +14,8 @@ use phugoid_studies::scenario::nearest;
 use serde::Serialize;
 
 use super::result::{self, Document};
-use crate::arguments::{self, MethodName};
+use super::simulate::scenario;
+use crate::arguments::{self, MethodName, Truth};
 use crate::failure::Failure;
 use crate::output::{json, print};
 use crate::progress::Progress;
@@ -26,6 +28,7 @@ pub(crate) fn run(arguments: &arguments::Estimate) -> Result<(), Failure> {
         return list_models(arguments.json);
     };
     let model = model(wanted)?;
+    let truth = truth(&arguments.truth, &model)?;
     let options = CsvOptions { columns: columns(&model), ..CsvOptions::default() };
     let record = {
         let _progress = Progress::spinner("reading");
@@ -40,7 +43,7 @@ pub(crate) fn run(arguments: &arguments::Estimate) -> Result<(), Failure> {
     let method = match arguments.method {
         MethodName::Smpe => Method::Smpe,
     };
-    let options = EstimateOptions { method, re_reaching, ..EstimateOptions::default() };
+    let options = EstimateOptions { method, re_reaching, truth };
     let estimation = {
         let progress = Progress::new("estimating");
         estimate(&record, &model, &options, &mut |done| progress.set(done)).map_err(Failure::input)?
@@ -136,6 +139,28 @@ fn unknown_model(wanted: &str, error: &std::io::Error) -> Failure {
         ),
     };
     Failure::input(format!("cannot read the model file `{wanted}`: {error}\n{hint}"))
+}
+
+/// True values by parameter name; later words win.
+fn truth(words: &[Truth], model: &ModelFile) -> Result<BTreeMap<String, f64>, Failure> {
+    let mut truth = BTreeMap::new();
+    for word in words {
+        match word {
+            Truth::Scenario(wanted) => truth.extend(scenario(wanted)?.true_parameters()),
+            Truth::Value(name, value) => {
+                let names = || model.parameters.iter().map(|p| p.name.as_str());
+                if !names().any(|n| n == name) {
+                    let hint = match nearest(name, names()) {
+                        Some(near) => format!("did you mean `{near}`?"),
+                        None => format!("it has {}", names().collect::<Vec<_>>().join(", ")),
+                    };
+                    return Err(Failure::input(format!("the model has no parameter `{name}` of --truth: {hint}")));
+                }
+                truth.insert(name.clone(), *value);
+            }
+        }
+    }
+    Ok(truth)
 }
 
 /// The model file's mapping of the user's headers.
