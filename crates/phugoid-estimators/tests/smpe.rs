@@ -617,6 +617,68 @@ fn bounds_are_widened_while_a_change_is_in_doubt() {
     assert_eq!(all[after + 1].status.change, ChangeState::Steady);
 }
 
+/// A drop-out in the middle of a doubt decides nothing: the doubt goes on after it, and so do its wide bounds.
+#[test]
+fn a_gap_does_not_settle_a_doubt() {
+    let mut adopted = 0;
+    for seed in 40..50 {
+        let flight =
+            fly(&JET, &regular(3000, 0.01), [0.0; 2], damaged, |t| [elevator_busy(t)], JET_NOISE, &mut seeded(seed));
+        let mut estimator = jet();
+        let first = flight.iter().position(|s| estimator.update(s).status.change == ChangeState::InDoubt).unwrap();
+        let doubted = estimator.estimate();
+        // Three frames of the doubt, 0.8 s of nothing, and the rest.
+        for sample in &flight[first + 1..first + 4] {
+            estimator.update(sample);
+        }
+        if estimator.estimate().status.change != ChangeState::InDoubt {
+            continue;
+        }
+        let mut decided = false;
+        for sample in &flight[first + 84..] {
+            let estimate = estimator.update(sample);
+            assert_finite(&estimate);
+            decided |= estimate.status.change != ChangeState::InDoubt;
+            if !decided {
+                assert!(estimate.std_error[0] > 0.3 * doubted.std_error[0], "seed {seed}");
+            }
+            if estimate.status.phase == Phase::Starting {
+                assert_eq!(estimate.status.change, ChangeState::InDoubt, "seed {seed}");
+            }
+        }
+        assert_eq!(estimator.restarts(), 1);
+        let report = estimator.detector().unwrap();
+        adopted += usize::from(report.adoptions == 1 && report.dropped == 0);
+        assert!(normalised_rms(&[estimator.estimate()], &damaged(30.0)) < 2.5, "seed {seed}: {report:?}");
+    }
+    println!("{adopted} adopted across the gap");
+    assert!(adopted >= 6, "{adopted}");
+}
+
+/// The window of the start holds a channel that comes late and a gap: all that was measured after the gap is used.
+#[test]
+fn a_gap_inside_the_start_loses_no_frame() {
+    let mut flight = jet_flight(17, 1200);
+    for sample in &mut flight[..40] {
+        sample.outputs[0] = f64::NAN;
+    }
+    // One lonely frame, which is not corrected by, and then 0.6 s of nothing.
+    for sample in &mut flight[1..] {
+        sample.time_s += 0.6;
+    }
+    let mut settings = jet_settings();
+    settings.correct_first_sample = false;
+    let (mut whole, mut after) = (Jet::new(JET, settings).unwrap(), Jet::new(JET, settings).unwrap());
+    let mut last = whole.update(&flight[0]);
+    for sample in &flight[1..] {
+        last = whole.update(sample);
+        let other = after.update(sample);
+        assert_eq!((last.parameters, last.std_error), (other.parameters, other.std_error), "at {} s", sample.time_s);
+    }
+    assert_eq!((whole.restarts(), after.restarts()), (1, 0));
+    assert_eq!(last.parameter_status[0], ParameterStatus::Converged);
+}
+
 #[test]
 fn nothing_is_adopted_in_calm_flight() {
     // Ten minutes: with a manoeuvre now and then, and with one all the time. And the detector arms itself.

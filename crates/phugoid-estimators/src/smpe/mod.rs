@@ -305,11 +305,28 @@ where
         self.surfaces = [0.0; P];
         self.start.push(sample);
         self.last_s = sample.time_s;
-        let Some(started) = self.start.state(&self.settings, &self.columns) else { return };
+        // Again only where a gap inside the window has left fewer frames.
+        while self.replay() {}
+    }
+
+    /// Starts the state and replays the collected frames, if there are enough. True if a gap among them has begun a new
+    /// start with fewer frames.
+    fn replay(&mut self) -> bool {
+        let Some(started) = self.start.state(&self.settings, &self.columns) else { return false };
         self.champion.start_state(started.x, &started.variances, &started.measured, &self.columns);
+        if self.in_doubt {
+            self.challenger.start_state(started.x, &started.variances, &started.measured, &self.columns);
+        }
         self.stage = Stage::Running;
-        for index in 0..self.start.len() {
-            let Some(frame) = self.start.frame(index) else { continue };
+        let collected = core::mem::replace(&mut self.start, Start::new());
+        for index in 0..collected.len() {
+            let Some(frame) = collected.frame(index) else { continue };
+            if matches!(self.stage, Stage::Starting) {
+                // A gap, or a failure of the model, inside the window: an earlier frame has begun a new start.
+                self.start.push(&frame);
+                self.last_s = frame.time_s;
+                continue;
+            }
             if index == 0 {
                 self.last_s = frame.time_s;
                 self.last_input = Some(frame.input);
@@ -322,25 +339,27 @@ where
             } else {
                 self.advance(&frame);
             }
-            if matches!(self.stage, Stage::Starting) {
-                // The model failed inside the window: `advance` has begun a new start with that frame.
-                return;
-            }
         }
-        self.start = Start::new();
+        matches!(self.stage, Stage::Starting) && self.start.len() < collected.len()
     }
 
-    /// Starts the state again from measurements; parameters and covariance are kept.
+    /// Starts the state again from measurements; parameters and covariance are kept, and so is a doubt about them.
     fn restart(&mut self, sample: &Sample<M::Input, R>) {
         self.restarts = self.restarts.saturating_add(1);
         self.lost_frames = 0;
-        self.in_doubt = false;
+        if self.in_doubt && !self.challenger.is_sound(self.columns.count) {
+            self.drop_challenger();
+        }
         if let Some((detector, _)) = &mut self.detection {
             detector.clear();
         }
         if !self.champion.is_sound(self.columns.count) {
-            // Nothing of the estimate can be trusted: back to the prior.
-            self.champion = Slot::prior(&self.settings, &self.columns);
+            if self.in_doubt {
+                self.adopt_challenger(sample.time_s);
+            } else {
+                // Nothing of the estimate can be trusted: back to the prior.
+                self.champion = Slot::prior(&self.settings, &self.columns);
+            }
         }
         self.stage = Stage::Starting;
         self.start = Start::new();
@@ -366,14 +385,7 @@ where
                 return self.restart(sample);
             }
             // The champion is lost and the challenger is not.
-            *champion = *challenger;
-            *in_doubt = false;
-            if let Some((detector, challenge)) = &mut self.detection {
-                let widening = challenge.adopted(sample.time_s);
-                detector.widen_wander(widening);
-                detector.clear();
-            }
-            self.re_reached = true;
+            self.adopt_challenger(sample.time_s);
         } else if *in_doubt && !challenger_lives {
             self.drop_challenger();
         }
@@ -490,14 +502,18 @@ where
         match challenge.decide(time_s, matured, needed, sound) {
             Verdict::Undecided => {}
             Verdict::Drop => self.drop_challenger(),
-            Verdict::Adopt => {
-                let widening = challenge.adopted(time_s);
-                detector.widen_wander(widening);
-                detector.clear();
-                self.champion = self.challenger;
-                self.in_doubt = false;
-                self.re_reached = true;
-            }
+            Verdict::Adopt => self.adopt_challenger(time_s),
+        }
+    }
+
+    fn adopt_challenger(&mut self, time_s: f64) {
+        self.champion = self.challenger;
+        self.in_doubt = false;
+        self.re_reached = true;
+        if let Some((detector, challenge)) = &mut self.detection {
+            let widening = challenge.adopted(time_s);
+            detector.widen_wander(widening);
+            detector.clear();
         }
     }
 
