@@ -16,6 +16,7 @@
 //! ```
 pub mod channels;
 pub mod csv;
+pub mod plausibility;
 pub mod quality;
 pub mod quantity;
 pub mod record;
@@ -23,6 +24,5 @@ pub mod units;
 
 mod columns;
 mod header;
-mod plausibility;
 mod signals;
 mod time_base;

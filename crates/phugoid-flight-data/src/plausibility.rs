@@ -1,214 +1,130 @@
-//! Units and signs that do not fit together: said, never changed.
+//! Units and signs that cannot be, or hardly: said, never changed.
+//!
+//! The checks use only physics that every aircraft shares: how large its angles are, that the attitude is the integral
+//! of its rate, that an accelerometer in steady flight shows one g upwards, that speed and path angle give the climb.
+//! They look at quantiles, medians and regressions, so that single wild values raise no alarm.
 
-use std::f64::consts::{FRAC_PI_2, PI};
+mod accelerations;
+mod air_data;
+mod motion;
+mod sizes;
+mod statistics;
 
-use crate::quality::{QualityReport, Short};
-use crate::record::{Quantity, Record};
+use std::fmt;
 
-/// Warns of values that are hardly in the unit they claim, and of channels that contradict one another.
-pub(crate) fn check(record: &mut Record) {
-    let mut report = std::mem::take(&mut record.quality);
-    magnitudes(record, &mut report);
-    attitude_and_rate(record, "theta", "q", &mut report);
-    attitude_and_rate(record, "phi", "p", &mut report);
-    vertical_force(record, &mut report);
-    pressure_and_speed(record, &mut report);
-    record.quality = report;
+use crate::quality::{Finding, Severity};
+use crate::record::Record;
+
+/// How sure a check is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Certainty {
+    /// Unusual, but a flight can look like this.
+    Doubtful,
+    /// No flight looks like this.
+    Certain,
 }
 
-fn largest(values: &[f64]) -> f64 {
-    values.iter().filter(|value| !value.is_nan()).fold(0.0, |largest, value| value.abs().max(largest))
+/// Channels whose unit or sign looks wrong.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Doubt {
+    /// The channel to blame; several where they contradict one another and any of them may be wrong.
+    pub channels: Vec<String>,
+    /// How sure.
+    pub certainty: Certainty,
+    /// What was found, what was expected, what to do.
+    pub message: String,
 }
 
-/// A quantile of the sizes, so that single wild values do not raise an alarm about units.
-fn typical_peak(values: &[f64]) -> f64 {
-    let mut sizes: Vec<f64> = values.iter().filter(|value| !value.is_nan()).map(|value| value.abs()).collect();
-    sizes.sort_by(f64::total_cmp);
-    let index = (sizes.len() as f64 * 0.95) as usize;
-    sizes.get(index.min(sizes.len().saturating_sub(1))).copied().unwrap_or(0.0)
+impl Doubt {
+    /// The channels in words: `alpha`, `theta and q`.
+    pub fn place(&self) -> String {
+        self.channels.join(" and ")
+    }
 }
 
-fn median(values: &[f64]) -> Option<f64> {
-    let mut present: Vec<f64> = values.iter().copied().filter(|value| !value.is_nan()).collect();
-    present.sort_by(f64::total_cmp);
-    present.get(present.len() / 2).copied()
+impl fmt::Display for Doubt {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let plural = if self.channels.len() == 1 { "" } else { "s" };
+        write!(f, "channel{plural} `{}`: {}", self.channels.join("` and `"), self.message)
+    }
 }
 
-fn magnitudes(record: &Record, report: &mut QualityReport) {
-    for channel in &record.channels {
-        // Beyond these, the 95 % quantile of the sizes is hardly in SI.
-        let bound = match (channel.name.as_str(), channel.quantity) {
-            ("phi" | "longitude", Quantity::Angle) => 1.02 * PI,
-            ("psi", Quantity::Angle) => 2.04 * PI,
-            (name, Quantity::Angle) if crate::channels::by_name(name).is_some() => 1.02 * FRAC_PI_2,
-            ("p" | "q" | "r", _) => 8.0,
-            _ => continue,
+impl From<Doubt> for Finding {
+    /// A warning if it is certain, else a note.
+    fn from(doubt: Doubt) -> Self {
+        let severity = match doubt.certainty {
+            Certainty::Certain => Severity::Warning,
+            Certainty::Doubtful => Severity::Note,
         };
-        let peak = typical_peak(&channel.values);
-        if peak > bound {
-            report.warn(
-                &channel.name,
-                format!(
-                    "reaches {} {}, which is {} deg{}: probably degrees taken for radians. If so, write _deg into the \
-                     header, or map the column with its unit",
-                    Short(peak),
-                    channel.quantity.si_unit(),
-                    Short(peak.to_degrees()),
-                    if channel.quantity == Quantity::Angle { "" } else { "/s" }
-                ),
-            );
-        }
-    }
-    let in_degrees = report.channels.iter().any(|entry| entry.name == "alpha" && entry.unit == "deg");
-    if let Some(alpha) = record.channel("alpha").filter(|_| in_degrees) {
-        let peak = typical_peak(&alpha.values).to_degrees();
-        if peak > 0.0 && peak < 0.35 {
-            report.note(
-                "alpha",
-                format!(
-                    "stays below {} deg: a deviation from trim, or radians taken for degrees. If so, write alpha_rad",
-                    Short(peak)
-                ),
-            );
-        }
-    }
-    if let Some(throttle) = record.channel("throttle")
-        && typical_peak(&throttle.values) > 1.5
-    {
-        report.warn(
-            "throttle",
-            format!(
-                "reaches {}; 0 to 1 is expected. If it is percent, write throttle_pct",
-                Short(largest(&throttle.values))
-            ),
-        );
+        Self { severity, place: doubt.place(), message: doubt.message }
     }
 }
 
-/// Near wings-level flight the attitude changes by the integral of its rate; a ratio of 57 or a turned sign shows.
-fn attitude_and_rate(record: &Record, attitude: &str, rate: &str, report: &mut QualityReport) {
-    let (Some(angle), Some(rate_channel)) = (record.channel(attitude), record.channel(rate)) else { return };
-    let bank = record.channel("phi").map(|phi| phi.values.as_slice());
-    let span = record.time.last().zip(record.time.first()).map_or(0.0, |(last, first)| last - first);
-    // Differences over a fifth of a second at least: shorter ones are noise.
-    let stride = record
-        .time
-        .iter()
-        .position(|time| time - record.time.first().copied().unwrap_or_default() >= 0.2)
-        .unwrap_or(record.time.len());
-    if span < 1.0 || stride >= record.time.len() {
-        return;
+/// Looks for units and signs that are wrong; one finding per cause.
+///
+/// Channels that are missing, or not as long as the time, are passed over.
+pub fn check(record: &Record) -> Vec<Doubt> {
+    let mut doubts = Doubts { record, found: Vec::new() };
+    sizes::angles(&mut doubts);
+    sizes::others(&mut doubts);
+    motion::attitude_and_rate(&mut doubts, "phi", "p");
+    motion::attitude_and_rate(&mut doubts, "theta", "q");
+    motion::angle_of_attack(&mut doubts);
+    accelerations::vertical(&mut doubts);
+    accelerations::load_factor(&mut doubts);
+    air_data::density(&mut doubts);
+    air_data::climb(&mut doubts);
+    air_data::turning(&mut doubts);
+    doubts.found
+}
+
+/// The findings so far, and the record that they are about.
+struct Doubts<'a> {
+    record: &'a Record,
+    found: Vec<Doubt>,
+}
+
+impl<'a> Doubts<'a> {
+    /// Values of a channel, if it is there and as long as the time.
+    fn values(&self, name: &str) -> Option<&'a [f64]> {
+        let values = &self.record.channel(name)?.values;
+        (values.len() == self.record.time.len()).then_some(values)
     }
-    let (mut xx, mut xy, mut yy, mut count) = (0.0, 0.0, 0.0, 0_usize);
-    let mut start = 0;
-    while start + stride < record.time.len() {
-        let end = start + stride;
-        let mut integral = 0.0;
-        for row in start..end {
-            let step = record.time[row + 1] - record.time[row];
-            integral += 0.5 * step * (rate_channel.values[row] + rate_channel.values[row + 1]);
-        }
-        let change = angle.values[end] - angle.values[start];
-        let level = bank.is_none_or(|phi| phi[start].abs() < 0.35 && phi[end].abs() < 0.35);
-        let (x, y) = (integral, change);
-        if x.is_finite() && y.is_finite() && y.abs() < 100.0 && level {
-            xx += x * x;
-            xy += x * y;
-            yy += y * y;
-            count += 1;
-        }
-        start = end;
+
+    fn time(&self) -> &'a [f64] {
+        &self.record.time
     }
-    if count < 5 || xx == 0.0 || yy == 0.0 {
-        return;
+
+    /// Unit in which the file gave a channel; none for a record made in memory.
+    fn unit(&self, name: &str) -> Option<&'a str> {
+        self.record.quality.channels.iter().find(|entry| entry.name == name).map(|entry| entry.unit.as_str())
     }
-    let (slope, correlation) = (xy / xx, xy / (xx * yy).sqrt());
-    if correlation.abs() < 0.8 {
-        return;
+
+    fn any(&self, channels: &[&str]) -> bool {
+        self.found.iter().any(|doubt| doubt.channels.iter().any(|name| channels.contains(&name.as_str())))
     }
-    let size = slope.abs() * PI / 180.0;
-    if (0.5..2.0).contains(&size) {
-        report.warn(
-            format!("{attitude} and {rate}"),
-            format!(
-                "{attitude} changes {} times as fast as {rate} says: {attitude} is probably in degrees and taken for \
-                 radians, or {rate} is in rad/s and taken for deg/s. Correct the unit in the header",
-                Short(slope.abs())
-            ),
-        );
-    } else if (0.5..2.0).contains(&(slope.abs() * 180.0 / PI)) {
-        report.warn(
-            format!("{attitude} and {rate}"),
-            format!(
-                "{attitude} changes {} times as fast as {rate} says: {rate} is probably in deg/s and taken for rad/s, or \
-                 {attitude} is in radians and taken for degrees. Correct the unit in the header",
-                Short(slope.abs())
-            ),
-        );
-    } else if slope < 0.0 && (0.5..2.0).contains(&slope.abs()) {
-        report.warn(
-            format!("{attitude} and {rate}"),
-            format!("{attitude} falls where {rate} is positive: one of them has the wrong sign; map it with scale -1"),
-        );
+
+    fn is_certain(&self, channel: &str) -> bool {
+        self.found.iter().any(|doubt| doubt.certainty == Certainty::Certain && doubt.channels == [channel])
+    }
+
+    fn add(&mut self, channels: &[&str], certainty: Certainty, message: String) {
+        let channels = channels.iter().map(|name| (*name).to_owned()).collect();
+        self.found.push(Doubt { channels, certainty, message });
+    }
+
+    /// Like `add`, in place of what was said before about these channels alone: it had the same cause.
+    fn replace(&mut self, channels: &[&str], certainty: Certainty, message: String) {
+        self.found.retain(|doubt| !(doubt.channels.len() == 1 && channels.contains(&doubt.channels[0].as_str())));
+        self.add(channels, certainty, message);
     }
 }
 
-/// In level flight an accelerometer along body z, down, shows about -9.8 m/s2; a load factor +1.
-fn vertical_force(record: &Record, report: &mut QualityReport) {
-    if let Some(az) = record.channel("az").and_then(|az| median(&az.values)) {
-        if (5.0..20.0).contains(&az) {
-            report.warn(
-                "az",
-                format!(
-                    "is {} m/s2 in the middle: az is positive down and about -9.8 m/s2 in level flight. If the column is \
-                     positive up, map it with scale -1",
-                    Short(az)
-                ),
-            );
-        } else if (0.6..2.0).contains(&az.abs()) {
-            report.warn("az", format!("is {} m/s2 in the middle: probably in g. If so, write az_g", Short(az)));
-        } else if (-90.0..-25.0).contains(&az) {
-            report.warn("az", format!("is {} m/s2 in the middle: probably in ft/s2. If so, write az_ft_s2", Short(az)));
-        } else if az.abs() < 0.3 {
-            report.note(
-                "az",
-                format!(
-                    "is about zero in the middle ({} m/s2): a deviation from trim, or gravity was taken out. The specific \
-                     force of an accelerometer is about -9.8 m/s2 in level flight",
-                    Short(az)
-                ),
-            );
-        }
-    }
-    if let Some(nz) = record.channel("nz").and_then(|nz| median(&nz.values)) {
-        if (-2.0..-0.5).contains(&nz) {
-            report.warn(
-                "nz",
-                format!("is {} in the middle: nz is positive up, +1 in level flight; map it with scale -1", Short(nz)),
-            );
-        } else if nz.abs() > 5.0 {
-            report.warn("nz", format!("is {} in the middle: probably m/s2 or ft/s2, not g", Short(nz)));
-        }
-    }
-}
-
-/// Dynamic pressure and airspeed must imply a density that the atmosphere has (below 20 km: 0.08 to 1.5 kg/m3).
-fn pressure_and_speed(record: &Record, report: &mut QualityReport) {
-    let (Some(pressure), Some(speed)) = (record.channel("dynamic_pressure"), record.channel("true_airspeed")) else {
-        return;
-    };
-    let implied: Vec<f64> = pressure.values.iter().zip(&speed.values).map(|(q, v)| 2.0 * q / (v * v)).collect();
-    if let Some(density) = median(&implied)
-        && density.is_finite()
-        && !(0.08..1.5).contains(&density)
-    {
-        report.warn(
-            "dynamic_pressure and true_airspeed",
-            format!(
-                "imply an air density of {} kg/m3, outside 0.08 to 1.5: one of the two is probably in another unit than \
-                 its header says",
-                Short(density)
-            ),
-        );
-    }
+/// What to do about a channel that is in degrees and was read as radians.
+fn write_degrees(channel: &str, unit: &str) -> String {
+    let suffix = unit.replace('/', "_");
+    format!(
+        "If it is in {unit}, name the column `{channel}_{suffix}`, or give its unit in the model file: [channels] \
+         {channel} = {{ header = \"...\", unit = \"{unit}\" }}"
+    )
 }

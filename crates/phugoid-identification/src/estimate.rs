@@ -1,5 +1,6 @@
 //! From a flight record and a model file to parameters with bounds: the whole pipeline.
 
+use phugoid_flight_data::plausibility::{self, Certainty, Doubt};
 use phugoid_flight_data::record::Record;
 
 pub use crate::error::EstimateError;
@@ -8,7 +9,6 @@ use crate::model_file::ModelFile;
 use crate::noise::{NoiseLevel, measure_noise};
 pub use crate::options::{CAPACITY, EstimateOptions, Method};
 use crate::output::{OUTPUTS, Output};
-use crate::plausibility::{Certainty, Signals, check_units};
 use crate::prepare::{Prepared, prepare};
 use crate::run::run_smpe;
 use crate::summary::summarise;
@@ -30,12 +30,7 @@ pub fn estimate(
         return Err(EstimateError::TooManyParameters { wanted, capacity: CAPACITY });
     }
     let prepared = prepare(record, model)?;
-    let doubts = check_units(&signals(record, model));
-    let certain: Vec<String> =
-        doubts.iter().filter(|d| d.certainty == Certainty::Certain).map(|d| d.message.clone()).collect();
-    if !certain.is_empty() {
-        return Err(EstimateError::Units { units: certain });
-    }
+    let doubts = doubts(record, model)?;
     let noise = noise_levels(&prepared, model)?;
     let run = match options.method {
         Method::Smpe => run_smpe(&prepared, model, options, &noise, progress)?,
@@ -43,22 +38,21 @@ pub fn estimate(
     Ok(summarise(record, model, options, &prepared, &noise, run, &doubts))
 }
 
-/// Channels that the unit checks look at.
-fn signals<'a>(record: &'a Record, model: &ModelFile) -> Signals<'a> {
-    let sound = |name: &str| record.channel(name).filter(|c| c.values.len() == record.time.len());
-    let values = |name: &str| sound(name).map_or(&[][..], |c| c.values.as_slice());
-    let output = |o: Output| if model.outputs[o.index()] { values(o.name()) } else { &[] };
-    Signals {
-        time: &record.time,
-        true_airspeed: output(Output::TrueAirspeed),
-        alpha: output(Output::Alpha),
-        theta: output(Output::Theta),
-        q: output(Output::PitchRate),
-        az: output(Output::Az),
-        ax: output(Output::Ax),
-        elevator: values("elevator"),
-        altitude: values("altitude"),
+/// What is doubtful about the units of the channels that the model uses.
+///
+/// # Errors
+/// [`EstimateError::Units`] if one of them is certainly wrong.
+fn doubts(record: &Record, model: &ModelFile) -> Result<Vec<Doubt>, EstimateError> {
+    let used = model.channels_used();
+    let is_used = |name: &String| used.contains(&name.as_str());
+    let concerned = plausibility::check(record).into_iter().filter(|doubt| doubt.channels.iter().any(is_used));
+    // Where two contradict one another and one of them is not used, the other may well be right.
+    let (refused, doubts): (Vec<Doubt>, Vec<Doubt>) =
+        concerned.partition(|doubt| doubt.certainty == Certainty::Certain && doubt.channels.iter().all(is_used));
+    if !refused.is_empty() {
+        return Err(EstimateError::Units { units: refused.iter().map(Doubt::to_string).collect() });
     }
+    Ok(doubts)
 }
 
 fn noise_levels(prepared: &Prepared, model: &ModelFile) -> Result<[NoiseLevel; OUTPUTS], EstimateError> {

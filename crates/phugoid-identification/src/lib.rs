@@ -9,7 +9,6 @@ pub mod model_file;
 pub mod noise;
 mod options;
 pub mod output;
-pub mod plausibility;
 pub mod prepare;
 mod run;
 mod summary;

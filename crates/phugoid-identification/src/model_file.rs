@@ -245,6 +245,27 @@ impl ModelFile {
         Self::BUILT_IN.iter().find(|(n, _)| *n == name).map(|(n, text)| Self::parse(n, text))
     }
 
+    /// Canonical names of the channels that the estimation reads.
+    pub fn channels_used(&self) -> Vec<&str> {
+        let mut used = vec!["elevator"];
+        used.extend(Output::ALL.into_iter().filter(|o| self.outputs[o.index()]).map(|o| -> &str { o.name() }));
+        used.extend(self.extra_inputs.iter().map(String::as_str));
+        let aircraft = &self.aircraft;
+        let mut sources = vec![&aircraft.mass, &aircraft.iyy];
+        match &aircraft.air_density {
+            AirDensity::Known(source) => sources.push(source),
+            AirDensity::StandardAtmosphere | AirDensity::BookAtmosphere => used.push("altitude"),
+        }
+        if let Thrust::Known(source) = &aircraft.thrust {
+            sources.push(source);
+        }
+        used.extend(sources.into_iter().filter_map(|source| match source {
+            Source::Channel(name) => Some(name.as_str()),
+            Source::Constant(_) => None,
+        }));
+        used
+    }
+
     /// Parameters that are estimated.
     pub fn estimated(&self) -> impl Iterator<Item = &Parameter> {
         self.parameters.iter().filter(|p| !p.fixed)

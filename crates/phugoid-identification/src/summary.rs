@@ -1,5 +1,7 @@
 //! From a run to the result that is printed, plotted and saved, with the verdict in words.
 
+use phugoid_flight_data::plausibility::Doubt;
+use phugoid_flight_data::quality::{Finding, QualityReport};
 use phugoid_flight_data::record::Record;
 
 use crate::estimation::{Estimation, History, ParameterHistory, ParameterResult, Signal};
@@ -7,7 +9,6 @@ use crate::model_file::{ModelFile, Parameter};
 use crate::noise::NoiseLevel;
 use crate::options::{EstimateOptions, Method};
 use crate::output::{OUTPUTS, Output};
-use crate::plausibility::UnitDoubt;
 use crate::prepare::Prepared;
 use crate::run::{ColumnRun, Run, phase_word, status_word};
 use crate::verdict::verdict;
@@ -19,7 +20,7 @@ pub(crate) fn summarise(
     prepared: &Prepared,
     noise: &[NoiseLevel; OUTPUTS],
     run: Run,
-    doubts: &[UnitDoubt],
+    doubts: &[Doubt],
 ) -> Estimation {
     let columns = columns(file);
     let parameters: Vec<ParameterResult> =
@@ -38,10 +39,20 @@ pub(crate) fn summarise(
         correlation,
         verdict,
         events: run.events,
-        quality: record.quality.clone(),
+        quality: without(&record.quality, doubts),
         noise: noise_signals,
         history,
     }
+}
+
+/// The reader's findings without those that the verdict tells.
+fn without(quality: &QualityReport, doubts: &[Doubt]) -> QualityReport {
+    // The reader saw the whole flight, the estimation perhaps a part of it: the same finding with other numbers.
+    let words = |text: &str| -> String { text.chars().filter(|c| c.is_alphabetic()).collect() };
+    let is_told = |f: &Finding| doubts.iter().any(|d| d.place() == f.place && words(&d.message) == words(&f.message));
+    let mut quality = quality.clone();
+    quality.findings.retain(|finding| !is_told(finding));
+    quality
 }
 
 /// Parameters of the file, nuisance columns last, each with its column in the estimator; none for a fixed one.

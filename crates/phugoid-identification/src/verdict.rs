@@ -1,11 +1,11 @@
 //! The verdict on an estimation, in sentences.
 
 use phugoid_estimators::DetectorState;
+use phugoid_flight_data::plausibility::Doubt;
 
 use crate::estimation::{History, ParameterResult, Signal};
 use crate::noise::NoiseLevel;
 use crate::output::{OUTPUTS, Output};
-use crate::plausibility::UnitDoubt;
 use crate::prepare::Prepared;
 use crate::run::Run;
 
@@ -20,7 +20,7 @@ pub(crate) fn verdict(
     prepared: &Prepared,
     noise: &[NoiseLevel; OUTPUTS],
     run: &Run,
-    doubts: &[UnitDoubt],
+    doubts: &[Doubt],
     history: &History,
 ) -> Vec<String> {
     let mut sentences = Vec::new();
@@ -41,7 +41,7 @@ pub(crate) fn verdict(
     if !measured.is_empty() {
         sentences.push(format!("Noise levels measured from the record, one sigma: {}.", measured.join(", ")));
     }
-    sentences.extend(doubts.iter().map(|d| format!("Check the units: {}.", d.message.trim_end_matches('.'))));
+    sentences.extend(doubts.iter().map(|d| format!("Check the units: {}.", d.to_string().trim_end_matches('.'))));
     sentences.extend(prepared.notes.iter().map(|n| format!("{}.", capitalised(n))));
     sentences
 }

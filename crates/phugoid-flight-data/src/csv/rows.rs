@@ -6,7 +6,7 @@ use super::text_file::Row;
 use super::{CsvOptions, ReadError};
 use crate::channels;
 use crate::columns::{self, ColumnUse, Plan};
-use crate::quality::{ChannelQuality, Lines, QualityReport, Short, plural};
+use crate::quality::{ChannelQuality, Finding, Lines, QualityReport, Short, plural};
 use crate::record::{Channel, Record};
 use crate::time_base::{self, Table};
 use crate::{plausibility, signals};
@@ -186,7 +186,8 @@ impl Rows {
         }
         record.quality = report;
         signals::check(&mut record);
-        plausibility::check(&mut record);
+        let doubts = plausibility::check(&record);
+        record.quality.findings.extend(doubts.into_iter().map(Finding::from));
         Ok(record)
     }
 

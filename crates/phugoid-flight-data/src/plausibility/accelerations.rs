@@ -1,0 +1,110 @@
+//! What an accelerometer shows in steady flight.
+
+use super::statistics::{median, windows};
+use super::{Certainty, Doubts};
+use crate::quality::Short;
+
+/// Bank beyond which a flight is not taken for level, rad.
+const BANKED: f64 = 0.5;
+
+/// Standard gravity, m/s^2; flight is nowhere off it by more than a hundredth.
+const GRAVITY: f64 = 9.80665;
+
+/// Median of the samples with the wings level, where the bank is known.
+fn level_median(doubts: &Doubts, name: &str) -> Option<f64> {
+    let values = doubts.values(name)?;
+    let bank = doubts.values("phi").filter(|_| !doubts.any(&["phi"]));
+    let level = |k: &usize| bank.is_none_or(|phi| phi[*k].abs() < BANKED);
+    median((0..values.len()).filter(level).map(|k| values[k]))
+}
+
+/// What of gravity turns the path, without sideslip: `g (cos a cos phi cos theta + sin a sin theta)`, m/s^2.
+pub(super) fn gravity_across_path(alpha: f64, theta: f64, phi: f64) -> f64 {
+    GRAVITY * (alpha.cos() * phi.cos() * theta.cos() + alpha.sin() * theta.sin())
+}
+
+/// Bank by sample; zero where it is not known.
+pub(super) fn bank<'a>(doubts: &Doubts<'a>) -> impl Fn(usize) -> f64 + use<'a> {
+    let bank = doubts.values("phi").filter(|_| !doubts.any(&["phi"]));
+    move |k| bank.map_or(0.0, |phi| phi[k])
+}
+
+/// True if the path turns as `az` says, `V (alpha' - q) = az cos a - ax sin a + (gravity)`, in means over a second.
+fn is_manoeuvre(doubts: &Doubts) -> bool {
+    let names = ["true_airspeed", "alpha", "theta", "q", "az"];
+    let [Some(speed), Some(alpha), Some(theta), Some(q), Some(az)] = names.map(|name| doubts.values(name)) else {
+        return false;
+    };
+    let (ax, bank) = (doubts.values("ax"), bank(doubts));
+    let rest = |k: usize| {
+        let forward = ax.map_or(0.0, |ax| ax[k]);
+        (forward * alpha[k].sin() - gravity_across_path(alpha[k], theta[k], bank(k))) / alpha[k].cos()
+    };
+    let Some(typical) = median(speed.iter().map(|speed| speed.abs())) else { return false };
+    let over = |rate: &dyn Fn(usize) -> f64| windows(doubts.time(), alpha, rate, 1.0);
+    let (pitching, rest, measured, duration) = (over(&|k| q[k]), over(&rest), over(&|k| az[k]), over(&|_| 1.0));
+    let pairs: Vec<(f64, f64)> = (0..duration.len())
+        .filter(|&i| duration[i].1 > 0.3)
+        .map(|i| {
+            let (change, pitch) = pitching[i];
+            let expected = typical * (change - pitch) + rest[i].1;
+            (expected / duration[i].1, measured[i].1 / duration[i].1)
+        })
+        .filter(|(expected, measured)| expected.is_finite() && measured.is_finite())
+        .collect();
+    let missing = median(pairs.iter().map(|(expected, measured)| (measured - expected).abs()));
+    let size = median(pairs.iter().map(|(expected, _)| expected.abs()));
+    // Noise of alpha, and a sensor off the centre of gravity, cost one or two m/s^2; another unit or sign costs nine.
+    missing.zip(size).is_some_and(|(missing, size)| missing < 2.0_f64.max(0.25 * size))
+}
+
+/// Along body z, down: -9.8 m/s^2 in steady flight; in a manoeuvre what turns the path.
+pub(super) fn vertical(doubts: &mut Doubts) {
+    use Certainty::{Certain, Doubtful};
+    let Some(az) = level_median(doubts, "az") else { return };
+    // A short record may be all manoeuvre.
+    if (-20.0..=-5.0).contains(&az) || is_manoeuvre(doubts) {
+        return;
+    }
+    // A record of small deviations has no airspeed and no attitude, and its accelerations are deviations too.
+    let whole = ["true_airspeed", "alpha", "theta"].iter().any(|name| doubts.values(name).is_some());
+    let (certainty, advice) = match az {
+        a if (5.0..=20.0).contains(&a) => {
+            (Certain, "its sign is that of an upward axis: change the sign, map it with scale -1")
+        }
+        a if (-1.6..=-0.5).contains(&a) => (Certain, "it looks like g: name the column `az_g`"),
+        a if (0.5..=1.6).contains(&a) => (
+            Certain,
+            "it looks like load factor in g, positive up: name the column `nz`, or `az_g` and map it with scale -1",
+        ),
+        // One g in ft/s^2 is 32.2; further off it is a turn sooner than an error.
+        a if (-36.0..=-28.0).contains(&a) => (Certain, "it looks like ft/s^2: name the column `az_ft_s2`"),
+        a if (28.0..=36.0).contains(&a) => {
+            (Certain, "it looks like ft/s^2, positive up: name the column `az_ft_s2` and map it with scale -1")
+        }
+        a if a.abs() < 0.5 && whole => {
+            (Certain, "gravity seems to have been removed: give what an accelerometer measures, with gravity's share")
+        }
+        a if a.abs() < 0.5 => (Doubtful, "a deviation from trim, or gravity was taken out"),
+        // Between one unit and the next: a manoeuvre sooner than an error.
+        a if a.abs() < 50.0 => return,
+        _ => (Doubtful, "check its unit and sign"),
+    };
+    let message = format!(
+        "is {} m/s^2 in the middle (median), expected is about -9.8, the specific force along body z, down, in steady \
+         flight: {advice}",
+        Short(az)
+    );
+    doubts.add(&["az"], certainty, message);
+}
+
+/// Upwards: +1.
+pub(super) fn load_factor(doubts: &mut Doubts) {
+    let Some(nz) = level_median(doubts, "nz") else { return };
+    let advice = match nz {
+        n if (-2.0..-0.5).contains(&n) => "nz is positive up, +1 in level flight; map it with scale -1",
+        n if n.abs() > 7.0 => "probably m/s^2 or ft/s^2, not g: name the column `az` with its unit",
+        _ => return,
+    };
+    doubts.add(&["nz"], Certainty::Certain, format!("is {} in the middle (median): {advice}", Short(nz)));
+}

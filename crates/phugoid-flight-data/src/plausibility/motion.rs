@@ -1,0 +1,106 @@
+//! Angles are the integrals of their rates.
+
+use super::statistics::{Fit, fit, reach, span};
+use super::{Certainty, Doubts, write_degrees};
+use crate::quality::Short;
+
+/// Degrees per radian.
+const DEGREES: f64 = 180.0 / std::f64::consts::PI;
+/// Bank up to which `theta' = q` holds well enough, rad.
+const LEVEL: f64 = 0.35;
+
+fn near(value: f64, target: f64) -> bool {
+    value > 0.6 * target && value < 1.6 * target
+}
+
+/// `theta' = q` with the wings level, and `phi' = p` with the nose not too high: a ratio near 57.3 or its reciprocal is a
+/// unit, not a manoeuvre.
+pub(super) fn attitude_and_rate(doubts: &mut Doubts, attitude: &str, rate: &str) {
+    let (Some(angle), Some(turning)) = (doubts.values(attitude), doubts.values(rate)) else { return };
+    // Where the bank itself is in doubt it cannot say what is level.
+    let bank = (attitude == "theta" && !doubts.any(&["phi"])).then(|| doubts.values("phi")).flatten();
+    let level = |k: usize| bank.is_none_or(|phi| phi[k].abs() < LEVEL);
+    let rate_at = |k: usize| if level(k) { turning[k] } else { f64::NAN };
+    let Some(Fit { slope, correlation }) = fit(doubts.time(), angle, rate_at, 0.5) else { return };
+    let found = format!("{attitude} changes {} times as fast as {rate} says", Short(slope.abs()));
+    let size = |values: &[f64]| span(values).map_or(0.0, reach);
+    if correlation > 0.8 && near(slope, DEGREES) {
+        // In degrees an attitude moves by more than half a unit; if it does not, the rate is 57 times too small.
+        let to_blame = size(angle) > 0.5 || doubts.is_certain(attitude);
+        let message = if to_blame {
+            format!(
+                "{found}: {attitude} is probably in degrees, degrees read as radians (else {rate} is in rad/s and taken \
+                 for deg/s). {}",
+                write_degrees(attitude, "deg")
+            )
+        } else {
+            format!(
+                "{found}: {rate} is in rad/s and taken for deg/s, or {attitude} is in degrees, degrees read as radians. \
+                 Correct the unit in the header or in the model file"
+            )
+        };
+        blame(doubts, attitude, [attitude, rate], message);
+    } else if correlation > 0.8 && near(slope, 1.0 / DEGREES) {
+        let to_blame = size(turning) > if rate == "p" { 2.0 } else { 0.5 } || doubts.is_certain(rate);
+        let message = if to_blame {
+            format!(
+                "{found}: {rate} is probably in deg/s, degrees read as radians (else {attitude} is in radians and taken \
+                 for degrees). {}",
+                write_degrees(rate, "deg/s")
+            )
+        } else {
+            format!(
+                "{found}: {attitude} is in radians and taken for degrees, or {rate} is in deg/s, degrees read as \
+                 radians. Correct the unit in the header or in the model file"
+            )
+        };
+        blame(doubts, rate, [attitude, rate], message);
+    } else if correlation < -0.8 {
+        let message = format!(
+            "{attitude} falls where {rate} is positive: one of them has the wrong sign; both are positive {}. Map that \
+             one with scale -1",
+            if attitude == "theta" { "nose up" } else { "right wing down" }
+        );
+        doubts.add(&[attitude, rate], Certainty::Certain, message);
+    } else if correlation > 0.9 && !near(slope, 1.0) && !doubts.any(&[attitude, rate]) {
+        let message = format!("{found}: about 1 is expected with the wings level. Check the units of both");
+        doubts.add(&[attitude, rate], Certainty::Doubtful, message);
+    }
+}
+
+/// Says it of the channel alone whose size is impossible too, else of the pair; in both cases only once.
+fn blame(doubts: &mut Doubts, culprit: &str, pair: [&str; 2], message: String) {
+    if doubts.is_certain(culprit) {
+        doubts.replace(&[culprit], Certainty::Certain, message);
+    } else {
+        doubts.replace(&pair, Certainty::Certain, message);
+    }
+}
+
+/// A quick pitch motion changes alpha by at most about as much as the pitch angle.
+pub(super) fn angle_of_attack(doubts: &mut Doubts) {
+    let (Some(alpha), Some(q)) = (doubts.values("alpha"), doubts.values("q")) else { return };
+    if doubts.any(&["alpha", "q"]) {
+        return;
+    }
+    let Some(Fit { slope, correlation }) = fit(doubts.time(), alpha, |k| q[k], 0.5) else { return };
+    if correlation > 0.5 && slope > 8.0 {
+        let message = format!(
+            "alpha changes {} times as fast as the pitch rate turns the nose: alpha looks like degrees read as radians \
+             (else q is in rad/s and taken for deg/s). {}",
+            Short(slope),
+            write_degrees("alpha", "deg")
+        );
+        doubts.add(&["alpha", "q"], Certainty::Certain, message);
+    } else if correlation > 0.5 && slope < 1.0 / 30.0 {
+        let message = format!(
+            "alpha changes only {} times as fast as the pitch rate turns the nose: 0.2 to 1.5 is expected in a quick \
+             pitch motion. Check the units of both",
+            Short(slope)
+        );
+        doubts.add(&["alpha", "q"], Certainty::Doubtful, message);
+    } else if correlation < -0.7 {
+        let message = "falls when the nose rises: it is positive with the air from below. Check its sign".to_owned();
+        doubts.add(&["alpha"], Certainty::Doubtful, message);
+    }
+}

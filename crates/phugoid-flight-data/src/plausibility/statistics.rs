@@ -1,0 +1,74 @@
+//! Quantiles and slopes that single wild values do not move.
+
+/// Median of what is there.
+pub(super) fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let mut present: Vec<f64> = values.filter(|value| value.is_finite()).collect();
+    if present.is_empty() {
+        return None;
+    }
+    let middle = present.len() / 2;
+    Some(*present.select_nth_unstable_by(middle, f64::total_cmp).1)
+}
+
+/// The 5 and 95 % quantiles: the span a signal really uses, outliers aside.
+pub(super) fn span(values: &[f64]) -> Option<(f64, f64)> {
+    let mut present: Vec<f64> = values.iter().copied().filter(|value| value.is_finite()).collect();
+    let last = present.len().checked_sub(1)?;
+    let mut at = |part: f64| *present.select_nth_unstable_by((last as f64 * part).round() as usize, f64::total_cmp).1;
+    Some((at(0.05), at(0.95)))
+}
+
+/// The end of a span that is further from zero, its sign aside.
+pub(super) fn reach((low, high): (f64, f64)) -> f64 {
+    low.abs().max(high.abs())
+}
+
+/// How a signal follows its cause.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Fit {
+    /// Change of the signal per change of the cause.
+    pub(super) slope: f64,
+    pub(super) correlation: f64,
+}
+
+/// Changes of a signal over windows of about `width` seconds, with the integrals over the same windows of what should
+/// cause them, regressed on each other. None for fewer than ten whole windows, or where nothing moves.
+pub(super) fn fit(time: &[f64], signal: &[f64], rate: impl Fn(usize) -> f64, width: f64) -> Option<Fit> {
+    regress(&windows(time, signal, rate, width))
+}
+
+/// Change and integral of each window in which both are known.
+pub(super) fn windows(time: &[f64], signal: &[f64], rate: impl Fn(usize) -> f64, width: f64) -> Vec<(f64, f64)> {
+    let mut pairs = Vec::new();
+    let mut start = 0;
+    while start + 1 < time.len() {
+        let mut end = start;
+        let mut integral = 0.0;
+        while end + 1 < time.len() && time[end] - time[start] < width - 1e-9 {
+            integral += 0.5 * (rate(end) + rate(end + 1)) * (time[end + 1] - time[end]);
+            end += 1;
+        }
+        // Windows across a gap say nothing.
+        if time[end] - time[start] < 1.5 * width {
+            pairs.push((signal[end] - signal[start], integral));
+        }
+        start = end.max(start + 1);
+    }
+    pairs
+}
+
+pub(super) fn regress(pairs: &[(f64, f64)]) -> Option<Fit> {
+    let pairs: Vec<(f64, f64)> = pairs.iter().copied().filter(|(a, b)| a.is_finite() && b.is_finite()).collect();
+    if pairs.len() < 10 {
+        return None;
+    }
+    let n = pairs.len() as f64;
+    let (mean_a, mean_b) = pairs.iter().fold((0.0, 0.0), |(a, b), pair| (a + pair.0 / n, b + pair.1 / n));
+    let (mut aa, mut bb, mut ab) = (0.0, 0.0, 0.0);
+    for (a, b) in pairs {
+        aa += (a - mean_a) * (a - mean_a);
+        bb += (b - mean_b) * (b - mean_b);
+        ab += (a - mean_a) * (b - mean_b);
+    }
+    (aa > 0.0 && bb > 0.0).then(|| Fit { slope: ab / bb, correlation: ab / (aa.sqrt() * bb.sqrt()) })
+}
