@@ -14,7 +14,7 @@ pub struct Bound {
     /// Time of the last sample used, s.
     pub time_s: f64,
     /// Smallest possible standard error of each parameter, in the parameter's unit; infinite where the data up to now
-    /// do not determine it.
+    /// do not determine it, and for all as long as any combination of what they do see is undetermined.
     pub std_error: Vec<f64>,
 }
 
@@ -100,7 +100,7 @@ where
     if time_s.len() != inputs.len() || time_s.is_empty() {
         return Err(CramerRaoError::BadInput { what: "times and inputs must be equally many, at least one" });
     }
-    if time_s.windows(2).any(|w| w[1] <= w[0]) {
+    if !time_s.windows(2).all(|w| w[0] < w[1]) {
         return Err(CramerRaoError::BadInput { what: "sample times must increase" });
     }
     let p = model.parameter_count().min(P);
@@ -189,13 +189,16 @@ fn invert(information: &DMatrix<f64>, states: usize, parameters: usize) -> Vec<f
     // Scaled to a unit diagonal, so that ft/s and rad do not decide what counts as singular.
     let scale: Vec<f64> = information.diagonal().iter().map(|d| d.sqrt()).collect();
     let known: Vec<usize> = (0..information.nrows()).filter(|&i| scale[i] > 0.0).collect();
+    let mut errors = vec![f64::INFINITY; parameters];
+    if known.is_empty() {
+        return errors;
+    }
     let scaled = DMatrix::from_fn(known.len(), known.len(), |i, j| {
         information[(known[i], known[j])] / (scale[known[i]] * scale[known[j]])
     });
-    let mut errors = vec![f64::INFINITY; parameters];
     // Below this the scaled information is singular to rounding, and no unbiased estimator exists.
     let smallest = scaled.clone().symmetric_eigen().eigenvalues.min();
-    if known.is_empty() || smallest.is_nan() || smallest <= 1e-13 {
+    if smallest.is_nan() || smallest <= 1e-13 {
         return errors;
     }
     if let Some(cholesky) = scaled.cholesky() {
@@ -274,6 +277,19 @@ mod tests {
             sigma: [0.2],
         };
         assert!(cramer_rao(&Integrator, &experiment, &[0.2]).unwrap()[0].std_error[0].is_infinite());
+    }
+
+    #[test]
+    fn nothing_measured_gives_no_bound() {
+        let experiment = Experiment {
+            initial_state: [3.0],
+            parameters: [2.0, 0.0],
+            time_s: &[0.0, 0.1],
+            inputs: &[[1.0]; 2],
+            between: Between::Held,
+            sigma: [f64::INFINITY],
+        };
+        assert!(cramer_rao(&Integrator, &experiment, &[0.1]).unwrap()[0].std_error[0].is_infinite());
     }
 
     #[test]
