@@ -151,7 +151,8 @@ pub(crate) fn maturity<const P: usize>(
     left[..tested.len()].iter().map(|x| x * x).sum()
 }
 
-/// Chi-square quantile at `1 - 1.4e-4` (Wilson and Hilferty 1931; within 2 % for 2 degrees of freedom and more).
+/// Chi-square quantile at `1 - 1.4e-4` after Wilson and Hilferty (1931): 7 % too large, thus careful, for one degree of
+/// freedom, 4 % for two, 2 % for five, less beyond.
 pub(crate) fn needed_maturity(settings: &ChangeDetection, tested: usize) -> f64 {
     settings.maturity.unwrap_or_else(|| {
         let k = (tested as f64).max(1.0);
@@ -159,4 +160,90 @@ pub(crate) fn needed_maturity(settings: &ChangeDetection, tested: usize) -> f64 
         let root = 1.0 - 2.0 / (9.0 * k) + normal_quantile * libm::sqrt(2.0 / (9.0 * k));
         k * root * root * root
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::settings::ChangeDetection;
+    use super::super::slot::Innovations;
+    use super::{Challenge, Verdict, maturity, needed_maturity};
+
+    fn rows(normalised: [f64; 3], variance: [f64; 3]) -> Innovations<3> {
+        Innovations { normalised, variance, ..Innovations::EMPTY }
+    }
+
+    /// Against the formula, row by row; a row that one of the two has not got does not count, an outlier little.
+    #[test]
+    fn the_score_is_the_bounded_difference_of_the_log_likelihoods() {
+        let mut challenge = Challenge::new(ChangeDetection::default());
+        let champion = rows([2.0, 50.0, 1.0], [4.0, 2.0, 3.0]);
+        let challenger = rows([0.5, 1.0, f64::NAN], [5.0, 2.5, f64::NAN]);
+        challenge.add_frame(&champion, &challenger, 2.0);
+        let expected = 0.5 * ((4.0 - 0.25 + 9.0 - 1.0) / 2.0 + (4.0_f64 / 5.0).ln() + (2.0_f64 / 2.5).ln());
+        assert!((challenge.score - expected).abs() < 1e-12, "{}", challenge.score);
+        // The other way round takes it back.
+        challenge.add_frame(&challenger, &champion, 2.0);
+        assert!(challenge.score.abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_verdict_needs_score_and_maturity_in_time() {
+        let settings = ChangeDetection::default();
+        let mut challenge = Challenge::new(settings);
+        assert!(!challenge.is_triggered(15.1, 2.0) && challenge.is_triggered(15.1, 2.1));
+        assert!(!challenge.is_triggered(14.9, 60.0));
+        challenge.open(100.0);
+        let verdict = |score: f64, time_s: f64, matured: f64, caution: f64| {
+            Challenge { score, caution, ..challenge }.decide(time_s, matured, 25.0, true)
+        };
+        assert_eq!(verdict(10.1, 101.0, 25.1, 0.0), Verdict::Adopt);
+        assert_eq!(verdict(9.9, 101.0, 25.1, 0.0), Verdict::Undecided);
+        assert_eq!(verdict(10.1, 101.0, 24.9, 0.0), Verdict::Undecided);
+        // Caution doubles what is needed.
+        assert_eq!(verdict(19.9, 101.0, 25.1, 1.0), Verdict::Undecided);
+        assert_eq!(verdict(20.1, 101.0, 25.1, 1.0), Verdict::Adopt);
+        assert_eq!(verdict(-30.1, 101.0, 25.1, 0.0), Verdict::Drop);
+        // At the time limit an overwhelming score is enough, and anything less is not.
+        assert_eq!(verdict(1000.0, 105.9, 0.0, 0.0), Verdict::Undecided);
+        assert_eq!(verdict(301.0, 106.0, 0.0, 0.0), Verdict::Adopt);
+        assert_eq!(verdict(299.0, 106.0, 0.0, 0.0), Verdict::Drop);
+        assert_eq!(verdict(f64::NAN, 101.0, 25.1, 0.0), Verdict::Drop);
+        assert_eq!(Challenge { score: 1000.0, ..challenge }.decide(101.0, 100.0, 25.0, false), Verdict::Drop);
+    }
+
+    #[test]
+    fn caution_grows_with_every_false_alarm_and_decays_in_a_minute() {
+        let mut challenge = Challenge::new(ChangeDetection::default());
+        challenge.score = -31.0;
+        for expected in [1.0, 3.0, 7.0, 15.0, 15.0] {
+            assert_eq!(challenge.was_dropped(), 2.0);
+            assert_eq!(challenge.caution, expected);
+        }
+        challenge.pass_time(60.0);
+        assert!((challenge.caution - 15.0 * (-1.0_f64).exp()).abs() < 1e-12);
+        // One that was better and only ran out of time is no false alarm.
+        challenge.score = 5.0;
+        let before = challenge.caution;
+        assert_eq!((challenge.was_dropped(), challenge.caution), (1.0, before));
+        // The second adoption within half a minute looks like a chain.
+        assert_eq!((challenge.adopted(100.0), challenge.adopted(129.0), challenge.adopted(160.0)), (1.0, 4.0, 1.0));
+        assert_eq!((challenge.adoptions, challenge.dropped), (3, 6));
+    }
+
+    #[test]
+    fn the_maturity_is_of_the_tested_columns_alone() {
+        // Columns 0 and 2 of three: T = d^T (C + w^2 diag d_j^2)^-1 d by hand.
+        let covariance = [[0.5, 9.0, 0.1], [9.0, 99.0, 9.0], [0.1, 9.0, 0.25]];
+        let (difference, change, w2) = ([0.6, 77.0, -0.4], [1.0, 5.0, 2.0], 0.04);
+        let (a, b, c): (f64, f64, f64) = (0.5 + 0.04, 0.1, 0.25 + 0.16);
+        let expected = (c * 0.36 + 2.0 * b * 0.24 + a * 0.16) / (a * c - b * b);
+        let found = maturity(&difference, &covariance, &change, w2, &[0, 2]);
+        assert!((found / expected - 1.0).abs() < 1e-12, "{found} {expected}");
+        // Exact quantiles at 1 - 1.4e-4, by numerical integration of the density.
+        for (tested, exact, allowed) in [(1, 14.502, 0.07), (2, 17.748, 0.05), (5, 24.989, 0.025), (11, 36.494, 0.01)] {
+            let excess = needed_maturity(&ChangeDetection::default(), tested) / exact - 1.0;
+            assert!((0.0..allowed).contains(&excess), "{tested}: {excess}");
+        }
+        assert_eq!(needed_maturity(&ChangeDetection { maturity: Some(7.0), ..ChangeDetection::default() }, 2), 7.0);
+    }
 }
