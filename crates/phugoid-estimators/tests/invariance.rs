@@ -169,7 +169,7 @@ impl Model<N, R, P> for Changed {
     }
 }
 
-fn settings() -> SmpeSettings<N, R, P> {
+fn settings<const P: usize>() -> SmpeSettings<N, R, P> {
     let absolute = |j: usize, start: f64| ParameterPrior::absolute(start, JET_TRUTH[j].abs());
     let priors = [
         ParameterPrior::bounded(-0.35, -1.2, 0.0),
@@ -424,4 +424,28 @@ fn empty_frames_are_the_sub_steps_of_a_long_interval() {
     }
     println!("{worst:.1e}");
     assert!(worst < 1e-9, "{worst}");
+}
+
+/// Room for nine columns, or more of it: bit by bit the same, through a restart, a doubt and an adoption.
+#[test]
+fn the_room_for_columns_does_not_matter() {
+    fn run<const P: usize>(flight: &[JetSample]) -> Vec<[f64; 5]> {
+        let mut estimator = Smpe::<_, N, R, P>::new(OFFSETS, settings()).unwrap();
+        let mut out = Vec::new();
+        for sample in flight {
+            let estimate = estimator.update(sample);
+            let report = estimator.detector().unwrap();
+            for j in 0..COLUMNS {
+                let error = estimate.corrected_std_error[j];
+                out.push([estimate.parameters[j], estimate.std_error[j], error, report.bayes_factor, report.wander]);
+            }
+        }
+        assert!(estimator.restarts() == 1 && estimator.detector().unwrap().adoptions >= 1);
+        out
+    }
+    let flight = eventful_flight();
+    let exact = run::<COLUMNS>(&flight);
+    for other in [run::<10>(&flight), run::<12>(&flight), run::<24>(&flight)] {
+        assert!(exact == other);
+    }
 }
