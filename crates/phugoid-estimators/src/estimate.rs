@@ -12,7 +12,8 @@ pub enum Phase {
     Sliding,
     /// A row was outside the boundary layer and moved the parameters with bounded influence.
     Reaching,
-    /// A row was so far away that no parameter inside the bounds explains it; it was not used.
+    /// A row was so far away that no parameter inside the bounds explains it; it was not used. Or the whole sample was
+    /// refused because its time did not increase.
     Rejected,
     /// No measurement in this frame: prediction only.
     Predicting,
@@ -97,6 +98,7 @@ pub trait Estimator<const R: usize, const P: usize> {
     /// Only samples up to this one are ever used.
     fn update(&mut self, sample: &Sample<Self::Input, R>) -> Estimate<P>;
 
-    /// Writes the covariance of the parameters (row and column = parameter) into `out`.
+    /// Writes the covariance of the parameters (row and column = parameter) into `out`: that of the estimator alone,
+    /// without the corrections of [`Estimate::corrected_std_error`] and without a doubt.
     fn covariance(&self, out: &mut [[f64; P]; P]);
 }

@@ -251,8 +251,8 @@ where
         self.rejected_samples
     }
 
-    /// How often the state was started again (after a gap too long to predict through, when nearly everything was
-    /// rejected for half a second, or when the model did not answer with numbers).
+    /// How often the state was started again (after a gap too long to predict through, when most rows were rejected for
+    /// half a second, with change detection for 1.5 s, or when the model did not answer with numbers).
     pub fn restarts(&self) -> u32 {
         self.restarts
     }

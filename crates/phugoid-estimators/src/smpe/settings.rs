@@ -261,7 +261,8 @@ pub struct SmpeSettings<const N: usize, const R: usize, const P: usize> {
     pub start_window_s: f64,
     /// Whether the very first sample also corrects (it has already helped to start the state).
     pub correct_first_sample: bool,
-    /// Estimates are held inside this many half widths of their bounds.
+    /// Estimates are held inside this many half widths of their bounds, about the middle. Where only one bound is
+    /// finite, at that bound itself.
     pub clip_factor: f64,
     /// Length of the blocks of the colour correction, s.
     pub colour_block_s: f64,
@@ -271,7 +272,7 @@ pub struct SmpeSettings<const N: usize, const R: usize, const P: usize> {
 
 impl<const N: usize, const R: usize, const P: usize> SmpeSettings<N, R, P> {
     /// The automatic rule: everything from the priors (bounds), the measured noise (one sigma per output) and the
-    /// sample time. No process noise, no biases, states not measured start at zero with variance zero: set
+    /// sample time. Parameters of the model beyond the last prior given are held at zero. No process noise, no biases, states not measured start at zero with variance zero: set
     /// [`Self::process_noise`], [`Self::with_biases`] and [`Self::initial_state`] where the plant has them.
     pub fn automatic(priors: &[ParameterPrior], noise_sd: [f64; R], sample_time_s: f64) -> Result<Self, SmpeError> {
         if priors.len() > P {
