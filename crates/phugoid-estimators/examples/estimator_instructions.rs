@@ -1,8 +1,8 @@
 //! Instructions per update, for callgrind:
 //!
 //! ```text
-//! cargo build --release -p phugoid-estimators --example instruction_count
-//! valgrind --tool=callgrind --toggle-collect='*measured_updates*' target/release/examples/instruction_count 5
+//! cargo build --release -p phugoid-estimators --example estimator_instructions
+//! valgrind --tool=callgrind --toggle-collect='*measured_updates*' target/release/examples/estimator_instructions 5
 //! ```
 //!
 //! The argument is the number of parameters (5, 11 or 24), with `wide` after it in room for 24 and with `off` after it

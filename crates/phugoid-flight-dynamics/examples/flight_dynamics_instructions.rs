@@ -1,8 +1,9 @@
 //! RK4 steps of the F-16 for an instruction count, and a rough time beside it.
 //!
 //! ```text
-//! cargo build --release -p phugoid-flight-dynamics --example instruction_count
-//! valgrind --tool=callgrind --toggle-collect='instruction_count::fly_steps' target/release/examples/instruction_count 10000
+//! cargo build --release -p phugoid-flight-dynamics --example flight_dynamics_instructions
+//! valgrind --tool=callgrind --toggle-collect='flight_dynamics_instructions::fly_steps' \
+//!     target/release/examples/flight_dynamics_instructions 10000
 //! ```
 //!
 //! The collected instructions divided by the number of steps are the cost of one step; the loading is left out.
