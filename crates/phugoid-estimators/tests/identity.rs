@@ -23,6 +23,8 @@ struct Joint<const P: usize> {
     settings: SmpeSettings<N, R, P>,
     z: [f64; J],
     p: [[f64; J]; J],
+    /// Rows that were not used.
+    rejected: usize,
 }
 
 impl<const P: usize> Joint<P> {
@@ -36,7 +38,7 @@ impl<const P: usize> Joint<P> {
         for i in 0..R {
             p[N + own + i][N + own + i] = settings.bias_sd[i] * settings.bias_sd[i];
         }
-        let mut joint = Self { model, settings, z, p };
+        let mut joint = Self { model, settings, z, p, rejected: 0 };
         joint.start_state(sample);
         joint
     }
@@ -123,6 +125,10 @@ impl<const P: usize> Joint<P> {
             let ph: [f64; J] = core::array::from_fn(|k| (0..J).map(|l| self.p[k][l] * h[l]).sum());
             let sigma = self.settings.noise_sd[i];
             let s = sigma * sigma + (0..J).map(|k| h[k] * ph[k]).sum::<f64>();
+            if ((y[i] - predicted) / s.sqrt()).abs() > self.settings.rejection_limit {
+                self.rejected += 1;
+                continue;
+            }
             for k in 0..J {
                 self.z[k] += ph[k] / s * (y[i] - predicted);
             }
@@ -208,6 +214,7 @@ fn difference<const P: usize>(
         }
     }
     assert_eq!(smpe.restarts(), u32::from(restart_at.is_some()));
+    assert_eq!(joint.rejected > 0, settings.rejection_limit.is_finite());
     // And it has learnt: this is no comparison of two filters that stand still.
     assert!((joint.z[N] - JET_TRUTH[0]).abs() < 0.04, "{}", joint.z[N]);
     worst
@@ -251,4 +258,22 @@ fn it_is_the_joint_kalman_filter_at_any_times_and_after_a_restart() {
         println!("{input_hold:?} {output_input:?}: {worst:.2e}");
         assert!(worst < 1e-8, "{worst}");
     }
+}
+
+/// Without a reaching phase it is the joint filter with a gate.
+#[test]
+fn with_rejection_alone_it_is_the_gated_joint_filter() {
+    let mut settings = plain_settings::<11>(6);
+    settings.reaching_limit = 4.0;
+    settings.rejection_limit = 4.0;
+    let offsets = ShortPeriod { parameters: 6, ..JET };
+    let mut flight = flight::<11>(&regular(2000, 0.01));
+    for (k, sample) in flight.iter_mut().enumerate().skip(5) {
+        if k % 17 == 0 {
+            sample.outputs[k % 3] += 20.0 * JET_NOISE[k % 3];
+        }
+    }
+    let worst = difference(offsets, settings, &flight, None);
+    println!("largest difference from the gated joint filter: {worst:.2e}");
+    assert!(worst < 1e-8, "{worst}");
 }
