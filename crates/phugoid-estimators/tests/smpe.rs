@@ -612,6 +612,7 @@ fn bounds_are_widened_while_a_change_is_in_doubt() {
     let first = all.iter().position(|e| e.status.change == ChangeState::InDoubt).expect("a doubt");
     for j in 0..4 {
         assert!(all[first].std_error[j] > 1.5 * all[first - 1].std_error[j], "parameter {j}");
+        assert!(all[first].corrected_std_error[j] >= all[first].std_error[j], "parameter {j}");
     }
     let after = all.iter().position(|e| e.status.change == ChangeState::ReReached).expect("an adoption");
     assert_eq!(all[after + 1].status.change, ChangeState::Steady);
