@@ -144,3 +144,14 @@ fn gravity_that_was_taken_out_is_certain_only_in_a_whole_record() {
     let doubts = check(&record);
     assert_eq!((doubts.len(), doubts[0].certainty), (1, Certainty::Doubtful));
 }
+
+#[test]
+fn milliseconds_read_as_seconds_are_noticed() {
+    for (factor, unit) in [(1e3, "time_ms"), (1e6, "time_us")] {
+        let mut record = flight(0.0);
+        record.time.iter_mut().for_each(|time| *time *= factor);
+        let doubts = check(&record);
+        let found = doubts.iter().filter(|doubt| doubt.message.contains(unit)).collect::<Vec<_>>();
+        assert!(!found.is_empty() && found.iter().all(|d| d.certainty == Certainty::Certain), "{doubts:#?}");
+    }
+}

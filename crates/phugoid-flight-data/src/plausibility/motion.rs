@@ -1,6 +1,6 @@
 //! Angles are the integrals of their rates.
 
-use super::statistics::{Fit, fit, reach, span};
+use super::statistics::{Fit, fit, median, reach, span};
 use super::{Certainty, Doubts, write_degrees};
 use crate::quality::Short;
 
@@ -21,7 +21,11 @@ pub(super) fn attitude_and_rate(doubts: &mut Doubts, attitude: &str, rate: &str)
     let bank = (attitude == "theta" && !doubts.any(&["phi"])).then(|| doubts.values("phi")).flatten();
     let level = |k: usize| bank.is_none_or(|phi| phi[k].abs() < LEVEL);
     let rate_at = |k: usize| if level(k) { turning[k] } else { f64::NAN };
-    let Some(Fit { slope, correlation }) = fit(doubts.time(), angle, rate_at, 0.5) else { return };
+    // A slow record still has something to say, and one whose milliseconds are read as seconds has nothing else.
+    let step = median(doubts.time().windows(2).map(|pair| pair[1] - pair[0])).unwrap_or(0.0);
+    let Some(Fit { slope, correlation }) = fit(doubts.time(), angle, rate_at, f64::max(0.5, 2.0 * step)) else {
+        return;
+    };
     let found = format!("{attitude} changes {} times as fast as {rate} says", Short(slope.abs()));
     let size = |values: &[f64]| span(values).map_or(0.0, reach);
     if correlation > 0.8 && near(slope, DEGREES) {
@@ -55,6 +59,14 @@ pub(super) fn attitude_and_rate(doubts: &mut Doubts, attitude: &str, rate: &str)
             )
         };
         blame(doubts, rate, [attitude, rate], message);
+    } else if correlation > 0.8 && (near(slope, 1e-3) || near(slope, 1e-6)) {
+        let unit = if near(slope, 1e-3) { "ms" } else { "us" };
+        let message = format!(
+            "{found}: the time is probably in {unit} and read as seconds (a sample every {} s). Name the column \
+             `time_{unit}`",
+            Short(step)
+        );
+        doubts.add(&[attitude, rate], Certainty::Certain, message);
     } else if correlation < -0.8 {
         let message = format!(
             "{attitude} falls where {rate} is positive: one of them has the wrong sign; both are positive {}. Map that \
