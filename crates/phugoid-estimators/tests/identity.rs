@@ -25,6 +25,8 @@ struct Joint<const P: usize> {
     p: [[f64; J]; J],
     /// Rows that were not used.
     rejected: usize,
+    /// Rows whose innovation was clipped and that taught the covariance nothing.
+    clipped: usize,
 }
 
 impl<const P: usize> Joint<P> {
@@ -38,7 +40,7 @@ impl<const P: usize> Joint<P> {
         for i in 0..R {
             p[N + own + i][N + own + i] = settings.bias_sd[i] * settings.bias_sd[i];
         }
-        let mut joint = Self { model, settings, z, p, rejected: 0 };
+        let mut joint = Self { model, settings, z, p, rejected: 0, clipped: 0 };
         joint.start_state(sample);
         joint
     }
@@ -129,8 +131,14 @@ impl<const P: usize> Joint<P> {
                 self.rejected += 1;
                 continue;
             }
+            let reach = self.settings.reaching_limit * s.sqrt();
+            let innovation = (y[i] - predicted).clamp(-reach, reach);
             for k in 0..J {
-                self.z[k] += ph[k] / s * (y[i] - predicted);
+                self.z[k] += ph[k] / s * innovation;
+            }
+            if innovation != y[i] - predicted {
+                self.clipped += 1;
+                continue;
             }
             for k in 0..J {
                 for l in 0..J {
@@ -215,6 +223,7 @@ fn difference<const P: usize>(
     }
     assert_eq!(smpe.restarts(), u32::from(restart_at.is_some()));
     assert_eq!(joint.rejected > 0, settings.rejection_limit.is_finite());
+    assert_eq!(joint.clipped > 0, settings.reaching_limit < settings.rejection_limit);
     // And it has learnt: this is no comparison of two filters that stand still.
     assert!((joint.z[N] - JET_TRUTH[0]).abs() < 0.04, "{}", joint.z[N]);
     worst
@@ -275,5 +284,23 @@ fn with_rejection_alone_it_is_the_gated_joint_filter() {
     }
     let worst = difference(offsets, settings, &flight, None);
     println!("largest difference from the gated joint filter: {worst:.2e}");
+    assert!(worst < 1e-8, "{worst}");
+}
+
+/// With both phases it is the joint filter that clips its innovations at `kappa` and then leaves its covariance alone.
+#[test]
+fn with_reaching_it_is_the_joint_filter_with_clipped_innovations() {
+    let mut settings = plain_settings::<11>(6);
+    settings.reaching_limit = 2.0;
+    settings.rejection_limit = 8.0;
+    let offsets = ShortPeriod { parameters: 6, ..JET };
+    let mut flight = flight::<11>(&regular(2000, 0.01));
+    for (k, sample) in flight.iter_mut().enumerate().skip(5) {
+        if k % 17 == 0 {
+            sample.outputs[k % 3] += [5.0, 20.0][k % 2] * JET_NOISE[k % 3];
+        }
+    }
+    let worst = difference(offsets, settings, &flight, None);
+    println!("largest difference from the clipped joint filter: {worst:.2e}");
     assert!(worst < 1e-8, "{worst}");
 }

@@ -18,7 +18,7 @@
 mod common;
 
 use phugoid_estimators::discretization::InputHold;
-use phugoid_estimators::smpe::{ParameterPrior, ProcessNoise, ReReaching, Smpe, SmpeSettings};
+use phugoid_estimators::smpe::{ParameterPrior, ProcessNoise, ReReaching, ReachingState, Smpe, SmpeSettings};
 use phugoid_estimators::{Estimate, Estimator, LinearizedOutputs, LinearizedRates, Model, Sample};
 use phugoid_flight_dynamics::atmosphere::Atmosphere;
 use phugoid_flight_dynamics::f16::{F16, F16Options};
@@ -144,6 +144,7 @@ fn trace(index: usize) -> Option<Trace> {
     smpe = smpe.with_biases(si(&numbers(&settings["bias_prior_sd"])));
     smpe.rejection_limit = number("kappa2");
     smpe.reaching_limit = number("kappa");
+    smpe.reaching_state = ReachingState::Prototype;
     smpe.re_reaching = ReReaching::Off;
     smpe.correct_first_sample = false;
     smpe.start_window_s = 0.0;

@@ -63,7 +63,8 @@ mod slot;
 mod start;
 
 pub use settings::{
-    ChangeDetection, ChangePrior, OutputInput, ParameterPrior, ProcessNoise, ReReaching, SmpeError, SmpeSettings,
+    ChangeDetection, ChangePrior, OutputInput, ParameterPrior, ProcessNoise, ReReaching, ReachingState, SmpeError,
+    SmpeSettings,
 };
 pub use slot::{Innovations, RowPhase};
 pub(crate) use start::median;

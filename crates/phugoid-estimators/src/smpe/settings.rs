@@ -225,6 +225,17 @@ impl ChangeDetection {
     }
 }
 
+/// How far a reaching row moves the state.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ReachingState {
+    /// As far as the joint filter with the innovation clipped at `kappa` would: continuous with the sliding phase.
+    #[default]
+    Joint,
+    /// `1 + v` times as far, as in the prototype whose recorded traces a test compares with. Too far while much is still to
+    /// be learnt.
+    Prototype,
+}
+
 /// Everything the sliding-mode parameter estimator is told. [`SmpeSettings::automatic`] fills it by rule; every field
 /// may then be changed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -246,6 +257,8 @@ pub struct SmpeSettings<const N: usize, const R: usize, const P: usize> {
     pub reaching_limit: f64,
     /// `kappa2`: beyond this a row is rejected.
     pub rejection_limit: f64,
+    /// How far a reaching row moves the state.
+    pub reaching_state: ReachingState,
     /// Nominal sample time, s.
     pub sample_time_s: f64,
     /// What the input does between samples.
@@ -289,6 +302,7 @@ impl<const N: usize, const R: usize, const P: usize> SmpeSettings<N, R, P> {
             process_noise: ProcessNoise::NONE,
             reaching_limit: 3.0,
             rejection_limit: automatic_rejection_limit(learnt(priors)),
+            reaching_state: ReachingState::Joint,
             sample_time_s,
             input_hold: InputHold::Zero,
             output_input: OutputInput::Current,

@@ -2,7 +2,7 @@
 
 use super::colour::Colour;
 use super::columns::Columns;
-use super::settings::{OutputInput, SmpeSettings};
+use super::settings::{OutputInput, ReachingState, SmpeSettings};
 use crate::discretization::{self, IntervalInput, Part};
 use crate::kernels::{add_scaled, dot};
 use crate::model::{LinearizedOutputs, Model};
@@ -299,7 +299,11 @@ impl<const N: usize, const P: usize> Slot<N, P> {
                 if one_plus_v < 2.0 {
                     self.colour.add(&psi[..p], phi);
                 }
-                ex = kappa * nn * sign;
+                // U stays too, so the share of the state in the surface, 1/(1+v), has to be in e_x itself.
+                ex = match settings.reaching_state {
+                    ReachingState::Joint => phi,
+                    ReachingState::Prototype => kappa * nn * sign,
+                };
                 p_h = self.px.cross_covariance(&state_projection);
                 c_psi = self.c.cross_covariance(&projection);
             }
