@@ -18,7 +18,8 @@ pub struct ParameterResult {
     pub lower: f64,
     /// `value + 2 corrected_std_error`.
     pub upper: f64,
-    /// One of `converged`, `improving`, `not_excited`, `at_limit`, `fixed`.
+    /// One of `converged`, `improving`, `not_excited`, `at_limit`, `in_doubt` (settled, but the model contradicts the
+    /// flight), `fixed`.
     pub status: String,
     /// First time after which the estimate stays within 5 % of its final value, or of the truth where that is known, s
     /// from the start of the record; none if it is not reached or the parameter was not excited.

@@ -11,7 +11,7 @@ use crate::options::{EstimateOptions, Method};
 use crate::output::{OUTPUTS, Output};
 use crate::prepare::Prepared;
 use crate::run::{ColumnRun, Run, phase_word, status_word};
-use crate::verdict::verdict;
+use crate::verdict::{is_contradicted, verdict};
 
 pub(crate) fn summarise(
     record: &Record,
@@ -23,10 +23,16 @@ pub(crate) fn summarise(
     doubts: &[Doubt],
 ) -> Estimation {
     let columns = columns(file);
-    let parameters: Vec<ParameterResult> =
+    let mut parameters: Vec<ParameterResult> =
         columns.iter().map(|(p, column)| result(p, *column, prepared, &run, options)).collect();
     let correlation = correlation(&columns, &run);
     let history = history(file, prepared, &columns, &run);
+    if run.excited && is_contradicted(&history.residuals) {
+        // An estimate that stands still because the samples that speak against it are rejected has not converged.
+        for parameter in parameters.iter_mut().filter(|p| p.status == "converged") {
+            parameter.status = "in_doubt".to_owned();
+        }
+    }
     let noise_signals = measured(file).map(|o| signal(o.name(), o.unit(), vec![noise[o.index()].std])).collect();
     let verdict = verdict(&parameters, &correlation, prepared, noise, &run, doubts, &history);
     Estimation {

@@ -13,6 +13,11 @@ use crate::run::Run;
 const INDISTINGUISHABLE: f64 = 0.99;
 /// Correlation from which two parameters are said to depend on each other.
 const CORRELATED: f64 = 0.95;
+/// Share of an output's samples beyond six sigmas from which, if they also come in runs, the model is said to contradict
+/// the flight. Sensors that throw single bad values do not make runs.
+const CONTRADICTED: f64 = 0.05;
+/// Lag-one correlation of clipped residuals from which they are called coloured.
+const COLOURED: f64 = 0.4;
 
 pub(crate) fn verdict(
     parameters: &[ParameterResult],
@@ -26,6 +31,7 @@ pub(crate) fn verdict(
     let mut sentences = Vec::new();
     let pairs = pairs(parameters, correlation);
     if run.excited {
+        contradiction(&history.residuals, &mut sentences);
         excitation(parameters, &pairs, &mut sentences);
         tell_pairs(parameters, &pairs, &mut sentences);
         changes(parameters, run, &mut sentences);
@@ -77,9 +83,12 @@ fn excitation(parameters: &[ParameterResult], pairs: &[Pair], sentences: &mut Ve
         let told = |p: &&&ParameterResult| p.status == status && !(status == "not_excited" && twin(p));
         wanted.iter().filter(told).map(|p| p.name.as_str()).collect()
     };
-    let (converged, improving, silent, limited) =
-        (with("converged"), with("improving"), with("not_excited"), with("at_limit"));
+    let (converged, improving, silent, limited, doubtful) =
+        (with("converged"), with("improving"), with("not_excited"), with("at_limit"), with("in_doubt"));
     sentences.push(format!("{} of {} parameters have converged.", converged.len(), wanted.len()));
+    if !doubtful.is_empty() {
+        sentences.push(format!("In doubt, since the model contradicts the flight: {}.", doubtful.join(", ")));
+    }
     if !improving.is_empty() {
         sentences.push(format!("Still improving, more excitation would help: {}.", improving.join(", ")));
     }
@@ -118,13 +127,15 @@ fn pairs(parameters: &[ParameterResult], correlation: &[Vec<f64>]) -> Vec<Pair> 
 fn tell_pairs(parameters: &[ParameterResult], found: &[Pair], sentences: &mut Vec<String>) {
     for &(r, i, j) in found {
         let (a, b) = (&parameters[i].name, &parameters[j].name);
-        sentences.push(if r.abs() >= INDISTINGUISHABLE {
+        let known = |i: usize| parameters[i].status == "converged";
+        sentences.push(if r.abs() >= INDISTINGUISHABLE && !(known(i) && known(j)) {
             format!(
                 "{a} and {b} cannot be told apart in this record (correlation {r:.4}): only a combination of them is \
                  known. Fix one of them, or fly a manoeuvre that moves their regressors differently."
             )
         } else {
-            format!("{a} and {b} are strongly correlated ({r:.3}): read them together.")
+            let digits = if r.abs() >= INDISTINGUISHABLE { 4 } else { 3 };
+            format!("{a} and {b} are strongly correlated ({r:.digits$}): read them together.")
         });
     }
 }
@@ -153,31 +164,76 @@ fn changes(parameters: &[ParameterResult], run: &Run, sentences: &mut Vec<String
     }
 }
 
-/// Outliers, and residuals that are not white.
-fn residuals(residuals: &[Signal], run: &Run, sentences: &mut Vec<String>) {
-    let samples = run.phases.len().max(1) as f64;
-    for signal in residuals {
+/// How the whitened residuals of one output are spread, once there are enough of them.
+struct Spread {
+    /// Samples with a residual.
+    present: usize,
+    /// Those beyond six sigmas.
+    outliers: usize,
+    /// Lag-one correlation, outliers clipped to three sigmas.
+    colour: f64,
+}
+
+impl Spread {
+    fn of(signal: &Signal) -> Option<Self> {
         let present: Vec<f64> = signal.values.iter().copied().filter(|v| v.is_finite()).collect();
         if present.len() < 20 {
-            continue;
-        }
-        let outliers = present.iter().filter(|v| v.abs() > 6.0).count();
-        if outliers > 0 && outliers as f64 > 0.002 * samples {
-            sentences.push(format!(
-                "{outliers} of {} samples of {} lie more than six sigmas away and were taken for outliers.",
-                present.len(),
-                signal.name
-            ));
+            return None;
         }
         let core: Vec<f64> = present.iter().map(|v| v.clamp(-3.0, 3.0)).collect();
         let power: f64 = core.iter().map(|v| v * v).sum();
         let lagged: f64 = core.windows(2).map(|w| w[0] * w[1]).sum();
-        if power > 0.0 && lagged / power > 0.4 {
+        Some(Self {
+            present: present.len(),
+            outliers: present.iter().filter(|v| v.abs() > 6.0).count(),
+            colour: if power > 0.0 { lagged / power } else { 0.0 },
+        })
+    }
+
+    fn contradicts(&self) -> bool {
+        self.outliers as f64 > CONTRADICTED * self.present as f64 && self.colour > COLOURED
+    }
+}
+
+/// Whether some output disagrees with its prediction so often, and in runs, that it is the model that is wrong. The
+/// samples in question were rejected, so that bounds learnt from the others alone are not to be believed.
+pub(crate) fn is_contradicted(residuals: &[Signal]) -> bool {
+    residuals.iter().filter_map(Spread::of).any(|spread| spread.contradicts())
+}
+
+fn contradiction(residuals: &[Signal], sentences: &mut Vec<String>) {
+    let told: Vec<String> = residuals
+        .iter()
+        .filter_map(|signal| Spread::of(signal).filter(Spread::contradicts).map(|s| (signal, s)))
+        .map(|(signal, s)| format!("{:.0} % of {}", 100.0 * s.outliers as f64 / s.present as f64, signal.name))
+        .collect();
+    if !told.is_empty() {
+        sentences.push(format!(
+            "The model contradicts this flight: more than six sigmas away are {}. Do not use these numbers, nor their \
+             bounds. Look for a wrong unit, sign or time, a delay or an offset of a sensor, a wrong mass or geometry, or \
+             noise levels that are too small.",
+            told.join(", ")
+        ));
+    }
+}
+
+/// Outliers, and residuals that are not white.
+fn residuals(residuals: &[Signal], run: &Run, sentences: &mut Vec<String>) {
+    let samples = run.phases.len().max(1) as f64;
+    for signal in residuals {
+        let Some(Spread { present, outliers, colour }) = Spread::of(signal) else { continue };
+        if outliers > 0 && outliers as f64 > 0.002 * samples {
             sentences.push(format!(
-                "Residuals of {} are coloured (lag-one correlation {:.2}): model error, a sensor bias or lag, turbulence, or too \
-                 small a noise level. The corrected standard errors allow for colour shorter than half a second.",
-                signal.name,
-                lagged / power
+                "{outliers} of {present} samples of {} lie more than six sigmas away and were taken for outliers.",
+                signal.name
+            ));
+        }
+        if colour > COLOURED {
+            sentences.push(format!(
+                "Residuals of {} are coloured (lag-one correlation {colour:.2}): model error, a sensor bias or lag, \
+                 turbulence, or too small a noise level. The corrected standard errors allow for colour shorter than half \
+                 a second.",
+                signal.name
             ));
         }
     }

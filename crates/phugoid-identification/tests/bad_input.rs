@@ -146,6 +146,28 @@ fn twenty_sigma_outliers_do_not_matter_and_are_counted() {
 }
 
 #[test]
+fn a_flight_that_the_model_contradicts_has_no_converged_parameter() {
+    let sound = run(&fly(15.0, AMPLITUDE, 3), &model()).unwrap();
+    assert!(!said(&sound, &["contradicts"]), "{:?}", sound.verdict);
+    let knots = |record: &mut Record| values(record, "true_airspeed").iter_mut().for_each(|v| *v /= 0.514_444);
+    let sign = |record: &mut Record| values(record, "elevator").iter_mut().for_each(|v| *v *= -1.0);
+    let still = |record: &mut Record| values(record, "elevator").fill(-0.03);
+    let late = |record: &mut Record| values(record, "elevator").rotate_right(10);
+    for (name, spoil) in [
+        ("knots as m/s", &knots as &dyn Fn(&mut Record)),
+        ("elevator sign", &sign),
+        ("elevator stuck in the record", &still),
+        ("elevator 0.2 s late", &late),
+    ] {
+        let mut record = fly(15.0, AMPLITUDE, 3);
+        spoil(&mut record);
+        let estimation = run(&record, &model()).unwrap();
+        assert!(estimation.verdict[0].contains("contradicts"), "{name}: {:#?}", estimation.verdict);
+        assert!(estimation.parameters.iter().all(|p| p.status != "converged"), "{name}: {:#?}", estimation.parameters);
+    }
+}
+
+#[test]
 fn a_gap_is_an_event_and_not_a_catastrophe() {
     let mut record = fly(15.0, AMPLITUDE, 6);
     let cut = |values: &mut Vec<f64>| {

@@ -99,7 +99,7 @@ fn result_row(estimation: &Estimation, parameter: &ParameterResult, truth: bool)
     let class = match parameter.status.as_str() {
         "converged" => " good",
         "improving" => " waiting",
-        "not_excited" | "at_limit" => " bad",
+        "not_excited" | "at_limit" | "in_doubt" => " bad",
         _ => "",
     };
     format!(
