@@ -150,6 +150,9 @@ fn milliseconds_read_as_seconds_are_noticed() {
     for (factor, unit) in [(1e3, "time_ms"), (1e6, "time_us")] {
         let mut record = flight(0.0);
         record.time.iter_mut().for_each(|time| *time *= factor);
+        // Between two samples theta moves less than this.
+        let theta = record.channels.iter_mut().find(|channel| channel.name == "theta").unwrap();
+        theta.values.iter_mut().step_by(2).for_each(|value| *value += 0.002);
         let doubts = check(&record);
         let found = doubts.iter().filter(|doubt| doubt.message.contains(unit)).collect::<Vec<_>>();
         assert!(!found.is_empty() && found.iter().all(|d| d.certainty == Certainty::Certain), "{doubts:#?}");

@@ -21,9 +21,8 @@ pub(super) fn attitude_and_rate(doubts: &mut Doubts, attitude: &str, rate: &str)
     let bank = (attitude == "theta" && !doubts.any(&["phi"])).then(|| doubts.values("phi")).flatten();
     let level = |k: usize| bank.is_none_or(|phi| phi[k].abs() < LEVEL);
     let rate_at = |k: usize| if level(k) { turning[k] } else { f64::NAN };
-    // A slow record still has something to say, and one whose milliseconds are read as seconds has nothing else.
     let step = median(doubts.time().windows(2).map(|pair| pair[1] - pair[0])).unwrap_or(0.0);
-    let Some(Fit { slope, correlation }) = fit(doubts.time(), angle, rate_at, f64::max(0.5, 2.0 * step)) else {
+    let Some(Fit { slope, correlation }) = fit(doubts.time(), angle, rate_at, window(doubts.time(), step)) else {
         return;
     };
     let found = format!("{attitude} changes {} times as fast as {rate} says", Short(slope.abs()));
@@ -78,6 +77,13 @@ pub(super) fn attitude_and_rate(doubts: &mut Doubts, attitude: &str, rate: &str)
         let message = format!("{found}: about 1 is expected with the wings level. Check the units of both");
         doubts.add(&[attitude, rate], Certainty::Doubtful, message);
     }
+}
+
+/// Half a second; of a slow record, or one whose milliseconds are read as seconds, up to fifty samples, as long as there are
+/// some twenty windows of them.
+fn window(time: &[f64], step: f64) -> f64 {
+    let length = time.last().zip(time.first()).map_or(0.0, |(last, first)| last - first);
+    if step < 0.25 { 0.5 } else { (50.0 * step).min(length / 20.0).max(1.01 * step) }
 }
 
 /// Says it of the channel alone whose size is impossible too, else of the pair; in both cases only once.
