@@ -20,6 +20,8 @@
 //! along the thrust, and beyond the surfaces' limits with the aircraft's own data, so that it can say how much would have
 //! been needed.
 
+use std::ops::RangeInclusive;
+
 use nalgebra::{SMatrix, SVector};
 use serde::Serialize;
 
@@ -33,7 +35,7 @@ use crate::scalar::{Dual, Scalar};
 pub struct TrimCondition {
     /// True airspeed, m/s.
     pub speed: f64,
-    /// Altitude above sea level, m.
+    /// Altitude above sea level, m; from -1000 to 25,000 m.
     pub altitude: f64,
     /// Flight path angle, rad, positive climbing. A climb is steady but for the change of the air with altitude.
     pub flight_path_angle: f64,
@@ -308,11 +310,19 @@ pub fn trim<A: Aircraft>(aircraft: &A, condition: &TrimCondition) -> Result<Trim
     }
 }
 
+/// Altitudes, m, in which the atmosphere models mean something; not far above, the air of Stevens & Lewis ends.
+const ATMOSPHERE: RangeInclusive<f64> = -1_000.0..=25_000.0;
+
 fn check(c: &TrimCondition) -> Result<(), TrimError> {
     let [low, high] = c.alpha_range;
     for (field, value, valid, expected) in [
         ("speed", c.speed, c.speed > 0.0, "a positive number, m/s"),
-        ("altitude", c.altitude, true, "a number, m"),
+        (
+            "altitude",
+            c.altitude,
+            ATMOSPHERE.contains(&c.altitude),
+            "between -1000 and 25000 m, where the models of the air hold",
+        ),
         ("flight_path_angle", c.flight_path_angle, c.flight_path_angle.abs() < 1.5, "between -1.5 and 1.5 rad"),
         ("turn_rate", c.turn_rate, true, "a number, rad/s"),
         ("heading", c.heading, true, "a number, rad"),

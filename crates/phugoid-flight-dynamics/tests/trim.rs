@@ -310,3 +310,12 @@ proptest! {
         prop_assert!(m.rates.speed.abs() < 1e-9 && m.rates.q.abs() < 1e-10);
     }
 }
+
+#[test]
+fn where_there_is_no_air_there_is_no_trim() {
+    let aircraft = F16::new(F16Options::default()).unwrap();
+    for altitude_ft in [1e9, 200_000.0, -100_000.0] {
+        let error = trim(&aircraft, &level(675.0, altitude_ft)).unwrap_err().to_string();
+        assert!(error.contains("altitude") && error.contains("-1000 and 25000 m"), "{altitude_ft} ft: {error}");
+    }
+}
