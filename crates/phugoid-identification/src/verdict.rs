@@ -220,6 +220,7 @@ fn contradiction(residuals: &[Signal], sentences: &mut Vec<String>) {
 /// Outliers, and residuals that are not white.
 fn residuals(residuals: &[Signal], run: &Run, sentences: &mut Vec<String>) {
     let samples = run.phases.len().max(1) as f64;
+    let mut coloured = Vec::new();
     for signal in residuals {
         let Some(Spread { present, outliers, colour }) = Spread::of(signal) else { continue };
         if outliers > 0 && outliers as f64 > 0.002 * samples {
@@ -229,12 +230,14 @@ fn residuals(residuals: &[Signal], run: &Run, sentences: &mut Vec<String>) {
             ));
         }
         if colour > COLOURED {
-            sentences.push(format!(
-                "Residuals of {} are coloured (lag-one correlation {colour:.2}): model error, a sensor bias or lag, \
-                 turbulence, or too small a noise level. The corrected standard errors allow for colour shorter than half \
-                 a second.",
-                signal.name
-            ));
+            coloured.push(format!("{} ({colour:.2})", signal.name));
         }
+    }
+    if !coloured.is_empty() {
+        sentences.push(format!(
+            "Coloured residuals (lag-one correlation): {}. That is model error, a sensor bias or lag, turbulence, or too \
+             small a noise level. The corrected standard errors allow for colour shorter than half a second.",
+            coloured.join(", ")
+        ));
     }
 }

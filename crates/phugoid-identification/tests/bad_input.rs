@@ -168,6 +168,22 @@ fn a_flight_that_the_model_contradicts_has_no_converged_parameter() {
 }
 
 #[test]
+fn an_elevator_that_moves_while_samples_are_lost_is_said() {
+    let mut record = fly(15.0, AMPLITUDE, 6);
+    let elevator = values(&mut record, "elevator").clone();
+    // Every sample before a step is lost, and some at rest.
+    let lost = |k: usize| k % 100 == 50 || elevator.get(k + 1).is_some_and(|next| (next - elevator[k]).abs() > 0.01);
+    assert!(!said(&run(&record, &model()).unwrap(), &["samples were lost"]));
+    let keep = |values: &mut Vec<f64>| {
+        *values = values.iter().enumerate().filter(|(k, _)| !lost(*k)).map(|(_, value)| *value).collect();
+    };
+    keep(&mut record.time);
+    record.channels.iter_mut().for_each(|channel| keep(&mut channel.values));
+    let estimation = run(&record, &model()).unwrap();
+    assert!(said(&estimation, &["elevator moved", "samples were lost", "bounds"]), "{:#?}", estimation.verdict);
+}
+
+#[test]
 fn a_gap_is_an_event_and_not_a_catastrophe() {
     let mut record = fly(15.0, AMPLITUDE, 6);
     let cut = |values: &mut Vec<f64>| {
