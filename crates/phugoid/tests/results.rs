@@ -142,6 +142,17 @@ fn a_simulated_flight_can_be_estimated() {
 }
 
 #[test]
+fn a_flight_beyond_the_aerodynamic_tables_says_so() {
+    let folder = Folder::new("beyond");
+    let calm = phugoid(&folder.0, &["simulate", "f16-calm", "--json"]).json();
+    assert_eq!(calm["warnings"].as_array().unwrap().len(), 0);
+    let scenario = phugoid(&folder.0, &["simulate", "f16-calm", "--show"]).out.replace("cg = 0.30", "cg = 0.60");
+    folder.file("aft.toml", &scenario);
+    let aft = phugoid(&folder.0, &["simulate", "aft.toml"]);
+    assert!(aft.out.contains("Warning: alpha leaves the aerodynamic tables (-10 to 45 deg)"), "{}", aft.out);
+}
+
+#[test]
 fn a_simulated_flight_is_shown_beside_its_truth() {
     let folder = Folder::new("truth");
     phugoid(&folder.0, &["simulate", "f16-gust-actuators", "--out", "."]);

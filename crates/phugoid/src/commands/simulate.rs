@@ -6,11 +6,11 @@ use std::path::{Path, PathBuf};
 
 use phugoid_flight_data::channels::by_name;
 use phugoid_flight_data::csv;
-use phugoid_flight_data::record::{Channel, Quantity};
+use phugoid_flight_data::record::{Channel, Quantity, Record};
 use phugoid_flight_dynamics::trim::Trim;
 use phugoid_identification::estimation::Signal;
 use phugoid_report::{Figure, TimeHistoryPanel, time_histories, write_named_figures};
-use phugoid_studies::flight::{Flight, FlightError, fly_with_progress};
+use phugoid_studies::flight::{F16_ALPHA_RANGE_DEG, Flight, FlightError, fly_with_progress};
 use phugoid_studies::scenario::{BUILT_IN, Scenario, ScenarioError, built_in, nearest};
 use serde::Serialize;
 
@@ -32,6 +32,7 @@ struct Document<'a> {
     measured_csv: &'a Path,
     truth_csv: &'a Path,
     figures: Vec<PathBuf>,
+    warnings: Vec<String>,
 }
 
 pub(crate) fn run(arguments: &arguments::Simulate) -> Result<(), Failure> {
@@ -73,6 +74,7 @@ pub(crate) fn run(arguments: &arguments::Simulate) -> Result<(), Failure> {
         measured_csv: &measured,
         truth_csv: &truth,
         figures,
+        warnings: beyond_the_tables(&flight.truth),
     };
     if arguments.json { print(&json(&document)?) } else { print(&text(&document, &flight)) }
 }
@@ -166,12 +168,36 @@ fn text(document: &Document, flight: &Flight) -> String {
         ]);
     }
     text.push_str(&table.render());
+    for warning in &document.warnings {
+        let _ = writeln!(text, "\nWarning: {warning}");
+    }
     let _ = writeln!(text, "\nMeasured: {}", document.measured_csv.display());
     let _ = writeln!(text, "Truth:    {}", document.truth_csv.display());
     if let Some(folder) = document.figures.first().and_then(|f| f.parent()) {
         let _ = writeln!(text, "Figures:  {}", folder.display());
     }
     text
+}
+
+/// Largest deflections in the tables of elevator, aileron and rudder, deg.
+const SURFACE_LIMITS_DEG: [(&str, f64); 3] = [("elevator", 25.0), ("aileron", 21.5), ("rudder", 30.0)];
+
+/// Where a flight leaves the aerodynamic tables: beyond their ends they are continued in straight lines, which no aircraft
+/// is.
+fn beyond_the_tables(truth: &Record) -> Vec<String> {
+    let [lowest, highest] = F16_ALPHA_RANGE_DEG;
+    let surfaces = SURFACE_LIMITS_DEG.map(|(name, limit)| (name, -limit, limit));
+    let ranges = [("alpha", lowest, highest), ("beta", -30.0, 30.0)].into_iter().chain(surfaces);
+    let first = |(name, low, high): (&str, f64, f64)| {
+        let values = &truth.channel(name)?.values;
+        let inside = |value: f64| (low - 1e-6..=high + 1e-6).contains(&value.to_degrees());
+        let k = values.iter().position(|value| value.is_finite() && !inside(*value))?;
+        Some(format!(
+            "{name} leaves the aerodynamic tables ({low} to {high} deg) at {:.2} s; what follows is extrapolation",
+            truth.time.get(k)?
+        ))
+    };
+    ranges.filter_map(first).collect()
 }
 
 /// The unit in which people read a quantity, and its size: degrees, SI otherwise.
