@@ -37,15 +37,16 @@ impl Prepared {
     }
 }
 
-/// Says how often the elevator moved while no sample was taken. The model takes it to move at the later sample, or evenly;
+/// Says how often the elevator moved while it was not sampled. The model takes it to move at the later sample, or evenly;
 /// a step that came earlier biases the moment derivatives by more than their bounds.
-fn unseen_moves(time: &[f64], elevator: &[f64]) -> Option<String> {
+fn unseen_moves(time: &[f64], elevator: &[f64], seen: &[bool]) -> Option<String> {
     let step = median(&mut time.windows(2).map(|pair| pair[1] - pair[0]).collect::<Vec<f64>>())?;
     let (low, high) = elevator.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
     let unseen = time
         .windows(2)
         .zip(elevator.windows(2))
-        .filter(|(t, e)| t[1] - t[0] > 1.5 * step && (e[1] - e[0]).abs() > 0.1 * (high - low))
+        .zip(seen)
+        .filter(|((t, e), before)| (!**before || t[1] - t[0] > 1.5 * step) && (e[1] - e[0]).abs() > 0.1 * (high - low))
         .count();
     (unseen > 0).then(|| {
         format!(
@@ -111,6 +112,7 @@ pub fn prepare(record: &Record, file: &ModelFile) -> Result<Prepared, EstimateEr
     if samples < 20 {
         return Err(EstimateError::TooShort { samples });
     }
+    let seen: Vec<bool> = columns[0][first..].iter().map(|value| value.is_finite()).collect();
     for (index, column) in columns.iter_mut().enumerate() {
         let held = hold(&mut column[first..]);
         if held > 0 {
@@ -118,7 +120,7 @@ pub fn prepare(record: &Record, file: &ModelFile) -> Result<Prepared, EstimateEr
             notes.push(format!("input `{name}` is missing in {held} samples: its last value was held there"));
         }
     }
-    notes.extend(unseen_moves(&record.time[first..], &columns[0][first..]));
+    notes.extend(unseen_moves(&record.time[first..], &columns[0][first..], &seen));
     let inputs: Vec<LongitudinalInput> = (first..record.time.len())
         .map(|k| LongitudinalInput {
             elevator: columns[0][k],
