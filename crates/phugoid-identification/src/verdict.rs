@@ -34,7 +34,7 @@ pub(crate) fn verdict(
         contradiction(&history.residuals, &mut sentences);
         excitation(parameters, &pairs, &mut sentences);
         tell_pairs(parameters, &pairs, &mut sentences);
-        changes(parameters, run, &mut sentences);
+        changes(parameters, run, is_contradicted(&history.residuals), &mut sentences);
         residuals(&history.residuals, run, &mut sentences);
     } else {
         no_excitation(&history.measured, &mut sentences);
@@ -140,11 +140,13 @@ fn tell_pairs(parameters: &[ParameterResult], found: &[Pair], sentences: &mut Ve
     }
 }
 
-fn changes(parameters: &[ParameterResult], run: &Run, sentences: &mut Vec<String>) {
+fn changes(parameters: &[ParameterResult], run: &Run, contradicted: bool, sentences: &mut Vec<String>) {
     let times: Vec<String> =
         run.events.iter().filter(|e| e.kind == "re_reached").map(|e| format!("{:.2} s", e.time_s)).collect();
     if !times.is_empty() {
-        sentences.push(format!("The parameters changed in flight: found at {}.", times.join(", ")));
+        let (times, doubt) =
+            (times.join(", "), if contradicted { ", or what contradicts the model looks like it" } else { "" });
+        sentences.push(format!("The parameters changed in flight{doubt}: found at {times}."));
     }
     let Some(detector) = run.detector else { return };
     if run.status.detector == DetectorState::Insensitive {

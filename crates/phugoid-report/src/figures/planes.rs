@@ -89,7 +89,8 @@ fn plane(r: f64, x: Direction, y: Direction) -> Option<Panel> {
         series.push(Series::new("truth", Colour::Vermillion, &Arc::from([x]), Kind::Marks(vec![y])));
     }
     let centre = |at| Reference { label: String::new(), colour: Colour::Grid, dashed: false, at };
-    let heading = Axis { label: format!("{}, r = {}", y.name, crate::ticks::fixed(r, 2)), ..y_axis };
+    let label = format!("{} ({}), r = {}", y.name, y.unit, crate::ticks::fixed(r, 2));
+    let heading = Axis { label, unit: String::new(), ..y_axis };
     Some(
         Panel::plot(heading, series)
             .with_x(x_axis)
