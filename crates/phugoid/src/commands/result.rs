@@ -80,7 +80,7 @@ pub(crate) fn text(estimation: &Estimation, report: Option<&Path>, figures: &[Pa
     }
     text.push_str(&parameters(estimation));
     text.push_str(
-        "\nDerivatives per radian. Bounds are two standard errors, corrected for the colour of the residuals.\n",
+        "\nDerivatives per radian. Bounds are two standard errors, corrected for the\ncolour of the residuals.\n",
     );
     paragraph(&mut text, "Verdict", estimation.verdict.iter().cloned());
     let event = |e: &Event| format!("{:8.2} s  {}", e.time_s, e.message);
@@ -136,7 +136,7 @@ fn wrapped(sentence: &str) -> String {
 /// The table of parameters: those asked for first, then those that only support them.
 fn parameters(estimation: &Estimation) -> String {
     let truth_known = estimation.parameters.iter().any(|p| p.truth.is_some());
-    let mut header = vec!["parameter", "estimate", "+- 2 sigma", "percent"];
+    let mut header = vec!["parameter", "estimate", "+- 2 sigma", "+- %"];
     if truth_known {
         header.extend(["truth", "error/sigma"]);
     }
