@@ -95,7 +95,7 @@ fn all(criterion: &mut Criterion) {
     jacobians::<5>(criterion, "F-16, p = 5", f16());
     jacobians::<12>(criterion, "HFB-320, p = 11", hfb320());
     update::<5>(criterion, "SMPE update, F-16, p = 5, capacity 5", f16());
-    update::<8>(criterion, "SMPE update, F-16, p = 5, capacity 8", f16());
+    update::<11>(criterion, "SMPE update, F-16, p = 5, capacity 11", f16());
     update::<24>(criterion, "SMPE update, F-16, p = 5, capacity 24", f16());
     update::<11>(criterion, "SMPE update, HFB-320, p = 11, capacity 11", hfb320());
     update::<24>(criterion, "SMPE update, HFB-320, p = 11, capacity 24", hfb320());

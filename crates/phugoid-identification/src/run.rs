@@ -52,9 +52,12 @@ pub(crate) struct ColumnRun {
     pub(crate) change_sensitivity: f64,
 }
 
-/// Room of the smaller of the two estimators that are compiled in: unused room costs time in every update (five
-/// parameters take 1.95 us in room for five, 2.21 in room for eight and 2.54 in room for 24; benches/update.rs).
-const SMALL_CAPACITY: usize = 8;
+/// Rooms of the smaller estimators that are compiled in beside [`CAPACITY`]: unused room costs time in every update, and
+/// an estimator that is full has loops of constant length (five parameters take 1.95 us in room for five and 2.57 us in
+/// room for 24; benches/update.rs). Five is the longitudinal increments of a database; eleven those with six biases, or
+/// a whole longitudinal build-up.
+const SMALL_ROOM: usize = 5;
+const MIDDLE_ROOM: usize = 11;
 
 /// Runs the estimator in the smallest room that holds the model; the numbers do not depend on the room.
 pub(crate) fn run_smpe(
@@ -64,11 +67,12 @@ pub(crate) fn run_smpe(
     noise: &[NoiseLevel; OUTPUTS],
     progress: &mut dyn FnMut(f64),
 ) -> Result<Run, EstimateError> {
-    if file.estimated().count() <= SMALL_CAPACITY {
-        run_in_room::<SMALL_CAPACITY>(prepared, file, options, noise, progress)
-    } else {
-        run_in_room::<CAPACITY>(prepared, file, options, noise, progress)
-    }
+    let run = match file.estimated().count() {
+        0..=SMALL_ROOM => run_in_room::<SMALL_ROOM>,
+        columns if columns <= MIDDLE_ROOM => run_in_room::<MIDDLE_ROOM>,
+        _ => run_in_room::<CAPACITY>,
+    };
+    run(prepared, file, options, noise, progress)
 }
 
 fn run_in_room<const ROOM: usize>(

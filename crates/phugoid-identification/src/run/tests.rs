@@ -1,6 +1,6 @@
 //! The numbers do not depend on the room that the estimator was compiled with.
 
-use super::{CAPACITY, ColumnRun, Run, SMALL_CAPACITY, run_in_room};
+use super::{CAPACITY, ColumnRun, MIDDLE_ROOM, Run, SMALL_ROOM, run_in_room};
 use crate::model_file::ModelFile;
 use crate::noise::NoiseLevel;
 use crate::options::EstimateOptions;
@@ -58,30 +58,34 @@ fn assert_same(a: &Run, b: &Run) {
 fn the_room_does_not_change_a_bit() {
     let record = eventful();
     let noise = NOISE.map(|std| NoiseLevel { std, measured: false });
-    // Five parameters, and as many as the small room holds.
+    // Five parameters, which fill the small room, and eight.
     for (biases, columns) in [("", 5), ("\n[biases]\nalpha = \"0.3 deg\"\nq = \"0.1 deg/s\"\naz = \"0.02 g\"\n", 8)] {
         let file = ModelFile::parse("f16", &format!("{}{biases}", unbiased())).unwrap();
         let prepared = prepare(&record, &file).unwrap();
         let options = EstimateOptions::default();
-        let small = run_in_room::<SMALL_CAPACITY>(&prepared, &file, &options, &noise, &mut |_| {}).unwrap();
         let large = run_in_room::<CAPACITY>(&prepared, &file, &options, &noise, &mut |_| {}).unwrap();
-        let exact = run_in_room::<13>(&prepared, &file, &options, &noise, &mut |_| {}).unwrap();
-        assert_eq!(small.columns.len(), columns);
-        let kinds: Vec<&str> = small.events.iter().map(|e| e.kind.as_str()).collect();
-        println!("{columns} columns: {kinds:?}, {:?}", small.status);
+        let middle = run_in_room::<MIDDLE_ROOM>(&prepared, &file, &options, &noise, &mut |_| {}).unwrap();
+        let full = if columns == SMALL_ROOM {
+            run_in_room::<SMALL_ROOM>(&prepared, &file, &options, &noise, &mut |_| {}).unwrap()
+        } else {
+            run_in_room::<8>(&prepared, &file, &options, &noise, &mut |_| {}).unwrap()
+        };
+        assert_eq!(full.columns.len(), columns);
+        let kinds: Vec<&str> = full.events.iter().map(|e| e.kind.as_str()).collect();
+        println!("{columns} columns: {kinds:?}, {:?}", full.status);
         assert!(kinds.contains(&"in_doubt"), "nothing happened on this flight: {kinds:?}");
-        assert_same(&small, &large);
-        assert_same(&small, &exact);
+        assert_same(&full, &large);
+        assert_same(&full, &middle);
     }
 }
 
 #[test]
 fn a_model_beyond_the_small_room_is_refused_by_it() {
     let file = ModelFile::built_in("hfb320").unwrap().unwrap();
-    assert!(file.estimated().count() > SMALL_CAPACITY);
+    assert!(file.estimated().count() > SMALL_ROOM);
     let noise = [NoiseLevel { std: 0.1, measured: false }; OUTPUTS];
     let f16 = ModelFile::parse("f16", unbiased()).unwrap();
     let prepared = prepare(&fly(2.0, 0.026, 33), &f16).unwrap();
-    let error = run_in_room::<SMALL_CAPACITY>(&prepared, &file, &EstimateOptions::default(), &noise, &mut |_| {});
-    assert!(error.unwrap_err().to_string().contains('8'));
+    let error = run_in_room::<SMALL_ROOM>(&prepared, &file, &EstimateOptions::default(), &noise, &mut |_| {});
+    assert!(error.unwrap_err().to_string().contains('5'));
 }
