@@ -1,22 +1,16 @@
 //! Recorded flights and traces are read as they stand, to the last digit.
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests, not production code
 
-use std::path::PathBuf;
+#[path = "../../../tests/shared_data.rs"]
+mod shared_data;
 
 use phugoid_flight_data::csv::{CsvOptions, read_path};
 use phugoid_flight_data::record::Record;
+use shared_data::shared_file;
 
-/// The record of a file of the shared data; none, with a line that says so, where the data are absent (an error in CI).
+/// The record of a file of the shared data.
 fn shared(file: &str) -> Option<Record> {
-    let root = std::env::var_os("PHUGOID_SHARED_DATA")
-        .map_or_else(|| PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data")), PathBuf::from);
-    let path = root.join(file);
-    if !path.is_file() {
-        assert!(std::env::var_os("CI").is_none(), "{} is absent", path.display());
-        eprintln!("skipped: {} is absent; set PHUGOID_SHARED_DATA to the folder of the shared data", path.display());
-        return None;
-    }
-    Some(read_path(&path, &CsvOptions::default()).unwrap_or_else(|error| panic!("{error}")))
+    Some(read_path(&shared_file(file)?, &CsvOptions::default()).unwrap_or_else(|error| panic!("{error}")))
 }
 
 fn at(record: &Record, name: &str, row: usize) -> f64 {
@@ -97,15 +91,8 @@ fn golden_traces() {
 /// Autopilot logs are not CSV; the message says what they are.
 #[test]
 fn binary_logs_are_refused_by_name() {
-    let root = std::env::var_os("PHUGOID_SHARED_DATA")
-        .map_or_else(|| PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data")), PathBuf::from);
     for (file, name) in [("logs/sample_log_small.ulg", "PX4 ULog"), ("logs/log171.bin", "ArduPilot DataFlash")] {
-        let path = root.join(file);
-        if !path.is_file() {
-            assert!(std::env::var_os("CI").is_none(), "{} is absent", path.display());
-            eprintln!("skipped: {} is absent", path.display());
-            continue;
-        }
+        let Some(path) = shared_file(file) else { continue };
         let error = read_path(&path, &CsvOptions::default()).unwrap_err().to_string();
         assert!(error.contains(name), "{error}");
     }

@@ -1,25 +1,19 @@
 //! Units and signs that cannot be: every spoilt channel is named, once, and sound flights raise no doubt.
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests, not production code
 
-use std::path::PathBuf;
+#[path = "../../../tests/shared_data.rs"]
+mod shared_data;
 
 use phugoid_flight_data::csv::{CsvOptions, read_path};
 use phugoid_flight_data::plausibility::{Certainty, Doubt, check};
 use phugoid_flight_data::record::{Channel, Record};
+use shared_data::shared_file;
 
 const DEGREES: f64 = 180.0 / std::f64::consts::PI;
 const G: f64 = 9.80665;
 
-fn shared(path: &str) -> Option<Record> {
-    let root = std::env::var_os("PHUGOID_SHARED_DATA")
-        .map_or_else(|| PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data")), PathBuf::from);
-    let file = root.join(path);
-    if !file.is_file() {
-        assert!(std::env::var_os("CI").is_none(), "{} is absent", file.display());
-        eprintln!("skipped: {} is absent", file.display());
-        return None;
-    }
-    Some(read_path(&file, &CsvOptions::default()).unwrap_or_else(|error| panic!("{error}")))
+fn shared(file: &str) -> Option<Record> {
+    Some(read_path(&shared_file(file)?, &CsvOptions::default()).unwrap_or_else(|error| panic!("{error}")))
 }
 
 /// A hundred seconds of path and attitude at 20 Hz that fit one another: pitching and rolling about a level turn.

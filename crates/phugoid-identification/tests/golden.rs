@@ -113,10 +113,10 @@ fn si(values: &[f64]) -> [f64; OUTPUTS] {
 }
 
 fn trace(index: usize) -> Option<Trace> {
-    let text = std::fs::read_to_string(common::shared("golden/golden.json")?).unwrap();
+    let text = std::fs::read_to_string(common::shared_file("golden/golden.json")?).unwrap();
     let golden: Value = serde_json::from_str(&text).unwrap();
     let (described, trace) = (&golden["model"], &golden["traces"][index]);
-    let table = common::Table::read(&common::shared(&format!("golden/{}", trace["file"].as_str().unwrap()))?);
+    let table = common::Table::read(&common::shared_file(&format!("golden/{}", trace["file"].as_str().unwrap()))?);
     let settings = &trace["settings"];
     let number = |key: &str| settings[key].as_f64().unwrap();
     let names: Vec<&str> = trace["parameters"].as_array().unwrap().iter().map(|v| v.as_str().unwrap()).collect();

@@ -31,11 +31,11 @@ const NAMES: [(&str, &str); 11] = [
 ];
 
 fn flight() -> Option<Record> {
-    Some(csv::read_path(&common::shared("flight/hfb320.csv")?, &CsvOptions::default()).unwrap())
+    Some(csv::read_path(&common::shared_file("flight/hfb320.csv")?, &CsvOptions::default()).unwrap())
 }
 
 fn reference() -> Option<BTreeMap<String, f64>> {
-    let text = std::fs::read_to_string(common::shared("flight/reference.json")?).unwrap();
+    let text = std::fs::read_to_string(common::shared_file("flight/reference.json")?).unwrap();
     let json: serde_json::Value = serde_json::from_str(&text).unwrap();
     let published = &json["hfb320"]["reference_filter_error"];
     Some(NAMES.iter().map(|(book, ours)| ((*ours).to_owned(), published[*book].as_f64().unwrap())).collect())

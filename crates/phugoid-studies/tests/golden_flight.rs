@@ -1,29 +1,18 @@
 //! The simulated flight against the golden trace: another implementation's altitude history and measurements.
 
-use std::path::PathBuf;
+#[path = "../../../tests/shared_data.rs"]
+mod shared_data;
 
 use phugoid_studies::flight::fly;
 use phugoid_studies::scenario::built_in;
+use shared_data::shared_file;
 
 const FOOT: f64 = 0.3048;
-
-/// The shared data folder, or none with a word why the test is skipped.
-fn shared(file: &str) -> Option<PathBuf> {
-    let folder = std::env::var_os("PHUGOID_SHARED_DATA")
-        .map_or_else(|| PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data")), PathBuf::from);
-    let path = folder.join(file);
-    if path.exists() {
-        return Some(path);
-    }
-    assert!(std::env::var_os("CI").is_none(), "{} is not there", path.display());
-    println!("skipped: {} is not there (set PHUGOID_SHARED_DATA)", path.display());
-    None
-}
 
 /// `golden/calm_3211_p4.csv` records the true altitude to 1e-6 ft and measurements with the listed noise.
 #[test]
 fn the_calm_flight_is_the_golden_one() {
-    let Some(path) = shared("golden/calm_3211_p4.csv") else { return };
+    let Some(path) = shared_file("golden/calm_3211_p4.csv") else { return };
     let text = std::fs::read_to_string(path).unwrap();
     let header: Vec<&str> = text.lines().next().unwrap().split(',').collect();
     let column = |name: &str| {

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{Folder, phugoid, shared};
+use common::{Folder, phugoid, shared_file};
 use serde_json::Value;
 
 fn number(value: &Value) -> f64 {
@@ -230,7 +230,7 @@ fn a_part_of_a_record_can_be_chosen() {
 /// command works on it end to end.
 #[test]
 fn the_hfb320_flight_is_estimated() {
-    let Some(flight) = shared("flight/hfb320.csv") else { return };
+    let Some(flight) = shared_file("flight/hfb320.csv") else { return };
     let folder = Folder::new("hfb320");
     let result = phugoid(&folder.0, &["estimate", flight.to_str().unwrap(), "--model", "hfb320", "--json"]).json();
     let lift = result["parameters"].as_array().unwrap().iter().find(|p| p["name"] == "CL_alpha").unwrap();

@@ -1,20 +1,11 @@
 //! What several tests need: the shared data, or one line saying that it is not there.
-#![allow(dead_code)] // each test binary uses its own part
+#![allow(dead_code, unused_imports)] // each test binary uses its own part
 
+#[path = "../../../../tests/shared_data.rs"]
+mod shared_data;
+
+pub(crate) use shared_data::shared_file;
 use std::path::PathBuf;
-
-/// A file of the shared data. Without it, says so and gives nothing; where CI runs, that is a failure.
-pub(crate) fn shared(path: &str) -> Option<PathBuf> {
-    let root = std::env::var_os("PHUGOID_SHARED_DATA")
-        .map_or_else(|| PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data")), PathBuf::from);
-    let file = root.join(path);
-    if file.exists() {
-        return Some(file);
-    }
-    println!("skipped: {} is not there (set PHUGOID_SHARED_DATA)", file.display());
-    assert!(std::env::var_os("CI").is_none(), "{} is not there", file.display());
-    None
-}
 
 /// A table of plain numbers with one header line.
 pub(crate) struct Table {

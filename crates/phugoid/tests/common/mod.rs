@@ -1,8 +1,12 @@
 //! Running the command as a user does.
 
 // Each test file uses a part; what goes wrong here fails the test.
-#![allow(dead_code, clippy::unwrap_used, clippy::panic)]
+#![allow(dead_code, unused_imports, clippy::unwrap_used, clippy::panic)]
 
+#[path = "../../../../tests/shared_data.rs"]
+mod shared_data;
+
+pub(crate) use shared_data::shared_file;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
@@ -66,17 +70,4 @@ pub(crate) fn phugoid(folder: &Path, arguments: &[&str]) -> Run {
     let Output { status, stdout, stderr } =
         Command::new(env!("CARGO_BIN_EXE_phugoid")).args(arguments).current_dir(folder).output().unwrap();
     Run { code: status.code(), out: String::from_utf8(stdout).unwrap(), err: String::from_utf8(stderr).unwrap() }
-}
-
-/// A file of the shared data, or none with a word why the test is skipped.
-pub(crate) fn shared(file: &str) -> Option<PathBuf> {
-    let folder = std::env::var_os("PHUGOID_SHARED_DATA")
-        .map_or_else(|| PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data")), PathBuf::from);
-    let path = folder.join(file);
-    if path.exists() {
-        return Some(path);
-    }
-    assert!(std::env::var_os("CI").is_none(), "{} is not there", path.display());
-    println!("skipped: {} is not there (set PHUGOID_SHARED_DATA)", path.display());
-    None
 }
