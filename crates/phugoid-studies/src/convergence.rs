@@ -7,6 +7,7 @@ use serde::Serialize;
 use crate::accuracy::StudyError;
 use crate::flight::fly;
 use crate::scenario::Scenario;
+use crate::settling::settled_at;
 
 /// When one parameter reached the truth.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -58,14 +59,11 @@ pub fn convergence(scenario: &Scenario, model: &ModelFile, tolerance: f64) -> Re
         .iter()
         .filter_map(|history| {
             let truth = *flight.true_parameters.get(&history.name)?;
-            let within = |value: &f64| (value - truth).abs() <= tolerance * truth.abs();
-            let last_outside = history.value.iter().rposition(|v| !within(v));
-            let first_inside = last_outside.map_or(0, |k| k + 1);
             Some(Reached {
                 name: history.name.clone(),
                 truth,
                 value: history.value.last().copied().unwrap_or(f64::NAN),
-                reached_after_s: time.get(first_inside).map(|t| t - start),
+                reached_after_s: settled_at(time, &history.value, truth, tolerance).map(|t| t - start),
             })
         })
         .collect();

@@ -1,4 +1,4 @@
-//! Scenarios, Monte Carlo studies and Cramer-Rao bounds.
+//! Scenarios, Monte Carlo studies, Cramer-Rao bounds, and the published cases that this project grew from.
 #![cfg_attr(not(test), deny(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
 pub mod accuracy;
@@ -11,5 +11,7 @@ pub mod manoeuvre;
 pub mod monte_carlo;
 pub mod published;
 pub mod quantity;
+pub mod reproduction;
 pub mod scenario;
 mod sensing;
+pub mod settling;

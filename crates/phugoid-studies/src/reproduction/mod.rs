@@ -1,0 +1,42 @@
+//! Every case, comparison and figure of the thesis that this project grew from: M. Gurbacki, *Feasibility Study of a
+//! Novel Method for Real-Time Aerodynamic Coefficient Estimation*, Rochester Institute of Technology, 2010.
+//!
+//! An [`Entry`] is one case or one study, with an id like `second-order/3`; running it gives a [`Reproduction`]: what was
+//! published, what we reconstructed of it, what we found, and what differs and why, as plain data for text, JSON,
+//! figures and pages. Cases are files in `scenarios/thesis/`, embedded here; a user's own file runs in the same way.
+//!
+//! The text of the thesis at hand has lost its minus signs and most digits of its tables. What is reconstructed says so.
+
+pub mod published;
+pub mod result;
+
+use crate::accuracy::StudyError;
+pub use published::Published;
+pub use result::Reproduction;
+
+/// One case or study.
+#[derive(Clone, Copy)]
+pub struct Entry {
+    /// `group/name`, e.g. `second-order/3`.
+    pub id: &'static str,
+    /// What it is, in a few words.
+    pub title: &'static str,
+    /// How it is run.
+    pub run: Run,
+}
+
+/// Runs an entry: told its id, and calling back with the fraction done, 0 to 1, from any thread.
+pub type Run = fn(&str, &(dyn Fn(f64) + Sync)) -> Result<Reproduction, StudyError>;
+
+impl Entry {
+    /// The part of the id before the slash.
+    pub fn group(&self) -> &'static str {
+        self.id.split('/').next().unwrap_or(self.id)
+    }
+}
+
+/// All entries, in the order of the report.
+pub fn entries() -> Vec<Entry> {
+    let groups: [&[Entry]; 0] = [];
+    groups.concat()
+}
