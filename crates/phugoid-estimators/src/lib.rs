@@ -14,6 +14,7 @@
 //! | module | what |
 //! |---|---|
 //! | [`smpe`] | the flagship: sliding-mode parameter estimator with bounds, biases and change detection |
+//! | [`plants`] | the four proof-of-concept plants of the thesis |
 //! | [`thesis`] | the one-parameter energy-surface law it grew from |
 //! | [`discretization`] | the RK4 step map of a model with its exact derivatives |
 //! | [`ud`] | covariances as `U D U^T`, positive definite by construction |
@@ -31,6 +32,7 @@ mod estimate;
 mod kernels;
 mod model;
 pub mod noise;
+pub mod plants;
 pub mod smpe;
 pub mod thesis;
 pub mod ud;

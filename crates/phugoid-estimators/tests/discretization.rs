@@ -4,6 +4,7 @@
 mod plants;
 
 use phugoid_estimators::discretization::{InputHold, IntervalInput, Part, simulate, step, sub_steps};
+use phugoid_estimators::plants::{FirstOrder, SecondOrderNonlinear};
 use phugoid_estimators::{LinearizedOutputs, Model};
 use plants::*;
 use proptest::prelude::*;
@@ -67,7 +68,7 @@ proptest! {
         let hold = if linear { InputHold::Linear } else { InputHold::Zero };
         let input = IntervalInput { from: [u[0]], to: [u[1]], hold };
         // Second order nonlinear in the state: the derivatives change along the step.
-        let error = worst_derivative_error::<_, 2, 2, 4>(&SecondOrder, x, [a1, a2, 7.0, 7.0], &input, h);
+        let error = worst_derivative_error::<_, 2, 3, 4>(&SecondOrderNonlinear, x, [a1, a2, 7.0, 7.0], &input, h);
         prop_assert!(error < 1e-7, "{error}");
     }
 
@@ -80,10 +81,10 @@ proptest! {
         let theta = [3.0, 1.0, 0.0];
         let input = IntervalInput { from: [0.5], to: [0.5], hold: InputHold::Zero };
         let (mut a, mut b) = ([[0.0; 2]; 2], [[0.0; 3]; 2]);
-        step::<_, 2, 2, 3>(&SecondOrder, &x, &theta, &input, h, WHOLE, 3, &mut b, &mut a);
+        step::<_, 2, 3, 3>(&SecondOrderNonlinear, &x, &theta, &input, h, WHOLE, 3, &mut b, &mut a);
         let mut u = seed;
         let mut unused = [[0.0; 2]; 2];
-        step::<_, 2, 2, 3>(&SecondOrder, &x, &theta, &input, h, WHOLE, 3, &mut u, &mut unused);
+        step::<_, 2, 3, 3>(&SecondOrderNonlinear, &x, &theta, &input, h, WHOLE, 3, &mut u, &mut unused);
         for i in 0..2 {
             // Column 2 is a bias column: B is zero there, and it rides along with A.
             prop_assert_eq!(b[i][2], 0.0);
@@ -127,7 +128,7 @@ fn first_order_step_is_exact_to_fourth_order() {
     let exact = |h: f64| 0.5 + (2.0 - 0.5) * (-4.0 * h).exp();
     let input = IntervalInput { from: [2.0], to: [-9.0], hold: InputHold::Zero };
     let error =
-        |step: f64| (simulate::<_, 1, 1, 1>(&FirstOrder, &[2.0], &[4.0], &input, 0.4, step)[0] - exact(0.4)).abs();
+        |step: f64| (simulate::<_, 1, 2, 1>(&FirstOrder, &[2.0], &[4.0], &input, 0.4, step)[0] - exact(0.4)).abs();
     let order = (error(0.1) / error(0.05)).log2();
     assert!((3.7..4.6).contains(&order), "{order}");
     // Held means held: the value at the end of the interval has no part in it.
@@ -138,7 +139,7 @@ fn first_order_step_is_exact_to_fourth_order() {
 fn linear_hold_integrates_a_ramp_exactly() {
     // x' = u with u from 1 to 3 in 0.5 s: x grows by 1.
     let input = IntervalInput { from: [1.0], to: [3.0], hold: InputHold::Linear };
-    let x = simulate::<_, 1, 1, 1>(&FirstOrder, &[0.0], &[0.0], &input, 0.5, 0.1);
+    let x = simulate::<_, 1, 2, 1>(&FirstOrder, &[0.0], &[0.0], &input, 0.5, 0.1);
     assert!((x[0] - 1.0).abs() < 1e-14);
 }
 

@@ -4,6 +4,7 @@
 mod plants;
 
 use phugoid_estimators::discretization::InputHold;
+use phugoid_estimators::plants::FirstOrder;
 use phugoid_estimators::smpe::{
     ChangeDetection, ChangePrior, ParameterPrior, ProcessNoise, ReReaching, Smpe, SmpeError, SmpeSettings,
 };
@@ -127,9 +128,10 @@ fn an_outlier_in_the_first_sample_does_not_start_the_state() {
 fn a_record_that_starts_in_the_middle_of_a_motion_is_started_with_care() {
     let mut square = 0.0;
     for seed in 0..40 {
-        let flight = fly(&FirstOrder, &regular(100, 0.01), [0.0], |_| [3.0], |_| [1.0], [1e-3], &mut seeded(seed));
-        let settings = SmpeSettings::automatic(&[ParameterPrior::bounded(5.0, 1.0, 9.0)], [1e-3], 0.01).unwrap();
-        let mut estimator = Smpe::<_, 1, 1, 1>::new(FirstOrder, settings).unwrap();
+        let flight = fly(&FirstOrder, &regular(100, 0.01), [0.0], |_| [3.0], |_| [1.0], [1e-3, 0.0], &mut seeded(seed));
+        // The derivative has no noise and is not used.
+        let settings = SmpeSettings::automatic(&[ParameterPrior::bounded(5.0, 1.0, 9.0)], [1e-3, 0.0], 0.01).unwrap();
+        let mut estimator = Smpe::<_, 1, 2, 1>::new(FirstOrder, settings).unwrap();
         for sample in &flight {
             estimator.update(sample);
         }

@@ -4,44 +4,12 @@
 mod plants;
 
 use phugoid_estimators::discretization::InputHold;
+use phugoid_estimators::plants::FirstOrder;
 use phugoid_estimators::thesis::{
     SurfaceChannel, SurfaceDerivative, ThesisError, ThesisForm, ThesisLaw, ThesisSettings,
 };
-use phugoid_estimators::{Estimator, LinearizedOutputs, LinearizedRates, Model, ParameterStatus, Phase, Sample};
+use phugoid_estimators::{Estimator, ParameterStatus, Phase, Sample};
 use plants::*;
-
-/// `x' = -a x + u` with `x` and `x'` measured, as the law wants it.
-#[derive(Clone, Copy)]
-struct WithRate;
-
-impl Model<1, 2, 1> for WithRate {
-    type Input = [f64; 1];
-
-    fn parameter_count(&self) -> usize {
-        1
-    }
-
-    fn rates(&self, x: &[f64; 1], theta: &[f64; 1], u: &[f64; 1]) -> [f64; 1] {
-        [-theta[0] * x[0] + u[0]]
-    }
-
-    fn linearized_rates(&self, x: &[f64; 1], theta: &[f64; 1], u: &[f64; 1], out: &mut LinearizedRates<1, 1>) {
-        *out =
-            LinearizedRates { rates: [-theta[0] * x[0] + u[0]], state_jacobian: [[-theta[0]]], regressors: [[-x[0]]] };
-    }
-
-    fn linearized_outputs(&self, x: &[f64; 1], theta: &[f64; 1], u: &[f64; 1], out: &mut LinearizedOutputs<1, 2, 1>) {
-        *out = LinearizedOutputs {
-            outputs: [x[0], -theta[0] * x[0] + u[0]],
-            state_jacobian: [[1.0], [-theta[0]]],
-            parameter_jacobian: [[0.0], [-x[0]]],
-        };
-    }
-
-    fn measuring_output(&self, _: usize) -> Option<usize> {
-        Some(0)
-    }
-}
 
 fn first_order_settings(start: f64, bounds: [f64; 2], form: ThesisForm) -> ThesisSettings<1, 1, 1> {
     let channel = SurfaceChannel { state: 0, output: 0, scale: 1.0, derivative: SurfaceDerivative::Output(1) };
@@ -55,8 +23,8 @@ fn first_order_settings(start: f64, bounds: [f64; 2], form: ThesisForm) -> Thesi
 /// Estimates over a noise-free step response of `seconds` at 1 kHz.
 fn first_order(a: f64, settings: ThesisSettings<1, 1, 1>, seconds: f64, x0: f64) -> Vec<(f64, f64)> {
     let n = (seconds * 1000.0) as usize;
-    let flight = fly(&WithRate, &regular(n, 0.001), [x0], |_| [a], |_| [1.0], [0.0; 2], &mut seeded(1));
-    let mut law = ThesisLaw::<_, 1, 2, 1, 1>::new(WithRate, settings).unwrap();
+    let flight = fly(&FirstOrder, &regular(n, 0.001), [x0], |_| [a], |_| [1.0], [0.0; 2], &mut seeded(1));
+    let mut law = ThesisLaw::<_, 1, 2, 1, 1>::new(FirstOrder, settings).unwrap();
     flight.iter().map(|sample| (sample.time_s, law.update(sample).parameters[0])).collect()
 }
 
@@ -145,7 +113,7 @@ fn pitch_stiffness_from_the_pitch_rate_energy() {
 fn missing_values_backward_time_and_gaps_do_no_harm() {
     let mut settings = first_order_settings(4.0, [1.0, 16.0], ThesisForm::Damped);
     settings.eta = 1e-4;
-    let mut flight = fly(&WithRate, &regular(3000, 0.001), [0.0], |_| [5.0], |_| [1.0], [0.0; 2], &mut seeded(1));
+    let mut flight = fly(&FirstOrder, &regular(3000, 0.001), [0.0], |_| [5.0], |_| [1.0], [0.0; 2], &mut seeded(1));
     for (k, sample) in flight.iter_mut().enumerate() {
         match k % 7 {
             0 => sample.outputs[0] = f64::NAN,
@@ -155,7 +123,7 @@ fn missing_values_backward_time_and_gaps_do_no_harm() {
     }
     flight[500].time_s = 0.1;
     flight[600].input = [f64::NAN];
-    let mut law = ThesisLaw::<_, 1, 2, 1, 1>::new(WithRate, settings).unwrap();
+    let mut law = ThesisLaw::<_, 1, 2, 1, 1>::new(FirstOrder, settings).unwrap();
     let mut refused = 0;
     for sample in &flight {
         let estimate = law.update(sample);
@@ -175,7 +143,7 @@ fn missing_values_backward_time_and_gaps_do_no_harm() {
 #[test]
 fn impossible_settings_are_refused() {
     let good = first_order_settings(4.0, [1.0, 16.0], ThesisForm::Printed);
-    let refuse = |settings| ThesisLaw::<_, 1, 2, 1, 1>::new(WithRate, settings).err().unwrap();
+    let refuse = |settings| ThesisLaw::<_, 1, 2, 1, 1>::new(FirstOrder, settings).err().unwrap();
     let mut wrong = good;
     wrong.lower = -1.0;
     assert_eq!(refuse(wrong), ThesisError::Bounds { lower: -1.0, upper: 16.0 });
