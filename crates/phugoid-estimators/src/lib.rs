@@ -16,6 +16,7 @@
 //! | [`smpe`] | the flagship: sliding-mode parameter estimator with bounds, biases and change detection |
 //! | [`plants`] | the four proof-of-concept plants of the thesis |
 //! | [`thesis`] | the one-parameter energy-surface law it grew from |
+//! | [`model_reference`] | the model-reference estimator that it was compared with, printed and textbook forms |
 //! | [`discretization`] | the RK4 step map of a model with its exact derivatives |
 //! | [`ud`] | covariances as `U D U^T`, positive definite by construction |
 //! | [`noise`] | measurement noise told from the measurements |
@@ -31,6 +32,7 @@ pub mod discretization;
 mod estimate;
 mod kernels;
 mod model;
+pub mod model_reference;
 pub mod noise;
 pub mod plants;
 pub mod smpe;
