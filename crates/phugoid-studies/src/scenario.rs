@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use phugoid_flight_dynamics::increments::Increments;
 use phugoid_flight_dynamics::sensors::SensorSpecification;
 use serde::Deserialize;
+use serde::de::DeserializeOwned;
 
 use crate::manoeuvre::Manoeuvre;
 use crate::quantity::{
@@ -289,18 +290,7 @@ impl Scenario {
 
     /// Parses the text of a scenario; `place` is its name in messages.
     pub fn parse(text: &str, place: &str) -> Result<Self, ScenarioError> {
-        let scenario: Self = toml::from_str(text).map_err(|error| {
-            let offset = error.span().map_or(0, |span| span.start).min(text.len());
-            let before = text.get(..offset).unwrap_or_default();
-            let line = before.matches('\n').count() + 1;
-            let excerpt = text.lines().nth(line - 1).unwrap_or_default();
-            ScenarioError::Invalid {
-                place: place.to_owned(),
-                line,
-                message: with_suggestion(error.message()),
-                excerpt: format!("  {line} | {excerpt}"),
-            }
-        })?;
+        let scenario: Self = parse_toml(text, place)?;
         scenario.check().map_err(|message| ScenarioError::OutOfRange { place: place.to_owned(), message })?;
         Ok(scenario)
     }
@@ -336,6 +326,22 @@ impl Scenario {
         )?;
         Ok(())
     }
+}
+
+/// Parses TOML; `place` is the name of the text in messages, which give the line and the nearest valid word.
+pub(crate) fn parse_toml<T: DeserializeOwned>(text: &str, place: &str) -> Result<T, ScenarioError> {
+    toml::from_str(text).map_err(|error| {
+        let offset = error.span().map_or(0, |span| span.start).min(text.len());
+        let before = text.get(..offset).unwrap_or_default();
+        let line = before.matches('\n').count() + 1;
+        let excerpt = text.lines().nth(line - 1).unwrap_or_default();
+        ScenarioError::Invalid {
+            place: place.to_owned(),
+            line,
+            message: with_suggestion(error.message()),
+            excerpt: format!("  {line} | {excerpt}"),
+        }
+    })
 }
 
 /// Adds the nearest valid word to serde's "unknown field `x`, expected one of `a`, `b`".

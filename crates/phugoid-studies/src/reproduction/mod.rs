@@ -7,6 +7,8 @@
 //!
 //! The text of the thesis at hand has lost its minus signs and most digits of its tables. What is reconstructed says so.
 
+pub mod case_file;
+pub mod plant_case;
 pub mod published;
 pub mod result;
 
@@ -37,6 +39,9 @@ impl Entry {
 
 /// All entries, in the order of the report.
 pub fn entries() -> Vec<Entry> {
-    let groups: [&[Entry]; 0] = [];
-    groups.concat()
+    [
+        // first-order, first-order-nonlinear, second-order, second-order-nonlinear
+        plant_case::ENTRIES,
+    ]
+    .concat()
 }

@@ -1,0 +1,68 @@
+//! A case of the thesis as a file: title, `[published]`, and one of two kinds.
+//!
+//! | table | kind | format |
+//! |---|---|---|
+//! | `[plant]` | one of the four proof-of-concept plants | [`PlantCase`] |
+//!
+//! The published cases lie in `scenarios/thesis/`; a copy with other numbers runs in the same way.
+
+use std::path::Path;
+
+use serde::Deserialize;
+use serde::de::IgnoredAny;
+
+use super::Reproduction;
+use super::plant_case::PlantCase;
+use crate::accuracy::StudyError;
+use crate::scenario::{ScenarioError, parse_toml};
+
+/// A case, ready to run.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Case {
+    /// A proof-of-concept plant.
+    Plant(PlantCase),
+}
+
+/// Which kind of case a file holds.
+#[derive(Deserialize)]
+struct Kind {
+    plant: Option<IgnoredAny>,
+}
+
+impl Case {
+    /// Reads a case file.
+    ///
+    /// # Errors
+    /// [`ScenarioError`]: the file cannot be read, is not TOML, names something that does not exist, or has a value out
+    /// of range; with file, line and what to write.
+    pub fn read(file: &Path) -> Result<Self, ScenarioError> {
+        let text = std::fs::read_to_string(file)
+            .map_err(|source| ScenarioError::Unreadable { file: file.to_owned(), source })?;
+        Self::parse(&text, &file.display().to_string())
+    }
+
+    /// Parses the text of a case; `place` is its name in messages.
+    ///
+    /// # Errors
+    /// As [`Case::read`].
+    pub fn parse(text: &str, place: &str) -> Result<Self, ScenarioError> {
+        let kind: Kind = parse_toml(text, place)?;
+        match kind {
+            Kind { plant: Some(_) } => PlantCase::parse(text, place).map(Self::Plant),
+            Kind { plant: None } => Err(ScenarioError::OutOfRange {
+                place: place.to_owned(),
+                message: "a case needs a table `[plant]` that says what is simulated".to_owned(),
+            }),
+        }
+    }
+
+    /// Runs the case; `id` is the name its result bears.
+    ///
+    /// # Errors
+    /// [`StudyError`]: a method refuses the settings, or the simulation leaves the range of numbers.
+    pub fn run(&self, id: &str) -> Result<Reproduction, StudyError> {
+        match self {
+            Self::Plant(case) => case.run(id),
+        }
+    }
+}

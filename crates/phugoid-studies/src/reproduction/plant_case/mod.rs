@@ -1,0 +1,19 @@
+//! The cases of the four proof-of-concept plants: simulated, estimated by every method, judged.
+//!
+//! [`simulate()`] gives the samples of a [`PlantCase`], [`run_method`] runs one method with any settings on them, and
+//! [`verdict::behaviour`] says what became of it. [`PlantCase::run`] does all of it with the settings of the file.
+
+mod entries;
+mod format;
+mod method;
+mod plant;
+mod report;
+mod simulate;
+pub mod verdict;
+
+pub(super) use entries::ENTRIES;
+pub use entries::published_case;
+pub use format::{Noise, Parameter, PlantCase, Settings, Signal};
+pub use method::{MethodRun, MethodSettings, run_method};
+pub use plant::Plant;
+pub use simulate::{PlantRun, simulate};

@@ -1,0 +1,114 @@
+//! A case with all its methods, as a result.
+
+use phugoid_estimators::thesis::ThesisForm;
+
+use super::verdict::{behaviour, worst};
+use super::{MethodRun, MethodSettings, PlantCase, PlantRun, run_method, simulate};
+use crate::accuracy::StudyError;
+use crate::reproduction::Reproduction;
+use crate::reproduction::result::{Outcome, ParameterOutcome, Requirement, Role};
+use crate::settling::settled_at;
+
+/// A method as the report shows it.
+pub(super) struct Shown {
+    pub(super) name: &'static str,
+    pub(super) role: Role,
+    pub(super) settings: MethodSettings,
+}
+
+impl PlantCase {
+    /// Runs the case with all its methods; `id` is the name its result bears.
+    ///
+    /// # Errors
+    /// [`StudyError`]: the plant escapes, or a method refuses its settings.
+    pub fn run(&self, id: &str) -> Result<Reproduction, StudyError> {
+        let run = simulate(self)?;
+        let mut outcomes = Vec::new();
+        for shown in self.methods(&run) {
+            let result = run_method(self, &run, &shown.settings)?;
+            outcomes.push(self.outcome(&shown, &run, &result));
+        }
+        let requirements = self.requirements(&outcomes);
+        Ok(Reproduction {
+            id: id.to_owned(),
+            title: self.title.clone(),
+            place: self.published.place.clone(),
+            published: self.published.statement.clone(),
+            reconstruction: self.published.reconstruction.clone(),
+            difference: self.published.difference.clone(),
+            outcomes,
+            requirements,
+            ..Reproduction::default()
+        })
+    }
+
+    /// The methods that the report shows, with the settings of the file.
+    fn methods(&self, run: &PlantRun) -> Vec<Shown> {
+        let mut methods = vec![Shown { name: "flagship", role: Role::Flagship, settings: self.flagship(run) }];
+        let unknowns: Vec<_> = self.unknowns().collect();
+        if let [(_, p)] = unknowns[..] {
+            for (name, role, form) in [
+                ("printed law, implicit", Role::Published, ThesisForm::Printed),
+                ("reduced law, implicit", Role::Mended, ThesisForm::Reduced),
+                ("damped law, implicit", Role::Mended, ThesisForm::Damped),
+            ] {
+                let settings = MethodSettings::Implicit { form, lambda: p.lambda, eta: self.estimator.eta };
+                methods.push(Shown { name, role, settings });
+            }
+        }
+        methods
+    }
+
+    /// The flagship, told the true noise, or without noise a small fraction of each signal.
+    pub fn flagship(&self, run: &PlantRun) -> MethodSettings {
+        let rms = |series: &[f64]| (series.iter().map(|x| x * x).sum::<f64>() / series.len() as f64).sqrt();
+        let noise_sd = run
+            .states
+            .iter()
+            .map(|x| if run.noise_sd > 0.0 { run.noise_sd } else { self.estimator.assumed_noise * rms(x) })
+            .collect();
+        MethodSettings::Flagship { noise_sd }
+    }
+
+    fn outcome(&self, shown: &Shown, run: &PlantRun, result: &MethodRun) -> Outcome {
+        let judged = self.unknowns().zip(&result.estimates);
+        Outcome {
+            method: shown.name.to_owned(),
+            role: shown.role,
+            behaviour: worst(
+                judged.map(|((_, p), values)| behaviour(&run.time_s, values, p.truth, [p.lower, p.upper])),
+            ),
+            condition: String::new(),
+            parameters: self
+                .unknowns()
+                .enumerate()
+                .map(|(j, (name, p))| ParameterOutcome {
+                    name: name.to_owned(),
+                    truth: p.truth,
+                    start: p.start,
+                    end: result.estimates[j].last().copied().unwrap_or(f64::NAN),
+                    std_error: result.std_error.as_ref().and_then(|s| s[j].last().copied()),
+                    published_s: self.published.converged_after.get(name).map(|t| t.si()),
+                    converged_s: settled_at(&run.time_s, &result.estimates[j], p.truth, super::verdict::TOLERANCE),
+                })
+                .collect(),
+        }
+    }
+
+    /// The flagship within 5 % no later than published.
+    fn requirements(&self, outcomes: &[Outcome]) -> Vec<Requirement> {
+        let flagship = outcomes.iter().filter(|outcome| outcome.role == Role::Flagship);
+        flagship
+            .flat_map(|outcome| &outcome.parameters)
+            .filter_map(|p| {
+                let published = p.published_s?;
+                Some(Requirement {
+                    what: format!("flagship: {} within 5 % no later than published", p.name),
+                    limit: format!("{published} s"),
+                    found: p.converged_s.map_or_else(|| "never".to_owned(), |t| format!("{t:.3} s")),
+                    met: p.converged_s.is_some_and(|t| t <= published + 1e-9),
+                })
+            })
+            .collect()
+    }
+}
