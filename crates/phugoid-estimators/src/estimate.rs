@@ -17,6 +17,8 @@ pub enum Phase {
     Rejected,
     /// No measurement in this frame: prediction only.
     Predicting,
+    /// The estimate stopped being a number and the estimator with it: only a law that is evaluated as printed does this.
+    Diverged,
 }
 
 /// What the change detector holds of the parameters.

@@ -356,6 +356,7 @@ pub(crate) fn phase_word(phase: Phase) -> &'static str {
         Phase::Reaching => "reaching",
         Phase::Rejected => "rejected",
         Phase::Predicting => "predicting",
+        Phase::Diverged => "diverged",
     }
 }
 

@@ -1,7 +1,4 @@
-//! The one-parameter sliding-mode law of the thesis this project grew from (Gurbacki, RIT, 2010), as an estimator.
-//!
-//! An estimated model runs beside the plant with the estimate in place of the unknown parameter. The surface is an
-//! *energy* over a few channels (`y` of the estimated model, `ym` measured),
+//! The one-parameter law.
 //!
 //! ```text
 //! s     = sum (y^2 - ym^2)/2 + lambda * integral of the same                    "energy surface"
@@ -14,10 +11,10 @@
 //! and alpha, V for lift and drag, and `mu` takes the place of `alpha`.
 //!
 //! What is as published and what is reconstructed:
-//! * The structure above is the thesis's. Its text has lost its minus signs: the sign of the law, `-sgn(z)`, is
-//!   reconstructed from `s sdot < 0` and agrees with the first-order plant `x' = -a x + u` (`z = -x^2`).
-//! * `y'` depends on `theta`, so the law is an algebraic loop. A one-sample delay in it diverges; here it is solved at
-//!   every sample by a bounded Newton iteration.
+//! * The structure above is the thesis's. The sign of the law, `-sgn(z)`, is reconstructed from `s sdot < 0` and agrees
+//!   with the first-order plant `x' = -a x + u` (`z = -x^2`); [`LawSign::AsPrinted`] leaves it out.
+//! * `y'` depends on `theta`, so the law is an algebraic loop. With a one-sample delay in it it chatters or diverges
+//!   ([`Evaluation::Delayed`]); here it is solved at every sample by a bounded Newton iteration.
 //! * The thesis adds channels of different units. Here every channel is divided by a scale first: V in ft/s squared is
 //!   otherwise ten million times alpha in radians squared.
 //! * `eta` biases the printed and the reduced law (both rest at `E = theta eta / lambda`). The damped form moves from
@@ -28,153 +25,14 @@
 //! One scalar equation carries one parameter: two parameters cannot be had from it (the two-surface form has rank one
 //! at every instant). There is no covariance in it either: the standard errors it gives are infinite.
 
-use core::fmt;
-
-use crate::discretization::{self, InputHold, IntervalInput, Part};
+use super::diagnostics::Diagnostics;
+use super::error::ThesisError;
+use super::gain::{gain, spread};
+use super::parallel::{integrate, measured};
+use super::settings::{Evaluation, LawSign, SurfaceDerivative, ThesisForm, ThesisSettings};
+use crate::discretization::IntervalInput;
 use crate::estimate::{Estimate, Estimator, ParameterStatus, Phase, Status};
 use crate::model::{LinearizedRates, Model, Sample};
-
-/// Where the derivative of a measured channel comes from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum SurfaceDerivative {
-    /// An output holds it, unit of the channel per second.
-    Output(usize),
-    /// Not measured: the surface condition is integrated over the sampling interval.
-    Integrated,
-}
-
-/// One channel of the energy surface.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SurfaceChannel {
-    /// State of the model.
-    pub state: usize,
-    /// Output that measures it directly.
-    pub output: usize,
-    /// Its typical size: the channel enters divided by this. State units, positive.
-    pub scale: f64,
-    /// Its derivative. All channels of a surface must agree on measured or integrated.
-    pub derivative: SurfaceDerivative,
-}
-
-/// Which form of the law.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum ThesisForm {
-    /// As printed, with the gain `K` from the bounds; needs bounds of one sign.
-    Printed,
-    /// Without the term `K D`: `theta = (D + lambda E)/eta`.
-    Reduced,
-    /// Moving from the last estimate; unbiased.
-    #[default]
-    Damped,
-}
-
-/// Settings of the law.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ThesisSettings<const N: usize, const P: usize, const S: usize> {
-    /// The unknown parameter's index in the model.
-    pub parameter: usize,
-    /// All parameters of the model; the unknown one's entry is its start value.
-    pub parameters: [f64; P],
-    /// Lower bound of the unknown parameter.
-    pub lower: f64,
-    /// Upper bound.
-    pub upper: f64,
-    /// The surface.
-    pub channels: [SurfaceChannel; S],
-    /// `lambda`, 1/s. Used up to `lambda h = 0.5`: beyond 1 it overshoots, beyond 2 it diverges.
-    pub lambda: f64,
-    /// `eta > 0`, in units of `z` (scaled energy rate per unit of the parameter).
-    pub eta: f64,
-    /// Form of the law.
-    pub form: ThesisForm,
-    /// Start of states that are not measured.
-    pub initial_state: [f64; N],
-    /// States outside the surface that follow their measurement instead of the estimated model (reconstructed: keeps
-    /// an unstable model from drifting away).
-    pub follow: [bool; N],
-    /// Input between samples.
-    pub input_hold: InputHold,
-    /// Longest integration step, s.
-    pub maximum_step_s: f64,
-    /// Longest interval that is predicted through, s; after a longer one the model starts again from the measurements.
-    pub maximum_gap_s: f64,
-}
-
-impl<const N: usize, const P: usize, const S: usize> ThesisSettings<N, P, S> {
-    /// Damped form with the parameter between its bounds and everything else at its default.
-    pub fn new(parameter: usize, parameters: [f64; P], bounds: [f64; 2], channels: [SurfaceChannel; S]) -> Self {
-        Self {
-            parameter,
-            parameters,
-            lower: bounds[0],
-            upper: bounds[1],
-            channels,
-            lambda: 10.0,
-            eta: 1e-3,
-            form: ThesisForm::Damped,
-            initial_state: [0.0; N],
-            follow: [false; N],
-            input_hold: InputHold::Zero,
-            maximum_step_s: 0.02,
-            maximum_gap_s: 2.0,
-        }
-    }
-}
-
-/// Why the law cannot be set up.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum ThesisError {
-    /// The unknown parameter is not one of the model's.
-    Parameter {
-        /// Index asked for.
-        index: usize,
-        /// Parameters of the model.
-        count: usize,
-    },
-    /// Bounds out of order, not finite, or of both signs for the printed form.
-    Bounds {
-        /// Lower bound found.
-        lower: f64,
-        /// Upper bound found.
-        upper: f64,
-    },
-    /// A surface channel names a state or output that does not exist, has no positive scale, or mixes measured and
-    /// integrated derivatives.
-    Channel {
-        /// Index of the channel.
-        index: usize,
-    },
-    /// `lambda` or `eta` or a step is not a positive number.
-    Setting {
-        /// Name.
-        name: &'static str,
-        /// Value found.
-        value: f64,
-    },
-}
-
-impl fmt::Display for ThesisError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match *self {
-            Self::Parameter { index, count } => {
-                write!(f, "parameter {index} is asked for, the model has {count} (count from 0)")
-            }
-            Self::Bounds { lower, upper } => write!(
-                f,
-                "bounds {lower} to {upper}: need finite lower < upper, and for the printed form both of one sign (its \
-                 gain contains sqrt(upper/lower))"
-            ),
-            Self::Channel { index } => write!(
-                f,
-                "surface channel {index}: state and output must exist, the scale be positive, and all channels have \
-                 measured derivatives or none"
-            ),
-            Self::Setting { name, value } => write!(f, "setting {name} must be positive and finite, found {value}"),
-        }
-    }
-}
-
-impl core::error::Error for ThesisError {}
 
 /// Most Newton steps per sample.
 const MAXIMUM_ITERATIONS: usize = 25;
@@ -194,7 +52,9 @@ where
     /// `E` at the last frame that had the surface.
     energy: f64,
     energy_known: bool,
-    slope: f64,
+    /// Integral of `E` since the start.
+    integral: f64,
+    diagnostics: Diagnostics,
     phase: Phase,
 }
 
@@ -242,6 +102,12 @@ where
                 return Err(ThesisError::Channel { index });
             }
         }
+        // Infinity is allowed: no limit.
+        for (name, value) in [("maximum_lambda_h", settings.maximum_lambda_h), ("margin", settings.margin)] {
+            if value.is_nan() || value < 0.0 {
+                return Err(ThesisError::Setting { name, value });
+            }
+        }
         for (name, value) in [
             ("lambda", settings.lambda),
             ("eta", settings.eta),
@@ -262,7 +128,8 @@ where
             last_input: None,
             energy: 0.0,
             energy_known: false,
-            slope: 0.0,
+            integral: 0.0,
+            diagnostics: Diagnostics::default(),
             phase: Phase::Starting,
         })
     }
@@ -277,6 +144,11 @@ where
         self.energy
     }
 
+    /// Surface, reaching condition and gain after the last sample that had the surface.
+    pub fn diagnostics(&self) -> &Diagnostics {
+        &self.diagnostics
+    }
+
     fn start(&mut self, sample: &Sample<M::Input, R>) {
         self.phase = Phase::Starting;
         let complete = self.settings.channels.iter().all(|channel| sample.outputs[channel.output].is_finite());
@@ -286,7 +158,7 @@ where
             return;
         }
         for state in 0..N {
-            if let Some(value) = self.measured(state, sample) {
+            if let Some(value) = measured(&self.model, state, sample) {
                 self.x[state] = value;
             }
         }
@@ -295,13 +167,9 @@ where
         }
         // The estimated model starts on the measurement: E = 0.
         self.energy = 0.0;
+        self.integral = 0.0;
         self.energy_known = true;
         self.running = true;
-    }
-
-    fn measured(&self, state: usize, sample: &Sample<M::Input, R>) -> Option<f64> {
-        let output = self.model.measuring_output(state).filter(|&output| output < R)?;
-        Some(sample.outputs[output]).filter(|y| y.is_finite())
     }
 
     /// `E` and, per unit of the parameter, its derivative through the state.
@@ -321,25 +189,39 @@ where
     fn integrate(&self, value: f64, input: &IntervalInput<M::Input>, interval_s: f64) -> ([f64; N], [[f64; P]; N]) {
         let mut theta = self.theta;
         theta[self.settings.parameter] = value;
-        let steps = discretization::sub_steps(interval_s, self.settings.maximum_step_s);
-        let mut x = self.x;
-        let mut by_parameter = [[0.0; P]; N];
-        let mut transition = [[0.0; N]; N];
-        for k in 0..steps {
-            let part = Part { from: k as f64 / steps as f64, to: (k + 1) as f64 / steps as f64 };
-            x = discretization::step(
-                &self.model,
-                &x,
-                &theta,
-                input,
-                interval_s,
-                part,
-                self.settings.parameter + 1,
-                &mut by_parameter,
-                &mut transition,
-            );
+        let columns = self.settings.parameter + 1;
+        integrate(&self.model, &self.x, &theta, input, interval_s, self.settings.maximum_step_s, columns)
+    }
+
+    /// What the right hand side is multiplied by: plus one as printed.
+    fn sign(&self, z: f64) -> f64 {
+        match self.settings.sign {
+            LawSign::FromSlope if z > 0.0 => -1.0,
+            LawSign::FromSlope | LawSign::AsPrinted => 1.0,
         }
-        (x, by_parameter)
+    }
+
+    /// The law with the last estimate on the right hand side. Not a number where its denominator vanishes.
+    fn delayed(&self, condition: Condition) -> f64 {
+        let settings = &self.settings;
+        let before = self.theta[settings.parameter];
+        let n = self.sign(condition.z) * condition.n;
+        match settings.form {
+            ThesisForm::Reduced => n / settings.eta,
+            ThesisForm::Damped => before + n / settings.eta,
+            ThesisForm::Printed => {
+                let (k, _) = gain(before, spread(settings.lower, settings.upper), condition.z, settings.eta);
+                n / (k * condition.d + settings.eta)
+            }
+        }
+    }
+
+    /// The law at one sample, as the settings want it evaluated. `None` if the loop does not settle.
+    fn evaluate(&self, mut condition: impl FnMut(f64) -> Condition) -> Option<f64> {
+        match self.settings.evaluation {
+            Evaluation::Implicit => self.solve(condition),
+            Evaluation::Delayed => Some(self.delayed(condition(self.theta[self.settings.parameter]))),
+        }
     }
 
     /// Solves the loop `F(theta) = 0` by Newton from the last estimate. `None` if it does not settle.
@@ -347,20 +229,17 @@ where
         let settings = &self.settings;
         let before = self.theta[settings.parameter];
         let span = settings.upper - settings.lower;
-        let (low, high) = (settings.lower - 0.25 * span, settings.upper + 0.25 * span);
-        // |1/alpha - 1| with alpha = sqrt(upper/lower), taken with the larger magnitude on top.
-        let ratio = settings.lower / settings.upper;
-        let spread = if ratio > 0.0 { (libm::sqrt(ratio.min(1.0 / ratio)) - 1.0).abs() } else { 0.0 };
+        let (low, high) = (settings.lower - settings.margin * span, settings.upper + settings.margin * span);
+        let spread = spread(settings.lower, settings.upper);
         let mut theta = before;
         for _ in 0..MAXIMUM_ITERATIONS {
             let Condition { n, d, z } = condition(theta);
-            let sign = if z > 0.0 { 1.0 } else { -1.0 };
+            let sign = -self.sign(z);
             let (value, slope) = match settings.form {
                 ThesisForm::Reduced => (settings.eta * theta + sign * n, settings.eta + sign * z),
                 ThesisForm::Damped => (settings.eta * (theta - before) + sign * n, settings.eta + sign * z),
                 ThesisForm::Printed => {
-                    let k = (theta * spread * z).abs() - settings.eta;
-                    let dk = if theta < 0.0 { -(spread * z).abs() } else { (spread * z).abs() };
+                    let (k, dk) = gain(theta, spread, z, settings.eta);
                     (
                         theta * (k * d + settings.eta) + sign * n,
                         k * d + settings.eta + theta * (dk * d + k * z) + sign * z,
@@ -397,71 +276,121 @@ where
             sample.outputs[channel.output].is_finite()
                 && match channel.derivative {
                     SurfaceDerivative::Output(i) => sample.outputs[i].is_finite(),
-                    SurfaceDerivative::Integrated => true,
+                    SurfaceDerivative::Known | SurfaceDerivative::Integrated => true,
                 }
         });
-        let lambda = self.settings.lambda.min(0.5 / interval_s);
+        let lambda = self.settings.lambda.min(self.settings.maximum_lambda_h / interval_s);
         let integrated =
             self.settings.channels.iter().all(|channel| matches!(channel.derivative, SurfaceDerivative::Integrated));
 
-        let mut slope = 0.0;
+        let mut at_sample = None;
         let mut solved = None;
         if complete && integrated && self.energy_known {
             let last_energy = self.energy;
-            solved = self.solve(|value| {
+            let condition = |value| {
                 let (x, by_parameter) = self.integrate(value, &input, interval_s);
                 let (energy, energy_slope) = self.energy_of(&x, &by_parameter, sample);
                 let d = (energy - last_energy) / interval_s;
-                slope = energy_slope / interval_s;
                 Condition { n: d + lambda * energy, d, z: energy_slope * (1.0 / interval_s + lambda) }
-            });
+            };
+            solved = self.evaluate(condition);
+            at_sample = Some(condition(solved.unwrap_or(before)));
         }
         let theta = solved.unwrap_or(before);
         let (x, by_parameter) = self.integrate(theta, &input, interval_s);
-        if !x.iter().sum::<f64>().is_finite() {
+        if !(x.iter().sum::<f64>() + theta).is_finite() {
+            if self.settings.evaluation == Evaluation::Delayed {
+                return self.stop();
+            }
             self.running = false;
             return self.start(sample);
         }
         self.x = x;
         self.theta[self.settings.parameter] = theta;
         for state in 0..N {
-            if let (true, Some(value)) = (self.settings.follow[state], self.measured(state, sample)) {
+            if let (true, Some(value)) = (self.settings.follow[state], measured(&self.model, state, sample)) {
                 self.x[state] = value;
             }
         }
-        self.energy_known = complete;
         if complete {
-            self.energy = self.energy_of(&self.x, &by_parameter, sample).0;
-        }
-        if complete && !integrated {
-            // D = D0 + z theta at the sample itself, from the rates of the estimated model and the measured ones.
-            let mut lin = LinearizedRates::<N, P>::ZERO;
-            self.model.linearized_rates(&self.x, &self.theta, &sample.input, &mut lin);
-            let (mut d, mut z) = (0.0, 0.0);
-            for channel in &self.settings.channels {
-                let SurfaceDerivative::Output(derivative) = channel.derivative else { continue };
-                let weight = 1.0 / (channel.scale * channel.scale);
-                let y = self.x[channel.state];
-                d += weight
-                    * (y * lin.rates[channel.state] - sample.outputs[channel.output] * sample.outputs[derivative]);
-                z += weight * y * lin.regressors[channel.state][self.settings.parameter];
+            let energy = self.energy_of(&self.x, &by_parameter, sample).0;
+            if self.energy_known {
+                self.integral += 0.5 * interval_s * (self.energy + energy);
             }
-            slope = z;
+            self.energy = energy;
+        }
+        self.energy_known = complete;
+        if complete && !integrated {
+            let (d, z) = self.rate_at_sample(sample);
             let energy = self.energy;
-            solved = self.solve(|value| {
+            // D is linear in the parameter.
+            let condition = |value: f64| {
                 let d = d + z * (value - theta);
                 Condition { n: d + lambda * energy, d, z }
-            });
+            };
+            solved = self.evaluate(condition);
             if let Some(value) = solved {
+                if !value.is_finite() {
+                    return self.stop();
+                }
                 self.theta[self.settings.parameter] = value;
             }
+            at_sample = Some(condition(self.theta[self.settings.parameter]));
         }
-        self.slope = slope;
+        if let Some(condition) = at_sample {
+            self.diagnose(condition, lambda);
+        }
         self.phase = match (complete, solved) {
             (false, _) => Phase::Predicting,
             (true, Some(_)) => Phase::Sliding,
             (true, None) => Phase::Rejected,
         };
+    }
+
+    /// `D` and `z` at the sample itself, from the rates of the estimated model and the measured ones.
+    fn rate_at_sample(&self, sample: &Sample<M::Input, R>) -> (f64, f64) {
+        let mut lin = LinearizedRates::<N, P>::ZERO;
+        self.model.linearized_rates(&self.x, &self.theta, &sample.input, &mut lin);
+        let seen = core::array::from_fn(|state| measured(&self.model, state, sample).unwrap_or(self.x[state]));
+        let (mut d, mut z) = (0.0, 0.0);
+        for channel in &self.settings.channels {
+            let rate = match channel.derivative {
+                SurfaceDerivative::Output(output) => sample.outputs[output],
+                SurfaceDerivative::Known => self.model.rates(&seen, &self.theta, &sample.input)[channel.state],
+                SurfaceDerivative::Integrated => continue,
+            };
+            let weight = 1.0 / (channel.scale * channel.scale);
+            let y = self.x[channel.state];
+            d += weight * (y * lin.rates[channel.state] - sample.outputs[channel.output] * rate);
+            z += weight * y * lin.regressors[channel.state][self.settings.parameter];
+        }
+        (d, z)
+    }
+
+    fn diagnose(&mut self, condition: Condition, lambda: f64) {
+        let settings = &self.settings;
+        let theta = self.theta[settings.parameter];
+        let (gain, _) = gain(theta, spread(settings.lower, settings.upper), condition.z, settings.eta);
+        let surface = self.energy + lambda * self.integral;
+        let farther = (settings.upper - theta).abs().max((theta - settings.lower).abs());
+        self.diagnostics = Diagnostics {
+            energy: self.energy,
+            surface,
+            surface_rate: condition.n,
+            reaching: surface * condition.n + settings.eta * surface.abs(),
+            gain,
+            required_gain: gain + 2.0 * settings.eta,
+            mismatch: farther * condition.z.abs(),
+            denominator: gain * condition.d + settings.eta,
+            slope: condition.z,
+        };
+    }
+
+    /// The delayed loop has left the numbers; it is not started again, so that nobody takes it for alive.
+    fn stop(&mut self) {
+        self.phase = Phase::Diverged;
+        self.theta[self.settings.parameter] = f64::NAN;
+        self.diagnostics = Diagnostics::default();
     }
 
     fn estimate(&self) -> Estimate<P> {
@@ -480,9 +409,9 @@ where
         estimate.std_error[j] = f64::INFINITY;
         estimate.corrected_std_error[j] = f64::INFINITY;
         let theta = self.theta[j];
-        estimate.parameter_status[j] = if theta < self.settings.lower || theta > self.settings.upper {
+        estimate.parameter_status[j] = if !(self.settings.lower..=self.settings.upper).contains(&theta) {
             ParameterStatus::AtLimit
-        } else if self.slope.abs() > self.settings.eta {
+        } else if self.diagnostics.slope.abs() > self.settings.eta {
             ParameterStatus::Improving
         } else {
             ParameterStatus::NotExcited
@@ -498,7 +427,9 @@ where
     type Input = M::Input;
 
     fn update(&mut self, sample: &Sample<Self::Input, R>) -> Estimate<P> {
-        if !sample.time_s.is_finite() || sample.time_s <= self.last_s {
+        if self.phase == Phase::Diverged {
+            self.last_s = self.last_s.max(sample.time_s);
+        } else if !sample.time_s.is_finite() || sample.time_s <= self.last_s {
             self.phase = Phase::Rejected;
         } else if self.running {
             self.advance(sample);
