@@ -407,10 +407,18 @@ where
         let mut change = 0.0;
         for channel in &self.settings.channels {
             match channel.derivative {
-                SurfaceDerivative::Output(derivative) => {
+                SurfaceDerivative::Output(_) | SurfaceDerivative::Known => {
                     let rates = self.model.rates(&self.x, &self.theta, &sample.input);
                     let model = self.x[channel.state] * rates[channel.state];
-                    let measured = sample.outputs[channel.output] * sample.outputs[derivative];
+                    let rate = match channel.derivative {
+                        SurfaceDerivative::Output(derivative) => sample.outputs[derivative],
+                        _ => {
+                            let seen: [f64; N] =
+                                core::array::from_fn(|i| self.measured(i, sample).unwrap_or(self.x[i]));
+                            self.model.rates(&seen, &self.theta, &sample.input)[channel.state]
+                        }
+                    };
+                    let measured = sample.outputs[channel.output] * rate;
                     change += interval_s * (model - measured) / (channel.scale * channel.scale);
                 }
                 // All channels agree: the change of their sum at once. After a frame that missed it, none is known.
