@@ -300,7 +300,7 @@ impl Scenario {
         (self.duration.si() * self.sample_rate.si() + 1e-9) as usize + 1
     }
 
-    fn check(&self) -> Result<(), String> {
+    pub(crate) fn check(&self) -> Result<(), String> {
         // Some 700 bytes each while the flight is in memory.
         const MOST_SAMPLES: f64 = 2e6;
         let range = |ok: bool, what: &str| if ok { Ok(()) } else { Err(what.to_owned()) };

@@ -3,6 +3,7 @@
 //! | table | kind | format |
 //! |---|---|---|
 //! | `[plant]` | one of the four proof-of-concept plants | [`PlantCase`] |
+//! | `[scenario]` | a flight of the F-16 | [`AircraftCase`] |
 //!
 //! The published cases lie in `scenarios/thesis/`; a copy with other numbers runs in the same way.
 
@@ -12,6 +13,7 @@ use serde::Deserialize;
 use serde::de::IgnoredAny;
 
 use super::Reproduction;
+use super::aircraft_case::AircraftCase;
 use super::plant_case::PlantCase;
 use crate::accuracy::StudyError;
 use crate::scenario::{ScenarioError, parse_toml};
@@ -20,13 +22,16 @@ use crate::scenario::{ScenarioError, parse_toml};
 #[derive(Clone, Debug, PartialEq)]
 pub enum Case {
     /// A proof-of-concept plant.
-    Plant(PlantCase),
+    Plant(Box<PlantCase>),
+    /// A flight of the F-16.
+    Aircraft(Box<AircraftCase>),
 }
 
 /// Which kind of case a file holds.
 #[derive(Deserialize)]
 struct Kind {
     plant: Option<IgnoredAny>,
+    scenario: Option<IgnoredAny>,
 }
 
 impl Case {
@@ -47,11 +52,15 @@ impl Case {
     /// As [`Case::read`].
     pub fn parse(text: &str, place: &str) -> Result<Self, ScenarioError> {
         let kind: Kind = parse_toml(text, place)?;
-        match kind {
-            Kind { plant: Some(_) } => PlantCase::parse(text, place).map(Self::Plant),
-            Kind { plant: None } => Err(ScenarioError::OutOfRange {
+        match (kind.plant.is_some(), kind.scenario.is_some()) {
+            (true, false) => PlantCase::parse(text, place).map(Box::new).map(Self::Plant),
+            (false, true) => AircraftCase::parse(text, place).map(Box::new).map(Self::Aircraft),
+            (plant, _) => Err(ScenarioError::OutOfRange {
                 place: place.to_owned(),
-                message: "a case needs a table `[plant]` that says what is simulated".to_owned(),
+                message: format!(
+                    "a case needs one table that says what is simulated, `[plant]` or `[scenario]`: it has {}",
+                    if plant { "both" } else { "neither" }
+                ),
             }),
         }
     }
@@ -63,6 +72,7 @@ impl Case {
     pub fn run(&self, id: &str) -> Result<Reproduction, StudyError> {
         match self {
             Self::Plant(case) => case.run(id),
+            Self::Aircraft(case) => case.run(id),
         }
     }
 }

@@ -7,6 +7,7 @@
 //!
 //! The text of the thesis at hand has lost its minus signs and most digits of its tables. What is reconstructed says so.
 
+pub mod aircraft_case;
 pub mod case_file;
 pub mod plant_case;
 pub mod published;

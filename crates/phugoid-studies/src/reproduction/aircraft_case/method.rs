@@ -1,0 +1,122 @@
+//! One method on one flight of a case.
+
+use phugoid_estimators::discretization::{InputHold, IntervalInput, simulate};
+use phugoid_estimators::thesis::Diagnostics;
+use phugoid_identification::estimate::{EstimateOptions, estimate};
+use phugoid_identification::model_file::ModelFile;
+use phugoid_identification::output::STATES;
+
+use super::case::AircraftCase;
+use super::law::{LawSettings, run_law};
+use super::reference::Reference;
+use super::told::model_file;
+use crate::accuracy::StudyError;
+use crate::flight::Flight;
+use crate::reproduction::result::Role;
+
+/// Integration step of the estimated aircraft, s: as the reference flies at 100 Hz.
+pub(super) const STEP_S: f64 = 0.005;
+
+/// A method with its settings.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MethodSettings {
+    /// As printed, e.g. `printed law, implicit`.
+    pub name: String,
+    /// What it is to the reader.
+    pub role: Role,
+    /// The method.
+    pub method: Method,
+}
+
+/// What estimates.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Method {
+    /// The flagship with what it is told, see [`model_file`].
+    Flagship(Box<ModelFile>),
+    /// A sliding law for one increment; all others stay at their start values.
+    Law(LawSettings),
+}
+
+impl MethodSettings {
+    /// The flagship as a case tells it.
+    ///
+    /// # Errors
+    /// As [`model_file`].
+    pub fn flagship(case: &AircraftCase) -> Result<Self, StudyError> {
+        Ok(Self {
+            name: "flagship (SMPE)".to_owned(),
+            role: Role::Flagship,
+            method: Method::Flagship(Box::new(model_file(case)?)),
+        })
+    }
+}
+
+/// What a method said of one increment.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ParameterRun {
+    /// Name, e.g. `dCm_alpha`.
+    pub name: String,
+    /// Estimate after each sample, per radian.
+    pub values: Vec<f64>,
+    /// One-sigma error that the method claims after each sample; none if it claims none.
+    pub std_errors: Option<Vec<f64>>,
+}
+
+/// What a method made of a flight.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MethodRun {
+    /// Time, s.
+    pub time_s: Vec<f64>,
+    /// The increments looked for.
+    pub parameters: Vec<ParameterRun>,
+    /// The estimated aircraft, V, alpha, theta, q (SI), flying beside the reference from the same input with the current
+    /// estimates, never corrected.
+    pub states: Vec<[f64; STATES]>,
+    /// Surface, reaching condition and gain after each sample, where the method is a sliding law.
+    pub law: Option<Vec<Diagnostics>>,
+}
+
+/// Runs a method on a flight of a case (or of a scenario that differs from the case's in its sensors, gusts or input).
+///
+/// # Errors
+/// [`StudyError`]: a channel that the method needs is missing, or its settings are refused.
+pub fn run_method(case: &AircraftCase, flight: &Flight, settings: &MethodSettings) -> Result<MethodRun, StudyError> {
+    match &settings.method {
+        Method::Flagship(model) => run_flagship(flight, model),
+        Method::Law(law) => run_law(&Reference::new(flight, &model_file(case)?)?, law),
+    }
+}
+
+fn run_flagship(flight: &Flight, model: &ModelFile) -> Result<MethodRun, StudyError> {
+    let options = EstimateOptions { truth: flight.true_parameters.clone(), ..EstimateOptions::default() };
+    let history = estimate(&flight.measured, model, &options, &mut |_| {})?.history;
+    let reference = Reference::new(flight, model)?;
+    let own = |name: &str| model.parameters.iter().any(|p| p.name == name && !p.is_nuisance());
+    let parameters: Vec<ParameterRun> = history
+        .parameters
+        .into_iter()
+        .filter(|parameter| own(&parameter.name))
+        .map(|p| ParameterRun { name: p.name, values: p.value, std_errors: Some(p.std_error) })
+        .collect();
+    let values: Vec<&[f64]> = parameters.iter().map(|p| p.values.as_slice()).collect();
+    let states = estimated_aircraft(&reference, &values);
+    Ok(MethodRun { time_s: history.time_s, parameters, states, law: None })
+}
+
+/// The estimated aircraft: started with the reference, it flies from the same input with the estimates of each instant.
+fn estimated_aircraft(reference: &Reference, estimates: &[&[f64]]) -> Vec<[f64; STATES]> {
+    let Some(mut x) = reference.states.first().copied() else { return Vec::new() };
+    let mut states = Vec::with_capacity(reference.time.len());
+    states.push(x);
+    for (k, (time, inputs)) in reference.time.windows(2).zip(reference.inputs.windows(2)).enumerate() {
+        let theta: [f64; ROOM] = std::array::from_fn(|j| estimates.get(j).map_or(0.0, |values| values[k]));
+        // The input knows itself what of it is held.
+        let input = IntervalInput { from: inputs[0], to: inputs[1], hold: InputHold::Linear };
+        x = simulate(&reference.model, &x, &theta, &input, time[1] - time[0], STEP_S);
+        states.push(x);
+    }
+    states
+}
+
+/// Room for increments: the four of the thesis and the elevator's effectiveness.
+const ROOM: usize = 5;

@@ -1,0 +1,30 @@
+//! The published cases with the F-16: one increment at a time, and all four at once, from one elevator input.
+//!
+//! The reference is a flight in six degrees of freedom ([`fly`]). Beside it run the flagship and the thesis's sliding laws
+//! ([`run_method`]), all on the longitudinal motion, and an estimated aircraft that flies from the same input with the
+//! current estimates.
+
+mod case;
+mod law;
+mod method;
+mod rates;
+mod reference;
+mod run;
+mod told;
+
+pub use case::{AircraftCase, EstimatorSettings, PARAMETERS, ParameterSettings};
+pub use law::{LawForm, LawSettings, Surface};
+pub use method::{Method, MethodRun, MethodSettings, ParameterRun, run_method};
+pub use reference::Reference;
+pub use told::model_file;
+
+use crate::accuracy::StudyError;
+use crate::flight::Flight;
+
+/// Flies the reference aircraft of a case.
+///
+/// # Errors
+/// [`StudyError::Flight`].
+pub fn fly(case: &AircraftCase) -> Result<Flight, StudyError> {
+    Ok(crate::flight::fly(&case.scenario)?)
+}
