@@ -25,13 +25,14 @@
 //! One scalar equation carries one parameter: two parameters cannot be had from it (the two-surface form has rank one
 //! at every instant). There is no covariance in it either: the standard errors it gives are infinite.
 
+use super::claim::{verdict, without_covariance};
 use super::diagnostics::Diagnostics;
 use super::error::ThesisError;
 use super::gain::{gain, spread};
 use super::parallel::{integrate, measured};
 use super::settings::{Evaluation, LawSign, SurfaceDerivative, ThesisForm, ThesisSettings};
 use crate::discretization::IntervalInput;
-use crate::estimate::{Estimate, Estimator, ParameterStatus, Phase, Status};
+use crate::estimate::{Estimate, Estimator, Phase};
 use crate::model::{LinearizedRates, Model, Sample};
 
 /// Most Newton steps per sample.
@@ -394,29 +395,11 @@ where
     }
 
     fn estimate(&self) -> Estimate<P> {
-        let count = self.model.parameter_count().min(P);
-        let j = self.settings.parameter;
-        let mut estimate = Estimate {
-            time_s: self.last_s,
-            parameters: self.theta,
-            std_error: [0.0; P],
-            corrected_std_error: [0.0; P],
-            observability: [0.0; P],
-            parameter_status: [ParameterStatus::NotExcited; P],
-            status: Status { phase: self.phase, ..Status::default() },
-        };
-        estimate.parameters[count..].fill(0.0);
-        estimate.std_error[j] = f64::INFINITY;
-        estimate.corrected_std_error[j] = f64::INFINITY;
-        let theta = self.theta[j];
-        estimate.parameter_status[j] = if !(self.settings.lower..=self.settings.upper).contains(&theta) {
-            ParameterStatus::AtLimit
-        } else if self.diagnostics.slope.abs() > self.settings.eta {
-            ParameterStatus::Improving
-        } else {
-            ParameterStatus::NotExcited
-        };
-        estimate
+        let settings = &self.settings;
+        let excited = self.diagnostics.slope.abs() > settings.eta;
+        let status = verdict(self.theta[settings.parameter], [settings.lower, settings.upper], excited);
+        let unknown = [(settings.parameter, status)];
+        without_covariance(self.last_s, &self.theta, self.model.parameter_count(), self.phase, unknown)
     }
 }
 
