@@ -23,6 +23,11 @@ pub enum ThesisError {
         /// Index of the channel.
         index: usize,
     },
+    /// No output measures a state, and the law needs all of them.
+    NotMeasured {
+        /// Index of the state.
+        state: usize,
+    },
     /// `lambda` or `eta` or a step is not a positive number.
     Setting {
         /// Name.
@@ -48,6 +53,9 @@ impl fmt::Display for ThesisError {
                 "surface channel {index}: state and output must exist, the scale be positive, and all channels have \
                  measured derivatives or none"
             ),
+            Self::NotMeasured { state } => {
+                write!(f, "no output measures state {state} (count from 0): the law needs every state measured")
+            }
             Self::Setting { name, value } => write!(f, "setting {name} must be positive and finite, found {value}"),
         }
     }

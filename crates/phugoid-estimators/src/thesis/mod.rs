@@ -7,8 +7,9 @@
 //! |---|---|
 //! | [`ThesisLaw`] | one parameter, one surface: plants 1 and 2, each aircraft coefficient by itself |
 //! | [`TwoParameterLaw`] | two parameters, two surfaces: plants 3 and 4; rank one at every instant |
+//! | [`ExtendedLaw`] | any number of parameters: the repair, an extended regression of full rank |
 //!
-//! Every law contains its unknown on both sides, because the estimated model's rate depends on it: an algebraic loop.
+//! Every printed law contains its unknown on both sides, because the estimated model's rate depends on it: an algebraic loop.
 //! [`Evaluation`] says whether the loop is cut by a delay of one sample, as in a block diagram, or solved.
 //!
 //! What is as published and what is reconstructed: the text at hand has lost its minus signs, and most of its equations
@@ -16,7 +17,9 @@
 
 mod claim;
 mod diagnostics;
+mod eigen;
 mod error;
+mod extended;
 mod gain;
 mod one_parameter;
 mod parallel;
@@ -25,6 +28,7 @@ mod two_parameter;
 
 pub use diagnostics::Diagnostics;
 pub use error::ThesisError;
+pub use extended::{ExtendedLaw, ExtendedSettings};
 pub use one_parameter::ThesisLaw;
 pub use settings::{Evaluation, LawSign, SurfaceChannel, SurfaceDerivative, ThesisForm, ThesisSettings};
 pub use two_parameter::{TwoParameterDiagnostics, TwoParameterLaw, TwoParameterSettings};

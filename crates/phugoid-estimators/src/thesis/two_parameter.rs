@@ -12,7 +12,7 @@
 //! The denominator holds `F`, not `D`, as printed. `sdot_1 - sdot_2 = (lambda_1 - lambda_2) F` contains no parameter: both
 //! surfaces ask for a point on one of two parallel lines `z_1 a_1 + z_2 a_2 = const`, at every instant. What makes the law
 //! give two numbers all the same is `eta` and the gains in the denominators, not the data. [`TwoParameterDiagnostics`]
-//! shows it.
+//! shows it; [`ExtendedLaw`](super::ExtendedLaw) mends it.
 //!
 //! For the aircraft the thesis prints one expression for `Cm_alpha` and `Cm_q` both, over one surface: two equal numbers. It
 //! is a law for one of them while the other is known, which [`ThesisLaw`](super::ThesisLaw) is.
