@@ -5,7 +5,7 @@ use phugoid_studies::reproduction::case_file::Case;
 use phugoid_studies::reproduction::plant_case::published_case;
 use phugoid_studies::reproduction::{Reproduction, entries};
 
-const GROUPS: [&str; 4] = ["first-order", "first-order-nonlinear", "second-order", "second-order-nonlinear"];
+const GROUPS: [&str; 5] = ["first-order", "first-order-nonlinear", "second-order", "second-order-nonlinear", "noise"];
 
 fn results() -> impl Iterator<Item = Reproduction> {
     entries()
@@ -20,6 +20,7 @@ fn every_published_case_converges_no_later_than_published() {
     for result in results() {
         for outcome in &result.outcomes {
             println!("{:26} {:28} {:10}", result.id, outcome.method, outcome.behaviour.word());
+            println!("    {}", outcome.condition);
             for p in &outcome.parameters {
                 println!(
                     "    {} {:?}: {} -> {} +- {:?}, {:?} s, published {:?} s",
@@ -54,7 +55,7 @@ fn a_copy_with_other_numbers_runs_and_mistakes_are_told() {
     );
     let message = error("[parameters.a]", "[parameters.a1]");
     assert!(message.contains("did you mean `a`"), "{message}");
-    let message = error("start = 4.0", "start = 40.0");
+    let message = error("start = 5.0", "start = 40.0");
     assert!(message.contains("40") && message.contains("lower <= start <= upper"), "{message}");
     let message = error("sample_time = \"1 ms\"", "sample_time = 1");
     assert!(message.contains("no unit"), "{message}");

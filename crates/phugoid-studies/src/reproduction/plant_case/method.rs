@@ -1,10 +1,13 @@
 //! Runs one method on the samples of a plant.
 
 use phugoid_estimators::smpe::{ParameterPrior, Smpe, SmpeSettings};
-use phugoid_estimators::thesis::{SurfaceChannel, SurfaceDerivative, ThesisForm, ThesisLaw, ThesisSettings};
-use phugoid_estimators::{Estimator, Model};
+use phugoid_estimators::thesis::{
+    Evaluation, LawSign, SurfaceChannel, SurfaceDerivative, ThesisForm, ThesisLaw, ThesisSettings, TwoParameterLaw,
+    TwoParameterSettings,
+};
+use phugoid_estimators::{Estimator, Model, Phase};
 
-use super::plant::Visit;
+use super::plant::{Plant, Visit};
 use super::simulate::{MAXIMUM_STEP_S, PlantRun};
 use super::{Parameter, PlantCase};
 use crate::accuracy::StudyError;
@@ -17,13 +20,30 @@ pub enum MethodSettings {
         /// One-sigma noise that it is told, per state.
         noise_sd: Vec<f64>,
     },
-    /// The one-parameter law, solved implicitly at every sample.
-    Implicit {
+    /// The one-parameter law, for the plants that have one. It is given the measured derivative.
+    OneParameter {
         /// Which form of the law.
         form: ThesisForm,
-        /// 1/s.
+        /// How its algebraic loop is closed.
+        evaluation: Evaluation,
+        /// As printed, or from the slope of the surface.
+        sign: LawSign,
+        /// `lambda`, 1/s; used as it is, whatever the sample time.
         lambda: f64,
-        /// In units of the surface's rate per unit of the parameter.
+        /// `eta`, in units of the surface's rate per unit of the parameter.
+        eta: f64,
+    },
+    /// The two-parameter law over two surfaces, for the plants that have two. It is given the measured derivative.
+    TwoParameter {
+        /// Which form of the law.
+        form: ThesisForm,
+        /// How its algebraic loop is closed.
+        evaluation: Evaluation,
+        /// As printed, or from the slope of the surface.
+        sign: LawSign,
+        /// `lambda` of each surface, 1/s.
+        lambda: [f64; 2],
+        /// `eta`, in units of the surface's rate per unit of the parameter.
         eta: f64,
     },
 }
@@ -37,6 +57,35 @@ pub struct MethodRun {
     pub std_error: Option<Vec<Vec<f64>>>,
     /// States of the estimated model, `[state][sample]`.
     pub states: Vec<Vec<f64>>,
+    /// The printed laws from inside, one per surface; empty for other methods.
+    pub surfaces: Vec<Surface>,
+    /// Singular values, larger first, of the derivative of both surfaces' rates by both parameters, per sample; the
+    /// two-parameter law only.
+    pub information: Vec<[f64; 2]>,
+    /// Samples at which an implicit law found no solution of its loop and kept the last estimate.
+    pub unsolved: usize,
+}
+
+/// A surface of a printed law, sample by sample.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Surface {
+    /// `s`.
+    pub surface: Vec<f64>,
+    /// `s sdot + eta |s|`: the reaching condition holds where it is not positive.
+    pub reaching: Vec<f64>,
+    /// `K`, the gain from the bounds.
+    pub gain: Vec<f64>,
+    /// `E`, the energy difference of model and measurement; NaN for the two-parameter law, whose `s` is one.
+    pub energy: Vec<f64>,
+}
+
+impl Surface {
+    fn push(&mut self, surface: f64, reaching: f64, gain: f64, energy: f64) {
+        self.surface.push(surface);
+        self.reaching.push(reaching);
+        self.gain.push(gain);
+        self.energy.push(energy);
+    }
 }
 
 /// Runs a method on the samples of a run of the case.
@@ -63,7 +112,7 @@ impl Visit for Runner<'_> {
         let Self { case, run, method } = self;
         let unknowns: Vec<Parameter> = case.unknowns().map(|(_, parameter)| parameter).collect();
         let refused = |error: &dyn std::fmt::Display| StudyError::Unsuitable(format!("{}: {error}", case.title));
-        let mut record = Record::new(P, N, run.time_s.len());
+        let mut record = MethodRun::new(P, N, run.time_s.len());
         match method {
             MethodSettings::Flagship { noise_sd } => {
                 let priors: Vec<ParameterPrior> =
@@ -87,23 +136,73 @@ impl Visit for Runner<'_> {
                 }
                 record.std_error = Some(claimed);
             }
-            MethodSettings::Implicit { form, lambda, eta } => {
-                let p = unknowns[0];
-                let channel =
-                    SurfaceChannel { state: 0, output: 0, scale: 1.0, derivative: SurfaceDerivative::Output(N) };
+            MethodSettings::OneParameter { form, evaluation, sign, lambda, eta } => {
+                let [p] = unknowns[..] else {
+                    return Err(refused(&"the one-parameter law carries one parameter, this plant has two"));
+                };
+                let x = SurfaceChannel { state: 0, output: 0, scale: 1.0, derivative: SurfaceDerivative::Output(N) };
+                // "Adds the y terms to numerator and denominator": y is the other state, its rate contains no unknown.
+                let y =
+                    SurfaceChannel { state: N - 1, output: N - 1, scale: 1.0, derivative: SurfaceDerivative::Known };
+                let mut start = [0.0; P];
+                start[0] = p.start;
+                macro_rules! law {
+                    ($channels:expr) => {{
+                        let mut settings = ThesisSettings::new(0, start, [p.lower, p.upper], $channels);
+                        settings.form = *form;
+                        settings.evaluation = *evaluation;
+                        settings.sign = *sign;
+                        settings.lambda = *lambda;
+                        settings.maximum_lambda_h = f64::INFINITY;
+                        settings.eta = *eta;
+                        settings.margin = margin(*form);
+                        settings.maximum_step_s = MAXIMUM_STEP_S;
+                        ThesisLaw::<_, N, R, P, _>::new(*model, settings).map_err(|error| refused(&error))?
+                    }};
+                }
+                record.surfaces = vec![Surface::default()];
+                macro_rules! follow {
+                    ($law:expr) => {{
+                        let mut law = $law;
+                        for sample in run.samples::<I, R>() {
+                            let estimate = law.update(&sample);
+                            record.push(&estimate.parameters, law.state());
+                            let d = law.diagnostics();
+                            record.surfaces[0].push(d.surface, d.reaching, d.gain, d.energy);
+                            record.unsolved += usize::from(estimate.status.phase == Phase::Rejected);
+                        }
+                    }};
+                }
+                match case.plant {
+                    Plant::FirstOrderNonlinear { .. } => follow!(law!([x, y])),
+                    _ => follow!(law!([x])),
+                }
+            }
+            MethodSettings::TwoParameter { form, evaluation, sign, lambda, eta } => {
+                let [first, second] = unknowns[..] else {
+                    return Err(refused(&"the two-parameter law carries two parameters, this plant has one"));
+                };
                 let mut start = [0.0; P];
                 for (slot, parameter) in start.iter_mut().zip(&unknowns) {
                     *slot = parameter.start;
                 }
-                let mut settings = ThesisSettings::new(0, start, [p.lower, p.upper], [channel]);
+                let bounds = [[first.lower, first.upper], [second.lower, second.upper]];
+                let mut settings = TwoParameterSettings::as_printed(start, bounds, *lambda, *eta, *evaluation);
                 settings.form = *form;
-                settings.lambda = *lambda;
-                settings.eta = *eta;
+                settings.sign = *sign;
+                settings.margin = margin(*form);
                 settings.maximum_step_s = MAXIMUM_STEP_S;
-                let mut law = ThesisLaw::<_, N, R, P, 1>::new(*model, settings).map_err(|error| refused(&error))?;
+                let mut law = TwoParameterLaw::<_, N, R, P>::new(*model, settings).map_err(|error| refused(&error))?;
+                record.surfaces = vec![Surface::default(); 2];
                 for sample in run.samples::<I, R>() {
                     let estimate = law.update(&sample);
                     record.push(&estimate.parameters, law.state());
+                    let d = law.diagnostics();
+                    for (i, surface) in record.surfaces.iter_mut().enumerate() {
+                        surface.push(d.surface[i], d.reaching[i], d.gain[i], f64::NAN);
+                    }
+                    record.information.push(d.information);
+                    record.unsolved += usize::from(estimate.status.phase == Phase::Rejected);
                 }
             }
         }
@@ -111,7 +210,14 @@ impl Visit for Runner<'_> {
     }
 }
 
-type Record = MethodRun;
+/// How far outside the bounds an implicit solution may lie, as a part of their width: the thesis has no such limit, the
+/// mended forms have the library's.
+fn margin(form: ThesisForm) -> f64 {
+    match form {
+        ThesisForm::Printed => f64::INFINITY,
+        ThesisForm::Reduced | ThesisForm::Damped => 0.25,
+    }
+}
 
 impl MethodRun {
     fn new(parameters: usize, states: usize, samples: usize) -> Self {
@@ -119,6 +225,9 @@ impl MethodRun {
             estimates: vec![Vec::with_capacity(samples); parameters],
             std_error: None,
             states: vec![Vec::with_capacity(samples); states],
+            surfaces: Vec::new(),
+            information: Vec::new(),
+            unsolved: 0,
         }
     }
 

@@ -3,17 +3,21 @@
 //! [`simulate()`] gives the samples of a [`PlantCase`], [`run_method`] runs one method with any settings on them, and
 //! [`verdict::behaviour`] says what became of it. [`PlantCase::run`] does all of it with the settings of the file.
 
+mod charts;
+mod condition;
 mod entries;
 mod format;
+mod golden;
 mod method;
 mod plant;
 mod report;
 mod simulate;
 pub mod verdict;
 
+pub use condition::slopes;
 pub(super) use entries::ENTRIES;
 pub use entries::published_case;
 pub use format::{Noise, Parameter, PlantCase, Settings, Signal};
-pub use method::{MethodRun, MethodSettings, run_method};
+pub use method::{MethodRun, MethodSettings, Surface, run_method};
 pub use plant::Plant;
 pub use simulate::{PlantRun, simulate};

@@ -1,9 +1,12 @@
 //! A case with all its methods, as a result.
 
-use phugoid_estimators::thesis::ThesisForm;
+use phugoid_estimators::thesis::{Evaluation, LawSign, ThesisForm};
 
+use super::charts::charts;
+use super::condition::condition;
+use super::golden::golden;
 use super::verdict::{behaviour, worst};
-use super::{MethodRun, MethodSettings, PlantCase, PlantRun, run_method, simulate};
+use super::{MethodRun, MethodSettings, PlantCase, PlantRun, run_method, simulate, slopes};
 use crate::accuracy::StudyError;
 use crate::reproduction::Reproduction;
 use crate::reproduction::result::{Outcome, ParameterOutcome, Requirement, Role};
@@ -16,6 +19,24 @@ pub(super) struct Shown {
     pub(super) settings: MethodSettings,
 }
 
+/// A method with what it did.
+pub(super) struct Told {
+    pub(super) shown: Shown,
+    pub(super) result: MethodRun,
+    pub(super) outcome: Outcome,
+}
+
+impl Told {
+    /// Whether its loop is solved at every sample.
+    pub(super) fn implicit(&self) -> bool {
+        matches!(
+            self.shown.settings,
+            MethodSettings::OneParameter { evaluation: Evaluation::Implicit, .. }
+                | MethodSettings::TwoParameter { evaluation: Evaluation::Implicit, .. }
+        )
+    }
+}
+
 impl PlantCase {
     /// Runs the case with all its methods; `id` is the name its result bears.
     ///
@@ -23,11 +44,13 @@ impl PlantCase {
     /// [`StudyError`]: the plant escapes, or a method refuses its settings.
     pub fn run(&self, id: &str) -> Result<Reproduction, StudyError> {
         let run = simulate(self)?;
-        let mut outcomes = Vec::new();
+        let mut told = Vec::new();
         for shown in self.methods(&run) {
             let result = run_method(self, &run, &shown.settings)?;
-            outcomes.push(self.outcome(&shown, &run, &result));
+            let outcome = self.outcome(&shown, &run, &result);
+            told.push(Told { shown, result, outcome });
         }
+        let outcomes: Vec<Outcome> = told.iter().map(|t| t.outcome.clone()).collect();
         let requirements = self.requirements(&outcomes);
         Ok(Reproduction {
             id: id.to_owned(),
@@ -38,21 +61,45 @@ impl PlantCase {
             difference: self.published.difference.clone(),
             outcomes,
             requirements,
-            ..Reproduction::default()
+            tables: Vec::new(),
+            charts: charts(self, &run, &told),
+            golden: golden(self, &run, &told),
         })
     }
 
     /// The methods that the report shows, with the settings of the file.
     fn methods(&self, run: &PlantRun) -> Vec<Shown> {
+        use {Evaluation::*, LawSign::*, ThesisForm::*};
         let mut methods = vec![Shown { name: "flagship", role: Role::Flagship, settings: self.flagship(run) }];
         let unknowns: Vec<_> = self.unknowns().collect();
+        let signs_differ = slopes(self, run).iter().flatten().any(|z| *z > 0.0);
         if let [(_, p)] = unknowns[..] {
-            for (name, role, form) in [
-                ("printed law, implicit", Role::Published, ThesisForm::Printed),
-                ("reduced law, implicit", Role::Mended, ThesisForm::Reduced),
-                ("damped law, implicit", Role::Mended, ThesisForm::Damped),
+            for (name, role, form, evaluation, sign) in [
+                ("printed law, one-sample delay", Role::Published, Printed, Delayed, AsPrinted),
+                ("printed law, implicit", Role::Published, Printed, Implicit, AsPrinted),
+                ("printed law, implicit, sign from the slope", Role::Mended, Printed, Implicit, FromSlope),
+                ("reduced law, implicit", Role::Mended, Reduced, Implicit, FromSlope),
+                ("damped law, implicit", Role::Mended, Damped, Implicit, FromSlope),
             ] {
-                let settings = MethodSettings::Implicit { form, lambda: p.lambda, eta: self.estimator.eta };
+                if form == Printed && sign == FromSlope && !signs_differ {
+                    continue;
+                }
+                let (lambda, eta) = (p.lambda, self.estimator.eta);
+                let settings = MethodSettings::OneParameter { form, evaluation, sign, lambda, eta };
+                methods.push(Shown { name, role, settings });
+            }
+        }
+        if let [(_, first), (_, second)] = unknowns[..] {
+            let (lambda, eta) = ([first.lambda, second.lambda], self.estimator.eta);
+            for (name, role, form, evaluation, sign) in [
+                ("printed law, one-sample delay", Role::Published, Printed, Delayed, AsPrinted),
+                ("printed law, implicit", Role::Published, Printed, Implicit, AsPrinted),
+                ("printed law, implicit, sign from the slope", Role::Mended, Printed, Implicit, FromSlope),
+            ] {
+                if sign == FromSlope && !signs_differ {
+                    continue;
+                }
+                let settings = MethodSettings::TwoParameter { form, evaluation, sign, lambda, eta };
                 methods.push(Shown { name, role, settings });
             }
         }
@@ -78,7 +125,7 @@ impl PlantCase {
             behaviour: worst(
                 judged.map(|((_, p), values)| behaviour(&run.time_s, values, p.truth, [p.lower, p.upper])),
             ),
-            condition: String::new(),
+            condition: condition(self, run, &shown.settings, result),
             parameters: self
                 .unknowns()
                 .enumerate()

@@ -19,10 +19,10 @@ pub const TRAVEL: f64 = 4.0;
 /// In this order, over the last fifth ([`JUDGED`]) of the record:
 /// 1. *diverges*: a value is not a number, or lies more than ten ([`AWAY`]) half widths of the bounds from their middle;
 /// 2. *converges*: within 5 % ([`TOLERANCE`]) of the truth for at least the last tenth ([`STAYED`]) of the record;
-/// 3. *biased*: it swings (peak to peak) by less than 5 % of the truth, and the drift, continued for one more record,
-///    would not bring it within 5 %; otherwise *unfinished*;
-/// 4. *chatters*: it swings by more, and travels (sum of all steps) more than four ([`TRAVEL`]) times its swing;
-/// 5. *unfinished*: it swings by more, in one direction, towards the truth; *biased*: any other slow motion.
+/// 3. *chatters*: it swings (peak to peak) by more than 5 % of the truth, and travels (sum of all steps) more than four
+///    ([`TRAVEL`]) times its swing;
+/// 4. *unfinished*: its drift, continued for one more record, would bring it within 5 %;
+/// 5. *biased*: anything else: at rest, or moving slowly, and wrong.
 pub fn behaviour(time: &[f64], values: &[f64], truth: f64, bounds: [f64; 2]) -> Behaviour {
     let (Some(&start), Some(&end)) = (time.first(), time.last()) else { return Behaviour::Diverges };
     let from = time.partition_point(|&t| t < end - JUDGED * (end - start)).min(values.len().saturating_sub(1));
@@ -39,15 +39,12 @@ pub fn behaviour(time: &[f64], values: &[f64], truth: f64, bounds: [f64; 2]) -> 
     let travel: f64 = last.windows(2).map(|w| (w[1] - w[0]).abs()).sum();
     let (first, final_value) = (last[0], last[last.len() - 1]);
     let drift = final_value - first;
+    // One more record is 1 / JUDGED of these windows.
     let nearer = (final_value - truth).abs() < (first - truth).abs();
-    if swing <= TOLERANCE * truth.abs() {
-        // One more record is 1 / JUDGED of these windows.
-        let reach = (final_value - truth).abs() - drift.abs() / JUDGED;
-        return if nearer && reach <= TOLERANCE * truth.abs() { Behaviour::Unfinished } else { Behaviour::Biased };
-    }
-    if travel > TRAVEL * swing {
+    let arrives = nearer && (final_value - truth).abs() - drift.abs() / JUDGED <= TOLERANCE * truth.abs();
+    if swing > TOLERANCE * truth.abs() && travel > TRAVEL * swing {
         Behaviour::Chatters
-    } else if nearer && drift.abs() > 0.5 * swing {
+    } else if arrives {
         Behaviour::Unfinished
     } else {
         Behaviour::Biased

@@ -1,0 +1,204 @@
+//! Figures of a plant case.
+
+use std::sync::Arc;
+
+use super::report::Told;
+use super::{PlantCase, PlantRun, Surface};
+use crate::reproduction::result::{Axis, Behaviour, Chart, Content, Curve, Level, Meaning, Panel, Role, Shape};
+
+/// Most points of a curve.
+const POINTS: usize = 600;
+
+/// Instants shown: close at the beginning, where the estimates move, and ever wider apart.
+struct Instants {
+    index: Vec<usize>,
+    time: Arc<[f64]>,
+}
+
+impl Instants {
+    fn new(time_s: &[f64]) -> Self {
+        let last = time_s.len().saturating_sub(1);
+        let mut index: Vec<usize> = (0..POINTS)
+            .map(|k| {
+                let part = k as f64 / (POINTS - 1) as f64;
+                (part * part * last as f64).round() as usize
+            })
+            .collect();
+        index.dedup();
+        let time = index.iter().map(|&k| time_s[k]).collect();
+        Self { index, time }
+    }
+
+    fn of(&self, series: &[f64]) -> Vec<f64> {
+        self.index.iter().map(|&k| series[k]).collect()
+    }
+
+    fn line(&self, label: impl Into<String>, meaning: Meaning, series: &[f64]) -> Curve {
+        Curve { label: label.into(), meaning, x: self.time.clone(), shape: Shape::Line(self.of(series)) }
+    }
+}
+
+/// The figures of a case: estimates, states, and what the implicit laws look like from inside.
+pub(super) fn charts(case: &PlantCase, run: &PlantRun, told: &[Told]) -> Vec<Chart> {
+    let instants = Instants::new(&run.time_s);
+    let mut charts = vec![estimates(case, told, &instants), states(case, run, told, &instants)];
+    charts.extend(surfaces(case, told, &instants));
+    charts
+}
+
+fn meaning(told: &[Told], index: usize) -> Meaning {
+    match told[index].shown.role {
+        Role::Flagship => Meaning::Flagship,
+        _ => Meaning::Method(told[..index].iter().filter(|t| t.shown.role != Role::Flagship).count()),
+    }
+}
+
+fn level(label: &str, at: f64, meaning: Meaning) -> Level {
+    Level { label: label.to_owned(), at, meaning }
+}
+
+fn estimates(case: &PlantCase, told: &[Told], instants: &Instants) -> Chart {
+    let panels = case
+        .unknowns()
+        .enumerate()
+        .map(|(j, (name, p))| {
+            let mut curves = Vec::new();
+            for (index, t) in told.iter().enumerate() {
+                let values = &t.result.estimates[j];
+                if let Some(error) = t.result.std_error.as_ref().map(|s| &s[j]) {
+                    let edge = |sign: f64| {
+                        instants.index.iter().map(|&k| values[k] + sign * 2.0 * error[k]).collect::<Vec<f64>>()
+                    };
+                    curves.push(Curve {
+                        label: format!("{}, two sigma", t.shown.name),
+                        meaning: meaning(told, index),
+                        x: instants.time.clone(),
+                        shape: Shape::Band { lower: edge(-1.0), upper: edge(1.0) },
+                    });
+                }
+            }
+            for (index, t) in told.iter().enumerate().rev() {
+                curves.push(instants.line(t.shown.name, meaning(told, index), &t.result.estimates[j]));
+            }
+            let margin = 0.15 * (p.upper - p.lower);
+            let published = case.published.converged_after.get(name);
+            Panel {
+                y: Axis::new(name, "–").with_range(p.lower - margin, p.upper + margin),
+                content: Content::Curves {
+                    curves,
+                    levels: vec![
+                        level("truth", p.truth, Meaning::Truth),
+                        level("bounds", p.lower, Meaning::Bound),
+                        level("", p.upper, Meaning::Bound),
+                    ],
+                    instants: published.map(|t| level("published", t.si(), Meaning::Command)).into_iter().collect(),
+                },
+            }
+        })
+        .collect();
+    Chart {
+        name: "estimates".into(),
+        title: format!("{}: estimates", case.title),
+        caption:
+            "All methods from the same start value on the same samples. What leaves the figure has left the bounds. \
+                  The flagship is not given the measured derivative that the laws need."
+                .into(),
+        x: Axis::new("Time", "s"),
+        panels,
+        columns: 1,
+    }
+}
+
+fn states(case: &PlantCase, run: &PlantRun, told: &[Told], instants: &Instants) -> Chart {
+    let u: Vec<f64> = run.inputs.iter().map(|input| input[0]).collect();
+    let mut panels = vec![Panel {
+        y: Axis::new("u", "–"),
+        content: Content::Curves {
+            curves: vec![Curve {
+                label: "input".into(),
+                meaning: Meaning::Command,
+                x: instants.time.clone(),
+                shape: Shape::Step(instants.of(&u)),
+            }],
+            levels: Vec::new(),
+            instants: Vec::new(),
+        },
+    }];
+    for (i, name) in case.plant.states().iter().enumerate() {
+        let mut curves = Vec::new();
+        if run.noise_sd > 0.0 {
+            curves.push(Curve {
+                label: "measured".into(),
+                meaning: Meaning::Measured,
+                x: instants.time.clone(),
+                shape: Shape::Points(instants.of(&run.outputs[i])),
+            });
+        }
+        curves.push(instants.line("plant", Meaning::Truth, &run.states[i]));
+        let (lowest, highest) =
+            run.states[i].iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &v| (l.min(v), h.max(v)));
+        for (index, t) in told.iter().enumerate().filter(|(_, t)| t.outcome.behaviour != Behaviour::Diverges) {
+            curves.push(instants.line(
+                format!("model of the {}", t.shown.name),
+                meaning(told, index),
+                &t.result.states[i],
+            ));
+        }
+        let margin = 0.15 * (highest - lowest).max(1e-300) + 3.0 * run.noise_sd;
+        panels.push(Panel {
+            y: Axis::new(*name, "–").with_range(lowest - margin, highest + margin),
+            content: Content::Curves { curves, levels: Vec::new(), instants: Vec::new() },
+        });
+    }
+    Chart {
+        name: "states".into(),
+        title: format!("{}: plant and estimated models", case.title),
+        caption: format!("The plant {} and the models that run beside it with the estimates.", case.plant.equation()),
+        x: Axis::new("Time", "s"),
+        panels,
+        columns: 1,
+    }
+}
+
+/// Surface, reaching condition and gain of the laws that are solved implicitly and say what they look like from inside.
+fn surfaces(case: &PlantCase, told: &[Told], instants: &Instants) -> Option<Chart> {
+    let inside: Vec<(usize, &Told)> =
+        told.iter().enumerate().filter(|(_, t)| t.implicit() && !t.result.surfaces.is_empty()).collect();
+    if inside.is_empty() {
+        return None;
+    }
+    type Quantity = fn(&Surface) -> &[f64];
+    let quantities: [(&str, Quantity); 3] =
+        [("s", |d| &d.surface), ("s s' + eta |s|", |d| &d.reaching), ("K", |d| &d.gain)];
+    let panels = quantities
+        .into_iter()
+        .map(|(label, quantity)| {
+            let mut curves = Vec::new();
+            for &(index, t) in &inside {
+                for (i, surface) in t.result.surfaces.iter().enumerate() {
+                    let name = if t.result.surfaces.len() > 1 {
+                        format!("{}, surface {}", t.shown.name, i + 1)
+                    } else {
+                        t.shown.name.to_owned()
+                    };
+                    curves.push(instants.line(name, meaning(told, index), quantity(surface)));
+                }
+            }
+            Panel {
+                y: Axis::new(label, "–"),
+                content: Content::Curves { curves, levels: vec![level("", 0.0, Meaning::Bound)], instants: Vec::new() },
+            }
+        })
+        .collect();
+    Some(Chart {
+        name: "surfaces".into(),
+        title: format!("{}: the laws from inside", case.title),
+        caption:
+            "The surface s; the reaching condition s s' <= -eta |s|, which holds where its curve is not above zero; \
+                  the gain K that follows from the bounds."
+                .into(),
+        x: Axis::new("Time", "s"),
+        panels,
+        columns: 1,
+    })
+}
