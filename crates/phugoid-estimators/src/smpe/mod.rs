@@ -56,11 +56,11 @@
 mod challenge;
 mod change;
 mod colour;
-pub(crate) mod columns;
+mod columns;
 mod reopen;
 mod settings;
-pub(crate) mod slot;
-pub(crate) mod start;
+mod slot;
+mod start;
 
 pub use settings::{
     ChangeDetection, ChangePrior, OutputInput, ParameterPrior, ProcessNoise, ReReaching, ReachingState, SmpeError,
