@@ -51,6 +51,11 @@ impl Table {
         Self { rows: vec![header.iter().map(|h| (*h).to_owned()).collect()], left: left.to_vec() }
     }
 
+    /// A table of names and values.
+    pub(crate) fn without_header() -> Self {
+        Self { rows: Vec::new(), left: vec![0] }
+    }
+
     pub(crate) fn row(&mut self, cells: impl IntoIterator<Item = String>) {
         self.rows.push(cells.into_iter().collect());
     }

@@ -14,7 +14,7 @@ pub(super) enum Task {
     /// A built-in entry.
     Entry(Entry),
     /// A case file, with the id that its result bears: the name of the file.
-    File { id: String, case: Case },
+    File { id: String, case: Box<Case> },
 }
 
 impl Task {
@@ -61,7 +61,7 @@ fn matching(word: &str, entries: &[Entry]) -> Result<Vec<Task>, Failure> {
     if file.extension().is_some_and(|extension| extension == "toml") || file.is_file() {
         let case = Case::read(file).map_err(Failure::input)?;
         let id = file.file_stem().map_or_else(|| word.to_owned(), |stem| stem.to_string_lossy().into_owned());
-        return Ok(vec![Task::File { id, case }]);
+        return Ok(vec![Task::File { id, case: Box::new(case) }]);
     }
     Err(unknown(word, entries))
 }
