@@ -25,7 +25,7 @@ pub(crate) fn draw(scene: &mut Scene, fonts: Option<&Fonts>, map: &HeatMap, fram
 
 /// Ticks at the middle of cells, in cells from 0; as many as have room (px) for their labels in the direction drawn.
 pub(crate) fn grid_ticks(grid: &[f64], room: f64, needed: impl Fn(&str) -> f64) -> Ticks {
-    let labels: Vec<String> = grid.iter().map(|v| compact(*v)).collect();
+    let labels: Vec<String> = grid.iter().map(|v| compact(*v, 3)).collect();
     let widest = labels.iter().map(|l| needed(l)).fold(1.0, f64::max);
     let every = ((widest * grid.len() as f64 / room.max(1.0)).ceil() as usize).max(1);
     let (values, labels) =
@@ -219,7 +219,7 @@ fn short(value: f64) -> String {
     match value.abs() {
         size if (0.1..99.5).contains(&size) => significant(value, 2),
         size if (99.5..1e5).contains(&size) => fixed(value, 0),
-        _ => compact(value),
+        _ => compact(value, 2),
     }
 }
 

@@ -45,8 +45,10 @@ pub(crate) fn ticks(limits: [f64; 2], wanted: usize) -> Ticks {
 /// Ticks of a logarithmic axis at 1, 2 and 5 times powers of ten, or at powers of ten alone where those are enough: about
 /// `wanted` of them.
 pub(crate) fn logarithmic_ticks([lower, upper]: [f64; 2], wanted: usize) -> Ticks {
-    let valid = lower > 0.0 && upper > lower && upper.is_finite();
-    let (first, last) = if valid { (lower.log10().floor() as i32, upper.log10().ceil() as i32) } else { (0, -1) };
+    if !(lower > 0.0 && upper > lower && upper.is_finite()) {
+        return Ticks { values: Vec::new(), labels: Vec::new(), exponent: 0 };
+    }
+    let (first, last) = (lower.log10().floor() as i32, upper.log10().ceil() as i32);
     let inside = |v: &f64| *v >= lower * (1.0 - 1e-9) && *v <= upper * (1.0 + 1e-9);
     let at = |mantissas: &[f64], every: usize| -> Vec<f64> {
         let decades = (first..=last).filter(|k| k.rem_euclid(every as i32) == 0).map(|k| 10f64.powi(k));
@@ -62,20 +64,21 @@ pub(crate) fn logarithmic_ticks([lower, upper]: [f64; 2], wanted: usize) -> Tick
         // Less than a step between the limits: a linear axis serves.
         return ticks([lower, upper], wanted);
     }
-    let labels = values.iter().map(|v| compact(*v)).collect();
+    let labels = values.iter().map(|v| compact(*v, 4)).collect();
     Ticks { values, labels, exponent: 0 }
 }
 
-/// A number that is a setting rather than a result, without digits that say nothing: `0.5`, `12`, `10⁻⁴`.
-pub(crate) fn compact(value: f64) -> String {
-    let text = significant(value, 4);
+/// A number that is a setting rather than a result, to this many digits and without those that say nothing: `0.5`, `12`,
+/// `10⁻⁴`.
+pub(crate) fn compact(value: f64, digits: usize) -> String {
+    let text = significant(value, digits);
     let (mantissa, power) = match text.split_once('·') {
         Some((mantissa, power)) => (mantissa, power),
         // Small numbers are read by their power.
         None if value != 0.0 && value.abs() < 1e-3 => {
             let exponent = value.abs().log10().floor() as i32;
             let power = format!("10{}", superscript(exponent));
-            return compact_power(&significant(value / 10f64.powi(exponent), 4), &power);
+            return compact_power(&significant(value / 10f64.powi(exponent), digits), &power);
         }
         None => (text.as_str(), ""),
     };
@@ -179,7 +182,7 @@ mod tests {
     fn logarithmic_axes() {
         assert_eq!(logarithmic_ticks([0.03, 3.0], 8).labels, ["0.05", "0.1", "0.2", "0.5", "1", "2"]);
         assert_eq!(logarithmic_ticks([1e-4, 1.0], 5).labels, ["10⁻⁴", "0.001", "0.01", "0.1", "1"]);
-        assert_eq!(logarithmic_ticks([1e-6, 1e6], 4).labels, ["10⁻⁶", "10⁻³", "1", "1000", "10⁶"]);
+        assert_eq!(logarithmic_ticks([1e-6, 1e6], 5).labels, ["10⁻⁶", "0.001", "1", "1000", "10⁶"]);
         assert_eq!(logarithmic_ticks([0.9, 1.1], 4).labels, ["0.90", "0.95", "1.00", "1.05", "1.10"]);
         assert!(logarithmic_ticks([-1.0, 1.0], 4).values.is_empty());
     }
@@ -196,7 +199,7 @@ mod tests {
             (0.0, "0"),
             (-0.05, "−0.05"),
         ] {
-            assert_eq!(compact(value), text);
+            assert_eq!(compact(value, 4), text);
         }
     }
 

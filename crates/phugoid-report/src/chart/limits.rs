@@ -5,7 +5,7 @@ use phugoid_studies::reproduction::result::{Chart, Content, Curve, Meaning, Pane
 /// How many times as far as everything else a method may go before it is cut off.
 const MOST: f64 = 6.0;
 /// Room left around everything else then, in its own extent, so that one sees where a method leaves.
-const ROOM: f64 = 1.0;
+const ROOM: f64 = 0.4;
 
 /// Limits of a panel's ordinate: those asked for; else none, so that they follow from the data, unless a method leaves
 /// what the others show by far.

@@ -105,8 +105,8 @@ fn parameter_cells(parameter: Option<&ParameterOutcome>) -> String {
         _ => compact_error(error),
     };
     let cells = [
-        compact(p.truth),
-        compact(p.start),
+        compact(p.truth, 4),
+        compact(p.start, 4),
         format!("<b>{}</b>", significant(p.end, 4)),
         percent,
         p.std_error.map_or_else(dash, |s| significant(2.0 * s, 2)),
@@ -154,6 +154,9 @@ fn plain_table(content: &Table) -> String {
         })
         .collect();
     let mut out = format!("<h4>{}</h4>\n{}", escape(&content.title), table(&heads));
+    if heads.len() <= 4 {
+        out = out.replace("<table>", "<table class=\"narrow\">");
+    }
     for row in &content.rows {
         out.push_str("<tr>");
         for (column, cell) in row.iter().enumerate() {

@@ -121,7 +121,7 @@ pub(super) fn cases(reproductions: &[Reproduction]) -> String {
             if row == 0 {
                 let _ = write!(
                     out,
-                    "<td{span}>{}</td><td{span}>{}</td>",
+                    "<td class=\"laws\"{span}>{}</td><td{span}>{}</td>",
                     printed(&reproduction.outcomes),
                     met_of(&reproduction.requirements)
                 );
