@@ -10,9 +10,9 @@
 pub mod aircraft_case;
 pub mod case_file;
 mod flight_charts;
-mod gust;
 pub mod golden;
 pub mod group;
+mod gust;
 pub mod plant_case;
 pub mod published;
 pub mod result;
