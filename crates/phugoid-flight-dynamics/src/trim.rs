@@ -20,6 +20,8 @@
 //! along the thrust, and beyond the surfaces' limits with the aircraft's own data, so that it can say how much would have
 //! been needed.
 
+mod approach;
+
 use std::ops::RangeInclusive;
 
 use nalgebra::{SMatrix, SVector};
@@ -29,6 +31,8 @@ use crate::aircraft::{Aircraft, Controls, State};
 use crate::increments::Increments;
 use crate::motion::{Disturbance, Motion, motion};
 use crate::scalar::{Dual, Scalar};
+
+pub use approach::{TrimStart, TrimStep, approach};
 
 /// The steady flight asked for. Still air.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -276,7 +280,7 @@ pub fn trim<A: Aircraft>(aircraft: &A, condition: &TrimCondition) -> Result<Trim
     let mut mildest: Option<(f64, TrimError)> = None;
     let mut closest: Option<Solution> = None;
     for start in STARTS_DEG {
-        let solution = problem.solve(start.to_radians());
+        let solution = problem.solve(problem.start(start.to_radians()), &mut |_, _| ());
         if solution.largest() > TOLERANCE {
             if closest.as_ref().is_none_or(|c| solution.largest() < c.largest()) {
                 closest = Some(solution);
@@ -425,16 +429,23 @@ impl<'a, A: Aircraft> Problem<'a, A> {
         ]
     }
 
-    /// Levenberg-Marquardt (D. W. Marquardt, J. SIAM 11 (1963) 431), each step a least-squares problem solved by QR.
-    fn solve(&self, alpha: f64) -> Solution {
-        const MOST_ITERATIONS: usize = 200;
+    /// Unknowns to start from with an angle of attack, rad: the bank of a coordinated turn, a little throttle.
+    fn start(&self, alpha: f64) -> [f64; UNKNOWNS] {
         let condition = self.condition;
         let path = condition.flight_path_angle;
         let bank = (condition.turn_rate * condition.speed * path.cos() / self.aircraft.gravity()).atan();
-        let mut z = [alpha, 0.0, bank, path + alpha * bank.cos(), 0.3, 0.0, 0.0, 0.0];
+        [alpha, 0.0, bank, path + alpha * bank.cos(), 0.3, 0.0, 0.0, 0.0]
+    }
+
+    /// Levenberg-Marquardt (D. W. Marquardt, J. SIAM 11 (1963) 431), each step a least-squares problem solved by QR.
+    /// `visit` is told the unknowns and their residuals at the start and after each iteration.
+    fn solve(&self, start: [f64; UNKNOWNS], visit: &mut dyn FnMut(&[f64; UNKNOWNS], &[f64; UNKNOWNS])) -> Solution {
+        const MOST_ITERATIONS: usize = 200;
+        let mut z = start;
         let mut damping = 1e-3;
         let mut solution = Solution { unknowns: z, residuals: self.residuals(&z), iterations: 0 };
         let square = |r: &[f64; UNKNOWNS]| r.iter().map(|v| v * v).sum::<f64>();
+        visit(&solution.unknowns, &solution.residuals);
         while solution.iterations < MOST_ITERATIONS && damping < 1e12 && solution.largest() > 1e-15 {
             solution.iterations += 1;
             let duals = self.residuals::<Dual<UNKNOWNS>>(&core::array::from_fn(|i| Dual::variable(z[i], i)));
@@ -463,6 +474,7 @@ impl<'a, A: Aircraft> Problem<'a, A> {
             } else {
                 damping *= 10.0;
             }
+            visit(&solution.unknowns, &solution.residuals);
         }
         solution
     }

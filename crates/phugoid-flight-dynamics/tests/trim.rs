@@ -9,7 +9,7 @@ use phugoid_flight_dynamics::increments::Increments;
 use phugoid_flight_dynamics::integrate::DormandPrince;
 use phugoid_flight_dynamics::motion::{Disturbance, motion};
 use phugoid_flight_dynamics::simulate::{Simulation, still_air};
-use phugoid_flight_dynamics::trim::{Trim, TrimCondition, TrimError, trim};
+use phugoid_flight_dynamics::trim::{Trim, TrimCondition, TrimError, TrimStart, approach, trim};
 use proptest::prelude::*;
 use reference::{FOOT, POUND_FORCE, numbers, published};
 use serde_json::Value;
@@ -318,4 +318,32 @@ fn where_there_is_no_air_there_is_no_trim() {
         let error = trim(&aircraft, &level(675.0, altitude_ft)).unwrap_err().to_string();
         assert!(error.contains("altitude") && error.contains("-1000 and 25000 m"), "{altitude_ft} ft: {error}");
     }
+}
+
+/// The index of the thesis falls from every start to the same trim; a start that is no number is refused.
+#[test]
+fn the_solver_shows_its_way_to_the_trim() {
+    let aircraft = f16(0.30, F16Constants::Exact);
+    let condition = level(675.0, 20_000.0);
+    let wanted = trim(&aircraft, &condition).unwrap();
+    let start = |alpha: f64, elevator: f64| TrimStart {
+        alpha,
+        beta: 0.05,
+        phi: -0.2,
+        theta: 0.3,
+        throttle: 0.8,
+        elevator,
+        aileron: 0.1,
+        rudder: -0.1,
+    };
+    for (alpha, elevator) in [(-0.05, 0.2), (0.3, -0.2), (0.1, 0.0)] {
+        let steps = approach(&aircraft, &condition, &start(alpha, elevator)).unwrap();
+        let (first, last) = (steps.first().unwrap(), steps.last().unwrap());
+        assert_eq!((first.alpha_rad, first.elevator_rad), (alpha, elevator));
+        assert!(first.trim_index > 1e-2 && last.trim_index < 1e-24, "{first:?} {last:?}");
+        assert!((last.alpha_rad - wanted.alpha_rad).abs() < 1e-12, "{last:?}");
+        assert!((last.elevator_rad - wanted.elevator_rad).abs() < 1e-12, "{last:?}");
+    }
+    let refused = approach(&aircraft, &condition, &start(f64::NAN, 0.0)).unwrap_err().to_string();
+    assert!(refused.contains("start is NaN"), "{refused}");
 }

@@ -1,7 +1,7 @@
 //! Series and state bars inside a panel.
 
 use crate::decimate;
-use crate::figure::{Colour, Kind, Series};
+use crate::figure::{Colour, Kind, Series, Stroke};
 use crate::layout::Map;
 use crate::scene::{Scene, Shape};
 
@@ -16,15 +16,14 @@ pub(crate) const BAND_OPACITY: f64 = 0.28;
 
 /// Draws one series.
 pub(crate) fn draw(scene: &mut Scene, map: &Map, series: &Series) {
-    let gap = longest_step(&series.x);
+    let gap = if series.joined { f64::INFINITY } else { longest_step(&series.x) };
     let points = |y: &[f64]| -> Vec<[f64; 2]> { broken(near(map, &series.x, y), gap).map(|p| place(map, p)).collect() };
     let colour = series.colour;
     match &series.kind {
-        Kind::Line(y) => stroke(scene, map, decimate::lines(&points(y)), colour, LINE_WIDTH, None),
-        Kind::Dashed(y) => {
-            stroke(scene, map, decimate::lines(&points(y)), colour, LINE_WIDTH, Some([6.0, 4.0]));
+        Kind::Line(y) => draw_lines(scene, map, decimate::lines(&points(y)), colour, LINE_WIDTH, series.stroke),
+        Kind::Step(y) => {
+            draw_lines(scene, map, decimate::lines(&steps(&points(y))), colour, LINE_WIDTH, series.stroke);
         }
-        Kind::Step(y) => stroke(scene, map, decimate::lines(&steps(&points(y))), colour, LINE_WIDTH, None),
         Kind::Points(y) | Kind::Marks(y) => {
             let mut centres = decimate::points(&points(y));
             centres.retain(|p| map.frame.contains(p));
@@ -36,7 +35,7 @@ pub(crate) fn draw(scene: &mut Scene, map: &Map, series: &Series) {
         Kind::Bars(y) => {
             let foot = map.at([map.x[0], 0.0])[1];
             let bars = decimate::points(&points(y)).into_iter().map(|p| vec![[p[0], foot], p]).collect();
-            stroke(scene, map, bars, colour, LINE_WIDTH, None);
+            draw_lines(scene, map, bars, colour, LINE_WIDTH, Stroke::Solid);
         }
         Kind::Band { lower, upper } => {
             let samples: Vec<[f64; 3]> = broken(near(map, &series.x, lower), gap)
@@ -60,11 +59,11 @@ pub(crate) fn draw(scene: &mut Scene, map: &Map, series: &Series) {
         }
         Kind::Curve(y) => {
             let points: Vec<[f64; 2]> = series.x.iter().zip(y).map(|(x, y)| place(map, [*x, *y])).collect();
-            stroke(scene, map, decimate::trajectory(&points), colour, LINE_WIDTH, None);
+            draw_lines(scene, map, decimate::trajectory(&points), colour, LINE_WIDTH, series.stroke);
         }
         Kind::Trajectory(y) => {
             let points: Vec<[f64; 2]> = series.x.iter().zip(y).map(|(x, y)| place(map, [*x, *y])).collect();
-            stroke(scene, map, decimate::trajectory(&points), colour, 1.2, None);
+            draw_lines(scene, map, decimate::trajectory(&points), colour, 1.2, series.stroke);
             let end = points.iter().rev().find(|p| p[0].is_finite() && p[1].is_finite());
             if let Some(end) = end.filter(|p| map.frame.contains(p)) {
                 let colour = Colour::Ink;
@@ -158,7 +157,7 @@ fn steps(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     out
 }
 
-fn stroke(scene: &mut Scene, map: &Map, lines: Vec<Vec<[f64; 2]>>, colour: Colour, width: f64, dash: Option<[f64; 2]>) {
+fn draw_lines(scene: &mut Scene, map: &Map, lines: Vec<Vec<[f64; 2]>>, colour: Colour, width: f64, stroke: Stroke) {
     let mut inside: Vec<Vec<[f64; 2]>> = Vec::new();
     for line in lines {
         if let [only] = line.as_slice() {
@@ -170,6 +169,6 @@ fn stroke(scene: &mut Scene, map: &Map, lines: Vec<Vec<[f64; 2]>>, colour: Colou
         }
     }
     if !inside.is_empty() {
-        scene.shapes.push(Shape::Lines { lines: inside, colour, width, dash, opacity: 1.0 });
+        scene.shapes.push(Shape::Lines { lines: inside, colour, width, stroke, opacity: 1.0 });
     }
 }

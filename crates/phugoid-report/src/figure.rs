@@ -86,6 +86,27 @@ pub enum Body {
         /// Entries, row by row.
         values: Vec<Vec<f64>>,
     },
+    /// A quantity over a grid.
+    HeatMap(HeatMap),
+}
+
+/// A quantity over a grid, as coloured cells of equal size beside a colour bar. Abscissa and ordinate are the panel's.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct HeatMap {
+    /// Abscissa of each column of cells, printed below it.
+    pub x: Vec<f64>,
+    /// Ordinate of each row of cells from below, printed beside it.
+    pub y: Vec<f64>,
+    /// The quantity shown; its limits are those of the colours.
+    pub value: Axis,
+    /// Values, one row per `y`, one per `x` in it. Those that are not finite are hatched.
+    pub values: Vec<Vec<f64>>,
+    /// Colours in the logarithm of the value; values that are not positive are hatched then.
+    pub logarithmic: bool,
+    /// Legend entry of the hatched cells.
+    pub absent: String,
+    /// A cell to frame: its legend entry and its place, the nearest cell if it is not on the grid.
+    pub marked: Option<(String, [f64; 2])>,
 }
 
 impl Panel {
@@ -122,6 +143,10 @@ pub struct Series {
     pub label: String,
     /// Colour.
     pub colour: Colour,
+    /// How its line is drawn, where it has one.
+    pub stroke: Stroke,
+    /// Whether a line runs on over an abscissa without samples; else it breaks there, as in a record with a gap.
+    pub joined: bool,
     /// Abscissa, ascending except for curves and trajectories.
     pub x: Arc<[f64]>,
     /// Shape and ordinates.
@@ -133,8 +158,6 @@ pub struct Series {
 pub enum Kind {
     /// Straight lines between samples.
     Line(Vec<f64>),
-    /// Dashed straight lines between samples.
-    Dashed(Vec<f64>),
     /// Each value holds until the next sample.
     Step(Vec<f64>),
     /// One dot per sample.
@@ -159,8 +182,34 @@ pub enum Kind {
 impl Series {
     /// A series; samples beyond the shorter of abscissa and ordinates are not drawn.
     pub fn new(label: impl Into<String>, colour: Colour, x: &Arc<[f64]>, kind: Kind) -> Self {
-        Self { label: label.into(), colour, x: Arc::clone(x), kind }
+        Self { label: label.into(), colour, stroke: Stroke::Solid, joined: false, x: Arc::clone(x), kind }
     }
+
+    /// The same series with another stroke.
+    pub fn with_stroke(mut self, stroke: Stroke) -> Self {
+        self.stroke = stroke;
+        self
+    }
+
+    /// The same series with lines that run on where samples are far apart.
+    pub fn joined(mut self) -> Self {
+        self.joined = true;
+        self
+    }
+}
+
+/// How a line is drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Stroke {
+    /// Without gaps.
+    #[default]
+    Solid,
+    /// Dashes.
+    Dashed,
+    /// Dots.
+    Dotted,
+    /// A dash and a dot in turn.
+    DashDotted,
 }
 
 /// A straight reference line.
@@ -170,8 +219,8 @@ pub struct Reference {
     pub label: String,
     /// Colour.
     pub colour: Colour,
-    /// Dashed or solid.
-    pub dashed: bool,
+    /// Stroke.
+    pub stroke: Stroke,
     /// Where.
     pub at: At,
 }
@@ -224,6 +273,11 @@ pub enum Colour {
     Grid,
     /// Text on strongly coloured areas.
     OnColour,
+    /// Text on dark areas.
+    OnDark,
+    /// A step of the scale of heat maps, dark to light, the same in light and dark pages: Cividis, in equal steps for the
+    /// eye with any kind of colour vision (Nuñez, Anderton and Renslow 2018, PLoS ONE 13(7)).
+    Scale(u8),
 }
 
 /// Colours for several curves of equal rank in one panel, in this order; repeats after the last.

@@ -1,12 +1,12 @@
 //! Where everything goes: from what a figure says to shapes on paper.
 
 use crate::clip::Frame;
-use crate::figure::{At, Axis, Body, Colour, Figure, Kind, Panel, Reference, Series};
+use crate::figure::{At, Axis, Body, Colour, Figure, HeatMap, Kind, Panel, Reference, Series, Stroke};
 use crate::font::{Fonts, reserved_width};
 use crate::legend::{self, Entry, Swatch};
 use crate::scene::{Anchor, Scene, Shape};
 use crate::ticks::{Ticks, superscript, ticks};
-use crate::{curves, matrix};
+use crate::{curves, heat_map, matrix};
 
 /// Width of a figure, px.
 pub(crate) const WIDTH: f64 = 960.0;
@@ -58,7 +58,7 @@ pub(crate) fn scene(figure: &Figure, with_title: bool) -> Scene {
             let frame = Frame { left, top: frame_top, right: left + plot_width, bottom: frame_top + height };
             left += plot_width;
             let last_of_column = (row + 1) * columns + column >= plans.len();
-            let labelled = plan.panel.x.is_some() || last_of_column;
+            let labelled = plan.panel.x.is_some() || plan.heat_map().is_some() || last_of_column;
             plan.draw(&mut scene, figure, frame, labelled, fonts);
             if labelled {
                 below = below.max(46.0);
@@ -89,24 +89,41 @@ impl<'a> Plan<'a> {
             Body::Plot { series, references } => ordinate_limits(&panel.y, series, references, x),
             Body::Strip { x, .. } => ([0.0, 1.0], x.is_empty()),
             Body::Matrix { .. } => ([0.0, 1.0], true),
+            Body::HeatMap(map) => (heat_map::extent(&map.y), false),
         };
+        let x = if let Body::HeatMap(map) = &panel.body { heat_map::extent(&map.x) } else { x };
         let y_ticks = match &panel.body {
             Body::Plot { .. } if !empty => ticks(y, ((panel.height / 30.0).round() as usize).clamp(2, 8)),
+            Body::HeatMap(map) => heat_map::grid_ticks(&map.y, panel.height, |_| SMALL + 2.0),
             _ => Ticks { values: Vec::new(), labels: Vec::new(), exponent: 0 },
         };
         let tick_width = y_ticks.labels.iter().map(|l| reserved_width(fonts, l, SMALL, false)).fold(0.0, f64::max);
         Self { panel, x_axis, x, y, y_ticks, tick_width, empty }
     }
 
-    fn draw(&self, scene: &mut Scene, figure: &Figure, frame: Frame, labelled: bool, fonts: Option<&Fonts>) {
+    fn heat_map(&self) -> Option<&HeatMap> {
+        match &self.panel.body {
+            Body::HeatMap(map) => Some(map),
+            _ => None,
+        }
+    }
+
+    fn draw(&self, scene: &mut Scene, figure: &Figure, mut frame: Frame, labelled: bool, fonts: Option<&Fonts>) {
         let label = axis_text(&self.panel.y, self.y_ticks.exponent);
         let label = fitted(fonts, label, NORMAL, true, frame.right - frame.left);
         scene.shapes.push(text(&label, [frame.left, frame.top - 8.0], NORMAL, Anchor::Start, true, Colour::Ink));
 
-        let wanted = (((frame.right - frame.left) / 85.0) as usize).clamp(2, 12);
-        let x_ticks = ticks(self.x, wanted);
+        let x_ticks = if let Some(map) = self.heat_map() {
+            frame.right -= heat_map::BAR_ROOM;
+            let needed = |label: &str| reserved_width(fonts, label, SMALL, false) + 8.0;
+            heat_map::grid_ticks(&map.x, frame.right - frame.left, needed)
+        } else {
+            ticks(self.x, (((frame.right - frame.left) / 85.0) as usize).clamp(2, 12))
+        };
         let map = Map { x: self.x, y: self.y, frame };
-        self.draw_grid(scene, &map, &x_ticks);
+        if self.heat_map().is_none() {
+            self.draw_grid(scene, &map, &x_ticks);
+        }
         match &self.panel.body {
             _ if self.empty => {
                 let middle = [(frame.left + frame.right) / 2.0, (frame.top + frame.bottom) / 2.0 + 4.0];
@@ -128,6 +145,7 @@ impl<'a> Plan<'a> {
                 curves::draw_strip(scene, &map, x, state, states);
                 self.draw_events(scene, figure, &map);
             }
+            Body::HeatMap(map) => heat_map::draw(scene, fonts, map, frame),
             Body::Matrix { .. } => {}
         }
         let border = vec![vec![[frame.left, frame.top], [frame.left, frame.bottom], [frame.right, frame.bottom]]];
@@ -230,7 +248,7 @@ fn draw_reference(scene: &mut Scene, map: &Map, reference: &Reference) {
         lines: vec![ends.to_vec()],
         colour: reference.colour,
         width: 1.3,
-        dash: reference.dashed.then_some([6.0, 4.0]),
+        stroke: reference.stroke,
         opacity: 1.0,
     });
 }
@@ -248,10 +266,13 @@ fn entries(figure: &Figure) -> Vec<Entry> {
         match &panel.body {
             Body::Plot { series, references } => {
                 for series in series {
-                    add(&series.label, series.colour, Swatch::of(&series.kind));
+                    add(&series.label, series.colour, Swatch::of(series));
                 }
                 for reference in references {
-                    let swatch = if reference.dashed { Swatch::Dashed } else { Swatch::Line };
+                    let swatch = match reference.at {
+                        At::Vertical(_) => Swatch::Event(reference.stroke),
+                        At::Horizontal(_) | At::HorizontalIfVisible(_) => Swatch::Line(reference.stroke),
+                    };
                     add(&reference.label, reference.colour, swatch);
                 }
             }
@@ -263,10 +284,18 @@ fn entries(figure: &Figure) -> Vec<Entry> {
                 }
             }
             Body::Matrix { .. } => {}
+            Body::HeatMap(map) => {
+                if let Some((label, _)) = &map.marked {
+                    add(label, Colour::Vermillion, Swatch::Framed);
+                }
+                if map.has_absent() {
+                    add(&map.absent, Colour::Muted, Swatch::Hatched);
+                }
+            }
         }
     }
     for event in &figure.events {
-        add(&event.label, event.colour, Swatch::Event);
+        add(&event.label, event.colour, Swatch::Event(Stroke::Solid));
     }
     entries
 }
@@ -285,7 +314,7 @@ fn shared_limits(figure: &Figure) -> [f64; 2] {
                 }
             }
             Body::Strip { x, .. } => limits.add_all(x),
-            Body::Matrix { .. } => {}
+            Body::Matrix { .. } | Body::HeatMap(_) => {}
         }
     }
     rounded_out(limits.or_unit())
@@ -325,13 +354,9 @@ fn ordinate_limits(axis: &Axis, series: &[Series], references: &[Reference], x: 
             values.iter().enumerate().filter(|(i, _)| inside(*i)).for_each(|(_, v)| limits.add(*v));
         };
         match &series.kind {
-            Kind::Line(y)
-            | Kind::Dashed(y)
-            | Kind::Step(y)
-            | Kind::Points(y)
-            | Kind::Marks(y)
-            | Kind::Curve(y)
-            | Kind::Trajectory(y) => add(y),
+            Kind::Line(y) | Kind::Step(y) | Kind::Points(y) | Kind::Marks(y) | Kind::Curve(y) | Kind::Trajectory(y) => {
+                add(y)
+            }
             Kind::Bars(y) => {
                 add(y);
                 if !y.is_empty() {
@@ -401,7 +426,7 @@ impl Limits {
 }
 
 /// `label (unit)`, with the power of ten that the tick labels leave out.
-fn axis_text(axis: &Axis, exponent: i32) -> String {
+pub(crate) fn axis_text(axis: &Axis, exponent: i32) -> String {
     let power = if exponent == 0 { String::new() } else { format!("10{}", superscript(exponent)) };
     let unit = match (power.is_empty(), axis.unit.is_empty() || (axis.unit == "–" && !power.is_empty())) {
         (true, true) => String::new(),
@@ -413,7 +438,7 @@ fn axis_text(axis: &Axis, exponent: i32) -> String {
 }
 
 /// The text, shortened in front of its unit if it is wider than the room.
-fn fitted(fonts: Option<&Fonts>, label: String, size: f64, bold: bool, room: f64) -> String {
+pub(crate) fn fitted(fonts: Option<&Fonts>, label: String, size: f64, bold: bool, room: f64) -> String {
     if reserved_width(fonts, &label, size, bold) <= room {
         return label;
     }
@@ -436,5 +461,5 @@ pub(crate) fn text(words: &str, at: [f64; 2], size: f64, anchor: Anchor, bold: b
 }
 
 fn line(lines: Vec<Vec<[f64; 2]>>, colour: Colour, width: f64) -> Shape {
-    Shape::Lines { lines, colour, width, dash: None, opacity: 1.0 }
+    Shape::Lines { lines, colour, width, stroke: Stroke::Solid, opacity: 1.0 }
 }

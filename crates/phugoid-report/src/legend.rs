@@ -1,8 +1,10 @@
 //! The legend: one row or a few above the panels, where no curve can run through it.
 
+use crate::clip::Frame;
 use crate::curves::{BAND_OPACITY, DOT, LINE_WIDTH, MARK};
-use crate::figure::{Colour, Kind};
+use crate::figure::{Colour, Kind, Series, Stroke};
 use crate::font::{Fonts, reserved_width};
+use crate::heat_map;
 use crate::layout::{NORMAL, text};
 use crate::scene::{Anchor, Scene, Shape};
 
@@ -22,20 +24,24 @@ pub(crate) struct Entry {
 /// The sample drawn before an entry's label.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Swatch {
-    Line,
-    Dashed,
+    Line(Stroke),
     Dots,
     Mark,
     Band,
     Strip,
-    Event,
+    Event(Stroke),
+    /// Cells without a value.
+    Hatched,
+    /// A framed cell.
+    Framed,
 }
 
 impl Swatch {
-    pub(crate) fn of(kind: &Kind) -> Self {
-        match kind {
-            Kind::Line(_) | Kind::Step(_) | Kind::Bars(_) | Kind::Curve(_) | Kind::Trajectory(_) => Swatch::Line,
-            Kind::Dashed(_) => Swatch::Dashed,
+    pub(crate) fn of(series: &Series) -> Self {
+        match series.kind {
+            Kind::Line(_) | Kind::Step(_) | Kind::Bars(_) | Kind::Curve(_) | Kind::Trajectory(_) => {
+                Swatch::Line(series.stroke)
+            }
             Kind::Points(_) => Swatch::Dots,
             Kind::Marks(_) => Swatch::Mark,
             Kind::Band { .. } => Swatch::Band,
@@ -51,7 +57,8 @@ pub(crate) fn draw(scene: &mut Scene, fonts: Option<&Fonts>, entries: &[Entry], 
     let [mut x, mut y] = [at[0], at[1] + 14.0];
     for entry in entries {
         let sample_width = match entry.swatch {
-            Swatch::Event | Swatch::Mark => NARROW,
+            Swatch::Event(_) | Swatch::Mark => NARROW,
+            Swatch::Framed => 16.0,
             _ => SAMPLE,
         };
         let width = sample_width + 7.0 + reserved_width(fonts, &entry.label, NORMAL, false);
@@ -59,20 +66,20 @@ pub(crate) fn draw(scene: &mut Scene, fonts: Option<&Fonts>, entries: &[Entry], 
             x = at[0];
             y += ROW;
         }
-        scene.shapes.push(sample(entry, [x, y - 4.5]));
+        scene.shapes.extend(sample(entry, [x, y - 4.5]));
         scene.shapes.push(text(&entry.label, [x + sample_width + 7.0, y], NORMAL, Anchor::Start, false, Colour::Ink));
         x += width + 20.0;
     }
     y + 6.0
 }
 
-fn sample(entry: &Entry, [x, y]: [f64; 2]) -> Shape {
+fn sample(entry: &Entry, [x, y]: [f64; 2]) -> Vec<Shape> {
     let colour = entry.colour;
-    let lines = |dash| Shape::Lines {
+    let lines = |stroke| Shape::Lines {
         lines: vec![vec![[x, y], [x + SAMPLE, y]]],
         colour,
         width: LINE_WIDTH + 0.4,
-        dash,
+        stroke,
         opacity: 1.0,
     };
     let area = |opacity| Shape::Areas {
@@ -80,9 +87,11 @@ fn sample(entry: &Entry, [x, y]: [f64; 2]) -> Shape {
         colour,
         opacity,
     };
-    match entry.swatch {
-        Swatch::Line => lines(None),
-        Swatch::Dashed => lines(Some([6.0, 4.0])),
+    let frame = |width| Frame { left: x, right: x + width, top: y - 6.5, bottom: y + 6.5 };
+    let shape = match entry.swatch {
+        Swatch::Hatched => return heat_map::hatched(&[frame(SAMPLE)]),
+        Swatch::Framed => return heat_map::frame_mark(&frame(16.0)).to_vec(),
+        Swatch::Line(stroke) => lines(stroke),
         Swatch::Dots => Shape::Dots {
             centres: [0.1, 0.37, 0.63, 0.9].map(|s| [x + s * SAMPLE, y]).to_vec(),
             colour,
@@ -92,12 +101,13 @@ fn sample(entry: &Entry, [x, y]: [f64; 2]) -> Shape {
         Swatch::Mark => Shape::Dots { centres: vec![[x + NARROW / 2.0, y]], colour, diameter: MARK, opacity: 1.0 },
         Swatch::Band => area(BAND_OPACITY),
         Swatch::Strip => area(1.0),
-        Swatch::Event => Shape::Lines {
+        Swatch::Event(stroke) => Shape::Lines {
             lines: vec![vec![[x + NARROW / 2.0, y - 7.0], [x + NARROW / 2.0, y + 7.0]]],
             colour,
             width: 1.6,
-            dash: None,
+            stroke,
             opacity: 1.0,
         },
-    }
+    };
+    vec![shape]
 }

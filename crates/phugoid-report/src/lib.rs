@@ -6,6 +6,7 @@
 //!
 //! Nothing is estimated here. The only numbers computed are descriptions of residuals, in [`statistics`].
 
+mod chart;
 mod clip;
 mod curves;
 mod decimate;
@@ -14,6 +15,7 @@ mod escape;
 pub mod figure;
 mod figures;
 mod font;
+mod heat_map;
 mod html;
 mod layout;
 mod legend;
@@ -26,9 +28,10 @@ mod svg;
 mod ticks;
 mod write;
 
+pub use chart::chart_figure;
 pub use error::ReportError;
 pub use figure::Figure;
 pub use figures::{TimeHistoryPanel, figures, time_histories};
-pub use html::{HtmlOptions, html};
+pub use html::{HtmlOptions, NotRun, ReproductionOptions, html, reproduction_html};
 pub use ticks::significant;
 pub use write::{write_figures, write_named_figures};

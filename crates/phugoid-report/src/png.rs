@@ -28,12 +28,14 @@ pub(crate) fn encode(scene: &Scene, title: &str) -> Result<Vec<u8>, ReportError>
 fn draw(pixmap: &mut Pixmap, shape: &Shape, fonts: &Fonts) {
     let scale = Transform::from_scale(SCALE as f32, SCALE as f32);
     match shape {
-        Shape::Lines { lines, colour, width, dash, opacity } => {
+        Shape::Lines { lines, colour, width, stroke, opacity } => {
+            let pattern: Vec<f32> = stroke.pattern().iter().map(|length| *length as f32).collect();
             let stroke = Stroke {
                 width: *width as f32,
-                line_cap: if dash.is_some() { LineCap::Butt } else { LineCap::Round },
+                line_cap: if pattern.is_empty() { LineCap::Round } else { LineCap::Butt },
                 line_join: LineJoin::Round,
-                dash: dash.and_then(|[on, off]| StrokeDash::new(vec![on as f32, off as f32], 0.0)),
+                // Without lengths there is no dash and the line is solid.
+                dash: StrokeDash::new(pattern, 0.0),
                 ..Stroke::default()
             };
             if let Some(path) = path(lines, false) {

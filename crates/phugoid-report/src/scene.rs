@@ -1,6 +1,6 @@
 //! Shapes on paper: what layout hands to the SVG and PNG writers. Lengths in px, x right, y down.
 
-use crate::figure::Colour;
+use crate::figure::{Colour, Stroke};
 
 /// Shapes in drawing order on a sheet.
 #[derive(Clone, Debug, Default)]
@@ -14,13 +14,25 @@ pub(crate) struct Scene {
 #[derive(Clone, Debug)]
 pub(crate) enum Shape {
     /// Open lines.
-    Lines { lines: Vec<Vec<[f64; 2]>>, colour: Colour, width: f64, dash: Option<[f64; 2]>, opacity: f64 },
+    Lines { lines: Vec<Vec<[f64; 2]>>, colour: Colour, width: f64, stroke: Stroke, opacity: f64 },
     /// Round dots.
     Dots { centres: Vec<[f64; 2]>, colour: Colour, diameter: f64, opacity: f64 },
     /// Filled areas.
     Areas { outlines: Vec<Vec<[f64; 2]>>, colour: Colour, opacity: f64 },
     /// One line of text; `at` is on the baseline, rotation clockwise about it in degrees.
     Text { text: String, at: [f64; 2], size: f64, anchor: Anchor, bold: bool, colour: Colour, rotation: f64 },
+}
+
+impl Stroke {
+    /// Lengths of dashes and of the gaps after them, px; none for a line without gaps.
+    pub(crate) fn pattern(self) -> &'static [f64] {
+        match self {
+            Stroke::Solid => &[],
+            Stroke::Dashed => &[6.0, 4.0],
+            Stroke::Dotted => &[1.6, 2.6],
+            Stroke::DashDotted => &[9.0, 3.0, 1.6, 3.0],
+        }
+    }
 }
 
 /// Which point of a text lies on its position.
@@ -55,12 +67,19 @@ impl Colour {
             Colour::Yellow => [0xf0, 0xe4, 0x42],
             Colour::Grid => [0xe3, 0xe6, 0xea],
             Colour::OnColour => [0x1b, 0x1f, 0x24],
+            Colour::OnDark => [0xff, 0xff, 0xff],
+            Colour::Scale(step) => colorous::CIVIDIS.eval_continuous(f64::from(step) / 255.0).as_array(),
         }
     }
 
-    /// Name of the style variable, without the two dashes.
-    pub(crate) fn variable(self) -> &'static str {
-        match self {
+    /// The colour of text on a step of the scale.
+    pub(crate) fn on_scale(step: u8) -> Self {
+        if step < 128 { Self::OnDark } else { Self::OnColour }
+    }
+
+    /// Name of the style variable, without the two dashes; none for a colour that is the same on every page.
+    pub(crate) fn variable(self) -> Option<&'static str> {
+        Some(match self {
             Colour::Ink => "ink",
             Colour::Muted => "muted",
             Colour::Blue => "blue",
@@ -72,17 +91,18 @@ impl Colour {
             Colour::Yellow => "yellow",
             Colour::Grid => "grid",
             Colour::OnColour => "on-colour",
-        }
+            Colour::OnDark | Colour::Scale(_) => return None,
+        })
     }
 
     /// As an SVG paint.
     pub(crate) fn paint(self, theme: Theme) -> String {
-        match theme {
-            Theme::Paper => {
+        match self.variable().filter(|_| theme == Theme::Variables) {
+            Some(name) => format!("var(--{name})"),
+            None => {
                 let [r, g, b] = self.rgb();
                 format!("#{r:02x}{g:02x}{b:02x}")
             }
-            Theme::Variables => format!("var(--{})", self.variable()),
         }
     }
 }

@@ -42,15 +42,16 @@ pub(crate) fn document(scene: &Scene, title: &str, theme: Theme) -> String {
 
 fn write_shape(out: &mut String, shape: &Shape, theme: Theme) {
     match shape {
-        Shape::Lines { lines, colour, width, dash, opacity } => {
+        Shape::Lines { lines, colour, width, stroke, opacity } => {
             let _ = write!(
                 out,
                 "<path fill=\"none\" stroke=\"{}\" stroke-width=\"{}\"",
                 colour.paint(theme),
                 tenths(*width)
             );
-            if let Some([on, off]) = dash {
-                let _ = write!(out, " stroke-linecap=\"butt\" stroke-dasharray=\"{} {}\"", tenths(*on), tenths(*off));
+            let pattern: Vec<String> = stroke.pattern().iter().map(|length| tenths(*length).to_string()).collect();
+            if !pattern.is_empty() {
+                let _ = write!(out, " stroke-linecap=\"butt\" stroke-dasharray=\"{}\"", pattern.join(" "));
             }
             write_opacity(out, "stroke-opacity", *opacity);
             out.push_str(" d=\"");

@@ -42,6 +42,59 @@ pub(crate) fn ticks(limits: [f64; 2], wanted: usize) -> Ticks {
     Ticks { values, labels, exponent }
 }
 
+/// Ticks of a logarithmic axis at 1, 2 and 5 times powers of ten, or at powers of ten alone where those are enough: about
+/// `wanted` of them.
+pub(crate) fn logarithmic_ticks([lower, upper]: [f64; 2], wanted: usize) -> Ticks {
+    if !(lower > 0.0 && upper > lower && upper.is_finite()) {
+        return Ticks { values: Vec::new(), labels: Vec::new(), exponent: 0 };
+    }
+    let (first, last) = (lower.log10().floor() as i32, upper.log10().ceil() as i32);
+    let inside = |v: &f64| *v >= lower * (1.0 - 1e-9) && *v <= upper * (1.0 + 1e-9);
+    let at = |mantissas: &[f64], every: usize| -> Vec<f64> {
+        let decades = (first..=last).filter(|k| k.rem_euclid(every as i32) == 0).map(|k| 10f64.powi(k));
+        decades.flat_map(|decade| mantissas.iter().map(move |m| m * decade)).filter(inside).collect()
+    };
+    let mut values = at(&[1.0, 2.0, 5.0], 1);
+    for candidate in [at(&[1.0, 3.0], 1), at(&[1.0], 1), at(&[1.0], 2), at(&[1.0], 3), at(&[1.0], 6)] {
+        if values.len() > wanted.max(2) && candidate.len() >= 2 {
+            values = candidate;
+        }
+    }
+    if values.len() < 2 {
+        // Less than a step between the limits: a linear axis serves.
+        return ticks([lower, upper], wanted);
+    }
+    let labels = values.iter().map(|v| compact(*v, 4)).collect();
+    Ticks { values, labels, exponent: 0 }
+}
+
+/// A number that is a setting rather than a result, to this many digits and without those that say nothing: `0.5`, `12`,
+/// `10⁻⁴`.
+pub(crate) fn compact(value: f64, digits: usize) -> String {
+    let text = significant(value, digits);
+    let (mantissa, power) = match text.split_once('·') {
+        Some((mantissa, power)) => (mantissa, power),
+        // Small numbers are read by their power.
+        None if value != 0.0 && value.abs() < 1e-3 => {
+            let exponent = value.abs().log10().floor() as i32;
+            let power = format!("10{}", superscript(exponent));
+            return compact_power(&significant(value / 10f64.powi(exponent), digits), &power);
+        }
+        None => (text.as_str(), ""),
+    };
+    compact_power(mantissa, power)
+}
+
+fn compact_power(mantissa: &str, power: &str) -> String {
+    let short = if mantissa.contains('.') { mantissa.trim_end_matches('0').trim_end_matches('.') } else { mantissa };
+    match (short, power) {
+        (_, "") => short.to_owned(),
+        ("1", _) => power.to_owned(),
+        ("−1", _) => format!("−{power}"),
+        _ => format!("{short}·{power}"),
+    }
+}
+
 /// A number with a fixed count of decimals, a true minus sign and no negative zero.
 pub(crate) fn fixed(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
@@ -123,6 +176,31 @@ mod tests {
         assert_eq!(zoom.labels, ["−0.2001", "−0.2000", "−0.1999"]);
         assert!(ticks([f64::NAN, 1.0], 4).values.is_empty());
         assert!(ticks([1.0, 1.0], 4).values.is_empty());
+    }
+
+    #[test]
+    fn logarithmic_axes() {
+        assert_eq!(logarithmic_ticks([0.03, 3.0], 8).labels, ["0.05", "0.1", "0.2", "0.5", "1", "2"]);
+        assert_eq!(logarithmic_ticks([1e-4, 1.0], 5).labels, ["10⁻⁴", "0.001", "0.01", "0.1", "1"]);
+        assert_eq!(logarithmic_ticks([1e-6, 1e6], 5).labels, ["10⁻⁶", "0.001", "1", "1000", "10⁶"]);
+        assert_eq!(logarithmic_ticks([0.9, 1.1], 4).labels, ["0.90", "0.95", "1.00", "1.05", "1.10"]);
+        assert!(logarithmic_ticks([-1.0, 1.0], 4).values.is_empty());
+    }
+
+    #[test]
+    fn settings_have_no_idle_digits() {
+        for (value, text) in [
+            (0.5, "0.5"),
+            (12.0, "12"),
+            (100.0, "100"),
+            (1e-4, "10⁻⁴"),
+            (-2.5e-5, "−2.5·10⁻⁵"),
+            (3e7, "3·10⁷"),
+            (0.0, "0"),
+            (-0.05, "−0.05"),
+        ] {
+            assert_eq!(compact(value, 4), text);
+        }
     }
 
     #[test]

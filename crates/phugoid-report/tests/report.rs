@@ -1,7 +1,9 @@
 //! Pages and figures of made-up estimations: complete, safe, repeatable, and small.
 
+mod markup;
 mod synthetic;
 
+use markup::assert_balanced;
 use phugoid_identification::estimation::{Estimation, Event, Signal};
 use phugoid_report::figure::Body;
 use phugoid_report::{
@@ -11,24 +13,6 @@ use synthetic::{estimation, fighter, jet, many};
 
 fn page(estimation: &Estimation) -> String {
     html(estimation, &HtmlOptions::default())
-}
-
-/// Every element that is opened is closed, in order; enough of HTML for pages that close what they open.
-fn assert_balanced(markup: &str) {
-    let mut open: Vec<&str> = Vec::new();
-    for piece in markup.split('<').skip(1) {
-        let tag = piece.split('>').next().unwrap_or_default();
-        let name = tag.trim_start_matches('/').split([' ', '/']).next().unwrap_or_default();
-        if tag.starts_with('!') || tag.ends_with('/') || matches!(name, "meta" | "br" | "wbr") {
-            continue;
-        }
-        if tag.starts_with('/') {
-            assert_eq!(open.pop(), Some(name), "</{name}> closes another element");
-        } else {
-            open.push(name);
-        }
-    }
-    assert!(open.is_empty(), "never closed: {open:?}");
 }
 
 #[test]

@@ -371,6 +371,7 @@ pub const BUILT_IN: &[(&str, &str)] = &[
     ("f16-calm", include_str!("../../../scenarios/f16-calm.toml")),
     ("f16-thesis-doublet", include_str!("../../../scenarios/f16-thesis-doublet.toml")),
     ("f16-thesis-sine", include_str!("../../../scenarios/f16-thesis-sine.toml")),
+    ("f16-thesis-gust", include_str!("../../../scenarios/thesis/f16-thesis-gust.toml")),
     ("f16-damage", include_str!("../../../scenarios/f16-damage.toml")),
     ("f16-gust-actuators", include_str!("../../../scenarios/f16-gust-actuators.toml")),
 ];

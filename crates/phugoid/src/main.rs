@@ -22,6 +22,7 @@ fn main() -> ExitCode {
         Some(Command::Simulate(arguments)) => commands::simulate::run(arguments),
         Some(Command::Estimate(arguments)) => commands::estimate::run(arguments),
         Some(Command::Study(arguments)) => commands::study::run(arguments),
+        Some(Command::Reproduce(arguments)) => commands::reproduce::run(arguments),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -34,15 +34,26 @@ pub(crate) fn deliver<T: Serialize>(
     if as_json { print(&json(document)?) } else { print(&text()) }
 }
 
-/// Columns of text: the first aligned left, the others right.
-#[derive(Default)]
+/// Columns of text: words aligned left, numbers right.
 pub(crate) struct Table {
     rows: Vec<Vec<String>>,
+    left: Vec<usize>,
 }
 
 impl Table {
+    /// A table with words in the first column only.
     pub(crate) fn new(header: &[&str]) -> Self {
-        Self { rows: vec![header.iter().map(|h| (*h).to_owned()).collect()] }
+        Self::with_words(header, &[0])
+    }
+
+    /// A table with words in these columns, counted from 0.
+    pub(crate) fn with_words(header: &[&str], left: &[usize]) -> Self {
+        Self { rows: vec![header.iter().map(|h| (*h).to_owned()).collect()], left: left.to_vec() }
+    }
+
+    /// A table of names and values.
+    pub(crate) fn without_header() -> Self {
+        Self { rows: Vec::new(), left: vec![0] }
     }
 
     pub(crate) fn row(&mut self, cells: impl IntoIterator<Item = String>) {
@@ -62,7 +73,11 @@ impl Table {
             for (column, cell) in row.iter().enumerate() {
                 let width = widths[column];
                 // Writing to a string cannot fail.
-                let _ = if column == 0 { write!(line, "  {cell:<width$}") } else { write!(line, "  {cell:>width$}") };
+                let _ = if self.left.contains(&column) {
+                    write!(line, "  {cell:<width$}")
+                } else {
+                    write!(line, "  {cell:>width$}")
+                };
             }
             text.push_str(line.trim_end());
             text.push('\n');
@@ -96,9 +111,39 @@ pub(crate) fn significant(value: f64, digits: usize) -> String {
     format!("{value:.decimals$}")
 }
 
+/// A sentence in lines of at most a hundred characters, indented by two and from the second line on by four.
+pub(crate) fn wrapped(sentence: &str) -> String {
+    const WIDTH: usize = 100;
+    let mut text = String::new();
+    let mut line = String::from("  ");
+    // Blanks at the beginning and between the columns of an event are kept.
+    for (index, word) in sentence.split(' ').enumerate() {
+        if line.chars().count() + 1 + word.chars().count() > WIDTH {
+            text.push_str(line.trim_end());
+            text.push('\n');
+            line = String::from("    ");
+        } else if index > 0 {
+            line.push(' ');
+        }
+        line.push_str(word);
+    }
+    text.push_str(line.trim_end());
+    text.push('\n');
+    text
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn long_sentences_are_wrapped_and_nothing_is_lost() {
+        let sentence = "word ".repeat(60);
+        let text = wrapped(&sentence);
+        assert!(text.lines().all(|l| l.chars().count() <= 100) && text.lines().count() > 3);
+        assert_eq!(text.split_whitespace().count(), 60);
+        assert_eq!(wrapped("   1.20 s  so"), "     1.20 s  so\n");
+    }
 
     #[test]
     fn numbers_keep_their_significant_digits() {

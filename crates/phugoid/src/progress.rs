@@ -1,6 +1,7 @@
 //! A progress bar for people; nothing for pipes.
 
 use std::io::IsTerminal;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::time::Duration;
 
@@ -59,5 +60,27 @@ impl Progress {
 impl Drop for Progress {
     fn drop(&mut self) {
         self.bar.finish_and_clear();
+    }
+}
+
+/// Several pieces of work behind one bar, each as long as the others.
+pub(crate) struct Shares<'a> {
+    progress: &'a Progress,
+    /// Fraction done of each piece, as bits of an `f64`.
+    done: Vec<AtomicU64>,
+}
+
+impl<'a> Shares<'a> {
+    pub(crate) fn new(progress: &'a Progress, count: usize) -> Self {
+        Self { progress, done: (0..count).map(|_| AtomicU64::new(0)).collect() }
+    }
+
+    /// `fraction` of a piece of work is done, 0 to 1; from any thread.
+    pub(crate) fn set(&self, index: usize, fraction: f64) {
+        if let Some(piece) = self.done.get(index) {
+            piece.store(fraction.clamp(0.0, 1.0).to_bits(), Ordering::Relaxed);
+            let sum: f64 = self.done.iter().map(|piece| f64::from_bits(piece.load(Ordering::Relaxed))).sum();
+            self.progress.set(sum / self.done.len() as f64);
+        }
     }
 }

@@ -3,7 +3,7 @@
 use phugoid_identification::estimation::{ParameterHistory, ParameterResult};
 
 use super::{Context, scaled};
-use crate::figure::{At, Axis, Colour, Figure, Kind, Panel, Reference, Series};
+use crate::figure::{At, Axis, Colour, Figure, Kind, Panel, Reference, Series, Stroke};
 use crate::names::HumanUnit;
 use crate::ticks::with_error;
 
@@ -72,20 +72,20 @@ fn references(
     range: Option<[f64; 2]>,
 ) -> Vec<Reference> {
     let seen = |v: &f64| range.is_some_and(|[low, high]| low <= *v && *v <= high);
-    let level = |label: &str, colour, dashed, value| Reference {
+    let level = |label: &str, colour, stroke, value| Reference {
         label: label.to_owned(),
         colour,
-        dashed,
+        stroke,
         at: At::HorizontalIfVisible(value),
     };
     let mut lines = Vec::new();
-    lines.extend(last.truth.filter(seen).map(|v| level("truth", Colour::Vermillion, false, v)));
-    lines.extend(bounds.into_iter().flatten().filter(seen).map(|v| level("bounds", Colour::Muted, true, v)));
+    lines.extend(last.truth.filter(seen).map(|v| level("truth", Colour::Vermillion, Stroke::Solid, v)));
+    lines.extend(bounds.into_iter().flatten().filter(seen).map(|v| level("bounds", Colour::Muted, Stroke::Dashed, v)));
     let start = context.time.first().copied().unwrap_or(0.0);
     lines.extend(parameter.converged_at_s.map(|after| Reference {
         label: "converged (stays within 5 %)".to_owned(),
         colour: Colour::Green,
-        dashed: true,
+        stroke: Stroke::Dashed,
         at: At::Vertical(start + after),
     }));
     lines

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::{Context, scaled};
-use crate::figure::{At, Axis, Colour, Figure, Kind, Panel, Reference, Series};
+use crate::figure::{At, Axis, Colour, Figure, Kind, Panel, Reference, Series, Stroke};
 
 /// Planes drawn at most and at least; between them only pairs at least this strongly correlated.
 const MOST: usize = 6;
@@ -88,7 +88,7 @@ fn plane(r: f64, x: Direction, y: Direction) -> Option<Panel> {
     if let Some((x, y)) = x.truth.zip(y.truth) {
         series.push(Series::new("truth", Colour::Vermillion, &Arc::from([x]), Kind::Marks(vec![y])));
     }
-    let centre = |at| Reference { label: String::new(), colour: Colour::Grid, dashed: false, at };
+    let centre = |at| Reference { label: String::new(), colour: Colour::Grid, stroke: Stroke::Solid, at };
     let label = format!("{} ({}), r = {}", y.name, y.unit, crate::ticks::fixed(r, 2));
     let heading = Axis { label, unit: String::new(), ..y_axis };
     Some(

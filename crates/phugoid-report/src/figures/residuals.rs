@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::Context;
-use crate::figure::{At, Axis, Colour, Figure, Kind, Panel, Reference, Series};
+use crate::figure::{At, Axis, Colour, Figure, Kind, Panel, Reference, Series, Stroke};
 use crate::names::signal_label;
 use crate::statistics::{autocorrelation, median_step};
 
@@ -33,7 +33,7 @@ pub(super) fn series(context: &Context) -> Option<(String, Figure)> {
             dots.push(Series::new(label, Colour::Vermillion, &context.time, Kind::Marks(beyond)));
         }
         let panel = Panel::plot(axis.with_range(-limit, limit), dots).with_height(96.0);
-        let line = |at| Reference { label: "±2σ".to_owned(), colour: Colour::Orange, dashed: true, at };
+        let line = |at| Reference { label: "±2σ".to_owned(), colour: Colour::Orange, stroke: Stroke::Dashed, at };
         figure.panels.push(panel.with_reference(line(At::Horizontal(2.0))).with_reference(line(At::Horizontal(-2.0))));
     }
     (!residuals.is_empty()).then(|| ("residuals".to_owned(), figure))
@@ -66,10 +66,18 @@ pub(super) fn autocorrelations(context: &Context) -> Option<(String, Figure)> {
         let axis = Axis::new(format!("Autocorrelation, {}", uncapitalised(&signal_label(&residual.name))), "–")
             .with_range((1.15 * smallest).min(-0.22), (1.15 * largest).clamp(0.22, 1.05));
         let bars = Series::new("autocorrelation", Colour::Blue, &lag, Kind::Bars(r[1..].to_vec()));
-        let line =
-            |at| Reference { label: "95 % limits of white noise".to_owned(), colour: Colour::Orange, dashed: true, at };
-        let zero =
-            Reference { label: String::new(), colour: Colour::Muted, dashed: false, at: At::HorizontalIfVisible(0.0) };
+        let line = |at| Reference {
+            label: "95 % limits of white noise".to_owned(),
+            colour: Colour::Orange,
+            stroke: Stroke::Dashed,
+            at,
+        };
+        let zero = Reference {
+            label: String::new(),
+            colour: Colour::Muted,
+            stroke: Stroke::Solid,
+            at: At::HorizontalIfVisible(0.0),
+        };
         figure.panels.push(
             Panel::plot(axis, vec![bars])
                 .with_reference(zero)

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::Context;
-use crate::figure::{At, Axis, Body, Colour, Figure, Kind, Panel, Reference, Series};
+use crate::figure::{At, Axis, Body, Colour, Figure, Kind, Panel, Reference, Series, Stroke};
 
 const PER_FIGURE: usize = 8;
 
@@ -73,7 +73,7 @@ fn phase_strip(context: &Context) -> Option<Panel> {
 }
 
 fn zero() -> Reference {
-    Reference { label: String::new(), colour: Colour::Muted, dashed: false, at: At::HorizontalIfVisible(0.0) }
+    Reference { label: String::new(), colour: Colour::Muted, stroke: Stroke::Solid, at: At::HorizontalIfVisible(0.0) }
 }
 
 fn says_something(surface: &[f64]) -> bool {

@@ -10,9 +10,12 @@ use crate::figures::figures;
 use crate::statistics::median_step;
 use crate::ticks::significant;
 
+mod page;
+mod reproduction;
 mod tables;
 
-const STYLE: &str = include_str!("style.css");
+use page::{Section, prose, trimmed};
+pub use reproduction::{NotRun, ReproductionOptions, reproduction_html};
 
 /// What a page says beyond the estimation itself.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -34,44 +37,17 @@ pub fn html(estimation: &Estimation, options: &HtmlOptions) -> String {
         source => format!("Parameter estimation: {}", source.rsplit(['/', '\\']).next().unwrap_or(source)),
     });
     let all = figures(estimation);
-    let sections: Vec<(&str, &str, String)> = [
-        ("summary", "Summary", summary(estimation)),
-        ("parameters", "Parameters", tables::parameters(estimation)),
-        ("correlation-section", "Correlation", correlation(estimation, &all)),
-        ("figures", "Figures", drawn(&all, |name| name != "correlation")),
-        ("fit", "Fit and noise", tables::fit(estimation)),
-        ("quality", "Data quality", tables::quality(estimation)),
-        ("events", "Events", tables::events(estimation)),
-        ("method", "Method and settings", tables::method(estimation, options)),
-    ]
-    .into_iter()
-    .filter(|(.., body)| !body.is_empty())
-    .collect();
-
-    let mut page = String::new();
-    // Formatting into a String cannot fail.
-    let _ = write!(
-        page,
-        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-         <meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n<title>{title}</title>\n\
-         <style>\n{STYLE}</style>\n</head>\n<body>\n<main>\n<header>\n<h1>{title}</h1>\n\
-         <p class=\"by\">Estimated by Phugoid</p>\n",
-        title = escape(&title)
-    );
-    for note in &options.notes {
-        let _ = writeln!(page, "<p>{}</p>", prose(note));
-    }
-    page.push_str(&facts(estimation));
-    page.push_str("<nav aria-label=\"Sections\">");
-    for (anchor, heading, _) in &sections {
-        let _ = write!(page, "<a href=\"#{anchor}\">{heading}</a> ");
-    }
-    page.push_str("</nav>\n</header>\n");
-    for (anchor, heading, body) in &sections {
-        let _ = write!(page, "<section id=\"{anchor}\">\n<h2>{heading}</h2>\n{body}</section>\n");
-    }
-    page.push_str("</main>\n</body>\n</html>\n");
-    page
+    let sections = [
+        Section::new("summary", "Summary", summary(estimation)),
+        Section::new("parameters", "Parameters", tables::parameters(estimation)),
+        Section::new("correlation-section", "Correlation", correlation(estimation, &all)),
+        Section::new("figures", "Figures", drawn(&all, |name| name != "correlation")),
+        Section::new("fit", "Fit and noise", tables::fit(estimation)),
+        Section::new("quality", "Data quality", tables::quality(estimation)),
+        Section::new("events", "Events", tables::events(estimation)),
+        Section::new("method", "Method and settings", tables::method(estimation, options)),
+    ];
+    page::document(&title, "Estimated by Phugoid", &options.notes, &facts(estimation), &sections)
 }
 
 fn facts(estimation: &Estimation) -> String {
@@ -91,26 +67,7 @@ fn facts(estimation: &Estimation) -> String {
             facts.push(("Sample time", format!("{} s ({} Hz)", trimmed(&significant(step, 4)), trimmed(&rate))));
         }
     }
-    let mut out = String::from("<dl class=\"facts\">\n");
-    for (name, value) in facts.iter().filter(|(_, value)| !value.is_empty()) {
-        let _ = writeln!(out, "<div><dt>{name}</dt><dd>{}</dd></div>", breakable(value));
-    }
-    out.push_str("</dl>\n");
-    out
-}
-
-/// Escaped text that may be broken after the slashes of a path.
-fn breakable(text: &str) -> String {
-    escape(text).replace('/', "/<wbr>")
-}
-
-/// `0.01000` as `0.01`: for numbers that are settings, not results.
-fn trimmed(number: &str) -> &str {
-    if number.contains('.') && !number.contains('·') {
-        number.trim_end_matches('0').trim_end_matches('.')
-    } else {
-        number
-    }
+    page::facts(&facts)
 }
 
 fn summary(estimation: &Estimation) -> String {
@@ -138,17 +95,6 @@ fn counts(estimation: &Estimation) -> String {
     let list: Vec<String> =
         counts.iter().map(|(status, count)| format!("{count} {}", tables::status_words(status))).collect();
     if list.is_empty() { String::new() } else { format!("<p>Parameters: {}.</p>\n", escape(&list.join(", "))) }
-}
-
-/// Escaped text with `code` between backticks set as such.
-fn prose(text: &str) -> String {
-    if text.matches('`').count() % 2 == 1 {
-        return escape(text);
-    }
-    text.split('`')
-        .enumerate()
-        .map(|(k, part)| if k % 2 == 1 { format!("<code>{}</code>", escape(part)) } else { escape(part) })
-        .collect()
 }
 
 fn correlation(estimation: &Estimation, all: &[(String, Figure)]) -> String {
@@ -181,16 +127,5 @@ fn correlation(estimation: &Estimation, all: &[(String, Figure)]) -> String {
 }
 
 fn drawn(all: &[(String, Figure)], wanted: impl Fn(&str) -> bool) -> String {
-    let mut out = String::new();
-    for (name, figure) in all.iter().filter(|(name, _)| wanted(name)) {
-        let _ = write!(
-            out,
-            "<figure id=\"{}\">\n<h3>{}</h3>\n<div class=\"scroll\">{}</div>\n<figcaption>{}</figcaption>\n</figure>\n",
-            escape(name),
-            escape(&figure.title),
-            figure.to_inline_svg(),
-            escape(&figure.caption)
-        );
-    }
-    out
+    all.iter().filter(|(name, _)| wanted(name)).map(|(name, figure)| page::figure(name, 3, figure)).collect()
 }

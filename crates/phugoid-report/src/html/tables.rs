@@ -5,7 +5,8 @@ use std::fmt::Write as _;
 use phugoid_flight_data::quality::{QualityReport, Severity};
 use phugoid_identification::estimation::{Estimation, ParameterResult};
 
-use super::{HtmlOptions, prose, trimmed};
+use super::HtmlOptions;
+use super::page::{END_OF_TABLE, head, prose, table, trimmed};
 use crate::escape::escape;
 use crate::figures::{event_kind, unit_of};
 use crate::names::{HumanUnit, human_unit, signal_label};
@@ -206,7 +207,7 @@ pub(super) fn fit(estimation: &Estimation) -> String {
         }
         out.push_str("</tr>\n");
     }
-    out.push_str("</tbody></table></div>\n");
+    out.push_str(END_OF_TABLE);
     out.push_str(
         "<p class=\"note\">With the right model and noise the whitened residual has an rms of 1, 95.4 % of it lies \
          within ±2σ, and its autocorrelation is near 0. An rms well above 1 means that the noise is larger than \
@@ -250,7 +251,7 @@ fn findings(quality: &QualityReport) -> String {
             prose(&finding.message)
         );
     }
-    out.push_str("</tbody></table></div>\n");
+    out.push_str(END_OF_TABLE);
     out
 }
 
@@ -283,7 +284,7 @@ fn channels(quality: &QualityReport) -> String {
             ])
         );
     }
-    out.push_str("</tbody></table></div>\n");
+    out.push_str(END_OF_TABLE);
     out
 }
 
@@ -302,7 +303,7 @@ pub(super) fn events(estimation: &Estimation) -> String {
             prose(&event.message)
         );
     }
-    out.push_str("</tbody></table></div>\n");
+    out.push_str(END_OF_TABLE);
     if let Some(more) = estimation.events.len().checked_sub(MOST_EVENTS).filter(|more| *more > 0) {
         let _ = writeln!(out, "<p class=\"note\">{more} later events are not listed.</p>");
     }
@@ -321,20 +322,6 @@ pub(super) fn method(estimation: &Estimation, options: &HtmlOptions) -> String {
     for (name, value) in rows {
         let _ = writeln!(out, "<tr><th scope=\"row\">{}</th><td>{}</td></tr>", escape(name), escape(value));
     }
-    out.push_str("</tbody></table></div>\n");
+    out.push_str(END_OF_TABLE);
     out
-}
-
-fn table(heads: &[(&str, &str)]) -> String {
-    format!("<div class=\"scroll\"><table>\n{}<tbody>\n", head(heads))
-}
-
-fn head(heads: &[(&str, &str)]) -> String {
-    let cells: String =
-        heads.iter().map(|(class, words)| format!("<th scope=\"col\"{}>{words}</th>", class_of(class))).collect();
-    format!("<thead><tr>{cells}</tr></thead>\n")
-}
-
-fn class_of(class: &str) -> String {
-    if class.is_empty() { String::new() } else { format!(" class=\"{class}\"") }
 }

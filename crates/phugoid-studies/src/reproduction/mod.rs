@@ -9,10 +9,16 @@
 
 pub mod aircraft_case;
 pub mod case_file;
+mod flight_charts;
+pub mod golden;
+pub mod group;
+mod gust;
 mod laws;
 pub mod plant_case;
 pub mod published;
 pub mod result;
+mod sensors;
+mod trim;
 
 use crate::accuracy::StudyError;
 pub use published::Published;
@@ -42,8 +48,14 @@ impl Entry {
 /// All entries, in the order of the report.
 pub fn entries() -> Vec<Entry> {
     [
+        // trim, gust
+        trim::ENTRIES,
+        gust::ENTRIES,
         // first-order, first-order-nonlinear, second-order, second-order-nonlinear
         plant_case::ENTRIES,
+        // sensors
+        sensors::ENTRIES,
+        // laws
         laws::ENTRIES,
     ]
     .concat()

@@ -7,7 +7,7 @@ use phugoid_flight_data::quality::{QualityReport, Severity};
 use phugoid_identification::estimation::{Estimation, Event, History, ParameterResult, Signal};
 use serde::Serialize;
 
-use crate::output::{Table, significant};
+use crate::output::{Table, significant, wrapped};
 
 /// What an estimation gives, as a JSON document. Angles in rad, everything else in SI, derivatives per rad.
 #[derive(Debug, Serialize)]
@@ -112,27 +112,6 @@ fn paragraph(text: &mut String, title: &str, lines: impl Iterator<Item = String>
     }
 }
 
-/// A sentence in lines of at most a hundred characters, indented by two and from the second line on by four.
-fn wrapped(sentence: &str) -> String {
-    const WIDTH: usize = 100;
-    let mut text = String::new();
-    let mut line = String::from("  ");
-    // Blanks at the beginning and between the columns of an event are kept.
-    for (index, word) in sentence.split(' ').enumerate() {
-        if line.chars().count() + 1 + word.chars().count() > WIDTH {
-            text.push_str(line.trim_end());
-            text.push('\n');
-            line = String::from("    ");
-        } else if index > 0 {
-            line.push(' ');
-        }
-        line.push_str(word);
-    }
-    text.push_str(line.trim_end());
-    text.push('\n');
-    text
-}
-
 /// The table of parameters: those asked for first, then those that only support them.
 fn parameters(estimation: &Estimation) -> String {
     let truth_known = estimation.parameters.iter().any(|p| p.truth.is_some());
@@ -170,19 +149,5 @@ fn parameters(estimation: &Estimation) -> String {
         main
     } else {
         format!("{main}\nSensor errors and offsets, estimated beside them\n{nuisance}")
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::wrapped;
-
-    #[test]
-    fn long_sentences_are_wrapped_and_nothing_is_lost() {
-        let sentence = "word ".repeat(60);
-        let text = wrapped(&sentence);
-        assert!(text.lines().all(|l| l.chars().count() <= 100) && text.lines().count() > 3);
-        assert_eq!(text.split_whitespace().count(), 60);
-        assert_eq!(wrapped("   1.20 s  so"), "     1.20 s  so\n");
     }
 }

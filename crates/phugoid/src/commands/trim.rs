@@ -64,7 +64,7 @@ pub(crate) fn run(arguments: &arguments::Trim) -> Result<(), Failure> {
 
 fn text(document: &Document) -> String {
     let trim = document.trim;
-    let mut table = Table::default();
+    let mut table = Table::without_header();
     let mut row = |name: &str, value: String, unit: &str| {
         table.row([name.to_owned(), value, unit.to_owned()]);
     };

@@ -138,11 +138,8 @@ fn states(case: &PlantCase, run: &PlantRun, told: &[Told], instants: &Instants) 
         let (lowest, highest) =
             run.states[i].iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &v| (l.min(v), h.max(v)));
         for (index, t) in told.iter().enumerate().filter(|(_, t)| t.outcome.behaviour != Behaviour::Diverges) {
-            curves.push(instants.line(
-                format!("model of the {}", t.shown.name),
-                meaning(told, index),
-                &t.result.states[i],
-            ));
+            let Some(series) = t.result.states.get(i) else { continue };
+            curves.push(instants.line(format!("model of the {}", t.shown.name), meaning(told, index), series));
         }
         let margin = 0.15 * (highest - lowest).max(1e-300) + 3.0 * run.noise_sd;
         panels.push(Panel {

@@ -120,6 +120,14 @@ pub(super) fn condition(case: &PlantCase, run: &PlantRun, method: &MethodSetting
             }
             parts.join("; ")
         }
+        MethodSettings::Extended { reaching_time_s, .. } => {
+            let [largest, smallest] = result.information.last().copied().unwrap_or([f64::NAN; 2]);
+            format!(
+                "rank {} of 2 at the end: the accumulated equations have eigenvalues of {largest:.1e} and {smallest:.1e}; from \
+                 bound to bound in {reaching_time_s} s",
+                if smallest > 1e-12 * largest { 2 } else { 1 }
+            )
+        }
     }
 }
 

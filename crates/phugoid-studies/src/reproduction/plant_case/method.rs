@@ -2,8 +2,8 @@
 
 use phugoid_estimators::smpe::{ParameterPrior, Smpe, SmpeSettings};
 use phugoid_estimators::thesis::{
-    Evaluation, LawSign, SurfaceChannel, SurfaceDerivative, ThesisForm, ThesisLaw, ThesisSettings, TwoParameterLaw,
-    TwoParameterSettings,
+    Evaluation, ExtendedLaw, ExtendedSettings, LawSign, SurfaceChannel, SurfaceDerivative, ThesisForm, ThesisLaw,
+    ThesisSettings, TwoParameterLaw, TwoParameterSettings,
 };
 use phugoid_estimators::{Estimator, Model, Phase};
 
@@ -46,6 +46,16 @@ pub enum MethodSettings {
         /// `eta`, in units of the surface's rate per unit of the parameter.
         eta: f64,
     },
+    /// The repair: equations of many instants, without any derivative, until the surfaces have full rank.
+    Extended {
+        /// Typical size of each state.
+        scale: Vec<f64>,
+        /// Time in which the whole range from bound to bound is crossed, s.
+        reaching_time_s: f64,
+        /// Information below which a direction moves more slowly: what noise alone accumulates, scaled state units squared
+        /// times seconds.
+        floor: f64,
+    },
 }
 
 /// What a method did, sample by sample.
@@ -55,12 +65,12 @@ pub struct MethodRun {
     pub estimates: Vec<Vec<f64>>,
     /// One-sigma errors claimed, likewise; none from a method that claims none.
     pub std_error: Option<Vec<Vec<f64>>>,
-    /// States of the estimated model, `[state][sample]`.
+    /// States of the estimated model, `[state][sample]`; empty for a method that has none.
     pub states: Vec<Vec<f64>>,
     /// The printed laws from inside, one per surface; empty for other methods.
     pub surfaces: Vec<Surface>,
-    /// Singular values, larger first, of the derivative of both surfaces' rates by both parameters, per sample; the
-    /// two-parameter law only.
+    /// Largest and smallest singular value, per sample, of what the surfaces say of the parameters: of two-parameter law and
+    /// extended law.
     pub information: Vec<[f64; 2]>,
     /// Samples at which an implicit law found no solution of its loop and kept the last estimate.
     pub unsolved: usize,
@@ -203,6 +213,29 @@ impl Visit for Runner<'_> {
                     }
                     record.information.push(d.information);
                     record.unsolved += usize::from(estimate.status.phase == Phase::Rejected);
+                }
+            }
+            MethodSettings::Extended { scale, reaching_time_s, floor } => {
+                let mut start = [0.0; P];
+                let mut bounds = [[0.0; 2]; P];
+                for (j, parameter) in unknowns.iter().enumerate() {
+                    start[j] = parameter.start;
+                    bounds[j] = [parameter.lower, parameter.upper];
+                }
+                let scale: [f64; N] = std::array::from_fn(|i| scale.get(i).copied().unwrap_or(f64::NAN));
+                let mut settings = ExtendedSettings::new(start, bounds, scale);
+                settings.reaching_time_s = *reaching_time_s;
+                settings.floor = *floor;
+                settings.maximum_gap_s = settings.maximum_gap_s.max(2.0 * case.sample_time.si());
+                let mut law = ExtendedLaw::<_, N, R, P>::new(*model, settings).map_err(|error| refused(&error))?;
+                record.states = Vec::new();
+                for sample in run.samples::<I, R>() {
+                    let estimate = law.update(&sample);
+                    record.push(&estimate.parameters, &[]);
+                    let range = |values: &[f64]| {
+                        values.iter().fold([0.0_f64, f64::INFINITY], |[l, s], w| [l.max(w.abs()), s.min(w.abs())])
+                    };
+                    record.information.push(range(&law.eigenvalues()[..unknowns.len()]));
                 }
             }
         }

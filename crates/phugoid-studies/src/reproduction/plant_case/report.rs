@@ -102,19 +102,28 @@ impl PlantCase {
                 let settings = MethodSettings::TwoParameter { form, evaluation, sign, lambda, eta };
                 methods.push(Shown { name, role, settings });
             }
+            methods.push(Shown { name: "extended law", role: Role::Mended, settings: self.extended(run) });
         }
         methods
     }
 
     /// The flagship, told the true noise, or without noise a small fraction of each signal.
     pub fn flagship(&self, run: &PlantRun) -> MethodSettings {
-        let rms = |series: &[f64]| (series.iter().map(|x| x * x).sum::<f64>() / series.len() as f64).sqrt();
         let noise_sd = run
             .states
             .iter()
             .map(|x| if run.noise_sd > 0.0 { run.noise_sd } else { self.estimator.assumed_noise * rms(x) })
             .collect();
         MethodSettings::Flagship { noise_sd }
+    }
+
+    /// The extended law: the whole range in 0.1 s, states scaled by their size over the record.
+    pub fn extended(&self, run: &PlantRun) -> MethodSettings {
+        MethodSettings::Extended {
+            scale: run.states.iter().map(|x| rms(x)).collect(),
+            reaching_time_s: 0.1,
+            floor: 0.0,
+        }
     }
 
     fn outcome(&self, shown: &Shown, run: &PlantRun, result: &MethodRun) -> Outcome {
@@ -158,4 +167,8 @@ impl PlantCase {
             })
             .collect()
     }
+}
+
+fn rms(series: &[f64]) -> f64 {
+    (series.iter().map(|x| x * x).sum::<f64>() / series.len() as f64).sqrt()
 }

@@ -1,0 +1,84 @@
+//! Charts of a reproduction as figures: what a curve means decides how it looks.
+
+use phugoid_studies::reproduction::result::{self, Chart, Content, Curve, Level};
+
+use crate::figure::{At, Axis, Body, Figure, HeatMap, Kind, Panel, Reference, Series};
+
+mod limits;
+mod looks;
+
+use looks::{Form, Looks};
+
+/// The figure of a chart. Equal meanings have equal colours in every chart; where several legend entries of one chart mean
+/// the same, their strokes differ.
+pub fn chart_figure(chart: &Chart) -> Figure {
+    let mut looks = Looks::default();
+    let columns = chart.columns.max(1);
+    let rows = chart.panels.len().div_ceil(columns);
+    let mut cut = false;
+    let panels = chart.panels.iter().map(|panel| {
+        let (body, y) = match &panel.content {
+            Content::Curves { curves, levels, instants } => {
+                let range = limits::ordinate(chart, panel);
+                cut |= range.is_some_and(|range| limits::leaves(curves, range));
+                (plot(&mut looks, curves, levels, instants), Axis { range, ..axis(&panel.y) })
+            }
+            Content::Map { x, y, value, values, logarithmic, absent, marked } => {
+                let map = HeatMap {
+                    x: x.clone(),
+                    y: y.clone(),
+                    value: axis(value),
+                    values: values.clone(),
+                    logarithmic: *logarithmic,
+                    absent: absent.clone(),
+                    marked: marked.map(|place| ("published settings".to_owned(), place)),
+                };
+                (Body::HeatMap(map), axis(&panel.y))
+            }
+        };
+        let height = match &body {
+            Body::HeatMap(map) => (30.0 * map.y.len() as f64).clamp(150.0, 380.0),
+            _ => [240.0, 170.0, 140.0].get(rows.saturating_sub(1)).copied().unwrap_or(120.0),
+        };
+        Panel { y, x: None, height, body }
+    });
+    let panels = panels.collect();
+    let mut caption = chart.caption.clone();
+    if cut {
+        caption.push_str(" Curves that leave a panel are cut off there.");
+    }
+    Figure { title: chart.title.clone(), caption, x: axis(&chart.x), panels, columns, events: Vec::new() }
+}
+
+fn axis(axis: &result::Axis) -> Axis {
+    let plain = Axis::new(axis.label.clone(), axis.unit.clone());
+    match axis.range {
+        Some([lower, upper]) => plain.with_range(lower, upper),
+        None => plain,
+    }
+}
+
+fn plot(looks: &mut Looks, curves: &[Curve], levels: &[Level], instants: &[Level]) -> Body {
+    let series = curves.iter().map(|curve| series(looks, curve)).collect();
+    let mut references: Vec<Reference> =
+        levels.iter().map(|level| reference(looks, level, Form::Level, At::Horizontal(level.at))).collect();
+    references.extend(instants.iter().map(|level| reference(looks, level, Form::Instant, At::Vertical(level.at))));
+    Body::Plot { series, references }
+}
+
+fn series(looks: &mut Looks, curve: &Curve) -> Series {
+    let (form, kind) = match &curve.shape {
+        result::Shape::Line(y) if limits::ascending(&curve.x) => (Form::Line, Kind::Line(y.clone())),
+        result::Shape::Line(y) => (Form::Line, Kind::Curve(y.clone())),
+        result::Shape::Step(y) => (Form::Line, Kind::Step(y.clone())),
+        result::Shape::Points(y) => (Form::Points, Kind::Points(y.clone())),
+        result::Shape::Band { lower, upper } => (Form::Band, Kind::Band { lower: lower.clone(), upper: upper.clone() }),
+    };
+    let (colour, stroke) = looks.of(&curve.label, curve.meaning, form);
+    Series::new(curve.label.clone(), colour, &curve.x, kind).with_stroke(stroke).joined()
+}
+
+fn reference(looks: &mut Looks, level: &Level, form: Form, at: At) -> Reference {
+    let (colour, stroke) = looks.of(&level.label, level.meaning, form);
+    Reference { label: level.label.clone(), colour, stroke, at }
+}

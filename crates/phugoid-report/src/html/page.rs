@@ -1,0 +1,121 @@
+//! What every page has: its frame, sections, figures, tables and running text.
+
+use std::fmt::Write as _;
+
+use crate::escape::escape;
+use crate::figure::Figure;
+
+const STYLE: &str = include_str!("style.css");
+
+/// A part of a page.
+pub(super) struct Section {
+    /// Anchor, unique in the page.
+    pub(super) anchor: String,
+    /// Heading.
+    pub(super) heading: String,
+    /// Markup.
+    pub(super) body: String,
+}
+
+impl Section {
+    pub(super) fn new(anchor: &str, heading: &str, body: String) -> Self {
+        Self { anchor: anchor.to_owned(), heading: heading.to_owned(), body }
+    }
+}
+
+/// A whole page: no scripts, no links to anywhere else. `header` is markup between the notes and the links to the
+/// sections; sections without a body are left out.
+pub(super) fn document(title: &str, by: &str, notes: &[String], header: &str, sections: &[Section]) -> String {
+    let sections: Vec<&Section> = sections.iter().filter(|s| !s.body.is_empty()).collect();
+    let mut page = String::new();
+    // Formatting into a String cannot fail, here and below.
+    let _ = write!(
+        page,
+        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+         <meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n<title>{title}</title>\n\
+         <style>\n{STYLE}</style>\n</head>\n<body>\n<main>\n<header>\n<h1>{title}</h1>\n\
+         <p class=\"by\">{by}</p>\n",
+        title = escape(title),
+        by = escape(by)
+    );
+    for note in notes {
+        let _ = writeln!(page, "<p>{}</p>", prose(note));
+    }
+    page.push_str(header);
+    page.push_str("<nav aria-label=\"Sections\">");
+    for section in &sections {
+        let _ = write!(page, "<a href=\"#{}\">{}</a> ", escape(&section.anchor), escape(&section.heading));
+    }
+    page.push_str("</nav>\n</header>\n");
+    for Section { anchor, heading, body } in sections {
+        let (anchor, heading) = (escape(anchor), escape(heading));
+        let _ = write!(page, "<section id=\"{anchor}\">\n<h2>{heading}</h2>\n{body}</section>\n");
+    }
+    page.push_str("</main>\n</body>\n</html>\n");
+    page
+}
+
+/// Short facts side by side; those without a value are left out.
+pub(super) fn facts(facts: &[(&str, String)]) -> String {
+    let mut out = String::from("<dl class=\"facts\">\n");
+    for (name, value) in facts.iter().filter(|(_, value)| !value.is_empty()) {
+        let _ = writeln!(out, "<div><dt>{name}</dt><dd>{}</dd></div>", breakable(value));
+    }
+    out.push_str("</dl>\n");
+    out
+}
+
+/// A figure with its title as a heading of this level and its caption.
+pub(super) fn figure(anchor: &str, level: u8, figure: &Figure) -> String {
+    format!(
+        "<figure id=\"{}\">\n<h{level}>{}</h{level}>\n<div class=\"scroll\">{}</div>\n<figcaption>{}</figcaption>\n</figure>\n",
+        escape(anchor),
+        escape(&figure.title),
+        figure.to_inline_svg(),
+        escape(&figure.caption)
+    )
+}
+
+/// The beginning of a table, to be ended by [`END_OF_TABLE`]: class (`n` for numbers) and markup of each head.
+pub(super) fn table<T: AsRef<str>>(heads: &[(&str, T)]) -> String {
+    format!("<div class=\"scroll\"><table>\n{}<tbody>\n", head(heads))
+}
+
+pub(super) const END_OF_TABLE: &str = "</tbody></table></div>\n";
+
+pub(super) fn head<T: AsRef<str>>(heads: &[(&str, T)]) -> String {
+    let cells: String = heads
+        .iter()
+        .map(|(class, words)| format!("<th scope=\"col\"{}>{}</th>", class_of(class), words.as_ref()))
+        .collect();
+    format!("<thead><tr>{cells}</tr></thead>\n")
+}
+
+fn class_of(class: &str) -> String {
+    if class.is_empty() { String::new() } else { format!(" class=\"{class}\"") }
+}
+
+/// Escaped text that may be broken after the slashes of a path.
+pub(super) fn breakable(text: &str) -> String {
+    escape(text).replace('/', "/<wbr>")
+}
+
+/// Escaped text with `code` between backticks set as such.
+pub(super) fn prose(text: &str) -> String {
+    if text.matches('`').count() % 2 == 1 {
+        return escape(text);
+    }
+    text.split('`')
+        .enumerate()
+        .map(|(k, part)| if k % 2 == 1 { format!("<code>{}</code>", escape(part)) } else { escape(part) })
+        .collect()
+}
+
+/// `0.01000` as `0.01`: for numbers that are settings, not results.
+pub(super) fn trimmed(number: &str) -> &str {
+    if number.contains('.') && !number.contains('·') {
+        number.trim_end_matches('0').trim_end_matches('.')
+    } else {
+        number
+    }
+}

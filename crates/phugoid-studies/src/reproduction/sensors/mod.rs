@@ -1,0 +1,134 @@
+//! The published aircraft cases with realistic sensors, and an input that is sized for them.
+//!
+//! The thesis flies without sensor noise, with an elevator of 0.05 deg. With real sensors so small an input says next to
+//! nothing: no method can find what the data do not hold. How much they hold is the Cramer-Rao bound ([`information`]); an
+//! input that is large enough and not too large is chosen by a rule ([`input`]); how often the flagship then finds the
+//! coefficients in one cycle of the short period is counted over seeds ([`seeds`]) and set beside what the bound allows.
+
+mod information;
+mod input;
+mod report;
+mod seeds;
+mod study;
+
+use super::aircraft_case::AircraftCase;
+use super::{Entry, Reproduction};
+use crate::accuracy::StudyError;
+use crate::manoeuvre::{Manoeuvre, Surface};
+use crate::quantity::{Angle, Time};
+use input::{START_S, Shape};
+use study::Study;
+
+/// Amplitude of the thesis's inputs, deg.
+const THESIS_DEG: f64 = 0.05;
+
+/// Id, title and file of each case; the title is also in the file, for those who copy it.
+macro_rules! cases {
+    ($($group:literal: $title:literal, $input:expr),* $(,)?) => {
+        /// Entries of this module.
+        pub(super) const ENTRIES: &[Entry] =
+            &[$(Entry { id: concat!("sensors/", $group), title: $title, run }),*];
+
+        /// Id, text of the case file, and the input of the thesis.
+        const FILES: &[(&str, &str, ThesisInput)] = &[$((
+            concat!("sensors/", $group),
+            include_str!(concat!("../../../../../scenarios/thesis/sensors-", $group, ".toml")),
+            $input,
+        )),*];
+    };
+}
+
+/// Inputs of the thesis.
+#[derive(Clone, Copy)]
+enum ThesisInput {
+    Doublet,
+    Sine,
+}
+
+cases! {
+    "dcm-alpha": "dCm_alpha with realistic sensors", ThesisInput::Doublet,
+    "dcm-q": "dCm_q with realistic sensors", ThesisInput::Sine,
+    "dcl-alpha": "dCL_alpha with realistic sensors", ThesisInput::Sine,
+    "dcd-alpha": "dCD_alpha with realistic sensors", ThesisInput::Sine,
+    "combined": "All four at once with realistic sensors", ThesisInput::Sine,
+}
+
+impl ThesisInput {
+    /// In words, amplitude in deg, and as a manoeuvre that starts with the others.
+    fn described(self) -> (String, f64, Manoeuvre) {
+        match self {
+            Self::Doublet => {
+                let manoeuvre = Manoeuvre::Doublet {
+                    surface: Surface::Elevator,
+                    start: Time::from_si(START_S),
+                    width: Time::from_si(1.0),
+                    amplitude: Angle::from_si(THESIS_DEG.to_radians()),
+                };
+                ("thesis: doublet of 1 + 1 s".to_owned(), THESIS_DEG, manoeuvre)
+            }
+            Self::Sine => {
+                let shape = Shape::Sine(1.0);
+                (format!("thesis: {}", shape.words()), THESIS_DEG, shape.manoeuvre(THESIS_DEG))
+            }
+        }
+    }
+}
+
+fn run(id: &str, progress: &(dyn Fn(f64) + Sync)) -> Result<Reproduction, StudyError> {
+    let Some((_, text, input)) = FILES.iter().find(|(known, ..)| *known == id) else {
+        return Err(StudyError::Unsuitable(format!("there is no case `{id}` with realistic sensors")));
+    };
+    let case = AircraftCase::parse(text, id).map_err(|error| StudyError::Unsuitable(error.to_string()))?;
+    let mut reproduction = case.run(id)?;
+    progress(0.2);
+    let study = Study::of(&case, &input.described(), &|done| progress(0.2 + 0.8 * done))?;
+    report::add(&mut reproduction, &case, &study);
+    Ok(reproduction)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::reproduction::result::Reproduction;
+
+    fn reproduced(id: &str) -> Reproduction {
+        let reproduction = run(id, &|_| ()).unwrap();
+        for requirement in &reproduction.requirements {
+            println!("{id}: {requirement:?}");
+        }
+        for table in &reproduction.tables {
+            println!("{}", table.title);
+            for row in &table.rows {
+                println!("   {row:?}");
+            }
+        }
+        for outcome in &reproduction.outcomes {
+            println!("{outcome:?}");
+        }
+        reproduction
+    }
+
+    #[test]
+    fn every_file_reads_and_bears_the_title_of_its_entry() {
+        for ((id, text, _), entry) in FILES.iter().zip(ENTRIES) {
+            assert_eq!(AircraftCase::parse(text, id).unwrap().title, entry.title);
+            assert_eq!(*id, entry.id);
+        }
+    }
+
+    /// The third requirement of the project's reproduction of the thesis, with the realistic input and sensors.
+    #[test]
+    fn all_four_are_found_within_a_cycle() {
+        let reproduction = reproduced("sensors/combined");
+        assert!(reproduction.requirements.len() >= 5);
+        assert!(reproduction.requirements.iter().all(|requirement| requirement.met));
+    }
+
+    #[test]
+    fn each_alone_is_found_within_a_cycle() {
+        for group in ["dcm-alpha", "dcm-q", "dcl-alpha", "dcd-alpha"] {
+            let reproduction = reproduced(&format!("sensors/{group}"));
+            assert!(reproduction.requirements.iter().all(|requirement| requirement.met), "{group}");
+        }
+    }
+}

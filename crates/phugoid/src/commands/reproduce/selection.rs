@@ -1,0 +1,78 @@
+//! What to run: entries by id or group, and case files.
+
+use std::path::Path;
+
+use phugoid_studies::reproduction::Entry;
+use phugoid_studies::reproduction::case_file::Case;
+use phugoid_studies::reproduction::result::Reproduction;
+use phugoid_studies::scenario::nearest;
+
+use crate::failure::Failure;
+
+/// Something to run.
+pub(super) enum Task {
+    /// A built-in entry.
+    Entry(Entry),
+    /// A case file, with the id that its result bears: the name of the file.
+    File { id: String, case: Box<Case> },
+}
+
+impl Task {
+    pub(super) fn id(&self) -> &str {
+        match self {
+            Self::Entry(entry) => entry.id,
+            Self::File { id, .. } => id,
+        }
+    }
+
+    /// Runs it; gives the reason in words if there is no result.
+    pub(super) fn run(&self, done: &(dyn Fn(f64) + Sync)) -> Result<Reproduction, String> {
+        match self {
+            Self::Entry(entry) => (entry.run)(entry.id, done).map_err(|error| error.to_string()),
+            Self::File { id, case } => case.run(id).map_err(|error| error.to_string()),
+        }
+    }
+}
+
+/// What is wanted, each once, in the order asked for; everything where nothing is asked for.
+pub(super) fn select(wanted: &[String], entries: &[Entry]) -> Result<Vec<Task>, Failure> {
+    if wanted.is_empty() {
+        return Ok(entries.iter().copied().map(Task::Entry).collect());
+    }
+    let mut tasks: Vec<Task> = Vec::new();
+    for word in wanted {
+        for task in matching(word, entries)? {
+            if !tasks.iter().any(|known| known.id() == task.id()) {
+                tasks.push(task);
+            }
+        }
+    }
+    Ok(tasks)
+}
+
+fn matching(word: &str, entries: &[Entry]) -> Result<Vec<Task>, Failure> {
+    let group = word.strip_suffix('/').unwrap_or(word);
+    let found: Vec<Task> =
+        entries.iter().filter(|e| e.id == word || e.group() == group).copied().map(Task::Entry).collect();
+    if !found.is_empty() {
+        return Ok(found);
+    }
+    let file = Path::new(word);
+    if file.extension().is_some_and(|extension| extension == "toml") || file.is_file() {
+        let case = Case::read(file).map_err(Failure::input)?;
+        let id = file.file_stem().map_or_else(|| word.to_owned(), |stem| stem.to_string_lossy().into_owned());
+        return Ok(vec![Task::File { id, case: Box::new(case) }]);
+    }
+    Err(unknown(word, entries))
+}
+
+fn unknown(word: &str, entries: &[Entry]) -> Failure {
+    let mut groups: Vec<&str> = entries.iter().map(Entry::group).collect();
+    groups.dedup();
+    let names: Vec<&str> = entries.iter().map(|e| e.id).chain(groups.iter().copied()).collect();
+    let hint = match nearest(word, names.into_iter()) {
+        Some(near) => format!("Did you mean `{near}`?"),
+        None => format!("Groups: {}. All ids: phugoid reproduce --list", groups.join(", ")),
+    };
+    Failure::input(format!("there is no case `{word}`\n{hint}"))
+}
