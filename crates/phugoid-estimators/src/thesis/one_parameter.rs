@@ -140,6 +140,14 @@ where
         &self.x
     }
 
+    /// Tells the law the value of another of the model's parameters from now on: another law has found it. Its own
+    /// unknown, and parameters that the model does not have, are left as they are.
+    pub fn set_known(&mut self, parameter: usize, value: f64) {
+        if parameter != self.settings.parameter && parameter < self.model.parameter_count().min(P) {
+            self.theta[parameter] = value;
+        }
+    }
+
     /// `E`, the scaled energy difference of the surface.
     pub fn energy(&self) -> f64 {
         self.energy

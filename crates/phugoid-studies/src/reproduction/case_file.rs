@@ -43,7 +43,11 @@ impl Case {
     pub fn read(file: &Path) -> Result<Self, ScenarioError> {
         let text = std::fs::read_to_string(file)
             .map_err(|source| ScenarioError::Unreadable { file: file.to_owned(), source })?;
-        Self::parse(&text, &file.display().to_string())
+        let mut case = Self::parse(&text, &file.display().to_string())?;
+        if let Self::Aircraft(case) = &mut case {
+            case.scenario.folder = file.parent().map(Path::to_owned).unwrap_or_default();
+        }
+        Ok(case)
     }
 
     /// Parses the text of a case; `place` is its name in messages.

@@ -53,6 +53,8 @@ pub fn entries() -> Vec<Entry> {
         gust::ENTRIES,
         // first-order, first-order-nonlinear, second-order, second-order-nonlinear
         plant_case::ENTRIES,
+        // dcm-alpha, dcm-q, dcl-alpha, dcd-alpha, combined
+        aircraft_case::ENTRIES,
         // sensors
         sensors::ENTRIES,
         // laws

@@ -1,10 +1,11 @@
-//! The thesis's sliding law for one increment on the F-16.
+//! The thesis's sliding laws on the F-16: one per increment, any number of them side by side.
 
 use phugoid_estimators::discretization::InputHold;
 use phugoid_estimators::thesis::{
-    Evaluation, SurfaceChannel, SurfaceDerivative, ThesisForm, ThesisLaw, ThesisSettings,
+    Diagnostics, Evaluation, SurfaceChannel, SurfaceDerivative, ThesisForm, ThesisLaw, ThesisSettings,
 };
 use phugoid_estimators::{Estimator, Sample};
+use phugoid_identification::longitudinal::LongitudinalInput;
 use phugoid_identification::output::STATES;
 
 use super::case::PARAMETERS;
@@ -33,6 +34,15 @@ pub struct LawSettings {
     pub lambda: f64,
     /// `eta`, in units of `z` with the surface's channels.
     pub eta: f64,
+}
+
+/// How a law is evaluated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LawForm {
+    /// Exactly as printed, its sign and its lack of limits included.
+    AsPrinted(Evaluation),
+    /// Solved at every sample, with the sign from `s s' < 0` and within a quarter of the bounds' width outside them.
+    Solved(ThesisForm),
 }
 
 /// Which channels an energy surface has, and by what they are divided.
@@ -65,39 +75,105 @@ impl Surface {
     }
 }
 
-/// How the law is evaluated.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum LawForm {
-    /// Exactly as printed, its sign and its lack of limits included.
-    AsPrinted(Evaluation),
-    /// Solved at every sample, with the sign from `s s' < 0` and within a quarter of the bounds' width outside them.
-    Solved(ThesisForm),
+/// Room for all of [`PARAMETERS`].
+const ROOM: usize = PARAMETERS.len();
+
+type RatesSample = Sample<LongitudinalInput, OUTPUTS_WITH_RATES>;
+
+/// A law whose number of channels is of no concern.
+trait Running {
+    /// Takes a sample and gives the estimate.
+    fn take(&mut self, sample: &RatesSample) -> f64;
+    /// Tells it what another law has found.
+    fn tell(&mut self, parameter: usize, value: f64);
+    /// The estimated aircraft.
+    fn aircraft(&self) -> [f64; STATES];
+    /// The law from inside.
+    fn inside(&self) -> Diagnostics;
 }
 
-/// Runs a law beside a flight, told the states of the reference aircraft and their rates.
+struct On<const S: usize> {
+    law: ThesisLaw<WithRates, STATES, OUTPUTS_WITH_RATES, ROOM, S>,
+    index: usize,
+}
+
+impl<const S: usize> Running for On<S> {
+    fn take(&mut self, sample: &RatesSample) -> f64 {
+        self.law.update(sample).parameters[self.index]
+    }
+
+    fn tell(&mut self, parameter: usize, value: f64) {
+        self.law.set_known(parameter, value);
+    }
+
+    fn aircraft(&self) -> [f64; STATES] {
+        *self.law.state()
+    }
+
+    fn inside(&self) -> Diagnostics {
+        *self.law.diagnostics()
+    }
+}
+
+/// Runs laws side by side beside a flight, told the states of the reference aircraft and their rates. Each has the estimates
+/// of all others after every sample, so that the estimated aircraft of all of them are one.
 ///
 /// # Errors
-/// [`StudyError::Unsuitable`] where the law refuses its settings.
-pub(super) fn run_law(reference: &Reference, settings: &LawSettings) -> Result<MethodRun, StudyError> {
+/// [`StudyError::Unsuitable`] where a law refuses its settings.
+pub(super) fn run_laws(reference: &Reference, settings: &[LawSettings]) -> Result<MethodRun, StudyError> {
+    let index_of = |name: &str| {
+        let index = reference.names.iter().position(|own| own == name);
+        index.ok_or_else(|| StudyError::Unsuitable(format!("law for `{name}`: the model does not have it")))
+    };
+    let indices: Vec<usize> = settings.iter().map(|law| index_of(law.parameter)).collect::<Result<_, _>>()?;
+    let mut laws: Vec<Box<dyn Running>> =
+        settings.iter().zip(&indices).map(|(law, index)| running(reference, law, *index)).collect::<Result<_, _>>()?;
+    let samples = reference.time.len();
+    let mut parameters: Vec<ParameterRun> = settings
+        .iter()
+        .map(|law| ParameterRun {
+            name: law.parameter.to_owned(),
+            values: Vec::with_capacity(samples),
+            std_errors: None,
+            inside: Some(Vec::with_capacity(samples)),
+        })
+        .collect();
+    let mut states = Vec::with_capacity(samples);
+    for k in 0..samples {
+        let (measured, rates) = (reference.states[k], reference.rates[k]);
+        let outputs = std::array::from_fn(|i| if i < STATES { measured[i] } else { rates[i - STATES] });
+        let sample = RatesSample { time_s: reference.time[k], input: reference.inputs[k], outputs };
+        let found: Vec<f64> = laws.iter_mut().map(|law| law.take(&sample)).collect();
+        for (i, law) in laws.iter_mut().enumerate() {
+            for (j, value) in found.iter().enumerate().filter(|(j, _)| *j != i) {
+                law.tell(indices[j], *value);
+            }
+        }
+        for ((parameter, law), value) in parameters.iter_mut().zip(&laws).zip(found) {
+            parameter.values.push(value);
+            if let Some(inside) = &mut parameter.inside {
+                inside.push(law.inside());
+            }
+        }
+        states.push(laws.first().map_or(measured, |law| law.aircraft()));
+    }
+    Ok(MethodRun { time_s: reference.time.clone(), parameters, states })
+}
+
+fn running(reference: &Reference, settings: &LawSettings, index: usize) -> Result<Box<dyn Running>, StudyError> {
     match *settings.surface.channels(settings.parameter).as_slice() {
-        [one] => run_on([one], reference, settings),
-        [one, two] => run_on([one, two], reference, settings),
+        [one] => Ok(Box::new(law(reference, settings, index, [one])?)),
+        [one, two] => Ok(Box::new(law(reference, settings, index, [one, two])?)),
         _ => Err(StudyError::Unsuitable(format!("no surface for `{}`", settings.parameter))),
     }
 }
 
-/// Room for all of [`PARAMETERS`].
-const ROOM: usize = PARAMETERS.len();
-
-fn run_on<const S: usize>(
-    channels: [(usize, f64); S],
+fn law<const S: usize>(
     reference: &Reference,
     settings: &LawSettings,
-) -> Result<MethodRun, StudyError> {
-    let unsuitable = |what: String| StudyError::Unsuitable(format!("law for `{}`: {what}", settings.parameter));
-    let model = WithRates(reference.model.clone());
-    let index = reference.names.iter().position(|name| name == settings.parameter);
-    let Some(index) = index else { return Err(unsuitable("the model does not have it".to_owned())) };
+    index: usize,
+    channels: [(usize, f64); S],
+) -> Result<On<S>, StudyError> {
     let mut parameters = [0.0; ROOM];
     parameters.iter_mut().zip(&reference.starts).for_each(|(slot, start)| *slot = *start);
     parameters[index] = settings.start;
@@ -107,29 +183,19 @@ fn run_on<const S: usize>(
         scale,
         derivative: SurfaceDerivative::Output(STATES + state),
     });
-    let mut law_settings = ThesisSettings::<STATES, ROOM, S>::new(index, parameters, settings.bounds, surface);
-    law_settings.lambda = settings.lambda;
-    law_settings.eta = settings.eta;
-    law_settings.input_hold = InputHold::Linear;
-    law_settings.maximum_step_s = STEP_S;
-    law_settings = match settings.form {
-        LawForm::AsPrinted(evaluation) => law_settings.as_printed(evaluation),
-        LawForm::Solved(form) => ThesisSettings { form, ..law_settings },
+    let common = ThesisSettings::<STATES, ROOM, S> {
+        lambda: settings.lambda,
+        eta: settings.eta,
+        // The input knows itself what of it is held.
+        input_hold: InputHold::Linear,
+        maximum_step_s: STEP_S,
+        ..ThesisSettings::new(index, parameters, settings.bounds, surface)
     };
-    let mut law: ThesisLaw<WithRates, STATES, OUTPUTS_WITH_RATES, ROOM, S> =
-        ThesisLaw::new(model, law_settings).map_err(|error| unsuitable(error.to_string()))?;
-    let samples = reference.time.len();
-    let mut values = Vec::with_capacity(samples);
-    let mut states = Vec::with_capacity(samples);
-    let mut diagnostics = Vec::with_capacity(samples);
-    for k in 0..samples {
-        let (measured, rates) = (reference.states[k], reference.rates[k]);
-        let outputs = std::array::from_fn(|i| if i < STATES { measured[i] } else { rates[i - STATES] });
-        let estimate = law.update(&Sample { time_s: reference.time[k], input: reference.inputs[k], outputs });
-        values.push(estimate.parameters[index]);
-        states.push(*law.state());
-        diagnostics.push(*law.diagnostics());
-    }
-    let parameters = vec![ParameterRun { name: settings.parameter.to_owned(), values, std_errors: None }];
-    Ok(MethodRun { time_s: reference.time.clone(), parameters, states, law: Some(diagnostics) })
+    let settings_of_form = match settings.form {
+        LawForm::AsPrinted(evaluation) => common.as_printed(evaluation),
+        LawForm::Solved(form) => ThesisSettings { form, ..common },
+    };
+    let law = ThesisLaw::new(WithRates(reference.model.clone()), settings_of_form)
+        .map_err(|error| StudyError::Unsuitable(format!("law for `{}`: {error}", settings.parameter)))?;
+    Ok(On { law, index })
 }

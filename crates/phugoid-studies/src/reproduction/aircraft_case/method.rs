@@ -1,20 +1,20 @@
 //! One method on one flight of a case.
 
 use phugoid_estimators::discretization::{InputHold, IntervalInput, simulate};
-use phugoid_estimators::thesis::Diagnostics;
+use phugoid_estimators::thesis::{Diagnostics, Evaluation, ThesisForm};
 use phugoid_identification::estimate::{EstimateOptions, estimate};
 use phugoid_identification::model_file::ModelFile;
 use phugoid_identification::output::STATES;
 
-use super::case::AircraftCase;
-use super::law::{LawSettings, run_law};
+use super::case::{AircraftCase, ParameterSettings};
+use super::law::{LawForm, LawSettings, Surface, run_laws};
 use super::reference::Reference;
 use super::told::model_file;
 use crate::accuracy::StudyError;
 use crate::flight::Flight;
 use crate::reproduction::result::Role;
 
-/// Integration step of the estimated aircraft, s: as the reference flies at 100 Hz.
+/// Longest integration step of the estimated aircraft, s: that of the reference at 100 Hz.
 pub(super) const STEP_S: f64 = 0.005;
 
 /// A method with its settings.
@@ -33,8 +33,8 @@ pub struct MethodSettings {
 pub enum Method {
     /// The flagship with what it is told, see [`model_file`].
     Flagship(Box<ModelFile>),
-    /// A sliding law for one increment; all others stay at their start values.
-    Law(LawSettings),
+    /// Sliding laws side by side, one per increment. Increments without a law stay at their start values.
+    Laws(Vec<LawSettings>),
 }
 
 impl MethodSettings {
@@ -43,11 +43,63 @@ impl MethodSettings {
     /// # Errors
     /// As [`model_file`].
     pub fn flagship(case: &AircraftCase) -> Result<Self, StudyError> {
-        Ok(Self {
-            name: "flagship (SMPE)".to_owned(),
-            role: Role::Flagship,
-            method: Method::Flagship(Box::new(model_file(case)?)),
-        })
+        let method = Method::Flagship(Box::new(model_file(case)?));
+        Ok(Self { name: "flagship".to_owned(), role: Role::Flagship, method })
+    }
+}
+
+impl AircraftCase {
+    /// The methods that the report shows, with the settings of the file: the flagship, the laws as printed, the printed law
+    /// with its channels scaled, and its damped form.
+    ///
+    /// # Errors
+    /// As [`model_file`].
+    pub fn methods(&self) -> Result<Vec<MethodSettings>, StudyError> {
+        type Eta = fn(&ParameterSettings) -> f64;
+        const LAWS: [(&str, Role, LawForm, Surface, Eta); 4] = [
+            (
+                "printed law, one-sample delay",
+                Role::Published,
+                LawForm::AsPrinted(Evaluation::Delayed),
+                Surface::Printed,
+                |told| told.eta,
+            ),
+            (
+                "printed law, implicit",
+                Role::Published,
+                LawForm::AsPrinted(Evaluation::Implicit),
+                Surface::Printed,
+                |told| told.eta,
+            ),
+            (
+                "printed law, implicit, scaled, sign from the slope",
+                Role::Mended,
+                LawForm::Solved(ThesisForm::Printed),
+                Surface::Scaled,
+                |told| told.scaled_eta,
+            ),
+            (
+                "damped law, implicit, own channel",
+                Role::Mended,
+                LawForm::Solved(ThesisForm::Damped),
+                Surface::Own,
+                |told| told.damping,
+            ),
+        ];
+        let mut methods = vec![MethodSettings::flagship(self)?];
+        for (name, role, form, surface, eta) in LAWS {
+            let laws = self.unknowns().into_iter().map(|(parameter, told)| LawSettings {
+                parameter,
+                form,
+                surface,
+                bounds: [told.lower, told.upper],
+                start: told.start(),
+                lambda: told.lambda,
+                eta: eta(&told),
+            });
+            methods.push(MethodSettings { name: name.to_owned(), role, method: Method::Laws(laws.collect()) });
+        }
+        Ok(methods)
     }
 }
 
@@ -60,6 +112,9 @@ pub struct ParameterRun {
     pub values: Vec<f64>,
     /// One-sigma error that the method claims after each sample; none if it claims none.
     pub std_errors: Option<Vec<f64>>,
+    /// Surface, reaching condition and gain after each sample, where it is a sliding law that found it. In units of the
+    /// law's channels.
+    pub inside: Option<Vec<Diagnostics>>,
 }
 
 /// What a method made of a flight.
@@ -72,8 +127,6 @@ pub struct MethodRun {
     /// The estimated aircraft, V, alpha, theta, q (SI), flying beside the reference from the same input with the current
     /// estimates, never corrected.
     pub states: Vec<[f64; STATES]>,
-    /// Surface, reaching condition and gain after each sample, where the method is a sliding law.
-    pub law: Option<Vec<Diagnostics>>,
 }
 
 /// Runs a method on a flight of a case (or of a scenario that differs from the case's in its sensors, gusts or input).
@@ -83,7 +136,7 @@ pub struct MethodRun {
 pub fn run_method(case: &AircraftCase, flight: &Flight, settings: &MethodSettings) -> Result<MethodRun, StudyError> {
     match &settings.method {
         Method::Flagship(model) => run_flagship(flight, model),
-        Method::Law(law) => run_law(&Reference::new(flight, &model_file(case)?)?, law),
+        Method::Laws(laws) => run_laws(&Reference::new(flight, &model_file(case)?)?, laws),
     }
 }
 
@@ -91,16 +144,15 @@ fn run_flagship(flight: &Flight, model: &ModelFile) -> Result<MethodRun, StudyEr
     let options = EstimateOptions { truth: flight.true_parameters.clone(), ..EstimateOptions::default() };
     let history = estimate(&flight.measured, model, &options, &mut |_| {})?.history;
     let reference = Reference::new(flight, model)?;
-    let own = |name: &str| model.parameters.iter().any(|p| p.name == name && !p.is_nuisance());
     let parameters: Vec<ParameterRun> = history
         .parameters
         .into_iter()
-        .filter(|parameter| own(&parameter.name))
-        .map(|p| ParameterRun { name: p.name, values: p.value, std_errors: Some(p.std_error) })
+        .filter(|parameter| reference.names.contains(&parameter.name))
+        .map(|p| ParameterRun { name: p.name, values: p.value, std_errors: Some(p.std_error), inside: None })
         .collect();
     let values: Vec<&[f64]> = parameters.iter().map(|p| p.values.as_slice()).collect();
     let states = estimated_aircraft(&reference, &values);
-    Ok(MethodRun { time_s: history.time_s, parameters, states, law: None })
+    Ok(MethodRun { time_s: history.time_s, parameters, states })
 }
 
 /// The estimated aircraft: started with the reference, it flies from the same input with the estimates of each instant.

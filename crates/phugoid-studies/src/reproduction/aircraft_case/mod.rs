@@ -5,17 +5,25 @@
 //! current estimates.
 
 mod case;
+mod charts;
+mod condition;
+mod entries;
+mod golden;
 mod law;
 mod method;
+mod rank;
 mod rates;
 mod reference;
 mod run;
 mod told;
 
 pub use case::{AircraftCase, EstimatorSettings, PARAMETERS, ParameterSettings};
+pub(super) use entries::ENTRIES;
+pub use entries::published_case;
 pub use law::{LawForm, LawSettings, Surface};
 pub use method::{Method, MethodRun, MethodSettings, ParameterRun, run_method};
 pub use reference::Reference;
+pub use run::short_period_s;
 pub use told::model_file;
 
 use crate::accuracy::StudyError;

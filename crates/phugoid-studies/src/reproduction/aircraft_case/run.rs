@@ -1,14 +1,34 @@
 //! A case with all its methods.
 
+use phugoid_estimators::{LinearizedRates, Model};
+use phugoid_flight_dynamics::modes::{ModeName, longitudinal_modes};
+use phugoid_identification::output::STATES;
 use rayon::prelude::*;
 
 use super::case::AircraftCase;
+use super::charts::charts;
+use super::condition::condition;
+use super::golden::golden;
 use super::method::{MethodRun, MethodSettings, run_method};
+use super::rank::rank;
+use super::reference::Reference;
+use super::told::model_file;
 use crate::accuracy::StudyError;
 use crate::reproduction::Reproduction;
 use crate::reproduction::plant_case::verdict::{TOLERANCE, behaviour, worst};
 use crate::reproduction::result::{Outcome, ParameterOutcome, Requirement, Role};
 use crate::settling::settled_at;
+
+/// Largest roll and yaw rate, as a part of the pitch rate, that the sums over p, q, r may be reduced to q with: its square is
+/// what is left out.
+const LATERAL_PART: f64 = 0.05;
+
+/// A method with what it did.
+pub(super) struct Told {
+    pub(super) settings: MethodSettings,
+    pub(super) run: MethodRun,
+    pub(super) outcome: Outcome,
+}
 
 impl AircraftCase {
     /// Runs the case with all its methods; `id` is the name its result bears.
@@ -17,33 +37,58 @@ impl AircraftCase {
     /// [`StudyError`]: the scenario cannot be flown, or a method refuses its settings.
     pub fn run(&self, id: &str) -> Result<Reproduction, StudyError> {
         let flight = super::fly(self)?;
-        let methods = self.methods()?;
-        let runs: Vec<MethodRun> =
-            methods.par_iter().map(|method| run_method(self, &flight, method)).collect::<Result<_, _>>()?;
-        let outcomes: Vec<Outcome> = methods.iter().zip(&runs).map(|(method, run)| self.outcome(method, run)).collect();
-        let requirements = self.requirements(&outcomes);
+        let reference = Reference::new(&flight, &model_file(self)?)?;
+        self.must_be_symmetric(&reference)?;
+        let told: Vec<Told> = self
+            .methods()?
+            .into_par_iter()
+            .map(|settings| {
+                let run = run_method(self, &flight, &settings)?;
+                let outcome = self.outcome(&reference, &settings, &run);
+                Ok(Told { settings, run, outcome })
+            })
+            .collect::<Result<_, StudyError>>()?;
+        let outcomes: Vec<Outcome> = told.iter().map(|one| one.outcome.clone()).collect();
+        let [beta, p, r] = reference.lateral;
+        let difference = format!(
+            "{} In the record of the 6-DOF flight sideslip reaches {:.1e} deg, roll rate {:.1e} deg/s and yaw rate {:.1e} \
+             deg/s (the rotor's angular momentum couples pitch into yaw), so the sums over p, q, r and alpha, beta, V reduce \
+             to those over q and over alpha and V.",
+            self.published.difference.trim_end(),
+            beta.to_degrees(),
+            p.to_degrees(),
+            r.to_degrees()
+        );
         Ok(Reproduction {
             id: id.to_owned(),
             title: self.title.clone(),
             place: self.published.place.clone(),
             published: self.published.statement.clone(),
             reconstruction: self.published.reconstruction.clone(),
-            difference: self.published.difference.clone(),
+            difference: difference.trim_start().to_owned(),
+            requirements: self.requirements(&reference, &outcomes)?,
+            tables: rank(self, &reference).into_iter().collect(),
+            charts: charts(self, &flight, &reference, &told),
+            golden: golden(self, &reference.time, &told),
             outcomes,
-            requirements,
-            ..Reproduction::default()
         })
     }
 
-    /// The methods that the report shows, with the settings of the file.
-    ///
-    /// # Errors
-    /// As [`super::model_file`].
-    pub fn methods(&self) -> Result<Vec<MethodSettings>, StudyError> {
-        Ok(vec![MethodSettings::flagship(self)?])
+    /// The surfaces of the laws are those of symmetric flight.
+    fn must_be_symmetric(&self, reference: &Reference) -> Result<(), StudyError> {
+        let largest_q = reference.states.iter().fold(0.0, |largest: f64, x| largest.max(x[3].abs()));
+        let [_, p, r] = reference.lateral;
+        if p.max(r) <= LATERAL_PART * largest_q {
+            return Ok(());
+        }
+        Err(StudyError::Unsuitable(format!(
+            "{}: a case is a flight in the plane of symmetry, but roll rate reaches {:.2e} rad/s and yaw rate {:.2e} rad/s \
+             beside a pitch rate of {largest_q:.2e} rad/s: move the elevator, and only the elevator",
+            self.title, p, r
+        )))
     }
 
-    fn outcome(&self, method: &MethodSettings, run: &MethodRun) -> Outcome {
+    fn outcome(&self, reference: &Reference, method: &MethodSettings, run: &MethodRun) -> Outcome {
         let judged = run.parameters.iter().filter_map(|p| {
             let told = self.parameters.get(&p.name)?;
             Some(behaviour(&run.time_s, &p.values, self.truth(&p.name), [told.lower, told.upper]))
@@ -52,7 +97,7 @@ impl AircraftCase {
             method: method.name.clone(),
             role: method.role,
             behaviour: worst(judged),
-            condition: String::new(),
+            condition: condition(self, reference, method, run),
             parameters: run
                 .parameters
                 .iter()
@@ -69,20 +114,49 @@ impl AircraftCase {
         }
     }
 
-    /// The flagship within 5 % no later than published.
-    fn requirements(&self, outcomes: &[Outcome]) -> Vec<Requirement> {
-        let flagship = outcomes.iter().filter(|outcome| outcome.role == Role::Flagship);
-        flagship
-            .flat_map(|outcome| &outcome.parameters)
+    /// The flagship within 5 % no later than published; of several increments all within one short-period cycle of the input.
+    fn requirements(&self, reference: &Reference, outcomes: &[Outcome]) -> Result<Vec<Requirement>, StudyError> {
+        let flagship: Vec<&ParameterOutcome> =
+            outcomes.iter().filter(|o| o.role == Role::Flagship).flat_map(|o| &o.parameters).collect();
+        let in_seconds = |time: Option<f64>| time.map_or_else(|| "never".to_owned(), |t| format!("{t:.2} s"));
+        let mut requirements: Vec<Requirement> = flagship
+            .iter()
             .filter_map(|p| {
                 let published = p.published_s?;
                 Some(Requirement {
                     what: format!("flagship: {} within 5 % no later than published", p.name),
                     limit: format!("{published} s"),
-                    found: p.converged_s.map_or_else(|| "never".to_owned(), |t| format!("{t:.2} s")),
+                    found: in_seconds(p.converged_s),
                     met: p.converged_s.is_some_and(|t| t <= published + 1e-9),
                 })
             })
-            .collect()
+            .collect();
+        if let (Some(start), 2..) = (reference.input_starts_s, flagship.len()) {
+            let cycle = short_period_s(reference)?;
+            let last = flagship.iter().try_fold(0.0, |last: f64, p| Some(last.max(p.converged_s? - start)));
+            requirements.push(Requirement {
+                what: format!(
+                    "flagship: all {} within 5 % in one short-period cycle after the input starts",
+                    flagship.len()
+                ),
+                limit: format!("{cycle:.2} s"),
+                found: in_seconds(last),
+                met: last.is_some_and(|t| t <= cycle),
+            });
+        }
+        Ok(requirements)
     }
+}
+
+/// Period of the short period at the start of the flight, s, without increments and with thrust held.
+///
+/// # Errors
+/// [`StudyError::Unsuitable`] where the aircraft has none.
+pub fn short_period_s(reference: &Reference) -> Result<f64, StudyError> {
+    let none = || StudyError::Unsuitable("the aircraft has no short period".to_owned());
+    let (Some(x), Some(input)) = (reference.states.first(), reference.inputs.first()) else { return Err(none()) };
+    let mut lin = LinearizedRates::<STATES, { super::case::PARAMETERS.len() }>::ZERO;
+    reference.model.linearized_rates(x, &[0.0; super::case::PARAMETERS.len()], input, &mut lin);
+    let modes = longitudinal_modes(&lin.state_jacobian).map_err(|error| StudyError::Unsuitable(error.to_string()))?;
+    modes.iter().find(|mode| mode.name == ModeName::ShortPeriod).and_then(|mode| mode.period_s).ok_or_else(none)
 }
