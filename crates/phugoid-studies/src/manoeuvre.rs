@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use phugoid_flight_data::csv::{self, CsvOptions};
+use phugoid_flight_data::record::Record;
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
@@ -110,7 +111,7 @@ pub enum Manoeuvre {
         /// Surface moved.
         #[serde(default)]
         surface: Surface,
-        /// The record; relative to the scenario file.
+        /// The record; relative to the scenario file, or `built-in:` and the name of one of [`BUILT_IN_RECORDS`].
         file: PathBuf,
         /// Channel of the record; the surface's own name if it is not given.
         channel: Option<String>,
@@ -203,17 +204,37 @@ impl Manoeuvre {
                     .collect()
             }
             Self::Csv { surface, file, channel } => {
-                recorded(&folder.join(file), channel.as_deref().unwrap_or(surface.name()), time)?
+                recorded(file, folder, channel.as_deref().unwrap_or(surface.name()), time)?
             }
         })
     }
 }
 
+/// Records that are built in, for manoeuvres of type `csv`: name and text.
+pub const BUILT_IN_RECORDS: &[(&str, &str)] =
+    &[("pilot-elevator.csv", include_str!("../../../scenarios/thesis/pilot-elevator.csv"))];
+
+/// A record of a manoeuvre: a built-in one, or a file relative to `folder`.
+fn record(file: &Path, folder: &Path) -> Result<Record, ScenarioError> {
+    const BUILT_IN: &str = "built-in:";
+    let refused =
+        |place: &Path, message: String| ScenarioError::OutOfRange { place: place.display().to_string(), message };
+    let Some(name) = file.to_str().and_then(|file| file.strip_prefix(BUILT_IN)) else {
+        let path = folder.join(file);
+        return csv::read_path(&path, &CsvOptions::default()).map_err(|error| refused(&path, error.to_string()));
+    };
+    let Some((name, text)) = BUILT_IN_RECORDS.iter().find(|(known, _)| *known == name) else {
+        let names: Vec<&str> = BUILT_IN_RECORDS.iter().map(|(known, _)| *known).collect();
+        let message = format!("no record of this name is built in: there is {}", names.join(", "));
+        return Err(refused(file, message));
+    };
+    csv::read(text.as_bytes(), name, &CsvOptions::default()).map_err(|error| refused(file, error.to_string()))
+}
+
 /// A channel of a recorded flight as deflection from its first value, held between its samples.
-fn recorded(file: &Path, channel: &str, time: &[f64]) -> Result<Vec<f64>, ScenarioError> {
+fn recorded(file: &Path, folder: &Path, channel: &str, time: &[f64]) -> Result<Vec<f64>, ScenarioError> {
     let place = || file.display().to_string();
-    let record = csv::read_path(file, &CsvOptions::default())
-        .map_err(|e| ScenarioError::OutOfRange { place: place(), message: e.to_string() })?;
+    let record = record(file, folder)?;
     let Some(signal) = record.channel(channel) else {
         let names: Vec<&str> = record.channels.iter().map(|c| c.name.as_str()).collect();
         let near = nearest(channel, names.iter().copied());
@@ -284,6 +305,25 @@ mod tests {
         let message = manoeuvre("elevater").deflections(&[0.0], 0, &folder).unwrap_err().to_string();
         assert!(message.contains("did you mean `elevator`"), "{message}");
         std::fs::remove_dir_all(&folder).unwrap();
+    }
+
+    /// The built-in record is what its own recipe says, to the rounding of the recorder.
+    #[test]
+    fn the_built_in_pilot_follows_his_recipe() {
+        let manoeuvre = |file: &str| Manoeuvre::Csv { surface: Surface::Elevator, file: file.into(), channel: None };
+        let time: Vec<f64> = (0..=400).map(|k| f64::from(k) / 20.0).collect();
+        let deflection = manoeuvre("built-in:pilot-elevator.csv").deflections(&time, 0, Path::new("nowhere")).unwrap();
+        for (t, found) in time.iter().zip(&deflection) {
+            let sines = [2.0, 3.0, 5.0, 8.0, 13.0, 21.0].into_iter().enumerate().map(|(k, n)| {
+                let (f, k) = (n / 20.0, k as f64);
+                let phase = -std::f64::consts::PI * k * (k + 1.0) / 6.0;
+                (std::f64::consts::TAU * f * t + phase).sin() / (1.0 + (f / 0.5).powi(2))
+            });
+            let wanted = t.min(1.0) * 1.1 * sines.sum::<f64>();
+            assert!((found.to_degrees() - wanted).abs() < 0.0051, "{t} s: {} {wanted}", found.to_degrees());
+        }
+        let unknown = manoeuvre("built-in:pilot.csv").deflections(&time, 0, Path::new("")).unwrap_err().to_string();
+        assert!(unknown.contains("there is pilot-elevator.csv"), "{unknown}");
     }
 
     #[test]

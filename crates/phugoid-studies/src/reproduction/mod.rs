@@ -13,9 +13,12 @@ mod flight_charts;
 pub mod golden;
 pub mod group;
 mod gust;
+mod gust_flight;
 mod laws;
+mod pilot;
 pub mod plant_case;
 pub mod published;
+mod repeated;
 pub mod result;
 mod sensors;
 mod trim;
@@ -55,8 +58,10 @@ pub fn entries() -> Vec<Entry> {
         plant_case::ENTRIES,
         // dcm-alpha, dcm-q, dcl-alpha, dcd-alpha, combined
         aircraft_case::ENTRIES,
-        // sensors
+        // sensors, gust, pilot
         sensors::ENTRIES,
+        gust_flight::ENTRIES,
+        pilot::ENTRIES,
         // laws
         laws::ENTRIES,
     ]

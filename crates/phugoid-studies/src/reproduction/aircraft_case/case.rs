@@ -56,11 +56,14 @@ pub struct EstimatorSettings {
     /// One-sigma noise that the flagship is told of a sensor without noise, as a fraction of a realistic sensor's
     /// (1 ft/s, 0.1 deg, 0.05 deg, 0.1 deg/s, 0.01 g): a covariance cannot be built on none.
     pub assumed_noise: f64,
+    /// Whether the flagship expects gusts: process noise that starts at light turbulence and whose size is learnt from the
+    /// residuals, as in `scenarios/f16-gust-model.toml`. The laws have no such notion.
+    pub gusts: bool,
 }
 
 impl Default for EstimatorSettings {
     fn default() -> Self {
-        Self { assumed_noise: 1e-4 }
+        Self { assumed_noise: 1e-4, gusts: false }
     }
 }
 

@@ -146,7 +146,8 @@ fn estimates(case: &AircraftCase, reference: &Reference, told: &[Told]) -> Chart
         title: format!("{}: convergence", case.title),
         caption:
             "All methods from the same start value beside the same flight. What leaves the figure has left the bounds. \
-                  The laws are told the true rates of the states, the flagship is not."
+                  The laws are told the rates of the states too (true ones where the sensors are perfect, \
+                  else what follows from the sensors), the flagship is not."
                 .into(),
         x: time_axis(),
         panels: panels.collect(),

@@ -115,8 +115,8 @@ impl<const S: usize> Running for On<S> {
     }
 }
 
-/// Runs laws side by side beside a flight, told the states of the reference aircraft and their rates. Each has the estimates
-/// of all others after every sample, so that the estimated aircraft of all of them are one.
+/// Runs laws side by side beside a flight, told the states of the reference aircraft and their rates as its sensors give
+/// them. Each has the estimates of all others after every sample, so that the estimated aircraft of all of them are one.
 ///
 /// # Errors
 /// [`StudyError::Unsuitable`] where a law refuses its settings.
@@ -140,7 +140,7 @@ pub(super) fn run_laws(reference: &Reference, settings: &[LawSettings]) -> Resul
         .collect();
     let mut states = Vec::with_capacity(samples);
     for k in 0..samples {
-        let (measured, rates) = (reference.states[k], reference.rates[k]);
+        let (measured, rates) = (reference.measured_states[k], reference.measured_rates[k]);
         let outputs = std::array::from_fn(|i| if i < STATES { measured[i] } else { rates[i - STATES] });
         let sample = RatesSample { time_s: reference.time[k], input: reference.inputs[k], outputs };
         let found: Vec<f64> = laws.iter_mut().map(|law| law.take(&sample)).collect();

@@ -5,7 +5,7 @@ use phugoid_identification::output::{OUTPUTS, Output};
 
 use super::case::AircraftCase;
 use crate::accuracy::StudyError;
-use crate::published::CALM_MODEL;
+use crate::published::{CALM_MODEL, GUST_MODEL};
 use crate::scenario::Scenario;
 
 /// The F-16 as the estimators know it: exact tables and mass, the increments of the case with their bounds and start values,
@@ -14,8 +14,13 @@ use crate::scenario::Scenario;
 /// # Errors
 /// [`StudyError::Unsuitable`] where the embedded model does not know an increment of the case.
 pub fn model_file(case: &AircraftCase) -> Result<ModelFile, StudyError> {
-    let mut model =
-        ModelFile::parse("f16-model", CALM_MODEL).map_err(|error| StudyError::Unsuitable(error.to_string()))?;
+    let parse = |name: &str, text: &str| {
+        ModelFile::parse(name, text).map_err(|error| StudyError::Unsuitable(error.to_string()))
+    };
+    let mut model = parse("f16-model", CALM_MODEL)?;
+    if case.estimator.gusts {
+        model.process_noise = parse("f16-gust-model", GUST_MODEL)?.process_noise;
+    }
     model.parameters.retain(|parameter| case.parameters.contains_key(&parameter.name));
     for parameter in &mut model.parameters {
         let Some(settings) = case.parameters.get(&parameter.name) else { continue };

@@ -32,7 +32,9 @@ pub struct PlantRun {
 
 impl PlantRun {
     /// The samples that an estimator is given.
-    pub(in crate::reproduction) fn samples<const I: usize, const R: usize>(&self) -> impl Iterator<Item = Sample<[f64; I], R>> + '_ {
+    pub(in crate::reproduction) fn samples<const I: usize, const R: usize>(
+        &self,
+    ) -> impl Iterator<Item = Sample<[f64; I], R>> + '_ {
         self.time_s.iter().enumerate().map(|(k, &time_s)| Sample {
             time_s,
             input: std::array::from_fn(|i| self.inputs[k][i]),

@@ -1,0 +1,83 @@
+//! A pilot's continuous stick, which the abstract of the thesis promises and no case of it shows: random with a fixed seed,
+//! and from a file.
+
+use super::aircraft_case::{AircraftCase, model_file};
+use super::repeated::{RUNS, believable, repeated, table, worst_ratio};
+use super::result::{Requirement, Role};
+use super::{Entry, Reproduction};
+use crate::accuracy::StudyError;
+
+/// Entries of this file.
+pub(super) const ENTRIES: &[Entry] = &[
+    Entry { id: "pilot/seeded", title: "A pilot's random stick", run },
+    Entry { id: "pilot/file", title: "A pilot's stick from a file", run },
+];
+
+/// Text of each case file, by id.
+const FILES: &[(&str, &str)] = &[
+    ("pilot/seeded", include_str!("../../../../scenarios/thesis/pilot-seeded.toml")),
+    ("pilot/file", include_str!("../../../../scenarios/thesis/pilot-file.toml")),
+];
+
+/// One and two cycles of the short period, and the end, s.
+const CHECKPOINTS_S: [f64; 3] = [4.17, 8.34, 20.0];
+/// Root mean square errors of 40 runs scatter by 11 %; three times that.
+const LARGEST_RATIO: f64 = 1.35;
+
+fn run(id: &str, progress: &(dyn Fn(f64) + Sync)) -> Result<Reproduction, StudyError> {
+    let Some((_, text)) = FILES.iter().find(|(known, _)| *known == id) else {
+        return Err(StudyError::Unsuitable(format!("there is no case `{id}` with a pilot")));
+    };
+    let case = AircraftCase::parse(text, id).map_err(|error| StudyError::Unsuitable(error.to_string()))?;
+    let mut reproduction = case.run(id)?;
+    progress(0.3);
+    let study = repeated(&case, &model_file(&case)?, &CHECKPOINTS_S)?;
+    progress(1.0);
+    let flagship = reproduction.outcomes.iter().filter(|outcome| outcome.role == Role::Flagship);
+    let found: Vec<Requirement> = flagship
+        .flat_map(|outcome| &outcome.parameters)
+        .map(|p| Requirement {
+            what: format!("{} within 5 % to stay, seed of the file", p.name),
+            limit: "before the end".into(),
+            found: p.converged_s.map_or_else(|| "never".to_owned(), |t| format!("{t:.2} s")),
+            met: p.converged_s.is_some(),
+        })
+        .collect();
+    let ratio = worst_ratio(&study);
+    reproduction.requirements.extend(found);
+    reproduction.requirements.extend([
+        Requirement {
+            what: format!(
+                "root mean square error of {RUNS} runs over the Cramer-Rao bound at the end, largest of the four"
+            ),
+            limit: format!("{LARGEST_RATIO} (40 runs scatter by 11 %)"),
+            found: format!("{ratio:.2}"),
+            met: ratio <= LARGEST_RATIO,
+        },
+        believable(&study, ""),
+    ]);
+    reproduction.tables.push(table("What the flagship finds under the pilot's stick", &[("as told", &study)]));
+    Ok(reproduction)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_four_coefficients_are_found_under_a_pilots_stick() {
+        for entry in ENTRIES {
+            let reproduction = run(entry.id, &|_| ()).unwrap();
+            println!("{:#?}", reproduction.requirements);
+            for row in &reproduction.tables.last().unwrap().rows {
+                println!("   {row:?}");
+            }
+            for outcome in &reproduction.outcomes {
+                println!("{outcome:?}");
+            }
+            assert_eq!(reproduction.title, entry.title);
+            assert!(reproduction.requirements.len() >= 6);
+            assert!(reproduction.requirements.iter().all(|requirement| requirement.met), "{}", entry.id);
+        }
+    }
+}
