@@ -1,9 +1,10 @@
-//! A case of the thesis as a file: title, `[published]`, and one of two kinds.
+//! A case of the thesis as a file: title, `[published]`, and one of three kinds.
 //!
 //! | table | kind | format |
 //! |---|---|---|
 //! | `[plant]` | one of the four proof-of-concept plants | [`PlantCase`] |
 //! | `[scenario]` | a flight of the F-16 | [`AircraftCase`] |
+//! | `[scenario]` and `[comparison]` | a flight of the F-16, several methods on it | [`ComparisonCase`] |
 //!
 //! The published cases lie in `scenarios/thesis/`; a copy with other numbers runs in the same way.
 
@@ -14,6 +15,7 @@ use serde::de::IgnoredAny;
 
 use super::Reproduction;
 use super::aircraft_case::AircraftCase;
+use super::comparison::ComparisonCase;
 use super::plant_case::PlantCase;
 use crate::accuracy::StudyError;
 use crate::scenario::{ScenarioError, parse_toml};
@@ -25,6 +27,8 @@ pub enum Case {
     Plant(Box<PlantCase>),
     /// A flight of the F-16.
     Aircraft(Box<AircraftCase>),
+    /// A flight of the F-16 on which several methods are compared.
+    Comparison(Box<ComparisonCase>),
 }
 
 /// Which kind of case a file holds.
@@ -32,6 +36,7 @@ pub enum Case {
 struct Kind {
     plant: Option<IgnoredAny>,
     scenario: Option<IgnoredAny>,
+    comparison: Option<IgnoredAny>,
 }
 
 impl Case {
@@ -58,6 +63,9 @@ impl Case {
         let kind: Kind = parse_toml(text, place)?;
         match (kind.plant.is_some(), kind.scenario.is_some()) {
             (true, false) => PlantCase::parse(text, place).map(Box::new).map(Self::Plant),
+            (false, true) if kind.comparison.is_some() => {
+                ComparisonCase::parse(text, place).map(Box::new).map(Self::Comparison)
+            }
             (false, true) => AircraftCase::parse(text, place).map(Box::new).map(Self::Aircraft),
             (plant, _) => Err(ScenarioError::OutOfRange {
                 place: place.to_owned(),
@@ -77,6 +85,7 @@ impl Case {
         match self {
             Self::Plant(case) => case.run(id),
             Self::Aircraft(case) => case.run(id),
+            Self::Comparison(case) => case.run(id, &|_| ()),
         }
     }
 }

@@ -9,6 +9,7 @@
 
 pub mod aircraft_case;
 pub mod case_file;
+pub mod comparison;
 mod flight_charts;
 pub mod golden;
 pub mod group;
@@ -62,6 +63,8 @@ pub fn entries() -> Vec<Entry> {
         sensors::ENTRIES,
         gust_flight::ENTRIES,
         pilot::ENTRIES,
+        // model-reference
+        comparison::ENTRIES,
         // laws
         laws::ENTRIES,
     ]

@@ -25,6 +25,7 @@ pub use method::{Method, MethodRun, MethodSettings, ParameterRun, run_method};
 pub use reference::Reference;
 pub use run::short_period_s;
 pub use told::model_file;
+pub(in crate::reproduction) use told::sensor_noise;
 
 use crate::accuracy::StudyError;
 use crate::flight::Flight;

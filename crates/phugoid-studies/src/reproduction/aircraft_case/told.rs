@@ -39,7 +39,7 @@ pub fn model_file(case: &AircraftCase) -> Result<ModelFile, StudyError> {
 }
 
 /// One-sigma noise of the scenario's sensors, quantisation included, SI, in the order of the model's outputs.
-fn sensor_noise(scenario: &Scenario) -> [f64; OUTPUTS] {
+pub(in crate::reproduction) fn sensor_noise(scenario: &Scenario) -> [f64; OUTPUTS] {
     let sensors = &scenario.sensors;
     Output::ALL.map(|output| {
         let sensor = match output {
