@@ -15,7 +15,9 @@ pub mod golden;
 pub mod group;
 mod gust;
 mod gust_flight;
+mod law_summary;
 mod laws;
+mod noise_levels;
 mod pilot;
 pub mod plant_case;
 pub mod published;
@@ -55,8 +57,9 @@ pub fn entries() -> Vec<Entry> {
         // trim, gust
         trim::ENTRIES,
         gust::ENTRIES,
-        // first-order, first-order-nonlinear, second-order, second-order-nonlinear
+        // first-order, first-order-nonlinear, second-order, second-order-nonlinear, noise
         plant_case::ENTRIES,
+        noise_levels::ENTRIES,
         // dcm-alpha, dcm-q, dcl-alpha, dcd-alpha, combined
         aircraft_case::ENTRIES,
         // sensors, gust, pilot
@@ -66,6 +69,7 @@ pub fn entries() -> Vec<Entry> {
         // model-reference
         comparison::ENTRIES,
         // laws
+        law_summary::ENTRIES,
         laws::ENTRIES,
     ]
     .concat()

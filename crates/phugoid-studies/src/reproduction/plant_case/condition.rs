@@ -79,12 +79,9 @@ pub(super) fn condition(case: &PlantCase, run: &PlantRun, method: &MethodSetting
             let wrong = fraction(z, |z| z > 0.0);
             match sign {
                 LawSign::AsPrinted if wrong > 0.0 => {
-                    parts.push(format!(
-                        "z > 0 at {:.0} % of the samples, where the printed sign drives away",
-                        100.0 * wrong
-                    ));
+                    parts.push(format!("z > 0 at {:.0} % of the samples, against the printed sign", 100.0 * wrong));
                 }
-                LawSign::AsPrinted => parts.push("z < 0 throughout, where the printed sign is right".to_owned()),
+                LawSign::AsPrinted => parts.push("z < 0 throughout, as the printed sign needs it".to_owned()),
                 LawSign::FromSlope => {}
             }
             match evaluation {

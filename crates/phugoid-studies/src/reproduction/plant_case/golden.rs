@@ -7,7 +7,8 @@ use crate::reproduction::result::{Behaviour, Cell, Column, Table};
 /// Rows of the table.
 const ROWS: usize = 40;
 
-/// Estimates at forty instants, evenly spread; of a law that chatters or diverges only the verdict.
+/// Estimates at forty instants, evenly spread; of a law that chatters, diverges or did not always solve its loop only the
+/// verdict.
 pub(super) fn golden(case: &PlantCase, run: &PlantRun, told: &[Told]) -> Table {
     let mut columns = vec![Column::new("time", "s")];
     for t in told {
@@ -19,7 +20,8 @@ pub(super) fn golden(case: &PlantCase, run: &PlantRun, told: &[Told]) -> Table {
             let k = row * last / ROWS;
             let mut cells = vec![Cell::from(run.time_s[k])];
             for t in told {
-                let chaotic = matches!(t.outcome.behaviour, Behaviour::Chatters | Behaviour::Diverges);
+                let chaotic =
+                    t.result.unsolved > 0 || matches!(t.outcome.behaviour, Behaviour::Chatters | Behaviour::Diverges);
                 cells.extend(t.result.estimates.iter().map(|values| {
                     if chaotic { Cell::from(t.outcome.behaviour.word()) } else { Cell::from(values[k]) }
                 }));

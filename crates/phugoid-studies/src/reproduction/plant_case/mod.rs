@@ -3,6 +3,7 @@
 //! [`simulate()`] gives the samples of a [`PlantCase`], [`run_method`] runs one method with any settings on them, and
 //! [`verdict::behaviour`] says what became of it. [`PlantCase::run`] does all of it with the settings of the file.
 
+mod bound;
 mod charts;
 mod condition;
 mod entries;
@@ -14,10 +15,12 @@ mod report;
 mod simulate;
 pub mod verdict;
 
+pub use bound::bound;
 pub use condition::slopes;
 pub(super) use entries::ENTRIES;
 pub use entries::published_case;
 pub use format::{Noise, Parameter, PlantCase, Settings, Signal};
 pub use method::{MethodRun, MethodSettings, Surface, run_method};
 pub use plant::Plant;
+pub(super) use simulate::with_noise;
 pub use simulate::{PlantRun, simulate};
