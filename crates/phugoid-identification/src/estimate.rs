@@ -5,7 +5,9 @@ use phugoid_flight_data::record::Record;
 
 pub use crate::error::EstimateError;
 use crate::estimation::Estimation;
+use crate::health::HealthOptions;
 use crate::model_file::ModelFile;
+use crate::monitor::HealthRun;
 use crate::noise::{NoiseLevel, measure_noise};
 pub use crate::options::{CAPACITY, EstimateOptions, Method};
 use crate::output::{OUTPUTS, Output};
@@ -25,6 +27,17 @@ pub fn estimate(
     options: &EstimateOptions,
     progress: &mut dyn FnMut(f64),
 ) -> Result<Estimation, EstimateError> {
+    pipeline(record, model, options, None, progress).map(|(estimation, _)| estimation)
+}
+
+/// The pipeline, with a health monitor beside the estimator if one is asked for.
+pub(crate) fn pipeline(
+    record: &Record,
+    model: &ModelFile,
+    options: &EstimateOptions,
+    health: Option<&HealthOptions>,
+    progress: &mut dyn FnMut(f64),
+) -> Result<(Estimation, Option<HealthRun>), EstimateError> {
     let wanted = model.estimated().count();
     if wanted > CAPACITY {
         return Err(EstimateError::TooManyParameters { wanted, capacity: CAPACITY });
@@ -32,10 +45,11 @@ pub fn estimate(
     let prepared = prepare(record, model)?;
     let doubts = doubts(record, model)?;
     let noise = noise_levels(&prepared, model)?;
-    let run = match options.method {
-        Method::Smpe => run_smpe(&prepared, model, options, &noise, progress)?,
+    let mut run = match options.method {
+        Method::Smpe => run_smpe(&prepared, model, options, &noise, health, progress)?,
     };
-    Ok(summarise(record, model, options, &prepared, &noise, run, &doubts))
+    let watched = run.health.take();
+    Ok((summarise(record, model, options, &prepared, &noise, run, &doubts), watched))
 }
 
 /// What is doubtful about the units of the channels that the model uses.

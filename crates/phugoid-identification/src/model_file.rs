@@ -2,8 +2,11 @@
 //!
 //! The format is described in `docs/model-file.md`.
 
+mod expected;
 mod parse;
 mod section;
+
+pub use expected::Expectation;
 
 use std::collections::BTreeMap;
 
@@ -223,6 +226,8 @@ pub struct ModelFile {
     pub input: InputHold,
     /// True if a change of the parameters in flight is looked for.
     pub re_reaching: bool,
+    /// The table `[expected]`, if there is one.
+    pub expected: Option<Vec<Expectation>>,
 }
 
 impl ModelFile {

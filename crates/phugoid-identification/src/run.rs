@@ -9,8 +9,10 @@ use phugoid_estimators::{ChangeState, DetectorState, Estimate, Estimator, Parame
 use crate::error::EstimateError;
 use crate::estimation::Event;
 use crate::excitation::Excitation;
+use crate::health::HealthOptions;
 use crate::longitudinal::{LongitudinalInput, LongitudinalModel};
 use crate::model_file::{Base, ModelFile, Parameter, Role};
+use crate::monitor::{HealthRun, Monitoring};
 use crate::noise::{NoiseLevel, measure_noise};
 use crate::options::{CAPACITY, EstimateOptions};
 use crate::output::{OUTPUTS, Output, STATES};
@@ -32,6 +34,8 @@ pub(crate) struct Run {
     pub(crate) detector: Option<DetectorReport>,
     /// True if any motion was visible above the noise.
     pub(crate) excited: bool,
+    /// What the health monitor said, if one was asked for.
+    pub(crate) health: Option<HealthRun>,
 }
 
 /// What one run gave of one parameter.
@@ -65,6 +69,7 @@ pub(crate) fn run_smpe(
     file: &ModelFile,
     options: &EstimateOptions,
     noise: &[NoiseLevel; OUTPUTS],
+    health: Option<&HealthOptions>,
     progress: &mut dyn FnMut(f64),
 ) -> Result<Run, EstimateError> {
     let run = match file.estimated().count() {
@@ -72,7 +77,7 @@ pub(crate) fn run_smpe(
         columns if columns <= MIDDLE_ROOM => run_in_room::<MIDDLE_ROOM>,
         _ => run_in_room::<CAPACITY>,
     };
-    run(prepared, file, options, noise, progress)
+    run(prepared, file, options, noise, health, progress)
 }
 
 fn run_in_room<const ROOM: usize>(
@@ -80,6 +85,7 @@ fn run_in_room<const ROOM: usize>(
     file: &ModelFile,
     options: &EstimateOptions,
     noise: &[NoiseLevel; OUTPUTS],
+    health: Option<&HealthOptions>,
     progress: &mut dyn FnMut(f64),
 ) -> Result<Run, EstimateError> {
     let settings = smpe_settings(prepared, file, options, noise)?;
@@ -87,6 +93,10 @@ fn run_in_room<const ROOM: usize>(
     let mut smpe: Smpe<LongitudinalModel, STATES, OUTPUTS, ROOM> =
         Smpe::new(prepared.model.clone(), settings).map_err(set_up)?;
     let samples = prepared.time.len();
+    let mut monitoring: Option<Monitoring<ROOM>> = match health {
+        Some(health) => Some(Monitoring::new(&prepared.model, file, &settings, health)?),
+        None => None,
+    };
     let blank = ColumnRun {
         values: Vec::with_capacity(samples),
         std_errors: Vec::with_capacity(samples),
@@ -108,6 +118,7 @@ fn run_in_room<const ROOM: usize>(
         status: Status::default(),
         detector: None,
         excited: false,
+        health: None,
     };
     let mut last = smpe.estimate();
     // Until something has moved the prior is all that is known of single parameters: steady flight tells sums of terms.
@@ -135,6 +146,9 @@ fn run_in_room<const ROOM: usize>(
         }
         if waiting {
             estimate = unmoved(estimate, &settings, smpe.column_count(), smpe.prior_sd());
+        }
+        if let Some(monitoring) = &mut monitoring {
+            monitoring.update(&sample, &estimate, &smpe);
         }
         watch.look(&estimate, sample.time_s, smpe.restarts(), &mut run.events);
         for (j, column) in run.columns.iter_mut().enumerate() {
@@ -172,6 +186,7 @@ fn run_in_room<const ROOM: usize>(
         column.change_sensitivity = sensitivity[j];
     }
     run.status = last.status;
+    run.health = monitoring.map(Monitoring::finish);
     run.detector = smpe.detector();
     progress(1.0);
     Ok(run)

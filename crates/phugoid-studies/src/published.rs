@@ -18,6 +18,12 @@ pub const DAMAGE_MODEL: &str = include_str!("../../../scenarios/f16-damage-model
 pub const GUST_SCENARIO: &str = include_str!("../../../scenarios/f16-gust-actuators.toml");
 /// What its estimator is told.
 pub const GUST_MODEL: &str = include_str!("../../../scenarios/f16-gust-model.toml");
+/// A failure at 10 s, for the health monitor.
+pub const FAILURE_SCENARIO: &str = include_str!("../../../scenarios/f16-failure.toml");
+/// The same aircraft, healthy.
+pub const HEALTHY_SCENARIO: &str = include_str!("../../../scenarios/f16-healthy.toml");
+/// What their estimator and monitor are told.
+pub const HEALTH_MODEL: &str = include_str!("../../../scenarios/f16-health-model.toml");
 
 /// The model files of these cases: name and text.
 pub const MODELS: &[(&str, &str)] = &[
@@ -25,4 +31,5 @@ pub const MODELS: &[(&str, &str)] = &[
     ("f16-thesis-model", THESIS_MODEL),
     ("f16-damage-model", DAMAGE_MODEL),
     ("f16-gust-model", GUST_MODEL),
+    ("f16-health-model", HEALTH_MODEL),
 ];

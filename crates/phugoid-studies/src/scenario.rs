@@ -374,6 +374,8 @@ pub const BUILT_IN: &[(&str, &str)] = &[
     ("f16-thesis-gust", include_str!("../../../scenarios/thesis/f16-thesis-gust.toml")),
     ("f16-damage", include_str!("../../../scenarios/f16-damage.toml")),
     ("f16-gust-actuators", include_str!("../../../scenarios/f16-gust-actuators.toml")),
+    ("f16-failure", include_str!("../../../scenarios/f16-failure.toml")),
+    ("f16-healthy", include_str!("../../../scenarios/f16-healthy.toml")),
 ];
 
 /// A built-in scenario by name.

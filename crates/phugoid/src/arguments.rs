@@ -11,7 +11,8 @@ Exit codes:
   1  the task has no answer (no such trim, nothing to estimate)
   2  wrong command line
   3  an input file cannot be read or is wrong
-  4  a result cannot be written";
+  4  a result cannot be written
+ 10  `phugoid monitor`: the aircraft has diverged from what is expected";
 
 /// Estimates an aircraft's aerodynamic coefficients from a flight, in real time or afterwards.
 ///
@@ -42,6 +43,7 @@ pub(crate) enum Command {
     Linearize(Linearize),
     Simulate(Simulate),
     Estimate(Estimate),
+    Monitor(Monitor),
     Study(Study),
     Reproduce(Reproduce),
 }
@@ -304,6 +306,46 @@ pub(crate) enum PictureFormat {
     Svg,
     /// Picture, 1920 px wide
     Png,
+/// Watches a recorded flight for a divergence from the expected coefficients: a flag with a stated false-alarm rate, the onset
+/// of the failure, and which coefficient
+#[derive(Debug, Args)]
+#[command(after_help = examples_and_exit_codes(
+    "  phugoid simulate f16-failure --out flight
+  phugoid monitor flight/measured.csv --model f16-health-model
+  phugoid monitor flight.csv --model jet.toml --expected jet-expected.toml --false-alarms-per-hour 0.001
+  phugoid monitor flight.csv --model jet.toml --json --out health"
+))]
+pub(crate) struct Monitor {
+    /// The flight, a CSV file with units in its headers (alpha_deg, tas_kt, ...)
+    #[arg(value_name = "FLIGHT.csv")]
+    pub(crate) flight: PathBuf,
+    /// The aircraft: a model file, or the name of a built-in one. Its table [expected] says what is healthy; without one its start
+    /// values do, within a tenth
+    #[arg(long, value_name = "AIRCRAFT.toml")]
+    pub(crate) model: String,
+    /// A file with the table [expected], in place of the model file's
+    #[arg(long, value_name = "EXPECTED.toml")]
+    pub(crate) expected: Option<PathBuf>,
+    /// False alarms per flight hour that are accepted [default: 0.01]
+    #[arg(long, value_name = "NUMBER", value_parser = rate)]
+    pub(crate) false_alarms_per_hour: Option<f64>,
+    /// Folder for health.json, with all histories, and the report of the estimation
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Print one JSON document instead of text
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// Put the history of every sample into the JSON document
+    #[arg(long, requires = "json")]
+    pub(crate) history: bool,
+}
+
+fn rate(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value > 0.0 && value < 60.0 => Ok(value),
+        Ok(_) => Err("a rate per flight hour lies above 0 and below 60, as in 0.01: one in a hundred hours".to_owned()),
+        Err(_) => Err("write false alarms per flight hour, as in 0.01: one in a hundred hours".to_owned()),
+    }
 }
 
 /// Measures the estimator on many simulated flights: against the Cramer-Rao bound, after damage

@@ -5,6 +5,9 @@ use std::io::{self, Write};
 use std::path::Path;
 use std::process::ExitCode;
 
+/// Exit code of `phugoid monitor` where the aircraft has diverged from what is expected: a result, not a failure of the command.
+pub(crate) const DIVERGED: u8 = 10;
+
 /// Why a command ends without a result. Wrong command lines end with code 2 before anything runs.
 #[derive(Debug)]
 pub(crate) enum Failure {

@@ -21,6 +21,10 @@ fn main() -> ExitCode {
         Some(Command::Linearize(arguments)) => commands::linearize::run(arguments),
         Some(Command::Simulate(arguments)) => commands::simulate::run(arguments),
         Some(Command::Estimate(arguments)) => commands::estimate::run(arguments),
+        Some(Command::Monitor(arguments)) => match commands::monitor::run(arguments) {
+            Ok(true) => return ExitCode::from(failure::DIVERGED),
+            other => other.map(|_| ()),
+        },
         Some(Command::Study(arguments)) => commands::study::run(arguments),
         Some(Command::Reproduce(arguments)) => commands::reproduce::run(arguments),
     };

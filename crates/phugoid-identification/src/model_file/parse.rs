@@ -6,6 +6,7 @@ use phugoid_flight_data::quantity::Dimension;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
+use super::expected::expected;
 use super::section::{Section, Source as Text};
 use super::{
     AirDensity, AircraftData, Base, ChannelMapping, InputHold, ModelFile, ModelFileError, Parameter, ProcessNoise,
@@ -31,7 +32,7 @@ const TOP_KEYS: [&str; 15] = [
     "process_noise",
     "biases",
 ];
-const MORE_TOP_KEYS: [&str; 1] = ["re_reaching"];
+const MORE_TOP_KEYS: [&str; 2] = ["re_reaching", "expected"];
 const AIRCRAFT_KEYS: [&str; 11] = [
     "mass",
     "iyy",
@@ -81,6 +82,7 @@ pub(super) fn parse(file: &str, text: &str) -> Result<ModelFile, ModelFileError>
         _ => InputHold::Held,
     };
     let outputs = outputs(&top)?;
+    let parameters = parameters(&top, base, &extra_inputs, &outputs)?;
     let model = ModelFile {
         source: file.to_owned(),
         name: top.string("name")?.unwrap_or(file).to_owned(),
@@ -89,7 +91,8 @@ pub(super) fn parse(file: &str, text: &str) -> Result<ModelFile, ModelFileError>
         channels: channels(&top, &extra_inputs)?,
         outputs,
         noise: noise(&top, &outputs)?,
-        parameters: parameters(&top, base, &extra_inputs, &outputs)?,
+        expected: expected(&top, &parameters)?,
+        parameters,
         reference: reference(&top, base)?,
         process_noise: process_noise(&top)?,
         input,

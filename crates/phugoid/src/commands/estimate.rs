@@ -164,7 +164,7 @@ fn truth(words: &[Truth], model: &ModelFile) -> Result<BTreeMap<String, f64>, Fa
 }
 
 /// The model file's mapping of the user's headers.
-fn columns(model: &ModelFile) -> Vec<ColumnMapping> {
+pub(crate) fn columns(model: &ModelFile) -> Vec<ColumnMapping> {
     model
         .channels
         .iter()

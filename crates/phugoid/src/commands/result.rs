@@ -103,7 +103,8 @@ pub(crate) fn text(estimation: &Estimation, report: Option<&Path>, figures: &[Pa
     text
 }
 
-fn paragraph(text: &mut String, title: &str, lines: impl Iterator<Item = String>) {
+/// A heading and sentences below it, wrapped; nothing where there are none.
+pub(crate) fn paragraph(text: &mut String, title: &str, lines: impl Iterator<Item = String>) {
     for (index, line) in lines.enumerate() {
         if index == 0 {
             let _ = writeln!(text, "\n{title}");

@@ -1,0 +1,126 @@
+//! Health monitoring of an aircraft: what is asked for, and the result as plain data.
+
+use serde::{Deserialize, Serialize};
+
+use crate::model_file::Expectation;
+
+/// What a monitor is asked for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HealthOptions {
+    /// What is expected: [`crate::model_file::ModelFile::expectations`], or a file of its own.
+    pub expected: Vec<Expectation>,
+    /// Accepted false alarms per flight hour, 1/h.
+    pub false_alarms_per_hour: f64,
+}
+
+/// False alarms per flight hour that are accepted where nobody says otherwise: one in a hundred hours.
+pub const FALSE_ALARMS_PER_HOUR: f64 = 0.01;
+
+/// The verdict on the aircraft.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Condition {
+    /// The noise levels are still being looked at.
+    #[default]
+    Settling,
+    /// No divergence, but too little is known to call the aircraft healthy.
+    Unknown,
+    /// Every monitored parameter is known better than its tolerance, and is within it as far as is known.
+    Healthy,
+    /// The aircraft has diverged from what is expected.
+    Diverged,
+}
+
+impl Condition {
+    /// In words.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Settling => "settling",
+            Self::Unknown => "not enough information",
+            Self::Healthy => "healthy",
+            Self::Diverged => "diverged",
+        }
+    }
+}
+
+/// The final word on one monitored parameter, per radian where an angle is involved.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ParameterHealth {
+    /// Name in the model file.
+    pub name: String,
+    /// Expected value.
+    pub expected: f64,
+    /// Half width that still counts as healthy.
+    pub tolerance: f64,
+    /// Estimate at the end of the record.
+    pub value: f64,
+    /// One-sigma error of it, corrected for the colour of the residuals.
+    pub corrected_std_error: f64,
+    /// How far the estimate lies outside of the tolerance, in these errors, with its sign; zero inside.
+    pub deviation: f64,
+    /// False while the bounds are wider than the tolerance.
+    pub known: bool,
+    /// When it was named as one that has diverged, s.
+    pub diverged_at_s: Option<f64>,
+    /// Change since the onset, from the innovations of the reference alone, linear about the expectation.
+    pub change: Option<f64>,
+    /// One sigma of it.
+    pub change_std: Option<f64>,
+}
+
+/// A failure.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FailureReport {
+    /// When it was flagged, s.
+    pub flagged_at_s: f64,
+    /// When it began, s: half of the likelihood lies before.
+    pub onset_s: Option<f64>,
+    /// 95 % of the likelihood of the onset lies between these, s.
+    pub onset_interval_s: Option<[f64; 2]>,
+    /// It may have begun before the oldest onset that was looked for.
+    pub or_earlier: bool,
+    /// Parameters that were named, in the order in which they were.
+    pub parameters: Vec<String>,
+}
+
+/// What the monitor said at each sample.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct HealthHistory {
+    /// Time, s.
+    pub time_s: Vec<f64>,
+    /// Verdict.
+    pub condition: Vec<Condition>,
+    /// Evidence of a failure, natural logarithm of hours: a healthy aircraft shows this much at most once in `exp(evidence)`
+    /// hours. Minus infinity before the first look; after the flag it stays.
+    pub evidence: Vec<f64>,
+    /// Squared distance of the estimate from the nearest healthy parameters, in its corrected covariance; NaN where it cannot be
+    /// computed.
+    pub joint_deviation: Vec<f64>,
+    /// As [`ParameterHealth::deviation`], by parameter and sample.
+    pub deviation: Vec<Vec<f64>>,
+}
+
+/// Everything that one run of the monitor gives.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct HealthReport {
+    /// Record.
+    pub source: String,
+    /// Model file.
+    pub model: String,
+    /// Accepted false alarms per flight hour, 1/h.
+    pub false_alarms_per_hour: f64,
+    /// Evidence at which the flag is raised, natural logarithm of hours.
+    pub threshold: f64,
+    /// Largest evidence so far, natural logarithm of hours.
+    pub evidence: f64,
+    /// Verdict at the end.
+    pub condition: Condition,
+    /// Monitored parameters.
+    pub parameters: Vec<ParameterHealth>,
+    /// The failure, if there is one.
+    pub failure: Option<FailureReport>,
+    /// Sentences for the user.
+    pub sentences: Vec<String>,
+    /// Histories.
+    pub history: HealthHistory,
+}
