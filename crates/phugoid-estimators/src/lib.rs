@@ -15,6 +15,7 @@
 //! |---|---|
 //! | [`smpe`] | the flagship: sliding-mode parameter estimator with bounds, biases and change detection |
 //! | [`plants`] | the four proof-of-concept plants of the thesis |
+//! | [`health`] | the estimate against what is expected: a flag with a stated false-alarm rate, and the onset |
 //! | [`thesis`] | the one-parameter energy-surface law it grew from |
 //! | [`model_reference`] | the model-reference estimator that it was compared with, printed and textbook forms |
 //! | [`discretization`] | the RK4 step map of a model with its exact derivatives |
@@ -30,6 +31,7 @@
 mod dense;
 pub mod discretization;
 mod estimate;
+pub mod health;
 mod kernels;
 mod model;
 pub mod model_reference;

@@ -306,6 +306,8 @@ pub(crate) enum PictureFormat {
     Svg,
     /// Picture, 1920 px wide
     Png,
+}
+
 /// Watches a recorded flight for a divergence from the expected coefficients: a flag with a stated false-alarm rate, the onset
 /// of the failure, and which coefficient
 #[derive(Debug, Args)]

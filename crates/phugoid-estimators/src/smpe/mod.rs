@@ -56,11 +56,11 @@
 mod challenge;
 mod change;
 mod colour;
-mod columns;
+pub(crate) mod columns;
 mod reopen;
 mod settings;
-mod slot;
-mod start;
+pub(crate) mod slot;
+pub(crate) mod start;
 
 pub use settings::{
     ChangeDetection, ChangePrior, OutputInput, ParameterPrior, ProcessNoise, ReReaching, ReachingState, SmpeError,

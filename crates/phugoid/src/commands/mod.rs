@@ -3,8 +3,8 @@
 pub(crate) mod demonstrate;
 pub(crate) mod estimate;
 pub(crate) mod linearize;
-pub(crate) mod reproduce;
 pub(crate) mod monitor;
+pub(crate) mod reproduce;
 pub(crate) mod result;
 pub(crate) mod simulate;
 pub(crate) mod study;

@@ -1,0 +1,336 @@
+//! Health monitoring: does the plant still have the parameters that are expected of it, since when not, and which?
+//!
+//! Two things are looked at. The *estimate* is compared with the expectation, and says by how much and whether enough is
+//! known to call the plant healthy. The *flag* does not rest on the estimate, whose errors move slowly and are therefore
+//! looked at as often as one likes without ever becoming independent: it rests on the innovations of a [reference](self)
+//! that flies with the expected parameters. They are white as long as the expectation holds, so that for every possible onset
+//! `s` the mean likelihood of a failure over the likelihood of the best healthy parameters is an e-process, `E <= 1` at every
+//! stopping time. Their sum over the onsets, each weighted by the time it stands for, is bounded in the mean by the time flown
+//! (an e-detector of Shiryaev and Roberts' kind; J. Shin, A. Ramdas, A. Rinaldo, *E-detectors*, 2023), and so
+//!
+//! ```text
+//! evidence(t) = ln sum_s dt_s E_s(t),      flag when evidence >= ln(1/rate)
+//! P(false alarm within T hours) <= rate T,  mean time between false alarms >= 1/rate
+//! ```
+//!
+//! for any number and any correlation of looks. docs/theory.md derives it, says what it assumes, and measures it.
+
+mod deviation;
+mod evidence;
+mod level;
+mod onset;
+mod reference;
+mod settings;
+mod starts;
+
+pub use onset::Onset;
+pub use settings::{Expected, MonitorError, MonitorSettings};
+
+use deviation::{Deviation, deviation};
+use evidence::log_add;
+use level::Levels;
+use reference::{Parts, Reference};
+use starts::Starts;
+
+use crate::estimate::{ChangeState, Estimate, Phase};
+use crate::model::{Model, Sample};
+use crate::smpe::SmpeSettings;
+use crate::smpe::columns::Columns;
+
+/// The hypotheses are weighed this often, s.
+const LOOK_S: f64 = 0.05;
+
+/// The verdict on the plant.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Condition {
+    /// The noise levels are still being looked at.
+    #[default]
+    Settling,
+    /// No divergence, but too little is known of some parameter to call it healthy: its bounds are wider than the tolerance,
+    /// or the estimate lies outside and the evidence is not yet enough.
+    Unknown,
+    /// Every parameter is known better than its tolerance, and within it as far as is known.
+    Healthy,
+    /// The plant has diverged from what is expected. It stays said until [`HealthMonitor::acknowledge`].
+    Diverged,
+}
+
+/// What is known of a failure.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Failure<const P: usize> {
+    /// When it was flagged, s.
+    pub flagged_s: f64,
+    /// When it began; refined until [`MonitorSettings::refinement_s`] after the flag. None if it cannot be computed.
+    pub onset: Option<Onset>,
+    /// Difference from the expected value since the onset, parameter units, from the innovations of the reference alone: linear
+    /// about the expectation, good for failures that are small enough for that. What the parameter *is* now says the estimator. Zero for parameters that are not monitored.
+    pub change: [f64; P],
+    /// One sigma of it.
+    pub change_std: [f64; P],
+    /// When the parameter was named as one that has diverged, s: NaN until then. It takes as much evidence as the flag, against
+    /// the parameter anywhere within its tolerance and all others anywhere, the values before the onset taken for granted.
+    pub named_s: [f64; P],
+}
+
+/// What the monitor says after one sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Health<const P: usize> {
+    /// Time of the sample, s.
+    pub time_s: f64,
+    /// The verdict.
+    pub condition: Condition,
+    /// How far the estimate lies outside of the tolerance, in corrected standard errors, with its sign; zero inside.
+    pub deviation: [f64; P],
+    /// Parameters too little known to call them healthy.
+    pub unknown: [bool; P],
+    /// Squared distance of the estimate from the nearest healthy parameters, in its corrected covariance: all parameters
+    /// together. NaN if it cannot be computed.
+    pub joint_deviation: f64,
+    /// Evidence of a failure, the natural logarithm of hours: a healthy plant shows this much at most once in `exp(evidence)`
+    /// hours.
+    pub evidence: f64,
+    /// The failure, once flagged.
+    pub failure: Option<Failure<P>>,
+}
+
+/// What the estimator said of the same sample.
+#[derive(Clone, Copy, Debug)]
+pub struct Watched<'a, const R: usize, const P: usize> {
+    /// Its estimate.
+    pub estimate: &'a Estimate<P>,
+    /// Its covariance, of which the correlations are used ([`crate::Estimator::covariance`]).
+    pub covariance: &'a [[f64; P]; P],
+    /// Its normalised residuals, NaN where missing: they tell the noise levels, before and after a failure.
+    pub residuals: &'a [f64; R],
+    /// Its scale of the process noise.
+    pub noise_scale: f64,
+}
+
+/// The monitor: `N` states, `R` outputs, room for `P` columns. No allocation; bounded work per sample.
+pub struct HealthMonitor<M, const N: usize, const R: usize, const P: usize>
+where
+    M: Model<N, R, P>,
+{
+    settings: MonitorSettings,
+    expected: [Option<Expected>; P],
+    parts: Parts<P>,
+    /// Half widths of the tolerances of the monitored columns over one sigma of a failure.
+    width: [f64; P],
+    reference: Reference<M, N, R, P>,
+    starts: Starts<N, P>,
+    levels: Levels<R>,
+    first_s: f64,
+    last_s: f64,
+    last_look_s: f64,
+    evidence: f64,
+    failure: Option<Failure<P>>,
+}
+
+impl<M, const N: usize, const R: usize, const P: usize> HealthMonitor<M, N, R, P>
+where
+    M: Model<N, R, P>,
+{
+    /// A monitor beside the estimator with these settings. `expected` has one entry per parameter of the model; columns
+    /// without an expectation are learnt along with the state.
+    ///
+    /// # Errors
+    /// [`MonitorError`]: an impossible expectation or setting.
+    pub fn new(
+        model: M,
+        estimator: &SmpeSettings<N, R, P>,
+        expected: &[Option<Expected>],
+        settings: MonitorSettings,
+    ) -> Result<Self, MonitorError> {
+        settings.check()?;
+        estimator.check(model.parameter_count()).map_err(MonitorError::Estimator)?;
+        let columns = Columns::new(&model, estimator);
+        let mut parts =
+            Parts { monitored: [0; P], monitored_count: 0, failure_sd: [0.0; P], nuisance: [0; P], nuisance_count: 0 };
+        let mut width = [0.0; P];
+        let mut theta = columns.initial;
+        let mut all = [None; P];
+        for column in 0..columns.count {
+            let expectation = if column < columns.own { expected.get(column).copied().flatten() } else { None };
+            if let Some(expectation) = expectation {
+                check(column, &expectation)?;
+                let place = parts.monitored_count;
+                parts.monitored[place] = column;
+                parts.failure_sd[place] = expectation.failure_sd;
+                width[place] = expectation.tolerance / expectation.failure_sd;
+                parts.monitored_count += 1;
+                theta[column] = expectation.value;
+                all[column] = Some(expectation);
+            } else if columns.sd[column] > 0.0 {
+                parts.nuisance[parts.nuisance_count] = column;
+                parts.nuisance_count += 1;
+            }
+        }
+        if parts.monitored_count == 0 {
+            return Err(MonitorError::NothingExpected);
+        }
+        Ok(Self {
+            settings,
+            expected: all,
+            width,
+            reference: Reference::new(model, *estimator, columns, parts, theta),
+            starts: Starts::new(parts.monitored_count, parts.nuisance_count, width),
+            levels: Levels::new(),
+            parts,
+            first_s: f64::NAN,
+            last_s: f64::NEG_INFINITY,
+            last_look_s: f64::NEG_INFINITY,
+            evidence: f64::NEG_INFINITY,
+            failure: None,
+        })
+    }
+
+    /// What is expected, per column.
+    pub fn expected(&self) -> &[Option<Expected>; P] {
+        &self.expected
+    }
+
+    /// Evidence at which the flag is raised, the natural logarithm of hours.
+    pub fn threshold(&self) -> f64 {
+        -libm::log(self.settings.false_alarms_per_hour)
+    }
+
+    /// Takes the next sample and what the estimator made of it. A sample whose time does not increase is ignored.
+    pub fn update(&mut self, sample: &Sample<M::Input, R>, watched: &Watched<'_, R, P>) -> Health<P> {
+        if sample.time_s.is_finite() && sample.time_s > self.last_s {
+            self.last_s = sample.time_s;
+            if self.first_s.is_nan() {
+                self.first_s = sample.time_s;
+            }
+            self.observe(sample, watched);
+        }
+        self.health(watched)
+    }
+
+    /// Takes note of the failure and begins to watch anew, for the same expectation.
+    pub fn acknowledge(&mut self) {
+        self.failure = None;
+        self.starts.clear();
+        self.evidence = f64::NEG_INFINITY;
+    }
+
+    fn observe(&mut self, sample: &Sample<M::Input, R>, watched: &Watched<'_, R, P>) {
+        let time_s = sample.time_s;
+        let open = self.failure.is_none() && time_s - self.first_s >= self.settings.settle_s;
+        let horizon_s = self.settings.horizon_s;
+        let scale = if watched.noise_scale.is_finite() { watched.noise_scale.max(0.0) } else { 1.0 };
+        self.reference.update(sample, scale, &self.levels, &mut self.starts, |starts| {
+            if open {
+                starts.open(time_s, horizon_s);
+            }
+        });
+        // After the frame was judged: the level that it is judged by does not know it.
+        let steady = watched.estimate.status.change == ChangeState::Steady;
+        if steady && watched.estimate.status.phase != Phase::Starting {
+            self.levels.add(time_s, watched.residuals);
+        }
+        if self.reference.is_running() && time_s - self.last_look_s >= LOOK_S - 1e-9 {
+            self.last_look_s = time_s;
+            self.look(time_s);
+        }
+    }
+
+    /// Weighs the hypotheses.
+    fn look(&mut self, time_s: f64) {
+        let Some(failure) = &mut self.failure else {
+            self.evidence = f64::NEG_INFINITY;
+            for start in self.starts.iter() {
+                let value = start.log_weight + self.starts.evidence(start);
+                // Not a number is no evidence.
+                if value.is_finite() {
+                    self.evidence = log_add(self.evidence, value);
+                }
+            }
+            if self.evidence >= self.threshold() {
+                let mut failure = Failure {
+                    flagged_s: time_s,
+                    onset: None,
+                    change: [0.0; P],
+                    change_std: [0.0; P],
+                    named_s: [f64::NAN; P],
+                };
+                self.describe(time_s, &mut failure);
+                self.failure = Some(failure);
+            }
+            return;
+        };
+        if time_s - failure.flagged_s <= self.settings.refinement_s + 1e-9 {
+            let mut refined = *failure;
+            self.describe(time_s, &mut refined);
+            self.failure = Some(refined);
+        }
+    }
+
+    /// Onset, size and names of a failure, from the hypotheses.
+    fn describe(&self, time_s: f64, failure: &mut Failure<P>) {
+        let n = self.parts.monitored_count;
+        failure.onset = onset::onset(&self.starts);
+        let mut best = (f64::NEG_INFINITY, 0);
+        let mut named = [f64::NEG_INFINITY; P];
+        for (place, start) in self.starts.iter().enumerate() {
+            let whole = self.starts.whole(start);
+            if whole > best.0 {
+                best = (whole, place);
+            }
+            let change = start.change(n);
+            let log = change.failure(n);
+            let within = change.best_with_one_within(&start.healthy, &self.width, n);
+            for (sum, bound) in named[..n].iter_mut().zip(&within) {
+                if log.is_finite() && bound.is_finite() {
+                    *sum = log_add(*sum, start.log_weight + log - bound);
+                }
+            }
+        }
+        let Some(start) = self.starts.get(best.1) else { return };
+        let (mean, variance) = start.change(n).deviation(n);
+        for (place, column) in self.parts.monitored[..n].iter().enumerate() {
+            failure.change[*column] = (start.healthy[place] + mean[place]) * self.parts.failure_sd[place];
+            failure.change_std[*column] = libm::sqrt(variance[place]) * self.parts.failure_sd[place];
+            if failure.named_s[*column].is_nan() && named[place] >= self.threshold() {
+                failure.named_s[*column] = time_s;
+            }
+        }
+    }
+
+    fn health(&self, watched: &Watched<'_, R, P>) -> Health<P> {
+        let estimate = watched.estimate;
+        let Deviation { outside, unknown, joint } = deviation(&self.expected, estimate, watched.covariance);
+        let doubtful = outside.iter().any(|z| z.abs() > 2.0) || unknown.contains(&true) || !joint.is_finite();
+        let settled = self.last_s - self.first_s >= self.settings.settle_s;
+        let condition = if self.failure.is_some() {
+            Condition::Diverged
+        } else if !self.reference.is_running() || !settled {
+            Condition::Settling
+        } else if doubtful || estimate.status.change == ChangeState::InDoubt {
+            Condition::Unknown
+        } else {
+            Condition::Healthy
+        };
+        Health {
+            time_s: self.last_s,
+            condition,
+            deviation: outside,
+            unknown,
+            joint_deviation: joint,
+            evidence: self.evidence,
+            failure: self.failure,
+        }
+    }
+}
+
+fn check(parameter: usize, expected: &Expected) -> Result<(), MonitorError> {
+    let Expected { value, tolerance, failure_sd } = *expected;
+    if !value.is_finite() {
+        return Err(MonitorError::Expected { parameter, name: "value", value });
+    }
+    for (name, value) in [("tolerance", tolerance), ("failure_sd", failure_sd)] {
+        if !(value.is_finite() && value > 0.0) {
+            return Err(MonitorError::Expected { parameter, name, value });
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,316 @@
+//! Hypotheses "it failed at this time", each with what the innovations have said since.
+
+use super::evidence::{Information, log_add};
+use crate::kernels::{add_scaled, dot};
+
+/// Most hypotheses at a time.
+pub(super) const STARTS: usize = 48;
+/// Closest two hypotheses, s.
+const SPACING_S: f64 = 0.02;
+/// Hypotheses of age `a` are kept about `a + RECENT_S` times a constant apart: the onset is wanted to a part of what is known
+/// about it.
+const RECENT_S: f64 = 0.3;
+
+/// How a deviation of the monitored columns shows in the reference. Columns are scaled to one sigma of a failure.
+#[derive(Clone, Copy)]
+struct Effect<const N: usize, const P: usize> {
+    /// On the state, `(x - x_hat)/d`.
+    sensitivity: [[f64; P]; N],
+    /// On the nuisance columns (scaled to their prior) that the reference has learnt.
+    learnt: [[f64; P]; P],
+}
+
+/// One hypothesis.
+#[derive(Clone, Copy)]
+pub(super) struct FailureStart<const N: usize, const P: usize> {
+    pub(super) time_s: f64,
+    /// Logarithm of the share of the flight that it stands for, h.
+    pub(super) log_weight: f64,
+    /// Of a change since `time_s`.
+    effect: Effect<N, P>,
+    /// On the change, with nothing else the matter.
+    information: Information<P>,
+    /// `sum a^T a_healthy` of the change and the healthy deviation.
+    cross: [[f64; P]; P],
+    /// On the healthy deviation, before `time_s`.
+    before: Information<P>,
+    /// The most likely healthy deviation before `time_s`.
+    pub(super) healthy: [f64; P],
+}
+
+/// One output row of the reference.
+pub(super) struct Row<'a, const N: usize, const P: usize> {
+    /// `H` of the row.
+    pub(super) by_state: &'a [f64; N],
+    /// `D` of the row for the monitored columns, scaled.
+    pub(super) by_failure: &'a [f64; P],
+    /// `psi` of the nuisance columns.
+    pub(super) by_nuisance: &'a [f64; P],
+    /// `1/sqrt(s)`.
+    pub(super) inverse_root: f64,
+    /// `1/sqrt(1 + v)`.
+    pub(super) inverse_nn: f64,
+    /// Normalised innovation times its weight, of bounded size.
+    pub(super) innovation: f64,
+    /// That weight, at most one.
+    pub(super) weight: f64,
+    /// `K` and `C psi^T/(1 + v)`, if the reference was corrected by the row.
+    pub(super) gains: Option<([f64; N], [f64; P])>,
+}
+
+#[derive(Clone)]
+pub(super) struct Starts<const N: usize, const P: usize> {
+    slots: [FailureStart<N, P>; STARTS],
+    /// Slots in use, oldest first.
+    order: [usize; STARTS],
+    count: usize,
+    monitored: usize,
+    nuisance: usize,
+    width: [f64; P],
+    last_opened_s: f64,
+    /// Of a deviation that has always been there.
+    always: Effect<N, P>,
+    /// On it.
+    healthy: Information<P>,
+}
+
+impl<const N: usize, const P: usize> Effect<N, P> {
+    const NONE: Self = Self { sensitivity: [[0.0; P]; N], learnt: [[0.0; P]; P] };
+
+    fn forget_state(&mut self, n: usize) {
+        for row in &mut self.sensitivity {
+            row[..n].fill(0.0);
+        }
+    }
+
+    /// `U <- A U + B`.
+    fn predict(&mut self, transition: &[[f64; N]; N], effect: &[[f64; P]; N], n: usize) {
+        let before = self.sensitivity;
+        for i in 0..N {
+            let row = &mut self.sensitivity[i][..n];
+            row.copy_from_slice(&effect[i][..n]);
+            for k in 0..N {
+                add_scaled(row, transition[i][k], &before[k][..n]);
+            }
+        }
+    }
+
+    /// How the deviation shows in a row, normalised and weighted; then the row's correction is taken into account.
+    fn observe(&mut self, row: &Row<'_, N, P>, n: usize, nuisance: usize) -> [f64; P] {
+        let mut w = [0.0; P];
+        w[..n].copy_from_slice(&row.by_failure[..n]);
+        for k in 0..N {
+            if row.by_state[k] != 0.0 {
+                add_scaled(&mut w[..n], row.by_state[k], &self.sensitivity[k][..n]);
+            }
+        }
+        // What the nuisance columns have taken of it is missing in the innovation.
+        let mut psi = [0.0; P];
+        add_scaled(&mut psi[..n], row.inverse_root, &w[..n]);
+        for f in 0..nuisance {
+            add_scaled(&mut psi[..n], -row.by_nuisance[f], &self.learnt[f][..n]);
+        }
+        if let Some((state_gain, nuisance_gain)) = &row.gains {
+            for k in 0..N {
+                add_scaled(&mut self.sensitivity[k][..n], -state_gain[k], &w[..n]);
+            }
+            for f in 0..nuisance {
+                add_scaled(&mut self.learnt[f][..n], nuisance_gain[f], &psi[..n]);
+            }
+        }
+        let scale = row.inverse_nn * row.weight;
+        psi.map(|value| value * scale)
+    }
+}
+
+impl<const N: usize, const P: usize> FailureStart<N, P> {
+    const EMPTY: Self = Self {
+        time_s: 0.0,
+        log_weight: 0.0,
+        effect: Effect::NONE,
+        information: Information::NONE,
+        cross: [[0.0; P]; P],
+        before: Information::NONE,
+        healthy: [0.0; P],
+    };
+
+    /// On the change, beside the healthy deviation of before.
+    pub(super) fn change(&self, len: usize) -> Information<P> {
+        let mut information = self.information;
+        for i in 0..len {
+            information.g[i] -= dot(&self.cross[i][..len], &self.healthy[..len]);
+        }
+        information
+    }
+}
+
+impl<const N: usize, const P: usize> Starts<N, P> {
+    /// `width`: half widths of the tolerances over one sigma of a failure.
+    pub(super) fn new(monitored: usize, nuisance: usize, width: [f64; P]) -> Self {
+        Self {
+            slots: [FailureStart::EMPTY; STARTS],
+            order: core::array::from_fn(|i| i),
+            count: 0,
+            monitored: monitored.min(P),
+            nuisance: nuisance.min(P),
+            width,
+            last_opened_s: f64::NAN,
+            always: Effect::NONE,
+            healthy: Information::NONE,
+        }
+    }
+
+    /// What the innovations say of a healthy deviation since a hypothesis began.
+    fn healthy_since(&self, start: &FailureStart<N, P>) -> Information<P> {
+        self.healthy.since(&start.before, self.monitored)
+    }
+
+    /// `ln F`: mean likelihood of a failure since `start` over that of no deviation at all, the healthy deviation of before
+    /// taken for granted.
+    fn failure(&self, start: &FailureStart<N, P>) -> f64 {
+        let n = self.monitored;
+        self.healthy_since(start).log_likelihood(&start.healthy, n) + start.change(n).failure(n)
+    }
+
+    /// `ln E`: the same over the best healthy deviation since then.
+    pub(super) fn evidence(&self, start: &FailureStart<N, P>) -> f64 {
+        let (best, _) = self.healthy_since(start).best_within(&self.width, self.monitored);
+        self.failure(start) - best
+    }
+
+    /// Mean square of what the failure leaves of the innovations since then.
+    pub(super) fn misfit(&self, start: &FailureStart<N, P>) -> f64 {
+        let n = self.monitored;
+        let mut left = start.change(n);
+        left.square -= 2.0 * self.healthy_since(start).log_likelihood(&start.healthy, n);
+        left.misfit(n)
+    }
+
+    /// Log likelihood of the whole flight with the failure at `start`.
+    pub(super) fn whole(&self, start: &FailureStart<N, P>) -> f64 {
+        start.before.log_likelihood(&start.healthy, self.monitored) + self.failure(start)
+    }
+
+    /// All, oldest first.
+    pub(super) fn iter(&self) -> impl Iterator<Item = &FailureStart<N, P>> {
+        self.order[..self.count].iter().map(|slot| &self.slots[*slot])
+    }
+
+    /// The one at a place in the order of time.
+    pub(super) fn get(&self, index: usize) -> Option<&FailureStart<N, P>> {
+        self.order[..self.count].get(index).map(|slot| &self.slots[*slot])
+    }
+
+    pub(super) fn clear(&mut self) {
+        self.count = 0;
+        self.last_opened_s = f64::NAN;
+    }
+
+    /// A new hypothesis that begins with the frame at `time_s`, if the last one is old enough.
+    pub(super) fn open(&mut self, time_s: f64, horizon_s: f64) {
+        let since = time_s - self.last_opened_s;
+        if since < SPACING_S - 1e-9 {
+            return;
+        }
+        while self.count > 1 && time_s - self.slots[self.order[0]].time_s > horizon_s {
+            self.remove(0);
+        }
+        if self.count == STARTS {
+            self.thin(time_s);
+        }
+        let slot = self.order[self.count];
+        let new = &mut self.slots[slot];
+        new.time_s = time_s;
+        // The evidence of all hypotheses together may grow by no more than the time that passes.
+        new.log_weight = libm::log(if since.is_finite() { since } else { SPACING_S } / 3600.0);
+        new.effect = Effect::NONE;
+        new.information = Information::NONE;
+        new.cross = [[0.0; P]; P];
+        new.before = self.healthy;
+        (_, new.healthy) = self.healthy.best_within(&self.width, self.monitored);
+        self.count += 1;
+        self.last_opened_s = time_s;
+    }
+
+    /// Drops the one whose neighbours are closest together for their age, and hands its evidence to one of them.
+    fn thin(&mut self, time_s: f64) {
+        let time = |place: usize| self.slots[self.order[place]].time_s;
+        let mut chosen = (f64::INFINITY, 1);
+        for place in 1..self.count - 1 {
+            let closeness = (time(place + 1) - time(place - 1)) / (time_s - time(place) + RECENT_S);
+            if closeness < chosen.0 {
+                chosen = (closeness, place);
+            }
+        }
+        self.bequeath(chosen.1);
+        self.remove(chosen.1);
+    }
+
+    /// The evidence of a hypothesis that is dropped goes to the neighbour that can make more of it: from now on it grows as that
+    /// one does, and its mean stays what it was. For a healthy deviation `d` it is `w F_i/L_i(d)`, `F` the likelihood of a
+    /// failure and `L(d)` that of `d`, and becomes `w' F_j/L_j(d)`. So `w'` is `w F_i/F_j`, less what `L_i(d)/L_j(d)` can be at
+    /// most within the tolerances.
+    fn bequeath(&mut self, place: usize) {
+        let n = self.monitored;
+        let own = &self.slots[self.order[place]];
+        let failure = self.failure(own);
+        let mut heir = (f64::NEG_INFINITY, place);
+        for neighbour in [place.wrapping_sub(1), place + 1] {
+            let Some(other) = self.get(neighbour) else { continue };
+            let between = own.before.since(&other.before, n);
+            let mut most = 0.0;
+            for i in 0..n {
+                most += between.g[i].abs() * self.width[i];
+                for j in 0..=i {
+                    let part = between.m[i][j].abs() * self.width[i] * self.width[j];
+                    most += if i == j { 0.5 * part } else { part };
+                }
+            }
+            let log_weight = own.log_weight + failure - self.failure(other) - most;
+            // What is not a number is nobody's: an alarm only becomes later.
+            if log_weight.is_finite() && log_weight > heir.0 {
+                heir = (log_weight, neighbour);
+            }
+        }
+        if heir.1 != place {
+            let other = &mut self.slots[self.order[heir.1]];
+            other.log_weight = log_add(other.log_weight, heir.0);
+        }
+    }
+
+    fn remove(&mut self, place: usize) {
+        self.order[place..self.count].rotate_left(1);
+        self.count -= 1;
+    }
+
+    /// The state was started again from measurements: no deviation is in it yet.
+    pub(super) fn forget_state(&mut self) {
+        self.always.forget_state(self.monitored);
+        for slot in &self.order[..self.count] {
+            self.slots[*slot].effect.forget_state(self.monitored);
+        }
+    }
+
+    /// One interval: `U <- A U + B`, with `B` of the monitored columns, scaled.
+    pub(super) fn predict(&mut self, transition: &[[f64; N]; N], effect: &[[f64; P]; N]) {
+        self.always.predict(transition, effect, self.monitored);
+        for slot in &self.order[..self.count] {
+            self.slots[*slot].effect.predict(transition, effect, self.monitored);
+        }
+    }
+
+    /// Adds one output row to every hypothesis.
+    pub(super) fn observe(&mut self, row: &Row<'_, N, P>) {
+        let n = self.monitored;
+        let healthy = self.always.observe(row, n, self.nuisance);
+        self.healthy.add(&healthy, row.innovation, n);
+        for slot in &self.order[..self.count] {
+            let start = &mut self.slots[*slot];
+            let change = start.effect.observe(row, n, self.nuisance);
+            start.information.add(&change, row.innovation, n);
+            for i in 0..n {
+                add_scaled(&mut start.cross[i][..n], change[i], &healthy[..n]);
+            }
+        }
+    }
+}
