@@ -7,6 +7,7 @@ pub mod convergence;
 pub mod cramer_rao;
 pub mod damage;
 pub mod flight;
+pub mod health;
 pub mod manoeuvre;
 pub mod monte_carlo;
 pub mod published;

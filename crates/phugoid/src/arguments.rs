@@ -356,6 +356,7 @@ fn rate(text: &str) -> Result<f64, String> {
     "  phugoid study calm-air --runs 200        RMSE over Cramer-Rao bound, and coverage
   phugoid study thesis-size --json         0.05 deg doublet and sine without noise
   phugoid study damage --runs 100          is damage found, how soon, do the bounds hold?
+  phugoid study health --runs 1000         false alarms, missed failures, onset
   phugoid study accuracy --scenario mine.toml --model mine-model.toml --at 5s --at 20s"
 ))]
 pub(crate) struct Study {
@@ -387,6 +388,8 @@ pub(crate) enum StudyName {
     ThesisSize,
     /// Five coefficients change at 10 s: detection and recovery
     Damage,
+    /// Health monitor: false alarms in healthy flights, and random failures with two sticks
+    Health,
     /// Accuracy against the Cramer-Rao bound for a scenario and a model file of your own
     Accuracy,
 }

@@ -15,6 +15,7 @@ pub mod golden;
 pub mod group;
 mod gust;
 mod gust_flight;
+mod health;
 mod law_summary;
 mod laws;
 mod noise_levels;
@@ -71,6 +72,8 @@ pub fn entries() -> Vec<Entry> {
         // laws
         law_summary::ENTRIES,
         laws::ENTRIES,
+        // health
+        health::ENTRIES,
     ]
     .concat()
 }

@@ -7,10 +7,13 @@ use phugoid_identification::model_file::ModelFile;
 use phugoid_studies::accuracy::{AccuracyStudy, StudyError, accuracy};
 use phugoid_studies::convergence::{ConvergenceStudy, convergence};
 use phugoid_studies::damage::{DamageStudy, damage};
+use phugoid_studies::health::{FailureStudy, HealthyStudy, Stick, failures, healthy};
 use phugoid_studies::published::{
-    CALM_MODEL, CALM_SCENARIO, DAMAGE_MODEL, DAMAGE_SCENARIO, THESIS_DOUBLET, THESIS_MODEL, THESIS_SINE,
+    CALM_MODEL, CALM_SCENARIO, DAMAGE_MODEL, DAMAGE_SCENARIO, FAILURE_SCENARIO, HEALTH_MODEL, HEALTHY_SCENARIO,
+    THESIS_DOUBLET, THESIS_MODEL, THESIS_SINE,
 };
 use phugoid_studies::scenario::Scenario;
+use serde::Serialize;
 
 use crate::arguments::{self, StudyName};
 use crate::failure::Failure;
@@ -49,6 +52,10 @@ pub(crate) fn run(arguments: &arguments::Study) -> Result<(), Failure> {
             let study = damaged(arguments.runs)?;
             deliver(&study, delivery.json, delivery.out.as_deref(), || damage_text(&study))
         }
+        StudyName::Health => {
+            let study = health(arguments.runs)?;
+            deliver(&study, delivery.json, delivery.out.as_deref(), || health_text(&study))
+        }
         StudyName::ThesisSize => {
             let studies = [thesis_size(THESIS_DOUBLET)?, thesis_size(THESIS_SINE)?];
             deliver(&studies, delivery.json, delivery.out.as_deref(), || {
@@ -81,6 +88,80 @@ fn damaged(runs: u32) -> Result<DamageStudy, Failure> {
     let scenario = Scenario::parse(DAMAGE_SCENARIO, "f16-damage").map_err(Failure::input)?;
     let model = ModelFile::parse("f16-damage-model", DAMAGE_MODEL).map_err(Failure::input)?;
     with_progress(runs, |done| damage(&scenario, &model, runs as usize, &RECOVERY_S, done))
+}
+
+/// False alarms and failures of the health monitor.
+#[derive(Serialize)]
+struct HealthStudies {
+    healthy: HealthyStudy,
+    failures: [FailureStudy; 2],
+}
+
+fn health(runs: u32) -> Result<HealthStudies, Failure> {
+    let read = |text, name: &str| Scenario::parse(text, name).map_err(Failure::input);
+    let (flight, failing) = (read(HEALTHY_SCENARIO, "f16-healthy")?, read(FAILURE_SCENARIO, "f16-failure")?);
+    let model = ModelFile::parse("f16-health-model", HEALTH_MODEL).map_err(Failure::input)?;
+    let runs_of = runs as usize;
+    with_progress(3 * runs, |done| {
+        Ok(HealthStudies {
+            healthy: healthy(&flight, &model, runs_of, done)?,
+            failures: [
+                failures(&failing, &model, Stick::Pilot, runs_of, done)?,
+                failures(&failing, &model, Stick::Calm, runs_of, done)?,
+            ],
+        })
+    })
+}
+
+fn health_text(study: &HealthStudies) -> String {
+    let healthy = &study.healthy;
+    let mut text = format!("{} healthy flights, {:.2} h monitored\n\n", healthy.runs, healthy.hours);
+    let mut table =
+        Table::new(&["accepted per hour", "flights with a false alarm", "promised", "found per flight, 95 %"]);
+    for alarms in &healthy.false_alarms {
+        table.row([
+            significant(alarms.accepted_per_hour, 2),
+            alarms.flights.to_string(),
+            significant(alarms.promised, 3),
+            format!("{} to {}", significant(alarms.interval[0], 3), significant(alarms.interval[1], 3)),
+        ]);
+    }
+    text.push_str(&table.render());
+    let _ = writeln!(
+        text,
+        "  called healthy at their end: {}\n\nFailures, one false alarm in 100 h accepted\n",
+        healthy.called_healthy
+    );
+    let mut table = Table::new(&[
+        "stick",
+        "flights",
+        "early flags",
+        "missed",
+        "latency",
+        "90 %",
+        "onset error",
+        "90 %",
+        "onset covered",
+        "named",
+        "wrongly",
+    ]);
+    for failures in &study.failures {
+        table.row([
+            if failures.stick == Stick::Pilot { "pilot" } else { "3-2-1-1, rest" }.to_owned(),
+            failures.runs.to_string(),
+            failures.false_alarms.to_string(),
+            failures.missed.to_string(),
+            format!("{:.2} s", failures.latency_median_s),
+            format!("{:.2} s", failures.latency_90_percent_s),
+            format!("{:.3} s", failures.onset_error_median_s),
+            format!("{:.3} s", failures.onset_error_90_percent_s),
+            format!("{:.1} %", 100.0 * failures.onset_coverage),
+            format!("{} of {}", failures.named, failures.failed),
+            failures.wrongly_named.to_string(),
+        ]);
+    }
+    text.push_str(&table.render());
+    text
 }
 
 fn thesis_size(scenario: &str) -> Result<ConvergenceStudy, Failure> {

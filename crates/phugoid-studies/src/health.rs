@@ -1,0 +1,291 @@
+//! How often does the health monitor cry wolf, does it find failures, how soon, and does it know when they began?
+//!
+//! Every run has its own pilot, sensor noise, noise *levels*, constant sensor errors, and its own place within the tolerances.
+
+use phugoid_identification::estimate::EstimateOptions;
+use phugoid_identification::health::{Condition, HealthOptions, HealthReport};
+use phugoid_identification::model_file::{Expectation, ModelFile};
+use phugoid_identification::monitor::monitor;
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+use serde::Serialize;
+
+use crate::accuracy::StudyError;
+use crate::flight::fly;
+use crate::manoeuvre::{Manoeuvre, Surface};
+use crate::monte_carlo::monte_carlo;
+use crate::quantity::{Acceleration, Angle, AngularRate, Quantity, Speed, Time};
+use crate::scenario::{Damage, Scenario, Sensor};
+
+/// Noise levels lie within this factor of what the model file says, either way.
+const NOISE_FACTOR: f64 = 1.25;
+/// Rates for which one run of the healthy flights tells the false alarms, 1/h.
+const RATES: [f64; 5] = [0.01, 0.1, 1.0, 6.0, 30.0];
+/// The monitor begins this long after the first sample, s.
+const SETTLE_S: f64 = 2.0;
+
+/// False alarms at one accepted rate.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FalseAlarms {
+    /// Accepted rate, 1/h.
+    pub accepted_per_hour: f64,
+    /// Flights with a false alarm.
+    pub flights: usize,
+    /// Promised: at most this probability of one per flight.
+    pub promised: f64,
+    /// 95 % interval (Clopper and Pearson) of the probability per flight.
+    pub interval: [f64; 2],
+}
+
+/// Result of the study of healthy flights.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct HealthyStudy {
+    /// Flights.
+    pub runs: usize,
+    /// Hours monitored.
+    pub hours: f64,
+    /// By accepted rate.
+    pub false_alarms: Vec<FalseAlarms>,
+    /// Flights called healthy at their end (at 0.01 per hour).
+    pub called_healthy: usize,
+}
+
+/// What moves the stick in the study of failures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Stick {
+    /// The scenario's random stick.
+    Pilot,
+    /// A 3-2-1-1 of 1.5 deg every ten seconds, and rest between: nothing is to be seen of a failure then.
+    Calm,
+}
+
+/// Result of the study of failures.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FailureStudy {
+    /// What moved the stick.
+    pub stick: Stick,
+    /// Flights, each with one failure of one to three coefficients.
+    pub runs: usize,
+    /// Flights with the flag before the failure.
+    pub false_alarms: usize,
+    /// Flights without a flag.
+    pub missed: usize,
+    /// Time from the failure to the flag, s: half of those found are faster.
+    pub latency_median_s: f64,
+    /// The same for nine of ten.
+    pub latency_90_percent_s: f64,
+    /// Median of the absolute error of the onset, s.
+    pub onset_error_median_s: f64,
+    /// Nine of ten onsets are closer than this, s.
+    pub onset_error_90_percent_s: f64,
+    /// Fraction of the found failures whose onset lies in the 95 % interval.
+    pub onset_coverage: f64,
+    /// Coefficients that failed in the flights found, and how many of them were named.
+    pub failed: usize,
+    /// Of those, named.
+    pub named: usize,
+    /// Coefficients named that had not failed.
+    pub wrongly_named: usize,
+}
+
+/// Flies the healthy scenario `runs` times.
+///
+/// # Errors
+/// [`StudyError`]: the scenario cannot be flown, or the model does not fit it.
+pub fn healthy(
+    scenario: &Scenario,
+    model: &ModelFile,
+    runs: usize,
+    done: impl Fn() + Sync,
+) -> Result<HealthyStudy, StudyError> {
+    let results = monte_carlo(runs, |run| watch(&aircraft(scenario, model, run), model, RATES[0]), done)?;
+    let monitored_h = (scenario.duration.si() - SETTLE_S) / 3600.0;
+    let false_alarms = RATES
+        .iter()
+        .map(|&rate| {
+            let flights = results.iter().filter(|r| r.evidence >= -rate.ln()).count();
+            FalseAlarms {
+                accepted_per_hour: rate,
+                flights,
+                promised: (rate * monitored_h).min(1.0),
+                interval: clopper_pearson(flights, runs),
+            }
+        })
+        .collect();
+    let called_healthy = results.iter().filter(|r| r.condition == Condition::Healthy).count();
+    Ok(HealthyStudy { runs, hours: monitored_h * runs as f64, false_alarms, called_healthy })
+}
+
+/// Flies the scenario `runs` times with a failure of random time, coefficients, size and sign.
+///
+/// # Errors
+/// As [`healthy`].
+pub fn failures(
+    scenario: &Scenario,
+    model: &ModelFile,
+    stick: Stick,
+    runs: usize,
+    done: impl Fn() + Sync,
+) -> Result<FailureStudy, StudyError> {
+    let one = |run: usize| -> Result<(f64, Vec<String>, HealthReport), StudyError> {
+        let (flight, onset_s, failed) = failing(scenario, model, stick, run);
+        Ok((onset_s, failed, watch(&flight, model, RATES[0])?))
+    };
+    let results = monte_carlo(runs, one, done)?;
+    let (mut latencies, mut errors) = (Vec::new(), Vec::new());
+    let (mut false_alarms, mut missed, mut covered, mut all, mut named, mut wrongly) = (0, 0, 0, 0, 0, 0);
+    for (onset_s, failed, report) in &results {
+        let Some(failure) = &report.failure else {
+            missed += 1;
+            continue;
+        };
+        if failure.flagged_at_s < *onset_s {
+            false_alarms += 1;
+            continue;
+        }
+        latencies.push(failure.flagged_at_s - onset_s);
+        if let (Some(found), Some([low, high])) = (failure.onset_s, failure.onset_interval_s) {
+            errors.push((found - onset_s).abs());
+            covered += usize::from((low..=high).contains(onset_s));
+        }
+        all += failed.len();
+        named += failure.parameters.iter().filter(|name| failed.contains(name)).count();
+        wrongly += failure.parameters.iter().filter(|name| !failed.contains(name)).count();
+    }
+    Ok(FailureStudy {
+        stick,
+        runs,
+        false_alarms,
+        missed,
+        latency_median_s: quantile(&mut latencies, 0.5),
+        latency_90_percent_s: quantile(&mut latencies, 0.9),
+        onset_coverage: covered as f64 / errors.len().max(1) as f64,
+        onset_error_median_s: quantile(&mut errors, 0.5),
+        onset_error_90_percent_s: quantile(&mut errors, 0.9),
+        failed: all,
+        named,
+        wrongly_named: wrongly,
+    })
+}
+
+/// Flies a scenario and monitors it.
+pub fn watch(scenario: &Scenario, model: &ModelFile, false_alarms_per_hour: f64) -> Result<HealthReport, StudyError> {
+    let flight = fly(scenario)?;
+    let options = HealthOptions { expected: model.expectations(), false_alarms_per_hour };
+    let (_, report) = monitor(&flight.measured, model, &EstimateOptions::default(), &options, &mut |_| {})?;
+    Ok(report)
+}
+
+/// The scenario as run `run` flies it: another healthy aircraft with other sensors.
+fn aircraft(scenario: &Scenario, model: &ModelFile, run: usize) -> Scenario {
+    let mut random = Pcg64Mcg::seed_from_u64(scenario.seed.wrapping_add(run as u64));
+    let mut flown = Scenario { seed: scenario.seed.wrapping_add(run as u64), ..scenario.clone() };
+    let mut uniform = || 2.0 * random.random::<f64>() - 1.0;
+    for expectation in &model.expectations() {
+        let value = expectation.value + expectation.tolerance * uniform();
+        set(&mut flown.increments, expectation, value);
+    }
+    let sensors = &mut flown.sensors;
+    vary(&mut sensors.true_airspeed, Speed::from_si, &mut uniform);
+    vary(&mut sensors.alpha, Angle::from_si, &mut uniform);
+    vary(&mut sensors.theta, Angle::from_si, &mut uniform);
+    vary(&mut sensors.q, AngularRate::from_si, &mut uniform);
+    vary(&mut sensors.ax, Acceleration::from_si, &mut uniform);
+    vary(&mut sensors.az, Acceleration::from_si, &mut uniform);
+    flown
+}
+
+/// Another noise level, and another constant error of up to twice the scenario's, either sign.
+fn vary<Q: Quantity>(sensor: &mut Sensor<Q>, of_si: fn(f64) -> Q, uniform: &mut impl FnMut() -> f64) {
+    sensor.noise = of_si(sensor.noise.si() * NOISE_FACTOR.powf(uniform()));
+    sensor.bias = of_si(sensor.bias.si() * 2.0 * uniform());
+}
+
+/// A healthy aircraft until a random time between 6 and 12 s; then one to three coefficients leave their tolerance by one to ten
+/// times it. Gives the time and the names.
+fn failing(scenario: &Scenario, model: &ModelFile, stick: Stick, run: usize) -> (Scenario, f64, Vec<String>) {
+    let mut flown = aircraft(scenario, model, run);
+    let mut random = Pcg64Mcg::seed_from_u64(scenario.seed.wrapping_add(0x6661_696c + run as u64));
+    let onset_s = 6.0 + 6.0 * random.random::<f64>();
+    let mut increments = flown.increments;
+    let mut candidates = model.expectations();
+    let mut failed = Vec::new();
+    for _ in 0..random.random_range(1..=3_usize) {
+        let expectation = candidates.remove(random.random_range(0..candidates.len()));
+        let sign = if random.random::<f64>() < 0.5 { -1.0 } else { 1.0 };
+        let beyond = 10.0_f64.powf(random.random::<f64>());
+        set(&mut increments, &expectation, expectation.value + sign * expectation.tolerance * (1.0 + beyond));
+        failed.push(expectation.name);
+    }
+    flown.damage = vec![Damage { at: Time::from_si(onset_s), increments }];
+    if stick == Stick::Calm {
+        flown.manoeuvre = [1.0, 11.0]
+            .map(|start| Manoeuvre::ThreeTwoOneOne {
+                surface: Surface::Elevator,
+                start: Time::from_si(start),
+                unit: Time::from_si(0.6),
+                amplitude: Angle::from_si(1.5_f64.to_radians()),
+            })
+            .to_vec();
+    }
+    (flown, onset_s, failed)
+}
+
+fn set(increments: &mut phugoid_flight_dynamics::increments::Increments, expectation: &Expectation, value: f64) {
+    match expectation.name.as_str() {
+        "dCm_alpha" => increments.dCm_alpha = value,
+        "dCm_q" => increments.dCm_q = value,
+        "dCm_elevator" => increments.dCm_elevator = value,
+        "dCL_alpha" => increments.dCL_alpha = value,
+        "dCD_alpha" => increments.dCD_alpha = value,
+        _ => {}
+    }
+}
+
+/// The smallest value that at least this fraction of the values do not exceed; NaN for none.
+fn quantile(values: &mut [f64], fraction: f64) -> f64 {
+    values.sort_by(f64::total_cmp);
+    let rank = (fraction * values.len() as f64).ceil() as usize;
+    values.get(rank.saturating_sub(1)).copied().unwrap_or(f64::NAN)
+}
+
+/// 95 % interval of a probability of which `k` of `n` trials tell (C. J. Clopper, E. S. Pearson, *Biometrika* 26, 1934).
+pub fn clopper_pearson(k: usize, n: usize) -> [f64; 2] {
+    // P(X <= k) for probability p, in logarithms.
+    let at_most = |k: usize, p: f64| -> f64 {
+        let mut term = n as f64 * (-p).ln_1p();
+        let mut sum = term.exp();
+        for i in 0..k {
+            term += ((n - i) as f64 / (i + 1) as f64).ln() + p.ln() - (-p).ln_1p();
+            sum += term.exp();
+        }
+        sum
+    };
+    let solve = |above: &dyn Fn(f64) -> bool| {
+        let (mut low, mut high) = (0.0, 1.0);
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if above(middle) { high = middle } else { low = middle }
+        }
+        0.5 * (low + high)
+    };
+    let lower = if k == 0 { 0.0 } else { solve(&|p| 1.0 - at_most(k - 1, p) > 0.025) };
+    let upper = if k >= n { 1.0 } else { solve(&|p| at_most(k, p) < 0.025) };
+    [lower, upper]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::clopper_pearson;
+
+    #[test]
+    fn exact_intervals_of_textbook_counts() {
+        // 0 of 10: 1 - 0.025^(1/10); 1 of 10: 0.0025 to 0.4450.
+        let [low, high] = clopper_pearson(0, 10);
+        assert!(low == 0.0 && (high - (1.0 - 0.025_f64.powf(0.1))).abs() < 1e-9);
+        let [low, high] = clopper_pearson(1, 10);
+        assert!((low - 0.002_529).abs() < 1e-6 && (high - 0.445_016).abs() < 1e-6, "{low} {high}");
+        assert_eq!(clopper_pearson(10, 10)[1], 1.0);
+    }
+}
