@@ -25,6 +25,15 @@ const fn group(
 /// What stands for a case of a user's own, whose id has no known group.
 const OWN: Group = group("own", "Cases of your own", &[], &[]);
 
+/// To read beside the cases with the F-16.
+const AIRCRAFT_THEORY: &[&str] =
+    &["2. The aircraft as a model that is linear in its parameters", "10. The law as the thesis prints it"];
+const AIRCRAFT_CODE: &[&str] = &[
+    "crates/phugoid-studies/src/reproduction/aircraft_case/law.rs",
+    "crates/phugoid-estimators/src/thesis/one_parameter.rs",
+    "crates/phugoid-estimators/src/smpe/mod.rs",
+];
+
 /// All groups, in the order of the report.
 pub const GROUPS: &[Group] = &[
     group("trim", "Trim", &[], &[]),
@@ -34,11 +43,11 @@ pub const GROUPS: &[Group] = &[
     group("second-order", "Second-order plant", &[], &[]),
     group("second-order-nonlinear", "Nonlinear second-order plant", &[], &[]),
     group("noise", "Nonlinear second-order plant in noise", &[], &[]),
-    group("dcm-alpha", "F-16: static stability, dC_m_alpha", &[], &[]),
-    group("dcm-q", "F-16: pitch damping, dC_m_q", &[], &[]),
-    group("dcl-alpha", "F-16: lift slope, dC_L_alpha", &[], &[]),
-    group("dcd-alpha", "F-16: drag slope, dC_D_alpha", &[], &[]),
-    group("combined", "F-16: all four coefficients at once", &[], &[]),
+    group("dcm-alpha", "F-16: static stability, dC_m_alpha", AIRCRAFT_THEORY, AIRCRAFT_CODE),
+    group("dcm-q", "F-16: pitch damping, dC_m_q", AIRCRAFT_THEORY, AIRCRAFT_CODE),
+    group("dcl-alpha", "F-16: lift slope, dC_L_alpha", AIRCRAFT_THEORY, AIRCRAFT_CODE),
+    group("dcd-alpha", "F-16: drag slope, dC_D_alpha", AIRCRAFT_THEORY, AIRCRAFT_CODE),
+    group("combined", "F-16: all four coefficients at once", AIRCRAFT_THEORY, AIRCRAFT_CODE),
     group("sensors", "F-16 with realistic sensors", &[], &[]),
     group("pilot", "A pilot's continuous input", &[], &[]),
     group("model-reference", "Comparison with a model-reference estimator", &[], &[]),
