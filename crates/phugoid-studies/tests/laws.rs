@@ -80,3 +80,18 @@ fn study(id: &str) -> Reproduction {
 fn reaching() {
     study("laws/reaching");
 }
+
+#[test]
+fn lambda_and_eta() {
+    study("laws/lambda-eta");
+}
+
+#[test]
+fn sample_time() {
+    study("laws/sample-time");
+}
+
+#[test]
+fn bounds_and_start() {
+    study("laws/bounds-and-start");
+}
