@@ -5,6 +5,7 @@
 //! input that is large enough and not too large is chosen by a rule ([`input`]); how often the flagship then finds the
 //! coefficients in one cycle of the short period is counted over seeds ([`seeds`]) and set beside what the bound allows.
 
+mod damping;
 mod information;
 mod input;
 mod report;
@@ -83,13 +84,14 @@ fn run(id: &str, progress: &(dyn Fn(f64) + Sync)) -> Result<Reproduction, StudyE
     progress(0.2);
     let study = Study::of(&case, &input.described(), &|done| progress(0.2 + 0.8 * done))?;
     report::add(&mut reproduction, &case, &study);
+    reproduction.tables.push(damping::sweep(&case)?);
     Ok(reproduction)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::reproduction::result::Reproduction;
+    use crate::reproduction::result::{Cell, Reproduction};
 
     fn reproduced(id: &str) -> Reproduction {
         let reproduction = run(id, &|_| ()).unwrap();
@@ -129,6 +131,20 @@ mod tests {
         for group in ["dcm-alpha", "dcm-q", "dcl-alpha", "dcd-alpha"] {
             let reproduction = reproduced(&format!("sensors/{group}"));
             assert!(reproduction.requirements.iter().all(|requirement| requirement.met), "{group}");
+        }
+    }
+
+    /// What the text beside the cases says of the thesis's law: not within 5 % to stay in one cycle with any damping.
+    #[test]
+    fn no_damping_makes_the_law_find_them_in_a_cycle() {
+        for (id, text, _) in FILES {
+            let case = AircraftCase::parse(text, id).unwrap();
+            let table = damping::sweep(&case).unwrap();
+            assert_eq!(table.rows.len(), 11);
+            for row in &table.rows {
+                let settled = row[1..].chunks(3).all(|of| matches!(of[2], Cell::Number(t) if t <= input::CYCLE_S));
+                assert!(!settled, "{id}: {row:?}");
+            }
         }
     }
 }
