@@ -175,6 +175,36 @@ pub struct ProcessNoise {
     pub adaptive: bool,
 }
 
+/// The estimator's own settings where they differ from the automatic rule (`docs/tuning.md`).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EstimatorSettings {
+    /// `kappa`: up to this normalised surface value a row slides; none for the rule, 3.
+    pub reaching_limit: Option<f64>,
+    /// Factor on the rule for `kappa2`, `max(6, 2 sqrt(p) + 2)`, beyond which a row is rejected; never below `kappa`.
+    pub rejection_scale: f64,
+    /// Factor on the start priors of the terms; sudden changes and nuisance columns keep theirs.
+    pub prior_scale: f64,
+    /// Factor on the process noise that the file gives (with adaptive noise: on its start).
+    pub process_noise_scale: f64,
+    /// Gain of the adaptation of the process noise, per row; none for the rule, 0.01. Only where it is adaptive.
+    pub adaptation_gain: Option<f64>,
+    /// Length of the median start, s; none for the rule, 0.2 s.
+    pub start_window_s: Option<f64>,
+}
+
+impl Default for EstimatorSettings {
+    fn default() -> Self {
+        Self {
+            reaching_limit: None,
+            rejection_scale: 1.0,
+            prior_scale: 1.0,
+            process_noise_scale: 1.0,
+            adaptation_gain: None,
+            start_window_s: None,
+        }
+    }
+}
+
 /// How a channel is called in the user's file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ChannelMapping {
@@ -222,6 +252,8 @@ pub struct ModelFile {
     pub reference: Reference,
     /// Process noise.
     pub process_noise: ProcessNoise,
+    /// Settings of the estimator beside the automatic rule.
+    pub estimator: EstimatorSettings,
     /// How the input runs between samples.
     pub input: InputHold,
     /// True if a change of the parameters in flight is looked for.

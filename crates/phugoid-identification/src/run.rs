@@ -241,7 +241,13 @@ pub(crate) fn smpe_settings<const ROOM: usize>(
     noise: &[NoiseLevel; OUTPUTS],
 ) -> Result<SmpeSettings<STATES, OUTPUTS, ROOM>, EstimateError> {
     let own = file.estimated().filter(|p| !matches!(p.role, Role::Bias(_)));
-    let priors: Vec<ParameterPrior> = own.map(|p| prior(p, file.base)).collect();
+    let tuned = &file.estimator;
+    let priors: Vec<ParameterPrior> = own
+        .map(|p| {
+            let prior = prior(p, file.base);
+            ParameterPrior { sd: prior.sd * if p.is_nuisance() { 1.0 } else { tuned.prior_scale }, ..prior }
+        })
+        .collect();
     let mut settings = SmpeSettings::automatic(&priors, noise.map(|n| n.std), sample_time(&prepared.time))
         .map_err(|e| EstimateError::Model(e.to_string()))?;
     // The input knows itself what is held (`LongitudinalInput::controls_held`).
@@ -253,13 +259,20 @@ pub(crate) fn smpe_settings<const ROOM: usize>(
         }
     }
     settings = settings.with_biases(biases);
-    let density = file.process_noise.density;
+    settings.reaching_limit = tuned.reaching_limit.unwrap_or(settings.reaching_limit);
+    // A row has to reach before it is rejected.
+    settings.rejection_limit = (tuned.rejection_scale * settings.rejection_limit).max(settings.reaching_limit);
+    settings.start_window_s = tuned.start_window_s.unwrap_or(settings.start_window_s);
+    let density = file.process_noise.density.map(|q| q * tuned.process_noise_scale);
     let gust_rows = std::array::from_fn(|i| i == Output::TrueAirspeed.index() || i == Output::Alpha.index());
     settings.process_noise = if file.process_noise.adaptive {
         ProcessNoise::adaptive(density, gust_rows)
     } else {
         ProcessNoise::fixed(density)
     };
+    if let (true, Some(gain)) = (file.process_noise.adaptive, tuned.adaptation_gain) {
+        settings.process_noise.adaptation_gain = gain;
+    }
     settings.re_reaching = if options.re_reaching.unwrap_or(file.re_reaching) {
         ReReaching::Safe(ChangeDetection::default())
     } else {

@@ -1,7 +1,7 @@
 //! Model files: what they give, and how wrong ones are refused.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // tests and benches may
 
-use phugoid_identification::model_file::{Base, ModelFile, ReferenceValue, Role, Source, Thrust};
+use phugoid_identification::model_file::{Base, EstimatorSettings, ModelFile, ReferenceValue, Role, Source, Thrust};
 use phugoid_identification::output::Output;
 use proptest::prelude::*;
 
@@ -159,6 +159,14 @@ true_airspeed = "10 ft^2/s^3"
 alpha = 1e-5
 adaptive = true
 
+[estimator]
+reaching_limit = 4
+rejection_scale = 1.5
+prior_scale = 2
+process_noise_scale = 0.1
+adaptation_gain = 0.02
+start_window = "100 ms"
+
 [biases]
 alpha = "0.3 deg"
 az = "0.02 g"
@@ -196,6 +204,32 @@ az = "0.02 g"
     assert!((model.process_noise.density[0] - 10.0 * 0.3048 * 0.3048).abs() < 1e-12);
     assert!(model.process_noise.adaptive && !model.re_reaching);
     assert!((model.aircraft.gravity - 9.80665).abs() < 1e-12);
+    let own = EstimatorSettings {
+        reaching_limit: Some(4.0),
+        rejection_scale: 1.5,
+        prior_scale: 2.0,
+        process_noise_scale: 0.1,
+        adaptation_gain: Some(0.02),
+        start_window_s: Some(0.1),
+    };
+    assert_eq!(model.estimator, own);
+    assert_eq!(ModelFile::parse("f16", F16).unwrap().estimator, EstimatorSettings::default());
+}
+
+#[test]
+fn settings_of_the_estimator_that_cannot_be_are_refused() {
+    for (wrong, message) in [
+        ("rejection_scale = 0", "more than zero"),
+        ("prior_scale = 0", "more than zero"),
+        ("process_noise_scale = -1", "zero or more"),
+        ("start_window = \"0.2 m\"", "expected s"),
+        ("kappa = 3", "unknown key `kappa`"),
+    ] {
+        let text = format!("{F16}\n[estimator]\n{wrong}\n");
+        let error = ModelFile::parse("mine.toml", &text).unwrap_err();
+        assert!(error.to_string().contains(message), "{wrong}: {error}");
+        assert_eq!(error.line, text.lines().count(), "{error}");
+    }
 }
 
 proptest! {

@@ -16,3 +16,4 @@ pub mod reproduction;
 pub mod scenario;
 mod sensing;
 pub mod settling;
+pub mod tune;

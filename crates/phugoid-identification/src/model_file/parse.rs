@@ -9,8 +9,8 @@ use toml::de::{DeTable, DeValue};
 use super::expected::expected;
 use super::section::{Section, Source as Text};
 use super::{
-    AirDensity, AircraftData, Base, ChannelMapping, InputHold, ModelFile, ModelFileError, Parameter, ProcessNoise,
-    RateSpeed, Reference, ReferenceValue, Role, Source, Thrust,
+    AirDensity, AircraftData, Base, ChannelMapping, EstimatorSettings, InputHold, ModelFile, ModelFileError, Parameter,
+    ProcessNoise, RateSpeed, Reference, ReferenceValue, Role, Source, Thrust,
 };
 use crate::output::{OUTPUTS, Output, STATES};
 use crate::term::{Coefficient, EXTRA_INPUTS, Term, factor_names};
@@ -33,6 +33,9 @@ const TOP_KEYS: [&str; 15] = [
     "biases",
 ];
 const MORE_TOP_KEYS: [&str; 2] = ["re_reaching", "expected"];
+const MORE_TOP_KEYS: [&str; 2] = ["re_reaching", "estimator"];
+const ESTIMATOR_KEYS: [&str; 6] =
+    ["reaching_limit", "rejection_scale", "prior_scale", "process_noise_scale", "adaptation_gain", "start_window"];
 const AIRCRAFT_KEYS: [&str; 11] = [
     "mass",
     "iyy",
@@ -95,6 +98,7 @@ pub(super) fn parse(file: &str, text: &str) -> Result<ModelFile, ModelFileError>
         parameters,
         reference: reference(&top, base)?,
         process_noise: process_noise(&top)?,
+        estimator: estimator(&top)?,
         input,
         re_reaching: top.boolean("re_reaching")?.unwrap_or(true),
         aircraft,
@@ -332,6 +336,23 @@ fn process_noise(top: &Section) -> Result<ProcessNoise, ModelFileError> {
         }
     }
     Ok(ProcessNoise { density, adaptive: section.boolean("adaptive")?.unwrap_or(false) })
+}
+
+fn estimator(top: &Section) -> Result<EstimatorSettings, ModelFileError> {
+    let Some(section) = top.section("estimator")? else { return Ok(EstimatorSettings::default()) };
+    section.allow("key", ESTIMATOR_KEYS.iter().copied())?;
+    let not_negative = |key: &str, dimension: Dimension| match section.number(key, dimension)? {
+        Some(v) if v < 0.0 => Err(section.error(key, format!("`{key}` is {v}: expected zero or more"))),
+        other => Ok(other),
+    };
+    Ok(EstimatorSettings {
+        reaching_limit: section.positive("reaching_limit", Dimension::NUMBER)?,
+        rejection_scale: section.positive("rejection_scale", Dimension::NUMBER)?.unwrap_or(1.0),
+        prior_scale: section.positive("prior_scale", Dimension::NUMBER)?.unwrap_or(1.0),
+        process_noise_scale: not_negative("process_noise_scale", Dimension::NUMBER)?.unwrap_or(1.0),
+        adaptation_gain: not_negative("adaptation_gain", Dimension::NUMBER)?,
+        start_window_s: not_negative("start_window", Dimension::TIME)?,
+    })
 }
 
 fn reference(top: &Section, base: Base) -> Result<Reference, ModelFileError> {

@@ -89,3 +89,31 @@ fn a_model_beyond_the_small_room_is_refused_by_it() {
     let error = run_in_room::<SMALL_ROOM>(&prepared, &file, &EstimateOptions::default(), &noise, &mut |_| {});
     assert!(error.unwrap_err().to_string().contains('5'));
 }
+
+#[test]
+fn what_the_model_file_says_of_the_estimator_reaches_it() {
+    let record = fly(2.0, 0.026, 31);
+    let noise = NOISE.map(|std| NoiseLevel { std, measured: false });
+    let options = EstimateOptions::default();
+    let settings = |own: &str| {
+        let text = format!("{}\n{own}", include_str!("../../../../data/models/f16.toml"));
+        let file = ModelFile::parse("f16", &text).unwrap();
+        let prepared = prepare(&record, &file).unwrap();
+        super::smpe_settings::<CAPACITY>(&prepared, &file, &options, &noise).unwrap()
+    };
+    let rule = settings("");
+    assert_eq!(settings("[estimator]"), rule);
+    let own = settings(
+        "[estimator]\nreaching_limit = 9\nprior_scale = 2\nprocess_noise_scale = 0.1\nadaptation_gain = 0.02\n\
+         start_window = 0.1",
+    );
+    // A reaching limit above the rule's rejection limit takes that along.
+    assert_eq!((own.reaching_limit, own.rejection_limit, rule.reaching_limit), (9.0, 9.0, 3.0));
+    assert_eq!((own.start_window_s, own.process_noise.adaptation_gain), (0.1, 0.02));
+    for (own, rule) in own.priors.iter().zip(&rule.priors) {
+        assert_eq!(own.sd, 2.0 * rule.sd);
+        assert_eq!(own.change_sd, rule.change_sd, "how large a sudden change may be is another question");
+    }
+    assert_eq!(own.process_noise.variance_per_s, rule.process_noise.variance_per_s.map(|q| 0.1 * q));
+    assert_eq!(settings("[estimator]\nrejection_scale = 2").rejection_limit, 2.0 * rule.rejection_limit);
+}
