@@ -23,10 +23,18 @@ fn assignment(name: &str, model: &str) -> Assignment {
 #[test]
 fn speed() {
     let t = std::time::Instant::now();
-    let tuning = SmpeTuning::new(&[assignment("f16-calm", CALM_MODEL)], &[assignment("f16-thesis-sine", THESIS_MODEL)], 6, &|| ()).unwrap();
+    let tuning = SmpeTuning::new(
+        &[assignment("f16-calm", CALM_MODEL)],
+        &[assignment("f16-thesis-sine", THESIS_MODEL)],
+        6,
+        &|| (),
+    )
+    .unwrap();
     println!("fly {:?}", t.elapsed());
     let t = std::time::Instant::now();
     let rule: Vec<f64> = tuning.settings().iter().map(|s| s.rule).collect();
-    for k in 0..6 { println!("{:?} {:?}", tuning.score(&rule, Part::Training, k), tuning.score(&rule, Part::HeldOut, k)); }
+    for k in 0..6 {
+        println!("{:?} {:?}", tuning.score(&rule, Part::Training, k), tuning.score(&rule, Part::HeldOut, k));
+    }
     println!("score {:?}", t.elapsed());
 }

@@ -94,8 +94,12 @@ impl Comparison {
             Verdict::Gained => format!("Tuning gained: {numbers}."),
             Verdict::Lost => format!("Tuning LOST on what it had not seen: {numbers}. Keep the rule."),
             Verdict::NoDifference => format!("Tuning gained nothing that can be told from chance: {numbers}."),
-            Verdict::Kept => format!("Tuning gained nothing: the tuned settings do as the rule does on all {n} held-out runs."),
-            Verdict::TooFew => format!("Too few held-out runs to tell: {numbers}. Give more with --hold-out or --runs."),
+            Verdict::Kept => {
+                format!("Tuning gained nothing: the tuned settings do as the rule does on all {n} held-out runs.")
+            }
+            Verdict::TooFew => {
+                format!("Too few held-out runs to tell: {numbers}. Give more with --hold-out or --runs.")
+            }
         }
     }
 }
@@ -187,6 +191,10 @@ mod tests {
         assert_eq!(verdict(&[0.0; 6]), Verdict::Kept);
         assert_eq!(verdict(&[-1.0, -2.0]), Verdict::TooFew);
         let lost = Comparison::of(pairs(&[1.0, 1.1, 0.9, 1.0, 1.2, 0.8], 1));
-        assert!(lost.sentence().contains("LOST") && lost.sentence().contains("0 better, 6 worse"), "{}", lost.sentence());
+        assert!(
+            lost.sentence().contains("LOST") && lost.sentence().contains("0 better, 6 worse"),
+            "{}",
+            lost.sentence()
+        );
     }
 }

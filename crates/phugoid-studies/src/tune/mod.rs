@@ -7,8 +7,12 @@
 //!
 //! `docs/tuning.md` has rules, objective and measured gains.
 
+pub mod cases;
 pub mod comparison;
+mod flight_law;
 pub mod objective;
+mod plant_law;
+pub mod rule;
 pub mod search;
 pub mod setting;
 pub mod smpe;
@@ -177,9 +181,7 @@ pub fn tune(
         Some(file) => state::read(file, &problem)?,
         None => None,
     }
-    .unwrap_or_else(|| {
-        Search::new(settings.iter().zip(&rule).map(|(s, v)| s.place(*v)).collect(), options.seed)
-    });
+    .unwrap_or_else(|| Search::new(settings.iter().zip(&rule).map(|(s, v)| s.place(*v)).collect(), options.seed));
     count(search.generation as usize * size * training);
     while search.generation < generations {
         let points = search.ask();
@@ -207,9 +209,10 @@ pub fn tune(
     let rule_scores = score(&rule);
     let comparison = (generations > 0).then(|| {
         let tuned_scores = score(&tuned);
-        let pairs = tunable.runs(Part::HeldOut).iter().zip(rule_scores.iter().zip(tuned_scores)).map(|(name, (rule, tuned))| {
-            Pair { scenario: name.scenario.clone(), run: name.run, rule: *rule, tuned }
-        });
+        let pairs =
+            tunable.runs(Part::HeldOut).iter().zip(rule_scores.iter().zip(tuned_scores)).map(
+                |(name, (rule, tuned))| Pair { scenario: name.scenario.clone(), run: name.run, rule: *rule, tuned },
+            );
         Comparison::of(pairs.collect())
     });
     Ok(Tuning {

@@ -148,7 +148,10 @@ mod tests {
             of(|_| f64::NAN, None),
         ]
         .map(|s| s.objective);
-        assert!(fast < slow && slow < biased && biased < chatter && chatter < lost, "{fast} {slow} {biased} {chatter} {lost}");
+        assert!(
+            fast < slow && slow < biased && biased < chatter && chatter < lost,
+            "{fast} {slow} {biased} {chatter} {lost}"
+        );
         assert!(lost.is_finite() && lost < FAILED);
         // A bound is paid for by its width, and by what it misses.
         let [honest, bold, shy] = [0.01, 0.001, 0.1].map(|s| of(|_| -1.99, Some(s)).objective);

@@ -65,8 +65,7 @@ impl SmpeTuning {
         runs: usize,
         done: &(dyn Fn() + Sync),
     ) -> Result<Self, StudyError> {
-        let process_noise =
-            training.iter().any(|a| a.model.process_noise.density.iter().any(|density| *density > 0.0));
+        let process_noise = training.iter().any(|a| a.model.process_noise.density.iter().any(|density| *density > 0.0));
         let adaptive = training.iter().any(|a| a.model.process_noise.adaptive);
         Ok(Self {
             settings: settings(process_noise, adaptive),
@@ -163,12 +162,7 @@ fn settings(process_noise: bool, adaptive: bool) -> Vec<Setting> {
     settings
 }
 
-fn fly_all(
-    assignments: &[Assignment],
-    runs: usize,
-    first: u64,
-    done: &(dyn Fn() + Sync),
-) -> Result<Runs, StudyError> {
+fn fly_all(assignments: &[Assignment], runs: usize, first: u64, done: &(dyn Fn() + Sync)) -> Result<Runs, StudyError> {
     let names: Vec<RunName> = assignments
         .iter()
         .flat_map(|a| (0..runs as u64).map(|run| RunName { scenario: a.name.clone(), run: first + run }))
@@ -284,7 +278,13 @@ impl Tunable for SmpeTuning {
             "# Settings of the estimator, written by `phugoid tune smpe`. Append this section to a model file.\n[estimator]\n",
         );
         for (setting, value) in self.settings.iter().zip(values) {
-            text.push_str(&format!("{} = {}  # {}; by rule {}\n", setting.name, setting.in_toml(*value), setting.meaning, setting.rule));
+            text.push_str(&format!(
+                "{} = {}  # {}; by rule {}\n",
+                setting.name,
+                setting.in_toml(*value),
+                setting.meaning,
+                setting.rule
+            ));
         }
         text
     }

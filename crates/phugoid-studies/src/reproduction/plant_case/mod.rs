@@ -23,4 +23,5 @@ pub use format::{Noise, Parameter, PlantCase, Settings, Signal};
 pub use method::{MethodRun, MethodSettings, Surface, run_method};
 pub use plant::Plant;
 pub(super) use simulate::with_noise;
+pub(crate) use plant::Visit;
 pub use simulate::{PlantRun, simulate};

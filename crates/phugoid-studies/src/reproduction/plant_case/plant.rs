@@ -28,7 +28,7 @@ pub enum Plant {
 }
 
 /// What is to be done with a plant, whatever its size.
-pub(super) trait Visit {
+pub(crate) trait Visit {
     /// What comes of it.
     type Output;
 
@@ -77,7 +77,7 @@ impl Plant {
         }
     }
 
-    pub(super) fn visit<V: Visit>(&self, visitor: V) -> V::Output {
+    pub(crate) fn visit<V: Visit>(&self, visitor: V) -> V::Output {
         match *self {
             Self::FirstOrder {} => visitor.visit::<_, 1, 2, 1, 1>(&plants::FirstOrder),
             Self::FirstOrderNonlinear { input_gain, coupling, .. } => {
