@@ -27,6 +27,7 @@ fn main() -> ExitCode {
         },
         Some(Command::Study(arguments)) => commands::study::run(arguments),
         Some(Command::Reproduce(arguments)) => commands::reproduce::run(arguments),
+        Some(Command::Tune(arguments)) => commands::tune::run(arguments),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

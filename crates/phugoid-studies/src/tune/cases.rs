@@ -10,6 +10,7 @@ use super::objective::{Score, Trace, score};
 use super::plant_law::{self, Law};
 use super::rule::{self, Expected};
 use super::setting::{Range, Setting};
+use super::state::fingerprint;
 use super::{HELD_OUT_RUNS, Part, RunName, Tunable, flight_law};
 use crate::accuracy::StudyError;
 use crate::flight::Flight;
@@ -25,8 +26,15 @@ pub struct NamedCase {
     pub name: String,
     /// The case.
     pub case: Case,
-    /// Fingerprint of its text.
+    /// Fingerprint of the case.
     pub fingerprint: String,
+}
+
+impl NamedCase {
+    /// A case under a name.
+    pub fn new(name: &str, case: Case) -> Self {
+        Self { name: name.to_owned(), fingerprint: fingerprint(&format!("{case:?}")), case }
+    }
 }
 
 /// Which law is tuned.

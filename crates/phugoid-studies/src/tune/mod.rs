@@ -10,6 +10,7 @@
 pub mod cases;
 pub mod comparison;
 mod flight_law;
+pub mod material;
 pub mod objective;
 mod plant_law;
 pub mod rule;

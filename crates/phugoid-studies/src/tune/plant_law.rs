@@ -97,15 +97,24 @@ impl Runner<'_> {
     }
 }
 
-/// What to expect of a case: its plant with the start values for the truth, under its input.
+/// What to expect of a case: its plant with the start values for the truth, under its input; and how large its regressor
+/// gets if the truth is at the bounds.
 pub(super) fn expected(case: &PlantCase) -> Result<Expected, StudyError> {
-    let mut nominal = PlantCase { noise: None, ..case.clone() };
-    for parameter in nominal.parameters.values_mut() {
-        parameter.truth = parameter.start;
-    }
-    let run = simulate(&nominal)?;
+    let with = |truth: fn(&Parameter) -> f64| {
+        let mut case = PlantCase { noise: None, ..case.clone() };
+        for parameter in case.parameters.values_mut() {
+            parameter.truth = truth(parameter);
+        }
+        simulate(&case)
+    };
     let noise = case.noise.map_or(0.0, |noise| (noise.power / case.sample_time.si()).sqrt());
-    Ok(case.plant.visit(Look { case, run: &run, noise }))
+    let look = |run: &PlantRun| case.plant.visit(Look { case, run, noise });
+    let mut expected = look(&with(|p| p.start)?);
+    // At a bound the plant may escape before the end of the record: what it does then says nothing.
+    for run in [with(|p| p.lower), with(|p| p.upper)].into_iter().flatten() {
+        expected.largest_regressor = expected.largest_regressor.max(look(&run).largest_regressor);
+    }
+    Ok(expected)
 }
 
 struct Look<'a> {
@@ -170,6 +179,11 @@ pub(super) fn summary(
         rate: mean(&|p| p.rate * p.rate).sqrt(),
         slope: excited.get(excited.len() / 2).copied().unwrap_or(0.0),
         regressor: mean(&|p| p.regressors.iter().map(|r| r * r).sum()).sqrt(),
+        largest_regressor: points
+            .iter()
+            .map(|p| p.regressors.iter().map(|r| r * r).sum::<f64>())
+            .fold(0.0, f64::max)
+            .sqrt(),
         noise,
         nominal,
         half_width,

@@ -19,6 +19,8 @@ pub struct Expected {
     pub slope: f64,
     /// Root mean square of `|Phi R|`, regressors times half widths of the bounds, 1/s.
     pub regressor: f64,
+    /// Largest `|Phi R|` of the plant with the nominal parameters, and with all at their lower or upper bounds, 1/s.
+    pub largest_regressor: f64,
     /// One-sigma noise of the channel; 0 for none.
     pub noise: f64,
     /// Smallest nominal parameter, as a fraction of its half width.
@@ -64,13 +66,15 @@ pub fn thesis_law(expected: &Expected) -> [f64; 2] {
 ///
 /// * `k h = 1` without noise, an eighth of the limit; with noise so slow that it leaves 2.5 % of the nominal parameter, but at
 ///   least ten time constants per record.
-/// * `g` by critical damping at the root mean square of the regressor.
+/// * `g` by critical damping at the root mean square of the regressor, but at most half of the stability limit at the largest
+///   regressor that a truth inside the bounds can make.
 pub fn model_reference(expected: &Expected) -> [f64; 2] {
     let Expected { sample_time_s: h, duration_s, regressor, noise, nominal, .. } = *expected;
     let fastest = 1.0 / h;
     let quiet = (32.0 * (NOISE_ERROR * nominal * regressor / noise).powi(2) / h).cbrt();
     let decay = if noise > 0.0 { quiet.clamp((20.0 / duration_s).min(fastest), fastest) } else { fastest };
-    [0.25 * (decay / regressor).powi(2), decay]
+    let damped = 0.25 * (decay / regressor).powi(2);
+    [damped.min(decay / (h * expected.largest_regressor.powi(2))), decay]
 }
 
 #[cfg(test)]
@@ -87,6 +91,7 @@ mod tests {
         rate: 2.0,
         slope: 0.3,
         regressor: 0.8,
+        largest_regressor: 1.1,
         noise: 0.0,
         nominal: 1.0,
         half_width: 2.0,
@@ -109,8 +114,11 @@ mod tests {
         assert_eq!((lambda, eta), (50.0, 0.3e-3));
         let [gain, decay] = model_reference(&QUIET);
         assert_eq!(decay, 100.0);
-        // Well inside the limit of the step.
-        assert!(gain * QUIET.sample_time_s * QUIET.regressor.powi(2) < 2.0 * decay / 2.0);
+        // Critically damped, and a plant that is excited far more than expected is still stable.
+        assert!((gain * 0.8_f64.powi(2) - 0.25 * decay * decay).abs() < 1e-9);
+        let wild = Expected { largest_regressor: 8.0, ..QUIET };
+        let [gain, decay] = model_reference(&wild);
+        assert!((gain * 0.01 * 64.0 - decay).abs() < 1e-9, "half of 2 k");
     }
 
     /// The law's own recursion with noise of the assumed size leaves the error that the rule allows.

@@ -1,6 +1,7 @@
 //! The flagship on flights: its settings in the `[estimator]` section of the model file.
 
 use std::collections::BTreeMap;
+use std::path::PathBuf;
 
 use phugoid_flight_data::record::Record;
 use phugoid_flight_dynamics::increments::Increments;
@@ -11,6 +12,7 @@ use rand_pcg::Pcg64Mcg;
 
 use super::objective::{Score, Trace, score};
 use super::setting::{Range, Setting};
+use super::state::fingerprint;
 use super::{HELD_OUT_RUNS, Part, RunName, Tunable};
 use crate::accuracy::StudyError;
 use crate::flight::fly;
@@ -26,8 +28,20 @@ pub struct Assignment {
     pub scenario: Scenario,
     /// What the estimator is told.
     pub model: ModelFile,
-    /// Fingerprint of the texts of both.
+    /// Fingerprint of both.
     pub fingerprint: String,
+}
+
+impl Assignment {
+    /// A scenario and what the estimator is told of it.
+    pub fn new(name: &str, scenario: Scenario, model: ModelFile) -> Self {
+        // Of what they say, wherever the files lie.
+        let said = (
+            Scenario { folder: PathBuf::new(), ..scenario.clone() },
+            ModelFile { source: String::new(), ..model.clone() },
+        );
+        Self { name: name.to_owned(), scenario, model, fingerprint: fingerprint(&format!("{said:?}")) }
+    }
 }
 
 /// The flagship with flights to tune on and flights to judge by.

@@ -9,3 +9,4 @@ pub(crate) mod result;
 pub(crate) mod simulate;
 pub(crate) mod study;
 pub(crate) mod trim;
+pub(crate) mod tune;

@@ -65,7 +65,8 @@ pub(crate) fn run(arguments: &arguments::Study) -> Result<(), Failure> {
     }
 }
 
-fn failure(error: StudyError) -> Failure {
+/// A study that cannot be made: its input's fault, or the task has no answer.
+pub(super) fn failure(error: StudyError) -> Failure {
     match error {
         StudyError::Flight(error) => super::simulate::failure(error),
         StudyError::Estimate(_) | StudyError::Unsuitable(_) => Failure::input(error),
