@@ -26,6 +26,7 @@ mod repeated;
 pub mod result;
 mod sensors;
 mod trim;
+mod tuning;
 
 use crate::accuracy::StudyError;
 pub use published::Published;
@@ -74,6 +75,7 @@ pub fn entries() -> Vec<Entry> {
         laws::ENTRIES,
         // health
         health::ENTRIES,
+        tuning::ENTRIES,
     ]
     .concat()
 }

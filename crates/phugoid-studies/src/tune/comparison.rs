@@ -42,11 +42,26 @@ pub enum Verdict {
     TooFew,
 }
 
+/// Difference of the objective on the runs of one scenario.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ScenarioDifference {
+    /// Scenario or case.
+    pub scenario: String,
+    /// Held-out runs of it.
+    pub runs: usize,
+    /// Mean difference of the objective, tuned less rule.
+    pub mean_difference: f64,
+    /// 95 % bootstrap interval of it over the runs; nothing wide for a single run.
+    pub interval: [f64; 2],
+}
+
 /// Differences of the objective, tuned less rule: negative is better.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Comparison {
     /// Every held-out run.
     pub pairs: Vec<Pair>,
+    /// By scenario: a mean over all of them may come from one.
+    pub scenarios: Vec<ScenarioDifference>,
     /// Mean difference of the objective.
     pub mean_difference: f64,
     /// 95 % confidence interval of the mean difference: percentiles of a bootstrap that draws runs anew within each scenario.
@@ -64,7 +79,23 @@ impl Comparison {
     /// Compares pairs.
     pub fn of(pairs: Vec<Pair>) -> Self {
         let differences: Vec<f64> = pairs.iter().map(|p| p.tuned.objective - p.rule.objective).collect();
-        let interval = bootstrap(&pairs, &differences);
+        let strata = strata(&pairs, &differences);
+        let scenarios = strata
+            .iter()
+            .map(|(name, values)| ScenarioDifference {
+                scenario: (*name).to_owned(),
+                runs: values.len(),
+                mean_difference: mean(values),
+                interval: bootstrap(std::slice::from_ref(values)),
+            })
+            .collect();
+        // Cases of which there is but one run have no spread of their own: they are drawn among one another.
+        let (single, mut groups): (Vec<_>, Vec<_>) =
+            strata.into_iter().map(|(_, values)| values).partition(|values| values.len() == 1);
+        if !single.is_empty() {
+            groups.push(single.concat());
+        }
+        let interval = bootstrap(&groups);
         let verdict = match interval {
             _ if !differences.is_empty() && differences.iter().all(|d| *d == 0.0) => Verdict::Kept,
             _ if pairs.len() < FEWEST => Verdict::TooFew,
@@ -73,6 +104,7 @@ impl Comparison {
             _ => Verdict::NoDifference,
         };
         Self {
+            scenarios,
             mean_difference: mean(&differences),
             interval,
             better: differences.iter().filter(|d| **d < 0.0).count(),
@@ -108,12 +140,8 @@ fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
-/// 95 % interval of the mean difference, runs drawn with replacement within each scenario.
-fn bootstrap(pairs: &[Pair], differences: &[f64]) -> [f64; 2] {
-    if differences.is_empty() {
-        return [f64::NAN; 2];
-    }
-    // Runs by scenario, in the order of first appearance.
+/// Differences by scenario, in the order of first appearance.
+fn strata<'a>(pairs: &'a [Pair], differences: &[f64]) -> Vec<(&'a str, Vec<f64>)> {
     let mut strata: Vec<(&str, Vec<f64>)> = Vec::new();
     for (pair, difference) in pairs.iter().zip(differences) {
         match strata.iter_mut().find(|(name, _)| *name == pair.scenario) {
@@ -121,22 +149,25 @@ fn bootstrap(pairs: &[Pair], differences: &[f64]) -> [f64; 2] {
             None => strata.push((&pair.scenario, vec![*difference])),
         }
     }
-    // Cases of which there is but one run have no spread of their own: they are drawn among one another.
-    let (single, mut groups): (Vec<_>, Vec<_>) =
-        strata.into_iter().map(|(_, values)| values).partition(|values| values.len() == 1);
-    if !single.is_empty() {
-        groups.push(single.concat());
+    strata
+}
+
+/// 95 % interval of the mean over all groups, values drawn with replacement within each.
+fn bootstrap(groups: &[Vec<f64>]) -> [f64; 2] {
+    let count: usize = groups.iter().map(Vec::len).sum();
+    if count == 0 {
+        return [f64::NAN; 2];
     }
     let mut random = Pcg64Mcg::seed_from_u64(SEED);
     let mut means: Vec<f64> = (0..RESAMPLES)
         .map(|_| {
             let mut sum = 0.0;
-            for group in &groups {
+            for group in groups {
                 for _ in 0..group.len() {
                     sum += group[random.random_range(0..group.len())];
                 }
             }
-            sum / differences.len() as f64
+            sum / count as f64
         })
         .collect();
     means.sort_by(f64::total_cmp);
@@ -180,6 +211,8 @@ mod tests {
         let comparison = Comparison::of(pairs(&differences, 2));
         assert_eq!(comparison.verdict, Verdict::Gained);
         assert!((comparison.interval[1] - comparison.interval[0]).abs() < 1e-12);
+        let means: Vec<f64> = comparison.scenarios.iter().map(|s| s.mean_difference).collect();
+        assert!((means[0] + 2.0).abs() < 1e-12 && (means[1] + 0.1).abs() < 1e-12, "{means:?}");
     }
 
     #[test]

@@ -12,7 +12,7 @@ use super::{Tunable, TuneError};
 use crate::published;
 use crate::reproduction::aircraft_case::model_file;
 use crate::reproduction::case_file::Case;
-use crate::reproduction::plant_case::published_case;
+use crate::reproduction::plant_case::{published_case, published_ids};
 use crate::scenario::{BUILT_IN, Scenario, ScenarioError, built_in, nearest, parse_toml};
 
 /// Methods that can be tuned.
@@ -34,14 +34,30 @@ impl Method {
                 &["f16-calm", "f16-gust-actuators", "f16-thesis-sine"],
                 &["f16-calm", "f16-damage", "f16-thesis-doublet"],
             ],
-            Self::ThesisLaw => [STANDARD_CASES_TRAINING, STANDARD_CASES_HELD_OUT],
-            Self::ModelReference => [STANDARD_CASES_TRAINING, STANDARD_CASES_HELD_OUT],
+            Self::ThesisLaw => [
+                &[
+                    "first-order/1",
+                    "first-order/3",
+                    "first-order/5",
+                    "first-order-nonlinear/1",
+                    "first-order-nonlinear/3",
+                ],
+                &["first-order/2", "first-order/4", "first-order-nonlinear/2", "first-order-nonlinear/4"],
+            ],
+            Self::ModelReference => [
+                &[
+                    "first-order/1",
+                    "first-order/5",
+                    "second-order/1",
+                    "second-order/3",
+                    "second-order-nonlinear/1",
+                    "noise/1",
+                ],
+                &["first-order/4", "second-order/2", "second-order/4", "second-order-nonlinear/2", "noise/3"],
+            ],
         }
     }
 }
-
-const STANDARD_CASES_TRAINING: &[&str] = &["first-order/1"];
-const STANDARD_CASES_HELD_OUT: &[&str] = &["first-order/1"];
 
 /// The model file of each built-in scenario.
 const MODELS: &[(&str, &str)] = &[
@@ -132,10 +148,10 @@ fn flight(name: &str, scenario: Scenario, model: Option<&ModelFile>) -> Result<M
 }
 
 fn hint(wanted: &str) -> String {
-    let names = || BUILT_IN.iter().map(|(name, _)| *name).chain(STANDARD_CASES_TRAINING.iter().copied());
+    let names = || BUILT_IN.iter().map(|(name, _)| *name).chain(published_ids());
     match nearest(wanted, names()) {
         Some(near) => format!("Did you mean the built-in `{near}`?"),
-        None => format!("Built-in: {}, and the published cases by their ids", names().collect::<Vec<_>>().join(", ")),
+        None => format!("Built-in: {}", names().collect::<Vec<_>>().join(", ")),
     }
 }
 

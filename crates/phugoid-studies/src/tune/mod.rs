@@ -26,7 +26,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use rayon::prelude::*;
 use serde::Serialize;
 
-pub use comparison::{Comparison, Pair, Verdict};
+pub use comparison::{Comparison, Pair, ScenarioDifference, Verdict};
 pub use objective::Score;
 pub use setting::{Range, Setting};
 

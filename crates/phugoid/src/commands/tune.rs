@@ -129,6 +129,16 @@ fn text(tuning: &Tuning, held_out: &[RunName], conclusion: Option<&str>, file: &
             .collect(),
     };
     text.push_str(&by_scenario(&pairs, searched));
+    if let Some(comparison) = &tuning.held_out {
+        text.push_str("\nDifference of the objective, tuned less rule (negative is better)\n");
+        let mut table = Table::new(&["scenario", "mean", "95 % interval"]);
+        for s in &comparison.scenarios {
+            let [lower, upper] = s.interval;
+            let interval = if s.runs > 1 { format!("{lower:+.3} to {upper:+.3}") } else { "one run".to_owned() };
+            table.row([s.scenario.clone(), format!("{:+.3}", s.mean_difference), interval]);
+        }
+        text.push_str(&table.render());
+    }
     if let Some(conclusion) = conclusion {
         let _ = writeln!(text, "\n{conclusion}");
     }

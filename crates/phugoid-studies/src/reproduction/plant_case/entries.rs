@@ -54,6 +54,11 @@ pub fn published_case(id: &str) -> Result<PlantCase, StudyError> {
     PlantCase::parse(text, id).map_err(|error| StudyError::Unsuitable(error.to_string()))
 }
 
+/// Ids of the published plant cases.
+pub fn published_ids() -> impl Iterator<Item = &'static str> + Clone {
+    FILES.iter().map(|(id, _)| *id)
+}
+
 fn run(id: &str, progress: &(dyn Fn(f64) + Sync)) -> Result<Reproduction, StudyError> {
     let result = published_case(id)?.run(id);
     progress(1.0);

@@ -18,7 +18,7 @@ pub mod verdict;
 pub use bound::bound;
 pub use condition::slopes;
 pub(super) use entries::ENTRIES;
-pub use entries::published_case;
+pub use entries::{published_case, published_ids};
 pub use format::{Noise, Parameter, PlantCase, Settings, Signal};
 pub use method::{MethodRun, MethodSettings, Surface, run_method};
 pub use plant::Plant;
