@@ -54,7 +54,7 @@ impl Search {
 
     /// Points per generation for this many settings.
     pub fn population_size(settings: usize) -> usize {
-        (3 * settings).max(8)
+        (3 * settings).max(12)
     }
 
     /// The points that the next generation evaluates.
@@ -172,24 +172,28 @@ mod tests {
         }
     }
 
-    /// A narrow valley, a hundred times as steep across as along. Its lowest value is a little below 0.21^2, the value at
-    /// (0.7, 0.49, 0.343).
+    /// A narrow valley, a hundred times as steep across as along.
     fn valley(x: &[f64]) -> f64 {
         x.windows(2).map(|w| 100.0 * (w[1] - 0.7 * w[0]).powi(2) + (w[0] - 0.7).powi(2)).sum()
     }
 
     #[test]
     fn it_finds_the_floor_of_a_valley_and_never_gets_worse() {
-        for seed in 0..5 {
+        // With y = 0.7 x, z = 0.7 y: (x - 0.7)^2 + (0.7 x - 0.7)^2 is least at x = 1.19/1.49, where it is 0.0296; leaving the
+        // bottom of the valley a little makes that 0.0294.
+        let mut found = 0;
+        for seed in 0..10 {
             let mut search = Search::new(vec![0.1, 0.9, 0.5], seed);
-            run(&mut search, 100, valley);
+            run(&mut search, 80, valley);
             let scores = &search.best_scores;
             assert!(scores.windows(2).all(|w| w[1] <= w[0]));
             assert!(scores[0] <= valley(&[0.1, 0.9, 0.5]), "the start itself is evaluated");
-            let lowest = 0.21_f64.powi(2);
             let best = search.best().unwrap();
-            assert!(best.score < lowest * 1.1, "seed {seed}: {best:?}");
+            assert!(best.score > 0.0293 && best.score < 0.3, "seed {seed}: {best:?}");
+            found += usize::from(best.score < 0.03);
         }
+        // A population of twelve now and then crowds together too early: one search in ten.
+        assert!(found >= 8, "{found} of 10");
     }
 
     #[test]
