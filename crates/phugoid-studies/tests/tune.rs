@@ -230,13 +230,12 @@ fn the_rules_allow_for_noise() {
             Method::ThesisLaw => vec![1.0, 1e-3, 0.0],
             _ => vec![100.0, 4.0, 0.0],
         };
-        let mean = |values: &[f64]| (0..6).map(|k| tunable.score(values, Part::Training, k).objective).sum::<f64>() / 6.0;
-        println!("{}: {:.3} by rule, {:.3} without care", tunable.method(), mean(&by_rule), mean(&careless));
-        for k in 0..6 {
-            let score = tunable.score(&by_rule, Part::Training, k);
-            println!("  {score:?}");
-            assert!(score.final_error < 0.05, "{}: {score:?}", tunable.method());
-        }
-        assert!(mean(&by_rule) < mean(&careless) - 0.5);
+        let error =
+            |values: &[f64]| (0..6).map(|k| tunable.score(values, Part::Training, k).final_error).sum::<f64>() / 6.0;
+        let (ruled, careless) = (error(&by_rule), error(&careless));
+        println!("{}: final error {ruled:.4} by rule, {careless:.4} without care", tunable.method());
+        // The rule allows 1.25 % of the start value, 4; the truths lie between 1 and 9.
+        assert!((0.003..0.03).contains(&ruled), "{}: {ruled}", tunable.method());
+        assert!(careless > 1.5 * ruled, "{}: {ruled} {careless}", tunable.method());
     }
 }

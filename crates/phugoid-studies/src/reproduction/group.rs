@@ -52,6 +52,12 @@ pub const GROUPS: &[Group] = &[
     group("pilot", "A pilot's continuous input", &[], &[]),
     group("model-reference", "Comparison with a model-reference estimator", &[], &[]),
     group("laws", "The printed laws, studied", &[], &[]),
+    group(
+        "tuning",
+        "Choosing the gains",
+        &[],
+        &["crates/phugoid-studies/src/tune/rule.rs", "crates/phugoid-studies/src/tune/objective.rs"],
+    ),
     group("health", "Health monitoring", &[], &[]),
 ];
 

@@ -163,7 +163,7 @@ fn settings(method: CaseMethod) -> Vec<Setting> {
                 "eta_scale",
                 "factor on eta by rule",
                 [1e-3, 1e3],
-                "noise may leave 2.5 % of the nominal parameter; at least a thousandth of the median |z|",
+                "noise may leave 1.25 % of the nominal parameter; at least a thousandth of the median |z|",
             ),
             choice(
                 "form",
@@ -183,7 +183,7 @@ fn settings(method: CaseMethod) -> Vec<Setting> {
                 "decay_scale",
                 "factor on the decay k of the state error by rule",
                 [1e-2, 4.0],
-                "k h = 1, an eighth of the limit; with noise so slow that it leaves 2.5 % of the nominal parameter",
+                "k h = 1, an eighth of the limit; with noise so slow that it leaves 1.25 % of the nominal parameter",
             ),
             choice(
                 "normalisation",

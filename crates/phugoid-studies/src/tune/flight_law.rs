@@ -47,7 +47,8 @@ pub(super) fn run(
         lambda,
         eta,
     };
-    let method = MethodSettings { name: "thesis law".to_owned(), role: Role::Published, method: Method::Law(law) };
+    let method =
+        MethodSettings { name: "thesis law".to_owned(), role: Role::Published, method: Method::Laws(vec![law]) };
     run_method(case, flight, &method).ok()
 }
 

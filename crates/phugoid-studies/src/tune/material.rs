@@ -10,7 +10,7 @@ use super::cases::{CaseMethod, CaseTuning, NamedCase};
 use super::smpe::{Assignment, SmpeTuning};
 use super::{Tunable, TuneError};
 use crate::published;
-use crate::reproduction::aircraft_case::model_file;
+use crate::reproduction::aircraft_case::{self, model_file};
 use crate::reproduction::case_file::Case;
 use crate::reproduction::plant_case::{published_case, published_ids};
 use crate::scenario::{BUILT_IN, Scenario, ScenarioError, built_in, nearest, parse_toml};
@@ -37,12 +37,14 @@ impl Method {
             Self::ThesisLaw => [
                 &[
                     "first-order/1",
-                    "first-order/3",
                     "first-order/5",
                     "first-order-nonlinear/1",
-                    "first-order-nonlinear/3",
+                    "dcm-alpha/1",
+                    "dcm-q/1",
+                    "dcl-alpha/1",
+                    "dcd-alpha/1",
                 ],
-                &["first-order/2", "first-order/4", "first-order-nonlinear/2", "first-order-nonlinear/4"],
+                &["first-order/4", "first-order-nonlinear/2", "dcm-alpha/4", "dcm-q/3", "dcl-alpha/3", "dcd-alpha/2"],
             ],
             Self::ModelReference => [
                 &[
@@ -116,8 +118,11 @@ pub fn read(wanted: &str, model: Option<&ModelFile>) -> Result<Material, Materia
         if let Some(scenario) = built_in(wanted) {
             return flight(wanted, scenario?, model);
         }
-        if let Ok(case) = published_case(wanted) {
-            return Ok(Material::Case(Box::new(NamedCase::new(wanted, Case::Plant(Box::new(case))))));
+        let published = published_case(wanted).map(|case| Case::Plant(Box::new(case)));
+        let published =
+            published.or_else(|_| aircraft_case::published_case(wanted).map(|c| Case::Aircraft(Box::new(c))));
+        if let Ok(case) = published {
+            return Ok(Material::Case(Box::new(NamedCase::new(wanted, case))));
         }
     }
     let text = std::fs::read_to_string(file).map_err(|source| MaterialError::Unknown {
@@ -148,7 +153,7 @@ fn flight(name: &str, scenario: Scenario, model: Option<&ModelFile>) -> Result<M
 }
 
 fn hint(wanted: &str) -> String {
-    let names = || BUILT_IN.iter().map(|(name, _)| *name).chain(published_ids());
+    let names = || BUILT_IN.iter().map(|(name, _)| *name).chain(published_ids()).chain(aircraft_case::published_ids());
     match nearest(wanted, names()) {
         Some(near) => format!("Did you mean the built-in `{near}`?"),
         None => format!("Built-in: {}", names().collect::<Vec<_>>().join(", ")),

@@ -29,8 +29,9 @@ pub struct Expected {
     pub half_width: f64,
 }
 
-/// The error that noise may leave, as a fraction of the nominal parameter: half of the 5 % that count as converged.
-const NOISE_ERROR: f64 = 0.025;
+/// The error that noise may leave, one sigma, as a fraction of the nominal parameter: a quarter of the 5 % that count as
+/// converged, so that an estimate that has arrived stays.
+const NOISE_ERROR: f64 = 0.0125;
 /// Smallest `eta` as a part of the median `|z|`: below it nothing is gained, and the law divides by nothing when `z` passes
 /// through zero.
 const SMALLEST_ETA: f64 = 1e-3;
@@ -43,8 +44,8 @@ const SMALLEST_ETA: f64 = 1e-3;
 ///
 /// * `lambda h = 0.5` without noise: beyond 1 the law overshoots, beyond 2 it diverges (docs/theory.md section 10). With
 ///   noise no more than where `lambda E` is as noisy as `D`, `lambda = x'/x`, but at least ten time constants per record.
-/// * `eta`: the error that noise leaves equals 2.5 % of the nominal parameter: `eta = |z| (1 - rho)/(2 rho)` with
-///   `rho = (2.5 % theta |z| / sigma_n)^2`, and at least a thousandth of the median `|z|`.
+/// * `eta`: the error that noise leaves equals 1.25 % of the nominal parameter: `eta = |z| (1 - rho)/(2 rho)` with
+///   `rho = (1.25 % theta |z| / sigma_n)^2`, and at least a thousandth of the median `|z|`.
 pub fn thesis_law(expected: &Expected) -> [f64; 2] {
     let Expected { sample_time_s: h, duration_s, signal, rate, slope, noise, .. } = *expected;
     let fastest = 0.5 / h;
@@ -64,7 +65,7 @@ pub fn thesis_law(expected: &Expected) -> [f64; 2] {
 /// `w^2 = k^3 h sigma^2 / (32 |Phi R|^2)` (the variance of `g Phi R s/(s^2 + k s + k^2/4)` times noise of density
 /// `sigma^2 h`).
 ///
-/// * `k h = 1` without noise, an eighth of the limit; with noise so slow that it leaves 2.5 % of the nominal parameter, but at
+/// * `k h = 1` without noise, an eighth of the limit; with noise so slow that it leaves 1.25 % of the nominal parameter, but at
 ///   least ten time constants per record.
 /// * `g` by critical damping at the root mean square of the regressor, but at most half of the stability limit at the largest
 ///   regressor that a truth inside the bounds can make.

@@ -46,6 +46,11 @@ pub fn published_case(id: &str) -> Result<AircraftCase, StudyError> {
     AircraftCase::parse(text, id).map_err(|error| StudyError::Unsuitable(error.to_string()))
 }
 
+/// Ids of the published cases with the F-16.
+pub fn published_ids() -> impl Iterator<Item = &'static str> + Clone {
+    FILES.iter().map(|(id, _)| *id)
+}
+
 fn run(id: &str, progress: &(dyn Fn(f64) + Sync)) -> Result<Reproduction, StudyError> {
     let result = published_case(id)?.run(id);
     progress(1.0);

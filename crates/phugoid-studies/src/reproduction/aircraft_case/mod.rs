@@ -19,7 +19,7 @@ mod told;
 
 pub use case::{AircraftCase, EstimatorSettings, PARAMETERS, ParameterSettings};
 pub(super) use entries::ENTRIES;
-pub use entries::published_case;
+pub use entries::{published_case, published_ids};
 pub use law::{LawForm, LawSettings, Surface};
 pub use method::{Method, MethodRun, MethodSettings, ParameterRun, run_method};
 pub use reference::Reference;
