@@ -1,4 +1,5 @@
 //! Tuning: resumed is uninterrupted, other problems are refused, what is written can be used, and a gain is real.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // tests and benches may
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -6,6 +7,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use phugoid_identification::model_file::ModelFile;
 use phugoid_studies::published::CALM_MODEL;
+use phugoid_studies::reproduction::result::Cell;
 use phugoid_studies::tune::material::{Material, Method, prepare, read};
 use phugoid_studies::tune::objective::FAILED;
 use phugoid_studies::tune::setting::{Range, Setting};
@@ -238,4 +240,26 @@ fn the_rules_allow_for_noise() {
         assert!((0.003..0.03).contains(&ruled), "{}: {ruled}", tunable.method());
         assert!(careless > 1.5 * ruled, "{}: {ruled} {careless}", tunable.method());
     }
+}
+
+/// What the report says of the gains.
+#[test]
+fn the_open_problem_of_the_gains_is_answered() {
+    let entry =
+        phugoid_studies::reproduction::entries().into_iter().find(|e| e.id == "tuning/rule-and-search").unwrap();
+    let started = std::time::Instant::now();
+    let result = (entry.run)(entry.id, &|_| ()).unwrap();
+    println!("{:.1} s\n{}", started.elapsed().as_secs_f64(), result.difference);
+    for table in &result.tables {
+        for row in &table.rows {
+            println!("{row:?}");
+        }
+    }
+    for requirement in &result.requirements {
+        println!("{requirement:?}");
+        assert!(requirement.met, "{requirement:?}");
+    }
+    assert_eq!(result.requirements.len(), 4, "three methods, and the published settings of the thesis's law");
+    assert!(result.golden.rows.iter().flatten().all(|c| !matches!(c, Cell::Number(v) if !v.is_finite())));
+    assert_eq!(result.charts.iter().map(|c| c.panels.len()).collect::<Vec<_>>(), [3, 3]);
 }

@@ -1,6 +1,7 @@
 //! The thesis's law and the model-reference law on case files.
 
 use std::collections::BTreeMap;
+use std::path::PathBuf;
 
 use phugoid_estimators::thesis::ThesisForm;
 use rand::{RngExt, SeedableRng};
@@ -33,7 +34,12 @@ pub struct NamedCase {
 impl NamedCase {
     /// A case under a name.
     pub fn new(name: &str, case: Case) -> Self {
-        Self { name: name.to_owned(), fingerprint: fingerprint(&format!("{case:?}")), case }
+        // Of what it says, wherever the file lies.
+        let mut said = case.clone();
+        if let Case::Aircraft(case) = &mut said {
+            case.scenario.folder = PathBuf::new();
+        }
+        Self { name: name.to_owned(), fingerprint: fingerprint(&format!("{said:?}")), case }
     }
 }
 
@@ -217,6 +223,10 @@ impl Run {
                 let flight = fly(&case)?;
                 Ok(Self { material: Material::Flight(Box::new((case, flight, unknown))), expected })
             }
+            (Case::Comparison(_), _) => Err(StudyError::Unsuitable(format!(
+                "{}: a comparison of methods has settings of its own and is not tuned on",
+                named.name
+            ))),
             (Case::Aircraft(_), CaseMethod::ModelReference) => Err(StudyError::Unsuitable(format!(
                 "{}: the model-reference law is tuned on plants, this is a flight",
                 named.name

@@ -132,7 +132,7 @@ pub fn read(wanted: &str, model: Option<&ModelFile>) -> Result<Material, Materia
     })?;
     let kind: Kind = parse_toml(&text, wanted)?;
     if kind.plant.is_some() || kind.scenario.is_some() {
-        return Ok(Material::Case(Box::new(NamedCase::new(wanted, Case::parse(&text, wanted)?))));
+        return Ok(Material::Case(Box::new(NamedCase::new(wanted, Case::read(file)?))));
     }
     flight(wanted, Scenario::read(file)?, model)
 }
@@ -194,6 +194,10 @@ fn assignment(material: &Material) -> Result<Assignment, TuneError> {
     };
     match &named.case {
         Case::Aircraft(case) => Ok(Assignment::new(&named.name, case.scenario.clone(), model_file(case)?)),
+        Case::Comparison(_) => Err(TuneError::NoRuns(format!(
+            "{}: a comparison of methods has settings of its own and is not tuned on",
+            named.name
+        ))),
         Case::Plant(_) => Err(TuneError::NoRuns(format!(
             "{}: smpe is tuned on flights (scenarios, cases with a [scenario]), this is a plant",
             named.name

@@ -22,6 +22,6 @@ pub use entries::{published_case, published_ids};
 pub use format::{Noise, Parameter, PlantCase, Settings, Signal};
 pub use method::{MethodRun, MethodSettings, Surface, run_method};
 pub use plant::Plant;
-pub(super) use simulate::with_noise;
 pub(crate) use plant::Visit;
+pub(super) use simulate::with_noise;
 pub use simulate::{PlantRun, simulate};
