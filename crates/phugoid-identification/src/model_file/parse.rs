@@ -32,8 +32,7 @@ const TOP_KEYS: [&str; 15] = [
     "process_noise",
     "biases",
 ];
-const MORE_TOP_KEYS: [&str; 2] = ["re_reaching", "expected"];
-const MORE_TOP_KEYS: [&str; 2] = ["re_reaching", "estimator"];
+const MORE_TOP_KEYS: [&str; 3] = ["re_reaching", "expected", "estimator"];
 const ESTIMATOR_KEYS: [&str; 6] =
     ["reaching_limit", "rejection_scale", "prior_scale", "process_noise_scale", "adaptation_gain", "start_window"];
 const AIRCRAFT_KEYS: [&str; 11] = [

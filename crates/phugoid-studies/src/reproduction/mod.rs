@@ -73,9 +73,10 @@ pub fn entries() -> Vec<Entry> {
         // laws
         law_summary::ENTRIES,
         laws::ENTRIES,
+        // tuning
+        tuning::ENTRIES,
         // health
         health::ENTRIES,
-        tuning::ENTRIES,
     ]
     .concat()
 }

@@ -168,8 +168,8 @@ fn settings(method: CaseMethod) -> Vec<Setting> {
             factor(
                 "eta_scale",
                 "factor on eta by rule",
-                [1e-3, 1e3],
-                "noise may leave 1.25 % of the nominal parameter; at least a thousandth of the median |z|",
+                [1e-4, 1e2],
+                "noise may leave 1.25 % of the nominal parameter; at least a tenth of the median |z|",
             ),
             choice(
                 "form",
