@@ -63,12 +63,12 @@ fn the_room_does_not_change_a_bit() {
         let file = ModelFile::parse("f16", &format!("{}{biases}", unbiased())).unwrap();
         let prepared = prepare(&record, &file).unwrap();
         let options = EstimateOptions::default();
-        let large = run_in_room::<CAPACITY>(&prepared, &file, &options, &noise, &mut |_| {}).unwrap();
-        let middle = run_in_room::<MIDDLE_ROOM>(&prepared, &file, &options, &noise, &mut |_| {}).unwrap();
+        let large = run_in_room::<CAPACITY>(&prepared, &file, &options, &noise, None, &mut |_| {}).unwrap();
+        let middle = run_in_room::<MIDDLE_ROOM>(&prepared, &file, &options, &noise, None, &mut |_| {}).unwrap();
         let full = if columns == SMALL_ROOM {
-            run_in_room::<SMALL_ROOM>(&prepared, &file, &options, &noise, &mut |_| {}).unwrap()
+            run_in_room::<SMALL_ROOM>(&prepared, &file, &options, &noise, None, &mut |_| {}).unwrap()
         } else {
-            run_in_room::<8>(&prepared, &file, &options, &noise, &mut |_| {}).unwrap()
+            run_in_room::<8>(&prepared, &file, &options, &noise, None, &mut |_| {}).unwrap()
         };
         assert_eq!(full.columns.len(), columns);
         let kinds: Vec<&str> = full.events.iter().map(|e| e.kind.as_str()).collect();
@@ -86,7 +86,7 @@ fn a_model_beyond_the_small_room_is_refused_by_it() {
     let noise = [NoiseLevel { std: 0.1, measured: false }; OUTPUTS];
     let f16 = ModelFile::parse("f16", unbiased()).unwrap();
     let prepared = prepare(&fly(2.0, 0.026, 33), &f16).unwrap();
-    let error = run_in_room::<SMALL_ROOM>(&prepared, &file, &EstimateOptions::default(), &noise, &mut |_| {});
+    let error = run_in_room::<SMALL_ROOM>(&prepared, &file, &EstimateOptions::default(), &noise, None, &mut |_| {});
     assert!(error.unwrap_err().to_string().contains('5'));
 }
 
