@@ -138,7 +138,7 @@ fn profile(gust: &Gust, time: &[f64]) -> Chart {
         caption: "It starts without a step or a kink, is half way up half way through, and stays.".into(),
         x: Axis::new("Time", "s"),
         panels: vec![Panel {
-            y: Axis::new("Gust velocity", "ft/s"),
+            y: Axis::new("Gust velocity", "ft/s").with_range(feet(-0.05 * gust.amplitude), feet(1.1 * gust.amplitude)),
             content: Content::Curves { curves, levels, instants: Vec::new() },
         }],
         columns: 1,

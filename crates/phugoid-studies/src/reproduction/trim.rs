@@ -261,7 +261,7 @@ fn chart(ways: &[Vec<TrimStep>]) -> Chart {
         ),
         x: Axis::new("Iteration", "–"),
         panels: vec![Panel {
-            y: Axis::new("log₁₀ of the trim index J", "–"),
+            y: Axis::new("log₁₀ of the trim index J", "–").with_range(-35.0, 10.0),
             content: Content::Curves {
                 curves: curves.collect(),
                 levels: vec![Level { label: "required".into(), at: -20.0, meaning: Meaning::Bound }],

@@ -199,6 +199,7 @@ fn runs(study: &Study) -> Table {
 /// One panel per size of increments and coefficient.
 fn information(study: &Study) -> Chart {
     let mut panels = Vec::new();
+    let [low, high] = decades(study);
     for (j, name) in study.names.iter().enumerate() {
         for pair in study.arms.chunks(2) {
             let curves = pair.iter().enumerate().flat_map(|(which, arm)| {
@@ -216,12 +217,13 @@ fn information(study: &Study) -> Chart {
             });
             let level =
                 |label: &str, percent: f64| Level { label: label.into(), at: percent.log10(), meaning: Meaning::Bound };
-            let truth = if pair[0].increments == "published" { published_truth(name) } else { String::new() };
+            let label = if pair[0].increments == "published" {
+                format!("{name}, published {}", published_truth(name))
+            } else {
+                format!("{name}, of damage")
+            };
             panels.push(Panel {
-                y: Axis::new(
-                    format!("{name}, increments {}{truth}: log₁₀ of the bound", pair[0].increments),
-                    "% of truth",
-                ),
+                y: Axis::new(label, "log₁₀ of %").with_range(low, high),
                 content: Content::Curves {
                     curves: curves.collect(),
                     levels: vec![level("5 %", 5.0), level("goal", GOAL_PERCENT)],
@@ -244,7 +246,16 @@ fn information(study: &Study) -> Chart {
     }
 }
 
+/// Decades of percent that hold all curves after the first tenths of a second, in which nothing is known yet.
+fn decades(study: &Study) -> [f64; 2] {
+    const HIGHEST: f64 = 6.0;
+    let histories = study.arms.iter().flat_map(|arm| arm.alone.percent.iter().chain(&arm.together.percent));
+    let finite = histories.flatten().map(|percent| percent.log10()).filter(|decade| decade.is_finite());
+    let [low, high] = finite.fold([0.0_f64, 1.0], |[low, high], decade| [low.min(decade), high.max(decade)]);
+    [low.floor(), high.ceil().min(HIGHEST)]
+}
+
 fn published_truth(name: &str) -> String {
     let index = super::information::INCREMENTS.iter().position(|known| *known == name);
-    index.map_or_else(String::new, |k| format!(" ({})", PUBLISHED[k]))
+    index.map_or_else(String::new, |k| PUBLISHED[k].to_string())
 }
