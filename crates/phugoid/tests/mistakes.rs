@@ -10,7 +10,9 @@ use common::{Folder, phugoid};
 #[test]
 fn every_help_text_has_examples_and_exit_codes() {
     let folder = Folder::new("help");
-    for command in [&[][..], &["trim"], &["linearize"], &["simulate"], &["estimate"], &["study"], &["tune"]] {
+    for command in
+        [&[][..], &["trim"], &["linearize"], &["simulate"], &["estimate"], &["study"], &["tune"], &["monitor"]]
+    {
         let run = phugoid(&folder.0, &[command, &["--help"]].concat());
         assert_eq!(run.code, Some(0));
         assert!(run.out.contains("Examples:") && run.out.contains("Exit codes:"), "{}", run.out);

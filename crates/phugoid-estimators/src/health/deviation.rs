@@ -1,6 +1,6 @@
 //! The estimate beside the expectation.
 
-use super::evidence::Information;
+use super::evidence::{Information, Limits};
 use super::settings::Expected;
 use crate::dense::Cholesky;
 use crate::estimate::Estimate;
@@ -64,7 +64,7 @@ pub(super) fn deviation<const P: usize>(
     information.g = difference;
     cholesky.solve(&mut information.g);
     let whole = dot(&difference[..n], &information.g[..n]);
-    let joint = (whole - 2.0 * information.best_within(&width, n).0).max(0.0);
+    let joint = (whole - 2.0 * information.best_within(&Limits::symmetric(&width), n).0).max(0.0);
     if whole.is_finite() && n > 0 {
         result.joint = joint;
     }

@@ -28,6 +28,25 @@ pub(super) struct Information<const P: usize> {
     pub(super) rows: f64,
 }
 
+/// Between what deviations count as healthy, per column.
+#[derive(Clone, Copy)]
+pub(super) struct Limits<const P: usize> {
+    pub(super) low: [f64; P],
+    pub(super) high: [f64; P],
+}
+
+impl<const P: usize> Limits<P> {
+    /// As far to either side.
+    pub(super) fn symmetric(width: &[f64; P]) -> Self {
+        Self { low: width.map(|w| -w), high: *width }
+    }
+
+    /// How far a value of column `j` lies outside.
+    fn beyond(&self, j: usize, value: f64) -> f64 {
+        (value - self.high[j]).max(self.low[j] - value).max(0.0)
+    }
+}
+
 impl<const P: usize> Information<P> {
     pub(super) const NONE: Self = Self { g: [0.0; P], m: [[0.0; P]; P], square: 0.0, rows: 0.0 };
 
@@ -80,25 +99,26 @@ impl<const P: usize> Information<P> {
     /// within the half widths, the log likelihood of the best healthy deviation, and that deviation.
     ///
     /// The function is concave: at any `d` with slope `r = g - M d` nothing in the box is better by more than
-    /// `sum |r_j| w_j - r_j d_j`.
-    pub(super) fn best_within(&self, width: &[f64; P], len: usize) -> (f64, [f64; P]) {
+    /// `sum max(r_j low_j, r_j high_j) - r_j d_j`.
+    pub(super) fn best_within(&self, limits: &Limits<P>, len: usize) -> (f64, [f64; P]) {
         // From the best without limits: mostly it is healthy, and this is all.
         let mut d = self.free(len).unwrap_or([0.0; P]);
-        for (d, width) in d[..len].iter_mut().zip(width) {
-            *d = d.clamp(-width, *width);
+        let within = |j: usize, value: f64| value.max(limits.low[j]).min(limits.high[j]);
+        for (j, d) in d[..len].iter_mut().enumerate() {
+            *d = within(j, *d);
         }
         let mut slope = self.g;
         for i in 0..len {
             slope[i] -= (0..len).map(|j| self.entry(i, j) * d[j]).sum::<f64>();
         }
         for _ in 0..SWEEPS {
-            if self.gap(&slope, &d, width, len) < SMALL_GAP {
+            if gap(&slope, &d, limits, len) < SMALL_GAP {
                 break;
             }
             for j in 0..len {
                 let curvature = self.m[j][j];
-                let free = if curvature > 0.0 { d[j] + slope[j] / curvature } else { width[j] * sign(slope[j]) };
-                let step = free.clamp(-width[j], width[j]) - d[j];
+                let free = if curvature > 0.0 { d[j] + slope[j] / curvature } else { d[j] };
+                let step = within(j, free) - d[j];
                 if step != 0.0 {
                     d[j] += step;
                     for i in 0..len {
@@ -108,11 +128,7 @@ impl<const P: usize> Information<P> {
             }
         }
         let value: f64 = (0..len).map(|j| 0.5 * d[j] * (self.g[j] + slope[j])).sum();
-        (value + self.gap(&slope, &d, width, len), d)
-    }
-
-    fn gap(&self, slope: &[f64; P], d: &[f64; P], width: &[f64; P], len: usize) -> f64 {
-        (0..len).map(|j| slope[j].abs() * width[j] - slope[j] * d[j]).sum()
+        (value + gap(&slope, &d, limits, len), d)
     }
 
     /// The most likely `d`, without limits.
@@ -132,6 +148,16 @@ impl<const P: usize> Information<P> {
         (0..len).map(|i| d[i] * (self.g[i] - 0.5 * (0..len).map(|j| self.entry(i, j) * d[j]).sum::<f64>())).sum()
     }
 
+    /// The same about `d = step`.
+    pub(super) fn recentre(&mut self, step: &[f64; P], len: usize) {
+        let explained = 2.0 * self.log_likelihood(step, len);
+        let g = self.g;
+        for i in 0..len {
+            self.g[i] = g[i] - (0..len).map(|j| self.entry(i, j) * step[j]).sum::<f64>();
+        }
+        self.square -= explained;
+    }
+
     /// What came after `earlier`.
     pub(super) fn since(&self, earlier: &Self, len: usize) -> Self {
         let mut later = *self;
@@ -148,7 +174,7 @@ impl<const P: usize> Information<P> {
 
     /// The best log likelihood of a change from `from` after which one column is within its half width and the others anything
     /// (up to [`LARGEST`]), for all columns. Infinite where it cannot be computed: no evidence against that column.
-    pub(super) fn best_with_one_within(&self, from: &[f64; P], width: &[f64; P], len: usize) -> [f64; P] {
+    pub(super) fn best_with_one_within(&self, from: &[f64; P], limits: &Limits<P>, len: usize) -> [f64; P] {
         let mut best = [f64::INFINITY; P];
         let mut a = self.m;
         for i in 0..len {
@@ -162,7 +188,7 @@ impl<const P: usize> Information<P> {
             let mut unit = [0.0; P];
             unit[j] = 1.0;
             cholesky.solve(&mut unit);
-            let beyond = ((from[j] + d[j]).abs() - width[j]).max(0.0);
+            let beyond = limits.beyond(j, from[j] + d[j]);
             let bound = free - 0.5 * beyond * beyond / unit[j];
             if bound.is_finite() {
                 best[j] = bound;
@@ -200,14 +226,9 @@ impl<const P: usize> Information<P> {
     }
 }
 
-fn sign(value: f64) -> f64 {
-    if value > 0.0 {
-        1.0
-    } else if value < 0.0 {
-        -1.0
-    } else {
-        0.0
-    }
+/// How much better than `d` anything within the limits can be.
+fn gap<const P: usize>(slope: &[f64; P], d: &[f64; P], limits: &Limits<P>, len: usize) -> f64 {
+    (0..len).map(|j| (slope[j] * limits.low[j]).max(slope[j] * limits.high[j]) - slope[j] * d[j]).sum()
 }
 
 /// `ln(exp a + exp b)`.
@@ -219,7 +240,7 @@ pub(super) fn log_add(a: f64, b: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     extern crate std;
-    use super::{Information, log_add};
+    use super::{Information, Limits, log_add};
 
     /// Two columns, coupled.
     fn window() -> Information<3> {
@@ -263,7 +284,7 @@ mod tests {
                     best = best.max(log_likelihood(&information, d));
                 }
             }
-            let bound = information.best_within(&[width[0], width[1], 0.0], 2).0;
+            let bound = information.best_within(&Limits::symmetric(&[width[0], width[1], 0.0]), 2).0;
             assert!(bound >= best - 1e-12 && bound < best + 0.02, "{width:?}: {bound} {best}");
         }
     }
@@ -271,7 +292,7 @@ mod tests {
     #[test]
     fn one_column_within_lets_the_other_go_anywhere() {
         let information = window();
-        let bound = information.best_with_one_within(&[0.0; 3], &[0.1, 0.2, 0.0], 2);
+        let bound = information.best_with_one_within(&[0.0; 3], &Limits::symmetric(&[0.1, 0.2, 0.0]), 2);
         for (column, width) in [(0, 0.1), (1, 0.2)] {
             let mut best = f64::NEG_INFINITY;
             for i in -100..=100 {
@@ -291,7 +312,12 @@ mod tests {
         let mut broken = window();
         broken.m[1][1] = f64::NAN;
         assert_eq!(broken.failure(2), f64::NEG_INFINITY);
-        assert!(broken.best_with_one_within(&[0.0; 3], &[0.1; 3], 2).iter().all(|b| *b == f64::INFINITY));
+        assert!(
+            broken
+                .best_with_one_within(&[0.0; 3], &Limits::symmetric(&[0.1; 3]), 2)
+                .iter()
+                .all(|b| *b == f64::INFINITY)
+        );
         assert_eq!(log_add(f64::NEG_INFINITY, f64::NEG_INFINITY), f64::NEG_INFINITY);
         assert!((log_add(1.0, 2.0) - (1.0_f64.exp() + 2.0_f64.exp()).ln()).abs() < 1e-12);
     }

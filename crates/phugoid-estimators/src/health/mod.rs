@@ -114,8 +114,6 @@ where
     settings: MonitorSettings,
     expected: [Option<Expected>; P],
     parts: Parts<P>,
-    /// Half widths of the tolerances of the monitored columns over one sigma of a failure.
-    width: [f64; P],
     reference: Reference<M, N, R, P>,
     starts: Starts<N, P>,
     levels: Levels<R>,
@@ -171,7 +169,6 @@ where
         Ok(Self {
             settings,
             expected: all,
-            width,
             reference: Reference::new(model, *estimator, columns, parts, theta),
             starts: Starts::new(parts.monitored_count, parts.nuisance_count, width),
             levels: Levels::new(),
@@ -237,6 +234,7 @@ where
     /// Weighs the hypotheses.
     fn look(&mut self, time_s: f64) {
         let Some(failure) = &mut self.failure else {
+            self.reference.recentre(&mut self.starts);
             self.evidence = f64::NEG_INFINITY;
             for start in self.starts.iter() {
                 let value = start.log_weight + self.starts.evidence(start);
@@ -278,7 +276,7 @@ where
             }
             let change = start.change(n);
             let log = change.failure(n);
-            let within = change.best_with_one_within(&start.healthy, &self.width, n);
+            let within = change.best_with_one_within(&start.healthy, self.starts.limits(), n);
             for (sum, bound) in named[..n].iter_mut().zip(&within) {
                 if log.is_finite() && bound.is_finite() {
                     *sum = log_add(*sum, start.log_weight + log - bound);
@@ -288,7 +286,8 @@ where
         let Some(start) = self.starts.get(best.1) else { return };
         let (mean, variance) = start.change(n).deviation(n);
         for (place, column) in self.parts.monitored[..n].iter().enumerate() {
-            failure.change[*column] = (start.healthy[place] + mean[place]) * self.parts.failure_sd[place];
+            failure.change[*column] =
+                (self.starts.centre()[place] + start.healthy[place] + mean[place]) * self.parts.failure_sd[place];
             failure.change_std[*column] = libm::sqrt(variance[place]) * self.parts.failure_sd[place];
             if failure.named_s[*column].is_nan() && named[place] >= self.threshold() {
                 failure.named_s[*column] = time_s;

@@ -126,6 +126,25 @@ where
         self.running
     }
 
+    /// Flies from now on with the most likely healthy parameters: the tolerance may be far wider than what is linear. In linear
+    /// terms nothing changes.
+    pub(super) fn recentre(&mut self, starts: &mut Starts<N, P>) {
+        let (step, state, nuisance) = starts.recentre();
+        for (place, column) in self.parts.monitored[..self.parts.monitored_count].iter().enumerate() {
+            self.theta[*column] += step[place] * self.parts.failure_sd[place];
+        }
+        for k in 0..N {
+            self.x[k] += state[k];
+        }
+        for (place, column) in self.parts.nuisance[..self.parts.nuisance_count].iter().enumerate() {
+            let moved = nuisance[place] * self.columns.sd[*column];
+            self.theta[*column] += moved;
+            for k in 0..N {
+                self.x[k] += self.sensitivity[k][place] * moved;
+            }
+        }
+    }
+
     fn collect(
         &mut self,
         sample: &Sample<M::Input, R>,

@@ -1,6 +1,6 @@
 //! Hypotheses "it failed at this time", each with what the innovations have said since.
 
-use super::evidence::{Information, log_add};
+use super::evidence::{Information, Limits, log_add};
 use crate::kernels::{add_scaled, dot};
 
 /// Most hypotheses at a time.
@@ -66,7 +66,9 @@ pub(super) struct Starts<const N: usize, const P: usize> {
     count: usize,
     monitored: usize,
     nuisance: usize,
-    width: [f64; P],
+    limits: Limits<P>,
+    /// About which deviations are counted: the expected values at first.
+    centre: [f64; P],
     last_opened_s: f64,
     /// Of a deviation that has always been there.
     always: Effect<N, P>,
@@ -153,7 +155,8 @@ impl<const N: usize, const P: usize> Starts<N, P> {
             count: 0,
             monitored: monitored.min(P),
             nuisance: nuisance.min(P),
-            width,
+            limits: Limits::symmetric(&width),
+            centre: [0.0; P],
             last_opened_s: f64::NAN,
             always: Effect::NONE,
             healthy: Information::NONE,
@@ -174,21 +177,60 @@ impl<const N: usize, const P: usize> Starts<N, P> {
 
     /// `ln E`: the same over the best healthy deviation since then.
     pub(super) fn evidence(&self, start: &FailureStart<N, P>) -> f64 {
-        let (best, _) = self.healthy_since(start).best_within(&self.width, self.monitored);
+        let (best, _) = self.healthy_since(start).best_within(&self.limits, self.monitored);
         self.failure(start) - best
     }
 
     /// Mean square of what the failure leaves of the innovations since then.
     pub(super) fn misfit(&self, start: &FailureStart<N, P>) -> f64 {
         let n = self.monitored;
+        let since = self.healthy_since(start);
         let mut left = start.change(n);
-        left.square -= 2.0 * self.healthy_since(start).log_likelihood(&start.healthy, n);
+        // What the healthy deviation explains is no misfit either.
+        left.square = since.square - 2.0 * since.log_likelihood(&start.healthy, n);
         left.misfit(n)
     }
 
     /// Log likelihood of the whole flight with the failure at `start`.
     pub(super) fn whole(&self, start: &FailureStart<N, P>) -> f64 {
         start.before.log_likelihood(&start.healthy, self.monitored) + self.failure(start)
+    }
+
+    /// Between what deviations from the centre count as healthy.
+    pub(super) fn limits(&self) -> &Limits<P> {
+        &self.limits
+    }
+
+    /// Where deviations are counted from, from the expected values.
+    pub(super) fn centre(&self) -> &[f64; P] {
+        &self.centre
+    }
+
+    /// Counts deviations from the most likely healthy one on, so that what is linear in them need not reach far. Changes no
+    /// likelihood. Gives the step of the centre, and what it does to the state and to the nuisance columns (scaled).
+    pub(super) fn recentre(&mut self) -> ([f64; P], [f64; N], [f64; P]) {
+        let n = self.monitored;
+        let (_, step) = self.healthy.best_within(&self.limits, n);
+        self.healthy.recentre(&step, n);
+        for slot in &self.order[..self.count] {
+            let start = &mut self.slots[*slot];
+            start.before.recentre(&step, n);
+            for i in 0..n {
+                start.information.g[i] -= dot(&start.cross[i][..n], &step[..n]);
+                start.healthy[i] -= step[i];
+            }
+        }
+        for i in 0..n {
+            self.centre[i] += step[i];
+            self.limits.low[i] -= step[i];
+            self.limits.high[i] -= step[i];
+        }
+        let state = core::array::from_fn(|k| dot(&self.always.sensitivity[k][..n], &step[..n]));
+        let mut nuisance = [0.0; P];
+        for f in 0..self.nuisance {
+            nuisance[f] = -dot(&self.always.learnt[f][..n], &step[..n]);
+        }
+        (step, state, nuisance)
     }
 
     /// All, oldest first.
@@ -204,6 +246,7 @@ impl<const N: usize, const P: usize> Starts<N, P> {
     pub(super) fn clear(&mut self) {
         self.count = 0;
         self.last_opened_s = f64::NAN;
+        self.healthy = Information::NONE;
     }
 
     /// A new hypothesis that begins with the frame at `time_s`, if the last one is old enough.
@@ -227,7 +270,7 @@ impl<const N: usize, const P: usize> Starts<N, P> {
         new.information = Information::NONE;
         new.cross = [[0.0; P]; P];
         new.before = self.healthy;
-        (_, new.healthy) = self.healthy.best_within(&self.width, self.monitored);
+        (_, new.healthy) = self.healthy.best_within(&self.limits, self.monitored);
         self.count += 1;
         self.last_opened_s = time_s;
     }
@@ -259,10 +302,11 @@ impl<const N: usize, const P: usize> Starts<N, P> {
             let Some(other) = self.get(neighbour) else { continue };
             let between = own.before.since(&other.before, n);
             let mut most = 0.0;
+            let reach = |i: usize| self.limits.high[i].abs().max(self.limits.low[i].abs());
             for i in 0..n {
-                most += between.g[i].abs() * self.width[i];
+                most += between.g[i].abs() * reach(i);
                 for j in 0..=i {
-                    let part = between.m[i][j].abs() * self.width[i] * self.width[j];
+                    let part = between.m[i][j].abs() * reach(i) * reach(j);
                     most += if i == j { 0.5 * part } else { part };
                 }
             }
