@@ -95,3 +95,13 @@ fn sample_time() {
 fn bounds_and_start() {
     study("laws/bounds-and-start");
 }
+
+#[test]
+fn rank() {
+    study("laws/rank");
+}
+
+#[test]
+fn lyapunov() {
+    study("laws/lyapunov");
+}

@@ -106,6 +106,26 @@ pub fn run_method(case: &PlantCase, run: &PlantRun, method: &MethodSettings) -> 
     case.plant.visit(Runner { case, run, method })
 }
 
+/// Settings of the flagship on a case: bounds and start values from the file, no derivative, everything else by its rule.
+///
+/// # Errors
+/// [`StudyError::Unsuitable`]: the flagship refuses them.
+pub(in crate::reproduction) fn flagship_settings<const N: usize, const R: usize, const P: usize>(
+    case: &PlantCase,
+    noise_sd: &[f64],
+) -> Result<SmpeSettings<N, R, P>, StudyError> {
+    let priors: Vec<ParameterPrior> =
+        case.unknowns().map(|(_, p)| ParameterPrior::bounded(p.start, p.lower, p.upper)).collect();
+    // It needs no derivative, so it is given none.
+    let sigma: [f64; R] = std::array::from_fn(|i| noise_sd.get(i).copied().unwrap_or(f64::INFINITY));
+    let mut settings = SmpeSettings::<N, R, P>::automatic(&priors, sigma, case.sample_time.si())
+        .map_err(|error| StudyError::Unsuitable(format!("{}: {error}", case.title)))?;
+    settings.maximum_step_s = MAXIMUM_STEP_S;
+    // The record begins with the input: its first 0.2 s are not at rest, and are what is to be judged.
+    settings.start_window_s = 0.0;
+    Ok(settings)
+}
+
 struct Runner<'a> {
     case: &'a PlantCase,
     run: &'a PlantRun,
@@ -125,15 +145,7 @@ impl Visit for Runner<'_> {
         let mut record = MethodRun::new(P, N, run.time_s.len());
         match method {
             MethodSettings::Flagship { noise_sd } => {
-                let priors: Vec<ParameterPrior> =
-                    unknowns.iter().map(|p| ParameterPrior::bounded(p.start, p.lower, p.upper)).collect();
-                // It needs no derivative, so it is given none.
-                let sigma: [f64; R] = std::array::from_fn(|i| noise_sd.get(i).copied().unwrap_or(f64::INFINITY));
-                let mut settings = SmpeSettings::<N, R, P>::automatic(&priors, sigma, case.sample_time.si())
-                    .map_err(|error| refused(&error))?;
-                settings.maximum_step_s = MAXIMUM_STEP_S;
-                // The record begins with the input: its first 0.2 s are not at rest, and are what is to be judged.
-                settings.start_window_s = 0.0;
+                let settings = flagship_settings::<N, R, P>(case, noise_sd)?;
                 let mut flagship = Smpe::new(*model, settings).map_err(|error| refused(&error))?;
                 let mut claimed = vec![Vec::with_capacity(run.time_s.len()); P];
                 for mut sample in run.samples::<I, R>() {
