@@ -291,7 +291,7 @@ fn many_failures(id: &str, progress: &(dyn Fn(f64) + Sync)) -> Result<Reproducti
         cells
     };
     let table = Table {
-        title: "Failures of one to three coefficients, two to eleven tolerances from the expected value".to_owned(),
+        title: "Failures of one to three coefficients, two to six tolerances from the expected value".to_owned(),
         columns: [
             ("stick", ""),
             ("flights", ""),
