@@ -122,6 +122,7 @@ fn text(report: &HealthReport, files: &[PathBuf]) -> String {
         let verdict = match p.diverged_at_s {
             Some(at) => format!("diverged at {at:.2} s"),
             None if !p.known => "not enough information".to_owned(),
+            None if p.deviation.abs() > 2.0 && report.failure.is_some() => "outside by now".to_owned(),
             None if p.deviation.abs() > 2.0 => "outside, not certain".to_owned(),
             None => "as expected".to_owned(),
         };
