@@ -40,6 +40,9 @@ use crate::smpe::columns::Columns;
 /// The hypotheses are weighed this often, s.
 const LOOK_S: f64 = 0.05;
 
+/// Parameters are named up to this long after the flag, s.
+const NAMING_S: f64 = 2.0;
+
 /// The verdict on the plant.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Condition {
@@ -68,7 +71,9 @@ pub struct Failure<const P: usize> {
     /// One sigma of it.
     pub change_std: [f64; P],
     /// When the parameter was named as one that has diverged, s: NaN until then. It takes as much evidence as the flag, against
-    /// the parameter anywhere within its tolerance and all others anywhere, the values before the onset taken for granted.
+    /// the parameter anywhere within its tolerance and all others anywhere, the values before the onset taken for granted; and
+    /// the estimate, which is not linear about the expectation, has to lie outside of the tolerance by more than two corrected
+    /// standard errors.
     pub named_s: [f64; P],
 }
 
@@ -227,13 +232,13 @@ where
         }
         if self.reference.is_running() && time_s - self.last_look_s >= LOOK_S - 1e-9 {
             self.last_look_s = time_s;
-            self.look(time_s);
+            self.look(time_s, watched);
         }
     }
 
     /// Weighs the hypotheses.
-    fn look(&mut self, time_s: f64) {
-        let Some(failure) = &mut self.failure else {
+    fn look(&mut self, time_s: f64, watched: &Watched<'_, R, P>) {
+        let Some(failure) = self.failure else {
             self.reference.recentre(&mut self.starts);
             self.evidence = f64::NEG_INFINITY;
             for start in self.starts.iter() {
@@ -251,20 +256,25 @@ where
                     change_std: [0.0; P],
                     named_s: [f64::NAN; P],
                 };
-                self.describe(time_s, &mut failure);
+                self.describe(time_s, watched, &mut failure);
                 self.failure = Some(failure);
             }
             return;
         };
-        if time_s - failure.flagged_s <= self.settings.refinement_s + 1e-9 {
-            let mut refined = *failure;
-            self.describe(time_s, &mut refined);
+        let since_s = time_s - failure.flagged_s - 1e-9;
+        if since_s <= self.settings.refinement_s.max(NAMING_S) {
+            let mut refined = failure;
+            self.describe(time_s, watched, &mut refined);
+            if since_s > self.settings.refinement_s {
+                refined = Failure { named_s: refined.named_s, ..failure };
+            }
             self.failure = Some(refined);
         }
     }
 
     /// Onset, size and names of a failure, from the hypotheses.
-    fn describe(&self, time_s: f64, failure: &mut Failure<P>) {
+    fn describe(&self, time_s: f64, watched: &Watched<'_, R, P>, failure: &mut Failure<P>) {
+        let outside = deviation(&self.expected, watched.estimate, watched.covariance).outside;
         let n = self.parts.monitored_count;
         failure.onset = onset::onset(&self.starts);
         let mut best = (f64::NEG_INFINITY, 0);
@@ -289,7 +299,8 @@ where
             failure.change[*column] =
                 (self.starts.centre()[place] + start.healthy[place] + mean[place]) * self.parts.failure_sd[place];
             failure.change_std[*column] = libm::sqrt(variance[place]) * self.parts.failure_sd[place];
-            if failure.named_s[*column].is_nan() && named[place] >= self.threshold() {
+            let confirmed = outside[*column].abs() > 2.0;
+            if failure.named_s[*column].is_nan() && confirmed && named[place] >= self.threshold() {
                 failure.named_s[*column] = time_s;
             }
         }
