@@ -24,9 +24,9 @@ pub(super) const ENTRIES: &[Entry] = &[
 ];
 
 /// Healthy flights of a minute in the report; `phugoid study health` flies more.
-const HEALTHY_RUNS: usize = 40;
-/// Failures in the report, by stick.
-const FAILURE_RUNS: usize = 60;
+const HEALTHY_RUNS: usize = 12;
+/// Failures in the report, by stick; `phugoid study health` flies more of them too.
+const FAILURE_RUNS: usize = 25;
 /// Accepted false alarms per flight hour.
 const RATE: f64 = 0.01;
 
