@@ -136,7 +136,8 @@ mod tests {
             theta += (-z * theta + sigma * n) / (eta + z);
             theta
         });
-        assert!((found / allowed - 1.0).abs() < 0.03, "{found} {allowed}");
+        // An average over some 350 samples leaves 1100 independent ones: 2 % of a standard deviation, five of which are allowed.
+        assert!((found / allowed - 1.0).abs() < 0.1, "{found} {allowed}");
 
         let [gain, decay] = model_reference(&noisy);
         let h = noisy.sample_time_s;
