@@ -139,6 +139,14 @@ impl Increments {
         named![dCm_alpha dCm_q dCm_elevator dCL_alpha dCL_q dCL_elevator dCD_alpha dCD_q dCD_elevator]
     }
 
+    /// The longitudinal derivative of this name; none if there is none.
+    pub fn longitudinal_mut(&mut self, name: &str) -> Option<&mut f64> {
+        macro_rules! named {
+            ($($name:ident)*) => { match name { $(stringify!($name) => Some(&mut self.$name),)* _ => None } };
+        }
+        named![dCm_alpha dCm_q dCm_elevator dCL_alpha dCL_q dCL_elevator dCD_alpha dCD_q dCD_elevator]
+    }
+
     /// Whether any longitudinal derivative is not zero.
     #[inline]
     pub fn is_longitudinal(&self) -> bool {

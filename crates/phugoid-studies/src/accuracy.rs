@@ -59,6 +59,13 @@ pub enum StudyError {
     Unsuitable(String),
 }
 
+impl StudyError {
+    /// Something that does not fit, in its own words.
+    pub(crate) fn unsuitable(error: impl std::fmt::Display) -> Self {
+        Self::Unsuitable(error.to_string())
+    }
+}
+
 /// Flies `scenario` once, measures it `runs` times and estimates each measured flight with `model`; compares with the
 /// truth and the Cramer-Rao bound at the times `at` (s). `done` is called after each run, from any thread.
 ///

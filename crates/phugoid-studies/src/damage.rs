@@ -8,6 +8,7 @@ use crate::accuracy::StudyError;
 use crate::flight::fly;
 use crate::monte_carlo::monte_carlo;
 use crate::scenario::Scenario;
+use crate::statistics::quantile;
 
 /// Accuracy of one parameter some time after the damage.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -142,23 +143,4 @@ pub fn damage(
         latency_90_percent_s: quantile(latencies, 0.9),
         recovery,
     })
-}
-
-/// The smallest value that at least this fraction of the values do not exceed.
-fn quantile(mut values: Vec<f64>, fraction: f64) -> f64 {
-    values.sort_by(f64::total_cmp);
-    let rank = (fraction * values.len() as f64).ceil() as usize;
-    values.get(rank.saturating_sub(1)).copied().unwrap_or(f64::NAN)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::quantile;
-
-    #[test]
-    fn quantiles_of_a_few_values() {
-        let values = vec![3.0, 1.0, 2.0, f64::INFINITY];
-        assert_eq!((quantile(values.clone(), 0.5), quantile(values.clone(), 0.75)), (2.0, 3.0));
-        assert!(quantile(values, 0.9).is_infinite() && quantile(Vec::new(), 0.5).is_nan());
-    }
 }

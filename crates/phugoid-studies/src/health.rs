@@ -2,9 +2,10 @@
 //!
 //! Every run has its own pilot, sensor noise, noise *levels*, constant sensor errors, and its own place within the tolerances.
 
+use phugoid_flight_dynamics::increments::Increments;
 use phugoid_identification::estimate::EstimateOptions;
 use phugoid_identification::health::{Condition, HealthOptions, HealthReport};
-use phugoid_identification::model_file::{Expectation, ModelFile};
+use phugoid_identification::model_file::ModelFile;
 use phugoid_identification::monitor::monitor;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
@@ -16,6 +17,7 @@ use crate::manoeuvre::{Manoeuvre, Surface};
 use crate::monte_carlo::monte_carlo;
 use crate::quantity::{Acceleration, Angle, AngularRate, Quantity, Speed, Time};
 use crate::scenario::{Damage, Scenario, Sensor};
+use crate::statistics::{clopper_pearson, quantile};
 
 /// Noise levels lie within this factor of what the model file says, either way.
 const NOISE_FACTOR: f64 = 1.25;
@@ -158,11 +160,11 @@ pub fn failures(
         runs,
         false_alarms,
         missed,
-        latency_median_s: quantile(&mut latencies, 0.5),
-        latency_90_percent_s: quantile(&mut latencies, 0.9),
+        latency_median_s: quantile(latencies.clone(), 0.5),
+        latency_90_percent_s: quantile(latencies, 0.9),
         onset_coverage: covered as f64 / errors.len().max(1) as f64,
-        onset_error_median_s: quantile(&mut errors, 0.5),
-        onset_error_90_percent_s: quantile(&mut errors, 0.9),
+        onset_error_median_s: quantile(errors.clone(), 0.5),
+        onset_error_90_percent_s: quantile(errors, 0.9),
         failed: all,
         named,
         wrongly_named: wrongly,
@@ -196,7 +198,7 @@ fn aircraft(scenario: &Scenario, model: &ModelFile, run: usize) -> Scenario {
     let mut uniform = || 2.0 * random.random::<f64>() - 1.0;
     for expectation in &model.expectations() {
         let value = expectation.value + expectation.tolerance * uniform();
-        set(&mut flown.increments, expectation, value);
+        set(&mut flown.increments, &expectation.name, value);
     }
     let sensors = &mut flown.sensors;
     vary(&mut sensors.true_airspeed, Speed::from_si, &mut uniform);
@@ -227,7 +229,7 @@ fn failing(scenario: &Scenario, model: &ModelFile, stick: Stick, run: usize) -> 
         let expectation = candidates.remove(random.random_range(0..candidates.len()));
         let sign = if random.random::<f64>() < 0.5 { -1.0 } else { 1.0 };
         let beyond = 5.0_f64.powf(random.random::<f64>());
-        set(&mut increments, &expectation, expectation.value + sign * expectation.tolerance * (1.0 + beyond));
+        set(&mut increments, &expectation.name, expectation.value + sign * expectation.tolerance * (1.0 + beyond));
         failed.push(expectation.name);
     }
     flown.damage = vec![Damage { at: Time::from_si(onset_s), increments }];
@@ -244,60 +246,9 @@ fn failing(scenario: &Scenario, model: &ModelFile, stick: Stick, run: usize) -> 
     (flown, onset_s, failed)
 }
 
-fn set(increments: &mut phugoid_flight_dynamics::increments::Increments, expectation: &Expectation, value: f64) {
-    match expectation.name.as_str() {
-        "dCm_alpha" => increments.dCm_alpha = value,
-        "dCm_q" => increments.dCm_q = value,
-        "dCm_elevator" => increments.dCm_elevator = value,
-        "dCL_alpha" => increments.dCL_alpha = value,
-        "dCD_alpha" => increments.dCD_alpha = value,
-        _ => {}
-    }
-}
-
-/// The smallest value that at least this fraction of the values do not exceed; NaN for none.
-fn quantile(values: &mut [f64], fraction: f64) -> f64 {
-    values.sort_by(f64::total_cmp);
-    let rank = (fraction * values.len() as f64).ceil() as usize;
-    values.get(rank.saturating_sub(1)).copied().unwrap_or(f64::NAN)
-}
-
-/// 95 % interval of a probability of which `k` of `n` trials tell (C. J. Clopper, E. S. Pearson, *Biometrika* 26, 1934).
-pub fn clopper_pearson(k: usize, n: usize) -> [f64; 2] {
-    // P(X <= k) for probability p, in logarithms.
-    let at_most = |k: usize, p: f64| -> f64 {
-        let mut term = n as f64 * (-p).ln_1p();
-        let mut sum = term.exp();
-        for i in 0..k {
-            term += ((n - i) as f64 / (i + 1) as f64).ln() + p.ln() - (-p).ln_1p();
-            sum += term.exp();
-        }
-        sum
-    };
-    let solve = |above: &dyn Fn(f64) -> bool| {
-        let (mut low, mut high) = (0.0, 1.0);
-        for _ in 0..60 {
-            let middle = 0.5 * (low + high);
-            if above(middle) { high = middle } else { low = middle }
-        }
-        0.5 * (low + high)
-    };
-    let lower = if k == 0 { 0.0 } else { solve(&|p| 1.0 - at_most(k - 1, p) > 0.025) };
-    let upper = if k >= n { 1.0 } else { solve(&|p| at_most(k, p) < 0.025) };
-    [lower, upper]
-}
-
-#[cfg(test)]
-mod tests {
-    use super::clopper_pearson;
-
-    #[test]
-    fn exact_intervals_of_textbook_counts() {
-        // 0 of 10: 1 - 0.025^(1/10); 1 of 10: 0.0025 to 0.4450.
-        let [low, high] = clopper_pearson(0, 10);
-        assert!(low == 0.0 && (high - (1.0 - 0.025_f64.powf(0.1))).abs() < 1e-9);
-        let [low, high] = clopper_pearson(1, 10);
-        assert!((low - 0.002_529).abs() < 1e-6 && (high - 0.445_016).abs() < 1e-6, "{low} {high}");
-        assert_eq!(clopper_pearson(10, 10)[1], 1.0);
+/// Sets an increment; a parameter that is none (a sensor's constant error) is not of the aircraft.
+fn set(increments: &mut Increments, name: &str, value: f64) {
+    if let Some(increment) = increments.longitudinal_mut(name) {
+        *increment = value;
     }
 }

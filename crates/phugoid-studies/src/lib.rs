@@ -16,4 +16,5 @@ pub mod reproduction;
 pub mod scenario;
 mod sensing;
 pub mod settling;
+mod statistics;
 pub mod tune;

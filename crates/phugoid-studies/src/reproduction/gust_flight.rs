@@ -1,21 +1,21 @@
 //! Estimation while gusts pass.
 
+use super::Reproduction;
 use super::aircraft_case::{AircraftCase, model_file};
+use super::embedded::{case, cases};
 use super::repeated::{RUNS, believable, coverage, repeated, table};
 use super::result::{Requirement, Role};
-use super::{Entry, Reproduction};
 use crate::accuracy::StudyError;
 
-/// Entries of this file.
-pub(super) const ENTRIES: &[Entry] =
-    &[Entry { id: "gust/flight", title: "All four coefficients while gusts pass", run }];
+cases! {
+    "gust"/"flight": "All four coefficients while gusts pass",
+}
 
-const FILE: &str = include_str!("../../../../scenarios/thesis/gust-flight.toml");
 /// While the first gust rises, before the second, and the end, s.
 const CHECKPOINTS_S: [f64; 3] = [6.0, 10.0, 20.0];
 
 fn run(id: &str, progress: &(dyn Fn(f64) + Sync)) -> Result<Reproduction, StudyError> {
-    let case = AircraftCase::parse(FILE, id).map_err(|error| StudyError::Unsuitable(error.to_string()))?;
+    let case = case(FILES, id, AircraftCase::parse)?;
     let mut reproduction = case.run(id)?;
     progress(0.3);
     let told = repeated(&case, &model_file(&case)?, &CHECKPOINTS_S)?;

@@ -38,7 +38,7 @@ fn scenario(text: &str, name: &str) -> Result<Scenario, StudyError> {
 }
 
 fn model() -> Result<ModelFile, StudyError> {
-    ModelFile::parse("f16-health-model", HEALTH_MODEL).map_err(|error| StudyError::Unsuitable(error.to_string()))
+    ModelFile::parse("f16-health-model", HEALTH_MODEL).map_err(StudyError::unsuitable)
 }
 
 fn blank(id: &str) -> Reproduction {

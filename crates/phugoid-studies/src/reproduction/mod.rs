@@ -10,6 +10,7 @@
 pub mod aircraft_case;
 pub mod case_file;
 pub mod comparison;
+mod embedded;
 mod flight_charts;
 pub mod golden;
 pub mod group;

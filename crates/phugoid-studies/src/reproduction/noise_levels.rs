@@ -13,6 +13,7 @@ use super::{Entry, Reproduction};
 use crate::accuracy::StudyError;
 use crate::monte_carlo::monte_carlo;
 use crate::settling::settled_at;
+use crate::statistics::median;
 
 /// Entry of the study.
 pub(super) const ENTRIES: &[Entry] =
@@ -63,10 +64,6 @@ struct Summary {
 impl Summary {
     fn of(said: &[Said]) -> Self {
         let mean = |f: &dyn Fn(&Said) -> f64| said.iter().map(f).sum::<f64>() / said.len() as f64;
-        let median = |mut values: Vec<f64>| {
-            values.sort_by(f64::total_cmp);
-            values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
-        };
         Self {
             rmse: mean(&|s| s.error * s.error).sqrt(),
             median: median(said.iter().map(|s| s.error.abs()).collect()),

@@ -1,23 +1,17 @@
 //! A pilot's continuous stick, which the abstract of the thesis promises and no case of it shows: random with a fixed seed,
 //! and from a file.
 
+use super::Reproduction;
 use super::aircraft_case::{AircraftCase, model_file};
+use super::embedded::{case, cases};
 use super::repeated::{RUNS, believable, repeated, table, worst_ratio};
 use super::result::{Requirement, Role};
-use super::{Entry, Reproduction};
 use crate::accuracy::StudyError;
 
-/// Entries of this file.
-pub(super) const ENTRIES: &[Entry] = &[
-    Entry { id: "pilot/seeded", title: "A pilot's random stick", run },
-    Entry { id: "pilot/file", title: "A pilot's stick from a file", run },
-];
-
-/// Text of each case file, by id.
-const FILES: &[(&str, &str)] = &[
-    ("pilot/seeded", include_str!("../../../../scenarios/thesis/pilot-seeded.toml")),
-    ("pilot/file", include_str!("../../../../scenarios/thesis/pilot-file.toml")),
-];
+cases! {
+    "pilot"/"seeded": "A pilot's random stick",
+    "pilot"/"file": "A pilot's stick from a file",
+}
 
 /// One and two cycles of the short period, and the end, s.
 const CHECKPOINTS_S: [f64; 3] = [4.17, 8.34, 20.0];
@@ -25,10 +19,7 @@ const CHECKPOINTS_S: [f64; 3] = [4.17, 8.34, 20.0];
 const LARGEST_RATIO: f64 = 1.35;
 
 fn run(id: &str, progress: &(dyn Fn(f64) + Sync)) -> Result<Reproduction, StudyError> {
-    let Some((_, text)) = FILES.iter().find(|(known, _)| *known == id) else {
-        return Err(StudyError::Unsuitable(format!("there is no case `{id}` with a pilot")));
-    };
-    let case = AircraftCase::parse(text, id).map_err(|error| StudyError::Unsuitable(error.to_string()))?;
+    let case = case(FILES, id, AircraftCase::parse)?;
     let mut reproduction = case.run(id)?;
     progress(0.3);
     let study = repeated(&case, &model_file(&case)?, &CHECKPOINTS_S)?;

@@ -73,9 +73,8 @@ fn run(id: &str, progress: &(dyn Fn(f64) + Sync)) -> Result<Reproduction, StudyE
 fn found(aircraft: &F16, condition: &TrimCondition) -> Result<Found, StudyError> {
     let trim = trim(aircraft, condition).map_err(FlightError::from)?;
     let model = linearize(aircraft, &trim.state(), &trim.controls(), &Disturbance::default());
-    let unsuitable = |e: phugoid_flight_dynamics::modes::ModesError| StudyError::Unsuitable(e.to_string());
-    let mut modes = model.longitudinal().map_err(unsuitable)?.modes;
-    modes.extend(model.lateral().map_err(unsuitable)?.modes);
+    let mut modes = model.longitudinal().map_err(StudyError::unsuitable)?.modes;
+    modes.extend(model.lateral().map_err(StudyError::unsuitable)?.modes);
     Ok(Found { trim, modes })
 }
 

@@ -82,8 +82,7 @@ fn one(method: Method, progress: &(dyn Fn(f64) + Sync)) -> Result<Tuned, StudyEr
 }
 
 fn read(names: &[&str]) -> Result<Vec<Material>, StudyError> {
-    let unreadable = |error: material::MaterialError| StudyError::Unsuitable(error.to_string());
-    names.iter().map(|name| material::read(name, None).map_err(unreadable)).collect()
+    names.iter().map(|name| material::read(name, None).map_err(StudyError::unsuitable)).collect()
 }
 
 fn flights(materials: &[Material]) -> Vec<Assignment> {

@@ -309,12 +309,8 @@ fn flight_variant(case: &AircraftCase, (name, told): (&str, ParameterSettings), 
     if run > 0 {
         let factor = (random(case.scenario.seed, run).random::<f64>() * 2.0 - 1.0).exp2();
         let truth = (case.truth(name) * factor).clamp(told.lower, told.upper);
-        let increments = &mut case.scenario.increments;
-        match name {
-            "dCm_alpha" => increments.dCm_alpha = truth,
-            "dCm_q" => increments.dCm_q = truth,
-            "dCL_alpha" => increments.dCL_alpha = truth,
-            _ => increments.dCD_alpha = truth,
+        if let Some(increment) = case.scenario.increments.longitudinal_mut(name) {
+            *increment = truth;
         }
         case.scenario.seed = case.scenario.seed.wrapping_add(run);
     }

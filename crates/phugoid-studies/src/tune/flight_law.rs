@@ -60,12 +60,8 @@ pub(super) fn expected(
     const ROOM: usize = 1;
     let (name, told) = unknown;
     let mut nominal = case.clone();
-    let increments = &mut nominal.scenario.increments;
-    match name {
-        "dCm_alpha" => increments.dCm_alpha = told.start(),
-        "dCm_q" => increments.dCm_q = told.start(),
-        "dCL_alpha" => increments.dCL_alpha = told.start(),
-        _ => increments.dCD_alpha = told.start(),
+    if let Some(increment) = nominal.scenario.increments.longitudinal_mut(name) {
+        *increment = told.start();
     }
     let reference = Reference::new(&fly(&nominal)?, &model_file(case)?)?;
     let [(state, scale)] = Surface::Own.channels(name)[..] else {

@@ -9,6 +9,7 @@ use super::law::{LawForm, LawSettings, Surface};
 use super::method::{Method, MethodRun, MethodSettings, ParameterRun};
 use super::reference::Reference;
 use crate::reproduction::plant_case::verdict::{AWAY, TOLERANCE};
+use crate::statistics::median;
 
 const ROOM: usize = PARAMETERS.len();
 
@@ -154,9 +155,4 @@ fn speed_over_alpha(
     };
     let ratio = part(0)? / part(1)?;
     ratio.is_finite().then_some(ratio)
-}
-
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
 }

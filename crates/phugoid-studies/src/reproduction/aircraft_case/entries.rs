@@ -2,22 +2,8 @@
 
 use super::AircraftCase;
 use crate::accuracy::StudyError;
-use crate::reproduction::{Entry, Reproduction};
-
-/// Id, title and file of each case; the title is also in the file, for those who copy it.
-macro_rules! cases {
-    ($($group:literal / $number:literal: $title:literal),* $(,)?) => {
-        /// Entries of the cases with the F-16.
-        pub(in crate::reproduction) const ENTRIES: &[Entry] =
-            &[$(Entry { id: concat!($group, "/", $number), title: $title, run }),*];
-
-        /// Text of each case file, by id.
-        const FILES: &[(&str, &str)] = &[$((
-            concat!($group, "/", $number),
-            include_str!(concat!("../../../../../scenarios/thesis/", $group, "-", $number, ".toml")),
-        )),*];
-    };
-}
+use crate::reproduction::Reproduction;
+use crate::reproduction::embedded::{case, cases};
 
 cases! {
     "dcm-alpha"/1: "dCm_alpha, case 1: doublet",
@@ -40,10 +26,7 @@ cases! {
 /// # Errors
 /// [`StudyError::Unsuitable`]: there is none of that id.
 pub fn published_case(id: &str) -> Result<AircraftCase, StudyError> {
-    let Some((_, text)) = FILES.iter().find(|(known, _)| *known == id) else {
-        return Err(StudyError::Unsuitable(format!("there is no aircraft case `{id}`")));
-    };
-    AircraftCase::parse(text, id).map_err(|error| StudyError::Unsuitable(error.to_string()))
+    case(FILES, id, AircraftCase::parse)
 }
 
 /// Ids of the published cases with the F-16.

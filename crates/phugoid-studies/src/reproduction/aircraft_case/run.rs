@@ -157,6 +157,6 @@ pub fn short_period_s(reference: &Reference) -> Result<f64, StudyError> {
     let (Some(x), Some(input)) = (reference.states.first(), reference.inputs.first()) else { return Err(none()) };
     let mut lin = LinearizedRates::<STATES, { super::case::PARAMETERS.len() }>::ZERO;
     reference.model.linearized_rates(x, &[0.0; super::case::PARAMETERS.len()], input, &mut lin);
-    let modes = longitudinal_modes(&lin.state_jacobian).map_err(|error| StudyError::Unsuitable(error.to_string()))?;
+    let modes = longitudinal_modes(&lin.state_jacobian).map_err(StudyError::unsuitable)?;
     modes.iter().find(|mode| mode.name == ModeName::ShortPeriod).and_then(|mode| mode.period_s).ok_or_else(none)
 }

@@ -14,9 +14,7 @@ use crate::scenario::Scenario;
 /// # Errors
 /// [`StudyError::Unsuitable`] where the embedded model does not know an increment of the case.
 pub fn model_file(case: &AircraftCase) -> Result<ModelFile, StudyError> {
-    let parse = |name: &str, text: &str| {
-        ModelFile::parse(name, text).map_err(|error| StudyError::Unsuitable(error.to_string()))
-    };
+    let parse = |name: &str, text: &str| ModelFile::parse(name, text).map_err(StudyError::unsuitable);
     let mut model = parse("f16-model", CALM_MODEL)?;
     if case.estimator.gusts {
         model.process_noise = parse("f16-gust-model", GUST_MODEL)?.process_noise;

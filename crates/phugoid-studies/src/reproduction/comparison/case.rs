@@ -112,8 +112,7 @@ impl ComparisonCase {
     /// # Errors
     /// [`StudyError::Unsuitable`] if the embedded model cannot be read.
     pub(super) fn model(&self) -> Result<ModelFile, StudyError> {
-        let mut model = ModelFile::parse("f16-thesis-model", THESIS_MODEL)
-            .map_err(|error| StudyError::Unsuitable(error.to_string()))?;
+        let mut model = ModelFile::parse("f16-thesis-model", THESIS_MODEL).map_err(StudyError::unsuitable)?;
         model.parameters.retain(|parameter| parameter.name == UNKNOWN);
         let [lower, upper] = self.comparison.bounds;
         for parameter in &mut model.parameters {

@@ -267,7 +267,7 @@ impl<'a> Setting<'a> {
         settings.input_hold = InputHold::Linear;
         settings.follow = std::array::from_fn(|state| state != channel.state);
         let law = ThesisLaw::<LongitudinalModel, STATES, OUTPUTS, 1, 1>::new(flown.prepared.model.clone(), settings);
-        Ok(track(law.map_err(|error| StudyError::Unsuitable(error.to_string()))?, &flown.prepared))
+        Ok(track(law.map_err(StudyError::unsuitable)?, &flown.prepared))
     }
 
     fn model_reference(
@@ -293,7 +293,7 @@ impl<'a> Setting<'a> {
         }
         let law =
             ModelReference::<LongitudinalModel, STATES, OUTPUTS, 1, 1>::new(flown.prepared.model.clone(), settings);
-        Ok(track(law.map_err(|error| StudyError::Unsuitable(error.to_string()))?, &flown.prepared))
+        Ok(track(law.map_err(StudyError::unsuitable)?, &flown.prepared))
     }
 }
 

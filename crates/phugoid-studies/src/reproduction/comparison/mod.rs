@@ -15,6 +15,7 @@ pub use case::{Comparison, ComparisonCase, UNKNOWN};
 pub use method::{Flown, Gain, Method, Normalised, Score, Setting, Track};
 pub use tuning::{Tuned, training_flights, tune};
 
+use super::embedded::case as embedded_case;
 use super::{Entry, Reproduction};
 use crate::accuracy::StudyError;
 
@@ -35,10 +36,7 @@ const FILES: [(&str, &str); 2] = [
 /// # Errors
 /// [`StudyError::Unsuitable`]: there is none of that id.
 pub fn published_comparison(id: &str) -> Result<ComparisonCase, StudyError> {
-    let Some((_, text)) = FILES.iter().find(|(known, _)| *known == id) else {
-        return Err(StudyError::Unsuitable(format!("there is no comparison `{id}`")));
-    };
-    ComparisonCase::parse(text, id).map_err(|error| StudyError::Unsuitable(error.to_string()))
+    embedded_case(&FILES, id, ComparisonCase::parse)
 }
 
 fn run(id: &str, progress: &(dyn Fn(f64) + Sync)) -> Result<Reproduction, StudyError> {

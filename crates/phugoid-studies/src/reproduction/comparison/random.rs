@@ -17,6 +17,7 @@ use crate::published::CALM_SCENARIO;
 use crate::reproduction::result::{Axis, Cell, Chart, Column, Content, Curve, Panel, Requirement, Shape, Table};
 use crate::reproduction::{Published, Reproduction};
 use crate::scenario::Scenario;
+use crate::statistics::quantile;
 
 /// Number of truths.
 pub const TRUTHS: usize = 100;
@@ -79,7 +80,7 @@ pub fn sweep(
 /// [`StudyError::Unsuitable`]: an embedded file cannot be read.
 pub fn conditions() -> Result<[(&'static str, ComparisonCase); 2], StudyError> {
     let calm = published_comparison("model-reference/1")?;
-    let mut scenario = Scenario::parse(CALM_SCENARIO, "f16-calm").map_err(|e| StudyError::Unsuitable(e.to_string()))?;
+    let mut scenario = Scenario::parse(CALM_SCENARIO, "f16-calm").map_err(StudyError::unsuitable)?;
     scenario.increments = calm.scenario.increments;
     let noisy = ComparisonCase {
         title: scenario.name.clone(),
@@ -251,13 +252,6 @@ fn percent(part: f64) -> Cell {
     if part.is_finite() && part <= 10.0 { Cell::Number(100.0 * part) } else { Cell::from("> 1000") }
 }
 
-/// The smallest value that at least this fraction of the values do not exceed.
-fn quantile(mut values: Vec<f64>, fraction: f64) -> f64 {
-    values.sort_by(f64::total_cmp);
-    let rank = (fraction * values.len() as f64).ceil() as usize;
-    values.get(rank.saturating_sub(1)).copied().unwrap_or(f64::NAN)
-}
-
 /// Where the flagship lost.
 fn losses(sweeps: &[Sweep]) -> Table {
     let rows = sweeps.iter().flat_map(|sweep| {
@@ -407,12 +401,5 @@ mod tests {
         assert!((25..=75).contains(&positive), "{positive}");
         assert_eq!(truths[17], truth(17, [-12.0, 12.0]));
         assert_eq!(truth(3, [-1.0, 1.0]) * 12.0, truths[3]);
-    }
-
-    #[test]
-    fn quantiles_of_a_few_values() {
-        let values = vec![3.0, 1.0, 2.0, f64::INFINITY];
-        assert_eq!((quantile(values.clone(), 0.5), quantile(values.clone(), 0.75)), (2.0, 3.0));
-        assert!(quantile(values, 0.9).is_infinite() && quantile(Vec::new(), 0.5).is_nan());
     }
 }

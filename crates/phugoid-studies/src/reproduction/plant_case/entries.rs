@@ -2,22 +2,8 @@
 
 use super::PlantCase;
 use crate::accuracy::StudyError;
-use crate::reproduction::{Entry, Reproduction};
-
-/// Id, title and file of each case; the title is also in the file, for those who copy it.
-macro_rules! cases {
-    ($($group:literal / $number:literal: $title:literal),* $(,)?) => {
-        /// Entries of the plant cases.
-        pub(in crate::reproduction) const ENTRIES: &[Entry] =
-            &[$(Entry { id: concat!($group, "/", $number), title: $title, run }),*];
-
-        /// Text of each case file, by id.
-        pub(super) const FILES: &[(&str, &str)] = &[$((
-            concat!($group, "/", $number),
-            include_str!(concat!("../../../../../scenarios/thesis/", $group, "-", $number, ".toml")),
-        )),*];
-    };
-}
+use crate::reproduction::Reproduction;
+use crate::reproduction::embedded::{case, cases};
 
 cases! {
     "first-order"/1: "First order, case 1: step, a = 3",
@@ -48,10 +34,7 @@ cases! {
 /// # Errors
 /// [`StudyError::Unsuitable`]: there is none of that id.
 pub fn published_case(id: &str) -> Result<PlantCase, StudyError> {
-    let Some((_, text)) = FILES.iter().find(|(known, _)| *known == id) else {
-        return Err(StudyError::Unsuitable(format!("there is no plant case `{id}`")));
-    };
-    PlantCase::parse(text, id).map_err(|error| StudyError::Unsuitable(error.to_string()))
+    case(FILES, id, PlantCase::parse)
 }
 
 /// Ids of the published plant cases.

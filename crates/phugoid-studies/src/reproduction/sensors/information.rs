@@ -38,8 +38,7 @@ impl Information {
 
 /// The model with realistic sensors, `unknown` looked for and the other increments known.
 fn model(flight: &Flight, unknown: &[&str]) -> Result<ModelFile, StudyError> {
-    let mut model =
-        ModelFile::parse("f16-model", CALM_MODEL).map_err(|error| StudyError::Unsuitable(error.to_string()))?;
+    let mut model = ModelFile::parse("f16-model", CALM_MODEL).map_err(StudyError::unsuitable)?;
     for parameter in &mut model.parameters {
         if !unknown.contains(&parameter.name.as_str()) {
             parameter.fixed = true;

@@ -12,8 +12,9 @@ mod report;
 mod seeds;
 mod study;
 
+use super::Reproduction;
 use super::aircraft_case::AircraftCase;
-use super::{Entry, Reproduction};
+use super::embedded::{case, cases};
 use crate::accuracy::StudyError;
 use crate::manoeuvre::{Manoeuvre, Surface};
 use crate::quantity::{Angle, Time};
@@ -23,22 +24,6 @@ use study::Study;
 /// Amplitude of the thesis's inputs, deg.
 const THESIS_DEG: f64 = 0.05;
 
-/// Id, title and file of each case; the title is also in the file, for those who copy it.
-macro_rules! cases {
-    ($($group:literal: $title:literal, $input:expr),* $(,)?) => {
-        /// Entries of this module.
-        pub(super) const ENTRIES: &[Entry] =
-            &[$(Entry { id: concat!("sensors/", $group), title: $title, run }),*];
-
-        /// Id, text of the case file, and the input of the thesis.
-        const FILES: &[(&str, &str, ThesisInput)] = &[$((
-            concat!("sensors/", $group),
-            include_str!(concat!("../../../../../scenarios/thesis/sensors-", $group, ".toml")),
-            $input,
-        )),*];
-    };
-}
-
 /// Inputs of the thesis.
 #[derive(Clone, Copy)]
 enum ThesisInput {
@@ -47,14 +32,19 @@ enum ThesisInput {
 }
 
 cases! {
-    "dcm-alpha": "dCm_alpha with realistic sensors", ThesisInput::Doublet,
-    "dcm-q": "dCm_q with realistic sensors", ThesisInput::Sine,
-    "dcl-alpha": "dCL_alpha with realistic sensors", ThesisInput::Sine,
-    "dcd-alpha": "dCD_alpha with realistic sensors", ThesisInput::Sine,
-    "combined": "All four at once with realistic sensors", ThesisInput::Sine,
+    "sensors"/"dcm-alpha": "dCm_alpha with realistic sensors",
+    "sensors"/"dcm-q": "dCm_q with realistic sensors",
+    "sensors"/"dcl-alpha": "dCL_alpha with realistic sensors",
+    "sensors"/"dcd-alpha": "dCD_alpha with realistic sensors",
+    "sensors"/"combined": "All four at once with realistic sensors",
 }
 
 impl ThesisInput {
+    /// That of the case which a case with realistic sensors repeats.
+    fn of(id: &str) -> Self {
+        if id == "sensors/dcm-alpha" { Self::Doublet } else { Self::Sine }
+    }
+
     /// In words, amplitude in deg, and as a manoeuvre that starts with the others.
     fn described(self) -> (String, f64, Manoeuvre) {
         match self {
@@ -76,13 +66,10 @@ impl ThesisInput {
 }
 
 fn run(id: &str, progress: &(dyn Fn(f64) + Sync)) -> Result<Reproduction, StudyError> {
-    let Some((_, text, input)) = FILES.iter().find(|(known, ..)| *known == id) else {
-        return Err(StudyError::Unsuitable(format!("there is no case `{id}` with realistic sensors")));
-    };
-    let case = AircraftCase::parse(text, id).map_err(|error| StudyError::Unsuitable(error.to_string()))?;
+    let case = case(FILES, id, AircraftCase::parse)?;
     let mut reproduction = case.run(id)?;
     progress(0.2);
-    let study = Study::of(&case, &input.described(), &|done| progress(0.2 + 0.8 * done))?;
+    let study = Study::of(&case, &ThesisInput::of(id).described(), &|done| progress(0.2 + 0.8 * done))?;
     report::add(&mut reproduction, &case, &study);
     reproduction.tables.push(damping::sweep(&case)?);
     Ok(reproduction)
@@ -112,7 +99,7 @@ mod tests {
 
     #[test]
     fn every_file_reads_and_bears_the_title_of_its_entry() {
-        for ((id, text, _), entry) in FILES.iter().zip(ENTRIES) {
+        for ((id, text), entry) in FILES.iter().zip(ENTRIES) {
             assert_eq!(AircraftCase::parse(text, id).unwrap().title, entry.title);
             assert_eq!(*id, entry.id);
         }
@@ -137,7 +124,7 @@ mod tests {
     /// What the text beside the cases says of the thesis's law: not within 5 % to stay in one cycle with any damping.
     #[test]
     fn no_damping_makes_the_law_find_them_in_a_cycle() {
-        for (id, text, _) in FILES {
+        for (id, text) in FILES {
             let case = AircraftCase::parse(text, id).unwrap();
             let table = damping::sweep(&case).unwrap();
             assert_eq!(table.rows.len(), 11);

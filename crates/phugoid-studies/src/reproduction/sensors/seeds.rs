@@ -106,12 +106,8 @@ pub(super) fn scaled(case: &AircraftCase, to: [f64; 4]) -> AircraftCase {
         settings.lower *= factor;
         settings.upper *= factor;
         settings.start = Some(factor * start);
-        let increments = &mut scaled.scenario.increments;
-        match name {
-            "dCm_alpha" => increments.dCm_alpha = value,
-            "dCm_q" => increments.dCm_q = value,
-            "dCL_alpha" => increments.dCL_alpha = value,
-            _ => increments.dCD_alpha = value,
+        if let Some(increment) = scaled.scenario.increments.longitudinal_mut(name) {
+            *increment = value;
         }
     }
     scaled
