@@ -1,6 +1,6 @@
 //! Charts of a reproduction as figures: what a curve means decides how it looks.
 
-use phugoid_studies::reproduction::result::{self, Chart, Content, Curve, Level};
+use phugoid_studies::reproduction::result::{self, Chart, Content, Curve, Level, Meaning};
 
 use crate::figure::{At, Axis, Body, Figure, HeatMap, Kind, Panel, Reference, Series};
 
@@ -59,7 +59,10 @@ fn axis(axis: &result::Axis) -> Axis {
 }
 
 fn plot(looks: &mut Looks, curves: &[Curve], levels: &[Level], instants: &[Level]) -> Body {
-    let series = curves.iter().map(|curve| series(looks, curve)).collect();
+    // The truth lies on top: it is dashed, and what has reached it shines through.
+    let truth = |curve: &&Curve| curve.meaning == Meaning::Truth;
+    let ordered = curves.iter().filter(|c| !truth(c)).chain(curves.iter().filter(truth));
+    let series = ordered.map(|curve| series(looks, curve)).collect();
     let mut references: Vec<Reference> =
         levels.iter().map(|level| reference(looks, level, Form::Level, At::Horizontal(level.at))).collect();
     references.extend(instants.iter().map(|level| reference(looks, level, Form::Instant, At::Vertical(level.at))));
@@ -80,5 +83,7 @@ fn series(looks: &mut Looks, curve: &Curve) -> Series {
 
 fn reference(looks: &mut Looks, level: &Level, form: Form, at: At) -> Reference {
     let (colour, stroke) = looks.of(&level.label, level.meaning, form);
-    Reference { label: level.label.clone(), colour, stroke, at }
+    // An instant is no truth to be compared with.
+    let on_top = level.meaning == Meaning::Truth && form == Form::Level;
+    Reference { label: level.label.clone(), colour, stroke, at, on_top }
 }

@@ -165,7 +165,7 @@ fn draw_lines(scene: &mut Scene, map: &Map, lines: Vec<Vec<[f64; 2]>>, colour: C
                 inside.push(line);
             }
         } else {
-            inside.extend(map.frame.clip(&line));
+            inside.extend(map.frame.clip(&decimate::straightened(&line)));
         }
     }
     if !inside.is_empty() {

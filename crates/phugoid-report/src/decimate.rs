@@ -113,6 +113,42 @@ pub(crate) fn trajectory(points: &[[f64; 2]]) -> Vec<Vec<[f64; 2]>> {
     lines
 }
 
+/// The line without points that lie within a tenth of a pixel of the straight line between those kept: a smooth curve
+/// needs few. One pass; the open cone of directions that meet all points so far decides (Williams 1978, The Computer
+/// Journal 21(4)).
+pub(crate) fn straightened(line: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    const TOLERANCE: f64 = 0.1;
+    let Some((first, rest)) = line.split_first() else { return Vec::new() };
+    let mut kept = vec![*first];
+    let mut anchor = *first;
+    let mut cone: Option<[f64; 2]> = None;
+    let mut last = *first;
+    for point in rest {
+        let (mut dx, mut dy) = (point[0] - anchor[0], point[1] - anchor[1]);
+        // The cone is one of slopes: it closes where the line turns back or stands upright.
+        let inside =
+            dx > TOLERANCE && point[0] >= last[0] && cone.is_none_or(|[low, high]| (low..=high).contains(&(dy / dx)));
+        if !inside && last != anchor {
+            kept.push(last);
+            anchor = last;
+            cone = None;
+            (dx, dy) = (point[0] - anchor[0], point[1] - anchor[1]);
+        }
+        if dx > TOLERANCE {
+            let [low, high] = cone.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
+            cone = Some([low.max((dy - TOLERANCE) / dx), high.min((dy + TOLERANCE) / dx)]);
+        } else {
+            // An upright step is kept as it is: no slope stands for it.
+            cone = Some([f64::INFINITY, f64::NEG_INFINITY]);
+        }
+        last = *point;
+    }
+    if last != anchor || kept.len() < line.len().min(2) {
+        kept.push(last);
+    }
+    kept
+}
+
 fn finite(point: &[f64; 2]) -> bool {
     point[0].is_finite() && point[1].is_finite()
 }
@@ -197,7 +233,48 @@ mod tests {
         assert_eq!(areas(&broken).len(), 2);
     }
 
+    #[test]
+    fn a_smooth_line_needs_few_points() {
+        let given: Vec<[f64; 2]> =
+            (0..4000).map(|k| 0.2 * f64::from(k)).map(|x| [x, 60.0 + 50.0 * (x / 100.0).sin()]).collect();
+        let kept = straightened(&given);
+        assert!(kept.len() < 120, "{} points", kept.len());
+        assert_eq!(straightened(&[[1.0, 2.0]]), [[1.0, 2.0]]);
+        // An upright step stays.
+        let step = [[0.0, 0.0], [5.0, 0.0], [5.0, 9.0], [20.0, 9.0]];
+        assert_eq!(straightened(&step), step);
+    }
+
     proptest! {
+        #[test]
+        fn no_point_moves_by_more_than_a_tenth_of_a_pixel(
+            steps in prop::collection::vec((0.0..2.0f64, -3.0..3.0f64), 1..300), smooth in 0.0..1.0f64,
+        ) {
+            let mut at = [0.0, 0.0];
+            let given: Vec<[f64; 2]> = steps
+                .iter()
+                .map(|(dx, dy)| {
+                    at = [at[0] + dx, at[1] + smooth * smooth * dy];
+                    at
+                })
+                .collect();
+            let kept = straightened(&given);
+            prop_assert_eq!((kept[0], kept[kept.len() - 1]), (given[0], given[given.len() - 1]));
+            for p in &given {
+                let near = kept.windows(2).any(|w| {
+                    let d = [w[1][0] - w[0][0], w[1][1] - w[0][1]];
+                    let size = d[0] * d[0] + d[1] * d[1];
+                    let share = if size > 0.0 {
+                        (((p[0] - w[0][0]) * d[0] + (p[1] - w[0][1]) * d[1]) / size).clamp(0.0, 1.0)
+                    } else {
+                        0.0
+                    };
+                    (p[0] - w[0][0] - share * d[0]).hypot(p[1] - w[0][1] - share * d[1]) <= 0.1001
+                });
+                prop_assert!(near || kept.len() < 2, "{:?} is lost", p);
+            }
+        }
+
         #[test]
         fn extremes_ends_and_order_survive(
             values in prop::collection::vec(-100.0..100.0f64, 2..4000), width in 1.0..50.0f64,

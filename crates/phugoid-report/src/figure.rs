@@ -223,6 +223,8 @@ pub struct Reference {
     pub stroke: Stroke,
     /// Where.
     pub at: At,
+    /// Drawn over the curves instead of under them; a dashed one lets them shine through.
+    pub on_top: bool,
 }
 
 /// Position of a reference line.

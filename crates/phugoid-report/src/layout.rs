@@ -110,8 +110,12 @@ impl<'a> Plan<'a> {
 
     fn draw(&self, scene: &mut Scene, figure: &Figure, mut frame: Frame, labelled: bool, fonts: Option<&Fonts>) {
         let label = axis_text(&self.panel.y, self.y_ticks.exponent);
-        let label = fitted(fonts, label, NORMAL, true, frame.right - frame.left);
-        scene.shapes.push(text(&label, [frame.left, frame.top - 8.0], NORMAL, Anchor::Start, true, Colour::Ink));
+        // A long label is first set smaller, then shortened.
+        let room = frame.right - frame.left;
+        let fits = |size: &f64| reserved_width(fonts, &label, *size, true) <= room;
+        let size = [NORMAL, 12.0, 11.0].into_iter().find(fits).unwrap_or(10.0);
+        let label = fitted(fonts, label, size, true, room);
+        scene.shapes.push(text(&label, [frame.left, frame.top - 8.0], size, Anchor::Start, true, Colour::Ink));
 
         let x_ticks = if let Some(map) = self.heat_map() {
             frame.right -= heat_map::BAR_ROOM;
@@ -133,12 +137,15 @@ impl<'a> Plan<'a> {
                 for series in series.iter().filter(|s| matches!(s.kind, Kind::Band { .. })) {
                     curves::draw(scene, &map, series);
                 }
-                for reference in references {
+                for reference in references.iter().filter(|r| !r.on_top) {
                     draw_reference(scene, &map, reference);
                 }
                 self.draw_events(scene, figure, &map);
                 for series in series.iter().filter(|s| !matches!(s.kind, Kind::Band { .. })) {
                     curves::draw(scene, &map, series);
+                }
+                for reference in references.iter().filter(|r| r.on_top) {
+                    draw_reference(scene, &map, reference);
                 }
             }
             Body::Strip { x, state, states } => {

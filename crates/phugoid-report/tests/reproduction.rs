@@ -181,10 +181,11 @@ fn meanings_decide_colours_and_strokes() {
         looks,
         [
             (Colour::Blue, Stroke::Solid),
-            (Colour::Ink, Stroke::Dashed),
             (Colour::Vermillion, Stroke::Solid),
             (Colour::Green, Stroke::Solid),
             (Colour::Blue, Stroke::Solid),
+            // Above what it is compared with.
+            (Colour::Ink, Stroke::Dashed),
         ]
     );
     // A command of four samples, seconds apart, is one unbroken step.

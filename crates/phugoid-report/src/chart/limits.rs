@@ -25,6 +25,10 @@ pub(super) fn ordinate(chart: &Chart, panel: &Panel) -> Option<[f64; 2]> {
             }
         }
     }
+    // A level alone does not say where methods belong.
+    if others.low > others.high {
+        return None;
+    }
     levels.iter().for_each(|level| {
         others.add(level.at);
         all.add(level.at);

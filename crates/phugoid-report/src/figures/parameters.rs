@@ -77,6 +77,7 @@ fn references(
         colour,
         stroke,
         at: At::HorizontalIfVisible(value),
+        on_top: false,
     };
     let mut lines = Vec::new();
     lines.extend(last.truth.filter(seen).map(|v| level("truth", Colour::Vermillion, Stroke::Solid, v)));
@@ -87,6 +88,7 @@ fn references(
         colour: Colour::Green,
         stroke: Stroke::Dashed,
         at: At::Vertical(start + after),
+        on_top: false,
     }));
     lines
 }

@@ -88,7 +88,8 @@ fn plane(r: f64, x: Direction, y: Direction) -> Option<Panel> {
     if let Some((x, y)) = x.truth.zip(y.truth) {
         series.push(Series::new("truth", Colour::Vermillion, &Arc::from([x]), Kind::Marks(vec![y])));
     }
-    let centre = |at| Reference { label: String::new(), colour: Colour::Grid, stroke: Stroke::Solid, at };
+    let centre =
+        |at| Reference { label: String::new(), colour: Colour::Grid, stroke: Stroke::Solid, at, on_top: false };
     let label = format!("{} ({}), r = {}", y.name, y.unit, crate::ticks::fixed(r, 2));
     let heading = Axis { label, unit: String::new(), ..y_axis };
     Some(

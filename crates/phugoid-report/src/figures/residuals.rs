@@ -33,7 +33,13 @@ pub(super) fn series(context: &Context) -> Option<(String, Figure)> {
             dots.push(Series::new(label, Colour::Vermillion, &context.time, Kind::Marks(beyond)));
         }
         let panel = Panel::plot(axis.with_range(-limit, limit), dots).with_height(96.0);
-        let line = |at| Reference { label: "±2σ".to_owned(), colour: Colour::Orange, stroke: Stroke::Dashed, at };
+        let line = |at| Reference {
+            label: "±2σ".to_owned(),
+            colour: Colour::Orange,
+            stroke: Stroke::Dashed,
+            at,
+            on_top: false,
+        };
         figure.panels.push(panel.with_reference(line(At::Horizontal(2.0))).with_reference(line(At::Horizontal(-2.0))));
     }
     (!residuals.is_empty()).then(|| ("residuals".to_owned(), figure))
@@ -71,12 +77,14 @@ pub(super) fn autocorrelations(context: &Context) -> Option<(String, Figure)> {
             colour: Colour::Orange,
             stroke: Stroke::Dashed,
             at,
+            on_top: false,
         };
         let zero = Reference {
             label: String::new(),
             colour: Colour::Muted,
             stroke: Stroke::Solid,
             at: At::HorizontalIfVisible(0.0),
+            on_top: false,
         };
         figure.panels.push(
             Panel::plot(axis, vec![bars])

@@ -73,7 +73,13 @@ fn phase_strip(context: &Context) -> Option<Panel> {
 }
 
 fn zero() -> Reference {
-    Reference { label: String::new(), colour: Colour::Muted, stroke: Stroke::Solid, at: At::HorizontalIfVisible(0.0) }
+    Reference {
+        label: String::new(),
+        colour: Colour::Muted,
+        stroke: Stroke::Solid,
+        at: At::HorizontalIfVisible(0.0),
+        on_top: false,
+    }
 }
 
 fn says_something(surface: &[f64]) -> bool {

@@ -13,6 +13,17 @@ pub struct Group {
     pub code: &'static [&'static str],
 }
 
+/// Where the estimators and the printed laws are explained.
+const LAWS: &[&str] = &["SMPE: the sliding-mode parameter estimator", "The law as the thesis prints it"];
+/// What a flight with noise can tell.
+const SENSORS: &[&str] = &["SMPE: the sliding-mode parameter estimator", "Bounds", "The Cramer-Rao bound"];
+
+const ONE_PARAMETER: &str = "crates/phugoid-estimators/src/thesis/one_parameter.rs";
+const TWO_PARAMETERS: &str = "crates/phugoid-estimators/src/thesis/two_parameter.rs";
+const EXTENDED: &str = "crates/phugoid-estimators/src/thesis/extended.rs";
+const SMPE: &str = "crates/phugoid-estimators/src/smpe/mod.rs";
+const FLIGHT: &str = "crates/phugoid-studies/src/flight.rs";
+
 const fn group(
     id: &'static str,
     title: &'static str,
@@ -28,41 +39,102 @@ const OWN: Group = group("own", "Cases of your own", &[], &[]);
 /// To read beside the cases with the F-16.
 const AIRCRAFT_THEORY: &[&str] =
     &["2. The aircraft as a model that is linear in its parameters", "10. The law as the thesis prints it"];
-const AIRCRAFT_CODE: &[&str] = &[
-    "crates/phugoid-studies/src/reproduction/aircraft_case/law.rs",
-    "crates/phugoid-estimators/src/thesis/one_parameter.rs",
-    "crates/phugoid-estimators/src/smpe/mod.rs",
-];
+const AIRCRAFT_CODE: &[&str] = &["crates/phugoid-studies/src/reproduction/aircraft_case/law.rs", ONE_PARAMETER, SMPE];
 
 /// All groups, in the order of the report.
 pub const GROUPS: &[Group] = &[
-    group("trim", "Trim", &[], &[]),
-    group("gust", "Gusts", &[], &[]),
-    group("first-order", "First-order plant", &[], &[]),
-    group("first-order-nonlinear", "Nonlinear first-order plant", &[], &[]),
-    group("second-order", "Second-order plant", &[], &[]),
-    group("second-order-nonlinear", "Nonlinear second-order plant", &[], &[]),
-    group("noise", "Nonlinear second-order plant in noise", &[], &[]),
+    group("trim", "Trim", &[], &["crates/phugoid-flight-dynamics/src/trim.rs"]),
+    group("gust", "Gusts", &[], &["crates/phugoid-flight-dynamics/src/gust.rs", FLIGHT]),
+    group(
+        "first-order",
+        "First-order plant",
+        LAWS,
+        &["crates/phugoid-estimators/src/plants/first_order.rs", ONE_PARAMETER, SMPE],
+    ),
+    group(
+        "first-order-nonlinear",
+        "Nonlinear first-order plant",
+        LAWS,
+        &["crates/phugoid-estimators/src/plants/first_order_nonlinear.rs", ONE_PARAMETER, SMPE],
+    ),
+    group(
+        "second-order",
+        "Second-order plant",
+        LAWS,
+        &["crates/phugoid-estimators/src/plants/second_order.rs", TWO_PARAMETERS, EXTENDED, SMPE],
+    ),
+    group(
+        "second-order-nonlinear",
+        "Nonlinear second-order plant",
+        LAWS,
+        &["crates/phugoid-estimators/src/plants/second_order_nonlinear.rs", TWO_PARAMETERS, EXTENDED, SMPE],
+    ),
+    group(
+        "noise",
+        "Nonlinear second-order plant in noise",
+        LAWS,
+        &["crates/phugoid-estimators/src/plants/second_order_nonlinear.rs", TWO_PARAMETERS, SMPE],
+    ),
     group("dcm-alpha", "F-16: static stability, dC_m_alpha", AIRCRAFT_THEORY, AIRCRAFT_CODE),
     group("dcm-q", "F-16: pitch damping, dC_m_q", AIRCRAFT_THEORY, AIRCRAFT_CODE),
     group("dcl-alpha", "F-16: lift slope, dC_L_alpha", AIRCRAFT_THEORY, AIRCRAFT_CODE),
     group("dcd-alpha", "F-16: drag slope, dC_D_alpha", AIRCRAFT_THEORY, AIRCRAFT_CODE),
     group("combined", "F-16: all four coefficients at once", AIRCRAFT_THEORY, AIRCRAFT_CODE),
-    group("sensors", "F-16 with realistic sensors", &[], &[]),
-    group("pilot", "A pilot's continuous input", &[], &[]),
-    group("model-reference", "Comparison with a model-reference estimator", &[], &[]),
-    group("laws", "The printed laws, studied", &[], &[]),
+    group("sensors", "F-16 with realistic sensors", SENSORS, &["crates/phugoid-studies/src/cramer_rao.rs", SMPE]),
+    group("pilot", "A pilot's continuous input", SENSORS, &["crates/phugoid-studies/src/manoeuvre.rs", SMPE]),
+    group(
+        "model-reference",
+        "Comparison with a model-reference estimator",
+        &["SMPE: the sliding-mode parameter estimator"],
+        &["crates/phugoid-estimators/src/model_reference.rs", SMPE],
+    ),
+    group(
+        "laws",
+        "The printed laws, studied",
+        &["The law as the thesis prints it"],
+        &[ONE_PARAMETER, TWO_PARAMETERS, "crates/phugoid-estimators/src/thesis/diagnostics.rs"],
+    ),
     group(
         "tuning",
         "Choosing the gains",
         &[],
         &["crates/phugoid-studies/src/tune/rule.rs", "crates/phugoid-studies/src/tune/objective.rs"],
     ),
-    group("health", "Health monitoring", &[], &[]),
+    group("health", "Health monitoring", &["Bounds"], &[]),
 ];
 
 /// The group of an id.
 pub fn group_of(id: &str) -> &'static Group {
     let name = id.split('/').next().unwrap_or(id);
     GROUPS.iter().find(|group| group.id == name).unwrap_or(&OWN)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+
+    #[test]
+    fn what_is_to_be_read_beside_a_case_exists() {
+        let root = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."));
+        let theory = std::fs::read_to_string(root.join("docs/theory.md")).unwrap();
+        let headings: Vec<&str> = theory.lines().filter(|line| line.starts_with('#')).collect();
+        for group in GROUPS {
+            for wanted in group.theory {
+                assert!(headings.iter().any(|h| h.ends_with(wanted)), "{}: no heading `{wanted}`", group.id);
+            }
+            for file in group.code {
+                assert!(root.join(file).is_file(), "{}: no file {file}", group.id);
+            }
+        }
+    }
+
+    #[test]
+    fn every_entry_has_a_group_of_its_own_name() {
+        for entry in crate::reproduction::entries() {
+            assert_eq!(group_of(entry.id).id, entry.group(), "{} belongs to no known group", entry.id);
+        }
+        assert_eq!(group_of("my-case").title, "Cases of your own");
+    }
 }

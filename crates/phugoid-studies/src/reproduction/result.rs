@@ -82,6 +82,9 @@ pub enum Behaviour {
 }
 
 impl Behaviour {
+    /// All of them, best first.
+    pub const ALL: [Self; 5] = [Self::Converges, Self::Unfinished, Self::Biased, Self::Chatters, Self::Diverges];
+
     /// In one word.
     pub fn word(self) -> &'static str {
         match self {

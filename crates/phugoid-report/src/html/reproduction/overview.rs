@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use phugoid_studies::reproduction::result::{Outcome, Reproduction, Role};
+use phugoid_studies::reproduction::result::{Behaviour, Outcome, Reproduction, Role};
 
 use super::super::page::{self, END_OF_TABLE, prose, table};
 use super::case::behaviour;
@@ -137,12 +137,20 @@ pub(super) fn cases(reproductions: &[Reproduction]) -> String {
     out
 }
 
-/// Every published law with what became of it.
+/// What became of the published laws: each by name, or counted where they are many.
 fn printed(outcomes: &[Outcome]) -> String {
-    let laws: Vec<String> = outcomes
-        .iter()
-        .filter(|o| o.role == Role::Published)
-        .map(|o| format!("{} <span class=\"by-method\">{}</span>", behaviour(o.behaviour), escape(&o.method)))
-        .collect();
-    if laws.is_empty() { "–".to_owned() } else { laws.join("<br>") }
+    let laws: Vec<&Outcome> = outcomes.iter().filter(|o| o.role == Role::Published).collect();
+    let told =
+        |word: Behaviour, by: &str| format!("{} <span class=\"by-method\">{}</span>", behaviour(word), escape(by));
+    let told: Vec<String> = match laws.len() {
+        0 => return "–".to_owned(),
+        1..=4 => laws.iter().map(|o| told(o.behaviour, &o.method)).collect(),
+        _ => Behaviour::ALL
+            .iter()
+            .map(|behaviour| (behaviour, laws.iter().filter(|o| o.behaviour == *behaviour).count()))
+            .filter(|(_, count)| *count > 0)
+            .map(|(behaviour, count)| told(*behaviour, &format!("{count} of {}", laws.len())))
+            .collect(),
+    };
+    told.join("<br>")
 }

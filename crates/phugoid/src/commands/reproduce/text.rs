@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use phugoid_report::NotRun;
 use phugoid_studies::reproduction::group::group_of;
-use phugoid_studies::reproduction::result::{self, Cell, Outcome, Reproduction, Requirement, Role};
+use phugoid_studies::reproduction::result::{self, Behaviour, Cell, Outcome, Reproduction, Requirement, Role};
 
 use super::Written;
 use crate::output::{Table, significant, wrapped};
@@ -12,6 +12,7 @@ use crate::output::{Table, significant, wrapped};
 /// One case in full, or a row or two for each of several; then the requirements, counted, and what was written.
 pub(super) fn text(reproductions: &[Reproduction], not_run: &[NotRun], written: &Written) -> String {
     let mut text = match reproductions {
+        [] => String::new(),
         [only] => case(only),
         several => overview(several),
     };
@@ -70,14 +71,23 @@ fn overview(reproductions: &[Reproduction]) -> String {
     )
 }
 
-/// What became of every published law.
+/// What became of the published laws: each by name, or counted where they are many.
 fn printed(outcomes: &[Outcome]) -> String {
-    let laws: Vec<String> = outcomes
-        .iter()
-        .filter(|o| o.role == Role::Published)
-        .map(|o| format!("{} ({})", o.behaviour.word(), o.method.trim_start_matches("printed law, ")))
-        .collect();
-    if laws.is_empty() { "-".to_owned() } else { laws.join(", ") }
+    let laws: Vec<&Outcome> = outcomes.iter().filter(|o| o.role == Role::Published).collect();
+    let told: Vec<String> = match laws.len() {
+        0 => return "-".to_owned(),
+        1..=3 => laws
+            .iter()
+            .map(|o| format!("{} ({})", o.behaviour.word(), o.method.trim_start_matches("printed law, ")))
+            .collect(),
+        _ => Behaviour::ALL
+            .iter()
+            .map(|behaviour| (behaviour.word(), laws.iter().filter(|o| o.behaviour == *behaviour).count()))
+            .filter(|(_, count)| *count > 0)
+            .map(|(word, count)| format!("{count} x {word}"))
+            .collect(),
+    };
+    told.join(", ")
 }
 
 fn seconds(time: Option<f64>, without: &str) -> String {
