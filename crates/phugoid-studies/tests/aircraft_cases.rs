@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::panic)] // in helpers of tests: what goes wrong there fails the test
 
 use phugoid_studies::reproduction::aircraft_case::{
-    AircraftCase, MethodSettings, Reference, fly, model_file, published_case, run_method, short_period_s,
+    AircraftCase, NamedMethod, Reference, fly, model_file, published_case, run_method, short_period_s,
 };
 use phugoid_studies::reproduction::case_file::Case;
 use phugoid_studies::reproduction::result::{Behaviour, Cell, Content, Role, Shape};
@@ -93,13 +93,13 @@ fn no_case_hangs_on_the_sign_that_we_chose() {
         let case = published_case(entry.id).unwrap();
         for case in [mirrored(&case), case] {
             let flight = fly(&case).unwrap();
-            let run = run_method(&case, &flight, &MethodSettings::flagship(&case).unwrap()).unwrap();
+            let run = run_method(&case, &flight, &NamedMethod::flagship(&case).unwrap()).unwrap();
             for parameter in &run.parameters {
                 let truth = case.truth(&parameter.name);
                 let start = case.parameters[&parameter.name].start();
                 let settled = settled_at(&run.time_s, &parameter.values, truth, 0.05);
                 // One short-period cycle where nothing is published.
-                let limit = case.published_s(&parameter.name).unwrap_or(3.0 + 4.17);
+                let limit = case.published.converged_s(&parameter.name).unwrap_or(3.0 + 4.17);
                 assert!(settled.is_some_and(|t| t > 3.0 && t <= limit), "{}, {truth}: {settled:?}", entry.id);
                 assert!((parameter.values[250] / start - 1.0).abs() < 1e-3, "{}: nothing to learn yet", entry.id);
             }

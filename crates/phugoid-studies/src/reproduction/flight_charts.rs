@@ -5,6 +5,7 @@ use std::sync::Arc;
 use phugoid_flight_data::record::Record;
 
 use super::result::{Axis, Chart, Content, Curve, Level, Meaning, Panel, Shape};
+use crate::reproduction::units::{FOOT, STANDARD_GRAVITY};
 
 /// A channel as it is drawn: name in the record, label, unit, and the factor from SI to that unit.
 pub(super) struct Drawn {
@@ -15,9 +16,6 @@ pub(super) struct Drawn {
 }
 
 const DEGREE: f64 = 180.0 / std::f64::consts::PI;
-const FOOT: f64 = 0.3048;
-/// Standard gravity, m/s^2: the unit in which specific forces are drawn.
-pub(super) const STANDARD_GRAVITY: f64 = 9.80665;
 
 /// Elevator.
 pub(super) const ELEVATOR: Drawn = Drawn { channel: "elevator", label: "Elevator", unit: "deg", factor: DEGREE };
@@ -67,5 +65,5 @@ fn scaled(values: &[f64], factor: f64) -> Vec<f64> {
 
 /// A vertical line.
 pub(super) fn instant(label: &str, at: f64) -> Level {
-    Level { label: label.to_owned(), at, meaning: Meaning::Bound }
+    Level::new(label, at, Meaning::Bound)
 }

@@ -16,6 +16,24 @@ const SMALLEST: f64 = 1e-9;
 /// Digits written: three more than are compared.
 const DIGITS: usize = 10;
 
+/// Instants of a record of which the estimates are committed.
+const INSTANTS: usize = 40;
+
+/// Estimates at forty instants, evenly spread over a record of these times (s) and ending with it: a row is the time and the
+/// `cells` of the sample of that number, which fill `columns`.
+pub(super) fn instants(time: &[f64], columns: Vec<Column>, cells: impl Fn(usize) -> Vec<Cell>) -> Table {
+    let mut table = Table { title: "Estimates".to_owned(), columns: vec![Column::new("time", "s")], rows: Vec::new() };
+    table.columns.extend(columns);
+    let Some(last) = time.len().checked_sub(1) else { return table };
+    for instant in 1..=INSTANTS {
+        let sample = instant * last / INSTANTS;
+        let mut row = vec![Cell::from(time[sample])];
+        row.extend(cells(sample));
+        table.rows.push(row);
+    }
+    table
+}
+
 /// Where the numbers of an entry are kept: `second-order/3` in `second-order-3.csv`.
 pub fn file_name(id: &str) -> String {
     format!("{}.csv", id.replace('/', "-"))

@@ -11,13 +11,13 @@ use super::result::{Axis, Cell, Chart, Column, Content, Curve, Level, Meaning, P
 use super::{Entry, Reproduction};
 use crate::accuracy::StudyError;
 use crate::flight::{Flight, fly};
+use crate::reproduction::units::FOOT;
 use crate::scenario::{GustSettings, built_in};
 
 /// Entries of this file.
 pub(super) const ENTRIES: &[Entry] =
     &[Entry { id: "gust/figure-2.2", title: "A smooth gust and the aircraft's answer to it", run }];
 
-const FOOT: f64 = 0.3048;
 /// Built-in scenario of the figure.
 const SCENARIO: &str = "f16-thesis-gust";
 
@@ -130,7 +130,7 @@ fn profile(gust: &Gust, time: &[f64]) -> Chart {
             shape: Shape::Points(points),
         },
     ];
-    let level = |label: &str, at: f64| Level { label: label.into(), at: feet(at), meaning: Meaning::Bound };
+    let level = |label: &str, at: f64| Level::new(label, feet(at), Meaning::Bound);
     let levels = vec![level("Um/2", 0.5 * gust.amplitude), level("Um", gust.amplitude)];
     Chart {
         name: "gust".into(),

@@ -4,7 +4,7 @@ use super::Reproduction;
 use super::aircraft_case::{AircraftCase, model_file};
 use super::embedded::{case, cases};
 use super::repeated::{RUNS, believable, coverage, repeated, table};
-use super::result::{Requirement, Role};
+use super::result::{Requirement, Role, in_seconds};
 use crate::accuracy::StudyError;
 
 cases! {
@@ -33,7 +33,7 @@ fn run(id: &str, progress: &(dyn Fn(f64) + Sync)) -> Result<Reproduction, StudyE
         .map(|p| Requirement {
             what: format!("{} within 5 % to stay, seed of the file, told of gusts", p.name),
             limit: "before the end".into(),
-            found: p.converged_s.map_or_else(|| "never".to_owned(), |t| format!("{t:.2} s")),
+            found: in_seconds(p.converged_s),
             met: p.converged_s.is_some(),
         })
         .collect();

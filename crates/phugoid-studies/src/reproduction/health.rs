@@ -120,11 +120,7 @@ fn one_failure(id: &str, progress: &(dyn Fn(f64) + Sync)) -> Result<Reproduction
     let named = failure.map_or_else(Vec::new, |f| f.parameters.clone());
     let time: Arc<[f64]> = report.history.time_s.clone().into();
     let instants = |labelled: bool| {
-        let level = |label: &str, at: f64, meaning| Level {
-            label: if labelled { label.to_owned() } else { String::new() },
-            at,
-            meaning,
-        };
+        let level = |label: &str, at: f64, meaning| Level::new(if labelled { label } else { "" }, at, meaning);
         vec![
             level("failure", began, Meaning::Truth),
             level("flag", flagged, Meaning::Command),
@@ -186,11 +182,7 @@ fn one_failure(id: &str, progress: &(dyn Fn(f64) + Sync)) -> Result<Reproduction
                 x: Arc::clone(&time),
                 shape: Shape::Step(evidence),
             }],
-            levels: vec![Level {
-                label: "flag".to_owned(),
-                at: report.threshold / std::f64::consts::LN_10,
-                meaning: Meaning::Bound,
-            }],
+            levels: vec![Level::new("flag", report.threshold / std::f64::consts::LN_10, Meaning::Bound)],
             instants: instants(false),
         },
     });

@@ -28,6 +28,7 @@ pub mod result;
 mod sensors;
 mod trim;
 mod tuning;
+mod units;
 
 use crate::accuracy::StudyError;
 pub use published::Published;

@@ -5,9 +5,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use phugoid_estimators::thesis::{Evaluation, LawSign, ThesisForm};
 
 use super::plant_case::verdict::TOLERANCE;
-use super::plant_case::{
-    MethodSettings, Noise, PlantCase, PlantRun, bound, published_case, run_method, simulate, with_noise,
-};
+use super::plant_case::{Method, Noise, PlantCase, PlantRun, bound, published_case, run_method, simulate, with_noise};
 use super::result::{Axis, Cell, Chart, Column, Content, Curve, Meaning, Panel, Requirement, Shape, Table};
 use super::{Entry, Reproduction};
 use crate::accuracy::StudyError;
@@ -94,13 +92,13 @@ fn experiments() -> Result<Vec<Experiment>, StudyError> {
     Ok(experiments)
 }
 
-fn settings(case: &PlantCase, run: &PlantRun, method: usize) -> MethodSettings {
+fn settings(case: &PlantCase, run: &PlantRun, method: usize) -> Method {
     match method {
         0 => case.flagship(run),
         1 => case.extended(run),
         _ => {
             let lambda: Vec<f64> = case.unknowns().map(|(_, p)| p.lambda).collect();
-            MethodSettings::TwoParameter {
+            Method::TwoParameter {
                 form: ThesisForm::Printed,
                 evaluation: Evaluation::Implicit,
                 sign: LawSign::AsPrinted,

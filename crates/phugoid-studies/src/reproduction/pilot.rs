@@ -5,7 +5,8 @@ use super::Reproduction;
 use super::aircraft_case::{AircraftCase, model_file};
 use super::embedded::{case, cases};
 use super::repeated::{RUNS, believable, repeated, table, worst_ratio};
-use super::result::{Requirement, Role};
+use super::result::{Requirement, Role, in_seconds};
+use super::trim::SHORT_PERIOD_S;
 use crate::accuracy::StudyError;
 
 cases! {
@@ -14,7 +15,7 @@ cases! {
 }
 
 /// One and two cycles of the short period, and the end, s.
-const CHECKPOINTS_S: [f64; 3] = [4.17, 8.34, 20.0];
+const CHECKPOINTS_S: [f64; 3] = [SHORT_PERIOD_S, 2.0 * SHORT_PERIOD_S, 20.0];
 /// Root mean square errors of 40 runs scatter by 11 %; three times that.
 const LARGEST_RATIO: f64 = 1.35;
 
@@ -30,7 +31,7 @@ fn run(id: &str, progress: &(dyn Fn(f64) + Sync)) -> Result<Reproduction, StudyE
         .map(|p| Requirement {
             what: format!("{} within 5 % to stay, seed of the file", p.name),
             limit: "before the end".into(),
-            found: p.converged_s.map_or_else(|| "never".to_owned(), |t| format!("{t:.2} s")),
+            found: in_seconds(p.converged_s),
             met: p.converged_s.is_some(),
         })
         .collect();

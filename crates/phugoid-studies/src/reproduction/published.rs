@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Deserialize;
 
+use super::Reproduction;
 use crate::quantity::Time;
 
 /// What was published, and what of it is ours.
@@ -20,4 +21,24 @@ pub struct Published {
     pub difference: String,
     /// Published time to converge (5 %) by parameter.
     pub converged_after: BTreeMap<String, Time>,
+}
+
+impl Published {
+    /// The result of a case with its words, and nothing found yet.
+    pub fn reproduction(&self, id: &str, title: &str) -> Reproduction {
+        Reproduction {
+            id: id.to_owned(),
+            title: title.to_owned(),
+            place: self.place.clone(),
+            published: self.statement.clone(),
+            reconstruction: self.reconstruction.clone(),
+            difference: self.difference.clone(),
+            ..Reproduction::default()
+        }
+    }
+
+    /// Published time to converge of a parameter, s from the start of the record.
+    pub fn converged_s(&self, parameter: &str) -> Option<f64> {
+        self.converged_after.get(parameter).map(|time| time.si())
+    }
 }

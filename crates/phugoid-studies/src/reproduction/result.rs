@@ -116,6 +116,11 @@ pub struct ParameterOutcome {
     pub converged_s: Option<f64>,
 }
 
+/// A time to converge as requirements say it, or that there is none.
+pub(super) fn in_seconds(time_s: Option<f64>) -> String {
+    time_s.map_or_else(|| "never".to_owned(), |t| format!("{t:.2} s"))
+}
+
 /// Something that had to be shown.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Requirement {
@@ -303,6 +308,14 @@ pub enum Meaning {
     Method(usize),
 }
 
+impl Meaning {
+    /// Of the curves of one of an entry's methods; `roles` are those of all of them in their order.
+    pub fn of_method(mut roles: impl Iterator<Item = Role>, index: usize) -> Self {
+        let before = roles.by_ref().take(index).filter(|role| *role != Role::Flagship).count();
+        if roles.next() == Some(Role::Flagship) { Self::Flagship } else { Self::Method(before) }
+    }
+}
+
 /// Shape and ordinates of a curve. Ordinates that are not finite interrupt it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -331,4 +344,11 @@ pub struct Level {
     pub at: f64,
     /// What it is; decides colour and stroke.
     pub meaning: Meaning,
+}
+
+impl Level {
+    /// A line.
+    pub fn new(label: impl Into<String>, at: f64, meaning: Meaning) -> Self {
+        Self { label: label.into(), at, meaning }
+    }
 }

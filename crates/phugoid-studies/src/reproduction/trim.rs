@@ -13,12 +13,12 @@ use super::result::{Axis, Cell, Chart, Column, Content, Curve, Level, Meaning, P
 use super::{Entry, Reproduction};
 use crate::accuracy::StudyError;
 use crate::flight::{F16_ALPHA_RANGE_DEG, FlightError};
+use crate::reproduction::units::FOOT;
 
 /// Entries of this file.
 pub(super) const ENTRIES: &[Entry] =
     &[Entry { id: "trim/table-2.2", title: "Trim at 20,000 ft and 675 ft/s, straight and level", run }];
 
-const FOOT: f64 = 0.3048;
 const POUND_FORCE: f64 = 4.448_221_615_260_5;
 const ALTITUDE_FT: f64 = 20_000.0;
 const SPEED_FT_S: f64 = 675.0;
@@ -26,8 +26,8 @@ const SPEED_FT_S: f64 = 675.0;
 const CG: f64 = 0.30;
 /// Angle of attack (deg), elevator (deg) and thrust (lbf) of this condition by an independent program with the same tables.
 const CROSS_CHECK: [f64; 3] = [2.38934, -1.96254, 2227.74];
-/// Short period of the same program's linear model, s.
-const CROSS_CHECK_PERIOD_S: f64 = 4.17;
+/// Short period of the same program's linear model, s: one cycle, wherever a time in cycles is asked for.
+pub(super) const SHORT_PERIOD_S: f64 = 4.17;
 /// Random starts, and how many of them are drawn.
 const STARTS: u64 = 200;
 const STARTS_DRAWN: usize = 8;
@@ -141,9 +141,9 @@ fn requirements(book: &Found, ways: &[Vec<TrimStep>]) -> Vec<Requirement> {
         },
         Requirement {
             what: "period of the short period".into(),
-            limit: format!("{CROSS_CHECK_PERIOD_S} s, to 0.01 s"),
+            limit: format!("{SHORT_PERIOD_S} s, to 0.01 s"),
             found: format!("{period:.3} s"),
-            met: (period - CROSS_CHECK_PERIOD_S).abs() < 0.01,
+            met: (period - SHORT_PERIOD_S).abs() < 0.01,
         },
     ]
 }
@@ -263,7 +263,7 @@ fn chart(ways: &[Vec<TrimStep>]) -> Chart {
             y: Axis::new("log₁₀ of the trim index J", "–").with_range(-35.0, 10.0),
             content: Content::Curves {
                 curves: curves.collect(),
-                levels: vec![Level { label: "required".into(), at: -20.0, meaning: Meaning::Bound }],
+                levels: vec![Level::new("required", -20.0, Meaning::Bound)],
                 instants: Vec::new(),
             },
         }],

@@ -221,7 +221,7 @@ fn search_chart(results: &[Tuned]) -> Chart {
                     x: generations.into(),
                     shape: Shape::Step(tuning.best_scores.clone()),
                 }],
-                levels: vec![Level { label: "rule".to_owned(), at: tuning.training_rule, meaning: Meaning::Truth }],
+                levels: vec![Level::new("rule", tuning.training_rule, Meaning::Truth)],
                 instants: Vec::new(),
             },
         }
@@ -254,7 +254,7 @@ fn held_out_chart(results: &[Tuned]) -> Chart {
                     x: number.into(),
                     shape: Shape::Points(differences),
                 }],
-                levels: vec![Level { label: "no difference".to_owned(), at: 0.0, meaning: Meaning::Truth }],
+                levels: vec![Level::new("no difference", 0.0, Meaning::Truth)],
                 instants: Vec::new(),
             },
         }

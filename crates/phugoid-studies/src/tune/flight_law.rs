@@ -10,7 +10,7 @@ use super::rule::Expected;
 use crate::accuracy::StudyError;
 use crate::flight::Flight;
 use crate::reproduction::aircraft_case::{
-    AircraftCase, LawForm, LawSettings, Method, MethodRun, MethodSettings, ParameterSettings, Reference, Surface, fly,
+    AircraftCase, LawForm, LawSettings, Method, MethodRun, NamedMethod, ParameterSettings, Reference, Surface, fly,
     model_file, run_method,
 };
 use crate::reproduction::result::Role;
@@ -47,8 +47,7 @@ pub(super) fn run(
         lambda,
         eta,
     };
-    let method =
-        MethodSettings { name: "thesis law".to_owned(), role: Role::Published, method: Method::Laws(vec![law]) };
+    let method = NamedMethod { name: "thesis law".to_owned(), role: Role::Published, method: Method::Laws(vec![law]) };
     run_method(case, flight, &method).ok()
 }
 

@@ -137,9 +137,4 @@ impl AircraftCase {
     pub fn truth(&self, name: &str) -> f64 {
         self.scenario.true_parameters().get(name).copied().unwrap_or(f64::NAN)
     }
-
-    /// Published time to converge, s from the start of the record.
-    pub fn published_s(&self, name: &str) -> Option<f64> {
-        self.published.converged_after.get(name).map(|time| time.si())
-    }
 }

@@ -9,13 +9,13 @@ use super::case::AircraftCase;
 use super::law::LawForm;
 use super::method::{Method, ParameterRun};
 use super::reference::Reference;
-use super::run::Told;
+use super::run::Judged;
 use crate::flight::Flight;
-use crate::reproduction::result::{Axis, Behaviour, Chart, Content, Curve, Level, Meaning, Panel, Role, Shape};
+use crate::reproduction::result::{Axis, Behaviour, Chart, Content, Curve, Level, Meaning, Panel, Shape};
+use crate::reproduction::units::FOOT;
 
 /// Most points of a curve.
 const POINTS: usize = 600;
-const FOOT: f64 = 0.3048;
 
 /// States with their names, units as drawn, and factors from SI.
 const STATES: [(&str, &str, f64); 4] = [
@@ -26,11 +26,11 @@ const STATES: [(&str, &str, f64); 4] = [
 ];
 
 /// Command, estimates, the aircraft, and the laws from inside.
-pub(super) fn charts(case: &AircraftCase, flight: &Flight, reference: &Reference, told: &[Told]) -> Vec<Chart> {
-    let mut charts = vec![command(case, flight), estimates(case, reference, told)];
-    charts.push(aircraft(case, reference, told));
-    charts.push(tracking(case, reference, told));
-    charts.extend(told.iter().enumerate().filter_map(|(index, one)| inside(case, reference, told, index, one)));
+pub(super) fn charts(case: &AircraftCase, flight: &Flight, reference: &Reference, judged: &[Judged]) -> Vec<Chart> {
+    let mut charts = vec![command(case, flight), estimates(case, reference, judged)];
+    charts.push(aircraft(case, reference, judged));
+    charts.push(tracking(case, reference, judged));
+    charts.extend(judged.iter().enumerate().filter_map(|(index, one)| inside(case, reference, judged, index, one)));
     charts
 }
 
@@ -57,20 +57,13 @@ fn line(label: &str, meaning: Meaning, time: &[f64], values: &[f64]) -> Curve {
     }
 }
 
-fn level(label: &str, at: f64, meaning: Meaning) -> Level {
-    Level { label: label.to_owned(), at, meaning }
-}
-
 fn time_axis() -> Axis {
     Axis::new("Time", "s")
 }
 
 /// Equal numbers are equal methods throughout the entry.
-fn meaning(told: &[Told], index: usize) -> Meaning {
-    match told[index].settings.role {
-        Role::Flagship => Meaning::Flagship,
-        _ => Meaning::Method(told[..index].iter().filter(|t| t.settings.role != Role::Flagship).count()),
-    }
+fn meaning(judged: &[Judged], index: usize) -> Meaning {
+    Meaning::of_method(judged.iter().map(|one| one.outcome.role), index)
 }
 
 fn degrees(record: &Record, name: &str) -> Vec<f64> {
@@ -97,13 +90,13 @@ fn command(case: &AircraftCase, flight: &Flight) -> Chart {
     }
 }
 
-fn estimates(case: &AircraftCase, reference: &Reference, told: &[Told]) -> Chart {
-    let found = |one: &Told, name: &str| -> Option<ParameterRun> {
+fn estimates(case: &AircraftCase, reference: &Reference, judged: &[Judged]) -> Chart {
+    let found = |one: &Judged, name: &str| -> Option<ParameterRun> {
         one.run.parameters.iter().find(|p| p.name == name).cloned()
     };
     let panels = case.unknowns().into_iter().map(|(name, settings)| {
         let mut curves = Vec::new();
-        for (index, one) in told.iter().enumerate().rev() {
+        for (index, one) in judged.iter().enumerate().rev() {
             let Some(parameter) = found(one, name) else { continue };
             let time = &one.run.time_s;
             if let Some(errors) = &parameter.std_errors {
@@ -114,28 +107,28 @@ fn estimates(case: &AircraftCase, reference: &Reference, told: &[Told]) -> Chart
                 let of = |values: Vec<f64>| kept.iter().map(|k| values[*k]).collect();
                 curves.push(Curve {
                     label: format!("{}, two sigma", one.settings.name),
-                    meaning: meaning(told, index),
+                    meaning: meaning(judged, index),
                     x: kept.iter().map(|k| time[*k]).collect(),
                     shape: Shape::Band { lower: of(edge(-1.0)), upper: of(edge(1.0)) },
                 });
             }
-            curves.push(line(&one.settings.name, meaning(told, index), time, &parameter.values));
+            curves.push(line(&one.settings.name, meaning(judged, index), time, &parameter.values));
         }
         let margin = 0.15 * (settings.upper - settings.lower);
         let truth = case.truth(name);
         let low = settings.lower.min(truth) - margin;
         let high = settings.upper.max(truth) + margin;
         let mut instants: Vec<Level> =
-            reference.input_starts_s.map(|t| level("input starts", t, Meaning::Command)).into_iter().collect();
-        instants.extend(case.published_s(name).map(|t| level("published", t, Meaning::Truth)));
+            reference.input_starts_s.map(|t| Level::new("input starts", t, Meaning::Command)).into_iter().collect();
+        instants.extend(case.published.converged_s(name).map(|t| Level::new("published", t, Meaning::Truth)));
         Panel {
             y: Axis::new(name, "1/rad").with_range(low, high),
             content: Content::Curves {
                 curves,
                 levels: vec![
-                    level("truth", truth, Meaning::Truth),
-                    level("bounds", settings.lower, Meaning::Bound),
-                    level("", settings.upper, Meaning::Bound),
+                    Level::new("truth", truth, Meaning::Truth),
+                    Level::new("bounds", settings.lower, Meaning::Bound),
+                    Level::new("", settings.upper, Meaning::Bound),
                 ],
                 instants,
             },
@@ -156,20 +149,20 @@ fn estimates(case: &AircraftCase, reference: &Reference, told: &[Told]) -> Chart
 }
 
 /// Methods whose aircraft is worth drawing.
-fn flown(told: &[Told]) -> impl Iterator<Item = (usize, &Told)> {
-    told.iter().enumerate().filter(|(_, one)| one.outcome.behaviour != Behaviour::Diverges)
+fn flown(judged: &[Judged]) -> impl Iterator<Item = (usize, &Judged)> {
+    judged.iter().enumerate().filter(|(_, one)| one.outcome.behaviour != Behaviour::Diverges)
 }
 
-fn aircraft(case: &AircraftCase, reference: &Reference, told: &[Told]) -> Chart {
+fn aircraft(case: &AircraftCase, reference: &Reference, judged: &[Judged]) -> Chart {
     let panels = STATES.into_iter().enumerate().map(|(i, (name, unit, factor))| {
         let of = |states: &[[f64; 4]]| -> Vec<f64> { states.iter().map(|x| factor * x[i]).collect() };
         let truth = of(&reference.states);
         let (low, high) = truth.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
         let margin = 0.1 * (high - low).max(1e-9);
         let mut curves = vec![line("reference aircraft", Meaning::Truth, &reference.time, &truth)];
-        for (index, one) in flown(told) {
+        for (index, one) in flown(judged) {
             let label = format!("estimated aircraft, {}", one.settings.name);
-            curves.push(line(&label, meaning(told, index), &one.run.time_s, &of(&one.run.states)));
+            curves.push(line(&label, meaning(judged, index), &one.run.time_s, &of(&one.run.states)));
         }
         Panel {
             y: Axis::new(name, unit).with_range(low - margin, high + margin),
@@ -188,18 +181,18 @@ fn aircraft(case: &AircraftCase, reference: &Reference, told: &[Told]) -> Chart 
     }
 }
 
-fn tracking(case: &AircraftCase, reference: &Reference, told: &[Told]) -> Chart {
+fn tracking(case: &AircraftCase, reference: &Reference, judged: &[Judged]) -> Chart {
     let panels = STATES.into_iter().enumerate().map(|(i, (name, unit, factor))| {
-        let curves = flown(told).map(|(index, one)| {
+        let curves = flown(judged).map(|(index, one)| {
             let error: Vec<f64> =
                 one.run.states.iter().zip(&reference.states).map(|(x, y)| factor * (x[i] - y[i])).collect();
-            line(&one.settings.name, meaning(told, index), &one.run.time_s, &error)
+            line(&one.settings.name, meaning(judged, index), &one.run.time_s, &error)
         });
         Panel {
             y: Axis::new(format!("error of {name}"), unit),
             content: Content::Curves {
                 curves: curves.collect(),
-                levels: vec![level("", 0.0, Meaning::Truth)],
+                levels: vec![Level::new("", 0.0, Meaning::Truth)],
                 instants: Vec::new(),
             },
         }
@@ -216,7 +209,7 @@ fn tracking(case: &AircraftCase, reference: &Reference, told: &[Told]) -> Chart 
 }
 
 /// Surface, reaching condition and gain of a law that is solved implicitly: as printed and damped.
-fn inside(case: &AircraftCase, reference: &Reference, told: &[Told], index: usize, one: &Told) -> Option<Chart> {
+fn inside(case: &AircraftCase, reference: &Reference, judged: &[Judged], index: usize, one: &Judged) -> Option<Chart> {
     let Method::Laws(laws) = &one.settings.method else { return None };
     let name = match laws.first()?.form {
         LawForm::AsPrinted(Evaluation::Implicit) => "law-printed",
@@ -229,13 +222,13 @@ fn inside(case: &AircraftCase, reference: &Reference, told: &[Told], index: usiz
     let panels = QUANTITIES.into_iter().flat_map(|(label, quantity)| {
         one.run.parameters.iter().filter_map(move |p| {
             let values: Vec<f64> = p.inside.as_ref()?.iter().map(quantity).collect();
-            let curve = line(&p.name, meaning(told, index), &one.run.time_s, &values);
-            let starts = reference.input_starts_s.map(|t| level("input starts", t, Meaning::Command));
+            let curve = line(&p.name, meaning(judged, index), &one.run.time_s, &values);
+            let starts = reference.input_starts_s.map(|t| Level::new("input starts", t, Meaning::Command));
             Some(Panel {
                 y: Axis::new(format!("{label}, {}", p.name), "–"),
                 content: Content::Curves {
                     curves: vec![curve],
-                    levels: vec![level("", 0.0, Meaning::Bound)],
+                    levels: vec![Level::new("", 0.0, Meaning::Bound)],
                     instants: starts.into_iter().collect(),
                 },
             })

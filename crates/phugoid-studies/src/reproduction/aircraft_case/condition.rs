@@ -6,7 +6,7 @@ use phugoid_identification::output::STATES;
 
 use super::case::{AircraftCase, PARAMETERS};
 use super::law::{LawForm, LawSettings, Surface};
-use super::method::{Method, MethodRun, MethodSettings, ParameterRun};
+use super::method::{Method, MethodRun, NamedMethod, ParameterRun};
 use super::reference::Reference;
 use crate::reproduction::plant_case::verdict::{AWAY, TOLERANCE};
 use crate::statistics::median;
@@ -14,12 +14,7 @@ use crate::statistics::median;
 const ROOM: usize = PARAMETERS.len();
 
 /// The condition that decides what became of a method, as a sentence with its numbers.
-pub(super) fn condition(
-    case: &AircraftCase,
-    reference: &Reference,
-    method: &MethodSettings,
-    run: &MethodRun,
-) -> String {
+pub(super) fn condition(case: &AircraftCase, reference: &Reference, method: &NamedMethod, run: &MethodRun) -> String {
     match &method.method {
         Method::Flagship(_) => flagship(case, reference, run),
         Method::Laws(laws) => {
@@ -43,7 +38,7 @@ fn flagship(case: &AircraftCase, reference: &Reference, run: &MethodRun) -> Stri
         .parameters
         .iter()
         .filter_map(|p| {
-            let at = case.published_s(&p.name).or(reference.input_starts_s.map(|start| start + 1.0))?;
+            let at = case.published.converged_s(&p.name).or(reference.input_starts_s.map(|start| start + 1.0))?;
             let k = run.time_s.partition_point(|&t| t <= at + 1e-9).saturating_sub(1);
             let claimed = p.std_errors.as_ref()?.get(k)? / case.truth(&p.name).abs();
             Some(format!("{} {:.2} % at {at:.2} s", p.name, 100.0 * claimed))
@@ -111,7 +106,7 @@ fn of_law(
         )),
     }
     // Published or not, a second after the input there is enough motion for every coefficient.
-    let late = run.time_s.partition_point(|&t| t < case.published_s(law.parameter).unwrap_or(start + 1.0));
+    let late = run.time_s.partition_point(|&t| t < case.published.converged_s(law.parameter).unwrap_or(start + 1.0));
     parts.push(format!(
         "within 5 % at {:.0} % of the samples from {:.2} s on",
         percent(&found.values[late..], |value| (value - truth).abs() <= TOLERANCE * truth.abs()),

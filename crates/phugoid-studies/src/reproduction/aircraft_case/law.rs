@@ -13,9 +13,7 @@ use super::method::{MethodRun, ParameterRun, STEP_S};
 use super::rates::{OUTPUTS_WITH_RATES, WithRates};
 use super::reference::Reference;
 use crate::accuracy::StudyError;
-
-/// Foot, m.
-const FOOT: f64 = 0.3048;
+use crate::reproduction::units::FOOT;
 
 /// A sliding law for one increment.
 #[derive(Clone, Copy, Debug, PartialEq)]

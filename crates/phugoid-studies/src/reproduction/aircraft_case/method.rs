@@ -8,8 +8,8 @@ use phugoid_identification::output::STATES;
 
 use super::case::{AircraftCase, ParameterSettings};
 use super::law::{LawForm, LawSettings, Surface, run_laws};
+use super::model::model_file;
 use super::reference::Reference;
-use super::told::model_file;
 use crate::accuracy::StudyError;
 use crate::flight::Flight;
 use crate::reproduction::result::Role;
@@ -19,7 +19,7 @@ pub(super) const STEP_S: f64 = 0.005;
 
 /// A method with its settings.
 #[derive(Clone, Debug, PartialEq)]
-pub struct MethodSettings {
+pub struct NamedMethod {
     /// As printed, e.g. `printed law, implicit`.
     pub name: String,
     /// What it is to the reader.
@@ -37,7 +37,7 @@ pub enum Method {
     Laws(Vec<LawSettings>),
 }
 
-impl MethodSettings {
+impl NamedMethod {
     /// The flagship as a case tells it.
     ///
     /// # Errors
@@ -54,7 +54,7 @@ impl AircraftCase {
     ///
     /// # Errors
     /// As [`model_file`].
-    pub fn methods(&self) -> Result<Vec<MethodSettings>, StudyError> {
+    pub fn methods(&self) -> Result<Vec<NamedMethod>, StudyError> {
         type Eta = fn(&ParameterSettings) -> f64;
         const LAWS: [(&str, Role, LawForm, Surface, Eta); 4] = [
             (
@@ -86,7 +86,7 @@ impl AircraftCase {
                 |told| told.damping,
             ),
         ];
-        let mut methods = vec![MethodSettings::flagship(self)?];
+        let mut methods = vec![NamedMethod::flagship(self)?];
         for (name, role, form, surface, eta) in LAWS {
             let laws = self.unknowns().into_iter().map(|(parameter, told)| LawSettings {
                 parameter,
@@ -97,7 +97,7 @@ impl AircraftCase {
                 lambda: told.lambda,
                 eta: eta(&told),
             });
-            methods.push(MethodSettings { name: name.to_owned(), role, method: Method::Laws(laws.collect()) });
+            methods.push(NamedMethod { name: name.to_owned(), role, method: Method::Laws(laws.collect()) });
         }
         Ok(methods)
     }
@@ -133,7 +133,7 @@ pub struct MethodRun {
 ///
 /// # Errors
 /// [`StudyError`]: a channel that the method needs is missing, or its settings are refused.
-pub fn run_method(case: &AircraftCase, flight: &Flight, settings: &MethodSettings) -> Result<MethodRun, StudyError> {
+pub fn run_method(case: &AircraftCase, flight: &Flight, settings: &NamedMethod) -> Result<MethodRun, StudyError> {
     match &settings.method {
         Method::Flagship(model) => run_flagship(flight, model),
         Method::Laws(laws) => run_laws(&Reference::new(flight, &model_file(case)?)?, laws),

@@ -11,21 +11,21 @@ mod entries;
 mod golden;
 mod law;
 mod method;
+mod model;
 mod rank;
 mod rates;
 mod reference;
 mod run;
-mod told;
 
 pub use case::{AircraftCase, EstimatorSettings, PARAMETERS, ParameterSettings};
 pub(super) use entries::ENTRIES;
 pub use entries::{published_case, published_ids};
 pub use law::{LawForm, LawSettings, Surface};
-pub use method::{Method, MethodRun, MethodSettings, ParameterRun, run_method};
+pub use method::{Method, MethodRun, NamedMethod, ParameterRun, run_method};
+pub use model::model_file;
+pub(in crate::reproduction) use model::sensor_noise;
 pub use reference::Reference;
 pub use run::short_period_s;
-pub use told::model_file;
-pub(in crate::reproduction) use told::sensor_noise;
 
 use crate::accuracy::StudyError;
 use crate::flight::Flight;

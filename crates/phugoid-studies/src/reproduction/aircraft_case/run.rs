@@ -9,14 +9,14 @@ use super::case::AircraftCase;
 use super::charts::charts;
 use super::condition::condition;
 use super::golden::golden;
-use super::method::{MethodRun, MethodSettings, run_method};
+use super::method::{MethodRun, NamedMethod, run_method};
+use super::model::model_file;
 use super::rank::rank;
 use super::reference::Reference;
-use super::told::model_file;
 use crate::accuracy::StudyError;
 use crate::reproduction::Reproduction;
 use crate::reproduction::plant_case::verdict::{TOLERANCE, behaviour, worst};
-use crate::reproduction::result::{Outcome, ParameterOutcome, Requirement, Role};
+use crate::reproduction::result::{Outcome, ParameterOutcome, Requirement, Role, in_seconds};
 use crate::settling::settled_at;
 
 /// Largest roll and yaw rate, as a part of the pitch rate, that the sums over p, q, r may be reduced to q with: its square is
@@ -24,8 +24,8 @@ use crate::settling::settled_at;
 const LATERAL_PART: f64 = 0.05;
 
 /// A method with what it did.
-pub(super) struct Told {
-    pub(super) settings: MethodSettings,
+pub(super) struct Judged {
+    pub(super) settings: NamedMethod,
     pub(super) run: MethodRun,
     pub(super) outcome: Outcome,
 }
@@ -39,16 +39,16 @@ impl AircraftCase {
         let flight = super::fly(self)?;
         let reference = Reference::new(&flight, &model_file(self)?)?;
         self.must_be_symmetric(&reference)?;
-        let told: Vec<Told> = self
+        let judged: Vec<Judged> = self
             .methods()?
             .into_par_iter()
             .map(|settings| {
                 let run = run_method(self, &flight, &settings)?;
                 let outcome = self.outcome(&reference, &settings, &run);
-                Ok(Told { settings, run, outcome })
+                Ok(Judged { settings, run, outcome })
             })
             .collect::<Result<_, StudyError>>()?;
-        let outcomes: Vec<Outcome> = told.iter().map(|one| one.outcome.clone()).collect();
+        let outcomes: Vec<Outcome> = judged.iter().map(|one| one.outcome.clone()).collect();
         let [beta, p, r] = reference.lateral;
         let difference = format!(
             "{} In the record of the 6-DOF flight sideslip reaches {:.1e} deg, roll rate {:.1e} deg/s and yaw rate {:.1e} \
@@ -60,17 +60,13 @@ impl AircraftCase {
             r.to_degrees()
         );
         Ok(Reproduction {
-            id: id.to_owned(),
-            title: self.title.clone(),
-            place: self.published.place.clone(),
-            published: self.published.statement.clone(),
-            reconstruction: self.published.reconstruction.clone(),
             difference: difference.trim_start().to_owned(),
             requirements: self.requirements(&reference, &outcomes)?,
             tables: rank(self, &reference).into_iter().collect(),
-            charts: charts(self, &flight, &reference, &told),
-            golden: golden(self, &reference.time, &told),
+            charts: charts(self, &flight, &reference, &judged),
+            golden: golden(self, &reference.time, &judged),
             outcomes,
+            ..self.published.reproduction(id, &self.title)
         })
     }
 
@@ -88,7 +84,7 @@ impl AircraftCase {
         )))
     }
 
-    fn outcome(&self, reference: &Reference, method: &MethodSettings, run: &MethodRun) -> Outcome {
+    fn outcome(&self, reference: &Reference, method: &NamedMethod, run: &MethodRun) -> Outcome {
         let judged = run.parameters.iter().filter_map(|p| {
             let told = self.parameters.get(&p.name)?;
             Some(behaviour(&run.time_s, &p.values, self.truth(&p.name), [told.lower, told.upper]))
@@ -107,7 +103,7 @@ impl AircraftCase {
                     start: self.parameters.get(&p.name).map_or(f64::NAN, |told| told.start()),
                     end: p.values.last().copied().unwrap_or(f64::NAN),
                     std_error: p.std_errors.as_ref().and_then(|errors| errors.last().copied()),
-                    published_s: self.published_s(&p.name),
+                    published_s: self.published.converged_s(&p.name),
                     converged_s: settled_at(&run.time_s, &p.values, self.truth(&p.name), TOLERANCE),
                 })
                 .collect(),
@@ -118,7 +114,6 @@ impl AircraftCase {
     fn requirements(&self, reference: &Reference, outcomes: &[Outcome]) -> Result<Vec<Requirement>, StudyError> {
         let flagship: Vec<&ParameterOutcome> =
             outcomes.iter().filter(|o| o.role == Role::Flagship).flat_map(|o| &o.parameters).collect();
-        let in_seconds = |time: Option<f64>| time.map_or_else(|| "never".to_owned(), |t| format!("{t:.2} s"));
         let mut requirements: Vec<Requirement> = flagship
             .iter()
             .filter_map(|p| {

@@ -9,9 +9,10 @@ use super::method::{Flown, Method, Normalised, Score, Setting, Track};
 use super::tuning::{Tuned, training_flights, tune};
 use crate::accuracy::StudyError;
 use crate::reproduction::Reproduction;
+use crate::reproduction::golden::instants;
 use crate::reproduction::result::{
     Axis, Cell, Chart, Column, Content, Curve, Level, Meaning, Outcome, Panel, ParameterOutcome, Requirement, Shape,
-    Table,
+    Table, in_seconds,
 };
 
 /// What one method did, and with which gain.
@@ -49,17 +50,12 @@ impl ComparisonCase {
             .collect::<Result<_, StudyError>>()?;
         progress(1.0);
         Ok(Reproduction {
-            id: id.to_owned(),
-            title: self.title.clone(),
-            place: self.published.place.clone(),
-            published: self.published.statement.clone(),
-            reconstruction: self.published.reconstruction.clone(),
-            difference: self.published.difference.clone(),
             outcomes: runs.iter().map(|run| self.outcome(run)).collect(),
             requirements: self.requirements(&runs),
             tables: vec![self.table(&runs, flown.input_starts_s())],
             charts: vec![self.estimates(&runs, flown.input_starts_s()), motion(&flown)],
             golden: golden(&runs),
+            ..self.published.reproduction(id, &self.title)
         })
     }
 
@@ -92,7 +88,6 @@ impl ComparisonCase {
     }
 
     fn requirements(&self, runs: &[Run]) -> Vec<Requirement> {
-        let time = |t: Option<f64>| t.map_or_else(|| "never".to_owned(), |t| format!("{t:.2} s"));
         let ours = runs.iter().find(|run| run.method == Method::Flagship).and_then(|run| run.score.converged_s);
         let soonest = |of: &dyn Fn(Method) -> bool| {
             let found = runs.iter().filter(|run| of(run.method)).filter_map(|run| run.score.converged_s);
@@ -101,8 +96,8 @@ impl ComparisonCase {
         let laws = soonest(&Method::is_model_reference);
         let mut requirements = vec![Requirement {
             what: "flagship within 5 % before every model-reference law".to_owned(),
-            limit: time(laws),
-            found: time(ours),
+            limit: in_seconds(laws),
+            found: in_seconds(ours),
             met: ours.is_some_and(|ours| laws.is_none_or(|laws| ours < laws)),
         }];
         let of_thesis = || runs.iter().filter(|run| run.method.is_of_thesis());
@@ -113,8 +108,8 @@ impl ComparisonCase {
                     what: "equations 3.1 to 3.3 find it too (as printed, or as the gradient they announce), later than the \
                            flagship"
                         .to_owned(),
-                    limit: format!("later than {}", time(ours)),
-                    found: time(thesis),
+                    limit: format!("later than {}", in_seconds(ours)),
+                    found: in_seconds(thesis),
                     met: thesis.is_some_and(|t| ours.is_some_and(|ours| t > ours)),
                 });
             }
@@ -123,7 +118,7 @@ impl ComparisonCase {
                        with the best gain for this very flight"
                     .to_owned(),
                 limit: "never".to_owned(),
-                found: of_thesis().map(|run| time(run.score.converged_s.or(run.at_best.converged_s))).collect::<Vec<_>>().join(", "),
+                found: of_thesis().map(|run| in_seconds(run.score.converged_s.or(run.at_best.converged_s))).collect::<Vec<_>>().join(", "),
                 met: of_thesis().all(|run| run.score.converged_s.or(run.at_best.converged_s).is_none()),
             }),
             None => {}
@@ -189,17 +184,16 @@ impl ComparisonCase {
                 }
                 curves.push(Curve { label, meaning, x, shape: Shape::Step(run.track.values.clone()) });
             }
-            let level = |label: &str, at: f64, meaning: Meaning| Level { label: label.to_owned(), at, meaning };
             Panel {
                 y: Axis::new(UNKNOWN, "1/rad").with_range(lower - margin, upper + margin),
                 content: Content::Curves {
                     curves,
                     levels: vec![
-                        level("truth", self.truth(), Meaning::Truth),
-                        level("bounds", lower, Meaning::Bound),
-                        level("", upper, Meaning::Bound),
+                        Level::new("truth", self.truth(), Meaning::Truth),
+                        Level::new("bounds", lower, Meaning::Bound),
+                        Level::new("", upper, Meaning::Bound),
                     ],
-                    instants: vec![level("input starts", starts_s, Meaning::Command)],
+                    instants: vec![Level::new("input starts", starts_s, Meaning::Command)],
                 },
             }
         };
@@ -258,15 +252,8 @@ fn golden(runs: &[Run]) -> Table {
     ];
     let chosen: Vec<&Run> = runs.iter().filter(|run| smooth.contains(&run.method)).collect();
     let time = chosen.first().map(|run| run.track.time.as_slice()).unwrap_or_default();
-    let mut columns = vec![Column::new("time", "s")];
-    columns.extend(chosen.iter().map(|run| Column::new(run.method.name(), "1/rad")));
-    let rows = (1..=40)
-        .filter_map(|k| {
-            let index = k * time.len().checked_sub(1)? / 40;
-            let mut row = vec![Cell::Number(*time.get(index)?)];
-            row.extend(chosen.iter().map(|run| Cell::Number(run.track.values.get(index).copied().unwrap_or(f64::NAN))));
-            Some(row)
-        })
-        .collect();
-    Table { title: "estimates".to_owned(), columns, rows }
+    let columns = chosen.iter().map(|run| Column::new(run.method.name(), "1/rad")).collect();
+    instants(time, columns, |k| {
+        chosen.iter().map(|run| run.track.values.get(k).copied().unwrap_or(f64::NAN).into()).collect()
+    })
 }

@@ -3,7 +3,7 @@
 use phugoid_estimators::thesis::{Evaluation, LawSign, ThesisForm};
 
 use crate::accuracy::StudyError;
-use crate::reproduction::plant_case::{MethodSettings, Parameter, PlantCase, PlantRun, run_method, simulate, verdict};
+use crate::reproduction::plant_case::{Method, Parameter, PlantCase, PlantRun, run_method, simulate, verdict};
 use crate::reproduction::result::{Axis, Behaviour, Content, Panel};
 use crate::settling::settled_at;
 
@@ -12,9 +12,9 @@ const FASTEST_S: f64 = 0.003;
 
 /// The forms of the one-parameter law that are mapped. The printed one is as printed; the others take their sign from the
 /// slope.
-pub(super) fn one_parameter(form: ThesisForm, evaluation: Evaluation, lambda: f64, eta: f64) -> MethodSettings {
+pub(super) fn one_parameter(form: ThesisForm, evaluation: Evaluation, lambda: f64, eta: f64) -> Method {
     let sign = if form == ThesisForm::Printed { LawSign::AsPrinted } else { LawSign::FromSlope };
-    MethodSettings::OneParameter { form, evaluation, sign, lambda, eta }
+    Method::OneParameter { form, evaluation, sign, lambda, eta }
 }
 
 /// The one unknown of a case of first order.
@@ -25,7 +25,7 @@ pub(super) fn unknown(case: &PlantCase) -> Result<Parameter, StudyError> {
 
 /// Time after which all estimates stay within 5 %, s; NaN if the verdict is not that the method converges, or if it stands
 /// still near the truth because its loop has no solution.
-pub(super) fn time_to_tolerance(case: &PlantCase, run: &PlantRun, method: &MethodSettings) -> Result<f64, StudyError> {
+pub(super) fn time_to_tolerance(case: &PlantCase, run: &PlantRun, method: &Method) -> Result<f64, StudyError> {
     let result = run_method(case, run, method)?;
     if result.unsolved > run.time_s.len() / 10 {
         return Ok(f64::NAN);
@@ -44,7 +44,7 @@ pub(super) fn time_to_tolerance(case: &PlantCase, run: &PlantRun, method: &Metho
 /// The same for a changed case: simulated first.
 pub(super) fn simulated_time_to_tolerance(
     case: &PlantCase,
-    method: impl Fn(&PlantRun) -> MethodSettings,
+    method: impl Fn(&PlantRun) -> Method,
 ) -> Result<f64, StudyError> {
     let run = simulate(case)?;
     time_to_tolerance(case, &run, &method(&run))

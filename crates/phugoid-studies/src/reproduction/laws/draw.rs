@@ -45,11 +45,6 @@ pub(super) fn curves(y: Axis, curves: Vec<Curve>, levels: Vec<Level>) -> Panel {
     Panel { y, content: Content::Curves { curves, levels, instants: Vec::new() } }
 }
 
-/// A horizontal line.
-pub(super) fn level(label: impl Into<String>, at: f64, meaning: Meaning) -> Level {
-    Level { label: label.into(), at, meaning }
-}
-
 /// Values over a grid, one row per `y`, computed in parallel; `done` is called with the fraction after each.
 pub(super) fn over_grid<T: Send>(
     x: &[f64],

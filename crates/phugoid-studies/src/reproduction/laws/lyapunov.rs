@@ -10,7 +10,7 @@ use super::draw::{Record, curves, note};
 use crate::accuracy::StudyError;
 use crate::reproduction::Reproduction;
 use crate::reproduction::plant_case::{
-    MethodSettings, PlantCase, PlantRun, flagship_settings, published_case, run_method, simulate,
+    Method, PlantCase, PlantRun, flagship_settings, published_case, run_method, simulate,
 };
 use crate::reproduction::result::{Axis, Chart, Column, Meaning, Requirement, Table};
 
@@ -83,7 +83,7 @@ fn flagship<M, const N: usize, const R: usize, const P: usize, const I: usize>(
 where
     M: Model<N, R, P, Input = [f64; I]>,
 {
-    let MethodSettings::Flagship { noise_sd } = case.flagship(motion) else {
+    let Method::Flagship { noise_sd } = case.flagship(motion) else {
         return Err(StudyError::Unsuitable(format!("{}: no settings of the flagship", case.title)));
     };
     let refused = |error: &dyn std::fmt::Display| StudyError::Unsuitable(format!("{}: {error}", case.title));
@@ -135,8 +135,8 @@ fn chart(
     let (form, evaluation, sign, eta) =
         (ThesisForm::Printed, Evaluation::Implicit, LawSign::AsPrinted, case.estimator.eta);
     let settings = match unknowns[..] {
-        [p] => MethodSettings::OneParameter { form, evaluation, sign, lambda: p.lambda, eta },
-        [p, q, ..] => MethodSettings::TwoParameter { form, evaluation, sign, lambda: [p.lambda, q.lambda], eta },
+        [p] => Method::OneParameter { form, evaluation, sign, lambda: p.lambda, eta },
+        [p, q, ..] => Method::TwoParameter { form, evaluation, sign, lambda: [p.lambda, q.lambda], eta },
         [] => return Err(StudyError::Unsuitable(format!("{}: no unknown parameter", case.title))),
     };
     let printed = run_method(case, motion, &settings)?;

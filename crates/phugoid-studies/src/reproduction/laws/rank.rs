@@ -6,13 +6,15 @@ use phugoid_estimators::thesis::{
     Evaluation, LawSign, ThesisForm, TwoParameterDiagnostics, TwoParameterLaw, TwoParameterSettings,
 };
 
-use super::draw::{Record, curves, level, note};
+use super::draw::{Record, curves, note};
 use crate::accuracy::StudyError;
 use crate::reproduction::Reproduction;
 use crate::reproduction::plant_case::{
-    MethodRun, MethodSettings, Parameter, PlantCase, PlantRun, published_case, run_method, simulate, verdict,
+    Method, MethodRun, Parameter, PlantCase, PlantRun, published_case, run_method, simulate, verdict,
 };
-use crate::reproduction::result::{Axis, Chart, Curve, Meaning, Outcome, ParameterOutcome, Requirement, Role, Shape};
+use crate::reproduction::result::{
+    Axis, Chart, Curve, Level, Meaning, Outcome, ParameterOutcome, Requirement, Role, Shape,
+};
 use crate::settling::settled_at;
 
 /// Instants at which the lines of both surfaces are drawn, s.
@@ -27,7 +29,7 @@ pub(super) fn run(id: &str, progress: &(dyn Fn(f64) + Sync)) -> Result<Reproduct
         return Err(StudyError::Unsuitable(format!("{}: needs two unknown parameters", case.title)));
     };
     let lambda = [first.lambda, second.lambda];
-    let two = |form, sign| MethodSettings::TwoParameter {
+    let two = |form, sign| Method::TwoParameter {
         form,
         evaluation: Evaluation::Implicit,
         sign,
@@ -162,7 +164,7 @@ fn estimates(case: &PlantCase, motion: &PlantRun, runs: &[(&str, Meaning, Method
         let drawn = runs.iter().map(|(label, meaning, run)| record.line(*label, *meaning, &run.estimates[j])).collect();
         let margin = p.upper - p.lower;
         let axis = Axis::new(name, "–").with_range((p.lower - margin).min(0.0), p.upper + margin);
-        curves(axis, drawn, vec![level("truth", p.truth, Meaning::Truth)])
+        curves(axis, drawn, vec![Level::new("truth", p.truth, Meaning::Truth)])
     };
     Chart {
         name: "estimates".to_owned(),

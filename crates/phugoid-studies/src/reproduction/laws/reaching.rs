@@ -6,12 +6,12 @@ use phugoid_estimators::thesis::{
 };
 use phugoid_estimators::{Estimator, Phase};
 
-use super::draw::{Record, curves, level, note, over_grid};
+use super::draw::{Record, curves, note, over_grid};
 use crate::accuracy::StudyError;
 use crate::reproduction::Reproduction;
 use crate::reproduction::plant_case::{Parameter, PlantCase, PlantRun, Signal, published_case, simulate, verdict};
 use crate::reproduction::result::{
-    Axis, Cell, Chart, Column, Content, Meaning, Outcome, Panel, ParameterOutcome, Requirement, Role, Table,
+    Axis, Cell, Chart, Column, Content, Level, Meaning, Outcome, Panel, ParameterOutcome, Requirement, Role, Table,
 };
 use crate::settling::settled_at;
 
@@ -208,13 +208,13 @@ fn trajectory(case: &PlantCase, id: &str, run: &PlantRun, law: &Followed) -> Cha
             curves(
                 Axis::new("a", "1/s"),
                 vec![record.line("printed law, implicit", method, &law.estimates)],
-                vec![level("truth", truth, Meaning::Truth)],
+                vec![Level::new("truth", truth, Meaning::Truth)],
             ),
             curves(Axis::new("s", "–"), vec![record.line("s", method, &law.series(|d| d.surface))], Vec::new()),
             curves(
                 Axis::new("s s' + eta |s|", "1/s"),
                 vec![record.line("reaching condition: not positive", method, &law.series(|d| d.reaching))],
-                vec![level("", 0.0, Meaning::Bound)],
+                vec![Level::new("", 0.0, Meaning::Bound)],
             ),
             curves(
                 Axis::new("log10 of gain", "–"),
@@ -228,7 +228,7 @@ fn trajectory(case: &PlantCase, id: &str, run: &PlantRun, law: &Followed) -> Cha
             curves(
                 Axis::new("K a", "–"),
                 vec![record.line("K a", method, &law.product())],
-                vec![level("solution exists below", 1.0, Meaning::Bound)],
+                vec![Level::new("solution exists below", 1.0, Meaning::Bound)],
             ),
         ],
     }

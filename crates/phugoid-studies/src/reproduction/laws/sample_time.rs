@@ -3,12 +3,12 @@
 use phugoid_estimators::thesis::{Evaluation, ThesisForm};
 
 use super::convergence::{all, one_parameter, simulated_time_to_tolerance, time_map, unknown};
-use super::draw::{Record, curves, level, note, over_grid};
+use super::draw::{Record, curves, note, over_grid};
 use crate::accuracy::StudyError;
 use crate::quantity::Time;
 use crate::reproduction::Reproduction;
 use crate::reproduction::plant_case::{PlantCase, published_case, run_method, simulate};
-use crate::reproduction::result::{Axis, Chart, Meaning, Requirement};
+use crate::reproduction::result::{Axis, Chart, Level, Meaning, Requirement};
 
 /// `lambda h`, on both sides of 1 (overshoot) and 2 (stability).
 const PRODUCTS: [f64; 11] = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 0.9, 1.2, 1.9, 2.3, 2.5];
@@ -126,6 +126,6 @@ fn overshoot(case: &PlantCase, truth: f64) -> Result<Chart, StudyError> {
             .to_owned(),
         x: Axis::new("Time", "s"),
         columns: 1,
-        panels: vec![curves(Axis::new("a", "1/s"), drawn, vec![level("truth", truth, Meaning::Truth)])],
+        panels: vec![curves(Axis::new("a", "1/s"), drawn, vec![Level::new("truth", truth, Meaning::Truth)])],
     })
 }

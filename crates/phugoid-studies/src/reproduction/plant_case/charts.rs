@@ -2,14 +2,14 @@
 
 use std::sync::Arc;
 
-use super::report::Told;
+use super::report::Judged;
 use super::{PlantCase, PlantRun, Surface};
-use crate::reproduction::result::{Axis, Behaviour, Chart, Content, Curve, Level, Meaning, Panel, Role, Shape};
+use crate::reproduction::result::{Axis, Behaviour, Chart, Content, Curve, Level, Meaning, Panel, Shape};
 
 /// Most points of a curve.
 const POINTS: usize = 600;
 
-/// Instants shown: close at the beginning, where the estimates move, and ever wider apart.
+/// Instants method: close at the beginning, where the estimates move, and ever wider apart.
 struct Instants {
     index: Vec<usize>,
     time: Arc<[f64]>,
@@ -39,59 +39,52 @@ impl Instants {
 }
 
 /// The figures of a case: estimates, states, and what the implicit laws look like from inside.
-pub(super) fn charts(case: &PlantCase, run: &PlantRun, told: &[Told]) -> Vec<Chart> {
+pub(super) fn charts(case: &PlantCase, run: &PlantRun, judged: &[Judged]) -> Vec<Chart> {
     let instants = Instants::new(&run.time_s);
-    let mut charts = vec![estimates(case, told, &instants), states(case, run, told, &instants)];
-    charts.extend(surfaces(case, told, &instants));
+    let mut charts = vec![estimates(case, judged, &instants), states(case, run, judged, &instants)];
+    charts.extend(surfaces(case, judged, &instants));
     charts
 }
 
-fn meaning(told: &[Told], index: usize) -> Meaning {
-    match told[index].shown.role {
-        Role::Flagship => Meaning::Flagship,
-        _ => Meaning::Method(told[..index].iter().filter(|t| t.shown.role != Role::Flagship).count()),
-    }
+fn meaning(judged: &[Judged], index: usize) -> Meaning {
+    Meaning::of_method(judged.iter().map(|one| one.outcome.role), index)
 }
 
-fn level(label: &str, at: f64, meaning: Meaning) -> Level {
-    Level { label: label.to_owned(), at, meaning }
-}
-
-fn estimates(case: &PlantCase, told: &[Told], instants: &Instants) -> Chart {
+fn estimates(case: &PlantCase, judged: &[Judged], instants: &Instants) -> Chart {
     let panels = case
         .unknowns()
         .enumerate()
         .map(|(j, (name, p))| {
             let mut curves = Vec::new();
-            for (index, t) in told.iter().enumerate() {
+            for (index, t) in judged.iter().enumerate() {
                 let values = &t.result.estimates[j];
                 if let Some(error) = t.result.std_error.as_ref().map(|s| &s[j]) {
                     let edge = |sign: f64| {
                         instants.index.iter().map(|&k| values[k] + sign * 2.0 * error[k]).collect::<Vec<f64>>()
                     };
                     curves.push(Curve {
-                        label: format!("{}, two sigma", t.shown.name),
-                        meaning: meaning(told, index),
+                        label: format!("{}, two sigma", t.method.name),
+                        meaning: meaning(judged, index),
                         x: instants.time.clone(),
                         shape: Shape::Band { lower: edge(-1.0), upper: edge(1.0) },
                     });
                 }
             }
-            for (index, t) in told.iter().enumerate().rev() {
-                curves.push(instants.line(t.shown.name, meaning(told, index), &t.result.estimates[j]));
+            for (index, t) in judged.iter().enumerate().rev() {
+                curves.push(instants.line(t.method.name, meaning(judged, index), &t.result.estimates[j]));
             }
             let margin = 0.15 * (p.upper - p.lower);
-            let published = case.published.converged_after.get(name);
+            let published = case.published.converged_s(name);
             Panel {
                 y: Axis::new(name, "–").with_range(p.lower - margin, p.upper + margin),
                 content: Content::Curves {
                     curves,
                     levels: vec![
-                        level("truth", p.truth, Meaning::Truth),
-                        level("bounds", p.lower, Meaning::Bound),
-                        level("", p.upper, Meaning::Bound),
+                        Level::new("truth", p.truth, Meaning::Truth),
+                        Level::new("bounds", p.lower, Meaning::Bound),
+                        Level::new("", p.upper, Meaning::Bound),
                     ],
-                    instants: published.map(|t| level("published", t.si(), Meaning::Command)).into_iter().collect(),
+                    instants: published.map(|t| Level::new("published", t, Meaning::Command)).into_iter().collect(),
                 },
             }
         })
@@ -109,7 +102,7 @@ fn estimates(case: &PlantCase, told: &[Told], instants: &Instants) -> Chart {
     }
 }
 
-fn states(case: &PlantCase, run: &PlantRun, told: &[Told], instants: &Instants) -> Chart {
+fn states(case: &PlantCase, run: &PlantRun, judged: &[Judged], instants: &Instants) -> Chart {
     let u: Vec<f64> = run.inputs.iter().map(|input| input[0]).collect();
     let mut panels = vec![Panel {
         y: Axis::new("u", "–"),
@@ -137,9 +130,9 @@ fn states(case: &PlantCase, run: &PlantRun, told: &[Told], instants: &Instants) 
         curves.push(instants.line("plant", Meaning::Truth, &run.states[i]));
         let (lowest, highest) =
             run.states[i].iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &v| (l.min(v), h.max(v)));
-        for (index, t) in told.iter().enumerate().filter(|(_, t)| t.outcome.behaviour != Behaviour::Diverges) {
+        for (index, t) in judged.iter().enumerate().filter(|(_, t)| t.outcome.behaviour != Behaviour::Diverges) {
             let Some(series) = t.result.states.get(i) else { continue };
-            curves.push(instants.line(format!("model of the {}", t.shown.name), meaning(told, index), series));
+            curves.push(instants.line(format!("model of the {}", t.method.name), meaning(judged, index), series));
         }
         let margin = 0.15 * (highest - lowest).max(1e-300) + 3.0 * run.noise_sd;
         panels.push(Panel {
@@ -158,9 +151,9 @@ fn states(case: &PlantCase, run: &PlantRun, told: &[Told], instants: &Instants) 
 }
 
 /// Surface, reaching condition and gain of the laws that are solved implicitly and say what they look like from inside.
-fn surfaces(case: &PlantCase, told: &[Told], instants: &Instants) -> Option<Chart> {
-    let inside: Vec<(usize, &Told)> =
-        told.iter().enumerate().filter(|(_, t)| t.implicit() && !t.result.surfaces.is_empty()).collect();
+fn surfaces(case: &PlantCase, judged: &[Judged], instants: &Instants) -> Option<Chart> {
+    let inside: Vec<(usize, &Judged)> =
+        judged.iter().enumerate().filter(|(_, t)| t.implicit() && !t.result.surfaces.is_empty()).collect();
     if inside.is_empty() {
         return None;
     }
@@ -174,16 +167,20 @@ fn surfaces(case: &PlantCase, told: &[Told], instants: &Instants) -> Option<Char
             for &(index, t) in &inside {
                 for (i, surface) in t.result.surfaces.iter().enumerate() {
                     let name = if t.result.surfaces.len() > 1 {
-                        format!("{}, surface {}", t.shown.name, i + 1)
+                        format!("{}, surface {}", t.method.name, i + 1)
                     } else {
-                        t.shown.name.to_owned()
+                        t.method.name.to_owned()
                     };
-                    curves.push(instants.line(name, meaning(told, index), quantity(surface)));
+                    curves.push(instants.line(name, meaning(judged, index), quantity(surface)));
                 }
             }
             Panel {
                 y: Axis::new(label, "–"),
-                content: Content::Curves { curves, levels: vec![level("", 0.0, Meaning::Bound)], instants: Vec::new() },
+                content: Content::Curves {
+                    curves,
+                    levels: vec![Level::new("", 0.0, Meaning::Bound)],
+                    instants: Vec::new(),
+                },
             }
         })
         .collect();

@@ -4,7 +4,7 @@ use phugoid_estimators::thesis::{Evaluation, LawSign, ThesisForm};
 use phugoid_estimators::{LinearizedRates, Model};
 
 use super::plant::Visit;
-use super::{MethodRun, MethodSettings, PlantCase, PlantRun};
+use super::{Method, MethodRun, PlantCase, PlantRun};
 
 /// `z = dD/dtheta = sum y Phi`, the slope of each surface by its own parameter, along the true motion: `[parameter][sample]`.
 ///
@@ -69,10 +69,10 @@ fn loop_gain(slopes: &[f64], eta: f64) -> String {
 }
 
 /// The condition that decides what became of a method, as a sentence with its numbers.
-pub(super) fn condition(case: &PlantCase, run: &PlantRun, method: &MethodSettings, result: &MethodRun) -> String {
+pub(super) fn condition(case: &PlantCase, run: &PlantRun, method: &Method, result: &MethodRun) -> String {
     match method {
-        MethodSettings::Flagship { noise_sd } => flagship(case, run, noise_sd, result),
-        MethodSettings::OneParameter { form, evaluation, sign, lambda, eta } => {
+        Method::Flagship { noise_sd } => flagship(case, run, noise_sd, result),
+        Method::OneParameter { form, evaluation, sign, lambda, eta } => {
             let slopes = slopes(case, run);
             let z = slopes.first().map_or(&[][..], Vec::as_slice);
             let mut parts = vec![lambda_h(case, *lambda)];
@@ -98,7 +98,7 @@ pub(super) fn condition(case: &PlantCase, run: &PlantRun, method: &MethodSetting
             }
             parts.join("; ")
         }
-        MethodSettings::TwoParameter { form, evaluation, lambda, eta, .. } => {
+        Method::TwoParameter { form, evaluation, lambda, eta, .. } => {
             let mut parts = vec![rank(run, result)];
             match evaluation {
                 Evaluation::Delayed => {
@@ -117,7 +117,7 @@ pub(super) fn condition(case: &PlantCase, run: &PlantRun, method: &MethodSetting
             }
             parts.join("; ")
         }
-        MethodSettings::Extended { reaching_time_s, .. } => {
+        Method::Extended { reaching_time_s, .. } => {
             let [largest, smallest] = result.information.last().copied().unwrap_or([f64::NAN; 2]);
             format!(
                 "rank {} of 2 at the end: the accumulated equations have eigenvalues of {largest:.1e} and {smallest:.1e}; from \
@@ -206,7 +206,7 @@ mod tests {
         // z = -x^2, and x ends at 1/3.
         assert!((largest - 1.0 / 9.0).abs() < 1e-4, "{largest}");
         let farthest = |eta: f64| {
-            let method = MethodSettings::OneParameter {
+            let method = Method::OneParameter {
                 form: ThesisForm::Damped,
                 evaluation: Evaluation::Delayed,
                 sign: LawSign::FromSlope,

@@ -1,33 +1,23 @@
 //! The numbers of a plant case that are committed and compared.
 
-use super::report::Told;
+use super::report::Judged;
 use super::{PlantCase, PlantRun};
+use crate::reproduction::golden::instants;
 use crate::reproduction::result::{Behaviour, Cell, Column, Table};
-
-/// Rows of the table.
-const ROWS: usize = 40;
 
 /// Estimates at forty instants, evenly spread; of a law that chatters, diverges or did not always solve its loop only the
 /// verdict.
-pub(super) fn golden(case: &PlantCase, run: &PlantRun, told: &[Told]) -> Table {
-    let mut columns = vec![Column::new("time", "s")];
-    for t in told {
-        columns.extend(case.unknowns().map(|(name, _)| Column::new(format!("{}: {name}", t.shown.name), "")));
-    }
-    let last = run.time_s.len() - 1;
-    let rows = (1..=ROWS)
-        .map(|row| {
-            let k = row * last / ROWS;
-            let mut cells = vec![Cell::from(run.time_s[k])];
-            for t in told {
-                let chaotic =
-                    t.result.unsolved > 0 || matches!(t.outcome.behaviour, Behaviour::Chatters | Behaviour::Diverges);
-                cells.extend(t.result.estimates.iter().map(|values| {
-                    if chaotic { Cell::from(t.outcome.behaviour.word()) } else { Cell::from(values[k]) }
-                }));
-            }
-            cells
-        })
-        .collect();
-    Table { title: "Estimates".to_owned(), columns, rows }
+pub(super) fn golden(case: &PlantCase, run: &PlantRun, judged: &[Judged]) -> Table {
+    let columns = judged
+        .iter()
+        .flat_map(|one| case.unknowns().map(|(name, _)| Column::new(format!("{}: {name}", one.method.name), "")));
+    instants(&run.time_s, columns.collect(), |k| {
+        let of = |one: &Judged| -> Vec<Cell> {
+            let behaviour = one.outcome.behaviour;
+            let chaotic = one.result.unsolved > 0 || matches!(behaviour, Behaviour::Chatters | Behaviour::Diverges);
+            let cell = |values: &Vec<f64>| if chaotic { behaviour.word().into() } else { values[k].into() };
+            one.result.estimates.iter().map(cell).collect()
+        };
+        judged.iter().flat_map(of).collect()
+    })
 }

@@ -14,7 +14,7 @@ use crate::accuracy::StudyError;
 
 /// A method with its settings. Start values and bounds are those of the case.
 #[derive(Clone, Debug, PartialEq)]
-pub enum MethodSettings {
+pub enum Method {
     /// The flagship, which is not given the derivative.
     Flagship {
         /// One-sigma noise that it is told, per state.
@@ -102,7 +102,7 @@ impl Surface {
 ///
 /// # Errors
 /// [`StudyError::Unsuitable`]: the method refuses its settings.
-pub fn run_method(case: &PlantCase, run: &PlantRun, method: &MethodSettings) -> Result<MethodRun, StudyError> {
+pub fn run_method(case: &PlantCase, run: &PlantRun, method: &Method) -> Result<MethodRun, StudyError> {
     case.plant.visit(Runner { case, run, method })
 }
 
@@ -129,7 +129,7 @@ pub(in crate::reproduction) fn flagship_settings<const N: usize, const R: usize,
 struct Runner<'a> {
     case: &'a PlantCase,
     run: &'a PlantRun,
-    method: &'a MethodSettings,
+    method: &'a Method,
 }
 
 impl Visit for Runner<'_> {
@@ -144,7 +144,7 @@ impl Visit for Runner<'_> {
         let refused = |error: &dyn std::fmt::Display| StudyError::Unsuitable(format!("{}: {error}", case.title));
         let mut record = MethodRun::new(P, N, run.time_s.len());
         match method {
-            MethodSettings::Flagship { noise_sd } => {
+            Method::Flagship { noise_sd } => {
                 let settings = flagship_settings::<N, R, P>(case, noise_sd)?;
                 let mut flagship = Smpe::new(*model, settings).map_err(|error| refused(&error))?;
                 let mut claimed = vec![Vec::with_capacity(run.time_s.len()); P];
@@ -158,7 +158,7 @@ impl Visit for Runner<'_> {
                 }
                 record.std_error = Some(claimed);
             }
-            MethodSettings::OneParameter { form, evaluation, sign, lambda, eta } => {
+            Method::OneParameter { form, evaluation, sign, lambda, eta } => {
                 let [p] = unknowns[..] else {
                     return Err(refused(&"the one-parameter law carries one parameter, this plant has two"));
                 };
@@ -200,7 +200,7 @@ impl Visit for Runner<'_> {
                     _ => follow!(law!([x])),
                 }
             }
-            MethodSettings::TwoParameter { form, evaluation, sign, lambda, eta } => {
+            Method::TwoParameter { form, evaluation, sign, lambda, eta } => {
                 let [first, second] = unknowns[..] else {
                     return Err(refused(&"the two-parameter law carries two parameters, this plant has one"));
                 };
@@ -227,7 +227,7 @@ impl Visit for Runner<'_> {
                     record.unsolved += usize::from(estimate.status.phase == Phase::Rejected);
                 }
             }
-            MethodSettings::Extended { scale, reaching_time_s, floor } => {
+            Method::Extended { scale, reaching_time_s, floor } => {
                 let mut start = [0.0; P];
                 let mut bounds = [[0.0; 2]; P];
                 for (j, parameter) in unknowns.iter().enumerate() {

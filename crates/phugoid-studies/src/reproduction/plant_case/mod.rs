@@ -21,7 +21,7 @@ pub(super) use entries::ENTRIES;
 pub use entries::{published_case, published_ids};
 pub use format::{Noise, Parameter, PlantCase, Settings, Signal};
 pub(super) use method::flagship_settings;
-pub use method::{MethodRun, MethodSettings, Surface, run_method};
+pub use method::{Method, MethodRun, Surface, run_method};
 pub use plant::Plant;
 pub(crate) use plant::Visit;
 pub(super) use simulate::with_noise;

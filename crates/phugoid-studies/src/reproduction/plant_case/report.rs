@@ -6,33 +6,33 @@ use super::charts::charts;
 use super::condition::condition;
 use super::golden::golden;
 use super::verdict::{behaviour, worst};
-use super::{MethodRun, MethodSettings, PlantCase, PlantRun, run_method, simulate, slopes};
+use super::{Method, MethodRun, PlantCase, PlantRun, run_method, simulate, slopes};
 use crate::accuracy::StudyError;
 use crate::reproduction::Reproduction;
 use crate::reproduction::result::{Outcome, ParameterOutcome, Requirement, Role};
 use crate::settling::settled_at;
 
 /// A method as the report shows it.
-pub(super) struct Shown {
+pub(super) struct NamedMethod {
     pub(super) name: &'static str,
     pub(super) role: Role,
-    pub(super) settings: MethodSettings,
+    pub(super) settings: Method,
 }
 
 /// A method with what it did.
-pub(super) struct Told {
-    pub(super) shown: Shown,
+pub(super) struct Judged {
+    pub(super) method: NamedMethod,
     pub(super) result: MethodRun,
     pub(super) outcome: Outcome,
 }
 
-impl Told {
+impl Judged {
     /// Whether its loop is solved at every sample.
     pub(super) fn implicit(&self) -> bool {
         matches!(
-            self.shown.settings,
-            MethodSettings::OneParameter { evaluation: Evaluation::Implicit, .. }
-                | MethodSettings::TwoParameter { evaluation: Evaluation::Implicit, .. }
+            self.method.settings,
+            Method::OneParameter { evaluation: Evaluation::Implicit, .. }
+                | Method::TwoParameter { evaluation: Evaluation::Implicit, .. }
         )
     }
 }
@@ -44,33 +44,27 @@ impl PlantCase {
     /// [`StudyError`]: the plant escapes, or a method refuses its settings.
     pub fn run(&self, id: &str) -> Result<Reproduction, StudyError> {
         let run = simulate(self)?;
-        let mut told = Vec::new();
-        for shown in self.methods(&run) {
-            let result = run_method(self, &run, &shown.settings)?;
-            let outcome = self.outcome(&shown, &run, &result);
-            told.push(Told { shown, result, outcome });
+        let mut judged = Vec::new();
+        for method in self.methods(&run) {
+            let result = run_method(self, &run, &method.settings)?;
+            let outcome = self.outcome(&method, &run, &result);
+            judged.push(Judged { method, result, outcome });
         }
-        let outcomes: Vec<Outcome> = told.iter().map(|t| t.outcome.clone()).collect();
+        let outcomes: Vec<Outcome> = judged.iter().map(|t| t.outcome.clone()).collect();
         let requirements = self.requirements(&outcomes);
         Ok(Reproduction {
-            id: id.to_owned(),
-            title: self.title.clone(),
-            place: self.published.place.clone(),
-            published: self.published.statement.clone(),
-            reconstruction: self.published.reconstruction.clone(),
-            difference: self.published.difference.clone(),
             outcomes,
             requirements,
-            tables: Vec::new(),
-            charts: charts(self, &run, &told),
-            golden: golden(self, &run, &told),
+            charts: charts(self, &run, &judged),
+            golden: golden(self, &run, &judged),
+            ..self.published.reproduction(id, &self.title)
         })
     }
 
     /// The methods that the report shows, with the settings of the file.
-    fn methods(&self, run: &PlantRun) -> Vec<Shown> {
+    fn methods(&self, run: &PlantRun) -> Vec<NamedMethod> {
         use {Evaluation::*, LawSign::*, ThesisForm::*};
-        let mut methods = vec![Shown { name: "flagship", role: Role::Flagship, settings: self.flagship(run) }];
+        let mut methods = vec![NamedMethod { name: "flagship", role: Role::Flagship, settings: self.flagship(run) }];
         let unknowns: Vec<_> = self.unknowns().collect();
         let signs_differ = slopes(self, run).iter().flatten().any(|z| *z > 0.0);
         if let [(_, p)] = unknowns[..] {
@@ -85,8 +79,8 @@ impl PlantCase {
                     continue;
                 }
                 let (lambda, eta) = (p.lambda, self.estimator.eta);
-                let settings = MethodSettings::OneParameter { form, evaluation, sign, lambda, eta };
-                methods.push(Shown { name, role, settings });
+                let settings = Method::OneParameter { form, evaluation, sign, lambda, eta };
+                methods.push(NamedMethod { name, role, settings });
             }
         }
         if let [(_, first), (_, second)] = unknowns[..] {
@@ -99,42 +93,38 @@ impl PlantCase {
                 if sign == FromSlope && !signs_differ {
                     continue;
                 }
-                let settings = MethodSettings::TwoParameter { form, evaluation, sign, lambda, eta };
-                methods.push(Shown { name, role, settings });
+                let settings = Method::TwoParameter { form, evaluation, sign, lambda, eta };
+                methods.push(NamedMethod { name, role, settings });
             }
-            methods.push(Shown { name: "extended law", role: Role::Mended, settings: self.extended(run) });
+            methods.push(NamedMethod { name: "extended law", role: Role::Mended, settings: self.extended(run) });
         }
         methods
     }
 
     /// The flagship, told the true noise, or without noise a small fraction of each signal.
-    pub fn flagship(&self, run: &PlantRun) -> MethodSettings {
+    pub fn flagship(&self, run: &PlantRun) -> Method {
         let noise_sd = run
             .states
             .iter()
             .map(|x| if run.noise_sd > 0.0 { run.noise_sd } else { self.estimator.assumed_noise * rms(x) })
             .collect();
-        MethodSettings::Flagship { noise_sd }
+        Method::Flagship { noise_sd }
     }
 
     /// The extended law: the whole range in 0.1 s, states scaled by their size over the record.
-    pub fn extended(&self, run: &PlantRun) -> MethodSettings {
-        MethodSettings::Extended {
-            scale: run.states.iter().map(|x| rms(x)).collect(),
-            reaching_time_s: 0.1,
-            floor: 0.0,
-        }
+    pub fn extended(&self, run: &PlantRun) -> Method {
+        Method::Extended { scale: run.states.iter().map(|x| rms(x)).collect(), reaching_time_s: 0.1, floor: 0.0 }
     }
 
-    fn outcome(&self, shown: &Shown, run: &PlantRun, result: &MethodRun) -> Outcome {
+    fn outcome(&self, method: &NamedMethod, run: &PlantRun, result: &MethodRun) -> Outcome {
         let judged = self.unknowns().zip(&result.estimates);
         Outcome {
-            method: shown.name.to_owned(),
-            role: shown.role,
+            method: method.name.to_owned(),
+            role: method.role,
             behaviour: worst(
                 judged.map(|((_, p), values)| behaviour(&run.time_s, values, p.truth, [p.lower, p.upper])),
             ),
-            condition: condition(self, run, &shown.settings, result),
+            condition: condition(self, run, &method.settings, result),
             parameters: self
                 .unknowns()
                 .enumerate()
@@ -144,7 +134,7 @@ impl PlantCase {
                     start: p.start,
                     end: result.estimates[j].last().copied().unwrap_or(f64::NAN),
                     std_error: result.std_error.as_ref().and_then(|s| s[j].last().copied()),
-                    published_s: self.published.converged_after.get(name).map(|t| t.si()),
+                    published_s: self.published.converged_s(name),
                     converged_s: settled_at(&run.time_s, &result.estimates[j], p.truth, super::verdict::TOLERANCE),
                 })
                 .collect(),

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use super::input::{CYCLE_S, START_S};
 use crate::accuracy::StudyError;
 use crate::reproduction::aircraft_case::{
-    AircraftCase, LawForm, LawSettings, Method, MethodRun, MethodSettings, Surface, fly, run_method,
+    AircraftCase, LawForm, LawSettings, Method, MethodRun, NamedMethod, Surface, fly, run_method,
 };
 use crate::reproduction::plant_case::verdict::TOLERANCE;
 use crate::reproduction::result::{Cell, Column, Role, Table};
@@ -31,7 +31,7 @@ pub(super) fn sweep(case: &AircraftCase) -> Result<Table, StudyError> {
             eta: damping,
         });
         let method = Method::Laws(laws.collect());
-        run_method(case, &flight, &MethodSettings { name: "damped law".to_owned(), role: Role::Mended, method })
+        run_method(case, &flight, &NamedMethod { name: "damped law".to_owned(), role: Role::Mended, method })
     };
     let decades: Vec<i32> = DECADES.collect();
     let rows = decades.into_par_iter().map(|decade| {

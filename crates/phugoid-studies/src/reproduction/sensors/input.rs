@@ -4,13 +4,14 @@ use crate::accuracy::StudyError;
 use crate::flight::{F16_ALPHA_RANGE_DEG, Flight};
 use crate::manoeuvre::{Manoeuvre, Surface};
 use crate::quantity::{Angle, Frequency, Time};
-use crate::reproduction::flight_charts::STANDARD_GRAVITY;
+use crate::reproduction::units::STANDARD_GRAVITY;
 use crate::scenario::Scenario;
 
 use super::information::hardest;
+use crate::reproduction::trim::SHORT_PERIOD_S;
 
-/// Period of the short period at the condition of the cases, s (`trim/table-2.2`).
-pub(super) const CYCLE_S: f64 = 4.17;
+/// One cycle of the short period at the condition of the cases, s.
+pub(super) const CYCLE_S: f64 = SHORT_PERIOD_S;
 /// When the inputs start, s.
 pub(super) const START_S: f64 = 0.5;
 /// What the bound of the hardest coefficient must come down to in one cycle, percent: 5 % are then three standard errors.

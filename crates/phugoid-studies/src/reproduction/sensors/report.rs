@@ -11,6 +11,7 @@ use crate::reproduction::aircraft_case::AircraftCase;
 use crate::reproduction::flight_charts::instant;
 use crate::reproduction::result::{
     Axis, Cell, Chart, Column, Content, Curve, Level, Meaning, Outcome, Panel, Requirement, Role, Shape, Table,
+    in_seconds,
 };
 
 /// Of the runs, those in which everything must be found in one cycle.
@@ -30,7 +31,7 @@ fn requirements(case: &AircraftCase, study: &Study, flagship: Option<&Outcome>) 
     let own_seed = settled.map(|parameter| Requirement {
         what: format!("{} within 5 % to stay, counted from the start of the input, seed of the file", parameter.name),
         limit: format!("one cycle of the short period, {CYCLE_S} s"),
-        found: parameter.converged_s.map_or_else(|| "never".to_owned(), |t| format!("{:.2} s", t - START_S)),
+        found: in_seconds(parameter.converged_s.map(|t| t - START_S)),
         met: parameter.converged_s.is_some_and(|t| t - START_S <= CYCLE_S + 1e-9),
     });
     let silent = thesis.together.percent.iter().filter_map(|history| history.last().copied());
@@ -215,8 +216,7 @@ fn information(study: &Study) -> Chart {
                     curve("all four unknown", Meaning::Method(2 * which + 1), &arm.together.percent[j]),
                 ]
             });
-            let level =
-                |label: &str, percent: f64| Level { label: label.into(), at: percent.log10(), meaning: Meaning::Bound };
+            let level = |label: &str, percent: f64| Level::new(label, percent.log10(), Meaning::Bound);
             let label = if pair[0].increments == "published" {
                 format!("{name}, published {}", published_truth(name))
             } else {
