@@ -1,4 +1,5 @@
 //! `phugoid reproduce`: selection, files, exit codes, and that two runs give the same bytes.
+#![allow(clippy::unwrap_used, clippy::panic)] // in what several tests share
 
 mod common;
 

@@ -140,10 +140,11 @@ fn text(report: &HealthReport, files: &[PathBuf]) -> String {
     text.push_str("\nDerivatives per radian; estimates at the end of the record.\n");
     paragraph(&mut text, "Health", report.sentences.iter().cloned());
     let mut last = None;
-    let changes = time.iter().zip(&report.history.condition).filter_map(|(t, condition)| {
-        (last.replace(*condition) != Some(*condition)).then(|| format!("{t:8.2} s  {}", condition.words()))
-    });
-    let changes: Vec<String> = changes.collect();
+    let changes = time
+        .iter()
+        .zip(&report.history.condition)
+        .filter(|(_, condition)| last.replace(**condition) != Some(**condition));
+    let changes: Vec<String> = changes.map(|(t, condition)| format!("{t:8.2} s  {}", condition.words())).collect();
     const SHOWN: usize = 12;
     let more = changes.len().saturating_sub(SHOWN);
     paragraph(&mut text, "History", changes.into_iter().take(SHOWN));
