@@ -98,6 +98,7 @@ fn cells(scene: &mut Scene, fonts: Option<&Fonts>, map: &HeatMap, scale: &Colour
     let mut by_step: Vec<Vec<Vec<[f64; 2]>>> = vec![Vec::new(); STEPS as usize + 1];
     let mut absent: Vec<Frame> = Vec::new();
     let mut words = Vec::new();
+    let mut widest = 0.0_f64;
     for row in 0..rows {
         for column in 0..columns {
             let value = map.values.get(row).and_then(|r| r.get(column)).copied().unwrap_or(f64::NAN);
@@ -108,17 +109,19 @@ fn cells(scene: &mut Scene, fonts: Option<&Fonts>, map: &HeatMap, scale: &Colour
             };
             by_step[usize::from(step)].push(outline(&place));
             let label = short(value);
-            if height >= 17.0 && reserved_width(fonts, &label, 11.0, false) + 4.0 <= width {
-                let at = [(place.left + place.right) / 2.0, (place.top + place.bottom) / 2.0 + 4.0];
-                words.push(text(&label, at, 11.0, Anchor::Middle, false, Colour::on_scale(step)));
-            }
+            widest = widest.max(reserved_width(fonts, &label, 11.0, false));
+            let at = [(place.left + place.right) / 2.0, (place.top + place.bottom) / 2.0 + 4.0];
+            words.push(text(&label, at, 11.0, Anchor::Middle, false, Colour::on_scale(step)));
         }
     }
     for (step, outlines) in by_step.into_iter().enumerate().filter(|(_, outlines)| !outlines.is_empty()) {
         let colour = Colour::Scale(u8::try_from(step).unwrap_or(u8::MAX));
         scene.shapes.push(Shape::Areas { outlines, colour, opacity: 1.0 });
     }
-    scene.shapes.extend(words);
+    // Values in some cells alone would look as if the others had none.
+    if height >= 17.0 && widest + 4.0 <= width {
+        scene.shapes.extend(words);
+    }
     scene.shapes.extend(hatched(&absent));
     if let Some((_, marked)) = &map.marked
         && let (Some(column), Some(row)) = (nearest(&map.x, marked[0]), nearest(&map.y, marked[1]))
@@ -202,11 +205,12 @@ fn bar(scene: &mut Scene, fonts: Option<&Fonts>, map: &HeatMap, scale: &ColourSc
         scene.shapes.push(text(label, [right + 7.0, y + 4.0], SMALL, Anchor::Start, false, Colour::Muted));
         widest = widest.max(reserved_width(fonts, label, SMALL, false));
     }
-    let label = fitted(fonts, axis_text(&map.value, marks.exponent), SMALL, false, frame.bottom - frame.top + 24.0);
+    let room = frame.bottom - frame.top + 24.0;
+    let (label, size) = fitted(fonts, axis_text(&map.value, marks.exponent), [SMALL, 11.0, 10.0], false, room);
     scene.shapes.push(Shape::Text {
         text: label,
         at: [right + 7.0 + widest + 18.0, (frame.top + frame.bottom) / 2.0],
-        size: SMALL,
+        size,
         anchor: Anchor::Middle,
         bold: false,
         colour: Colour::Ink,

@@ -110,11 +110,7 @@ impl<'a> Plan<'a> {
 
     fn draw(&self, scene: &mut Scene, figure: &Figure, mut frame: Frame, labelled: bool, fonts: Option<&Fonts>) {
         let label = axis_text(&self.panel.y, self.y_ticks.exponent);
-        // A long label is first set smaller, then shortened.
-        let room = frame.right - frame.left;
-        let fits = |size: &f64| reserved_width(fonts, &label, *size, true) <= room;
-        let size = [NORMAL, 12.0, 11.0].into_iter().find(fits).unwrap_or(10.0);
-        let label = fitted(fonts, label, size, true, room);
+        let (label, size) = fitted(fonts, label, [NORMAL, 12.0, 11.0, 10.0], true, frame.right - frame.left);
         scene.shapes.push(text(&label, [frame.left, frame.top - 8.0], size, Anchor::Start, true, Colour::Ink));
 
         let x_ticks = if let Some(map) = self.heat_map() {
@@ -167,9 +163,10 @@ impl<'a> Plan<'a> {
                 let x = map.at([*value, self.y[0]])[0];
                 scene.shapes.push(text(label, [x, frame.bottom + 16.0], SMALL, Anchor::Middle, false, Colour::Muted));
             }
-            let label = fitted(fonts, axis_text(self.x_axis, x_ticks.exponent), SMALL, false, frame.right - frame.left);
+            let label = axis_text(self.x_axis, x_ticks.exponent);
+            let (label, size) = fitted(fonts, label, [SMALL, 11.0, 10.0], false, frame.right - frame.left);
             let middle = (frame.left + frame.right) / 2.0;
-            scene.shapes.push(text(&label, [middle, frame.bottom + 33.0], SMALL, Anchor::Middle, false, Colour::Ink));
+            scene.shapes.push(text(&label, [middle, frame.bottom + 33.0], size, Anchor::Middle, false, Colour::Ink));
         }
     }
 
@@ -444,10 +441,19 @@ pub(crate) fn axis_text(axis: &Axis, exponent: i32) -> String {
     format!("{}{unit}", axis.label)
 }
 
-/// The text, shortened in front of its unit if it is wider than the room.
-pub(crate) fn fitted(fonts: Option<&Fonts>, label: String, size: f64, bold: bool, room: f64) -> String {
-    if reserved_width(fonts, &label, size, bold) <= room {
-        return label;
+/// The text in the first of these sizes in which it is not wider than the room; in the last one shortened in front of its
+/// unit if it has to be.
+pub(crate) fn fitted<const N: usize>(
+    fonts: Option<&Fonts>,
+    label: String,
+    sizes: [f64; N],
+    bold: bool,
+    room: f64,
+) -> (String, f64) {
+    let fits = |text: &str, size: f64| reserved_width(fonts, text, size, bold) <= room;
+    let smallest = sizes.last().copied().unwrap_or(SMALL);
+    if let Some(size) = sizes.into_iter().find(|size| fits(&label, *size)) {
+        return (label, size);
     }
     let (name, unit) = match label.rfind(" (") {
         Some(at) => label.split_at(at),
@@ -457,8 +463,8 @@ pub(crate) fn fitted(fonts: Option<&Fonts>, label: String, size: f64, bold: bool
     loop {
         kept.pop();
         let shorter = format!("{}…{unit}", kept.iter().collect::<String>());
-        if kept.is_empty() || reserved_width(fonts, &shorter, size, bold) <= room {
-            return shorter;
+        if kept.is_empty() || fits(&shorter, smallest) {
+            return (shorter, smallest);
         }
     }
 }

@@ -4,8 +4,9 @@ use std::fmt;
 
 use super::result::{Cell, Column, Table};
 
-/// Largest difference that counts as none, in the range of the column's committed numbers (their size where they are all
-/// equal), or, in a list of results whose rows begin with words, in the size of the number itself. Estimates on one platform repeat bit for bit; between platforms the last bits of sine, exponential and power
+/// Largest difference that counts as none, in the range of the column's committed numbers (at least a hundredth of their
+/// size: an estimate that rests on the truth has a range of rounding errors), or, in a list of results whose rows begin with
+/// words, in the size of the number itself. Estimates on one platform repeat bit for bit; between platforms the last bits of sine, exponential and power
 /// differ (1e-16), and a run of some thousand steps with its ill-conditioned first ones multiplies that. A change of
 /// behaviour worth a look is far above 1e-6.
 pub const TOLERANCE: f64 = 1e-6;
@@ -187,7 +188,7 @@ pub fn differences(found: &Table, committed: &Table) -> Vec<Difference> {
     differences
 }
 
-/// The range of a column's finite numbers; their size where they are all equal.
+/// The range of a column's finite numbers, at least a hundredth of the largest.
 fn scale(table: &Table, column: usize) -> f64 {
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
     for row in &table.rows {
@@ -198,8 +199,9 @@ fn scale(table: &Table, column: usize) -> f64 {
             high = high.max(*value);
         }
     }
-    // A column of zeros has no scale of its own; one keeps the comparison strict enough to see anything.
-    [high - low, high.abs(), 1.0].into_iter().find(|s| *s > 0.0 && s.is_finite()).unwrap_or(1.0)
+    let scale = (high - low).max(0.01 * low.abs().max(high.abs()));
+    // A column of zeros, or without numbers, has no scale of its own.
+    if scale > 0.0 && scale.is_finite() { scale } else { 1.0 }
 }
 
 fn header(column: &Column) -> String {
@@ -281,6 +283,9 @@ mod tests {
         assert_eq!(differences(&found, &committed)[0].to_string(), "2 rows; committed are 3");
         found.columns[1].unit = "s".to_owned();
         assert!(matches!(differences(&found, &committed).as_slice(), [Difference::Columns { .. }]));
+        // An estimate that rests on the truth has a range of rounding errors, which nobody compares.
+        assert_eq!(differences(&table(&[6.0, 6.0 + 2e-10, 6.0]), &table(&[6.0, 6.0 + 1e-10, 6.0])), []);
+        assert_eq!(differences(&table(&[6.0, 6.0 + 1e-7, 6.0]), &table(&[6.0, 6.0, 6.0])).len(), 1);
         // A number that has gone missing, or come, is a difference.
         let gone = differences(&table(&[8.0, f64::NAN, 7.0]), &committed);
         assert!(gone[0].to_string().contains("no number; committed is 6"), "{}", gone[0]);
