@@ -319,6 +319,10 @@ impl Scenario {
                 [increments.alpha_reference, increments.q_reference, increments.elevator_reference] == [0.0; 3],
                 "increments of a scenario are about its trim point: leave the references out",
             )?;
+            let named = increments.named_longitudinal();
+            if let Some((name, value)) = named.into_iter().find(|(_, value)| !value.is_finite()) {
+                return Err(format!("the increment `{name}` is {value}: expected a finite number, per radian"));
+            }
         }
         range(
             self.damage.windows(2).all(|w| w[0].at < w[1].at),

@@ -345,8 +345,8 @@ pub(crate) struct Monitor {
 
 fn rate(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
-        Ok(value) if value > 0.0 && value < 60.0 => Ok(value),
-        Ok(_) => Err("a rate per flight hour lies above 0 and below 60, as in 0.01: one in a hundred hours".to_owned()),
+        Ok(value) if (1e-9..60.0).contains(&value) => Ok(value),
+        Ok(_) => Err("a rate per flight hour lies between 1e-9 and 60, as in 0.01: one in a hundred hours".to_owned()),
         Err(_) => Err("write false alarms per flight hour, as in 0.01: one in a hundred hours".to_owned()),
     }
 }

@@ -160,3 +160,71 @@ fn a_case_that_cannot_be_run_does_not_lose_the_others() {
     assert!(folder.read("phugoid-reproduction/report.html").contains("Without a result"));
     assert!(folder.0.join("phugoid-reproduction/first-order-1.csv").is_file());
 }
+
+#[test]
+fn files_of_one_name_are_kept_apart() {
+    let folder = Folder::new("reproduce-names");
+    std::fs::create_dir_all(folder.0.join("other")).unwrap();
+    for (name, truth) in [("first-order-1.toml", "truth = 4.0"), ("other/first-order-1.toml", "truth = 2.0")] {
+        folder.file(name, &case_file("first-order-1.toml").replace("truth = 3.0", truth));
+    }
+    let names = ["first-order-1.toml", "first-order/1", "other/first-order-1.toml", "first-order-1.toml"];
+    let json = phugoid(&folder.0, &[&["reproduce", "--json"], &names[..]].concat()).json();
+    let found: Vec<(&str, f64)> = json["cases"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|case| (case["id"].as_str().unwrap(), case["outcomes"][0]["parameters"][0]["truth"].as_f64().unwrap()))
+        .collect();
+    assert_eq!(found, [("first-order-1-2", 4.0), ("first-order/1", 3.0), ("first-order-1-3", 2.0)]);
+    for name in ["first-order-1", "first-order-1-2", "first-order-1-3"] {
+        assert!(folder.0.join(format!("phugoid-reproduction/{name}.csv")).is_file(), "{name}");
+    }
+}
+
+#[test]
+fn a_case_that_teaches_nothing_is_refused_with_the_key_to_mend() {
+    let folder = Folder::new("reproduce-nothing");
+    for (file, right, wrong, words) in [
+        ("first-order-1.toml", "amplitude = 1.0", "amplitude = nan", "`input.amplitude`"),
+        ("first-order-1.toml", "amplitude = 1.0", "amplitude = 0.0", "`input.amplitude`"),
+        ("first-order-1.toml", "amplitude = 1.0", "amplitude = 1.0\nat = \"5 s\"", "`input.at`"),
+        ("second-order-3.toml", "frequency = \"", "frequency = \"-", "`input.frequency`"),
+        ("dcm-q-1.toml", "dCm_q = -0.01 ", "dCm_q = nan ", "`dCm_q` is NaN"),
+        ("dcm-q-1.toml", "dCm_q = -0.01", "dCm_q = 0", "`dCm_q` that is not 0"),
+        ("model-reference-1.toml", "dCm_q = -10", "dCm_q = inf", "`dCm_q` is inf"),
+    ] {
+        let text = case_file(file);
+        assert!(text.contains(right), "{file}: {right}");
+        folder.file("wrong.toml", &text.replacen(right, wrong, 1));
+        let run = phugoid(&folder.0, &["reproduce", "wrong.toml"]);
+        assert!(run.fails(3).contains(words), "{wrong}: {}", run.err);
+    }
+}
+
+#[test]
+fn a_truth_outside_the_bounds_is_said() {
+    let folder = Folder::new("reproduce-outside");
+    folder.file("plant.toml", &case_file("first-order-1.toml").replace("truth = 3.0", "truth = 20.0"));
+    folder.file("flight.toml", &case_file("dcm-q-1.toml").replace("dCm_q = -0.01 ", "dCm_q = -5 "));
+    let json = phugoid(&folder.0, &["reproduce", "plant.toml", "flight.toml", "first-order/1", "--json"]).json();
+    let difference = |k: usize| json["cases"][k]["difference"].as_str().unwrap();
+    assert!(difference(0).starts_with("The true a of 20 lies outside the bounds 1 to 9"), "{}", difference(0));
+    assert!(difference(1).starts_with("The true dCm_q of -5 lies outside the bounds -0.03 to -0.002"));
+    assert!(!difference(2).contains("outside the bounds"));
+}
+
+#[test]
+fn a_comparison_of_ones_own_finds_the_files_beside_it() {
+    let folder = Folder::new("reproduce-beside");
+    std::fs::create_dir_all(folder.0.join("mine")).unwrap();
+    let sine =
+        "type = \"sine\"\nsurface = \"elevator\"\nstart = \"3 s\"\nfrequency = \"1 Hz\"\namplitude = \"0.05 deg\"";
+    let text = case_file("model-reference-1.toml");
+    assert!(text.contains(sine));
+    let recorded = "type = \"csv\"\nsurface = \"elevator\"\nfile = \"stick.csv\"\nchannel = \"elevator\"";
+    folder.file("mine/compare.toml", &text.replace(sine, recorded));
+    folder.file("mine/stick.csv", "time_s,elevator_deg\n0,0\n3,0\n4,0.05\n5,-0.05\n6,0.05\n7,0\n20,0\n");
+    let run = phugoid(&folder.0, &["reproduce", "mine/compare.toml"]);
+    assert_eq!(run.code, Some(0), "{}", run.err);
+}

@@ -101,6 +101,22 @@ fn mistakes_are_told() {
     folder.file("state.toml", "nothing");
     let run = tune(&["smpe", "--scenario", "f16-thesis-sine", "--runs", "1", "--state", "state.toml"]);
     assert!(run.fails(3).contains("is no state file"), "{}", run.err);
+    // A state that was changed by hand: nothing is built on it.
+    let small = [&SMALL[1..], &["--budget", "24", "--state", "search.state"]].concat();
+    tune(&small).json();
+    let state = folder.read("search.state");
+    let evaluations = state.lines().find(|line| line.starts_with("evaluations = ")).unwrap();
+    let point = state.lines().rfind(|line| line.starts_with("point = [")).unwrap();
+    for (right, wrong, words) in [
+        (evaluations, "evaluations = 25", "do not belong together"),
+        ("generation = 2", "generation = 999999", "do not belong together"),
+        (point, &point.replace("[", "[7"), "outside 0 to 1"),
+        ("\nscore = ", "\nscore = -9", "best score"),
+    ] {
+        assert!(state.contains(right), "{right}: {state}");
+        folder.file("search.state", &state.replace(right, wrong));
+        assert!(tune(&small).fails(3).contains(words), "{wrong}");
+    }
     let run =
         tune(&["smpe", "--scenario", "f16-thesis-sine", "--runs", "1", "--rule-only", "--out", "no/such/folder.toml"]);
     assert!(run.fails(4).contains("folder.toml"), "{}", run.err);

@@ -49,9 +49,12 @@ impl Case {
         let text = std::fs::read_to_string(file)
             .map_err(|source| ScenarioError::Unreadable { file: file.to_owned(), source })?;
         let mut case = Self::parse(&text, &file.display().to_string())?;
-        if let Self::Aircraft(case) = &mut case {
-            case.scenario.folder = file.parent().map(Path::to_owned).unwrap_or_default();
-        }
+        let scenario = match &mut case {
+            Self::Plant(_) => return Ok(case),
+            Self::Aircraft(case) => &mut case.scenario,
+            Self::Comparison(case) => &mut case.scenario,
+        };
+        scenario.folder = file.parent().map(Path::to_owned).unwrap_or_default();
         Ok(case)
     }
 

@@ -20,6 +20,7 @@ mod health;
 mod law_summary;
 mod laws;
 mod noise_levels;
+mod outside;
 mod pilot;
 pub mod plant_case;
 pub mod published;

@@ -92,6 +92,30 @@ impl Search {
         self.population.iter().min_by(|a, b| a.score.total_cmp(&b.score))
     }
 
+    /// Whether this can have come about by [`Search::ask`] and [`Search::tell`]: of a search that was read from a file.
+    ///
+    /// # Errors
+    /// What contradicts what, in words.
+    pub fn consistent(&self) -> Result<(), String> {
+        let points = std::iter::once(&self.start).chain(self.population.iter().map(|member| &member.point));
+        if !points.flatten().all(|x| (0.0..=1.0).contains(x)) {
+            return Err("one of its points lies outside 0 to 1".to_owned());
+        }
+        let evaluations = (self.generation as usize).checked_mul(Self::population_size(self.start.len()));
+        if evaluations != Some(self.evaluations) || self.best_scores.len() as u64 != self.generation {
+            return Err(format!(
+                "its {} generations, {} evaluations and {} best scores do not belong together",
+                self.generation,
+                self.evaluations,
+                self.best_scores.len()
+            ));
+        }
+        if self.best_scores.last().copied() != self.best().map(|member| member.score) {
+            return Err("its best score is not that of its population".to_owned());
+        }
+        Ok(())
+    }
+
     fn random(&self, member: usize) -> Pcg64Mcg {
         // A stream of its own for every trial of every generation.
         let mix = (self.generation << 20) ^ member as u64;

@@ -85,6 +85,7 @@ pub fn read(file: &Path, problem: &Problem) -> Result<Option<Search>, StateError
     if state.search.population.len() != size || !state.search.population.iter().all(whole) {
         return Err(invalid("its population is not complete".to_owned()));
     }
+    state.search.consistent().map_err(invalid)?;
     Ok(Some(state.search))
 }
 

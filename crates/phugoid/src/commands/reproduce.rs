@@ -24,6 +24,8 @@ pub(crate) fn run(arguments: &arguments::Reproduce) -> Result<(), Failure> {
         return list(&entries(), arguments.json);
     }
     let tasks = select(&arguments.cases, &entries())?;
+    // Before the minutes that it may take, not after.
+    std::fs::create_dir_all(&arguments.out).map_err(|e| Failure::writing(&arguments.out, e))?;
     let (reproductions, not_run) = run_all(&tasks);
     let written = {
         let _progress = Progress::spinner("drawing");
@@ -98,7 +100,6 @@ fn write(
 ) -> Result<Written, Failure> {
     let folder = arguments.out.as_path();
     let save = |path: &Path, bytes: &[u8]| std::fs::write(path, bytes).map_err(|e| Failure::writing(path, e));
-    std::fs::create_dir_all(folder).map_err(|e| Failure::writing(folder, e))?;
 
     let report = folder.join("report.html");
     let options = ReproductionOptions { not_run: not_run.to_vec(), notes: notes(arguments), ..Default::default() };

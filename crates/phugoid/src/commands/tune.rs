@@ -42,6 +42,7 @@ pub(crate) fn run(arguments: &arguments::Tune) -> Result<(), Failure> {
         ([], false) => training.clone(),
         (named, _) => materials(named.iter().map(String::as_str), model.as_ref())?,
     };
+    writable(&arguments.out)?;
     let runs = arguments.runs as usize;
     let tunable = {
         let progress = Progress::new("flying");
@@ -64,6 +65,14 @@ pub(crate) fn run(arguments: &arguments::Tune) -> Result<(), Failure> {
         return print(&json(&Document { tuning: &tuning, conclusion, settings_path: &arguments.out })?);
     }
     print(&text(&tuning, tunable.runs(Part::HeldOut), conclusion.as_deref(), &arguments.out))
+}
+
+/// Refuses, before the search, a file that could not be written after it. Leaves no trace.
+fn writable(file: &Path) -> Result<(), Failure> {
+    let new = !file.exists();
+    let mut options = std::fs::OpenOptions::new();
+    let opened = options.append(true).create(true).open(file).map(|_| ());
+    opened.and_then(|()| if new { std::fs::remove_file(file) } else { Ok(()) }).map_err(|e| Failure::writing(file, e))
 }
 
 fn materials<'a>(wanted: impl Iterator<Item = &'a str>, model: Option<&ModelFile>) -> Result<Vec<Material>, Failure> {

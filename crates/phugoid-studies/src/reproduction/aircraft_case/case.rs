@@ -117,6 +117,12 @@ impl AircraftCase {
                 return Err(format!("[parameters.{name}] is no increment that can be looked for: {hint}"));
             }
             settings.check().map_err(|message| format!("[parameters.{name}]: {message}"))?;
+            if self.truth(name) == 0.0 {
+                return Err(format!(
+                    "[scenario.increments]: give a `{name}` that is not 0, [parameters.{name}] looks for it and convergence \
+                     is told in per cent of the truth"
+                ));
+            }
         }
         if let Some(name) = self.published.converged_after.keys().find(|name| !self.parameters.contains_key(*name)) {
             return Err(format!("[published] says when `{name}` converged, but no [parameters.{name}] looks for it"));

@@ -15,6 +15,7 @@ use super::rank::rank;
 use super::reference::Reference;
 use crate::accuracy::StudyError;
 use crate::reproduction::Reproduction;
+use crate::reproduction::outside::truth_outside;
 use crate::reproduction::plant_case::verdict::{TOLERANCE, behaviour, worst};
 use crate::reproduction::result::{Outcome, ParameterOutcome, Requirement, Role, in_seconds};
 use crate::settling::settled_at;
@@ -50,8 +51,13 @@ impl AircraftCase {
             .collect::<Result<_, StudyError>>()?;
         let outcomes: Vec<Outcome> = judged.iter().map(|one| one.outcome.clone()).collect();
         let [beta, p, r] = reference.lateral;
+        let outside: String = self
+            .unknowns()
+            .into_iter()
+            .filter_map(|(name, told)| truth_outside(name, self.truth(name), [told.lower, told.upper]))
+            .collect();
         let difference = format!(
-            "{} In the record of the 6-DOF flight sideslip reaches {:.1e} deg, roll rate {:.1e} deg/s and yaw rate {:.1e} \
+            "{outside}{} In the record of the 6-DOF flight sideslip reaches {:.1e} deg, roll rate {:.1e} deg/s and yaw rate {:.1e} \
              deg/s (the rotor's angular momentum couples pitch into yaw), so the sums over p, q, r and alpha, beta, V reduce \
              to those over q and over alpha and V.",
             self.published.difference.trim_end(),

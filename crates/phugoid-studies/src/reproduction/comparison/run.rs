@@ -10,6 +10,7 @@ use super::tuning::{Tuned, training_flights, tune};
 use crate::accuracy::StudyError;
 use crate::reproduction::Reproduction;
 use crate::reproduction::golden::instants;
+use crate::reproduction::outside::truth_outside;
 use crate::reproduction::result::{
     Axis, Cell, Chart, Column, Content, Curve, Level, Meaning, Outcome, Panel, ParameterOutcome, Requirement, Shape,
     Table, in_seconds,
@@ -50,6 +51,8 @@ impl ComparisonCase {
             .collect::<Result<_, StudyError>>()?;
         progress(1.0);
         Ok(Reproduction {
+            difference: truth_outside(UNKNOWN, self.truth(), self.comparison.bounds).unwrap_or_default()
+                + &self.published.difference,
             outcomes: runs.iter().map(|run| self.outcome(run)).collect(),
             requirements: self.requirements(&runs),
             tables: vec![self.table(&runs, flown.input_starts_s())],

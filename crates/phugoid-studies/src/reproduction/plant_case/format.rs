@@ -132,6 +132,31 @@ impl Signal {
     }
 }
 
+impl Signal {
+    /// Refuses an input that never moves within a record of this length, s: nothing can be learnt from it.
+    fn check(&self, duration_s: f64) -> Result<(), String> {
+        let range = |ok: bool, what: String| if ok { Ok(()) } else { Err(what) };
+        let (Self::Step { amplitude, .. } | Self::Sine { amplitude, .. } | Self::Doublet { amplitude, .. }) = *self;
+        range(
+            amplitude.is_finite() && amplitude != 0.0,
+            format!("`input.amplitude` must be finite and not zero, found {amplitude}"),
+        )?;
+        match *self {
+            Self::Step { at, .. } | Self::Doublet { at, .. } => range(
+                (0.0..duration_s).contains(&at.si()),
+                format!("`input.at` must lie between the start and the end of the record, {duration_s} s: found {at}"),
+            )?,
+            Self::Sine { frequency, .. } => {
+                range(frequency.si() > 0.0, format!("`input.frequency` must be positive, found {frequency}"))?;
+            }
+        }
+        match *self {
+            Self::Doublet { width, .. } => range(width.si() > 0.0, "`input.width` must be positive".into()),
+            _ => Ok(()),
+        }
+    }
+}
+
 impl PlantCase {
     /// Parses the text of a plant case; `place` is its name in messages.
     ///
@@ -198,9 +223,6 @@ impl PlantCase {
             self.noise.is_none_or(|noise| noise.power > 0.0 && noise.power.is_finite()),
             "`noise.power` must be positive; leave `[noise]` out for none".into(),
         )?;
-        if let Signal::Doublet { width, .. } = self.input {
-            range(width.si() > 0.0, "`input.width` must be positive".into())?;
-        }
-        Ok(())
+        self.input.check(self.duration.si())
     }
 }

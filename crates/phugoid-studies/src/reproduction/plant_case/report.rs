@@ -9,6 +9,7 @@ use super::verdict::{behaviour, worst};
 use super::{Method, MethodRun, PlantCase, PlantRun, run_method, simulate, slopes};
 use crate::accuracy::StudyError;
 use crate::reproduction::Reproduction;
+use crate::reproduction::outside::truth_outside;
 use crate::reproduction::result::{Outcome, ParameterOutcome, Requirement, Role};
 use crate::settling::settled_at;
 
@@ -52,7 +53,10 @@ impl PlantCase {
         }
         let outcomes: Vec<Outcome> = judged.iter().map(|t| t.outcome.clone()).collect();
         let requirements = self.requirements(&outcomes);
+        let outside: String =
+            self.unknowns().filter_map(|(name, p)| truth_outside(name, p.truth, [p.lower, p.upper])).collect();
         Ok(Reproduction {
+            difference: outside + &self.published.difference,
             outcomes,
             requirements,
             charts: charts(self, &run, &judged),

@@ -1,5 +1,6 @@
 //! What to run: entries by id or group, and case files.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use phugoid_studies::reproduction::Entry;
@@ -40,14 +41,36 @@ pub(super) fn select(wanted: &[String], entries: &[Entry]) -> Result<Vec<Task>, 
         return Ok(entries.iter().copied().map(Task::Entry).collect());
     }
     let mut tasks: Vec<Task> = Vec::new();
+    let mut seen: Vec<&str> = Vec::new();
     for word in wanted {
+        if seen.contains(&word.as_str()) {
+            continue;
+        }
+        seen.push(word);
         for task in matching(word, entries)? {
-            if !tasks.iter().any(|known| known.id() == task.id()) {
+            if matches!(task, Task::File { .. }) || !tasks.iter().any(|known| known.id() == task.id()) {
                 tasks.push(task);
             }
         }
     }
+    name_apart(&mut tasks);
     Ok(tasks)
+}
+
+/// Gives files of one name ids of their own (`mine`, `mine-2`), also beside entries: results are written under their ids, with
+/// a hyphen for the stroke.
+fn name_apart(tasks: &mut [Task]) {
+    let mut taken: BTreeSet<String> =
+        tasks.iter().filter(|t| matches!(t, Task::Entry(_))).map(|t| t.id().replace('/', "-")).collect();
+    for task in tasks {
+        if let Task::File { id, .. } = task {
+            let free = std::iter::once(id.clone()).chain((2..).map(|n: usize| format!("{id}-{n}")));
+            if let Some(free) = free.into_iter().find(|name| !taken.contains(name)) {
+                *id = free;
+            }
+            taken.insert(id.clone());
+        }
+    }
 }
 
 fn matching(word: &str, entries: &[Entry]) -> Result<Vec<Task>, Failure> {
@@ -67,8 +90,12 @@ fn matching(word: &str, entries: &[Entry]) -> Result<Vec<Task>, Failure> {
 }
 
 fn unknown(word: &str, entries: &[Entry]) -> Failure {
-    let mut groups: Vec<&str> = entries.iter().map(Entry::group).collect();
-    groups.dedup();
+    let mut groups: Vec<&str> = Vec::new();
+    for group in entries.iter().map(Entry::group) {
+        if !groups.contains(&group) {
+            groups.push(group);
+        }
+    }
     let names: Vec<&str> = entries.iter().map(|e| e.id).chain(groups.iter().copied()).collect();
     let hint = match nearest(word, names.into_iter()) {
         Some(near) => format!("Did you mean `{near}`?"),
