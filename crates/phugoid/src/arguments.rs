@@ -8,9 +8,9 @@ use phugoid_studies::quantity::{Angle, AngularRate, Length, Speed, Time};
 const EXIT_CODES: &str = "\
 Exit codes:
   0  done
-  1  the task has no answer (no such trim, nothing to estimate)
+  1  the task has no answer (no such trim, nothing to estimate, a case that cannot be run)
   2  wrong command line
-  3  an input file cannot be read or is wrong
+  3  an input (file, name, budget) is unknown, cannot be read or is wrong
   4  a result cannot be written
  10  `phugoid monitor`: the aircraft has diverged from what is expected";
 

@@ -190,7 +190,7 @@ fn a_case_that_teaches_nothing_is_refused_with_the_key_to_mend() {
         ("first-order-1.toml", "amplitude = 1.0", "amplitude = 0.0", "`input.amplitude`"),
         ("first-order-1.toml", "amplitude = 1.0", "amplitude = 1.0\nat = \"5 s\"", "`input.at`"),
         ("second-order-3.toml", "frequency = \"", "frequency = \"-", "`input.frequency`"),
-        ("dcm-q-1.toml", "dCm_q = -0.01 ", "dCm_q = nan ", "`dCm_q` is NaN"),
+        ("dcm-q-1.toml", "dCm_q = -0.01", "dCm_q = nan", "`dCm_q` is NaN"),
         ("dcm-q-1.toml", "dCm_q = -0.01", "dCm_q = 0", "`dCm_q` that is not 0"),
         ("model-reference-1.toml", "dCm_q = -10", "dCm_q = inf", "`dCm_q` is inf"),
     ] {
@@ -206,7 +206,7 @@ fn a_case_that_teaches_nothing_is_refused_with_the_key_to_mend() {
 fn a_truth_outside_the_bounds_is_said() {
     let folder = Folder::new("reproduce-outside");
     folder.file("plant.toml", &case_file("first-order-1.toml").replace("truth = 3.0", "truth = 20.0"));
-    folder.file("flight.toml", &case_file("dcm-q-1.toml").replace("dCm_q = -0.01 ", "dCm_q = -5 "));
+    folder.file("flight.toml", &case_file("dcm-q-1.toml").replace("dCm_q = -0.01", "dCm_q = -5"));
     let json = phugoid(&folder.0, &["reproduce", "plant.toml", "flight.toml", "first-order/1", "--json"]).json();
     let difference = |k: usize| json["cases"][k]["difference"].as_str().unwrap();
     assert!(difference(0).starts_with("The true a of 20 lies outside the bounds 1 to 9"), "{}", difference(0));
