@@ -111,7 +111,7 @@ fn mistakes_are_told() {
         (evaluations, "evaluations = 25", "do not belong together"),
         ("generation = 2", "generation = 999999", "do not belong together"),
         (point, &point.replace("[", "[7"), "outside 0 to 1"),
-        ("\nscore = ", "\nscore = -9", "best score"),
+        ("\nscore = -", "\nscore = -9", "best score"),
     ] {
         assert!(state.contains(right), "{right}: {state}");
         folder.file("search.state", &state.replace(right, wrong));
