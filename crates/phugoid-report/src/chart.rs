@@ -9,6 +9,9 @@ mod looks;
 
 use looks::{Form, Looks};
 
+/// Most points of a series whose dots are drawn large.
+const FEW: usize = 150;
+
 /// The figure of a chart. Equal meanings have equal colours in every chart; where several legend entries of one chart mean
 /// the same, their strokes differ.
 pub fn chart_figure(chart: &Chart) -> Figure {
@@ -74,6 +77,8 @@ fn series(looks: &mut Looks, curve: &Curve) -> Series {
         result::Shape::Line(y) if limits::ascending(&curve.x) => (Form::Line, Kind::Line(y.clone())),
         result::Shape::Line(y) => (Form::Line, Kind::Curve(y.clone())),
         result::Shape::Step(y) => (Form::Line, Kind::Step(y.clone())),
+        // Few points are looked at one by one.
+        result::Shape::Points(y) if y.len() <= FEW => (Form::Points, Kind::Marks(y.clone())),
         result::Shape::Points(y) => (Form::Points, Kind::Points(y.clone())),
         result::Shape::Band { lower, upper } => (Form::Band, Kind::Band { lower: lower.clone(), upper: upper.clone() }),
     };

@@ -109,7 +109,7 @@ fn requirements(gust: &Gust) -> Vec<Requirement> {
         Requirement {
             what: "stays at Um after Td + Ud, for 100 s".into(),
             limit: "Um".into(),
-            found: format!("at most {wander:.0e} Um away"),
+            found: format!("at most {wander:.0} Um away"),
             met: wander < 1e-12,
         },
     ]

@@ -150,7 +150,9 @@ fn requirements(book: &Found, ways: &[Vec<TrimStep>]) -> Vec<Requirement> {
 
 /// Quantity, unit, value.
 fn listed(trim: &Trim) -> Vec<(&'static str, &'static str, f64)> {
-    vec![
+    /// What is zero by symmetry comes out of the solver as rounding.
+    const ROUNDING: f64 = 1e-12;
+    [
         ("angle of attack", "deg", trim.alpha_rad.to_degrees()),
         ("sideslip angle", "deg", trim.beta_rad.to_degrees()),
         ("bank angle", "deg", trim.phi_rad.to_degrees()),
@@ -165,6 +167,8 @@ fn listed(trim: &Trim) -> Vec<(&'static str, &'static str, f64)> {
         ("Mach number", "–", trim.mach),
         ("load factor", "–", trim.load_factor),
     ]
+    .map(|(name, unit, value)| (name, unit, if value.abs() < ROUNDING { 0.0 } else { value }))
+    .to_vec()
 }
 
 fn quantities(book: &Trim, morelli: &Trim) -> Table {

@@ -101,6 +101,7 @@ fn parameter_cells(parameter: Option<&ParameterOutcome>) -> String {
     let percent = match error.abs() {
         size if !size.is_finite() => dash(),
         size if size > 1e4 => significant(error, 2),
+        size if size >= 100.0 => fixed(error, 0),
         size if size >= 0.005 => fixed(error, 2),
         _ => compact_error(error),
     };

@@ -80,7 +80,7 @@ fn command(case: &AircraftCase, flight: &Flight) -> Chart {
     Chart {
         name: "command".into(),
         title: format!("{}: command", case.title),
-        caption: format!("Elevator from its trim position of {trim:.5} deg, positive trailing edge down."),
+        caption: format!("Elevator from its trim position of {trim:.3} deg, positive trailing edge down."),
         x: time_axis(),
         panels: vec![Panel {
             y: Axis::new("elevator from trim", "deg"),
@@ -159,22 +159,32 @@ fn aircraft(case: &AircraftCase, reference: &Reference, judged: &[Judged]) -> Ch
         let truth = of(&reference.states);
         let (low, high) = truth.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
         let margin = 0.1 * (high - low).max(1e-9);
-        let mut curves = vec![line("reference aircraft", Meaning::Truth, &reference.time, &truth)];
+        let mut curves = Vec::new();
         for (index, one) in flown(judged) {
             let label = format!("estimated aircraft, {}", one.settings.name);
             curves.push(line(&label, meaning(judged, index), &one.run.time_s, &of(&one.run.states)));
         }
+        // Last, and dashed, so that what lies on it is seen too.
+        curves.push(line("reference aircraft", Meaning::Truth, &reference.time, &truth));
         Panel {
             y: Axis::new(name, unit).with_range(low - margin, high + margin),
             content: Content::Curves { curves, levels: Vec::new(), instants: Vec::new() },
         }
     });
+    let mut caption =
+        "The estimated aircraft flies from the same input with the estimates of each instant and is never \
+                       corrected. What runs away is not drawn."
+            .to_owned();
+    if !case.scenario.gust.is_empty() {
+        caption.push_str(
+            " It knows of no gust: what the gust does to the reference aircraft, above all to V, stays between the two, \
+             however good the estimates.",
+        );
+    }
     Chart {
         name: "aircraft".into(),
         title: format!("{}: reference and estimated aircraft", case.title),
-        caption: "The estimated aircraft flies from the same input with the estimates of each instant and is never \
-                  corrected. V in ft/s, angles in deg."
-            .into(),
+        caption,
         x: time_axis(),
         panels: panels.collect(),
         columns: 2,
@@ -197,11 +207,15 @@ fn tracking(case: &AircraftCase, reference: &Reference, judged: &[Judged]) -> Ch
             },
         }
     });
+    let left = if case.scenario.gust.is_empty() {
+        "what the wrong estimates before convergence have left behind."
+    } else {
+        "what the gust, of which the estimated aircraft knows nothing, and the wrong estimates before convergence have left."
+    };
     Chart {
         name: "tracking".into(),
         title: format!("{}: tracking", case.title),
-        caption: "Estimated minus reference aircraft: what the wrong estimates before convergence have left behind."
-            .into(),
+        caption: format!("Estimated minus reference aircraft: {left}"),
         x: time_axis(),
         panels: panels.collect(),
         columns: 2,
@@ -209,7 +223,12 @@ fn tracking(case: &AircraftCase, reference: &Reference, judged: &[Judged]) -> Ch
 }
 
 /// Surface, reaching condition and gain of a law that is solved implicitly: as printed and damped.
+///
+/// None of a law that runs away: the powers of ten that it passes through hide everything else.
 fn inside(case: &AircraftCase, reference: &Reference, judged: &[Judged], index: usize, one: &Judged) -> Option<Chart> {
+    if one.outcome.behaviour == Behaviour::Diverges {
+        return None;
+    }
     let Method::Laws(laws) = &one.settings.method else { return None };
     let name = match laws.first()?.form {
         LawForm::AsPrinted(Evaluation::Implicit) => "law-printed",

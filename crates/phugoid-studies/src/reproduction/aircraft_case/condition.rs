@@ -19,8 +19,11 @@ pub(super) fn condition(case: &AircraftCase, reference: &Reference, method: &Nam
         Method::Flagship(_) => flagship(case, reference, run),
         Method::Laws(laws) => {
             let sentences = laws.iter().zip(&run.parameters).map(|(law, found)| {
-                let sentence = of_law(case, reference, law, found, run);
-                if laws.len() > 1 { format!("{}: {sentence}", law.parameter) } else { sentence }
+                if laws.len() > 1 {
+                    format!("{}: {}", law.parameter, decisive(case, reference, law, found, run))
+                } else {
+                    of_law(case, reference, law, found, run)
+                }
             });
             let mut sentences: Vec<String> = sentences.collect();
             if ["dCm_alpha", "dCm_q"].iter().all(|name| laws.iter().any(|law| law.parameter == *name)) {
@@ -45,8 +48,69 @@ fn flagship(case: &AircraftCase, reference: &Reference, run: &MethodRun) -> Stri
         })
         .collect();
     format!(
-        "the information in the record decides: for the noise that it is told it claims as one-sigma error {}",
+        "the information in the record decides: for the noise that it is told its one-sigma claims are {}",
         claims.join(", ")
+    )
+}
+
+/// What decides for one of several laws that run together, and how it ends, in a few words: the rest is told where the law
+/// runs alone.
+fn decisive(
+    case: &AircraftCase,
+    reference: &Reference,
+    law: &LawSettings,
+    found: &ParameterRun,
+    run: &MethodRun,
+) -> String {
+    let slopes = slopes(case, reference, law);
+    let z = slopes.get(from_input(reference, run)..).unwrap_or_default();
+    let why = match law.form {
+        LawForm::AsPrinted(Evaluation::Delayed) => {
+            format!(
+                "an error grows by |z|/eta = {:.0e} per sample",
+                median(z.iter().map(|z| z.abs()).collect()) / law.eta
+            )
+        }
+        LawForm::AsPrinted(Evaluation::Implicit) => {
+            format!("z > 0, against the printed sign, at {:.0} % of the samples", percent(z, |z| *z > 0.0))
+        }
+        LawForm::Solved(ThesisForm::Damped) => format!("eta = {:.0e} damps", law.eta),
+        LawForm::Solved(_) => format!("|z| < eta at {:.1} % of the samples", percent(z, |z| z.abs() < law.eta)),
+    };
+    match leaves(law, found).and_then(|k| run.time_s.get(k)) {
+        Some(time) => format!("{why}, outside the bounds by far from {time:.2} s"),
+        None => format!("{why}, {}", late(case, reference, law, found, run)),
+    }
+}
+
+fn from_input(reference: &Reference, run: &MethodRun) -> usize {
+    let start = reference.input_starts_s.unwrap_or(0.0);
+    run.time_s.partition_point(|&t| t < start)
+}
+
+/// The first sample at which the estimate is [`AWAY`] half widths from the middle of its bounds.
+fn leaves(law: &LawSettings, found: &ParameterRun) -> Option<usize> {
+    let [lower, upper] = law.bounds;
+    let out = |value: &f64| value.is_nan() || (value - 0.5 * (lower + upper)).abs() > AWAY * 0.5 * (upper - lower);
+    found.values.iter().position(out)
+}
+
+/// How often the estimate is right from the published time on, or from a second after the input: published or not, there is
+/// enough motion for every coefficient then.
+fn late(
+    case: &AircraftCase,
+    reference: &Reference,
+    law: &LawSettings,
+    found: &ParameterRun,
+    run: &MethodRun,
+) -> String {
+    let truth = case.truth(law.parameter);
+    let start = reference.input_starts_s.unwrap_or(0.0);
+    let late = run.time_s.partition_point(|&t| t < case.published.converged_s(law.parameter).unwrap_or(start + 1.0));
+    format!(
+        "within 5 % at {:.0} % of the samples from {:.2} s on",
+        percent(&found.values[late..], |value| (value - truth).abs() <= TOLERANCE * truth.abs()),
+        run.time_s.get(late).copied().unwrap_or(f64::NAN)
     )
 }
 
@@ -57,12 +121,8 @@ fn of_law(
     found: &ParameterRun,
     run: &MethodRun,
 ) -> String {
-    let start = reference.input_starts_s.unwrap_or(0.0);
-    let from = run.time_s.partition_point(|&t| t < start);
-    let truth = case.truth(law.parameter);
-    let [lower, upper] = law.bounds;
-    let out = |value: &f64| value.is_nan() || (value - 0.5 * (lower + upper)).abs() > AWAY * 0.5 * (upper - lower);
-    let left = found.values.iter().position(out);
+    let from = from_input(reference, run);
+    let left = leaves(law, found);
     // What is seen from inside means something as long as the estimated aircraft resembles one.
     let end = left.unwrap_or(run.time_s.len()).max(from);
     let inside: &[Diagnostics] = found.inside.as_deref().and_then(|all| all.get(from..end)).unwrap_or_default();
@@ -98,6 +158,7 @@ fn of_law(
         Some(time) => {
             parts.push(format!("more than {AWAY} half widths outside the bounds at {time:.2} s for the first time"))
         }
+        None if law.form == LawForm::Solved(ThesisForm::Damped) => {}
         None => parts.push(format!(
             "K between {:.1e} and {:.1e}; the reaching condition s s' <= -eta |s| holds at {:.0} % of the samples",
             inside.iter().map(|d| d.gain).fold(f64::INFINITY, f64::min),
@@ -105,13 +166,7 @@ fn of_law(
             percent(inside, |d| d.reaching <= 0.0),
         )),
     }
-    // Published or not, a second after the input there is enough motion for every coefficient.
-    let late = run.time_s.partition_point(|&t| t < case.published.converged_s(law.parameter).unwrap_or(start + 1.0));
-    parts.push(format!(
-        "within 5 % at {:.0} % of the samples from {:.2} s on",
-        percent(&found.values[late..], |value| (value - truth).abs() <= TOLERANCE * truth.abs()),
-        run.time_s.get(late).copied().unwrap_or(f64::NAN)
-    ));
+    parts.push(late(case, reference, law, found, run));
     parts.join("; ")
 }
 

@@ -66,7 +66,7 @@ pub(super) fn run(id: &str, progress: &(dyn Fn(f64) + Sync)) -> Result<Reproduct
             note(&mut result.golden, format!("{name}, {sign}: converge, truth inside"), f64::from(inside as u32));
             note(&mut result.golden, format!("{name}, {sign}: converge, truth outside"), f64::from(outside as u32));
             let label = format!("{name}, {sign}");
-            panels.push(time_map(&label, &MIDDLES, ("Start between the bounds", "–", &STARTS), &times, [1.0, 0.5]));
+            panels.push(time_map(&label, &MIDDLES, ("start between the bounds", "–", &STARTS), &times, [1.0, 0.5]));
         }
     }
     result.charts.push(Chart {

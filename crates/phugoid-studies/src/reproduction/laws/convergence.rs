@@ -65,11 +65,12 @@ pub(super) fn time_map(
 ) -> Panel {
     let (label, unit, grid) = y;
     Panel {
-        y: Axis::new(label, unit),
+        // The ordinate's label stands above the panel, where there is more room than beside the colour bar.
+        y: Axis::new(format!("{method}: {label}"), unit),
         content: Content::Map {
             x: x.to_vec(),
             y: grid.to_vec(),
-            value: Axis::new(format!("{method}: time to 5 %"), "s").with_range(FASTEST_S, 3.0),
+            value: Axis::new("Time to 5 %", "s").with_range(FASTEST_S, 3.0),
             // A time of zero (never outside) has no logarithm; NaN stays what it is.
             values: values
                 .iter()

@@ -71,7 +71,7 @@ pub(super) fn run(id: &str, progress: &(dyn Fn(f64) + Sync)) -> Result<Reproduct
             found: format!("{right} of {judged} settings"),
             met: right == judged,
         });
-        panels.push(time_map(name, &PRODUCTS, ("Sample time", "s", &SAMPLE_TIMES), &times, marked));
+        panels.push(time_map(name, &PRODUCTS, ("sample time", "s", &SAMPLE_TIMES), &times, marked));
     }
     // It has no lambda: one run per sample time, the same for every column.
     let flagship = all(over_grid(&[0.0], &SAMPLE_TIMES, &|f| progress((3.0 + f) / 4.0), |_, h| {
@@ -89,7 +89,7 @@ pub(super) fn run(id: &str, progress: &(dyn Fn(f64) + Sync)) -> Result<Reproduct
     for (row, h) in flagship.iter().zip(SAMPLE_TIMES) {
         note(&mut result.golden, format!("flagship, h = {h} s: time to 5 %, s"), row[0]);
     }
-    panels.push(time_map("flagship", &PRODUCTS, ("Sample time", "s", &SAMPLE_TIMES), &rows, marked));
+    panels.push(time_map("flagship", &PRODUCTS, ("sample time", "s", &SAMPLE_TIMES), &rows, marked));
     result.charts.push(Chart {
         name: "time-to-5-percent".to_owned(),
         title: "Time to 5 % over lambda h and the sample time (a = 5, unit step)".to_owned(),

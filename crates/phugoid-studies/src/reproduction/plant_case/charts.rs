@@ -127,13 +127,14 @@ fn states(case: &PlantCase, run: &PlantRun, judged: &[Judged], instants: &Instan
                 shape: Shape::Points(instants.of(&run.outputs[i])),
             });
         }
-        curves.push(instants.line("plant", Meaning::Truth, &run.states[i]));
         let (lowest, highest) =
             run.states[i].iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &v| (l.min(v), h.max(v)));
         for (index, t) in judged.iter().enumerate().filter(|(_, t)| t.outcome.behaviour != Behaviour::Diverges) {
             let Some(series) = t.result.states.get(i) else { continue };
             curves.push(instants.line(format!("model of the {}", t.method.name), meaning(judged, index), series));
         }
+        // Last, and dashed, so that what lies on it is seen too.
+        curves.push(instants.line("plant", Meaning::Truth, &run.states[i]));
         let margin = 0.15 * (highest - lowest).max(1e-300) + 3.0 * run.noise_sd;
         panels.push(Panel {
             y: Axis::new(*name, "–").with_range(lowest - margin, highest + margin),
@@ -148,6 +149,26 @@ fn states(case: &PlantCase, run: &PlantRun, judged: &[Judged], instants: &Instan
         panels,
         columns: 1,
     }
+}
+
+/// Limits that leave out what is by powers of ten larger than the same quantity of another law and would hide it; none where
+/// nothing is.
+fn without_runaways(curves: &[Curve]) -> Option<[f64; 2]> {
+    const FAR: f64 = 1e9;
+    let extent = |curve: &Curve| -> [f64; 2] {
+        let Shape::Line(y) = &curve.shape else { return [0.0; 2] };
+        y.iter().filter(|v| v.is_finite()).fold([0.0_f64; 2], |[low, high], &v| [low.min(v), high.max(v)])
+    };
+    let extents: Vec<[f64; 2]> = curves.iter().map(extent).collect();
+    let size = |[low, high]: &[f64; 2]| high - low;
+    let smallest = extents.iter().map(size).filter(|s| *s > 0.0).fold(f64::INFINITY, f64::min);
+    let (kept, left): (Vec<[f64; 2]>, Vec<[f64; 2]>) = extents.iter().partition(|e| size(e) <= FAR * smallest);
+    if left.is_empty() {
+        return None;
+    }
+    let [low, high] = kept.iter().fold([0.0_f64; 2], |[l, h], e| [l.min(e[0]), h.max(e[1])]);
+    let margin = 0.15 * (high - low);
+    Some([low - margin, high + margin])
 }
 
 /// Surface, reaching condition and gain of the laws that are solved implicitly and say what they look like from inside.
@@ -174,8 +195,10 @@ fn surfaces(case: &PlantCase, judged: &[Judged], instants: &Instants) -> Option<
                     curves.push(instants.line(name, meaning(judged, index), quantity(surface)));
                 }
             }
+            let mut y = Axis::new(label, "–");
+            y.range = without_runaways(&curves);
             Panel {
-                y: Axis::new(label, "–"),
+                y,
                 content: Content::Curves {
                     curves,
                     levels: vec![Level::new("", 0.0, Meaning::Bound)],

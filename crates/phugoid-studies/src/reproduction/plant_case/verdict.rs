@@ -20,7 +20,7 @@ pub const TRAVEL: f64 = 4.0;
 /// 1. *diverges*: a value is not a number, or lies more than ten ([`AWAY`]) half widths of the bounds from their middle;
 /// 2. *converges*: within 5 % ([`TOLERANCE`]) of the truth for at least the last tenth ([`STAYED`]) of the record;
 /// 3. *chatters*: it swings (peak to peak) by more than 5 % of the truth, and travels (sum of all steps) more than four
-///    ([`TRAVEL`]) times its swing;
+///    ([`TRAVEL`]) times its swing; or it is right at most samples, but jumps off and back;
 /// 4. *unfinished*: its drift, continued for one more record, would bring it within 5 %;
 /// 5. *biased*: anything else: at rest, or moving slowly, and wrong.
 pub fn behaviour(time: &[f64], values: &[f64], truth: f64, bounds: [f64; 2]) -> Behaviour {
@@ -42,7 +42,9 @@ pub fn behaviour(time: &[f64], values: &[f64], truth: f64, bounds: [f64; 2]) -> 
     // One more record is 1 / JUDGED of these windows.
     let nearer = (final_value - truth).abs() < (first - truth).abs();
     let arrives = nearer && (final_value - truth).abs() - drift.abs() / JUDGED <= TOLERANCE * truth.abs();
-    if swing > TOLERANCE * truth.abs() && travel > TRAVEL * swing {
+    let right = last.iter().filter(|v| (**v - truth).abs() <= TOLERANCE * truth.abs()).count();
+    let up_and_down = swing > TOLERANCE * truth.abs() && travel > TRAVEL * swing;
+    if up_and_down || 2 * right > last.len() {
         Behaviour::Chatters
     } else if arrives {
         Behaviour::Unfinished
@@ -88,6 +90,8 @@ mod tests {
         assert_eq!(judge(|t| if t < 1.0 { 1e6 } else { 4.1 }), Behaviour::Converges);
         assert_eq!(judge(|t| if t < 9.5 { 4.5 } else { 4.0 }), Behaviour::Unfinished);
         assert_eq!(judge(|_| 4.21), Behaviour::Biased);
+        // Right but for a single jump near the end: that is no bias.
+        assert_eq!(judge(|t| if (9.2..9.3).contains(&t) { 6.0 } else { 4.0 }), Behaviour::Chatters);
         assert_eq!(judge(|_| 4.19), Behaviour::Converges);
     }
 
