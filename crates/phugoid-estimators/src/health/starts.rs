@@ -175,10 +175,17 @@ impl<const N: usize, const P: usize> Starts<N, P> {
         self.healthy_since(start).log_likelihood(&start.healthy, n) + start.change(n).failure(n)
     }
 
-    /// `ln E`: the same over the best healthy deviation since then.
-    pub(super) fn evidence(&self, start: &FailureStart<N, P>) -> f64 {
-        let (best, _) = self.healthy_since(start).best_within(&self.limits, self.monitored);
-        self.failure(start) - best
+    /// `ln E`: the same over the best healthy deviation since then. Minus infinity where it is less than `least`.
+    pub(super) fn evidence(&self, start: &FailureStart<N, P>, least: f64) -> f64 {
+        let n = self.monitored;
+        // What was healthy before explains no more than the best healthy deviation does.
+        let most = start.change(n).failure(n);
+        if most < least {
+            return f64::NEG_INFINITY;
+        }
+        let since = self.healthy_since(start);
+        let (best, _) = since.best_within(&self.limits, n);
+        since.log_likelihood(&start.healthy, n) + most - best
     }
 
     /// Mean square of what the failure leaves of the innovations since then.
@@ -234,7 +241,7 @@ impl<const N: usize, const P: usize> Starts<N, P> {
     }
 
     /// All, oldest first.
-    pub(super) fn iter(&self) -> impl Iterator<Item = &FailureStart<N, P>> {
+    pub(super) fn iter(&self) -> impl DoubleEndedIterator<Item = &FailureStart<N, P>> {
         self.order[..self.count].iter().map(|slot| &self.slots[*slot])
     }
 
