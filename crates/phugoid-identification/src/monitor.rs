@@ -247,6 +247,17 @@ fn sentences(
                 failure.flagged_at_s
             ));
         }
+        let unsure: Vec<&str> = parameters
+            .iter()
+            .filter(|p| p.diverged_at_s.is_none() && p.deviation.abs() > 2.0)
+            .map(|p| p.name.as_str())
+            .collect();
+        if !unsure.is_empty() {
+            sentences.push(format!(
+                "Perhaps {}: the estimate ends outside of the tolerance, but did not confirm it soon after the flag",
+                unsure.join(", ")
+            ));
+        }
         sentences.push(format!(
             "A healthy aircraft raises such a flag at most once in {} flight hours",
             number(1.0 / options.false_alarms_per_hour)

@@ -83,6 +83,8 @@ pub struct FailureStudy {
     pub onset_error_90_percent_s: f64,
     /// Fraction of the found failures whose onset lies in the 95 % interval.
     pub onset_coverage: f64,
+    /// Median width of that interval, s.
+    pub onset_width_median_s: f64,
     /// Coefficients that failed in the flights found, and how many of them were named.
     pub failed: usize,
     /// Of those, named.
@@ -135,7 +137,7 @@ pub fn failures(
         Ok((onset_s, failed, watch(&flight, model, RATES[0])?))
     };
     let results = monte_carlo(runs, one, done)?;
-    let (mut latencies, mut errors) = (Vec::new(), Vec::new());
+    let (mut latencies, mut errors, mut widths) = (Vec::new(), Vec::new(), Vec::new());
     let (mut false_alarms, mut missed, mut covered, mut all, mut named, mut wrongly) = (0, 0, 0, 0, 0, 0);
     for (onset_s, failed, report) in &results {
         let Some(failure) = &report.failure else {
@@ -149,6 +151,7 @@ pub fn failures(
         latencies.push(failure.flagged_at_s - onset_s);
         if let (Some(found), Some([low, high])) = (failure.onset_s, failure.onset_interval_s) {
             errors.push((found - onset_s).abs());
+            widths.push(high - low);
             covered += usize::from((low..=high).contains(onset_s));
         }
         all += failed.len();
@@ -163,6 +166,7 @@ pub fn failures(
         latency_median_s: quantile(latencies.clone(), 0.5),
         latency_90_percent_s: quantile(latencies, 0.9),
         onset_coverage: covered as f64 / errors.len().max(1) as f64,
+        onset_width_median_s: quantile(widths, 0.5),
         onset_error_median_s: quantile(errors.clone(), 0.5),
         onset_error_90_percent_s: quantile(errors, 0.9),
         failed: all,

@@ -46,6 +46,10 @@ const NEGLIGIBLE: f64 = 7.0;
 
 /// Parameters are named up to this long after the flag, s.
 const NAMING_S: f64 = 2.0;
+/// The estimate confirms a failed parameter when it lies this many corrected standard errors outside of its tolerance, ...
+const CONFIRMED: f64 = 3.0;
+/// ... for this long, s: its bounds are wrong while it follows a failure.
+const CONFIRMED_S: f64 = 0.2;
 
 /// The verdict on the plant.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -76,8 +80,8 @@ pub struct Failure<const P: usize> {
     pub change_std: [f64; P],
     /// When the parameter was named as one that has diverged, s: NaN until then. It takes as much evidence as the flag, against
     /// the parameter anywhere within its tolerance and all others anywhere, the values before the onset taken for granted; and
-    /// the estimate, which is not linear about the expectation, has to lie outside of the tolerance by more than two corrected
-    /// standard errors.
+    /// the estimate, which is not linear about the expectation, has to lie outside of the tolerance by more than three corrected
+    /// standard errors for 0.2 s.
     pub named_s: [f64; P],
 }
 
@@ -131,6 +135,8 @@ where
     last_look_s: f64,
     evidence: f64,
     failure: Option<Failure<P>>,
+    /// Since when each column would be named, s; NaN: it would not.
+    convincing_since_s: [f64; P],
 }
 
 impl<M, const N: usize, const R: usize, const P: usize> HealthMonitor<M, N, R, P>
@@ -187,6 +193,7 @@ where
             last_look_s: f64::NEG_INFINITY,
             evidence: f64::NEG_INFINITY,
             failure: None,
+            convincing_since_s: [f64::NAN; P],
         })
     }
 
@@ -215,6 +222,7 @@ where
     /// Takes note of the failure and begins to watch anew, for the same expectation.
     pub fn acknowledge(&mut self) {
         self.failure = None;
+        self.convincing_since_s = [f64::NAN; P];
         self.starts.clear();
         self.evidence = f64::NEG_INFINITY;
     }
@@ -247,7 +255,8 @@ where
             self.evidence = f64::NEG_INFINITY;
             // The youngest first: the old ones, of which data have told that nothing failed, are then left out in most looks.
             for start in self.starts.iter().rev() {
-                let value = start.log_weight + self.starts.evidence(start, self.evidence - NEGLIGIBLE - start.log_weight);
+                let value =
+                    start.log_weight + self.starts.evidence(start, self.evidence - NEGLIGIBLE - start.log_weight);
                 // Not a number is no evidence.
                 if value.is_finite() {
                     self.evidence = log_add(self.evidence, value);
@@ -281,9 +290,9 @@ where
     }
 
     /// Onset, size and names of a failure, from the hypotheses.
-    fn describe(&self, time_s: f64, watched: &Watched<'_, R, P>, failure: &mut Failure<P>) {
+    fn describe(&mut self, time_s: f64, watched: &Watched<'_, R, P>, failure: &mut Failure<P>) {
         let outside = deviation(&self.expected, watched.estimate, watched.covariance).outside;
-        let n = self.parts.monitored_count;
+        let (n, threshold) = (self.parts.monitored_count, self.threshold());
         failure.onset = onset::onset(&self.starts);
         let mut best = (f64::NEG_INFINITY, 0);
         let mut named = [f64::NEG_INFINITY; P];
@@ -307,8 +316,15 @@ where
             failure.change[*column] =
                 (self.starts.centre()[place] + start.healthy[place] + mean[place]) * self.parts.failure_sd[place];
             failure.change_std[*column] = libm::sqrt(variance[place]) * self.parts.failure_sd[place];
-            let confirmed = outside[*column].abs() > 2.0;
-            if failure.named_s[*column].is_nan() && confirmed && named[place] >= self.threshold() {
+            let since_s = &mut self.convincing_since_s[*column];
+            if outside[*column].abs() <= CONFIRMED || named[place] < threshold {
+                *since_s = f64::NAN;
+                continue;
+            }
+            if since_s.is_nan() {
+                *since_s = time_s;
+            }
+            if failure.named_s[*column].is_nan() && time_s - *since_s >= CONFIRMED_S - 1e-9 {
                 failure.named_s[*column] = time_s;
             }
         }

@@ -7,7 +7,7 @@ use super::starts::{STARTS, Starts};
 pub struct Onset {
     /// Half of the likelihood lies before it.
     pub time_s: f64,
-    /// 95 % of the likelihood lies between these.
+    /// 95 % of the likelihood lies between these, the gaps between the onsets looked for included.
     pub interval_s: [f64; 2],
     /// The interval reaches back to the oldest onset that was looked for: it may have begun earlier.
     pub or_earlier: bool,
@@ -16,7 +16,8 @@ pub struct Onset {
 /// The likelihood over the onset, normalised (a flat prior): median and the central 95 %. Each hypothesis' likelihood is that of
 /// the whole flight, healthy until then and the size of the failure integrated out, flattened by the misfit of the best one (a failure that is too large
 /// to be linear, or coloured noise, explains the innovations less well than it should); between two hypotheses its logarithm is a
-/// straight line. None without two hypotheses with finite likelihoods.
+/// straight line. A failure that began between two hypotheses is explained by one of them only, and not always by the closer
+/// one: the interval reaches to the ends of the gaps in which its quantiles lie. None without two hypotheses with finite likelihoods.
 pub(super) fn onset<const N: usize, const P: usize>(starts: &Starts<N, P>) -> Option<Onset> {
     let mut time = [0.0; STARTS];
     let mut log = [0.0; STARTS];
@@ -62,10 +63,10 @@ pub(super) fn onset<const N: usize, const P: usize>(starts: &Starts<N, P>) -> Op
         let part = (wanted - cumulated[k - 1]) / width;
         // a (exp(slope u) - 1)/slope = part
         let u = if slope.abs() > 1e-6 { libm::log1p((part * slope / a).max(-1.0)) / slope } else { part / a };
-        time[k - 1] + width * if u.is_finite() { u.clamp(0.0, 1.0) } else { 1.0 }
+        (k, time[k - 1] + width * if u.is_finite() { u.clamp(0.0, 1.0) } else { 1.0 })
     };
-    let interval_s = [quantile(0.025), quantile(0.975)];
+    let interval_s = [time[quantile(0.025).0 - 1], time[quantile(0.975).0]];
     // The first hypothesis stands for all that came before it.
     let or_earlier = libm::exp(log[0]) * (time[1] - time[0]) > 0.025 * total;
-    Some(Onset { time_s: quantile(0.5), interval_s, or_earlier })
+    Some(Onset { time_s: quantile(0.5).1, interval_s, or_earlier })
 }

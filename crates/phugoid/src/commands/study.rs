@@ -143,6 +143,7 @@ fn health_text(study: &HealthStudies) -> String {
         "onset error",
         "90 %",
         "onset covered",
+        "width",
         "named",
         "wrongly",
     ]);
@@ -157,6 +158,7 @@ fn health_text(study: &HealthStudies) -> String {
             format!("{:.3} s", failures.onset_error_median_s),
             format!("{:.3} s", failures.onset_error_90_percent_s),
             format!("{:.1} %", 100.0 * failures.onset_coverage),
+            format!("{:.2} s", failures.onset_width_median_s),
             format!("{} of {}", failures.named, failures.failed),
             failures.wrongly_named.to_string(),
         ]);
