@@ -34,7 +34,7 @@ pub fn chart_figure(chart: &Chart) -> Figure {
                     values: values.clone(),
                     logarithmic: *logarithmic,
                     absent: absent.clone(),
-                    marked: marked.map(|place| ("published settings".to_owned(), place)),
+                    marked: marked.map(|place| ("settings of the case".to_owned(), place)),
                 };
                 (Body::HeatMap(map), axis(&panel.y))
             }

@@ -212,7 +212,7 @@ fn a_law_that_runs_away_does_not_flatten_the_others() {
 fn a_map_has_cells_units_colour_bar_and_legend() {
     let svg = chart_figure(&map()).to_svg();
     for words in
-        ["lambda (1/s)", "Sample time (s)", "Time to 5 % (s)", "not within 5 %", "published settings", ">10⁻⁴<"]
+        ["lambda (1/s)", "Sample time (s)", "Time to 5 % (s)", "not within 5 %", "settings of the case", ">10⁻⁴<"]
     {
         assert!(svg.contains(words), "{words}");
     }
@@ -226,7 +226,7 @@ fn a_map_has_cells_units_colour_bar_and_legend() {
         *marked = None;
     }
     let svg = chart_figure(&full).to_svg();
-    assert!(!svg.contains("not within 5 %") && !svg.contains("published settings"), "a legend of what is not there");
+    assert!(!svg.contains("not within 5 %") && !svg.contains("settings of the case"), "a legend of what is not there");
     assert!(chart_figure(&map()).to_png().unwrap().starts_with(b"\x89PNG"));
 }
 

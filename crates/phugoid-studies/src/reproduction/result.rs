@@ -272,7 +272,7 @@ pub enum Content {
         logarithmic: bool,
         /// Meaning of NaN in the legend, e.g. `not within 5 %`.
         absent: String,
-        /// A point of the grid to mark: the published settings.
+        /// A point of the grid to mark: the settings of the case (reconstructed where the text has lost them).
         marked: Option<[f64; 2]>,
     },
 }
