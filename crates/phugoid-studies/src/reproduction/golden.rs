@@ -58,7 +58,7 @@ pub fn write(table: &Table) -> Result<String, GoldenError> {
     String::from_utf8(bytes).map_err(|e| GoldenError(e.to_string()))
 }
 
-/// A table that [`write`] has written; its title is not kept. A cell that reads as a number is one.
+/// A table that [`write()`] has written; its title is not kept. A cell that reads as a number is one.
 ///
 /// # Errors
 /// [`GoldenError`] with the line, if it is no CSV.
