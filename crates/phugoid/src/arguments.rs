@@ -322,11 +322,11 @@ pub(crate) struct Monitor {
     /// The flight, a CSV file with units in its headers (alpha_deg, tas_kt, ...)
     #[arg(value_name = "FLIGHT.csv")]
     pub(crate) flight: PathBuf,
-    /// The aircraft: a model file, or the name of a built-in one. Its table [expected] says what is healthy; without one its start
+    /// The aircraft: a model file, or the name of a built-in one. Its table `expected` says what is healthy; without one its start
     /// values do, within a tenth
     #[arg(long, value_name = "AIRCRAFT.toml")]
     pub(crate) model: String,
-    /// A file with the table [expected], in place of the model file's
+    /// A file with the table `expected`, in place of the model file's
     #[arg(long, value_name = "EXPECTED.toml")]
     pub(crate) expected: Option<PathBuf>,
     /// False alarms per flight hour that are accepted [default: 0.01]
@@ -398,7 +398,7 @@ pub(crate) enum StudyName {
 /// Methods whose settings can be tuned.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum TunedMethod {
-    /// Sliding-mode parameter estimator, on flights; writes an [estimator] section for model files
+    /// Sliding-mode parameter estimator, on flights; writes an `estimator` section for model files
     Smpe,
     /// The thesis's sliding law, on cases with one unknown parameter
     ThesisLaw,
