@@ -1,6 +1,7 @@
 //! What an estimator says after each sample.
 
 use crate::model::{Input, Sample};
+use crate::smpe::{DetectorReport, Innovations};
 
 /// How the last frame met the sliding surfaces.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -103,4 +104,38 @@ pub trait Estimator<const R: usize, const P: usize> {
     /// Writes the covariance of the parameters (row and column = parameter) into `out`: that of the estimator alone,
     /// without the corrections of [`Estimate::corrected_std_error`] and without a doubt.
     fn covariance(&self, out: &mut [[f64; P]; P]);
+}
+
+/// A causal estimator that shows its working: what a record of a run, a plot and a verdict need beside the estimate.
+///
+/// Columns are the model's parameters in its order, then one per estimated output bias.
+pub trait Inspect<const R: usize, const P: usize>: Estimator<R, P> {
+    /// Columns in use, at most `P`.
+    fn column_count(&self) -> usize;
+
+    /// One sigma of what was known of each column beforehand, parameter units; infinite where the method takes no prior.
+    fn prior_sd(&self) -> &[f64; P];
+
+    /// The last frame's rows before it corrected the estimate.
+    fn innovations(&self) -> &Innovations<R>;
+
+    /// The last correction wanted per column before it was limited, parameter units, for display: `theta_LS - theta`.
+    fn surfaces(&self) -> [f64; P] {
+        [0.0; P]
+    }
+
+    /// How often the state was started again.
+    fn restarts(&self) -> u32 {
+        0
+    }
+
+    /// What the change detector knows; none for a method without one.
+    fn detector(&self) -> Option<DetectorReport> {
+        None
+    }
+
+    /// Changes smaller than this cannot be told from model error, parameter units; zero where no change is looked for.
+    fn change_sensitivity(&self) -> [f64; P] {
+        [0.0; P]
+    }
 }

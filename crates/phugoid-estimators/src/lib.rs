@@ -41,5 +41,5 @@ pub mod smpe;
 pub mod thesis;
 pub mod ud;
 
-pub use estimate::{ChangeState, DetectorState, Estimate, Estimator, ParameterStatus, Phase, Status};
+pub use estimate::{ChangeState, DetectorState, Estimate, Estimator, Inspect, ParameterStatus, Phase, Status};
 pub use model::{Input, LinearizedOutputs, LinearizedRates, Model, Sample};

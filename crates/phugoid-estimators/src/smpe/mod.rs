@@ -76,7 +76,7 @@ use slot::{Slot, output_input};
 use start::Start;
 
 use crate::discretization::IntervalInput;
-use crate::estimate::{ChangeState, DetectorState, Estimate, Estimator, ParameterStatus, Phase, Status};
+use crate::estimate::{ChangeState, DetectorState, Estimate, Estimator, Inspect, ParameterStatus, Phase, Status};
 use crate::model::{Model, Sample};
 
 /// Observability below which a parameter counts as not excited: its bound has shrunk by less than 30 %. Lower would not
@@ -638,6 +638,39 @@ where
                 out[i][j] *= self.columns.sd[i] * self.columns.sd[j];
             }
         }
+    }
+}
+
+impl<M, const N: usize, const R: usize, const P: usize> Inspect<R, P> for Smpe<M, N, R, P>
+where
+    M: Model<N, R, P>,
+{
+    fn column_count(&self) -> usize {
+        Self::column_count(self)
+    }
+
+    fn prior_sd(&self) -> &[f64; P] {
+        Self::prior_sd(self)
+    }
+
+    fn innovations(&self) -> &Innovations<R> {
+        Self::innovations(self)
+    }
+
+    fn surfaces(&self) -> [f64; P] {
+        *Self::surfaces(self)
+    }
+
+    fn restarts(&self) -> u32 {
+        Self::restarts(self)
+    }
+
+    fn detector(&self) -> Option<DetectorReport> {
+        Self::detector(self)
+    }
+
+    fn change_sensitivity(&self) -> [f64; P] {
+        Self::change_sensitivity(self)
     }
 }
 
