@@ -20,6 +20,7 @@
 //! | [`model_reference`] | the model-reference estimator that it was compared with, printed and textbook forms |
 //! | [`discretization`] | the RK4 step map of a model with its exact derivatives |
 //! | [`ud`] | covariances as `U D U^T`, positive definite by construction |
+//! | [`verdict`] | may a parameter be believed now: excitation, collinearity, convergence, whiteness |
 //! | [`noise`] | measurement noise told from the measurements |
 //!
 //! `P` is the capacity fixed at compile time; the number of parameters in use is a run-time length. One compiled
@@ -40,6 +41,7 @@ pub mod plants;
 pub mod smpe;
 pub mod thesis;
 pub mod ud;
+pub mod verdict;
 
 pub use estimate::{ChangeState, DetectorState, Estimate, Estimator, Inspect, ParameterStatus, Phase, Status};
 pub use model::{Input, LinearizedOutputs, LinearizedRates, Model, Sample};
