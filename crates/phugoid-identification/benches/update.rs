@@ -8,9 +8,8 @@ use phugoid_estimators::discretization::InputHold;
 use phugoid_estimators::smpe::{ParameterPrior, Smpe, SmpeSettings};
 use phugoid_estimators::{Estimator, LinearizedOutputs, LinearizedRates, Model, Sample};
 use phugoid_flight_dynamics::f16::{F16, F16Options};
-use phugoid_identification::longitudinal::{Database, LongitudinalInput, LongitudinalModel};
+use phugoid_identification::longitudinal::{Database, LongitudinalInput, LongitudinalModel, OUTPUTS, STATES};
 use phugoid_identification::model_file::ModelFile;
-use phugoid_identification::output::{OUTPUTS, STATES};
 use phugoid_identification::prepare::build;
 
 const NOISE: [f64; OUTPUTS] = [0.3, 1.7e-3, 0.9e-3, 1.7e-3, 0.1, 0.1, 0.0];

@@ -3,14 +3,15 @@
 use phugoid_flight_data::plausibility::{self, Certainty, Doubt};
 use phugoid_flight_data::record::Record;
 
+use crate::axes::Axes;
 pub use crate::error::EstimateError;
 use crate::estimation::Estimation;
 use crate::health::HealthOptions;
+use crate::longitudinal::OUTPUTS;
 use crate::model_file::ModelFile;
 use crate::monitor::HealthRun;
 use crate::noise::{NoiseLevel, measure_noise};
 pub use crate::options::{CAPACITY, EstimateOptions, Method};
-use crate::output::{OUTPUTS, Output};
 use crate::prepare::{Prepared, prepare};
 use crate::run::run_smpe;
 use crate::summary::summarise;
@@ -72,11 +73,11 @@ fn doubts(record: &Record, model: &ModelFile) -> Result<Vec<Doubt>, EstimateErro
 fn noise_levels(prepared: &Prepared, model: &ModelFile) -> Result<[NoiseLevel; OUTPUTS], EstimateError> {
     let length = prepared.noise_samples();
     let mut levels = [NoiseLevel { std: 0.0, measured: false }; OUTPUTS];
-    for output in Output::ALL.into_iter().filter(|o| model.outputs[o.index()]) {
-        levels[output.index()] = match model.noise[output.index()] {
+    for (row, output) in Axes::Longitudinal.outputs().iter().enumerate().filter(|(_, o)| model.outputs[o.index()]) {
+        levels[row] = match model.noise[output.index()] {
             Some(std) => NoiseLevel { std, measured: false },
             None => {
-                let values: Vec<f64> = prepared.outputs[..length].iter().map(|y| y[output.index()]).collect();
+                let values: Vec<f64> = prepared.outputs[..length].iter().map(|y| y[row]).collect();
                 let found = measure_noise(&values).ok_or_else(|| EstimateError::Noise(output.name().to_owned()))?;
                 NoiseLevel { std: found.std, measured: true }
             }

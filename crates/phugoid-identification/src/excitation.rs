@@ -8,7 +8,7 @@
 //! but of sums of terms: there the estimator runs from the first sample, and its estimates are shown from the first motion
 //! on.
 
-use crate::output::{OUTPUTS, Output};
+use crate::longitudinal::{OUTPUTS, row};
 
 /// A departure this many sigmas from the first window counts as motion.
 const SIGMAS: f64 = 6.0;
@@ -34,7 +34,7 @@ impl Excitation {
     /// With the noise of the outputs and of the elevator (one sigma, SI) and the elevator's first value (rad).
     pub(crate) fn new(noise: [f64; OUTPUTS], elevator_noise: f64, elevator_start: f64) -> Self {
         Self {
-            noise: [noise[Output::Alpha.index()], noise[Output::PitchRate.index()]],
+            noise: [noise[row::ALPHA], noise[row::PITCH_RATE]],
             elevator_noise,
             elevator_start,
             start: [None; 2],
@@ -58,8 +58,8 @@ impl Excitation {
             self.close_window();
             self.window_start_s = time_s;
         }
-        for (i, output) in [Output::Alpha, Output::PitchRate].into_iter().enumerate() {
-            let value = outputs[output.index()];
+        for (i, output) in [row::ALPHA, row::PITCH_RATE].into_iter().enumerate() {
+            let value = outputs[output];
             if value.is_finite() {
                 self.sums[i] += value;
                 self.counts[i] += 1;
@@ -94,8 +94,8 @@ mod tests {
 
     fn first_motion(elevator: impl Fn(f64) -> f64, alpha: impl Fn(f64) -> f64) -> Option<f64> {
         let mut noise = [0.0; OUTPUTS];
-        noise[Output::Alpha.index()] = 1.7e-3;
-        noise[Output::PitchRate.index()] = 1.7e-3;
+        noise[row::ALPHA] = 1.7e-3;
+        noise[row::PITCH_RATE] = 1.7e-3;
         let mut watch = Excitation::new(noise, 0.0, elevator(0.0));
         (0..1000).map(|k| 0.02 * f64::from(k)).find(|t| {
             let mut outputs = [0.0; OUTPUTS];

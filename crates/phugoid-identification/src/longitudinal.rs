@@ -7,8 +7,30 @@ use phugoid_flight_dynamics::longitudinal::{
 };
 use phugoid_flight_dynamics::scalar::{Dual, Scalar};
 
-use crate::output::{OUTPUTS, Output, STATES};
-use crate::term::{Coefficient, EXTRA_INPUTS, FACTORS, Term};
+use crate::term::{Coefficient, EXTRA_INPUTS, Term, Variable};
+
+/// States of the longitudinal motion: true airspeed, angle of attack, pitch angle, pitch rate.
+pub const STATES: usize = 4;
+/// Outputs: the states, the specific forces along body x and z at the centre of gravity, and the pitch acceleration.
+pub const OUTPUTS: usize = 7;
+
+/// Positions in the output vector, those of [`crate::axes::Axes::outputs`]; the first four are the states.
+pub mod row {
+    /// True airspeed, m/s.
+    pub const TRUE_AIRSPEED: usize = 0;
+    /// Angle of attack, rad.
+    pub const ALPHA: usize = 1;
+    /// Pitch angle, rad.
+    pub const THETA: usize = 2;
+    /// Pitch rate, rad/s.
+    pub const PITCH_RATE: usize = 3;
+    /// Specific force along body x, m/s^2.
+    pub const AX: usize = 4;
+    /// Specific force along body z, m/s^2.
+    pub const AZ: usize = 5;
+    /// Pitch acceleration, rad/s^2.
+    pub const PITCH_ACCELERATION: usize = 6;
+}
 
 /// What is known of the flight at one instant beside the state.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -95,7 +117,7 @@ pub struct LongitudinalConstants {
     pub elevator_reference: f64,
 }
 
-/// Longitudinal motion: states `V, alpha, theta, q`, outputs as in [`Output`].
+/// Longitudinal motion: states `V, alpha, theta, q`, outputs as in [`row`].
 ///
 /// ```text
 /// C_k = database + sum_j theta_j r_j(alpha, q_hat, v_hat, elevator, ...)      k = L, D, m
@@ -112,8 +134,10 @@ pub struct LongitudinalModel {
     constants: LongitudinalConstants,
     thrust_direction: [f64; 2],
     database: Database,
-    known: Vec<(Coefficient, Term, f64)>,
     columns: Vec<(Coefficient, Term)>,
+    /// Known and estimated terms in the [`short`] order of flight variables.
+    known: Vec<(Coefficient, Term, f64)>,
+    estimated: Vec<(Coefficient, Term)>,
     /// The same for evaluation in flight.
     quick: Vec<QuickTerm>,
     quick_known: Vec<(QuickTerm, f64)>,
@@ -128,16 +152,37 @@ struct QuickTerm {
     term: Term,
 }
 
+/// Flight variables of symmetric flight: alpha, q_hat, v_hat, elevator, and the extra inputs. Few, because all of them are
+/// evaluated at every step on board.
+const FACTORS: usize = 4 + EXTRA_INPUTS;
+
+/// A term in the order of these. Variables and coefficients of the lateral motion are zero in symmetric flight.
+fn short(coefficient: Coefficient, term: &Term) -> (Coefficient, Term) {
+    let position = |index: usize| match Variable::ALL.get(index) {
+        Some(Variable::Alpha) => Some(0),
+        Some(Variable::PitchRate) => Some(1),
+        Some(Variable::Airspeed) => Some(2),
+        Some(Variable::Elevator) => Some(3),
+        Some(_) => None,
+        None => Some(4 + index - Variable::ALL.len()),
+    };
+    match coefficient {
+        Coefficient::Lift | Coefficient::Drag | Coefficient::PitchingMoment => (coefficient, term.renumbered(position)),
+        _ => (Coefficient::Lift, Term::zero()),
+    }
+}
+
 /// Position of the constant 1 among the variables.
 const ONE: usize = FACTORS;
 /// Marks a product of variables.
 const PRODUCT: usize = usize::MAX;
 
 impl QuickTerm {
+    /// Of a term in the [`short`] order.
     fn new(coefficient: Coefficient, term: &Term) -> Self {
         let variable = match term.factors() {
             [] => ONE,
-            [(index, 1)] => *index,
+            [(index, 1)] if *index < FACTORS => *index,
             _ => PRODUCT,
         };
         Self { coefficient: coefficient as usize, variable, term: term.clone() }
@@ -155,7 +200,9 @@ impl QuickTerm {
     fn product(&self, variables: &Variables) -> (f64, [f64; 3]) {
         let (mut product, mut gradient) = (1.0, [0.0; 3]);
         for &(index, power) in self.term.factors() {
-            let (value, slope) = (variables.value[index], variables.gradient[index]);
+            let (Some(&value), Some(&slope)) = (variables.value.get(index), variables.gradient.get(index)) else {
+                return (0.0, [0.0; 3]);
+            };
             for _ in 0..power {
                 for (g, s) in gradient.iter_mut().zip(slope) {
                     *g = *g * value + product * s;
@@ -198,9 +245,17 @@ impl LongitudinalModel {
         known: Vec<(Coefficient, Term, f64)>,
     ) -> Self {
         let (sin, cos) = constants.thrust_inclination.sin_cos();
-        let quick = columns.iter().map(|(c, t)| QuickTerm::new(*c, t)).collect();
+        let estimated: Vec<(Coefficient, Term)> = columns.iter().map(|(c, t)| short(*c, t)).collect();
+        let known: Vec<(Coefficient, Term, f64)> = known
+            .iter()
+            .map(|(c, t, value)| {
+                let (c, t) = short(*c, t);
+                (c, t, *value)
+            })
+            .collect();
+        let quick = estimated.iter().map(|(c, t)| QuickTerm::new(*c, t)).collect();
         let quick_known = known.iter().map(|(c, t, value)| (QuickTerm::new(*c, t), *value)).collect();
-        Self { constants, thrust_direction: [cos, -sin], database, known, columns, quick, quick_known }
+        Self { constants, thrust_direction: [cos, -sin], database, columns, known, estimated, quick, quick_known }
     }
 
     /// The constants it was built with.
@@ -213,7 +268,7 @@ impl LongitudinalModel {
         &self.columns
     }
 
-    /// Flight variables of the terms, see [`crate::term::factor_names`].
+    /// Flight variables of the terms in the [`short`] order.
     #[inline(always)]
     fn factors<T: Scalar>(&self, x: &[T; STATES], u: &LongitudinalInput) -> [T; FACTORS] {
         let c = &self.constants;
@@ -252,7 +307,7 @@ impl LongitudinalModel {
             let sum = &mut total[*coefficient as usize];
             *sum = *sum + term.value(factors) * *value;
         }
-        for ((coefficient, term), value) in self.columns.iter().zip(theta) {
+        for ((coefficient, term), value) in self.estimated.iter().zip(theta) {
             let sum = &mut total[*coefficient as usize];
             *sum = *sum + term.value(factors) * *value;
         }
@@ -448,13 +503,13 @@ impl<const P: usize> Model<STATES, OUTPUTS, P> for LongitudinalModel {
         let (x_force, z_force) = (cl * sin - cd * cos, -(cl * cos + cd * sin));
         let along_x = |d: usize| dcl[d] * sin - dcd[d] * cos;
         let along_z = |d: usize| -(dcl[d] * cos + dcd[d] * sin);
-        let ax = Output::Ax.index();
+        let ax = row::AX;
         out.outputs[ax] = f * x_force + p.thrust[0] * per_mass;
         out.state_jacobian[ax] = [f_v * x_force + f * along_x(0), f * (along_x(1) - z_force), 0.0, f * along_x(2)];
-        let az = Output::Az.index();
+        let az = row::AZ;
         out.outputs[az] = f * z_force + p.thrust[1] * per_mass;
         out.state_jacobian[az] = [f_v * z_force + f * along_z(0), f * (along_z(1) + x_force), 0.0, f * along_z(2)];
-        let qdot = Output::PitchAcceleration.index();
+        let qdot = row::PITCH_ACCELERATION;
         out.outputs[qdot] = p.force * cm * moment + u.thrust * self.constants.thrust_arm / u.iyy;
         out.state_jacobian[qdot] =
             [moment * (p.force_v * cm + p.force * dcm[0]), moment * p.force * dcm[1], 0.0, moment * p.force * dcm[2]];

@@ -10,7 +10,8 @@ pub use expected::Expectation;
 
 use std::collections::BTreeMap;
 
-use crate::output::{OUTPUTS, Output, STATES};
+use crate::axes::Axes;
+use crate::output::{CHANNELS, Output, STATE_CHANNELS};
 use crate::term::{Coefficient, Term};
 
 /// What is wrong with a model file, and where.
@@ -85,12 +86,20 @@ pub enum AirDensity {
 pub struct AircraftData {
     /// Mass, kg.
     pub mass: Source,
+    /// Moment of inertia about the body x axis, kg m^2; there where the axes need it.
+    pub ixx: Option<Source>,
     /// Moment of inertia about the body y axis, kg m^2.
     pub iyy: Source,
+    /// Moment of inertia about the body z axis, kg m^2; there where the axes need it.
+    pub izz: Option<Source>,
+    /// Product of inertia, integral of x z dm, kg m^2; there where the axes need it.
+    pub ixz: Option<Source>,
     /// Wing reference area, m^2.
     pub wing_area: f64,
     /// Mean aerodynamic chord, m.
     pub mean_chord: f64,
+    /// Wing span, m; there where the axes need it.
+    pub wing_span: Option<f64>,
     /// Centre of gravity behind the leading edge of the mean chord, fraction of it. Only databases need it.
     pub cg: Option<f64>,
     /// Thrust, N.
@@ -118,13 +127,18 @@ pub enum ReferenceValue {
     FirstSample,
 }
 
-/// The reference point: terms are functions of `alpha - alpha_ref` and `elevator - elevator_ref`.
+/// The reference point: terms are functions of `alpha - alpha_ref`, `elevator - elevator_ref`, and so on for aileron and
+/// rudder; sideslip and rates count from zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reference {
     /// Angle of attack, rad.
     pub alpha: ReferenceValue,
     /// Elevator, rad.
     pub elevator: ReferenceValue,
+    /// Aileron, rad.
+    pub aileron: ReferenceValue,
+    /// Rudder, rad.
+    pub rudder: ReferenceValue,
     /// Altitude of the trim, m.
     pub altitude: Option<f64>,
 }
@@ -169,8 +183,9 @@ impl Parameter {
 /// The process noise that stands for gusts and model error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ProcessNoise {
-    /// Spectral densities of the rates of V (m^2/s^3), alpha (rad^2/s), theta (rad^2/s) and q (rad^2/s^3).
-    pub density: [f64; STATES],
+    /// Spectral densities of the rates of the states, by [`Output::index`]: airspeed (m^2/s^3), angles (rad^2/s), angular
+    /// rates (rad^2/s^3). Those that are no states of the axes are not used.
+    pub density: [f64; STATE_CHANNELS],
     /// True if a scale on all of them is learnt from the residuals.
     pub adaptive: bool,
 }
@@ -232,6 +247,8 @@ pub struct ModelFile {
     pub source: String,
     /// Aircraft, for reports.
     pub name: String,
+    /// Axes that are estimated.
+    pub axes: Axes,
     /// Database.
     pub base: Base,
     /// Normalisation of the pitch rate.
@@ -242,10 +259,10 @@ pub struct ModelFile {
     pub extra_inputs: Vec<String>,
     /// Headers of the user's file, by canonical channel name.
     pub channels: BTreeMap<String, ChannelMapping>,
-    /// Which outputs are measured.
-    pub outputs: [bool; OUTPUTS],
-    /// Measurement noise, one sigma, SI; none: measured from the record.
-    pub noise: [Option<f64>; OUTPUTS],
+    /// Which outputs are measured, by [`Output::index`]; only outputs of the axes are.
+    pub outputs: [bool; CHANNELS],
+    /// Measurement noise by [`Output::index`], one sigma, SI; none: measured from the record.
+    pub noise: [Option<f64>; CHANNELS],
     /// Parameters: terms in the order of the file, then offsets, then biases. Fixed ones included.
     pub parameters: Vec<Parameter>,
     /// Reference point of increments.
@@ -284,11 +301,12 @@ impl ModelFile {
 
     /// Canonical names of the channels that the estimation reads.
     pub fn channels_used(&self) -> Vec<&str> {
-        let mut used = vec!["elevator"];
-        used.extend(Output::ALL.into_iter().filter(|o| self.outputs[o.index()]).map(|o| -> &str { o.name() }));
+        let mut used: Vec<&str> = self.axes.known_channels().to_vec();
+        used.extend(self.measured().map(|o| -> &str { o.name() }));
         used.extend(self.extra_inputs.iter().map(String::as_str));
         let aircraft = &self.aircraft;
         let mut sources = vec![&aircraft.mass, &aircraft.iyy];
+        sources.extend([&aircraft.ixx, &aircraft.izz, &aircraft.ixz].into_iter().flatten());
         match &aircraft.air_density {
             AirDensity::Known(source) => sources.push(source),
             AirDensity::StandardAtmosphere | AirDensity::BookAtmosphere => used.push("altitude"),
@@ -301,6 +319,11 @@ impl ModelFile {
             Source::Constant(_) => None,
         }));
         used
+    }
+
+    /// Outputs that are measured, in the order of the motion's output vector.
+    pub fn measured(&self) -> impl Iterator<Item = Output> {
+        self.axes.outputs().iter().copied().filter(|o| self.outputs[o.index()])
     }
 
     /// Parameters that are estimated.

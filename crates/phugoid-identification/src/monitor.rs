@@ -11,10 +11,9 @@ use crate::error::EstimateError;
 use crate::estimate::pipeline;
 use crate::estimation::Estimation;
 use crate::health::{Condition, FailureReport, HealthHistory, HealthOptions, HealthReport, ParameterHealth};
-use crate::longitudinal::{LongitudinalInput, LongitudinalModel};
+use crate::longitudinal::{LongitudinalInput, LongitudinalModel, OUTPUTS, STATES};
 use crate::model_file::{Expectation, ModelFile, Role};
 use crate::options::EstimateOptions;
-use crate::output::{OUTPUTS, STATES};
 
 /// Estimates the parameters of `model` from `record` as [`crate::estimate::estimate`] does, and watches beside it whether they
 /// are what is expected: sample by sample, no verdict uses a later sample. `progress` is called with the fraction done, 0 to 1.

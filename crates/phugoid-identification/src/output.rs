@@ -1,41 +1,72 @@
-//! States and outputs of the longitudinal motion: names, units, order.
+//! The channels that can be measured outputs of a motion: names, units, order.
 
 use phugoid_flight_data::quantity::Dimension;
 
-/// States of the longitudinal motion: true airspeed, angle of attack, pitch angle, pitch rate.
-pub const STATES: usize = 4;
-/// Outputs: the states, the specific forces along body x and z at the centre of gravity, and the pitch acceleration.
-pub const OUTPUTS: usize = 7;
+/// Channels that can be outputs, of all motions together.
+pub const CHANNELS: usize = 14;
+/// Those among them, the first, that are states of the motion of all axes.
+pub const STATE_CHANNELS: usize = 8;
 
-/// A measured output, in the order of the model's output vector.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+/// A channel that can be measured. The output vector of a motion is a subset in this order, its states first
+/// ([`crate::axes::Axes::outputs`]); with all axes it is the whole of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[repr(usize)]
 pub enum Output {
     /// True airspeed, m/s.
     TrueAirspeed,
     /// Angle of attack, rad.
     Alpha,
-    /// Pitch angle, rad.
+    /// Angle of sideslip, rad, positive with the air from the right.
+    Beta,
+    /// Bank angle, rad, positive right wing down.
+    Phi,
+    /// Pitch angle, rad, positive nose up.
     Theta,
-    /// Pitch rate, rad/s.
+    /// Roll rate about body x, rad/s.
+    RollRate,
+    /// Pitch rate about body y, rad/s.
     PitchRate,
+    /// Yaw rate about body z, rad/s.
+    YawRate,
     /// Specific force along body x (forward), m/s^2.
     Ax,
+    /// Specific force along body y (right), m/s^2.
+    Ay,
     /// Specific force along body z (down), m/s^2: about -g in level flight.
     Az,
+    /// Roll acceleration, rad/s^2.
+    RollAcceleration,
     /// Pitch acceleration, rad/s^2.
     PitchAcceleration,
+    /// Yaw acceleration, rad/s^2.
+    YawAcceleration,
 }
 
 impl Output {
     /// All, in order.
-    pub const ALL: [Self; OUTPUTS] =
-        [Self::TrueAirspeed, Self::Alpha, Self::Theta, Self::PitchRate, Self::Ax, Self::Az, Self::PitchAcceleration];
+    pub const ALL: [Self; CHANNELS] = [
+        Self::TrueAirspeed,
+        Self::Alpha,
+        Self::Beta,
+        Self::Phi,
+        Self::Theta,
+        Self::RollRate,
+        Self::PitchRate,
+        Self::YawRate,
+        Self::Ax,
+        Self::Ay,
+        Self::Az,
+        Self::RollAcceleration,
+        Self::PitchAcceleration,
+        Self::YawAcceleration,
+    ];
     /// Channel names, in order.
-    pub const NAMES: [&'static str; OUTPUTS] = ["true_airspeed", "alpha", "theta", "q", "ax", "az", "qdot"];
+    pub const NAMES: [&'static str; CHANNELS] =
+        ["true_airspeed", "alpha", "beta", "phi", "theta", "p", "q", "r", "ax", "ay", "az", "pdot", "qdot", "rdot"];
 
-    /// Position in the output vector.
-    pub fn index(self) -> usize {
+    /// Position among all channels, as in [`crate::model_file::ModelFile::noise`]; the position in the output vector of a
+    /// motion is [`crate::axes::Axes::row`].
+    pub const fn index(self) -> usize {
         self as usize
     }
 
@@ -58,10 +89,15 @@ impl Output {
     pub fn dimension(self) -> Dimension {
         match self {
             Self::TrueAirspeed => Dimension::SPEED,
-            Self::Alpha | Self::Theta => Dimension::ANGLE,
-            Self::PitchRate => Dimension::ANGULAR_RATE,
-            Self::Ax | Self::Az => Dimension::ACCELERATION,
-            Self::PitchAcceleration => Dimension::ANGULAR_ACCELERATION,
+            Self::Alpha | Self::Beta | Self::Phi | Self::Theta => Dimension::ANGLE,
+            Self::RollRate | Self::PitchRate | Self::YawRate => Dimension::ANGULAR_RATE,
+            Self::Ax | Self::Ay | Self::Az => Dimension::ACCELERATION,
+            Self::RollAcceleration | Self::PitchAcceleration | Self::YawAcceleration => Dimension::ANGULAR_ACCELERATION,
         }
+    }
+
+    /// True for the angular accelerations, which few recorders have: outputs on request only.
+    pub fn is_angular_acceleration(self) -> bool {
+        matches!(self, Self::RollAcceleration | Self::PitchAcceleration | Self::YawAcceleration)
     }
 }

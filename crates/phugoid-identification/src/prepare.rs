@@ -4,11 +4,11 @@ use phugoid_flight_data::record::Record;
 use phugoid_flight_dynamics::atmosphere::Atmosphere;
 use phugoid_flight_dynamics::f16::{F16, F16Options};
 
+use crate::axes::Axes;
 use crate::error::EstimateError;
-use crate::longitudinal::{Database, LongitudinalConstants, LongitudinalInput, LongitudinalModel};
+use crate::longitudinal::{Database, LongitudinalConstants, LongitudinalInput, LongitudinalModel, OUTPUTS, row};
 use crate::model_file::{AirDensity, Base, InputHold, ModelFile, Reference, ReferenceValue, Role, Source, Thrust};
 use crate::noise::median;
-use crate::output::{OUTPUTS, Output};
 use crate::trim::{LevelTrim, TrimCondition, level_trim};
 use crate::words::nearest;
 
@@ -61,6 +61,12 @@ fn unseen_moves(time: &[f64], elevator: &[f64], seen: &[bool]) -> Option<String>
 /// # Errors
 /// A missing channel, a channel without any value, an impossible trim.
 pub fn prepare(record: &Record, file: &ModelFile) -> Result<Prepared, EstimateError> {
+    if file.axes != Axes::Longitudinal {
+        let axes = file.axes.name();
+        return Err(EstimateError::Model(format!(
+            "the {axes} motion cannot be estimated yet, only the longitudinal one"
+        )));
+    }
     let mut notes = Vec::new();
     let recorded = |source: &Source| match source {
         Source::Constant(value) => Ok(vec![*value; record.time.len()]),
@@ -91,7 +97,7 @@ pub fn prepare(record: &Record, file: &ModelFile) -> Result<Prepared, EstimateEr
         columns.push(channel(record, name)?.to_vec());
     }
     let mut measured: Vec<Option<&[f64]>> = Vec::with_capacity(OUTPUTS);
-    for output in Output::ALL {
+    for output in Axes::Longitudinal.outputs() {
         let wanted = file.outputs[output.index()];
         measured.push(if wanted { Some(channel(record, output.name())?) } else { None });
     }
@@ -135,8 +141,8 @@ pub fn prepare(record: &Record, file: &ModelFile) -> Result<Prepared, EstimateEr
     let outputs: Vec<[f64; OUTPUTS]> = (first..record.time.len())
         .map(|k| std::array::from_fn(|i| measured[i].map_or(f64::NAN, |values| values[k])))
         .collect();
-    for output in Output::ALL {
-        if file.outputs[output.index()] && !outputs.iter().any(|y| y[output.index()].is_finite()) {
+    for (row, output) in Axes::Longitudinal.outputs().iter().enumerate() {
+        if file.outputs[output.index()] && !outputs.iter().any(|y| y[row].is_finite()) {
             return Err(EstimateError::EmptyChannel(output.name().to_owned()));
         }
     }
@@ -215,7 +221,7 @@ fn trim_of(
     database: &Database,
     [density, mass]: [&[f64]; 2],
 ) -> Result<Option<LevelTrim>, EstimateError> {
-    let Reference { alpha, elevator, altitude } = file.reference;
+    let Reference { alpha, elevator, altitude, .. } = file.reference;
     let wanted = file.aircraft.thrust == Thrust::Trim || [alpha, elevator].contains(&ReferenceValue::Trim);
     if !wanted || matches!(database, Database::None) {
         return Ok(None);
@@ -254,8 +260,7 @@ fn reference_value(
 
 /// Angle of attack at the start: the median of the first values, so that one outlier does not shift the reference.
 fn first_alpha(outputs: &[[f64; OUTPUTS]]) -> Option<f64> {
-    let alpha = Output::Alpha.index();
-    let mut first: Vec<f64> = outputs.iter().map(|y| y[alpha]).filter(|v| v.is_finite()).take(5).collect();
+    let mut first: Vec<f64> = outputs.iter().map(|y| y[row::ALPHA]).filter(|v| v.is_finite()).take(5).collect();
     median(&mut first)
 }
 

@@ -6,16 +6,16 @@ use phugoid_estimators::smpe::{
 };
 use phugoid_estimators::{ChangeState, DetectorState, Estimate, Estimator, ParameterStatus, Phase, Sample, Status};
 
+use crate::axes::Axes;
 use crate::error::EstimateError;
 use crate::estimation::Event;
 use crate::excitation::Excitation;
 use crate::health::HealthOptions;
-use crate::longitudinal::{LongitudinalInput, LongitudinalModel};
+use crate::longitudinal::{LongitudinalInput, LongitudinalModel, OUTPUTS, STATES, row};
 use crate::model_file::{Base, ModelFile, Parameter, Role};
 use crate::monitor::{HealthRun, Monitoring};
 use crate::noise::{NoiseLevel, measure_noise};
 use crate::options::{CAPACITY, EstimateOptions};
-use crate::output::{OUTPUTS, Output, STATES};
 use crate::prepare::Prepared;
 
 /// Everything that one run gave, by sample and by column.
@@ -255,7 +255,9 @@ pub(crate) fn smpe_settings<const ROOM: usize>(
     let mut biases = [0.0; OUTPUTS];
     for parameter in file.estimated() {
         if let Role::Bias(output) = parameter.role {
-            biases[output.index()] = parameter.prior_std;
+            if let Some(row) = Axes::Longitudinal.row(output) {
+                biases[row] = parameter.prior_std;
+            }
         }
     }
     settings = settings.with_biases(biases);
@@ -263,8 +265,11 @@ pub(crate) fn smpe_settings<const ROOM: usize>(
     // A row has to reach before it is rejected.
     settings.rejection_limit = (tuned.rejection_scale * settings.rejection_limit).max(settings.reaching_limit);
     settings.start_window_s = tuned.start_window_s.unwrap_or(settings.start_window_s);
-    let density = file.process_noise.density.map(|q| q * tuned.process_noise_scale);
-    let gust_rows = std::array::from_fn(|i| i == Output::TrueAirspeed.index() || i == Output::Alpha.index());
+    let states = Axes::Longitudinal.states();
+    let density = std::array::from_fn(|i| {
+        states.get(i).map_or(0.0, |o| file.process_noise.density[o.index()] * tuned.process_noise_scale)
+    });
+    let gust_rows = std::array::from_fn(|i| i == row::TRUE_AIRSPEED || i == row::ALPHA);
     settings.process_noise = if file.process_noise.adaptive {
         ProcessNoise::adaptive(density, gust_rows)
     } else {

@@ -5,10 +5,11 @@ use phugoid_flight_data::quality::{Finding, QualityReport};
 use phugoid_flight_data::record::Record;
 
 use crate::estimation::{Estimation, History, ParameterHistory, ParameterResult, Signal};
+use crate::longitudinal::OUTPUTS;
 use crate::model_file::{ModelFile, Parameter};
 use crate::noise::NoiseLevel;
 use crate::options::{EstimateOptions, Method};
-use crate::output::{OUTPUTS, Output};
+use crate::output::Output;
 use crate::prepare::Prepared;
 use crate::run::{ColumnRun, Run, phase_word, status_word};
 use crate::verdict::{is_contradicted, verdict};
@@ -33,7 +34,7 @@ pub(crate) fn summarise(
             parameter.status = "in_doubt".to_owned();
         }
     }
-    let noise_signals = measured(file).map(|o| signal(o.name(), o.unit(), vec![noise[o.index()].std])).collect();
+    let noise_signals = measured(file).map(|(row, o)| signal(o.name(), o.unit(), vec![noise[row].std])).collect();
     let verdict = verdict(&parameters, &correlation, prepared, noise, &run, doubts, &history);
     Estimation {
         source: record.source.clone(),
@@ -76,8 +77,9 @@ fn columns(file: &ModelFile) -> Vec<(&Parameter, Option<usize>)> {
     columns
 }
 
-fn measured(file: &ModelFile) -> impl Iterator<Item = Output> {
-    Output::ALL.into_iter().filter(|o| file.outputs[o.index()])
+/// Measured outputs with their positions in the output vector.
+fn measured(file: &ModelFile) -> impl Iterator<Item = (usize, Output)> {
+    file.axes.outputs().iter().copied().enumerate().filter(|(_, o)| file.outputs[o.index()])
 }
 
 fn signal(name: &str, unit: &str, values: Vec<f64>) -> Signal {
@@ -163,9 +165,9 @@ fn history(file: &ModelFile, prepared: &Prepared, columns: &[(&Parameter, Option
     }
     let outputs = |rows: &[[f64; OUTPUTS]], whitened: bool| -> Vec<Signal> {
         measured(file)
-            .map(|o| {
+            .map(|(row, o)| {
                 let unit = if whitened { "-" } else { o.unit() };
-                signal(o.name(), unit, rows.iter().map(|r| r[o.index()]).collect())
+                signal(o.name(), unit, rows.iter().map(|r| r[row]).collect())
             })
             .collect()
     };

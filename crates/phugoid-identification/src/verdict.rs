@@ -3,9 +3,10 @@
 use phugoid_estimators::DetectorState;
 use phugoid_flight_data::plausibility::Doubt;
 
+use crate::axes::Axes;
 use crate::estimation::{History, ParameterResult, Signal};
+use crate::longitudinal::OUTPUTS;
 use crate::noise::NoiseLevel;
-use crate::output::{OUTPUTS, Output};
 use crate::prepare::Prepared;
 use crate::run::Run;
 
@@ -39,10 +40,12 @@ pub(crate) fn verdict(
     } else {
         no_excitation(&history.measured, &mut sentences);
     }
-    let measured: Vec<String> = Output::ALL
+    let measured: Vec<String> = Axes::Longitudinal
+        .outputs()
         .iter()
-        .filter(|o| noise[o.index()].measured)
-        .map(|o| format!("{} {:.3e} {}", o.name(), noise[o.index()].std, o.unit()))
+        .zip(noise)
+        .filter(|(_, level)| level.measured)
+        .map(|(o, level)| format!("{} {:.3e} {}", o.name(), level.std, o.unit()))
         .collect();
     if !measured.is_empty() {
         sentences.push(format!("Noise levels measured from the record, one sigma: {}.", measured.join(", ")));

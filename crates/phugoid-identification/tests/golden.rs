@@ -22,9 +22,8 @@ use phugoid_estimators::smpe::{ParameterPrior, ProcessNoise, ReReaching, Reachin
 use phugoid_estimators::{Estimate, Estimator, LinearizedOutputs, LinearizedRates, Model, Sample};
 use phugoid_flight_dynamics::atmosphere::Atmosphere;
 use phugoid_flight_dynamics::f16::{F16, F16Options};
-use phugoid_identification::longitudinal::{Database, LongitudinalInput, LongitudinalModel};
+use phugoid_identification::longitudinal::{Database, LongitudinalInput, LongitudinalModel, OUTPUTS, STATES};
 use phugoid_identification::model_file::ModelFile;
-use phugoid_identification::output::{OUTPUTS, STATES};
 use phugoid_identification::prepare::build;
 use serde_json::Value;
 

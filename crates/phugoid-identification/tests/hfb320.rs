@@ -9,10 +9,11 @@ use std::collections::BTreeMap;
 use phugoid_estimators::discretization::{self, IntervalInput, Part};
 use phugoid_flight_data::csv::{self, CsvOptions};
 use phugoid_flight_data::record::Record;
+use phugoid_identification::axes::Axes;
 use phugoid_identification::estimate::{EstimateOptions, estimate};
 use phugoid_identification::estimation::Estimation;
+use phugoid_identification::longitudinal::{OUTPUTS, STATES};
 use phugoid_identification::model_file::ModelFile;
-use phugoid_identification::output::{OUTPUTS, Output, STATES};
 use phugoid_identification::prepare::prepare;
 
 /// Names in the published table and in the model file.
@@ -150,12 +151,13 @@ fn replay(record: &Record, reference: &BTreeMap<String, f64>, change: bool, seed
     let mut normal = common::Normal::new(seed);
     let mut x = [prepared.outputs[0][0], prepared.outputs[0][1], prepared.outputs[0][2], prepared.outputs[0][3]];
     let mut simulated = vec![Vec::new(); OUTPUTS];
+    let outputs = Axes::Longitudinal.outputs();
     for k in 0..prepared.time.len() {
         let now = if change && prepared.time[k] >= 30.0 { &damaged } else { &theta };
         let mut out = phugoid_estimators::LinearizedOutputs::<STATES, OUTPUTS, 24>::ZERO;
         phugoid_estimators::Model::linearized_outputs(&prepared.model, &x, now, &prepared.inputs[k], &mut out);
         for (i, channel) in simulated.iter_mut().enumerate() {
-            channel.push(out.outputs[i] + file.noise[i].unwrap() * normal.next());
+            channel.push(out.outputs[i] + file.noise[outputs[i].index()].unwrap() * normal.next());
         }
         if k + 1 < prepared.time.len() {
             let h = prepared.time[k + 1] - prepared.time[k];
@@ -176,16 +178,16 @@ fn replay(record: &Record, reference: &BTreeMap<String, f64>, change: bool, seed
                 &mut sensitivity,
                 &mut transition,
             );
-            for (state, density) in x.iter_mut().zip(file.process_noise.density) {
-                *state += (density * h).sqrt() * normal.next();
+            for (state, output) in x.iter_mut().zip(outputs) {
+                *state += (file.process_noise.density[output.index()] * h).sqrt() * normal.next();
             }
         }
     }
     let mut replayed = record.clone();
     replayed.source = "HFB-320 replayed in simulation".to_owned();
-    for output in Output::ALL {
+    for (output, values) in outputs.iter().zip(&simulated) {
         let channel = replayed.channels.iter_mut().find(|c| c.name == output.name()).unwrap();
-        channel.values.clone_from(&simulated[output.index()]);
+        channel.values.clone_from(values);
     }
     replayed
 }

@@ -3,9 +3,8 @@
 
 use phugoid_estimators::{LinearizedOutputs, LinearizedRates, Model};
 use phugoid_flight_dynamics::f16::{F16, F16Options};
-use phugoid_identification::longitudinal::{Database, LongitudinalInput, LongitudinalModel};
+use phugoid_identification::longitudinal::{Database, LongitudinalInput, LongitudinalModel, OUTPUTS, STATES};
 use phugoid_identification::model_file::ModelFile;
-use phugoid_identification::output::{OUTPUTS, STATES};
 use phugoid_identification::prepare::build;
 use proptest::prelude::*;
 

@@ -9,8 +9,7 @@ use phugoid_estimators::discretization::{self, InputHold, IntervalInput, Part};
 use phugoid_estimators::thesis::{SurfaceChannel, SurfaceDerivative, ThesisLaw, ThesisSettings};
 use phugoid_estimators::{Estimator, LinearizedOutputs, Model, Sample};
 use phugoid_flight_dynamics::f16::{F16, F16Options};
-use phugoid_identification::longitudinal::{Database, LongitudinalInput, LongitudinalModel};
-use phugoid_identification::output::{OUTPUTS, Output, STATES};
+use phugoid_identification::longitudinal::{Database, LongitudinalInput, LongitudinalModel, OUTPUTS, STATES, row};
 use phugoid_identification::term::{Coefficient, Term};
 use phugoid_identification::trim::{LevelTrim, TrimCondition, level_trim};
 
@@ -111,7 +110,7 @@ fn channel(state: usize, scale: f64, derivative: SurfaceDerivative) -> SurfaceCh
 
 #[test]
 fn each_of_the_four_coefficients_is_found_alone() {
-    let qdot = SurfaceDerivative::Output(Output::PitchAcceleration.index());
+    let qdot = SurfaceDerivative::Output(row::PITCH_ACCELERATION);
     let integrated = SurfaceDerivative::Integrated;
     // Coefficient, term, published size (its sign is lost), surface, lambda, eta. The law is as good as its eta is
     // chosen: with eta a hundred times smaller neither dCL_alpha nor dCD_alpha settles.

@@ -2,11 +2,11 @@
 //! against the Cramer-Rao bound.
 
 use phugoid_estimators::Model;
+use phugoid_identification::axes::Axes;
 use phugoid_identification::estimate::{EstimateError, EstimateOptions, estimate};
 use phugoid_identification::estimation::Estimation;
-use phugoid_identification::longitudinal::LongitudinalModel;
+use phugoid_identification::longitudinal::{LongitudinalModel, OUTPUTS, STATES};
 use phugoid_identification::model_file::{InputHold, ModelFile};
-use phugoid_identification::output::{OUTPUTS, Output, STATES};
 use phugoid_identification::prepare::prepare;
 use serde::Serialize;
 
@@ -160,9 +160,9 @@ pub fn bound(flight: &Flight, model: &ModelFile, at: &[f64]) -> Result<Vec<Bound
         }
     }
     let mut sigma = [f64::INFINITY; OUTPUTS];
-    for output in Output::ALL.into_iter().filter(|o| model.outputs[o.index()]) {
+    for (row, output) in Axes::Longitudinal.outputs().iter().enumerate().filter(|(_, o)| model.outputs[o.index()]) {
         match model.noise[output.index()] {
-            Some(noise) => sigma[output.index()] = noise,
+            Some(noise) => sigma[row] = noise,
             None => return unsuitable(&format!("the noise of `{}` is needed: give it under [noise]", output.name())),
         }
     }

@@ -2,8 +2,8 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use phugoid_estimators::{LinearizedRates, Model};
+use phugoid_identification::longitudinal::STATES;
 use phugoid_identification::model_file::ModelFile;
-use phugoid_identification::output::STATES;
 use phugoid_identification::prepare::prepare;
 use phugoid_studies::flight::fly;
 use phugoid_studies::published::THESIS_MODEL;

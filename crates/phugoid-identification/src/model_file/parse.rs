@@ -12,8 +12,9 @@ use super::{
     AirDensity, AircraftData, Base, ChannelMapping, EstimatorSettings, InputHold, ModelFile, ModelFileError, Parameter,
     ProcessNoise, RateSpeed, Reference, ReferenceValue, Role, Source, Thrust,
 };
-use crate::output::{OUTPUTS, Output, STATES};
-use crate::term::{Coefficient, EXTRA_INPUTS, Term, factor_names};
+use crate::axes::Axes;
+use crate::output::{CHANNELS as OUTPUT_CHANNELS, Output, STATE_CHANNELS};
+use crate::term::{Coefficient, EXTRA_INPUTS, Term, Variable};
 
 const TOP_KEYS: [&str; 15] = [
     "name",
@@ -35,11 +36,15 @@ const TOP_KEYS: [&str; 15] = [
 const MORE_TOP_KEYS: [&str; 3] = ["re_reaching", "expected", "estimator"];
 const ESTIMATOR_KEYS: [&str; 6] =
     ["reaching_limit", "rejection_scale", "prior_scale", "process_noise_scale", "adaptation_gain", "start_window"];
-const AIRCRAFT_KEYS: [&str; 11] = [
+const AIRCRAFT_KEYS: [&str; 15] = [
     "mass",
+    "ixx",
     "iyy",
+    "izz",
+    "ixz",
     "wing_area",
     "mean_chord",
+    "wing_span",
     "cg",
     "thrust",
     "thrust_inclination",
@@ -53,11 +58,18 @@ const PARAMETER_KEYS: [&str; 5] = ["start", "prior_std", "bounds", "change_std",
 /// file gives none.
 const F16_RANGES: [(&str, f64); 5] =
     [("dCm_alpha", 0.5), ("dCm_q", 6.0), ("dCL_alpha", 1.5), ("dCD_alpha", 0.5), ("dCm_elevator", 0.4)];
-/// Light Dryden turbulence (1.1 m/s) at the speed and altitude of the F-16 study, and a share of the pitch rate's own.
-const LIGHT_TURBULENCE: [f64; STATES] = [10.0 * 0.3048 * 0.3048, 3.4e-5, 0.0, 1e-6];
-/// Prior one sigma of the offsets in CL, CD and Cm.
-const OFFSET_STD: [(Coefficient, f64); 3] =
-    [(Coefficient::Lift, 0.025), (Coefficient::Drag, 0.01), (Coefficient::PitchingMoment, 0.01)];
+/// Light Dryden turbulence (1.1 m/s) at the speed and altitude of the F-16 study, and a share of the angular rates' own, by
+/// [`Output::index`]. Side gusts are as strong as vertical ones at that altitude.
+const LIGHT_TURBULENCE: [f64; STATE_CHANNELS] = [10.0 * 0.3048 * 0.3048, 3.4e-5, 3.4e-5, 0.0, 0.0, 1e-6, 1e-6, 1e-6];
+/// Prior one sigma of the offsets in the coefficients. Those of the lateral moments are the pitching moment's over the span.
+const OFFSET_STD: [(Coefficient, f64); 6] = [
+    (Coefficient::Lift, 0.025),
+    (Coefficient::Drag, 0.01),
+    (Coefficient::PitchingMoment, 0.01),
+    (Coefficient::SideForce, 0.01),
+    (Coefficient::RollingMoment, 0.004),
+    (Coefficient::YawingMoment, 0.004),
+];
 
 pub(super) fn parse(file: &str, text: &str) -> Result<ModelFile, ModelFileError> {
     let source = Text { file, text };
@@ -67,14 +79,14 @@ pub(super) fn parse(file: &str, text: &str) -> Result<ModelFile, ModelFileError>
     })?;
     let top = Section { source: &source, path: String::new(), table: document.get_ref(), span: 0..0 };
     top.allow("key", TOP_KEYS.iter().chain(&MORE_TOP_KEYS).copied())?;
-    check_axes(&top)?;
+    let axes = axes(&top)?;
 
     let base = match top.word("base", &["none", "f16"])? {
         Some("f16") => Base::F16,
         _ => Base::None,
     };
-    let extra_inputs = extra_inputs(&top)?;
-    let aircraft = aircraft(&top, base)?;
+    let extra_inputs = extra_inputs(&top, axes)?;
+    let aircraft = aircraft(&top, base, axes)?;
     let rate_speed = match top.word("rate_speed", &["actual", "reference"])? {
         Some("reference") => RateSpeed::Reference,
         _ => RateSpeed::Actual,
@@ -83,11 +95,12 @@ pub(super) fn parse(file: &str, text: &str) -> Result<ModelFile, ModelFileError>
         Some("interpolated") => InputHold::Interpolated,
         _ => InputHold::Held,
     };
-    let outputs = outputs(&top)?;
-    let parameters = parameters(&top, base, &extra_inputs, &outputs)?;
+    let outputs = outputs(&top, axes)?;
+    let parameters = parameters(&top, axes, base, &extra_inputs, &outputs)?;
     let model = ModelFile {
         source: file.to_owned(),
         name: top.string("name")?.unwrap_or(file).to_owned(),
+        axes,
         base,
         rate_speed,
         channels: channels(&top, &extra_inputs)?,
@@ -96,7 +109,7 @@ pub(super) fn parse(file: &str, text: &str) -> Result<ModelFile, ModelFileError>
         expected: expected(&top, &parameters)?,
         parameters,
         reference: reference(&top, base)?,
-        process_noise: process_noise(&top)?,
+        process_noise: process_noise(&top, axes)?,
         estimator: estimator(&top)?,
         input,
         re_reaching: top.boolean("re_reaching")?.unwrap_or(true),
@@ -107,22 +120,31 @@ pub(super) fn parse(file: &str, text: &str) -> Result<ModelFile, ModelFileError>
     Ok(model)
 }
 
-fn check_axes(top: &Section) -> Result<(), ModelFileError> {
-    let Some(axes) = top.strings("axes")? else { return Err(top.missing("axes", "axes = [\"longitudinal\"]")) };
-    for (axis, span) in &axes {
-        if *axis == "lateral" {
-            let message = "the lateral axes cannot be estimated yet: expected axes = [\"longitudinal\"]".to_owned();
-            return Err(top.source.error(span.clone(), "axes", message));
+fn axes(top: &Section) -> Result<Axes, ModelFileError> {
+    let Some(list) = top.strings("axes")? else { return Err(top.missing("axes", "axes = [\"longitudinal\"]")) };
+    let (mut longitudinal, mut lateral) = (false, false);
+    for (axis, span) in list {
+        match top.choose("axes", axis, span, &Axes::WORDS)? {
+            "lateral" => lateral = true,
+            _ => longitudinal = true,
         }
-        top.choose("axes", axis, span.clone(), &["longitudinal"])?;
     }
-    if axes.is_empty() { Err(top.error("axes", "no axes: expected axes = [\"longitudinal\"]")) } else { Ok(()) }
+    match (longitudinal, lateral) {
+        (true, false) => Ok(Axes::Longitudinal),
+        (false, true) => Ok(Axes::LateralDirectional),
+        (true, true) => Ok(Axes::All),
+        (false, false) => Err(top.error("axes", "no axes: expected axes = [\"longitudinal\"], [\"lateral\"] or both")),
+    }
+}
+
+/// The words of a model file for its axes, as it writes them.
+fn written(axes: Axes) -> String {
+    format!("axes = [{}]", axes.words().iter().map(|w| format!("\"{w}\"")).collect::<Vec<_>>().join(", "))
 }
 
 fn check_reference_speed(top: &Section, model: &ModelFile) -> Result<(), ModelFileError> {
-    let v_hat = factor_names(&[]).position(|n| n == "v_hat");
     let uses_v_hat = model.parameters.iter().any(|p| match &p.role {
-        Role::Term(_, term) => term.factors().iter().any(|(i, _)| Some(*i) == v_hat),
+        Role::Term(_, term) => term.factors().iter().any(|(i, _)| *i == Variable::Airspeed.index()),
         _ => false,
     });
     let needs_trim = model.aircraft.thrust == Thrust::Trim
@@ -150,13 +172,14 @@ fn check_reference_speed(top: &Section, model: &ModelFile) -> Result<(), ModelFi
     Ok(())
 }
 
-fn extra_inputs(top: &Section) -> Result<Vec<String>, ModelFileError> {
+fn extra_inputs(top: &Section, axes: Axes) -> Result<Vec<String>, ModelFileError> {
     let mut names: Vec<String> = Vec::new();
     for (name, span) in top.strings("inputs")?.unwrap_or_default() {
         if names.len() == EXTRA_INPUTS {
             return Err(top.source.error(span, "inputs", format!("more than {EXTRA_INPUTS} extra inputs")));
         }
-        if factor_names(&names).chain(["1"]).any(|n| n == name) {
+        let known = || axes.variables().iter().map(|v| v.name()).chain(names.iter().map(String::as_str));
+        if known().chain(["1"]).any(|n| n == name) {
             let message = format!("`{name}` is a variable already: extra inputs need names of their own");
             return Err(top.source.error(span, "inputs", message));
         }
@@ -189,7 +212,7 @@ fn required_source(section: &Section, key: &str, dimension: Dimension) -> Result
     }
 }
 
-fn aircraft(top: &Section, base: Base) -> Result<AircraftData, ModelFileError> {
+fn aircraft(top: &Section, base: Base, axes: Axes) -> Result<AircraftData, ModelFileError> {
     let section = top.section("aircraft")?.ok_or_else(|| top.missing("aircraft", "a table [aircraft]"))?;
     section.allow("key", AIRCRAFT_KEYS.iter().copied())?;
     let text = |key: &str| section.get(key).and_then(|v| v.get_ref().as_str());
@@ -218,7 +241,39 @@ fn aircraft(top: &Section, base: Base) -> Result<AircraftData, ModelFileError> {
     if base != Base::None && cg.is_none() {
         return Err(section.missing("cg", "the centre of gravity as a fraction of the mean chord, for the database"));
     }
+    // What only the lateral axes need may be there for all: one description of the aircraft serves every file.
+    let lateral = |key: &str, found: bool, expected: &str| {
+        if found || !axes.has_lateral() {
+            return Ok(());
+        }
+        Err(section.missing(key, &format!("{expected}, for the lateral axes ({})", written(axes))))
+    };
+    let wing_span = section.positive("wing_span", Dimension::LENGTH)?;
+    lateral("wing_span", wing_span.is_some(), "the span in m or with a unit")?;
+    let inertia = |key: &str| -> Result<Option<Source>, ModelFileError> {
+        let found = source_of(&section, key, Dimension::INERTIA)?;
+        if let Some(Source::Constant(v)) = found
+            && v <= 0.0
+            && key != "ixz"
+        {
+            return Err(section.error(key, format!("`{key}` is {v}: expected more than zero")));
+        }
+        let expected = format!("a quantity in kg*m^2, or {{ channel = \"{key}\" }}");
+        lateral(key, found.is_some(), &expected)?;
+        Ok(found)
+    };
+    let (ixx, izz, ixz) = (inertia("ixx")?, inertia("izz")?, inertia("ixz")?);
+    if let (Some(Source::Constant(x)), Some(Source::Constant(z)), Some(Source::Constant(xz))) = (&ixx, &izz, &ixz)
+        && xz * xz >= x * z
+    {
+        let message = format!("`ixz` is {xz}: its square must be below ixx izz = {}", x * z);
+        return Err(section.error("ixz", message));
+    }
     Ok(AircraftData {
+        ixx,
+        izz,
+        ixz,
+        wing_span,
         mass: required_source(&section, "mass", Dimension::MASS)?,
         iyy: required_source(&section, "iyy", Dimension::INERTIA)?,
         wing_area: section.required_positive("wing_area", Dimension::AREA)?,
@@ -234,21 +289,33 @@ fn aircraft(top: &Section, base: Base) -> Result<AircraftData, ModelFileError> {
 }
 
 /// Channels that a model can use; only these can be mapped.
-pub(crate) const CHANNELS: [&str; 16] = [
+pub(crate) const CHANNELS: [&str; 28] = [
     "time",
     "true_airspeed",
     "alpha",
+    "beta",
+    "phi",
     "theta",
+    "p",
     "q",
+    "r",
     "ax",
+    "ay",
     "az",
+    "pdot",
     "qdot",
+    "rdot",
     "elevator",
+    "aileron",
+    "rudder",
     "thrust",
     "altitude",
     "air_density",
     "mass",
+    "ixx",
     "iyy",
+    "izz",
+    "ixz",
     "dynamic_pressure",
     "throttle",
 ];
@@ -280,22 +347,30 @@ fn channels(top: &Section, extra: &[String]) -> Result<BTreeMap<String, ChannelM
     Ok(channels)
 }
 
-fn outputs(top: &Section) -> Result<[bool; OUTPUTS], ModelFileError> {
+fn outputs(top: &Section, axes: Axes) -> Result<[bool; OUTPUT_CHANNELS], ModelFileError> {
+    let mut outputs = [false; OUTPUT_CHANNELS];
     let Some(list) = top.strings("outputs")? else {
-        // The six that the longitudinal motion is usually measured by; the pitch acceleration only on request.
-        let mut standard = [true; OUTPUTS];
-        standard[Output::PitchAcceleration.index()] = false;
-        return Ok(standard);
+        // What the motion is usually measured by; angular accelerations only on request.
+        for output in axes.outputs().iter().filter(|o| !o.is_angular_acceleration()) {
+            outputs[output.index()] = true;
+        }
+        return Ok(outputs);
     };
-    let mut outputs = [false; OUTPUTS];
+    let names: Vec<&'static str> = axes.outputs().iter().map(|o| o.name()).collect();
     for (name, span) in list {
-        let name = top.choose("outputs", name, span, &Output::NAMES)?;
+        if let Some(other) = Output::from_name(name)
+            && axes.row(other).is_none()
+        {
+            let message = format!("`{name}` is no output of the {} motion: {}", axes.name(), other_axes(axes));
+            return Err(top.source.error(span, "outputs", message));
+        }
+        let name = top.choose("outputs", name, span, &names)?;
         if let Some(output) = Output::from_name(name) {
             outputs[output.index()] = true;
         }
     }
     // The state is started from its own measurements.
-    for state in &Output::ALL[..STATES] {
+    for state in axes.states() {
         if !outputs[state.index()] {
             return Err(
                 top.error("outputs", format!("`{}` must be measured: the model is started from it", state.name()))
@@ -305,8 +380,13 @@ fn outputs(top: &Section) -> Result<[bool; OUTPUTS], ModelFileError> {
     Ok(outputs)
 }
 
-fn noise(top: &Section, outputs: &[bool; OUTPUTS]) -> Result<[Option<f64>; OUTPUTS], ModelFileError> {
-    let mut noise = [None; OUTPUTS];
+/// What to do about something that belongs to the other axes.
+fn other_axes(axes: Axes) -> String {
+    format!("write axes = [\"longitudinal\", \"lateral\"] for both (the file has {}), or take it out", written(axes))
+}
+
+fn noise(top: &Section, outputs: &[bool; OUTPUT_CHANNELS]) -> Result<[Option<f64>; OUTPUT_CHANNELS], ModelFileError> {
+    let mut noise = [None; OUTPUT_CHANNELS];
     let Some(section) = top.section("noise")? else { return Ok(noise) };
     let measured: Vec<&str> = Output::ALL.iter().filter(|o| outputs[o.index()]).map(|o| o.name()).collect();
     section.allow("output", measured.iter().copied())?;
@@ -320,15 +400,18 @@ fn noise(top: &Section, outputs: &[bool; OUTPUTS]) -> Result<[Option<f64>; OUTPU
     Ok(noise)
 }
 
-fn process_noise(top: &Section) -> Result<ProcessNoise, ModelFileError> {
+fn process_noise(top: &Section, axes: Axes) -> Result<ProcessNoise, ModelFileError> {
     let Some(section) = top.section("process_noise")? else {
         return Ok(ProcessNoise { density: LIGHT_TURBULENCE, adaptive: true });
     };
-    section.allow("key", ["true_airspeed", "alpha", "theta", "q", "adaptive"].into_iter())?;
-    let dimensions =
-        [Dimension::SPEED_NOISE, Dimension::ANGLE_NOISE, Dimension::ANGLE_NOISE, Dimension::ANGULAR_RATE_NOISE];
-    let mut density = [0.0; STATES];
-    for ((slot, output), dimension) in density.iter_mut().zip(Output::ALL).zip(dimensions) {
+    section.allow("key", axes.states().iter().map(|o| o.name()).chain(["adaptive"]))?;
+    let mut density = [0.0; STATE_CHANNELS];
+    for (slot, output) in density.iter_mut().zip(Output::ALL) {
+        let dimension = match output {
+            Output::TrueAirspeed => Dimension::SPEED_NOISE,
+            Output::RollRate | Output::PitchRate | Output::YawRate => Dimension::ANGULAR_RATE_NOISE,
+            _ => Dimension::ANGLE_NOISE,
+        };
         *slot = section.number(output.name(), dimension)?.unwrap_or(0.0);
         if *slot < 0.0 {
             return Err(section.error(output.name(), format!("`{}` is negative", output.name())));
@@ -357,9 +440,11 @@ fn estimator(top: &Section) -> Result<EstimatorSettings, ModelFileError> {
 fn reference(top: &Section, base: Base) -> Result<Reference, ModelFileError> {
     let standard = if base == Base::None { ReferenceValue::Given(0.0) } else { ReferenceValue::Trim };
     let Some(section) = top.section("reference")? else {
-        return Ok(Reference { alpha: standard, elevator: standard, altitude: None });
+        let symmetric = ReferenceValue::Given(0.0);
+        let (aileron, rudder) = (symmetric, symmetric);
+        return Ok(Reference { alpha: standard, elevator: standard, aileron, rudder, altitude: None });
     };
-    section.allow("key", ["alpha", "elevator", "altitude"].into_iter())?;
+    section.allow("key", ["alpha", "elevator", "aileron", "rudder", "altitude"].into_iter())?;
     let value = |key: &str| -> Result<ReferenceValue, ModelFileError> {
         match section.get(key).and_then(|v| v.get_ref().as_str()) {
             Some("trim") if base == Base::None => {
@@ -370,18 +455,45 @@ fn reference(top: &Section, base: Base) -> Result<Reference, ModelFileError> {
             _ => Ok(section.number(key, Dimension::ANGLE)?.map_or(standard, ReferenceValue::Given)),
         }
     };
+    // The trim of a database is symmetric.
+    let lateral = |key: &str| match value(key)? {
+        ReferenceValue::Trim => Ok(ReferenceValue::Given(0.0)),
+        other => Ok(other),
+    };
     Ok(Reference {
         alpha: value("alpha")?,
         elevator: value("elevator")?,
+        aileron: lateral("aileron")?,
+        rudder: lateral("rudder")?,
         altitude: section.number("altitude", Dimension::LENGTH)?,
+    })
+}
+
+/// Refuses a flight variable that the motion cannot evaluate.
+fn check_variables(term: &Term, axes: Axes) -> Result<(), String> {
+    let variables = term.factors().iter().filter_map(|(index, _)| Variable::ALL.get(*index));
+    let Some(foreign) = variables.into_iter().find(|v| !axes.variables().contains(v)) else { return Ok(()) };
+    let name = foreign.name();
+    Err(if *foreign == Variable::AlphaRate {
+        format!(
+            "`{name}` is not one of the variables that can be estimated: leave it out. The coefficient of `q_hat` is then \
+             the effective derivative, that with respect to q and to the rate of alpha together"
+        )
+    } else {
+        format!(
+            "`{name}` is no variable of the {} motion: {}; a recorded channel of this name may stand under inputs",
+            axes.name(),
+            other_axes(axes)
+        )
     })
 }
 
 fn parameters(
     top: &Section,
+    axes: Axes,
     base: Base,
     extra: &[String],
-    outputs: &[bool; OUTPUTS],
+    outputs: &[bool; OUTPUT_CHANNELS],
 ) -> Result<Vec<Parameter>, ModelFileError> {
     let coefficients =
         top.section("coefficients")?.ok_or_else(|| top.missing("coefficients", "a table [coefficients]"))?;
@@ -391,9 +503,14 @@ fn parameters(
     let mut wanted = Vec::new();
     for (symbol, _) in coefficients.keys() {
         let Some(coefficient) = Coefficient::ALL.into_iter().find(|c| c.symbol() == symbol) else { continue };
+        if !axes.coefficients().contains(&coefficient) {
+            let message = format!("`{symbol}` is no coefficient of the {} motion: {}", axes.name(), other_axes(axes));
+            return Err(coefficients.error(symbol, message));
+        }
         for (text, span) in coefficients.strings(symbol)?.unwrap_or_default() {
             let path = format!("coefficients.{symbol}");
             let term = Term::parse(text, extra).map_err(|message| top.source.error(span.clone(), &path, message))?;
+            check_variables(&term, axes).map_err(|message| top.source.error(span.clone(), &path, message))?;
             let name = term.parameter_name(coefficient, base != Base::None, extra);
             if wanted.iter().any(|(n, _)| *n == name) {
                 return Err(top.source.error(span, &path, format!("term `{text}` is there twice")));
@@ -405,7 +522,7 @@ fn parameters(
         return Err(coefficients.missing("CL", "at least one term, such as Cm = [\"alpha\", \"q_hat\"]"));
     }
     if coefficients.boolean("offsets")?.unwrap_or(false) {
-        for (coefficient, _) in OFFSET_STD {
+        for coefficient in axes.coefficients().iter().copied() {
             // A coefficient with a constant term of its own needs no other one.
             let own = |r: &Role| matches!(r, Role::Term(c, term) if *c == coefficient && term.is_constant());
             if !wanted.iter().any(|(_, role)| own(role)) {
@@ -418,7 +535,7 @@ fn parameters(
     if let Some(priors) = &priors {
         priors.allow("parameter", names.iter().map(String::as_str))?;
     }
-    let mut parameters = Vec::with_capacity(wanted.len() + OUTPUTS);
+    let mut parameters = Vec::with_capacity(wanted.len() + OUTPUT_CHANNELS);
     for (name, role) in wanted {
         let section = match &priors {
             Some(priors) => priors.section(&name)?,

@@ -1,10 +1,10 @@
 //! The numbers do not depend on the room that the estimator was compiled with.
 
 use super::{CAPACITY, ColumnRun, MIDDLE_ROOM, Run, SMALL_ROOM, run_in_room};
+use crate::longitudinal::OUTPUTS;
 use crate::model_file::ModelFile;
 use crate::noise::NoiseLevel;
 use crate::options::EstimateOptions;
-use crate::output::OUTPUTS;
 use crate::prepare::prepare;
 
 #[path = "../../tests/common/mod.rs"]

@@ -57,9 +57,8 @@ pub(crate) mod f16 {
     use phugoid_estimators::discretization::{self, InputHold, IntervalInput, Part};
     use phugoid_estimators::{LinearizedOutputs, Model};
     use phugoid_flight_data::record::{Channel, Quantity, Record};
-    use phugoid_identification::longitudinal::LongitudinalInput;
+    use phugoid_identification::longitudinal::{LongitudinalInput, OUTPUTS, STATES};
     use phugoid_identification::model_file::ModelFile;
-    use phugoid_identification::output::{OUTPUTS, STATES};
     use phugoid_identification::prepare::prepare;
 
     use super::Normal;

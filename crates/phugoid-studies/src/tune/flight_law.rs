@@ -2,8 +2,7 @@
 
 use phugoid_estimators::thesis::ThesisForm;
 use phugoid_estimators::{LinearizedRates, Model};
-use phugoid_identification::longitudinal::LongitudinalModel;
-use phugoid_identification::output::{OUTPUTS, STATES};
+use phugoid_identification::longitudinal::{LongitudinalModel, OUTPUTS, STATES};
 
 use super::plant_law::{Point, summary};
 use super::rule::Expected;

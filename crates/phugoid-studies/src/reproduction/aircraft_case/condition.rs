@@ -2,7 +2,7 @@
 
 use phugoid_estimators::thesis::{Diagnostics, Evaluation, ThesisForm};
 use phugoid_estimators::{LinearizedRates, Model};
-use phugoid_identification::output::STATES;
+use phugoid_identification::longitudinal::STATES;
 
 use super::case::{AircraftCase, PARAMETERS};
 use super::law::{LawForm, LawSettings, Surface};

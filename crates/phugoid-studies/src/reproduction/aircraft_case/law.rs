@@ -5,8 +5,7 @@ use phugoid_estimators::thesis::{
     Diagnostics, Evaluation, SurfaceChannel, SurfaceDerivative, ThesisForm, ThesisLaw, ThesisSettings,
 };
 use phugoid_estimators::{Estimator, Sample};
-use phugoid_identification::longitudinal::LongitudinalInput;
-use phugoid_identification::output::STATES;
+use phugoid_identification::longitudinal::{LongitudinalInput, STATES};
 
 use super::case::PARAMETERS;
 use super::method::{MethodRun, ParameterRun, STEP_S};

@@ -3,8 +3,8 @@
 use phugoid_estimators::discretization::{InputHold, IntervalInput, simulate};
 use phugoid_estimators::thesis::{Diagnostics, Evaluation, ThesisForm};
 use phugoid_identification::estimate::{EstimateOptions, estimate};
+use phugoid_identification::longitudinal::STATES;
 use phugoid_identification::model_file::ModelFile;
-use phugoid_identification::output::STATES;
 
 use super::case::{AircraftCase, ParameterSettings};
 use super::law::{LawForm, LawSettings, Surface, run_laws};

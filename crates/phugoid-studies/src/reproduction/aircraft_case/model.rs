@@ -1,7 +1,8 @@
 //! What the estimators know of the aircraft of a case.
 
+use phugoid_flight_dynamics::sensors::SensorSpecification;
 use phugoid_identification::model_file::ModelFile;
-use phugoid_identification::output::{OUTPUTS, Output};
+use phugoid_identification::output::{CHANNELS, Output};
 
 use super::case::AircraftCase;
 use crate::accuracy::StudyError;
@@ -36,18 +37,25 @@ pub fn model_file(case: &AircraftCase) -> Result<ModelFile, StudyError> {
     Ok(model)
 }
 
-/// One-sigma noise of the scenario's sensors, quantisation included, SI, in the order of the model's outputs.
-pub(in crate::reproduction) fn sensor_noise(scenario: &Scenario) -> [f64; OUTPUTS] {
+/// One-sigma noise of the scenario's sensors, quantisation included, SI, by [`Output::index`].
+pub(in crate::reproduction) fn sensor_noise(scenario: &Scenario) -> [f64; CHANNELS] {
     let sensors = &scenario.sensors;
     Output::ALL.map(|output| {
         let sensor = match output {
             Output::TrueAirspeed => sensors.true_airspeed.specification(),
             Output::Alpha => sensors.alpha.specification(),
+            Output::Beta => sensors.beta.specification(),
+            Output::Phi => sensors.phi.specification(),
             Output::Theta => sensors.theta.specification(),
+            Output::RollRate => sensors.p.specification(),
             Output::PitchRate => sensors.q.specification(),
+            Output::YawRate => sensors.r.specification(),
             Output::Ax => sensors.ax.specification(),
+            Output::Ay => sensors.ay.specification(),
             Output::Az => sensors.az.specification(),
             Output::PitchAcceleration => sensors.qdot.map(|sensor| sensor.specification()).unwrap_or_default(),
+            // No scenario has a sensor of these.
+            Output::RollAcceleration | Output::YawAcceleration => SensorSpecification::default(),
         };
         // Rounding to steps of d has a variance of d^2/12.
         sensor.noise.hypot(sensor.quantisation / 12.0_f64.sqrt())

@@ -1,7 +1,7 @@
 //! What one surface says of two coefficients.
 
 use phugoid_estimators::{LinearizedRates, Model};
-use phugoid_identification::output::STATES;
+use phugoid_identification::longitudinal::STATES;
 
 use super::case::AircraftCase;
 use super::reference::Reference;

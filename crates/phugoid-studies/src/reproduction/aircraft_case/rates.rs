@@ -1,8 +1,7 @@
 //! The longitudinal motion with its rates among the outputs.
 
 use phugoid_estimators::{LinearizedOutputs, LinearizedRates, Model};
-use phugoid_identification::longitudinal::{LongitudinalInput, LongitudinalModel};
-use phugoid_identification::output::STATES;
+use phugoid_identification::longitudinal::{LongitudinalInput, LongitudinalModel, STATES};
 
 /// Outputs of [`WithRates`]: V, alpha, theta, q (SI), then their rates in the same order.
 pub(super) const OUTPUTS_WITH_RATES: usize = 2 * STATES;

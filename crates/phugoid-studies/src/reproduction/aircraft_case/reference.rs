@@ -1,9 +1,8 @@
 //! The reference aircraft as the estimators see it: inputs, outputs and rates by sample.
 
 use phugoid_flight_data::record::Record;
-use phugoid_identification::longitudinal::{LongitudinalInput, LongitudinalModel};
+use phugoid_identification::longitudinal::{LongitudinalInput, LongitudinalModel, OUTPUTS, STATES};
 use phugoid_identification::model_file::{ModelFile, Parameter, Role};
-use phugoid_identification::output::{OUTPUTS, STATES};
 use phugoid_identification::prepare::prepare;
 
 use crate::accuracy::StudyError;

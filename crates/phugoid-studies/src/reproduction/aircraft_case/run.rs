@@ -2,7 +2,7 @@
 
 use phugoid_estimators::{LinearizedRates, Model};
 use phugoid_flight_dynamics::modes::{ModeName, longitudinal_modes};
-use phugoid_identification::output::STATES;
+use phugoid_identification::longitudinal::STATES;
 use rayon::prelude::*;
 
 use super::case::AircraftCase;

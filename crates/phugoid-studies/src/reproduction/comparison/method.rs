@@ -6,9 +6,9 @@ use phugoid_estimators::thesis::{SurfaceChannel, SurfaceDerivative, ThesisLaw, T
 use phugoid_estimators::{Estimator, Sample};
 use phugoid_flight_data::record::Record;
 use phugoid_identification::estimate::{EstimateOptions, estimate};
-use phugoid_identification::longitudinal::{LongitudinalInput, LongitudinalModel};
+use phugoid_identification::longitudinal::{LongitudinalInput, LongitudinalModel, OUTPUTS, STATES, row};
 use phugoid_identification::model_file::ModelFile;
-use phugoid_identification::output::{OUTPUTS, Output, STATES};
+use phugoid_identification::output::Output;
 use phugoid_identification::prepare::{Prepared, prepare};
 
 use super::case::{ComparisonCase, UNKNOWN};
@@ -157,7 +157,7 @@ impl Flown {
     pub fn signals(&self) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
         let prepared = &self.prepared;
         let elevator = prepared.inputs.iter().map(|input| input.elevator).collect();
-        let q = prepared.outputs.iter().map(|y| y[Output::PitchRate.index()]).collect();
+        let q = prepared.outputs.iter().map(|y| y[row::PITCH_RATE]).collect();
         (prepared.time.clone(), elevator, q)
     }
 }
@@ -201,7 +201,7 @@ impl<'a> Setting<'a> {
         let mut setting = Self { case, model, model_with_acceleration, pitch_rate: f64::NAN };
         let first = case.comparison.training.first().copied().unwrap_or(f64::NAN);
         let flown = setting.fly(first, case.scenario.seed)?;
-        let q = flown.prepared.outputs.iter().map(|y| y[Output::PitchRate.index()]).filter(|q| q.is_finite());
+        let q = flown.prepared.outputs.iter().map(|y| y[row::PITCH_RATE]).filter(|q| q.is_finite());
         let (sum, count) = q.fold((0.0, 0usize), |(sum, count), q| (sum + q * q, count + 1));
         setting.pitch_rate = (sum / count as f64).sqrt();
         if setting.pitch_rate.is_nan() || setting.pitch_rate <= 0.0 {
@@ -250,9 +250,9 @@ impl<'a> Setting<'a> {
 
     /// The sums over p, q, r of the laws: in wings-level flight with the elevator alone p and r stay at zero.
     fn channel(&self, flown: &Flown) -> SurfaceChannel {
-        let q = Output::PitchRate.index();
+        let q = row::PITCH_RATE;
         let derivative = match flown.has_acceleration {
-            true => SurfaceDerivative::Output(Output::PitchAcceleration.index()),
+            true => SurfaceDerivative::Output(row::PITCH_ACCELERATION),
             false => SurfaceDerivative::Integrated,
         };
         SurfaceChannel { state: q, output: q, scale: self.pitch_rate, derivative }
