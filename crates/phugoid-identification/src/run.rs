@@ -254,10 +254,10 @@ pub(crate) fn smpe_settings<const ROOM: usize>(
     settings.input_hold = InputHold::Linear;
     let mut biases = [0.0; OUTPUTS];
     for parameter in file.estimated() {
-        if let Role::Bias(output) = parameter.role {
-            if let Some(row) = Axes::Longitudinal.row(output) {
-                biases[row] = parameter.prior_std;
-            }
+        if let Role::Bias(output) = parameter.role
+            && let Some(row) = Axes::Longitudinal.row(output)
+        {
+            biases[row] = parameter.prior_std;
         }
     }
     settings = settings.with_biases(biases);
