@@ -18,6 +18,10 @@
 //! | [`health`] | the estimate against what is expected: a flag with a stated false-alarm rate, and the onset |
 //! | [`thesis`] | the one-parameter energy-surface law it grew from |
 //! | [`model_reference`] | the model-reference estimator that it was compared with, printed and textbook forms |
+//! | [`rls`] | recursive least squares with forgetting, on a regression without derivatives |
+//! | [`fourier`] | recursive Fourier-transform regression with the end-point term |
+//! | [`implicit_sign`], [`super_twisting`] | sliding laws on the same regression, for teaching |
+//! | [`regression`] | what the regression methods share: equations, filters, and where the states come from |
 //! | [`discretization`] | the RK4 step map of a model with its exact derivatives |
 //! | [`ud`] | covariances as `U D U^T`, positive definite by construction |
 //! | [`verdict`] | may a parameter be believed now: excitation, collinearity, convergence, whiteness |
@@ -32,13 +36,18 @@
 mod dense;
 pub mod discretization;
 mod estimate;
+pub mod fourier;
 pub mod health;
+pub mod implicit_sign;
 mod kernels;
 mod model;
 pub mod model_reference;
 pub mod noise;
 pub mod plants;
+pub mod regression;
+pub mod rls;
 pub mod smpe;
+pub mod super_twisting;
 pub mod thesis;
 pub mod ud;
 pub mod verdict;

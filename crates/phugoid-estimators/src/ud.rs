@@ -117,6 +117,13 @@ impl<const CAPACITY: usize> Ud<CAPACITY> {
         b
     }
 
+    /// `C <- c C`, `c > 0`. Any other factor is ignored.
+    pub fn scale(&mut self, c: f64) {
+        if c > 0.0 && c.is_finite() {
+            self.diagonal.iter_mut().for_each(|d| *d *= c);
+        }
+    }
+
     /// Agee and Turner's rank-one increase `C <- C + c a a^T`, `c >= 0`. A negative or non-finite `c` is ignored.
     pub fn add_rank_one(&mut self, c: f64, a: &[f64; CAPACITY]) {
         if !(c > 0.0 && c.is_finite()) {

@@ -36,6 +36,13 @@ impl<const P: usize> Colour<P> {
         add_scaled(&mut self.block, xi, psi);
     }
 
+    /// Lets what was collected fade by `factor`, as a forgetting estimator's scores do.
+    pub(crate) fn fade(&mut self, factor: f64) {
+        if factor < 1.0 {
+            self.scatter.iter_mut().flatten().for_each(|s| *s *= factor);
+        }
+    }
+
     /// Ends the running block.
     pub(crate) fn close_block(&mut self, covariance: &Ud<P>) {
         let p = covariance.len().min(P);

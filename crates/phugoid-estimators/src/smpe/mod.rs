@@ -55,10 +55,10 @@
 
 mod challenge;
 mod change;
-mod colour;
+pub(crate) mod colour;
 pub(crate) mod columns;
 mod reopen;
-mod settings;
+pub(crate) mod settings;
 pub(crate) mod slot;
 pub(crate) mod start;
 

@@ -1,0 +1,109 @@
+//! Teaching mode: the sliding law with a sign on a least-squares surface.
+//!
+//! The surface of parameter `i` is `s_i = theta_LS,i - theta_i`, the law `theta_i' = K R_i sgn(s_i)`, its sign evaluated implicitly:
+//!
+//! ```text
+//! theta_i <- theta_i + clip(s_i, +- h K R_i)
+//! ```
+//!
+//! It cannot chatter, it reaches in finite time, and it moves a parameter through its half range in `1/K` seconds at most.
+//! **What it is:** recursive least squares with a limited rate. Once the surface is reached the two are equal, so its accuracy is
+//! that of [`rls`](crate::rls), a multiple of the Cramer-Rao bound. While it is not reached its distance is part of the bounds.
+
+use crate::estimate::{Estimate, Estimator, Inspect};
+use crate::model::{Model, Sample};
+use crate::regression::{RegressionSettings, StateSource, Taken};
+use crate::rls::RecursiveLeastSquares;
+use crate::smpe::{Innovations, SmpeError};
+
+/// The implicit-sign law; type parameters as [`RecursiveLeastSquares`].
+pub struct ImplicitSign<M, S, const N: usize, const R: usize, const P: usize>
+where
+    M: Model<N, R, P>,
+{
+    least_squares: RecursiveLeastSquares<M, S, N, R, P>,
+    theta: [f64; P],
+    surfaces: [f64; P],
+    reaching_rate: f64,
+}
+
+impl<M, S, const N: usize, const R: usize, const P: usize> ImplicitSign<M, S, N, R, P>
+where
+    M: Model<N, R, P>,
+    S: StateSource<M::Input, N, R>,
+{
+    /// Sets it up. `reaching_rate` is `K`, half ranges per second: 2 is the rule. The half range is twice the prior standard
+    /// deviation.
+    ///
+    /// # Errors
+    /// [`SmpeError`]: what cannot be, and which.
+    pub fn new(
+        model: M,
+        source: S,
+        settings: RegressionSettings<N, R, P>,
+        reaching_rate: f64,
+    ) -> Result<Self, SmpeError> {
+        if !(reaching_rate > 0.0 && reaching_rate.is_finite()) {
+            return Err(SmpeError::Setting { name: "reaching_rate", value: reaching_rate });
+        }
+        let least_squares = RecursiveLeastSquares::new(model, source, settings)?;
+        Ok(Self { theta: *least_squares.parameters(), surfaces: [0.0; P], least_squares, reaching_rate })
+    }
+
+    /// The estimate that holds after the last sample.
+    pub fn estimate(&self) -> Estimate<P> {
+        self.least_squares.estimate_of(&self.theta)
+    }
+}
+
+impl<M, S, const N: usize, const R: usize, const P: usize> Estimator<R, P> for ImplicitSign<M, S, N, R, P>
+where
+    M: Model<N, R, P>,
+    S: StateSource<M::Input, N, R>,
+{
+    type Input = M::Input;
+
+    fn update(&mut self, sample: &Sample<Self::Input, R>) -> Estimate<P> {
+        if self.least_squares.update_with(sample, |_| {}) == Taken::Next {
+            let flow = self.least_squares.flow();
+            let reach = flow.interval_s * self.reaching_rate;
+            for j in 0..flow.columns.count {
+                let limit = reach * 2.0 * flow.columns.sd[j];
+                self.surfaces[j] = self.least_squares.parameters()[j] - self.theta[j];
+                self.theta[j] += self.surfaces[j].clamp(-limit, limit);
+            }
+        }
+        self.estimate()
+    }
+
+    /// Of the least squares that it follows.
+    fn covariance(&self, out: &mut [[f64; P]; P]) {
+        self.least_squares.covariance(out);
+    }
+}
+
+impl<M, S, const N: usize, const R: usize, const P: usize> Inspect<R, P> for ImplicitSign<M, S, N, R, P>
+where
+    M: Model<N, R, P>,
+    S: StateSource<M::Input, N, R>,
+{
+    fn column_count(&self) -> usize {
+        self.least_squares.column_count()
+    }
+
+    fn prior_sd(&self) -> &[f64; P] {
+        self.least_squares.prior_sd()
+    }
+
+    fn innovations(&self) -> &Innovations<R> {
+        self.least_squares.innovations()
+    }
+
+    fn surfaces(&self) -> [f64; P] {
+        self.surfaces
+    }
+
+    fn restarts(&self) -> u32 {
+        self.least_squares.restarts()
+    }
+}

@@ -1,0 +1,66 @@
+//! What a regression says after each sample.
+
+use super::settings::RegressionSettings;
+use crate::estimate::{Estimate, ParameterStatus, Phase, Status};
+use crate::smpe::columns::Columns;
+
+/// As the flagship's.
+const EXCITED: f64 = 0.5;
+const CONVERGED: f64 = 0.1;
+
+/// Parameters, scaled variances and their corrections, of which an [`Estimate`] is made.
+pub(crate) struct Claim<'a, const P: usize> {
+    pub(crate) time_s: f64,
+    pub(crate) phase: Phase,
+    pub(crate) theta: &'a [f64; P],
+    /// Over the prior variance.
+    pub(crate) variances: &'a [f64; P],
+    /// Corrected variance over the claimed one, at least one.
+    pub(crate) inflation: &'a [f64; P],
+    /// Distance between the estimate shown and the one that the variances belong to, parameter units.
+    pub(crate) distance: &'a [f64; P],
+}
+
+impl<const P: usize> Claim<'_, P> {
+    pub(crate) fn estimate<const N: usize, const R: usize>(
+        &self,
+        settings: &RegressionSettings<N, R, P>,
+        columns: &Columns<N, R, P>,
+    ) -> Estimate<P> {
+        let mut estimate = Estimate {
+            time_s: self.time_s,
+            parameters: *self.theta,
+            std_error: [0.0; P],
+            corrected_std_error: [0.0; P],
+            observability: [0.0; P],
+            parameter_status: [ParameterStatus::NotExcited; P],
+            status: Status { phase: self.phase, ..Status::default() },
+        };
+        for j in 0..columns.count {
+            let sd = columns.sd[j];
+            let variance = self.variances[j];
+            let distance = self.distance[j] * self.distance[j];
+            let corrected = libm::sqrt(sd * sd * variance * self.inflation[j] + distance);
+            estimate.std_error[j] = libm::sqrt(sd * sd * variance + distance);
+            estimate.corrected_std_error[j] = corrected;
+            estimate.observability[j] = if sd > 0.0 { (1.0 - variance).clamp(0.0, 1.0) } else { 0.0 };
+            let theta = self.theta[j];
+            let limited = j < columns.own && {
+                let prior = &settings.common.priors[j];
+                theta - 2.0 * corrected > prior.upper
+                    || theta + 2.0 * corrected < prior.lower
+                    || prior.sd > 0.0 && (theta <= columns.clip_low[j] || theta >= columns.clip_high[j])
+            };
+            estimate.parameter_status[j] = if estimate.observability[j] < EXCITED {
+                ParameterStatus::NotExcited
+            } else if limited {
+                ParameterStatus::AtLimit
+            } else if corrected <= CONVERGED * sd {
+                ParameterStatus::Converged
+            } else {
+                ParameterStatus::Improving
+            };
+        }
+        estimate
+    }
+}

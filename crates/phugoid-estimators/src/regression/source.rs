@@ -1,0 +1,64 @@
+//! Where the regressors' states come from.
+
+use crate::model::{Model, Sample};
+
+/// One interval with the frame at its end, as a state source sees it.
+#[derive(Clone, Copy, Debug)]
+pub struct SourceStep<'a, I, const N: usize, const R: usize> {
+    /// Length of the interval since the last frame, s; positive.
+    pub interval_s: f64,
+    /// Known input that was applied at the start of the interval.
+    pub input_before: &'a I,
+    /// Known input that was applied up to its end (left limit).
+    pub input_after: &'a I,
+    /// Measured outputs at the end; NaN where missing or taken for an outlier.
+    pub outputs: &'a [f64; R],
+    /// The model's state at the end, from the source's last state and the present parameters.
+    pub predicted_state: &'a [f64; N],
+    /// The model's outputs there. They may stand in for measurements that are missing.
+    pub predicted_outputs: &'a [f64; R],
+}
+
+/// Gives the states at which a regression evaluates its regressors.
+///
+/// Regressors that carry measurement noise bias a regression (errors in variables: dCL_alpha of the F-16 by -6 % from
+/// the raw vane of 0.1 deg), so the states should be smoother than their measurements. How that can be done without the
+/// unknown parameters depends on the plant: [`MeasuredStates`] does not try.
+///
+/// Implementations are causal, allocate nothing and never give a state that is not finite from finite arguments.
+pub trait StateSource<I, const N: usize, const R: usize> {
+    /// Forgets everything and begins at `sample`. `state` is the median of the first measurements (what is not measured: of
+    /// the settings).
+    fn start(&mut self, sample: &Sample<I, R>, state: &[f64; N]);
+
+    /// Takes the next frame and gives the state that holds at it.
+    fn update(&mut self, step: &SourceStep<'_, I, N, R>) -> [f64; N];
+}
+
+/// The measured states as they are; a state that is missing in a frame is the model's prediction.
+#[derive(Clone, Copy, Debug)]
+pub struct MeasuredStates<const N: usize> {
+    /// Output that measures each state.
+    outputs: [Option<usize>; N],
+}
+
+impl<const N: usize> MeasuredStates<N> {
+    /// Of the states that the model says are measured.
+    pub fn new<M, const R: usize, const P: usize>(model: &M) -> Self
+    where
+        M: Model<N, R, P>,
+    {
+        Self { outputs: core::array::from_fn(|state| model.measuring_output(state).filter(|output| *output < R)) }
+    }
+}
+
+impl<I, const N: usize, const R: usize> StateSource<I, N, R> for MeasuredStates<N> {
+    fn start(&mut self, _sample: &Sample<I, R>, _state: &[f64; N]) {}
+
+    fn update(&mut self, step: &SourceStep<'_, I, N, R>) -> [f64; N] {
+        core::array::from_fn(|state| match self.outputs[state].map(|output| step.outputs[output]) {
+            Some(measured) if measured.is_finite() => measured,
+            _ => step.predicted_state[state],
+        })
+    }
+}

@@ -1,0 +1,284 @@
+//! Recursive least squares on a regression without derivatives.
+//!
+//! Rows `z = w theta + n` come from [`regression`](crate::regression). With columns scaled to their prior standard deviation,
+//! `psi = w/sigma`, `e = (z - w theta)/sigma` and `C` starting at the prior,
+//!
+//! ```text
+//! theta <- theta + C psi^T e/(1 + v),     C <- C - (C psi^T)(psi C)/(1 + v),     v = psi C psi^T
+//! ```
+//!
+//! `C` is kept as `U D U^T` ([`ud`](crate::ud)). Without forgetting the estimate is that of batch least squares with the prior on the same
+//! rows.
+//!
+//! **Forgetting** lets information fade as `e^{-lambda t}`, only while something moves, and towards the prior, not towards nothing:
+//! `C^-1 <- e^{-lambda h} C^-1 + (1 - e^{-lambda h}) C0^-1`, the second term column by column in turn. So `C` cannot wind up
+//! beyond the prior (to within `lambda h p`), and a quiet hour costs nothing.
+//!
+//! **Bounds.** `std_error` is `sqrt(C_jj)` with the given noise levels. The rows' noise is coloured (the filter, the smoothed
+//! states), so `corrected_std_error` is the larger of it and the sandwich estimate over blocks of time.
+//!
+//! **Where it fails.** Noise in the regressors biases every regression, and what the state source makes of it is the limit: RMSE
+//! is a multiple of the Cramer-Rao bound. An unmeasured gust goes into the angle of attack. docs/methods.md has the numbers.
+
+use crate::estimate::{Estimate, Estimator, Inspect, Phase};
+use crate::kernels::dot;
+use crate::model::{Model, Sample};
+use crate::regression::{Claim, Flow, Kreisselmeier, RegressionSettings, Row, StateSource, Taken};
+use crate::smpe::colour::Colour;
+use crate::smpe::{Innovations, RowPhase, SmpeError};
+use crate::ud::Ud;
+
+/// Recursive least squares: `N` states, `R` outputs, room for `P` columns, states from `S`.
+///
+/// Columns of [`Estimate`] are the model's parameters in its order, then one per biased output.
+pub struct RecursiveLeastSquares<M, S, const N: usize, const R: usize, const P: usize>
+where
+    M: Model<N, R, P>,
+{
+    flow: Flow<M, S, N, R, P>,
+    filters: Kreisselmeier<N, P>,
+    theta: [f64; P],
+    /// Columns scaled to the prior standard deviation.
+    covariance: Ud<P>,
+    colour: Colour<P>,
+    colour_started_s: f64,
+    /// Time forgotten in the running block of the colour correction, s.
+    colour_forgotten_s: f64,
+    next_restored: usize,
+    innovations: Innovations<R>,
+    surfaces: [f64; P],
+    phase: Phase,
+}
+
+impl<M, S, const N: usize, const R: usize, const P: usize> RecursiveLeastSquares<M, S, N, R, P>
+where
+    M: Model<N, R, P>,
+    S: StateSource<M::Input, N, R>,
+{
+    /// Sets it up; the first samples start its states.
+    ///
+    /// # Errors
+    /// [`SmpeError`]: what cannot be, and which.
+    pub fn new(model: M, source: S, settings: RegressionSettings<N, R, P>) -> Result<Self, SmpeError> {
+        let flow = Flow::new(model, source, settings)?;
+        Ok(Self {
+            filters: Kreisselmeier::new(settings.filter_rate),
+            theta: flow.columns.initial,
+            covariance: Ud::from_variances(&[1.0; P][..flow.columns.count]),
+            colour: Colour::new(),
+            colour_started_s: f64::NAN,
+            colour_forgotten_s: 0.0,
+            next_restored: 0,
+            innovations: Innovations::EMPTY,
+            surfaces: [0.0; P],
+            phase: Phase::Starting,
+            flow,
+        })
+    }
+
+    /// The settings in force.
+    pub fn settings(&self) -> &RegressionSettings<N, R, P> {
+        &self.flow.settings
+    }
+
+    /// Where the regressors' states come from.
+    pub fn source(&self) -> &S {
+        &self.flow.source
+    }
+
+    /// The states at which the regressors were last evaluated.
+    pub fn state(&self) -> &[f64; N] {
+        self.flow.state()
+    }
+
+    /// Takes a sample and gives each of its rows to `observe`, before the row is used.
+    pub(crate) fn update_with(&mut self, sample: &Sample<M::Input, R>, mut observe: impl FnMut(&Row<P>)) -> Taken {
+        let Self { flow, theta, covariance, .. } = self;
+        let (sd, p) = (flow.columns.sd, flow.columns.count);
+        let taken = flow.take(sample, theta, |row| {
+            let scaled = core::array::from_fn(|j| if j < p { row[j] * sd[j] } else { 0.0 });
+            covariance.project(&scaled, 0.0).variance
+        });
+        match taken {
+            Taken::Refused => self.phase = Phase::Rejected,
+            Taken::Collected | Taken::First => {
+                self.filters.clear();
+                self.phase = Phase::Starting;
+                self.innovations = Innovations::EMPTY;
+                self.surfaces = [0.0; P];
+            }
+            Taken::Next => {
+                self.filters.advance(&self.flow);
+                self.forget();
+                self.use_rows(sample, &mut observe);
+                self.close_block();
+            }
+        }
+        taken
+    }
+
+    /// Lets information fade towards the prior while something moves.
+    fn forget(&mut self) {
+        let (rate, h, p) = (self.flow.settings.forgetting_per_s, self.flow.interval_s, self.flow.columns.count);
+        if !(rate > 0.0 && self.flow.excited && p > 0) {
+            return;
+        }
+        self.covariance.scale(libm::exp(rate * h));
+        self.colour_forgotten_s += h;
+        // The prior's share of a whole round at once, for one column in turn: the estimate itself is not moved.
+        let share = libm::exp(rate * h * p as f64) - 1.0;
+        let mut unit = [0.0; P];
+        unit[self.next_restored.min(p - 1)] = 1.0;
+        self.next_restored = if self.next_restored + 1 < p { self.next_restored + 1 } else { 0 };
+        let projection = self.covariance.project(&unit, 1.0 / share);
+        self.covariance.update(&projection, 1.0 / share);
+    }
+
+    fn use_rows(&mut self, sample: &Sample<M::Input, R>, observe: &mut impl FnMut(&Row<P>)) {
+        let Self { flow, filters, theta, covariance, colour, innovations, surfaces, .. } = self;
+        let columns = &flow.columns;
+        let p = columns.count;
+        *innovations = Innovations { predicted: flow.predicted, ..Innovations::EMPTY };
+        for output in 0..R {
+            if sample.outputs[output].is_finite() && !flow.believed[output].is_finite() {
+                innovations.phase[output] = RowPhase::Rejected;
+            }
+        }
+        surfaces[..p].fill(0.0);
+        let mut used = false;
+        filters.rows(flow, |row| {
+            observe(row);
+            let mut psi = [0.0; P];
+            for j in 0..p {
+                psi[j] = row.w[j] * columns.sd[j] / row.sd;
+            }
+            let predicted = dot(&row.w[..p], &theta[..p]);
+            let e = (row.z - predicted) / row.sd;
+            let projection = covariance.project(&psi, 1.0);
+            let nn = libm::sqrt(projection.variance);
+            if !(e.is_finite() && nn.is_finite()) {
+                return;
+            }
+            let gain = covariance.update(&projection, 1.0);
+            let step = e / projection.variance;
+            for j in 0..p {
+                let moved = columns.sd[j] * gain[j] * step;
+                surfaces[j] += moved;
+                theta[j] = (theta[j] + moved).clamp(columns.clip_low[j], columns.clip_high[j]);
+            }
+            colour.add(&psi[..p], e / nn);
+            used = true;
+            innovations.predicted[row.output] = row.known + predicted;
+            innovations.whitened[row.output] = e;
+            innovations.normalised[row.output] = e / nn;
+            innovations.variance[row.output] = row.sd * row.sd * projection.variance;
+            innovations.phase[row.output] = RowPhase::Sliding;
+        });
+        self.phase = if innovations.phase.contains(&RowPhase::Rejected) {
+            Phase::Rejected
+        } else if used {
+            Phase::Sliding
+        } else {
+            Phase::Predicting
+        };
+    }
+
+    fn close_block(&mut self) {
+        let now = self.flow.last_s();
+        if self.colour_started_s.is_nan() {
+            self.colour_started_s = now;
+        }
+        if now - self.colour_started_s >= self.flow.settings.common.colour_block_s - 1e-9 {
+            self.colour_started_s = now;
+            // Scores fade as information does, their squares twice as fast.
+            let fading = libm::exp(-2.0 * self.flow.settings.forgetting_per_s * self.colour_forgotten_s);
+            self.colour_forgotten_s = 0.0;
+            self.colour.fade(fading);
+            self.colour.close_block(&self.covariance);
+        } else {
+            self.colour.renew(&self.covariance);
+        }
+    }
+
+    /// The estimate that holds after the last sample.
+    pub fn estimate(&self) -> Estimate<P> {
+        self.estimate_of(&self.theta)
+    }
+
+    /// The same with the parameters of a law that follows the least-squares estimate: its distance from there is part of its
+    /// bounds.
+    pub(crate) fn estimate_of(&self, theta: &[f64; P]) -> Estimate<P> {
+        let mut distance = [0.0; P];
+        for j in 0..self.flow.columns.count {
+            distance[j] = theta[j] - self.theta[j];
+        }
+        let claim = Claim {
+            time_s: self.flow.last_s(),
+            phase: self.phase,
+            theta,
+            variances: &self.covariance.variances(),
+            inflation: self.colour.inflation(),
+            distance: &distance,
+        };
+        claim.estimate(&self.flow.settings, &self.flow.columns)
+    }
+
+    /// The least-squares estimate, parameter units.
+    pub(crate) fn parameters(&self) -> &[f64; P] {
+        &self.theta
+    }
+
+    pub(crate) fn flow(&self) -> &Flow<M, S, N, R, P> {
+        &self.flow
+    }
+}
+
+impl<M, S, const N: usize, const R: usize, const P: usize> Estimator<R, P> for RecursiveLeastSquares<M, S, N, R, P>
+where
+    M: Model<N, R, P>,
+    S: StateSource<M::Input, N, R>,
+{
+    type Input = M::Input;
+
+    fn update(&mut self, sample: &Sample<Self::Input, R>) -> Estimate<P> {
+        self.update_with(sample, |_| {});
+        self.estimate()
+    }
+
+    fn covariance(&self, out: &mut [[f64; P]; P]) {
+        *out = [[0.0; P]; P];
+        self.covariance.write_dense(out);
+        let columns = &self.flow.columns;
+        for i in 0..columns.count {
+            for j in 0..columns.count {
+                out[i][j] *= columns.sd[i] * columns.sd[j];
+            }
+        }
+    }
+}
+
+impl<M, S, const N: usize, const R: usize, const P: usize> Inspect<R, P> for RecursiveLeastSquares<M, S, N, R, P>
+where
+    M: Model<N, R, P>,
+    S: StateSource<M::Input, N, R>,
+{
+    fn column_count(&self) -> usize {
+        self.flow.columns.count
+    }
+
+    fn prior_sd(&self) -> &[f64; P] {
+        &self.flow.columns.sd
+    }
+
+    fn innovations(&self) -> &Innovations<R> {
+        &self.innovations
+    }
+
+    fn surfaces(&self) -> [f64; P] {
+        self.surfaces
+    }
+
+    fn restarts(&self) -> u32 {
+        self.flow.restarts()
+    }
+}

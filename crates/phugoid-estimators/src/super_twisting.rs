@@ -1,0 +1,259 @@
+//! Teaching mode: dynamic regressor extension and mixing with an implicit super-twisting law.
+//!
+//! The rows of [`regression`](crate::regression) are summed with memory, `W = sum psi^T psi`, `Y = sum psi^T z`, and the determinant makes
+//! one scalar equation per parameter of them (S. Aranovskiy et al., IEEE TAC 62, 2017): `adj(W) Y = det(W) theta`. The surface is
+//! what is left of it, each parameter in half ranges, and the super-twisting law drives it to zero with a continuous
+//! signal (A. Levant, 1993), evaluated implicitly:
+//!
+//! ```text
+//! s  = D^2/(D^2 + 1) i_j/(1 + i_j) (W^-1 Y - theta)_j          D = det W, i_j = 1/[W^-1]_jj, in units of the prior's information
+//! s+ + h k1 |s+|^(1/2) sgn(s+) + h^2 k2 sgn(s+) = s - h v,      v+ = v + h k2 sgn(s+),      theta+ = theta + s - s+
+//! ```
+//!
+//! The finite reaching time holds for exact equations. With noise it is least squares of the same rows with a lag: nothing is gained
+//! over [`rls`](crate::rls), and nothing is known of the error. **There are no bounds: the standard errors are infinite.**
+
+use crate::dense::Cholesky;
+use crate::estimate::{Estimate, Estimator, Inspect, ParameterStatus, Phase, Status};
+use crate::kernels::{add_scaled, dot};
+use crate::model::{Model, Sample};
+use crate::regression::{Flow, Kreisselmeier, RegressionSettings, StateSource, Taken};
+use crate::smpe::{Innovations, RowPhase, SmpeError};
+
+/// `k1`, half ranges^(1/2)/s, and `k2`, half ranges/s^2.
+const GAINS: [f64; 2] = [2.0, 1.0];
+
+/// The super-twisting law; type parameters as [`RecursiveLeastSquares`](crate::rls::RecursiveLeastSquares).
+pub struct SuperTwisting<M, S, const N: usize, const R: usize, const P: usize>
+where
+    M: Model<N, R, P>,
+{
+    flow: Flow<M, S, N, R, P>,
+    filters: Kreisselmeier<N, P>,
+    theta: [f64; P],
+    /// `v`, half ranges per second.
+    speed: [f64; P],
+    /// `W` and `Y`, columns scaled to the prior standard deviation, `Y` about the prior's start values.
+    information: [[f64; P]; P],
+    score: [f64; P],
+    innovations: Innovations<R>,
+    surfaces: [f64; P],
+    moved: [bool; P],
+    phase: Phase,
+}
+
+impl<M, S, const N: usize, const R: usize, const P: usize> SuperTwisting<M, S, N, R, P>
+where
+    M: Model<N, R, P>,
+    S: StateSource<M::Input, N, R>,
+{
+    /// Sets it up. The memory of `W` and `Y` is the settings' forgetting.
+    ///
+    /// # Errors
+    /// [`SmpeError`]: what cannot be, and which.
+    pub fn new(model: M, source: S, settings: RegressionSettings<N, R, P>) -> Result<Self, SmpeError> {
+        let flow = Flow::new(model, source, settings)?;
+        Ok(Self {
+            filters: Kreisselmeier::new(settings.filter_rate),
+            theta: flow.columns.initial,
+            speed: [0.0; P],
+            information: [[0.0; P]; P],
+            score: [0.0; P],
+            innovations: Innovations::EMPTY,
+            surfaces: [0.0; P],
+            moved: [false; P],
+            phase: Phase::Starting,
+            flow,
+        })
+    }
+
+    /// The estimate that holds after the last sample. Its standard errors are infinite.
+    pub fn estimate(&self) -> Estimate<P> {
+        let columns = &self.flow.columns;
+        let unknown = |j: usize| j < columns.count && columns.sd[j] > 0.0;
+        let std_error = core::array::from_fn(|j| if unknown(j) { f64::INFINITY } else { 0.0 });
+        Estimate {
+            time_s: self.flow.last_s(),
+            parameters: self.theta,
+            std_error,
+            corrected_std_error: std_error,
+            observability: [0.0; P],
+            parameter_status: core::array::from_fn(|j| {
+                if !unknown(j) || !self.moved[j] {
+                    ParameterStatus::NotExcited
+                } else if self.theta[j] <= columns.clip_low[j] || self.theta[j] >= columns.clip_high[j] {
+                    ParameterStatus::AtLimit
+                } else {
+                    ParameterStatus::Improving
+                }
+            }),
+            status: Status { phase: self.phase, ..Status::default() },
+        }
+    }
+
+    fn add_rows(&mut self, sample: &Sample<M::Input, R>) {
+        let Self { flow, filters, theta, information, score, innovations, .. } = self;
+        let columns = &flow.columns;
+        let p = columns.count;
+        let fading = libm::exp(-flow.settings.forgetting_per_s * flow.interval_s);
+        if fading < 1.0 && flow.excited {
+            information.iter_mut().flatten().for_each(|w| *w *= fading);
+            score.iter_mut().for_each(|y| *y *= fading);
+        }
+        *innovations = Innovations { predicted: flow.predicted, ..Innovations::EMPTY };
+        for output in 0..R {
+            if sample.outputs[output].is_finite() && !flow.believed[output].is_finite() {
+                innovations.phase[output] = RowPhase::Rejected;
+            }
+        }
+        filters.rows(flow, |row| {
+            let mut psi = [0.0; P];
+            for j in 0..p {
+                psi[j] = row.w[j] * columns.sd[j] / row.sd;
+            }
+            let about = (row.z - dot(&row.w[..p], &columns.initial[..p])) / row.sd;
+            let predicted = dot(&row.w[..p], &theta[..p]);
+            let e = (row.z - predicted) / row.sd;
+            if !(about.is_finite() && dot(&psi, &psi).is_finite()) {
+                return;
+            }
+            for i in 0..p {
+                add_scaled(&mut information[i][..p], psi[i], &psi[..p]);
+            }
+            add_scaled(&mut score[..p], about, &psi[..p]);
+            innovations.predicted[row.output] = row.known + predicted;
+            innovations.whitened[row.output] = e;
+            innovations.normalised[row.output] = e;
+            innovations.variance[row.output] = row.sd * row.sd;
+            innovations.phase[row.output] = RowPhase::Sliding;
+        });
+        self.phase = if self.innovations.phase.contains(&RowPhase::Rejected) {
+            Phase::Rejected
+        } else if self.innovations.phase.contains(&RowPhase::Sliding) {
+            Phase::Sliding
+        } else {
+            Phase::Predicting
+        };
+    }
+
+    /// The surfaces, in half ranges; zero where nothing is known.
+    fn surface(&self) -> [f64; P] {
+        let columns = &self.flow.columns;
+        let p = columns.count;
+        let mut surface = [0.0; P];
+        let mut factor = self.information;
+        // A column that no row has ever seen is no part of the mixture.
+        for j in 0..p {
+            if factor[j][j] <= 0.0 {
+                factor[j][j] = 1.0;
+            }
+        }
+        let Some(cholesky) = Cholesky::new(&mut factor, p) else { return surface };
+        let determinant = 1.0 / (1.0 + libm::exp(-2.0 * cholesky.log_determinant()));
+        let mut solution = self.score;
+        cholesky.solve(&mut solution);
+        for j in 0..p {
+            if columns.sd[j] <= 0.0 || self.information[j][j] <= 0.0 {
+                continue;
+            }
+            // [W^-1]_jj is the squared length of column j of L^-1.
+            let mut column = [0.0; P];
+            column[j] = 1.0;
+            cholesky.solve_lower(&mut column);
+            let information = 1.0 / dot(&column[..p], &column[..p]);
+            let left = columns.initial[j] + columns.sd[j] * solution[j] - self.theta[j];
+            let s = determinant * information / (1.0 + information) * left / (2.0 * columns.sd[j]);
+            surface[j] = if s.is_finite() { s } else { 0.0 };
+        }
+        surface
+    }
+
+    fn twist(&mut self) {
+        let h = self.flow.interval_s;
+        let [k1, k2] = GAINS;
+        let surface = self.surface();
+        for j in 0..self.flow.columns.count {
+            let s = surface[j];
+            let half_range = 2.0 * self.flow.columns.sd[j];
+            self.surfaces[j] = s * half_range;
+            if s == 0.0 {
+                self.speed[j] = 0.0;
+                continue;
+            }
+            let b = s - h * self.speed[j];
+            let left = if b.abs() <= h * h * k2 {
+                self.speed[j] = s / h;
+                0.0
+            } else {
+                let root = 0.5 * (libm::sqrt(h * h * k1 * k1 + 4.0 * (b.abs() - h * h * k2)) - h * k1);
+                self.speed[j] += h * k2 * b.signum();
+                b.signum() * root * root
+            };
+            let columns = &self.flow.columns;
+            self.theta[j] = (self.theta[j] + half_range * (s - left)).clamp(columns.clip_low[j], columns.clip_high[j]);
+            self.moved[j] = true;
+        }
+    }
+}
+
+impl<M, S, const N: usize, const R: usize, const P: usize> Estimator<R, P> for SuperTwisting<M, S, N, R, P>
+where
+    M: Model<N, R, P>,
+    S: StateSource<M::Input, N, R>,
+{
+    type Input = M::Input;
+
+    fn update(&mut self, sample: &Sample<Self::Input, R>) -> Estimate<P> {
+        let sd = self.flow.columns.sd;
+        let own = self.flow.columns.own;
+        let spread = |row: &[f64; P]| (0..own).map(|j| row[j] * row[j] * sd[j] * sd[j]).sum();
+        match self.flow.take(sample, &self.theta, spread) {
+            Taken::Refused => self.phase = Phase::Rejected,
+            Taken::Collected | Taken::First => {
+                self.filters.clear();
+                self.phase = Phase::Starting;
+                self.innovations = Innovations::EMPTY;
+            }
+            Taken::Next => {
+                self.filters.advance(&self.flow);
+                self.add_rows(sample);
+                self.twist();
+            }
+        }
+        self.estimate()
+    }
+
+    /// Infinite for the unknown parameters: the law knows no covariance.
+    fn covariance(&self, out: &mut [[f64; P]; P]) {
+        *out = [[0.0; P]; P];
+        for j in 0..self.flow.columns.count {
+            out[j][j] = if self.flow.columns.sd[j] > 0.0 { f64::INFINITY } else { 0.0 };
+        }
+    }
+}
+
+impl<M, S, const N: usize, const R: usize, const P: usize> Inspect<R, P> for SuperTwisting<M, S, N, R, P>
+where
+    M: Model<N, R, P>,
+    S: StateSource<M::Input, N, R>,
+{
+    fn column_count(&self) -> usize {
+        self.flow.columns.count
+    }
+
+    fn prior_sd(&self) -> &[f64; P] {
+        &self.flow.columns.sd
+    }
+
+    fn innovations(&self) -> &Innovations<R> {
+        &self.innovations
+    }
+
+    fn surfaces(&self) -> [f64; P] {
+        self.surfaces
+    }
+
+    fn restarts(&self) -> u32 {
+        self.flow.restarts()
+    }
+}
