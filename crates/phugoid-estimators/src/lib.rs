@@ -14,6 +14,7 @@
 //! | module | what |
 //! |---|---|
 //! | [`smpe`] | the flagship: sliding-mode parameter estimator with bounds, biases and change detection |
+//! | [`ekf`] | the joint extended Kalman filter, with all that surrounds SMPE |
 //! | [`plants`] | the four proof-of-concept plants of the thesis |
 //! | [`health`] | the estimate against what is expected: a flag with a stated false-alarm rate, and the onset |
 //! | [`thesis`] | the one-parameter energy-surface law it grew from |
@@ -35,6 +36,7 @@
 
 mod dense;
 pub mod discretization;
+pub mod ekf;
 mod estimate;
 pub mod fourier;
 pub mod health;

@@ -194,9 +194,9 @@ where
             let fading = libm::exp(-2.0 * self.flow.settings.forgetting_per_s * self.colour_forgotten_s);
             self.colour_forgotten_s = 0.0;
             self.colour.fade(fading);
-            self.colour.close_block(&self.covariance);
+            self.colour.close_block(self.covariance.len(), |j| self.covariance.column(j));
         } else {
-            self.colour.renew(&self.covariance);
+            self.colour.renew(self.covariance.len(), |j| self.covariance.column(j));
         }
     }
 

@@ -17,6 +17,9 @@ pub struct Ud<const CAPACITY: usize> {
     diagonal: [f64; CAPACITY],
 }
 
+/// Part of a variance below which what is left of it is rounding.
+const LEAST_VARIANCE: f64 = 1e-13;
+
 /// A scalar measurement `y = a x + noise` seen through the factors: everything needed to judge it before it is used.
 #[derive(Clone, Copy, Debug)]
 pub struct Projection<const CAPACITY: usize> {
@@ -38,6 +41,44 @@ impl<const CAPACITY: usize> Ud<CAPACITY> {
             *d = if v.is_finite() && *v > 0.0 { *v } else { 0.0 };
         }
         Self { len, columns: [[0.0; CAPACITY]; CAPACITY], diagonal }
+    }
+
+    /// Factors a covariance given by its lower triangle, of size `len`, cut at the capacity. A direction whose variance
+    /// given the later columns is zero but for rounding (below 1e-13 of its variance) gets none: [`Self::solve`] then
+    /// leaves it out.
+    pub fn from_lower_triangle(lower: &[[f64; CAPACITY]; CAPACITY], len: usize) -> Self {
+        // The full size as a constant: the loops of a filter that is used to its capacity unroll.
+        if len >= CAPACITY { Self::factors_of(lower, CAPACITY) } else { Self::factors_of(lower, len) }
+    }
+
+    #[inline(always)]
+    fn factors_of(lower: &[[f64; CAPACITY]; CAPACITY], n: usize) -> Self {
+        let mut columns = *lower;
+        let mut diagonal = [0.0; CAPACITY];
+        for j in 0..n {
+            diagonal[j] = lower[j][j];
+        }
+        for j in (0..n).rev() {
+            let d = diagonal[j];
+            if !(d > LEAST_VARIANCE * lower[j][j]) {
+                diagonal[j] = 0.0;
+                columns[j][..j].fill(0.0);
+                continue;
+            }
+            let inverse = 1.0 / d;
+            let (before, rest) = columns.split_at_mut(j);
+            // Still C_ij; taken out of the leading block, then divided.
+            let column = &mut rest[0][..j];
+            for k in 0..j {
+                let u = column[k] * inverse;
+                add_scaled(&mut before[k][..k], -u, &column[..k]);
+                diagonal[k] -= u * column[k];
+            }
+            for value in column {
+                *value *= inverse;
+            }
+        }
+        Self { len: n, columns, diagonal }
     }
 
     /// Size in use.

@@ -1,12 +1,14 @@
 //! theory: with an infinite boundary layer and without re-reaching the estimator *is* the joint extended Kalman filter
-//! in separated form. A plain dense joint filter, written here from the textbook, must agree sample by sample.
+//! in separated form. A plain dense joint filter, written here from the textbook, must agree with it, and with the product's
+//! joint filter, sample by sample.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 mod plants;
 
 use phugoid_estimators::discretization::{InputHold, IntervalInput, Part, step, sub_steps};
+use phugoid_estimators::ekf::{EkfSettings, JointEkf};
 use phugoid_estimators::smpe::{OutputInput, ParameterPrior, ProcessNoise, ReReaching, Smpe, SmpeSettings};
-use phugoid_estimators::{Estimator, LinearizedOutputs, Model, Sample};
+use phugoid_estimators::{Inspect, LinearizedOutputs, Model, Sample};
 use plants::*;
 use rand::RngExt;
 
@@ -27,10 +29,12 @@ struct Joint<const P: usize> {
     rejected: usize,
     /// Rows whose innovation was clipped and that taught the covariance nothing.
     clipped: usize,
+    /// Random walk of each parameter, variance per second.
+    walk: [f64; P],
 }
 
 impl<const P: usize> Joint<P> {
-    fn new(model: ShortPeriod, settings: SmpeSettings<N, R, P>, sample: &JetSample) -> Self {
+    fn new(model: ShortPeriod, settings: SmpeSettings<N, R, P>, walk: [f64; P], sample: &JetSample) -> Self {
         let (mut z, mut p) = ([0.0; J], [[0.0; J]; J]);
         let own = model.parameters;
         for j in 0..own {
@@ -40,7 +44,7 @@ impl<const P: usize> Joint<P> {
         for i in 0..R {
             p[N + own + i][N + own + i] = settings.bias_sd[i] * settings.bias_sd[i];
         }
-        let mut joint = Self { model, settings, z, p, rejected: 0, clipped: 0 };
+        let mut joint = Self { model, settings, z, p, rejected: 0, clipped: 0, walk };
         joint.start_state(sample);
         joint
     }
@@ -106,6 +110,9 @@ impl<const P: usize> Joint<P> {
         }
         for i in 0..N {
             next[i][i] += self.settings.process_noise.variance_per_s[i] * interval_s * (part.to - part.from);
+        }
+        for j in 0..own {
+            next[N + j][N + j] += self.walk[j] * interval_s * (part.to - part.from);
         }
         self.p = next;
     }
@@ -182,21 +189,44 @@ fn flight<const P: usize>(times: &[f64]) -> Vec<JetSample> {
     flight
 }
 
-/// Largest difference over the flight: of values in units of the prior, of standard errors relative, of covariances as
-/// correlations. `restart_at` names the frame after a gap, from which the state is started again.
+/// Largest difference of SMPE and of the joint filter over the flight from the plain one: of values in units of the prior,
+/// of standard errors relative, of covariances as correlations. `restart_at` names the frame after a gap, from which the
+/// state is started again.
 fn difference<const P: usize>(
     model: ShortPeriod,
     settings: SmpeSettings<N, R, P>,
     flight: &[JetSample],
     restart_at: Option<usize>,
 ) -> f64 {
+    let walk = [0.0; P];
+    let mut worst = difference_of(Smpe::new(model, settings).unwrap(), model, settings, walk, flight, restart_at);
+    if settings.reaching_limit >= settings.rejection_limit {
+        let gated = EkfSettings { gate: settings.rejection_limit, ..EkfSettings::new(settings) };
+        let ekf: JointEkf<_, N, R, P> = JointEkf::new(model, gated).unwrap();
+        let of_ekf = difference_of(ekf, model, settings, walk, flight, restart_at);
+        println!("SMPE {worst:.1e}, joint filter {of_ekf:.1e}");
+        worst = worst.max(of_ekf);
+    }
+    worst
+}
+
+fn difference_of<E, const P: usize>(
+    mut estimator: E,
+    model: ShortPeriod,
+    settings: SmpeSettings<N, R, P>,
+    walk: [f64; P],
+    flight: &[JetSample],
+    restart_at: Option<usize>,
+) -> f64
+where
+    E: Inspect<R, P, Input = [f64; 1]>,
+{
     let own = model.parameters;
     let columns = own + R;
-    let mut smpe = Smpe::new(model, settings).unwrap();
-    let mut joint = Joint::new(model, settings, &flight[0]);
+    let mut joint = Joint::new(model, settings, walk, &flight[0]);
     let mut worst: f64 = 0.0;
     for (k, sample) in flight.iter().enumerate() {
-        let estimate = smpe.update(sample);
+        let estimate = estimator.update(sample);
         if Some(k) == restart_at {
             joint.start_state(sample);
         } else if k > 0 {
@@ -209,7 +239,7 @@ fn difference<const P: usize>(
             joint.correct(sample.outputs, input);
         }
         let mut covariance = [[0.0; P]; P];
-        smpe.covariance(&mut covariance);
+        estimator.covariance(&mut covariance);
         for j in 0..columns {
             let scale = if j < own { START_SD[j] } else { BIAS_SD[j - own] };
             worst = worst.max((estimate.parameters[j] - joint.z[N + j]).abs() / scale);
@@ -221,7 +251,7 @@ fn difference<const P: usize>(
             }
         }
     }
-    assert_eq!(smpe.restarts(), u32::from(restart_at.is_some()));
+    assert_eq!(estimator.restarts(), u32::from(restart_at.is_some()));
     assert_eq!(joint.rejected > 0, settings.rejection_limit.is_finite());
     assert_eq!(joint.clipped > 0, settings.reaching_limit < settings.rejection_limit);
     // And it has learnt: this is no comparison of two filters that stand still.
@@ -302,5 +332,17 @@ fn with_reaching_it_is_the_joint_filter_with_clipped_innovations() {
     }
     let worst = difference(offsets, settings, &flight, None);
     println!("largest difference from the clipped joint filter: {worst:.2e}");
+    assert!(worst < 1e-8, "{worst}");
+}
+
+/// Parameters that walk: the joint filter alone knows that.
+#[test]
+fn with_a_random_walk_it_is_the_joint_filter_of_parameters_that_walk() {
+    let settings = plain_settings::<7>(4);
+    let walk: [f64; 7] = core::array::from_fn(|j| if j < 4 { (0.05 * START_SD[j]).powi(2) } else { 0.0 });
+    let tuned = EkfSettings { gate: f64::INFINITY, parameter_walk_per_s: walk, ..EkfSettings::new(settings) };
+    let ekf: JointEkf<_, N, R, 7> = JointEkf::new(JET, tuned).unwrap();
+    let worst = difference_of(ekf, JET, settings, walk, &flight::<7>(&regular(2000, 0.01)), None);
+    println!("largest difference from the joint filter: {worst:.2e}");
     assert!(worst < 1e-8, "{worst}");
 }

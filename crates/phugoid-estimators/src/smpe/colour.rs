@@ -43,32 +43,33 @@ impl<const P: usize> Colour<P> {
         }
     }
 
-    /// Ends the running block.
-    pub(crate) fn close_block(&mut self, covariance: &Ud<P>) {
-        let p = covariance.len().min(P);
+    /// Ends the running block. `column` gives a column of the `columns` by `columns` covariance.
+    #[inline(always)]
+    pub(crate) fn close_block(&mut self, columns: usize, column: impl Fn(usize) -> [f64; P]) {
+        let p = columns.min(P);
         for i in 0..p {
             let gi = self.block[i];
             add_scaled(&mut self.scatter[i][..p], gi, &self.block[..p]);
         }
         self.block = [0.0; P];
         for j in 0..p {
-            self.renew_column(j, covariance);
+            self.renew_column(j, p, &column(j));
         }
     }
 
     /// Renews a few inflations by the present covariance.
-    pub(crate) fn renew(&mut self, covariance: &Ud<P>) {
-        let p = covariance.len().min(P);
+    #[inline(always)]
+    pub(crate) fn renew(&mut self, columns: usize, column: impl Fn(usize) -> [f64; P]) {
+        let p = columns.min(P);
         for _ in 0..p.div_ceil(SAMPLES_PER_ROUND) {
             self.next = if self.next + 1 < p { self.next + 1 } else { 0 };
-            self.renew_column(self.next, covariance);
+            self.renew_column(self.next, p, &column(self.next));
         }
     }
 
-    fn renew_column(&mut self, j: usize, covariance: &Ud<P>) {
+    #[inline]
+    fn renew_column(&mut self, j: usize, p: usize, column: &[f64; P]) {
         // c_j^T S c_j with c_j the j-th column of C.
-        let p = covariance.len().min(P);
-        let column = covariance.column(j);
         let mut variance = 0.0;
         for i in 0..p {
             variance += column[i] * dot(&self.scatter[i][..p], &column[..p]);
@@ -100,7 +101,7 @@ impl<const P: usize> Colour<P> {
         }
         self.block = [0.0; P];
         for j in 0..p {
-            self.renew_column(j, after);
+            self.renew_column(j, p, &after.column(j));
         }
     }
 }
@@ -156,7 +157,7 @@ mod tests {
                     scatter[i][j] += sum[i] * sum[j];
                 }
             }
-            colour.close_block(&c);
+            colour.close_block(c.len(), |j| c.column(j));
         }
         let before = sandwich(&dense(&c), &scatter);
         let variances = c.variances();

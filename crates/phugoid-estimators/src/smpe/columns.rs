@@ -4,7 +4,7 @@ use super::settings::{ChangePrior, SmpeSettings};
 use crate::model::Model;
 
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Columns<const N: usize, const R: usize, const P: usize> {
+pub struct Columns<const N: usize, const R: usize, const P: usize> {
     /// Columns in use.
     pub(crate) count: usize,
     /// Those of the model's own parameters.

@@ -57,7 +57,9 @@ mod challenge;
 mod change;
 pub(crate) mod colour;
 pub(crate) mod columns;
-mod reopen;
+pub(crate) mod common;
+pub(crate) mod reopen;
+mod separated;
 pub(crate) mod settings;
 pub(crate) mod slot;
 pub(crate) mod start;
@@ -72,6 +74,7 @@ pub(crate) use start::median;
 use challenge::{Challenge, Verdict, maturity, needed_maturity};
 use change::ChangeDetector;
 use columns::Columns;
+use separated::Separated;
 use slot::{Slot, output_input};
 use start::Start;
 
@@ -125,19 +128,26 @@ enum Stage {
 }
 
 /// The sliding-mode parameter estimator: `N` states, `R` outputs, room for `P` columns (parameters and biases).
+pub type Smpe<M, const N: usize, const R: usize, const P: usize> = Supervisor<Separated<N, P>, M, N, R, P>;
+
+/// What makes an estimator of a filter for state and parameters: median start, sensor biases, restart of a lost state,
+/// change detection with champion and challenger, colour correction, limits and verdicts. `S` keeps the covariance and
+/// does the arithmetic of one row: [`Smpe`] and [`JointEkf`](crate::ekf::JointEkf) differ in nothing else.
 ///
-/// Columns of [`Estimate`] are the model's parameters in its order, then one per biased output.
-pub struct Smpe<M, const N: usize, const R: usize, const P: usize>
+/// `N` states, `R` outputs, room for `P` columns (parameters and biases). Columns of [`Estimate`] are the model's
+/// parameters in its order, then one per biased output.
+pub struct Supervisor<S, M, const N: usize, const R: usize, const P: usize>
 where
+    S: Slot<N, R, P>,
     M: Model<N, R, P>,
 {
     model: M,
-    settings: SmpeSettings<N, R, P>,
+    settings: S::Settings,
     columns: Columns<N, R, P>,
     stage: Stage,
     start: Start<M::Input, R>,
-    champion: Slot<N, P>,
-    challenger: Slot<N, P>,
+    champion: S,
+    challenger: S,
     in_doubt: bool,
     detection: Option<(ChangeDetector<P>, Challenge)>,
     /// Time of the first frame, s.
@@ -157,23 +167,26 @@ where
     lost_frames: u32,
 }
 
-impl<M, const N: usize, const R: usize, const P: usize> Smpe<M, N, R, P>
+impl<S, M, const N: usize, const R: usize, const P: usize> Supervisor<S, M, N, R, P>
 where
+    S: Slot<N, R, P>,
     M: Model<N, R, P>,
 {
     /// Sets the estimator up; the first samples start its state.
-    pub fn new(model: M, settings: SmpeSettings<N, R, P>) -> Result<Self, SmpeError> {
+    pub fn new(model: M, settings: S::Settings) -> Result<Self, SmpeError> {
+        let shared = S::shared(&settings);
         let parameters = model.parameter_count();
         if parameters > P {
             return Err(SmpeError::Capacity { needed: parameters, capacity: P });
         }
-        settings.check(parameters)?;
-        let columns = Columns::new(&model, &settings);
-        let champion = Slot::prior(&settings, &columns);
-        let detection = match settings.re_reaching {
+        shared.check(parameters)?;
+        S::check(&settings)?;
+        let columns = Columns::new(&model, shared);
+        let champion = S::prior(&settings, &columns);
+        let detection = match shared.re_reaching {
             ReReaching::Off => None,
             ReReaching::Safe(detection) => {
-                Some((ChangeDetector::new(detection, settings.sample_time_s, &columns), Challenge::new(detection)))
+                Some((ChangeDetector::new(detection, shared.sample_time_s, &columns), Challenge::new(detection)))
             }
         };
         Ok(Self {
@@ -207,7 +220,7 @@ where
     }
 
     /// The settings in force.
-    pub fn settings(&self) -> &SmpeSettings<N, R, P> {
+    pub fn settings(&self) -> &S::Settings {
         &self.settings
     }
 
@@ -228,7 +241,7 @@ where
 
     /// State of the estimated model.
     pub fn state(&self) -> &[f64; N] {
-        &self.champion.x
+        &self.champion.common().x
     }
 
     /// The last frame's rows before it corrected the estimate.
@@ -244,7 +257,7 @@ where
 
     /// `q_s`, the adapted scale of the process noise.
     pub fn process_noise_scale(&self) -> f64 {
-        self.champion.noise_scale
+        self.champion.common().noise_scale
     }
 
     /// Samples refused because their time did not increase.
@@ -284,9 +297,13 @@ where
         out
     }
 
+    fn shared(&self) -> &SmpeSettings<N, R, P> {
+        S::shared(&self.settings)
+    }
+
     /// `d_j`, parameter units.
     fn change_sd(&self, column: usize) -> f64 {
-        self.columns.change[column].sd(self.columns.initial[column], self.champion.theta[column])
+        self.columns.change[column].sd(self.columns.initial[column], self.champion.common().theta[column])
     }
 
     /// `d_j` over the prior standard deviation.
@@ -313,7 +330,7 @@ where
     /// Starts the state and replays the collected frames, if there are enough. True if a gap among them has begun a new
     /// start with fewer frames.
     fn replay(&mut self) -> bool {
-        let Some(started) = self.start.state(&self.settings, &self.columns) else { return false };
+        let Some(started) = self.start.state(self.shared(), &self.columns) else { return false };
         self.champion.start_state(started.x, &started.variances, &started.measured, &self.columns);
         if self.in_doubt {
             self.challenger.start_state(started.x, &started.variances, &started.measured, &self.columns);
@@ -334,7 +351,7 @@ where
                 if self.first_s.is_nan() {
                     self.first_s = frame.time_s;
                 }
-                if self.settings.correct_first_sample {
+                if self.shared().correct_first_sample {
                     self.correct(&frame, frame.input);
                 }
             } else {
@@ -359,7 +376,7 @@ where
                 self.adopt_challenger(sample.time_s);
             } else {
                 // Nothing of the estimate can be trusted: back to the prior.
-                self.champion = Slot::prior(&self.settings, &self.columns);
+                self.champion = S::prior(&self.settings, &self.columns);
             }
         }
         self.stage = Stage::Starting;
@@ -375,10 +392,10 @@ where
     fn advance(&mut self, sample: &Sample<M::Input, R>) {
         let interval_s = sample.time_s - self.last_s;
         let Some(from) = self.last_input else { return self.restart(sample) };
-        if interval_s > self.settings.maximum_gap_s {
+        if interval_s > self.shared().maximum_gap_s {
             return self.restart(sample);
         }
-        let input = IntervalInput { from, to: sample.input, hold: self.settings.input_hold };
+        let input = IntervalInput { from, to: sample.input, hold: self.shared().input_hold };
         let Self { model, settings, columns, champion, challenger, in_doubt, .. } = self;
         let challenger_lives = *in_doubt && challenger.predict(model, settings, columns, &input, interval_s);
         if !champion.predict(model, settings, columns, &input, interval_s) {
@@ -395,14 +412,14 @@ where
         }
         self.last_s = sample.time_s;
         self.last_input = Some(sample.input);
-        self.correct(sample, output_input(&self.settings, from, sample.input));
+        self.correct(sample, output_input(self.shared(), from, sample.input));
     }
 
     /// The frame at the present time.
     fn correct(&mut self, sample: &Sample<M::Input, R>, input: M::Input) {
         let since_start_s = sample.time_s - self.first_s;
         let adapt = since_start_s > ADAPTATION_START_S;
-        let kappa = self.settings.reaching_limit;
+        let kappa = self.shared().reaching_limit;
         let Self { model, settings, columns, champion, challenger, surfaces, detection, .. } = self;
         let watching = !self.in_doubt;
         self.innovations =
@@ -417,17 +434,17 @@ where
         });
         self.phase = phase_of(&self.innovations);
 
-        let block = (since_start_s / self.settings.colour_block_s + 1e-9) as u64;
+        let block = (since_start_s / self.shared().colour_block_s + 1e-9) as u64;
         if block != self.colour_block {
             self.colour_block = block;
-            self.champion.colour.close_block(&self.champion.c);
+            self.champion.close_colour_block();
             if self.in_doubt {
-                self.challenger.colour.close_block(&self.challenger.c);
+                self.challenger.close_colour_block();
             }
         } else {
-            self.champion.colour.renew(&self.champion.c);
+            self.champion.renew_colour();
             if self.in_doubt {
-                self.challenger.colour.renew(&self.challenger.c);
+                self.challenger.renew_colour();
             }
         }
 
@@ -471,8 +488,7 @@ where
         }
         if challenge.is_triggered(bayes_factor, since_start_s) {
             self.challenger = self.champion;
-            if reopen::reopen(&mut self.challenger, &self.columns, detector.tested(), &change, &self.settings.noise_sd)
-            {
+            if self.challenger.reopen(&self.columns, detector.tested(), &change, &S::shared(&self.settings).noise_sd) {
                 challenge.open(time_s);
                 self.in_doubt = true;
             } else {
@@ -492,10 +508,11 @@ where
         if sound {
             for j in 0..self.columns.count {
                 if self.columns.sd[j] > 0.0 {
-                    difference[j] = (self.challenger.theta[j] - self.champion.theta[j]) / self.columns.sd[j];
+                    difference[j] =
+                        (self.challenger.common().theta[j] - self.champion.common().theta[j]) / self.columns.sd[j];
                 }
             }
-            self.challenger.c.write_dense(&mut covariance);
+            self.challenger.write_covariance(&mut covariance);
         }
         let tested = detector.tested();
         let matured = maturity(&difference, &covariance, &change, detector.wander_squared(), tested);
@@ -545,8 +562,8 @@ where
     /// The estimate that holds after the last sample.
     pub fn estimate(&self) -> Estimate<P> {
         let p = self.columns.count;
-        let slot = &self.champion;
-        let variances = slot.c.variances();
+        let slot = self.champion.common();
+        let variances = self.champion.variances();
         let inflation = slot.colour.inflation();
         let mut estimate = Estimate {
             time_s: self.last_s,
@@ -567,8 +584,8 @@ where
                 detector: self.detector_state(),
             },
         };
-        let challenger_variances = if self.in_doubt { self.challenger.c.variances() } else { [0.0; P] };
-        let challenger_inflation = self.challenger.colour.inflation();
+        let challenger_variances = if self.in_doubt { self.challenger.variances() } else { [0.0; P] };
+        let challenger_inflation = self.challenger.common().colour.inflation();
         for j in 0..p {
             let sd = self.columns.sd[j];
             let mut variance = variances[j];
@@ -576,7 +593,7 @@ where
             estimate.observability[j] = if sd > 0.0 { (1.0 - variance).clamp(0.0, 1.0) } else { 0.0 };
             if self.in_doubt && sd > 0.0 {
                 // Bounds in doubt: both answers lie inside.
-                let difference = (self.challenger.theta[j] - slot.theta[j]) / sd;
+                let difference = (self.challenger.common().theta[j] - slot.theta[j]) / sd;
                 let spread = difference * difference;
                 variance = variance.max(challenger_variances[j]) + spread;
                 corrected = corrected.max(challenger_variances[j] * challenger_inflation[j]) + spread;
@@ -590,10 +607,12 @@ where
     }
 
     fn parameter_status(&self, j: usize, observability: f64, corrected: f64) -> ParameterStatus {
-        let theta = self.champion.theta[j];
+        let theta = self.champion.common().theta[j];
         let limited = j < self.columns.own && {
-            let prior = &self.settings.priors[j];
-            self.champion.limited[j] || theta - 2.0 * corrected > prior.upper || theta + 2.0 * corrected < prior.lower
+            let prior = &self.shared().priors[j];
+            self.champion.common().limited[j]
+                || theta - 2.0 * corrected > prior.upper
+                || theta + 2.0 * corrected < prior.lower
         };
         let sd = self.columns.sd[j];
         let change = self.change_sd(j);
@@ -610,8 +629,9 @@ where
     }
 }
 
-impl<M, const N: usize, const R: usize, const P: usize> Estimator<R, P> for Smpe<M, N, R, P>
+impl<S, M, const N: usize, const R: usize, const P: usize> Estimator<R, P> for Supervisor<S, M, N, R, P>
 where
+    S: Slot<N, R, P>,
     M: Model<N, R, P>,
 {
     type Input = M::Input;
@@ -632,7 +652,7 @@ where
 
     fn covariance(&self, out: &mut [[f64; P]; P]) {
         *out = [[0.0; P]; P];
-        self.champion.c.write_dense(out);
+        self.champion.write_covariance(out);
         for i in 0..self.columns.count {
             for j in 0..self.columns.count {
                 out[i][j] *= self.columns.sd[i] * self.columns.sd[j];
@@ -641,8 +661,9 @@ where
     }
 }
 
-impl<M, const N: usize, const R: usize, const P: usize> Inspect<R, P> for Smpe<M, N, R, P>
+impl<S, M, const N: usize, const R: usize, const P: usize> Inspect<R, P> for Supervisor<S, M, N, R, P>
 where
+    S: Slot<N, R, P>,
     M: Model<N, R, P>,
 {
     fn column_count(&self) -> usize {

@@ -1,11 +1,12 @@
 //! Re-opening: the exact Gaussian book-keeping of "these parameters have just jumped by N(0, diag d^2)".
 
 use super::columns::Columns;
+use super::separated::Separated;
 use super::slot::Slot;
 use crate::dense::Cholesky;
 
 /// State variance added, in measurement variances: pays for the state error gathered between change and trigger.
-const STATE_ALLOWANCE: f64 = 25.0;
+pub(crate) const STATE_ALLOWANCE: f64 = 25.0;
 
 /// Opens the `tested` columns of a slot again. `change_over_prior` is `d_j` over the prior standard deviation.
 /// Gives `false`, with the slot in an unspecified but finite state, if the arithmetic fails.
@@ -16,7 +17,7 @@ const STATE_ALLOWANCE: f64 = 25.0;
 /// Px' = Px + U_E (Delta_E^-1 + (C^-1)_EE)^-1 U_E^T + 25 diag(sigma^2)
 /// ```
 pub(crate) fn reopen<const N: usize, const R: usize, const P: usize>(
-    slot: &mut Slot<N, P>,
+    slot: &mut Separated<N, P>,
     columns: &Columns<N, R, P>,
     tested: &[usize],
     change_over_prior: &[f64; P],
@@ -90,16 +91,17 @@ pub(crate) fn reopen<const N: usize, const R: usize, const P: usize>(
                 if columns.sd[j] > 0.0 { y[j] / columns.sd[j] } else { slot.sensitivity[state][j] };
         }
     }
-    slot.limited = [false; P];
-    slot.colour.reopen(&before, &slot.c);
-    slot.is_sound(p)
+    slot.common.limited = [false; P];
+    slot.common.colour.reopen(&before, &slot.c);
+    Slot::<N, R, P>::is_sound(slot, p)
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::columns::Columns;
+    use super::super::common::Common;
+    use super::super::separated::Separated;
     use super::super::settings::ChangePrior;
-    use super::super::slot::Slot;
     use super::reopen;
     use crate::ud::Ud;
     use rand::{RngExt, SeedableRng};
@@ -112,7 +114,7 @@ mod tests {
     const COLUMNS: usize = 7;
     const J: usize = N + COLUMNS;
 
-    fn joint(slot: &Slot<N, P>, columns: &Columns<N, R, P>) -> [[f64; J]; J] {
+    fn joint(slot: &Separated<N, P>, columns: &Columns<N, R, P>) -> [[f64; J]; J] {
         let (mut px, mut c) = ([[0.0; N]; N], [[0.0; P]; P]);
         slot.px.write_dense(&mut px);
         slot.c.write_dense(&mut c);
@@ -149,9 +151,14 @@ mod tests {
             };
             // A fixed parameter among them.
             columns.sd[1] = 0.0;
-            let mut slot = Slot::<N, P> {
-                x: [0.0; N],
-                theta: [0.0; P],
+            let mut slot = Separated::<N, P> {
+                common: Common {
+                    x: [0.0; N],
+                    theta: [0.0; P],
+                    noise_scale: 1.0,
+                    colour: super::super::colour::Colour::new(),
+                    limited: [true; P],
+                },
                 sensitivity: core::array::from_fn(|_| {
                     core::array::from_fn(|j| {
                         if j < COLUMNS && columns.sd[j] > 0.0 { uniform() / columns.sd[j] } else { 0.0 }
@@ -159,9 +166,6 @@ mod tests {
                 }),
                 px: Ud::from_variances(&[0.3, 0.02, 0.1]),
                 c: Ud::from_variances(&[1.0; COLUMNS]),
-                noise_scale: 1.0,
-                colour: super::super::colour::Colour::new(),
-                limited: [true; P],
             };
             slot.px.add_rank_one(0.2, &[uniform(), uniform(), uniform()]);
             for _ in 0..4 {
@@ -192,7 +196,7 @@ mod tests {
                     assert!(error <= 1e-10 * size, "{a} {b}: {} {}", after[a][b], expected[a][b]);
                 }
             }
-            assert!(!slot.limited.contains(&true));
+            assert!(!slot.common.limited.contains(&true));
         }
     }
 }

@@ -1,0 +1,302 @@
+//! The separated form (Friedland): state covariance given the parameters, sensitivity, parameter covariance, both
+//! covariances as `U D U^T`; with it the arithmetic of one sliding surface.
+
+use super::columns::Columns;
+use super::common::Common;
+use super::reopen;
+use super::settings::{ReachingState, SmpeError, SmpeSettings};
+use super::slot::{Innovations, RowPhase, ScoredRow, Slot};
+use crate::discretization::{self, IntervalInput, Part};
+use crate::kernels::{add_scaled, dot};
+use crate::model::{LinearizedOutputs, Model};
+use crate::ud::Ud;
+
+#[derive(Clone, Copy, Debug)]
+pub struct Separated<const N: usize, const P: usize> {
+    pub(crate) common: Common<N, P>,
+    /// `U = dxhat/dtheta`, raw units.
+    pub(crate) sensitivity: [[f64; P]; N],
+    /// State covariance given the parameters.
+    pub(crate) px: Ud<N>,
+    /// Parameter covariance, columns scaled to the prior standard deviation.
+    pub(crate) c: Ud<P>,
+}
+
+impl<const N: usize, const R: usize, const P: usize> Slot<N, R, P> for Separated<N, P> {
+    type Settings = SmpeSettings<N, R, P>;
+
+    fn shared(settings: &Self::Settings) -> &SmpeSettings<N, R, P> {
+        settings
+    }
+
+    fn check(_: &Self::Settings) -> Result<(), SmpeError> {
+        Ok(())
+    }
+
+    fn prior(settings: &Self::Settings, columns: &Columns<N, R, P>) -> Self {
+        Self {
+            common: Common::prior(settings, columns),
+            sensitivity: [[0.0; P]; N],
+            px: Ud::from_variances(&[0.0; N]),
+            c: Ud::from_variances(&[1.0; P][..columns.count]),
+        }
+    }
+
+    /// Independent of the model's parameters, and wrong by the bias of the channel it was read from: `U = -1` there.
+    fn start_state(&mut self, x: [f64; N], variances: &[f64; N], measured: &[bool; N], columns: &Columns<N, R, P>) {
+        self.common.start_state(x, measured, columns);
+        self.px = Ud::from_variances(variances);
+        self.sensitivity = [[0.0; P]; N];
+        for state in 0..N {
+            if let (true, Some(bias)) = (measured[state], columns.bias_of_state(state)) {
+                self.sensitivity[state][bias] = -1.0;
+            }
+        }
+    }
+
+    /// `x <- f(x, u, theta)`, `U <- A U + B`, `Px <- A Px A^T + q_s Qx h`. Changes nothing and gives `false` if the
+    /// model's answer is not finite.
+    fn predict<M>(
+        &mut self,
+        model: &M,
+        settings: &SmpeSettings<N, R, P>,
+        columns: &Columns<N, R, P>,
+        input: &IntervalInput<M::Input>,
+        interval_s: f64,
+    ) -> bool
+    where
+        M: Model<N, R, P>,
+    {
+        let steps = discretization::sub_steps(interval_s, settings.maximum_step_s);
+        let h = interval_s / steps as f64;
+        let q = settings.process_noise.variance_per_s.map(|variance| variance * self.common.noise_scale * h);
+        let mut x = self.common.x;
+        let mut sensitivity = self.sensitivity;
+        let mut px = self.px;
+        let mut transition = [[0.0; N]; N];
+        for k in 0..steps {
+            let part = Part { from: k as f64 / steps as f64, to: (k + 1) as f64 / steps as f64 };
+            x = discretization::step(
+                model,
+                &x,
+                &self.common.theta,
+                input,
+                interval_s,
+                part,
+                columns.count,
+                &mut sensitivity,
+                &mut transition,
+            );
+            px.predict(&transition, &q);
+        }
+        // A sum is finite only if every term is.
+        let checksum =
+            x.iter().sum::<f64>() + sensitivity.iter().map(|row| row[..columns.count].iter().sum::<f64>()).sum::<f64>();
+        if !checksum.is_finite() || !px.is_sound() {
+            return false;
+        }
+        self.common.x = x;
+        self.sensitivity = sensitivity;
+        self.px = px;
+        true
+    }
+
+    #[allow(clippy::too_many_arguments)]
+    fn correct<M>(
+        &mut self,
+        model: &M,
+        settings: &SmpeSettings<N, R, P>,
+        columns: &Columns<N, R, P>,
+        input: &M::Input,
+        measured: &[f64; R],
+        adapt_noise: bool,
+        surface: &mut [f64; P],
+        observe: impl FnMut(ScoredRow<'_>),
+    ) -> Innovations<R>
+    where
+        M: Model<N, R, P>,
+    {
+        // The full capacity as a constant: its loops unroll.
+        let p = columns.count;
+        if p >= P {
+            self.correct_of(P, model, settings, columns, input, measured, adapt_noise, surface, observe)
+        } else {
+            self.correct_of(p, model, settings, columns, input, measured, adapt_noise, surface, observe)
+        }
+    }
+
+    fn reopen(
+        &mut self,
+        columns: &Columns<N, R, P>,
+        tested: &[usize],
+        change_over_prior: &[f64; P],
+        noise_sd: &[f64; R],
+    ) -> bool {
+        reopen::reopen(self, columns, tested, change_over_prior, noise_sd)
+    }
+
+    fn common(&self) -> &Common<N, P> {
+        &self.common
+    }
+
+    fn variances(&self) -> [f64; P] {
+        self.c.variances()
+    }
+
+    fn write_covariance(&self, out: &mut [[f64; P]; P]) {
+        self.c.write_dense(out);
+    }
+
+    fn close_colour_block(&mut self) {
+        let Self { common, c, .. } = self;
+        common.colour.close_block(c.len(), |j| c.column(j));
+    }
+
+    fn renew_colour(&mut self) {
+        let Self { common, c, .. } = self;
+        common.colour.renew(c.len(), |j| c.column(j));
+    }
+
+    /// No variance is negative, by construction, unless it is not a number.
+    fn is_sound(&self, columns: usize) -> bool {
+        self.common.is_sound(columns) && self.px.is_sound() && self.c.is_sound()
+    }
+}
+
+impl<const N: usize, const P: usize> Separated<N, P> {
+    #[inline(always)]
+    #[allow(clippy::too_many_arguments)]
+    fn correct_of<M, const R: usize>(
+        &mut self,
+        p: usize,
+        model: &M,
+        settings: &SmpeSettings<N, R, P>,
+        columns: &Columns<N, R, P>,
+        input: &M::Input,
+        measured: &[f64; R],
+        adapt_noise: bool,
+        surface: &mut [f64; P],
+        mut observe: impl FnMut(ScoredRow<'_>),
+    ) -> Innovations<R>
+    where
+        M: Model<N, R, P>,
+    {
+        let own = columns.own.min(p);
+        let (kappa, kappa2) = (settings.reaching_limit, settings.rejection_limit);
+        let mut innovations = Innovations::EMPTY;
+        let mut lin = LinearizedOutputs::<N, R, P>::ZERO;
+        model.linearized_outputs(&self.common.x, &self.common.theta, input, &mut lin);
+
+        let mut dx = [0.0; N];
+        let mut dtheta = [0.0; P];
+        let mut adaptation = 0.0;
+        surface[..p].fill(0.0);
+        for i in 0..R {
+            let sigma = settings.noise_sd[i];
+            let bias = columns.bias_of_output[i];
+            let predicted = lin.outputs[i] + bias.map_or(0.0, |column| self.common.theta[column]);
+            innovations.predicted[i] = predicted;
+            if !(measured[i].is_finite() && predicted.is_finite() && sigma.is_finite() && sigma > 0.0) {
+                continue;
+            }
+            let h_row = &lin.state_jacobian[i];
+            let d_row = &lin.parameter_jacobian[i];
+
+            // w = H U + D, and the residual with what the earlier rows of this frame have already moved.
+            let mut w = [0.0; P];
+            w[..own].copy_from_slice(&d_row[..own]);
+            let mut residual = measured[i] - predicted;
+            residual -= dot(&d_row[..own], &dtheta[..own]);
+            if let Some(column) = bias {
+                w[column] = 1.0;
+                residual -= dtheta[column];
+            }
+            for k in 0..N {
+                let factor = h_row[k];
+                // Most rows measure one state: the zeros are worth a test.
+                if factor != 0.0 {
+                    residual -= factor * dx[k];
+                    add_scaled(&mut w[..p], factor, &self.sensitivity[k][..p]);
+                }
+            }
+
+            // s = H Px H^T + sigma^2;  psi = w/sqrt(s);  e = residual/sqrt(s);  1 + v = 1 + psi C psi^T
+            let r = sigma * sigma;
+            let state_projection = self.px.project(h_row, r);
+            let s = state_projection.variance;
+            let inverse_root = 1.0 / libm::sqrt(s);
+            let inverse_s = inverse_root * inverse_root;
+            let mut psi = [0.0; P];
+            for ((a, wj), sd) in psi[..p].iter_mut().zip(&w[..p]).zip(&columns.sd[..p]) {
+                *a = wj * sd * inverse_root;
+            }
+            let e = residual * inverse_root;
+            let projection = self.c.project(&psi, 1.0);
+            let one_plus_v = projection.variance;
+            let nn = libm::sqrt(one_plus_v);
+            let xi = e / nn;
+            // A variance that overflows would pass for a residual of zero and take the covariances with it.
+            if !(xi.is_finite() && s > 0.0 && s.is_finite() && one_plus_v >= 1.0 && one_plus_v.is_finite()) {
+                continue;
+            }
+            observe(ScoredRow { psi: &psi[..p], xi, v: one_plus_v - 1.0, nn });
+            innovations.whitened[i] = e;
+            innovations.normalised[i] = xi;
+            innovations.variance[i] = s * one_plus_v;
+
+            let size = xi.abs();
+            if size > kappa2 {
+                innovations.phase[i] = RowPhase::Rejected;
+                continue;
+            }
+            if adapt_noise && settings.process_noise.adapting_outputs[i] {
+                adaptation += (xi * xi).min(9.0) - 1.0;
+            }
+            // Surface by equivalent control (sliding), or by the implicit sign outside the boundary layer (reaching).
+            let (phi, ex, c_psi, p_h);
+            if size <= kappa {
+                innovations.phase[i] = RowPhase::Sliding;
+                self.common.colour.add(&psi[..p], xi);
+                phi = xi / nn;
+                ex = e;
+                p_h = self.px.update(&state_projection, r);
+                c_psi = self.c.update(&projection, 1.0);
+                for k in 0..N {
+                    add_scaled(&mut self.sensitivity[k][..p], -p_h[k] * inverse_s, &w[..p]);
+                }
+            } else {
+                innovations.phase[i] = RowPhase::Reaching;
+                let sign = if xi > 0.0 { 1.0 } else { -1.0 };
+                phi = kappa * sign / nn;
+                // C stays, so this row moves C^-1 theta by exactly psi^T phi. While a lot is still to be learnt (v >= 1)
+                // that is the way to the truth and not noise.
+                if one_plus_v < 2.0 {
+                    self.common.colour.add(&psi[..p], phi);
+                }
+                // U stays too, so the share of the state in the surface, 1/(1+v), has to be in e_x itself.
+                ex = match settings.reaching_state {
+                    ReachingState::Joint => phi,
+                    ReachingState::Prototype => kappa * nn * sign,
+                };
+                p_h = self.px.cross_covariance(&state_projection);
+                c_psi = self.c.cross_covariance(&projection);
+            }
+            // dtheta += C_old psi^T phi;  dx += K sqrt(s) ex + U C_old psi^T phi  (U after its own update)
+            let full = xi / nn;
+            let mut step = [0.0; P];
+            for j in 0..p {
+                let direction = columns.sd[j] * c_psi[j];
+                step[j] = direction * phi;
+                surface[j] += direction * full;
+                dtheta[j] += step[j];
+            }
+            for k in 0..N {
+                dx[k] += p_h[k] * inverse_root * ex + dot(&self.sensitivity[k][..p], &step[..p]);
+            }
+        }
+
+        let Self { common, c, .. } = self;
+        common.take_step(settings, columns, &dx, &dtheta[..p], adaptation, |j| c.column(j)[j]);
+        innovations
+    }
+}
