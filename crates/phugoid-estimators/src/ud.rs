@@ -60,7 +60,7 @@ impl<const CAPACITY: usize> Ud<CAPACITY> {
         }
         for j in (0..n).rev() {
             let d = diagonal[j];
-            if !(d > LEAST_VARIANCE * lower[j][j]) {
+            if d.is_nan() || d <= LEAST_VARIANCE * lower[j][j] {
                 diagonal[j] = 0.0;
                 columns[j][..j].fill(0.0);
                 continue;
