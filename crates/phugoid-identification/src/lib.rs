@@ -1,6 +1,7 @@
 //! From an aircraft and a flight record to aerodynamic parameters with bounds.
 #![cfg_attr(not(test), deny(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 pub mod axes;
+pub mod batch;
 mod error;
 pub mod estimate;
 pub mod estimation;

@@ -5,6 +5,8 @@
 mod shared_data;
 
 pub(crate) use shared_data::shared_file;
+pub(crate) mod short_period;
+
 use std::path::PathBuf;
 
 /// A table of plain numbers with one header line.

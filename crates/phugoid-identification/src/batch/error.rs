@@ -1,0 +1,60 @@
+//! Why a batch estimation could not be made.
+
+/// Why a batch estimation could not be made.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum BatchError {
+    /// What was given does not fit together.
+    #[error("{0}")]
+    BadInput(String),
+    /// The simulation is not finite at the start values, or one damped step away from every accepted point.
+    #[error(
+        "{manoeuvre}: the simulation with the start values diverges {time_s:.3} s after its first sample. Start nearer \
+         (equation error gives start values), or cut the manoeuvre; for an unstable aircraft take filter error or equation \
+         error, which do not integrate freely"
+    )]
+    Diverged {
+        /// Manoeuvre.
+        manoeuvre: String,
+        /// Time of the first value that is not finite, s from the start of the manoeuvre.
+        time_s: f64,
+    },
+    /// Some combination of the unknowns leaves every output where it is.
+    #[error("{}", singular(culprits))]
+    Singular {
+        /// The unknowns of the combination, the strongest first, with their share: a step by these amounts together,
+        /// each in its own unit, does not move the outputs.
+        culprits: Vec<(String, f64)>,
+    },
+    /// The iteration ended without reaching the minimum.
+    #[error(
+        "no convergence after {iterations} iterations: the next step would still be {step:.3e} standard errors long \
+         (wanted: {tolerance:.1e}). Start nearer, fix what the data cannot tell, or allow more iterations"
+    )]
+    NotConverged {
+        /// Iterations made.
+        iterations: usize,
+        /// Length of the next Gauss-Newton step in standard errors.
+        step: f64,
+        /// Length wanted.
+        tolerance: f64,
+    },
+}
+
+fn singular(culprits: &[(String, f64)]) -> String {
+    match culprits {
+        [(name, _)] => format!(
+            "{name} does not move any measured output in these data: fix it, give it a prior, or fly an input that \
+             excites it"
+        ),
+        _ => {
+            let names: Vec<&str> = culprits.iter().map(|(name, _)| name.as_str()).collect();
+            let amounts: Vec<String> = culprits.iter().map(|(name, by)| format!("{name} by {by:+.3e}")).collect();
+            format!(
+                "{} cannot be told apart in these data: changing {} together leaves every output as it is. Fix one of \
+                 them, give it a prior, or fly a manoeuvre that moves them differently",
+                names.join(" and "),
+                amounts.join(", ")
+            )
+        }
+    }
+}

@@ -1,0 +1,129 @@
+//! A Kalman filter over one manoeuvre: the innovations and their variances.
+
+use phugoid_estimators::discretization::{IntervalInput, Part, step, sub_steps};
+use phugoid_estimators::{Input, LinearizedOutputs, Model};
+
+use super::problem::Manoeuvre;
+
+/// What the filter is run with.
+#[derive(Clone, Debug)]
+pub(crate) struct Tuning<const N: usize, const R: usize, const P: usize> {
+    pub(crate) parameters: [f64; P],
+    pub(crate) biases: [f64; R],
+    pub(crate) initial_state: [f64; N],
+    /// One sigma of the initial state.
+    pub(crate) initial_sd: [f64; N],
+    /// Variances of the measurement noise.
+    pub(crate) noise: [f64; R],
+    /// Densities of the process noise: variance of each state per second.
+    pub(crate) process_noise: [f64; N],
+    pub(crate) maximum_step_s: f64,
+}
+
+/// Innovations of one manoeuvre; NaN where nothing was measured.
+#[derive(Clone, Debug)]
+pub(crate) struct Innovations<const R: usize> {
+    /// Outputs predicted from all samples before, with their biases.
+    pub(crate) predicted: Vec<[f64; R]>,
+    /// Measured minus predicted; the outputs of a sample one after the other, each with what those before it corrected, so
+    /// that all are independent.
+    pub(crate) errors: Vec<[f64; R]>,
+    /// Their variances.
+    pub(crate) variances: Vec<[f64; R]>,
+}
+
+impl<const R: usize> Innovations<R> {
+    /// `1/2 sum (e^2/s + ln s)`.
+    pub(crate) fn cost(&self) -> f64 {
+        let all = self.errors.iter().flatten().zip(self.variances.iter().flatten());
+        all.filter(|(e, _)| e.is_finite()).map(|(e, s)| 0.5 * (e * e / s + s.ln())).sum()
+    }
+}
+
+/// Runs an extended Kalman filter over the states of a manoeuvre with the parameters held; gives the time of the first
+/// value that is not finite, s from its start, if there is one.
+///
+/// Prediction with the step map and its exact derivative `A`; outputs corrected one at a time, which is the whole
+/// correction because their noise is independent; Joseph's form of the covariance.
+pub(crate) fn filter<M, I, const N: usize, const R: usize, const P: usize>(
+    manoeuvre: &Manoeuvre<'_, M, I, N, R>,
+    tuning: &Tuning<N, R, P>,
+) -> Result<Innovations<R>, f64>
+where
+    M: Model<N, R, P, Input = I>,
+    I: Input,
+{
+    let model = manoeuvre.model;
+    let samples = manoeuvre.time_s.len();
+    let mut x = tuning.initial_state;
+    let mut covariance: [[f64; N]; N] =
+        std::array::from_fn(|i| std::array::from_fn(|j| if i == j { tuning.initial_sd[i].powi(2) } else { 0.0 }));
+    let mut lin = LinearizedOutputs::<N, R, P>::ZERO;
+    let mut result = Innovations {
+        predicted: Vec::with_capacity(samples),
+        errors: Vec::with_capacity(samples),
+        variances: Vec::with_capacity(samples),
+    };
+    let (mut unused, mut transition) = ([[0.0; P]; N], [[0.0; N]; N]);
+    for k in 0..samples {
+        model.linearized_outputs(&x, &tuning.parameters, &manoeuvre.inputs[k], &mut lin);
+        let predicted: [f64; R] = std::array::from_fn(|i| lin.outputs[i] + tuning.biases[i]);
+        let (mut errors, mut variances) = ([f64::NAN; R], [f64::NAN; R]);
+        let mut correction = [0.0; N];
+        for i in (0..R).filter(|&i| manoeuvre.outputs[k][i].is_finite()) {
+            let h = &lin.state_jacobian[i];
+            let gain: [f64; N] = std::array::from_fn(|l| (0..N).map(|m| covariance[l][m] * h[m]).sum());
+            let s = tuning.noise[i] + (0..N).map(|l| h[l] * gain[l]).sum::<f64>();
+            let corrected: f64 = (0..N).map(|l| h[l] * correction[l]).sum();
+            let e = manoeuvre.outputs[k][i] - predicted[i] - corrected;
+            if !(e.is_finite() && s > 0.0 && s.is_finite()) {
+                return Err(manoeuvre.time_s[k] - manoeuvre.time_s[0]);
+            }
+            let gain = gain.map(|g| g / s);
+            for l in 0..N {
+                correction[l] += gain[l] * e;
+            }
+            covariance = joseph(&covariance, &gain, h, tuning.noise[i]);
+            (errors[i], variances[i]) = (e, s);
+        }
+        for l in 0..N {
+            x[l] += correction[l];
+        }
+        result.predicted.push(predicted);
+        result.errors.push(errors);
+        result.variances.push(variances);
+        if k + 1 == samples {
+            break;
+        }
+        let interval_s = manoeuvre.time_s[k + 1] - manoeuvre.time_s[k];
+        let input = IntervalInput { from: manoeuvre.inputs[k], to: manoeuvre.inputs[k + 1], hold: manoeuvre.hold };
+        let steps = sub_steps(interval_s, tuning.maximum_step_s);
+        for part in 0..steps {
+            let part = Part { from: part as f64 / steps as f64, to: (part + 1) as f64 / steps as f64 };
+            x = step(model, &x, &tuning.parameters, &input, interval_s, part, 0, &mut unused, &mut transition);
+            covariance = predicted_covariance(&covariance, &transition);
+            for l in 0..N {
+                covariance[l][l] += tuning.process_noise[l] * interval_s / steps as f64;
+            }
+        }
+    }
+    Ok(result)
+}
+
+/// `(I - K h^T) P (I - K h^T)^T + K r K^T`.
+fn joseph<const N: usize>(p: &[[f64; N]; N], gain: &[f64; N], h: &[f64; N], noise: f64) -> [[f64; N]; N] {
+    let left: [[f64; N]; N] = std::array::from_fn(|i| {
+        let along: f64 = gain[i];
+        std::array::from_fn(|j| p[i][j] - along * (0..N).map(|l| h[l] * p[l][j]).sum::<f64>())
+    });
+    std::array::from_fn(|i| {
+        let along: f64 = (0..N).map(|l| left[i][l] * h[l]).sum();
+        std::array::from_fn(|j| left[i][j] - along * gain[j] + gain[i] * noise * gain[j])
+    })
+}
+
+/// `A P A^T`.
+fn predicted_covariance<const N: usize>(p: &[[f64; N]; N], a: &[[f64; N]; N]) -> [[f64; N]; N] {
+    let half: [[f64; N]; N] = std::array::from_fn(|i| std::array::from_fn(|j| (0..N).map(|l| a[i][l] * p[l][j]).sum()));
+    std::array::from_fn(|i| std::array::from_fn(|j| (0..N).map(|l| half[i][l] * a[j][l]).sum()))
+}

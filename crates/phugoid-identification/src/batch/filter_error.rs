@@ -1,0 +1,287 @@
+//! Filter error: maximum likelihood with process noise.
+
+use std::cell::RefCell;
+
+use phugoid_estimators::{Input, Model};
+
+use super::error::BatchError;
+use super::filter::{Innovations, Tuning, filter};
+use super::layout::{Layout, Place};
+use super::likelihood::Evaluation;
+use super::optimise::{OptimiserSettings, minimise};
+use super::problem::{Manoeuvre, Noise, Structure};
+use super::response::Rows;
+use super::result::{BatchFit, UnknownKind};
+use super::start::initial_states;
+use super::summary::{Summary, summarise};
+use crate::noise::measure_noise;
+
+/// What is known of the process noise: turbulence and model error that drive the states.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ProcessNoise<const N: usize> {
+    /// Variance that each state gains per second, state units squared per second; 0 for a state without.
+    pub density: [f64; N],
+    /// True if the densities that are not zero are estimated with the parameters, from these on.
+    pub estimated: bool,
+}
+
+/// One sigma of the initial state over that of the sensor that measures it: the first samples decide.
+const INITIAL_SD: f64 = 10.0;
+/// One sigma of the logarithm of a variance about its start: a factor of ten in standard deviation. It only keeps a
+/// variance that the data say nothing of from running away.
+const LOG_VARIANCE_SD: f64 = 4.605_170_186;
+/// Farthest that the logarithm of a variance goes from its start.
+const LOG_VARIANCE_RANGE: f64 = 18.0;
+/// Step of the central differences over the standard error that an unknown would have if all others were known.
+const DIFFERENCE: f64 = 1e-3;
+/// First relative step, as long as that is not known.
+const FIRST_DIFFERENCE: f64 = 1e-5;
+
+/// Fits the predictions of a Kalman filter to the measured outputs of all manoeuvres at once.
+///
+/// Minimises the negative log-likelihood of the innovations,
+///
+/// ```text
+/// J = 1/2 sum_k sum_i [ e_i(k)^2 / s_i(k) + ln s_i(k) ]   ( + priors )
+/// ```
+///
+/// over parameters, biases and, where they are to be estimated, the variances of measurement and process noise (by their
+/// logarithms, so that every filter on the way has a valid, stabilising gain). The filter is time-varying; the initial
+/// state is not searched but starts ten sensor sigmas wide and is found by the first samples.
+/// Fisher scoring (Gupta & Mehra, IEEE Transactions on Automatic Control AC-19, 1974; Jategaonkar, Flight Vehicle System
+/// Identification, chapter 5) with the safeguard of the other methods:
+///
+/// ```text
+/// M_jk = sum [ (de/dz_j)(de/dz_k) / s + 1/2 (d ln s/dz_j)(d ln s/dz_k) ]
+/// ```
+///
+/// The derivatives of the whole filter, its gain included, are central differences with a step of a thousandth of a
+/// standard error: their own error is some millionths of what they decide.
+///
+/// # Errors
+/// [`BatchError`]: input that does not fit together, a filter that diverges, unknowns that the data cannot tell apart,
+/// no convergence.
+pub fn filter_error<M, I, const N: usize, const R: usize, const P: usize>(
+    manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
+    structure: &Structure<N, R>,
+    process_noise: &ProcessNoise<N>,
+    settings: &OptimiserSettings,
+) -> Result<BatchFit, BatchError>
+where
+    M: Model<N, R, P, Input = I>,
+    I: Input,
+{
+    structure.check(manoeuvres, |m: &M| m.parameter_count().min(P))?;
+    if let Some(i) = process_noise.density.iter().position(|q| !(q.is_finite() && *q >= 0.0)) {
+        let (name, density) = (&structure.states[i].name, process_noise.density[i]);
+        return Err(BatchError::BadInput(format!("the process noise of {name} is {density}: it must not be negative")));
+    }
+    let used = Structure::used(manoeuvres);
+    let noise = first_noise(manoeuvres, structure)?;
+    let states = initial_states(manoeuvres, structure)?;
+    let initial_sd = initial_sd(manoeuvres, structure, &noise)?;
+    let mut held = structure.clone();
+    held.states.iter_mut().for_each(|s| s.free = false);
+    let mut layout: Layout<N, P> = Layout::new(&held, manoeuvres, states);
+    layout.places.extend(variances(structure, &noise, process_noise, &used));
+
+    let tuning = |index: usize, unknowns: &[f64]| -> Tuning<N, R, P> {
+        let mut tuning = Tuning {
+            parameters: layout.parameters(unknowns),
+            biases: layout.biases(index, unknowns),
+            initial_state: layout.initial_state(index, unknowns),
+            initial_sd,
+            noise: noise.map(|sd| sd * sd),
+            process_noise: process_noise.density,
+            maximum_step_s: structure.maximum_step_s,
+        };
+        for (place, value) in layout.places.iter().zip(unknowns) {
+            match place.kind {
+                UnknownKind::Noise { output } => tuning.noise[output] = value.exp(),
+                UnknownKind::ProcessNoise { state } => tuning.process_noise[state] = value.exp(),
+                _ => {}
+            }
+        }
+        tuning
+    };
+    let run = |index: usize, unknowns: &[f64]| -> Result<Innovations<R>, BatchError> {
+        let m = &manoeuvres[index];
+        filter(m, &tuning(index, unknowns))
+            .map_err(|time_s| BatchError::Diverged { manoeuvre: m.name.to_owned(), time_s })
+    };
+    let first_step = |p: &Place| match p.kind {
+        UnknownKind::Noise { .. } | UnknownKind::ProcessNoise { .. } => 1e-4,
+        _ if p.start != 0.0 => FIRST_DIFFERENCE * p.start.abs(),
+        _ if p.prior_sd.is_finite() => FIRST_DIFFERENCE * p.prior_sd,
+        _ => FIRST_DIFFERENCE,
+    };
+    let steps = RefCell::new(layout.places.iter().map(first_step).collect::<Vec<f64>>());
+    let evaluate = |unknowns: &[f64], below: f64| -> Result<Option<Evaluation<Filtered<R>>>, BatchError> {
+        let centre = (0..manoeuvres.len()).map(|m| run(m, unknowns)).collect::<Result<Vec<_>, _>>()?;
+        let cost: f64 = centre.iter().map(Innovations::cost).sum();
+        let mut evaluation = Evaluation::of_priors(&layout.places, unknowns);
+        if !(evaluation.cost + cost < below) {
+            return Ok(None);
+        }
+        let priors = evaluation.information.diagonal();
+        let mut rows = Vec::with_capacity(centre.len());
+        for (index, innovations) in centre.into_iter().enumerate() {
+            let columns = layout.columns(index);
+            let (mean, spread) = differences(innovations, columns, &steps.borrow(), unknowns, |z| run(index, z))?;
+            evaluation.add(&mean);
+            evaluation.add(&spread);
+            rows.push(mean);
+        }
+        for (j, step) in steps.borrow_mut().iter_mut().enumerate() {
+            let information = evaluation.information[(j, j)] - priors[j];
+            let parameter =
+                !matches!(layout.places[j].kind, UnknownKind::Noise { .. } | UnknownKind::ProcessNoise { .. });
+            if parameter && information > 0.0 {
+                *step = DIFFERENCE / information.sqrt();
+            }
+        }
+        Ok(Some(evaluation.with(cost, Filtered { rows })))
+    };
+    let start = layout.start();
+    // Twice: the second time with steps that suit the information.
+    evaluate(&start, f64::INFINITY)?;
+    let Some(first) = evaluate(&start, f64::INFINITY)? else {
+        return Err(BatchError::Diverged { manoeuvre: manoeuvres[0].name.to_owned(), time_s: 0.0 });
+    };
+    let minimum =
+        minimise(&layout.places, start, first, settings, |unknowns, below| evaluate(unknowns, below).ok().flatten())?;
+    let found = tuning(0, &minimum.unknowns);
+    let noise_sd = std::array::from_fn(|i| if used[i] { found.noise[i].sqrt() } else { f64::NAN });
+    let mut fit = summarise(&Summary {
+        method: "filter-error",
+        structure,
+        manoeuvres,
+        layout: &layout,
+        minimum: &minimum,
+        rows: &minimum.evaluation.detail.rows,
+        noise_sd: &noise_sd,
+    })?;
+    fit.process_noise = found.process_noise.to_vec();
+    Ok(fit)
+}
+
+struct Filtered<const R: usize> {
+    rows: Vec<Rows<R>>,
+}
+
+/// One sigma of each output to start from: as given, or measured from the records.
+fn first_noise<M, I, const N: usize, const R: usize>(
+    manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
+    structure: &Structure<N, R>,
+) -> Result<[f64; R], BatchError> {
+    let used = Structure::used(manoeuvres);
+    let mut noise = [1.0; R];
+    for (i, channel) in structure.outputs.iter().enumerate().filter(|(i, _)| used[*i]) {
+        noise[i] = match channel.noise {
+            Noise::Known(sd) => sd,
+            Noise::Estimated => manoeuvres
+                .iter()
+                .find_map(|m| measure_noise(&m.outputs.iter().map(|y| y[i]).collect::<Vec<f64>>()))
+                .map(|found| found.std)
+                .ok_or_else(|| {
+                    let name = &channel.name;
+                    BatchError::BadInput(format!("the noise of {name} cannot be measured from the records: give it"))
+                })?,
+        };
+    }
+    Ok(noise)
+}
+
+fn initial_sd<M, I, const N: usize, const R: usize, const P: usize>(
+    manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
+    structure: &Structure<N, R>,
+    noise: &[f64; R],
+) -> Result<[f64; N], BatchError>
+where
+    M: Model<N, R, P, Input = I>,
+    I: Input,
+{
+    let mut initial_sd = [0.0; N];
+    for (i, sd) in initial_sd.iter_mut().enumerate().filter(|(i, _)| structure.states[*i].free) {
+        let measured = manoeuvres.first().and_then(|m| m.model.measuring_output(i)).map(|output| noise[output]);
+        *sd = INITIAL_SD
+            * measured.ok_or_else(|| {
+                let name = &structure.states[i].name;
+                BatchError::BadInput(format!("nothing measures the state {name}: filter error needs its start, held"))
+            })?;
+    }
+    Ok(initial_sd)
+}
+
+/// Variances that are searched, by their logarithms.
+fn variances<const N: usize, const R: usize>(
+    structure: &Structure<N, R>,
+    noise: &[f64; R],
+    process_noise: &ProcessNoise<N>,
+    used: &[bool; R],
+) -> Vec<Place> {
+    let place = |kind, name: String, variance: f64| Place {
+        kind,
+        name,
+        start: variance.ln(),
+        prior_sd: LOG_VARIANCE_SD,
+        lower: variance.ln() - LOG_VARIANCE_RANGE,
+        upper: variance.ln() + LOG_VARIANCE_RANGE,
+    };
+    let outputs = structure.outputs.iter().enumerate().filter(|(i, c)| used[*i] && c.noise == Noise::Estimated);
+    let states = structure.states.iter().enumerate();
+    outputs
+        .map(|(i, c)| place(UnknownKind::Noise { output: i }, format!("noise of {}", c.name), noise[i] * noise[i]))
+        .chain(states.filter(|(i, _)| process_noise.estimated && process_noise.density[*i] > 0.0).map(|(i, s)| {
+            let kind = UnknownKind::ProcessNoise { state: i };
+            place(kind, format!("process noise of {}", s.name), process_noise.density[i])
+        }))
+        .collect()
+}
+
+/// Rows of the innovations and of the logarithms of their variances, with derivatives by central differences. Both are
+/// made so that `sum S^T nu` is minus the gradient of the cost and `sum S^T S` the information.
+fn differences<const R: usize>(
+    centre: Innovations<R>,
+    columns: Vec<usize>,
+    steps: &[f64],
+    unknowns: &[f64],
+    run: impl Fn(&[f64]) -> Result<Innovations<R>, BatchError>,
+) -> Result<(Rows<R>, Rows<R>), BatchError> {
+    let samples = centre.errors.len();
+    let width = columns.len();
+    let mut mean = vec![0.0; samples * R * width];
+    let mut spread = vec![0.0; samples * R * width];
+    let mut shifted = unknowns.to_vec();
+    for (c, &j) in columns.iter().enumerate() {
+        shifted[j] = unknowns[j] + steps[j];
+        let above = run(&shifted)?;
+        let up = shifted[j];
+        shifted[j] = unknowns[j] - steps[j];
+        let below = run(&shifted)?;
+        let apart = up - shifted[j];
+        shifted[j] = unknowns[j];
+        for k in 0..samples {
+            for i in (0..R).filter(|&i| centre.errors[k][i].is_finite()) {
+                let s = centre.variances[k][i];
+                let at = (k * R + i) * width + c;
+                mean[at] = -(above.errors[k][i] - below.errors[k][i]) / (apart * s.sqrt());
+                spread[at] = (above.variances[k][i] - below.variances[k][i]) / (apart * s * std::f64::consts::SQRT_2);
+            }
+        }
+    }
+    let each = |f: &dyn Fn(f64, f64) -> f64| -> Vec<[f64; R]> {
+        let pairs = centre.errors.iter().zip(&centre.variances);
+        pairs.map(|(e, s)| std::array::from_fn(|i| f(e[i], s[i]))).collect()
+    };
+    let whitened = each(&|e, s| e / s.sqrt());
+    let surprise = each(&|e, s| (e * e / s - 1.0) / std::f64::consts::SQRT_2);
+    let rows = |outputs, residuals, sensitivities| Rows {
+        columns: columns.clone(),
+        outputs,
+        residuals,
+        sensitivities,
+        growth: 1.0,
+    };
+    Ok((rows(centre.predicted, whitened, mean), rows(Vec::new(), surprise, spread)))
+}

@@ -1,0 +1,128 @@
+//! Which unknown is where in the vector that is searched.
+
+use super::problem::{Bias, Manoeuvre, Structure};
+use super::result::UnknownKind;
+
+/// One free unknown.
+#[derive(Clone, Debug)]
+pub(crate) struct Place {
+    pub(crate) kind: UnknownKind,
+    pub(crate) name: String,
+    pub(crate) start: f64,
+    /// Infinite for none.
+    pub(crate) prior_sd: f64,
+    pub(crate) lower: f64,
+    pub(crate) upper: f64,
+}
+
+/// The free unknowns in order, and the values of the others.
+#[derive(Clone, Debug)]
+pub(crate) struct Layout<const N: usize, const P: usize> {
+    pub(crate) places: Vec<Place>,
+    /// Parameters where they are fixed or start.
+    parameters: [f64; P],
+    /// Initial states where they are held or start, by manoeuvre.
+    states: Vec<[f64; N]>,
+}
+
+impl<const N: usize, const P: usize> Layout<N, P> {
+    /// Free parameters, then shared biases, then by manoeuvre its free initial states and biases.
+    pub(crate) fn new<M, I, const R: usize>(
+        structure: &Structure<N, R>,
+        manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
+        states: Vec<[f64; N]>,
+    ) -> Self {
+        let mut parameters = [0.0; P];
+        let mut places = Vec::new();
+        for (j, p) in structure.parameters.iter().enumerate().take(P) {
+            parameters[j] = p.start;
+            if !p.fixed {
+                let prior_sd = p.prior_sd.unwrap_or(f64::INFINITY);
+                let (name, kind) = (p.name.clone(), UnknownKind::Parameter { index: j });
+                places.push(Place { kind, name, start: p.start, prior_sd, lower: p.lower, upper: p.upper });
+            }
+        }
+        let unbounded = |kind, name, start, prior_sd| Place {
+            kind,
+            name,
+            start,
+            prior_sd,
+            lower: f64::NEG_INFINITY,
+            upper: f64::INFINITY,
+        };
+        let used = Structure::used(manoeuvres);
+        for (i, channel) in structure.outputs.iter().enumerate().filter(|(i, _)| used[*i]) {
+            if let Bias::Shared(sd) = channel.bias {
+                let kind = UnknownKind::Bias { output: i, manoeuvre: None };
+                places.push(unbounded(kind, format!("bias of {}", channel.name), 0.0, sd));
+            }
+        }
+        for (m, manoeuvre) in manoeuvres.iter().enumerate() {
+            let of = if manoeuvres.len() > 1 { format!(" in {}", manoeuvre.name) } else { String::new() };
+            for (i, state) in structure.states.iter().enumerate().filter(|(_, s)| s.free) {
+                let kind = UnknownKind::InitialState { state: i, manoeuvre: m };
+                places.push(unbounded(kind, format!("initial {}{of}", state.name), states[m][i], f64::INFINITY));
+            }
+            for (i, channel) in structure.outputs.iter().enumerate() {
+                if let Bias::PerManoeuvre(sd) = channel.bias
+                    && manoeuvre.outputs.iter().any(|y| y[i].is_finite())
+                {
+                    let kind = UnknownKind::Bias { output: i, manoeuvre: Some(m) };
+                    places.push(unbounded(kind, format!("bias of {}{of}", channel.name), 0.0, sd));
+                }
+            }
+        }
+        Self { places, parameters, states }
+    }
+
+    pub(crate) fn start(&self) -> Vec<f64> {
+        self.places.iter().map(|p| p.start).collect()
+    }
+
+    /// All parameters of the model.
+    pub(crate) fn parameters(&self, unknowns: &[f64]) -> [f64; P] {
+        let mut parameters = self.parameters;
+        for (place, value) in self.places.iter().zip(unknowns) {
+            if let UnknownKind::Parameter { index } = place.kind {
+                parameters[index] = *value;
+            }
+        }
+        parameters
+    }
+
+    /// The initial state of a manoeuvre.
+    pub(crate) fn initial_state(&self, manoeuvre: usize, unknowns: &[f64]) -> [f64; N] {
+        let mut initial = self.states[manoeuvre];
+        for (place, value) in self.places.iter().zip(unknowns) {
+            match place.kind {
+                UnknownKind::InitialState { state, manoeuvre: m } if m == manoeuvre => initial[state] = *value,
+                _ => {}
+            }
+        }
+        initial
+    }
+
+    /// The constant errors of the outputs in a manoeuvre.
+    pub(crate) fn biases<const R: usize>(&self, manoeuvre: usize, unknowns: &[f64]) -> [f64; R] {
+        let mut biases = [0.0; R];
+        for (place, value) in self.places.iter().zip(unknowns) {
+            match place.kind {
+                UnknownKind::Bias { output, manoeuvre: m } if m.is_none_or(|m| m == manoeuvre) => {
+                    biases[output] = *value;
+                }
+                _ => {}
+            }
+        }
+        biases
+    }
+
+    /// Positions of the unknowns that a manoeuvre depends on.
+    pub(crate) fn columns(&self, manoeuvre: usize) -> Vec<usize> {
+        let concerns = |kind: UnknownKind| match kind {
+            UnknownKind::InitialState { manoeuvre: m, .. } => m == manoeuvre,
+            UnknownKind::Bias { manoeuvre: m, .. } => m.is_none_or(|m| m == manoeuvre),
+            _ => true,
+        };
+        (0..self.places.len()).filter(|&j| concerns(self.places[j].kind)).collect()
+    }
+}

@@ -1,0 +1,80 @@
+//! From residuals and sensitivities to cost, gradient and information.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::layout::Place;
+use super::response::Rows;
+
+/// A cost with its derivatives at one point.
+#[derive(Clone, Debug)]
+pub(crate) struct Evaluation<T> {
+    /// Negative logarithm of the likelihood and of the priors, without constants.
+    pub(crate) cost: f64,
+    /// Minus its gradient.
+    pub(crate) descent: DVector<f64>,
+    /// Fisher information, priors included.
+    pub(crate) information: DMatrix<f64>,
+    /// What the cost was computed from.
+    pub(crate) detail: T,
+}
+
+impl Evaluation<()> {
+    /// No information on `n` unknowns.
+    pub(crate) fn nothing(n: usize) -> Self {
+        Self { cost: 0.0, descent: DVector::zeros(n), information: DMatrix::zeros(n, n), detail: () }
+    }
+
+    /// Starts from the priors alone.
+    pub(crate) fn of_priors(places: &[Place], unknowns: &[f64]) -> Self {
+        let mut this = Self::nothing(places.len());
+        for (j, (place, value)) in places.iter().zip(unknowns).enumerate() {
+            let weight = 1.0 / (place.prior_sd * place.prior_sd);
+            let away = value - place.start;
+            if weight > 0.0 {
+                this.cost += 0.5 * weight * away * away;
+                this.descent[j] -= weight * away;
+                this.information[(j, j)] += weight;
+            }
+        }
+        this
+    }
+}
+
+impl<T> Evaluation<T> {
+    /// With the cost of the data and what it was computed from.
+    pub(crate) fn with<D>(self, cost: f64, detail: D) -> Evaluation<D> {
+        Evaluation { cost: self.cost + cost, descent: self.descent, information: self.information, detail }
+    }
+
+    /// Adds the rows of one manoeuvre, already divided by one sigma: `sum S^T nu` and `sum S^T S`. The cost is left to the
+    /// caller.
+    pub(crate) fn add<const R: usize>(&mut self, rows: &Rows<R>) {
+        let width = rows.columns.len();
+        let mut information = DMatrix::<f64>::zeros(width, width);
+        let mut descent = DVector::<f64>::zeros(width);
+        for (k, residuals) in rows.residuals.iter().enumerate() {
+            for (i, residual) in residuals.iter().enumerate().filter(|(_, e)| e.is_finite()) {
+                let sensitivity = rows.sensitivity(k, i);
+                for b in 0..width {
+                    let s = sensitivity[b];
+                    if s == 0.0 {
+                        continue;
+                    }
+                    descent[b] += s * residual;
+                    for a in 0..=b {
+                        information[(a, b)] += sensitivity[a] * s;
+                    }
+                }
+            }
+        }
+        for (b, &column) in rows.columns.iter().enumerate() {
+            self.descent[column] += descent[b];
+            for (a, &row) in rows.columns.iter().enumerate().take(b + 1) {
+                self.information[(row, column)] += information[(a, b)];
+                if a != b {
+                    self.information[(column, row)] += information[(a, b)];
+                }
+            }
+        }
+    }
+}

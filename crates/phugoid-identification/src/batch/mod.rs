@@ -1,0 +1,38 @@
+//! Batch methods: all samples of one or more manoeuvres at once, after the flight.
+//!
+//! Written once against [`phugoid_estimators::Model`], as the causal estimators are; none hears of an aircraft.
+//!
+//! | method | minimises | allows for |
+//! |---|---|---|
+//! | [`output_error()`] | output errors of a free simulation | measurement noise |
+//! | [`filter_error()`] | prediction errors of a Kalman filter | measurement and process noise: turbulence, model error, unstable aircraft |
+//!
+//! A [`Manoeuvre`] is a flight's samples with the model of that flight, a [`Structure`] says what is unknown, and a
+//! [`BatchFit`] holds the estimates with their covariance and the fit. Equations and sources are in docs/methods.md.
+
+mod colour;
+mod error;
+mod filter;
+mod filter_error;
+mod fit;
+mod information;
+mod layout;
+mod likelihood;
+mod optimise;
+mod output_error;
+mod prediction;
+mod problem;
+mod relaxation;
+mod response;
+mod result;
+mod start;
+mod summary;
+
+pub use error::BatchError;
+pub use filter_error::{ProcessNoise, filter_error};
+pub use fit::OutputFit;
+pub use optimise::OptimiserSettings;
+pub use output_error::output_error;
+pub use prediction::predict;
+pub use problem::{BatchParameter, Bias, InitialState, Manoeuvre, Noise, OutputChannel, Structure};
+pub use result::{BatchFit, Iteration, ManoeuvreFit, Unknown, UnknownKind};

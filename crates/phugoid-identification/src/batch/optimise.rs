@@ -1,0 +1,144 @@
+//! Gauss-Newton with a Levenberg-Marquardt safeguard, inside bounds.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::error::BatchError;
+use super::information::solve;
+use super::layout::Place;
+use super::likelihood::Evaluation;
+use super::result::Iteration;
+
+/// When the search ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OptimiserSettings {
+    /// Most steps that are accepted.
+    pub maximum_iterations: usize,
+    /// The minimum is reached when the next Gauss-Newton step is shorter than this many standard errors
+    /// (`sqrt(g^T M^-1 g)`): every unknown is then closer than that fraction of its own standard error to the optimum.
+    pub step_tolerance: f64,
+}
+
+impl Default for OptimiserSettings {
+    /// 100 iterations, 1e-3 standard errors.
+    fn default() -> Self {
+        Self { maximum_iterations: 100, step_tolerance: 1e-3 }
+    }
+}
+
+/// First damping after a Gauss-Newton step that made things worse; below it damping is dropped.
+const FIRST_DAMPING: f64 = 1e-4;
+/// Factor of the damping from one attempt to the next.
+const DAMPING_FACTOR: f64 = 10.0;
+/// Dampings tried from one point before the search gives up.
+const ATTEMPTS: usize = 20;
+/// Relative change of the cost below which rounding decides.
+const ROUNDING: f64 = 1e-12;
+
+/// Where the search ended.
+#[derive(Clone, Debug)]
+pub(crate) struct Minimum<T> {
+    pub(crate) unknowns: Vec<f64>,
+    pub(crate) evaluation: Evaluation<T>,
+    pub(crate) iterations: Vec<Iteration>,
+    /// Unknowns that rest on a bound.
+    pub(crate) at_limit: Vec<bool>,
+}
+
+/// Searches the minimum of a negative log-likelihood.
+///
+/// Each step solves `(M + lambda diag M) d = -g` with the Fisher information `M`: Gauss-Newton while that lowers the cost
+/// (`lambda = 0`), Levenberg-Marquardt with growing damping where it does not or where `M` is singular. A step is cut at
+/// the bounds; an unknown on a bound that the gradient presses against is left out of the step.
+/// `evaluate` gives none where the model has no finite answer, and may where the cost is not below its second argument.
+pub(crate) fn minimise<T>(
+    places: &[Place],
+    start: Vec<f64>,
+    first: Evaluation<T>,
+    settings: &OptimiserSettings,
+    mut evaluate: impl FnMut(&[f64], f64) -> Option<Evaluation<T>>,
+) -> Result<Minimum<T>, BatchError> {
+    let (mut unknowns, mut here) = (start, first);
+    let mut damping = 0.0;
+    let mut used = 0.0;
+    let mut iterations = Vec::new();
+    loop {
+        let at_limit = limits(places, &unknowns, &here.descent);
+        let newton = solve(&here.information, &here.descent, 0.0, &at_limit);
+        let next_step = match &newton {
+            Some(step) => step.dot(&here.descent).max(0.0).sqrt(),
+            None => f64::INFINITY,
+        };
+        iterations.push(Iteration { cost: here.cost, damping: used, next_step });
+        let done = |unknowns, here, iterations| {
+            Ok(Minimum { unknowns, evaluation: here, iterations, at_limit: at_limit.clone() })
+        };
+        if next_step <= settings.step_tolerance {
+            return done(unknowns, here, iterations);
+        }
+        if iterations.len() > settings.maximum_iterations {
+            return Err(BatchError::NotConverged {
+                iterations: settings.maximum_iterations,
+                step: next_step,
+                tolerance: settings.step_tolerance,
+            });
+        }
+        let mut accepted = None;
+        for _ in 0..ATTEMPTS {
+            let step = if damping == 0.0 {
+                newton.clone()
+            } else {
+                solve(&here.information, &here.descent, damping, &at_limit)
+            };
+            if let Some(step) = step {
+                let trial = inside(places, &unknowns, &step);
+                if let Some(there) = evaluate(&trial, here.cost).filter(|e| e.cost < here.cost && is_finite(e)) {
+                    accepted = Some((trial, there));
+                    break;
+                }
+                // What the step promises is below what rounding lets the cost show.
+                if step.dot(&here.descent).abs() < ROUNDING * here.cost.abs().max(1.0) {
+                    break;
+                }
+            }
+            damping = (damping * DAMPING_FACTOR).max(FIRST_DAMPING);
+        }
+        let Some((trial, there)) = accepted else {
+            // No direction goes down any more: a minimum to rounding, or a singular one, which the covariance tells.
+            return if next_step.is_infinite() || next_step.powi(2) < 1e-6 * here.cost.abs().max(1.0) {
+                done(unknowns, here, iterations)
+            } else {
+                let (iterations, tolerance) = (iterations.len() - 1, settings.step_tolerance);
+                Err(BatchError::NotConverged { iterations, step: next_step, tolerance })
+            };
+        };
+        used = damping;
+        damping = if damping <= FIRST_DAMPING { 0.0 } else { damping / DAMPING_FACTOR };
+        // In a singular valley the cost may creep for ever: stop when it no longer falls.
+        let stands = next_step.is_infinite() && here.cost - there.cost < ROUNDING * here.cost.abs().max(1.0);
+        (unknowns, here) = (trial, there);
+        if stands {
+            let at_limit = limits(places, &unknowns, &here.descent);
+            return Ok(Minimum { unknowns, evaluation: here, iterations, at_limit });
+        }
+    }
+}
+
+fn is_finite<T>(evaluation: &Evaluation<T>) -> bool {
+    let matrix: &DMatrix<f64> = &evaluation.information;
+    let vector: &DVector<f64> = &evaluation.descent;
+    evaluation.cost.is_finite() && matrix.iter().chain(vector.iter()).all(|v| v.is_finite())
+}
+
+/// True for each unknown on a bound that the cost presses it against.
+fn limits(places: &[Place], unknowns: &[f64], descent: &DVector<f64>) -> Vec<bool> {
+    places
+        .iter()
+        .zip(unknowns)
+        .zip(descent.iter())
+        .map(|((p, v), d)| (*v <= p.lower && *d < 0.0) || (*v >= p.upper && *d > 0.0))
+        .collect()
+}
+
+fn inside(places: &[Place], unknowns: &[f64], step: &DVector<f64>) -> Vec<f64> {
+    places.iter().zip(unknowns).zip(step.iter()).map(|((p, v), d)| (v + d).clamp(p.lower, p.upper)).collect()
+}

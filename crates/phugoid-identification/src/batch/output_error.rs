@@ -1,0 +1,74 @@
+//! Output error: maximum likelihood without process noise.
+
+use phugoid_estimators::{Input, Model};
+
+use super::error::BatchError;
+use super::layout::Layout;
+use super::optimise::OptimiserSettings;
+use super::problem::{Manoeuvre, Structure};
+use super::relaxation::{self, Fitted, noise_floor};
+use super::response::{Rows, response};
+use super::result::BatchFit;
+use super::start::initial_states;
+use super::summary::{Summary, summarise};
+
+/// Fits a free simulation to the measured outputs of all manoeuvres at once.
+///
+/// Minimises, over parameters, initial states and biases,
+///
+/// ```text
+/// J = sum_i [ N_i/2 ln r_i + 1/2 sum_k (y_i(k) - yhat_i(k))^2 / r_i ]   ( + 1/2 sum (theta_j - start_j)^2 / prior_j^2 )
+/// ```
+///
+/// with the noise variances `r_i` given, or at their own optimum `r_i = sum_k e_i(k)^2 / N_i` for any given parameters
+/// (the relaxation of Klein & Morelli, section 6.1.1, and Jategaonkar, section 4.3; noise of different outputs is taken
+/// for independent). Gauss-Newton with exact output sensitivities, safeguarded by Levenberg-Marquardt; it ends when the
+/// next step is shorter than [`OptimiserSettings::step_tolerance`] standard errors.
+///
+/// # Errors
+/// [`BatchError`]: input that does not fit together, a simulation that diverges, unknowns that the data cannot tell apart,
+/// no convergence.
+pub fn output_error<M, I, const N: usize, const R: usize, const P: usize>(
+    manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
+    structure: &Structure<N, R>,
+    settings: &OptimiserSettings,
+) -> Result<BatchFit, BatchError>
+where
+    M: Model<N, R, P, Input = I>,
+    I: Input,
+{
+    structure.check(manoeuvres, |m: &M| m.parameter_count().min(P))?;
+    let states = initial_states(manoeuvres, structure)?;
+    let layout: Layout<N, P> = Layout::new(structure, manoeuvres, states);
+    let simulate = |unknowns: &[f64]| -> Result<Vec<Rows<R>>, BatchError> {
+        let run = |(index, m): (usize, &Manoeuvre<'_, M, I, N, R>)| {
+            response(m, index, &layout, unknowns, structure.maximum_step_s)
+                .map_err(|time_s| BatchError::Diverged { manoeuvre: m.name.to_owned(), time_s })
+        };
+        manoeuvres.iter().enumerate().map(run).collect()
+    };
+    let noise = structure.outputs.each_ref().map(|channel| channel.noise);
+    let floor = noise_floor(manoeuvres);
+    let minimum = relaxation::fit(&layout.places, layout.start(), &noise, &floor, settings, simulate)?;
+    let Fitted { rows, noise_sd } = &minimum.evaluation.detail;
+    let mut fit = summarise(&Summary {
+        method: "output-error",
+        structure,
+        manoeuvres,
+        layout: &layout,
+        minimum: &minimum,
+        rows,
+        noise_sd,
+    })?;
+    for (m, r) in manoeuvres.iter().zip(rows).filter(|(_, r)| r.growth > GROWTH) {
+        fit.notes.push(format!(
+            "{}: an error of the initial state grows {:.0} times during the manoeuvre: the model is unstable with these \
+             parameters, and a free simulation hangs on its start. Filter error or equation error do not",
+            m.name, r.growth
+        ));
+    }
+    Ok(fit)
+}
+
+/// Growth of an error of the initial state from which an unstable model is spoken of.
+const GROWTH: f64 = 100.0;

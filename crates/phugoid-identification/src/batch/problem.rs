@@ -1,0 +1,195 @@
+//! What a batch method is given: manoeuvres, and what is unknown of them.
+
+use phugoid_estimators::discretization::InputHold;
+
+use super::error::BatchError;
+
+/// The samples of one flight, with the model of that flight: constants such as mass may differ from flight to flight, the
+/// parameters are common to all.
+///
+/// `M` is a [`phugoid_estimators::Model`] with input `I`, `N` states and `R` outputs.
+#[derive(Debug)]
+pub struct Manoeuvre<'a, M, I, const N: usize, const R: usize> {
+    /// Name for messages, e.g. the file.
+    pub name: &'a str,
+    /// The model with the constants of this flight.
+    pub model: &'a M,
+    /// Sample times, s, strictly increasing.
+    pub time_s: &'a [f64],
+    /// Known input at each sample.
+    pub inputs: &'a [I],
+    /// What the input does between samples.
+    pub hold: InputHold,
+    /// Measured outputs at each sample; NaN where missing.
+    pub outputs: &'a [[f64; R]],
+    /// Where the search for the initial state starts; none: each state at the median of the first five values of the
+    /// output that measures it.
+    pub initial_state: Option<[f64; N]>,
+}
+
+// By hand: a derive would ask it of the model, which is only borrowed.
+impl<M, I, const N: usize, const R: usize> Clone for Manoeuvre<'_, M, I, N, R> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+impl<M, I, const N: usize, const R: usize> Copy for Manoeuvre<'_, M, I, N, R> {}
+
+/// One parameter of the model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BatchParameter {
+    /// Name, as the user knows it.
+    pub name: String,
+    /// Where the search starts; the value of a fixed one.
+    pub start: f64,
+    /// One sigma of what is known beforehand, about `start`; none: the data alone decide (maximum likelihood).
+    pub prior_sd: Option<f64>,
+    /// Lower bound; minus infinity for none.
+    pub lower: f64,
+    /// Upper bound; infinity for none.
+    pub upper: f64,
+    /// Held at `start`.
+    pub fixed: bool,
+}
+
+impl BatchParameter {
+    /// A free parameter without prior or bounds.
+    pub fn free(name: impl Into<String>, start: f64) -> Self {
+        let (lower, upper) = (f64::NEG_INFINITY, f64::INFINITY);
+        Self { name: name.into(), start, prior_sd: None, lower, upper, fixed: false }
+    }
+}
+
+/// What is known of the noise of an output.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Noise {
+    /// One sigma is known, output units.
+    Known(f64),
+    /// It is estimated with the parameters.
+    Estimated,
+}
+
+/// A constant error of an output, estimated with the parameters.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Bias {
+    /// None.
+    #[default]
+    None,
+    /// The same in all manoeuvres. The number is the prior's one sigma, output units; infinite for no prior.
+    Shared(f64),
+    /// One for each manoeuvre, prior as above.
+    PerManoeuvre(f64),
+}
+
+/// One output of the model. It is used where it has values.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OutputChannel {
+    /// Channel name.
+    pub name: String,
+    /// Its noise.
+    pub noise: Noise,
+    /// Its constant error.
+    pub bias: Bias,
+}
+
+impl OutputChannel {
+    /// An output without bias.
+    pub fn new(name: impl Into<String>, noise: Noise) -> Self {
+        Self { name: name.into(), noise, bias: Bias::None }
+    }
+}
+
+/// One state of the model at the start of a manoeuvre.
+#[derive(Clone, Debug, PartialEq)]
+pub struct InitialState {
+    /// Name of the state.
+    pub name: String,
+    /// Estimated for each manoeuvre; otherwise held where it starts.
+    pub free: bool,
+}
+
+impl InitialState {
+    /// A state that is estimated.
+    pub fn free(name: impl Into<String>) -> Self {
+        Self { name: name.into(), free: true }
+    }
+}
+
+/// What is unknown.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Structure<const N: usize, const R: usize> {
+    /// As many as the model has, in its order.
+    pub parameters: Vec<BatchParameter>,
+    /// The initial states.
+    pub states: [InitialState; N],
+    /// The outputs.
+    pub outputs: [OutputChannel; R],
+    /// Longest step of the integration, s; sampling intervals that are longer are cut.
+    pub maximum_step_s: f64,
+}
+
+impl<const N: usize, const R: usize> Structure<N, R> {
+    /// True for each output with a value in any manoeuvre.
+    pub(crate) fn used<M, I>(manoeuvres: &[Manoeuvre<'_, M, I, N, R>]) -> [bool; R] {
+        std::array::from_fn(|i| manoeuvres.iter().any(|m| m.outputs.iter().any(|y| y[i].is_finite())))
+    }
+
+    /// Refuses what cannot be worked with, naming it.
+    pub(crate) fn check<M, I>(
+        &self,
+        manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
+        parameter_count: impl Fn(&M) -> usize,
+    ) -> Result<(), BatchError> {
+        let refuse = |what: String| Err(BatchError::BadInput(what));
+        if manoeuvres.is_empty() {
+            return refuse("no manoeuvre was given: at least one is needed".to_owned());
+        }
+        if self.maximum_step_s.is_nan() || self.maximum_step_s <= 0.0 {
+            return refuse(format!("the longest integration step is {} s: it must be positive", self.maximum_step_s));
+        }
+        for m in manoeuvres {
+            let (name, samples) = (m.name, m.time_s.len());
+            if samples != m.inputs.len() || samples != m.outputs.len() || samples < 2 {
+                return refuse(format!(
+                    "{name}: {samples} times, {} inputs and {} outputs: they must be equally many, at least two",
+                    m.inputs.len(),
+                    m.outputs.len()
+                ));
+            }
+            if let Some(k) = (1..samples).find(|&k| !(m.time_s[k] > m.time_s[k - 1] && m.time_s[k].is_finite())) {
+                return refuse(format!("{name}: time {} s of sample {k} does not increase", m.time_s[k]));
+            }
+            let count = parameter_count(m.model);
+            if count != self.parameters.len() {
+                let given = self.parameters.len();
+                return refuse(format!("{name}: the model has {count} parameters, the structure {given}"));
+            }
+        }
+        for p in &self.parameters {
+            let inside = p.start.is_finite() && p.lower <= p.start && p.start <= p.upper;
+            if !inside {
+                return refuse(format!("{} starts at {}, outside [{}, {}]", p.name, p.start, p.lower, p.upper));
+            }
+            if p.prior_sd.is_some_and(|sd| !(sd > 0.0 && sd.is_finite())) {
+                return refuse(format!("the prior of {} must be positive and finite, or none", p.name));
+            }
+        }
+        let used = Self::used(manoeuvres);
+        if !used.contains(&true) {
+            return refuse("no output has a value in any manoeuvre".to_owned());
+        }
+        for (channel, _) in self.outputs.iter().zip(used).filter(|(_, used)| *used) {
+            if let Noise::Known(sd) = channel.noise
+                && !(sd > 0.0 && sd.is_finite())
+            {
+                return refuse(format!("the noise of {} is {sd}: one sigma must be positive", channel.name));
+            }
+            if let Bias::Shared(sd) | Bias::PerManoeuvre(sd) = channel.bias
+                && (sd.is_nan() || sd <= 0.0)
+            {
+                return refuse(format!("the prior of the bias of {} must be positive", channel.name));
+            }
+        }
+        Ok(())
+    }
+}

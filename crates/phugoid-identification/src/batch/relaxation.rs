@@ -1,0 +1,67 @@
+//! Least squares with noise levels that are known or at their own optimum: what output error and equation error share.
+
+use super::error::BatchError;
+use super::layout::Place;
+use super::likelihood::Evaluation;
+use super::optimise::{Minimum, OptimiserSettings, minimise};
+use super::problem::{Manoeuvre, Noise};
+use super::response::Rows;
+
+/// The residuals at one point, and the noise that they were divided by.
+pub(crate) struct Fitted<const R: usize> {
+    /// Divided by one sigma.
+    pub(crate) rows: Vec<Rows<R>>,
+    pub(crate) noise_sd: [f64; R],
+}
+
+/// Minimises `sum_i [ N_i ln sd_i + 1/2 sum_k e_i(k)^2 / sd_i^2 ]` and the priors. An unknown `sd_i` is at its optimum for
+/// the residuals of the moment, `sd_i^2 = sum e_i^2 / N_i`, at every evaluation: the gradient is then that of the
+/// likelihood with the noise eliminated, and one cost serves the whole search.
+pub(crate) fn fit<const R: usize>(
+    places: &[Place],
+    start: Vec<f64>,
+    noise: &[Noise; R],
+    floor: &[f64; R],
+    settings: &OptimiserSettings,
+    residuals: impl Fn(&[f64]) -> Result<Vec<Rows<R>>, BatchError>,
+) -> Result<Minimum<Fitted<R>>, BatchError> {
+    let evaluate = |unknowns: &[f64]| -> Result<Evaluation<Fitted<R>>, BatchError> {
+        let rows = residuals(unknowns)?;
+        let (noise_sd, cost) = levels(noise, &rows, floor);
+        let rows: Vec<Rows<R>> = rows.into_iter().map(|r| r.whitened(&noise_sd)).collect();
+        let mut evaluation = Evaluation::of_priors(places, unknowns);
+        rows.iter().for_each(|r| evaluation.add(r));
+        Ok(evaluation.with(cost, Fitted { rows, noise_sd }))
+    };
+    let first = evaluate(&start)?;
+    minimise(places, start, first, settings, |unknowns, _| evaluate(unknowns).ok())
+}
+
+/// Least noise that is believed of each output: without it an exact model of exact data would have infinite information.
+pub(crate) fn noise_floor<M, I, const N: usize, const R: usize>(manoeuvres: &[Manoeuvre<'_, M, I, N, R>]) -> [f64; R] {
+    std::array::from_fn(|i| {
+        let values = manoeuvres.iter().flat_map(|m| m.outputs.iter().map(move |y| y[i])).filter(|v| v.is_finite());
+        let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+        let size = (high - low).max(1e-9 * high.abs().max(low.abs()));
+        if size > 0.0 && size.is_finite() { 1e-7 * size } else { f64::MIN_POSITIVE.sqrt() }
+    })
+}
+
+/// One sigma of each output, NaN where it has no values, and the cost of the residuals.
+fn levels<const R: usize>(noise: &[Noise; R], rows: &[Rows<R>], floor: &[f64; R]) -> ([f64; R], f64) {
+    let mut cost = 0.0;
+    let noise_sd = std::array::from_fn(|i| {
+        let errors = rows.iter().flat_map(|r| r.residuals.iter().map(move |e| e[i])).filter(|e| e.is_finite());
+        let (count, sum) = errors.fold((0.0_f64, 0.0), |(n, s), e| (n + 1.0, s + e * e));
+        if count == 0.0 {
+            return f64::NAN;
+        }
+        let sd = match noise[i] {
+            Noise::Known(sd) => sd,
+            Noise::Estimated => (sum / count).sqrt().max(floor[i]),
+        };
+        cost += count * sd.ln() + 0.5 * sum / (sd * sd);
+        sd
+    });
+    (noise_sd, cost)
+}

@@ -1,0 +1,158 @@
+//! The outputs of a free simulation with their exact derivatives by everything unknown.
+
+use phugoid_estimators::discretization::{IntervalInput, Part, step, sub_steps};
+use phugoid_estimators::{Input, LinearizedOutputs, Model};
+
+use super::layout::Layout;
+use super::problem::Manoeuvre;
+use super::result::UnknownKind;
+
+/// Residuals of one manoeuvre and the derivatives of the model's outputs.
+#[derive(Clone, Debug)]
+pub(crate) struct Rows<const R: usize> {
+    /// Positions of the unknowns that the columns belong to.
+    pub(crate) columns: Vec<usize>,
+    /// Model outputs with their biases, by sample.
+    pub(crate) outputs: Vec<[f64; R]>,
+    /// Measured minus modelled, by sample; NaN where nothing was measured.
+    pub(crate) residuals: Vec<[f64; R]>,
+    /// Derivatives of the modelled outputs: sample by sample, output by output, one value per column.
+    pub(crate) sensitivities: Vec<f64>,
+    /// Largest growth of an error of the initial state over the manoeuvre, each state measured by its own spread.
+    pub(crate) growth: f64,
+}
+
+impl<const R: usize> Rows<R> {
+    /// Derivatives of one output at one sample by the columns.
+    pub(crate) fn sensitivity(&self, sample: usize, output: usize) -> &[f64] {
+        let width = self.columns.len();
+        let from = (sample * R + output) * width;
+        &self.sensitivities[from..from + width]
+    }
+
+    /// Residuals and sensitivities divided by one sigma of each output; an output without noise is left out.
+    pub(crate) fn whitened(mut self, noise_sd: &[f64; R]) -> Self {
+        let width = self.columns.len();
+        for (k, residuals) in self.residuals.iter_mut().enumerate() {
+            for (i, residual) in residuals.iter_mut().enumerate() {
+                *residual /= noise_sd[i];
+                let from = (k * R + i) * width;
+                for value in &mut self.sensitivities[from..from + width] {
+                    *value /= noise_sd[i];
+                }
+            }
+        }
+        self
+    }
+}
+
+/// Simulates a manoeuvre; gives the time of the first value that is not finite, s from its start, if there is one.
+///
+/// The sensitivities obey `U+ = A U + B` and `S+ = A S` with the derivatives `A`, `B` of the step map itself, so that they
+/// are those of the simulated outputs to rounding (Klein & Morelli, Aircraft System Identification, section 6.3, there in
+/// continuous time).
+pub(crate) fn response<M, I, const N: usize, const R: usize, const P: usize>(
+    manoeuvre: &Manoeuvre<'_, M, I, N, R>,
+    index: usize,
+    layout: &Layout<N, P>,
+    unknowns: &[f64],
+    maximum_step_s: f64,
+) -> Result<Rows<R>, f64>
+where
+    M: Model<N, R, P, Input = I>,
+    I: Input,
+{
+    let model = manoeuvre.model;
+    let columns = layout.columns(index);
+    let kinds: Vec<UnknownKind> = columns.iter().map(|&j| layout.places[j].kind).collect();
+    let theta = layout.parameters(unknowns);
+    let biases: [f64; R] = layout.biases(index, unknowns);
+    let mut x = layout.initial_state(index, unknowns);
+    let mut by_parameter = [[0.0; P]; N];
+    let mut by_initial: [[f64; N]; N] = identity();
+    let mut transition = [[0.0; N]; N];
+    let mut lin = LinearizedOutputs::<N, R, P>::ZERO;
+    let samples = manoeuvre.time_s.len();
+    let width = columns.len();
+    let mut rows = Rows {
+        columns,
+        outputs: Vec::with_capacity(samples),
+        residuals: Vec::with_capacity(samples),
+        sensitivities: Vec::with_capacity(samples * R * width),
+        growth: 1.0,
+    };
+    let spread = spreads(manoeuvre);
+
+    for k in 0..samples {
+        model.linearized_outputs(&x, &theta, &manoeuvre.inputs[k], &mut lin);
+        let since_start = manoeuvre.time_s[k] - manoeuvre.time_s[0];
+        for i in 0..R {
+            let h = &lin.state_jacobian[i];
+            for kind in &kinds {
+                rows.sensitivities.push(match *kind {
+                    UnknownKind::Parameter { index: j } => {
+                        lin.parameter_jacobian[i][j] + (0..N).map(|l| h[l] * by_parameter[l][j]).sum::<f64>()
+                    }
+                    UnknownKind::InitialState { state, .. } => (0..N).map(|l| h[l] * by_initial[l][state]).sum(),
+                    UnknownKind::Bias { output, .. } => f64::from(output == i),
+                    // They do not move the outputs.
+                    UnknownKind::Noise { .. } | UnknownKind::ProcessNoise { .. } => 0.0,
+                });
+            }
+        }
+        let outputs: [f64; R] = std::array::from_fn(|i| lin.outputs[i] + biases[i]);
+        let measured = &manoeuvre.outputs[k];
+        let lost = |i: usize| {
+            measured[i].is_finite()
+                && !(outputs[i].is_finite() && rows.sensitivity(k, i).iter().all(|value| value.is_finite()))
+        };
+        if (0..R).any(lost) || !x.iter().all(|v| v.is_finite()) {
+            return Err(since_start);
+        }
+        rows.outputs.push(outputs);
+        rows.residuals.push(std::array::from_fn(|i| measured[i] - outputs[i]));
+        if k + 1 == samples {
+            break;
+        }
+        let interval_s = manoeuvre.time_s[k + 1] - manoeuvre.time_s[k];
+        let input = IntervalInput { from: manoeuvre.inputs[k], to: manoeuvre.inputs[k + 1], hold: manoeuvre.hold };
+        let steps = sub_steps(interval_s, maximum_step_s);
+        for part in 0..steps {
+            let part = Part { from: part as f64 / steps as f64, to: (part + 1) as f64 / steps as f64 };
+            let count = model.parameter_count();
+            x = step(model, &x, &theta, &input, interval_s, part, count, &mut by_parameter, &mut transition);
+            by_initial = product(&transition, &by_initial);
+        }
+        for i in 0..N {
+            for j in 0..N {
+                let growth = by_initial[i][j].abs() * spread[j] / spread[i];
+                rows.growth = if growth > rows.growth { growth } else { rows.growth };
+            }
+        }
+    }
+    Ok(rows)
+}
+
+/// How far each state moves in the manoeuvre, by the output that measures it; 1 where none does or it stands still.
+fn spreads<M, I, const N: usize, const R: usize, const P: usize>(manoeuvre: &Manoeuvre<'_, M, I, N, R>) -> [f64; N]
+where
+    M: Model<N, R, P, Input = I>,
+    I: Input,
+{
+    std::array::from_fn(|state| {
+        let spread = manoeuvre.model.measuring_output(state).map_or(f64::NAN, |output| {
+            let values = manoeuvre.outputs.iter().map(|y| y[output]).filter(|v| v.is_finite());
+            let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+            high - low
+        });
+        if spread > 0.0 && spread.is_finite() { spread } else { 1.0 }
+    })
+}
+
+fn identity<const N: usize>() -> [[f64; N]; N] {
+    std::array::from_fn(|i| std::array::from_fn(|j| f64::from(i == j)))
+}
+
+fn product<const N: usize>(a: &[[f64; N]; N], b: &[[f64; N]; N]) -> [[f64; N]; N] {
+    std::array::from_fn(|i| std::array::from_fn(|j| (0..N).map(|k| a[i][k] * b[k][j]).sum()))
+}

@@ -1,0 +1,125 @@
+//! What a batch method gives: plain data to print, plot, save and compare.
+
+use serde::{Deserialize, Serialize};
+
+use super::fit::OutputFit;
+
+/// What an unknown is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum UnknownKind {
+    /// A parameter of the model.
+    Parameter {
+        /// Its position in the model.
+        index: usize,
+    },
+    /// A constant error of an output.
+    Bias {
+        /// The output's position.
+        output: usize,
+        /// The manoeuvre's position; none if it is the same in all.
+        manoeuvre: Option<usize>,
+    },
+    /// A state at the start of a manoeuvre.
+    InitialState {
+        /// The state's position.
+        state: usize,
+        /// The manoeuvre's position.
+        manoeuvre: usize,
+    },
+    /// One sigma of the noise of an output.
+    Noise {
+        /// The output's position.
+        output: usize,
+    },
+    /// Density of the process noise of a state: variance gained per second.
+    ProcessNoise {
+        /// The state's position.
+        state: usize,
+    },
+}
+
+/// The estimate of one unknown.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Unknown {
+    /// What it is.
+    pub kind: UnknownKind,
+    /// Name.
+    pub name: String,
+    /// Estimate.
+    pub value: f64,
+    /// One-sigma error, from the inverse of the information: the Cramer-Rao bound if the residuals are white.
+    pub std_error: f64,
+    /// One-sigma error corrected for the colour of the residuals, never below `std_error`. Show this one.
+    pub corrected_std_error: f64,
+    /// It rests on one of its bounds, and its standard error is that of a free one.
+    pub at_limit: bool,
+}
+
+/// One accepted step of the iteration.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Iteration {
+    /// Negative logarithm of the likelihood (and of the priors), without constants.
+    pub cost: f64,
+    /// Levenberg-Marquardt damping of the step that led here; 0 for a pure Gauss-Newton step and for the start.
+    pub damping: f64,
+    /// Length in standard errors of the Gauss-Newton step that would follow.
+    pub next_step: f64,
+}
+
+/// How one manoeuvre was fitted.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ManoeuvreFit {
+    /// Name.
+    pub name: String,
+    /// Initial state used.
+    pub initial_state: Vec<f64>,
+    /// Constant errors of the outputs used.
+    pub biases: Vec<f64>,
+    /// Model outputs with their biases, by sample and output.
+    pub fitted: Vec<Vec<f64>>,
+    /// Measured minus fitted divided by one sigma, by sample and output; NaN where nothing was measured.
+    pub residuals: Vec<Vec<f64>>,
+    /// Quality of the fit by output; an output without values is left out.
+    pub outputs: Vec<OutputFit>,
+}
+
+/// The result of one batch method.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct BatchFit {
+    /// `output-error`, `filter-error`.
+    pub method: String,
+    /// All parameters of the model in its order, fixed ones included.
+    pub parameters: Vec<f64>,
+    /// What was estimated: parameters, biases, initial states.
+    pub unknowns: Vec<Unknown>,
+    /// Covariance of the unknowns from the information.
+    pub covariance: Vec<Vec<f64>>,
+    /// One sigma of the noise by output, given or estimated; NaN for an output without values.
+    pub noise_sd: Vec<f64>,
+    /// Variance gained by each state per second, given or estimated; empty where the method knows none.
+    pub process_noise: Vec<f64>,
+    /// From the start to the minimum.
+    pub iterations: Vec<Iteration>,
+    /// By manoeuvre.
+    pub manoeuvres: Vec<ManoeuvreFit>,
+    /// What should be known before the numbers are used.
+    pub notes: Vec<String>,
+}
+
+impl BatchFit {
+    /// The unknown of this name.
+    pub fn unknown(&self, name: &str) -> Option<&Unknown> {
+        self.unknowns.iter().find(|u| u.name == name)
+    }
+
+    /// Correlation matrix of the unknowns.
+    pub fn correlation(&self) -> Vec<Vec<f64>> {
+        let c = &self.covariance;
+        let entry = |i: usize, j: usize| {
+            let scale = (c[i][i] * c[j][j]).sqrt();
+            if i == j { 1.0 } else { (c[i][j] / scale).clamp(-1.0, 1.0) }
+        };
+        (0..c.len()).map(|i| (0..c.len()).map(|j| entry(i, j)).collect()).collect()
+    }
+}

@@ -1,0 +1,117 @@
+//! From a minimum to the result.
+
+use nalgebra::DMatrix;
+
+use super::colour::Colour;
+use super::error::BatchError;
+use super::fit::OutputFit;
+use super::information::covariance;
+use super::layout::Layout;
+use super::likelihood::Evaluation;
+use super::optimise::Minimum;
+use super::problem::{Manoeuvre, Structure};
+use super::response::Rows;
+use super::result::{BatchFit, ManoeuvreFit, Unknown, UnknownKind};
+
+/// What the result is made of.
+pub(crate) struct Summary<'a, T, M, I, const N: usize, const R: usize, const P: usize> {
+    pub(crate) method: &'static str,
+    pub(crate) structure: &'a Structure<N, R>,
+    pub(crate) manoeuvres: &'a [Manoeuvre<'a, M, I, N, R>],
+    pub(crate) layout: &'a Layout<N, P>,
+    pub(crate) minimum: &'a Minimum<T>,
+    /// Divided by one sigma, one per manoeuvre.
+    pub(crate) rows: &'a [Rows<R>],
+    pub(crate) noise_sd: &'a [f64; R],
+}
+
+pub(crate) fn summarise<T, M, I, const N: usize, const R: usize, const P: usize>(
+    s: &Summary<'_, T, M, I, N, R, P>,
+) -> Result<BatchFit, BatchError> {
+    let places = &s.layout.places;
+    let n = places.len();
+    let claimed = covariance(&s.minimum.evaluation.information, |j| places[j].name.clone())?;
+    let corrected = corrected(&claimed, s);
+    let scales: Vec<f64> = places.iter().zip(&s.minimum.unknowns).map(|(p, z)| natural(p.kind, *z).1).collect();
+    let unknowns = places
+        .iter()
+        .enumerate()
+        .map(|(j, place)| {
+            let (value, scale) = natural(place.kind, s.minimum.unknowns[j]);
+            let std_error = scale * claimed[(j, j)].sqrt();
+            Unknown {
+                kind: place.kind,
+                name: place.name.clone(),
+                value,
+                std_error,
+                corrected_std_error: std_error.max(scale * corrected[(j, j)].max(0.0).sqrt()),
+                at_limit: s.minimum.at_limit[j],
+            }
+        })
+        .collect();
+    let manoeuvres = s
+        .manoeuvres
+        .iter()
+        .zip(s.rows)
+        .enumerate()
+        .map(|(index, (m, rows))| manoeuvre_fit(s, index, m, rows))
+        .collect();
+    let count = s.structure.parameters.len();
+    Ok(BatchFit {
+        method: s.method.to_owned(),
+        parameters: s.layout.parameters(&s.minimum.unknowns)[..count].to_vec(),
+        unknowns,
+        covariance: (0..n).map(|i| (0..n).map(|j| scales[i] * claimed[(i, j)] * scales[j]).collect()).collect(),
+        noise_sd: s.noise_sd.to_vec(),
+        process_noise: Vec::new(),
+        iterations: s.minimum.iterations.clone(),
+        manoeuvres,
+        notes: Vec::new(),
+    })
+}
+
+/// A searched value in the unit that is shown, with the derivative: variances are searched by their logarithms.
+fn natural(kind: UnknownKind, searched: f64) -> (f64, f64) {
+    match kind {
+        UnknownKind::Noise { .. } => {
+            let sd = (0.5 * searched).exp();
+            (sd, 0.5 * sd)
+        }
+        UnknownKind::ProcessNoise { .. } => (searched.exp(), searched.exp()),
+        _ => (searched, 1.0),
+    }
+}
+
+/// `M^-1 (coloured spread + the rest of the information) M^-1`: priors and variances are taken as they are.
+fn corrected<T, M, I, const N: usize, const R: usize, const P: usize>(
+    claimed: &DMatrix<f64>,
+    s: &Summary<'_, T, M, I, N, R, P>,
+) -> DMatrix<f64> {
+    let n = s.layout.places.len();
+    let mut white = Evaluation::nothing(n);
+    s.rows.iter().for_each(|r| white.add(r));
+    let rest = &s.minimum.evaluation.information - white.information;
+    claimed * (Colour::of(s.rows).spread(s.rows, n) + rest) * claimed
+}
+
+fn manoeuvre_fit<T, M, I, const N: usize, const R: usize, const P: usize>(
+    s: &Summary<'_, T, M, I, N, R, P>,
+    index: usize,
+    manoeuvre: &Manoeuvre<'_, M, I, N, R>,
+    rows: &Rows<R>,
+) -> ManoeuvreFit {
+    let unknowns = &s.minimum.unknowns;
+    let outputs = s.structure.outputs.iter().enumerate().filter_map(|(i, channel)| {
+        let measured: Vec<f64> = manoeuvre.outputs.iter().map(|y| y[i]).collect();
+        let fitted: Vec<f64> = rows.outputs.iter().map(|y| y[i]).collect();
+        OutputFit::of(&channel.name, &measured, &fitted)
+    });
+    ManoeuvreFit {
+        name: manoeuvre.name.to_owned(),
+        initial_state: s.layout.initial_state(index, unknowns).to_vec(),
+        biases: s.layout.biases::<R>(index, unknowns).to_vec(),
+        outputs: outputs.collect(),
+        fitted: rows.outputs.iter().map(|y| y.to_vec()).collect(),
+        residuals: rows.residuals.iter().map(|e| e.to_vec()).collect(),
+    }
+}
