@@ -120,7 +120,8 @@ where
         let centre = (0..manoeuvres.len()).map(|m| run(m, unknowns)).collect::<Result<Vec<_>, _>>()?;
         let cost: f64 = centre.iter().map(Innovations::cost).sum();
         let mut evaluation = Evaluation::of_priors(&layout.places, unknowns);
-        if !(evaluation.cost + cost < below) {
+        let total = evaluation.cost + cost;
+        if total.is_nan() || total >= below {
             return Ok(None);
         }
         let priors = evaluation.information.diagonal();
