@@ -129,6 +129,11 @@ pub trait Inspect<const R: usize, const P: usize>: Estimator<R, P> {
         0
     }
 
+    /// Scale on the process noise that was learnt from the innovations; one where the method learns none.
+    fn process_noise_scale(&self) -> f64 {
+        1.0
+    }
+
     /// What the change detector knows; none for a method without one.
     fn detector(&self) -> Option<DetectorReport> {
         None

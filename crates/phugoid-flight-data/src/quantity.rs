@@ -54,6 +54,9 @@ impl Dimension {
     pub const MASS: Self = Self::of(Quantity::Mass, &["kg", "lb", "slug", "t"]);
     /// kg m^2
     pub const INERTIA: Self = Self::of(Quantity::Inertia, &["kg*m^2", "slug*ft^2", "lb*ft^2"]);
+    /// kg m^2/s
+    pub const ANGULAR_MOMENTUM: Self =
+        Self { powers: [2, 1, -1, 0, 0], name: "an angular momentum", units: &["kg*m^2/s", "slug*ft^2/s"] };
     /// s
     pub const TIME: Self = Self::of(Quantity::Time, &["s", "ms", "min", "h"]);
     /// Hz

@@ -18,6 +18,9 @@ impl Axes {
     /// The words of a model file: `axes = ["longitudinal", "lateral"]`.
     pub const WORDS: [&'static str; 2] = ["longitudinal", "lateral"];
 
+    /// Channels of the control surfaces.
+    pub const SURFACES: [&'static str; 3] = ["elevator", "aileron", "rudder"];
+
     /// In words.
     pub fn name(self) -> &'static str {
         match self {
@@ -75,8 +78,34 @@ impl Axes {
     pub fn known_channels(self) -> &'static [&'static str] {
         match self {
             Self::Longitudinal => &["elevator"],
-            Self::LateralDirectional => &["aileron", "rudder", "true_airspeed", "alpha", "theta", "q"],
+            Self::LateralDirectional => &["aileron", "rudder", "true_airspeed", "alpha", "theta", "q", "ax", "az"],
             Self::All => &["elevator", "aileron", "rudder"],
+        }
+    }
+
+    /// Outputs in which a motion shows first: angles to the air and angular rates.
+    pub fn responses(self) -> &'static [Output] {
+        use Output::{Alpha, Beta, PitchRate, RollRate, YawRate};
+        match self {
+            Self::Longitudinal => &[Alpha, PitchRate],
+            Self::LateralDirectional => &[Beta, RollRate, YawRate],
+            Self::All => &[Alpha, Beta, RollRate, PitchRate, YawRate],
+        }
+    }
+
+    /// What has to move before anything can be learnt, in words, and a manoeuvre that moves it.
+    pub(crate) fn excitation_words(self) -> [&'static str; 2] {
+        match self {
+            Self::Longitudinal => {
+                ["elevator, angle of attack and pitch rate", "an elevator input such as a 3-2-1-1 or a doublet"]
+            }
+            Self::LateralDirectional => {
+                ["aileron, rudder, sideslip, roll and yaw rate", "a rudder doublet followed by an aileron doublet"]
+            }
+            Self::All => [
+                "control surfaces, angle of attack, sideslip and body rates",
+                "inputs to elevator, aileron and rudder, such as a 3-2-1-1 and doublets one after another",
+            ],
         }
     }
 

@@ -7,13 +7,14 @@ use crate::axes::Axes;
 pub use crate::error::EstimateError;
 use crate::estimation::Estimation;
 use crate::health::HealthOptions;
-use crate::longitudinal::OUTPUTS;
+use crate::longitudinal::LongitudinalModel;
 use crate::model_file::ModelFile;
 use crate::monitor::HealthRun;
+use crate::motion::Motion;
 use crate::noise::{NoiseLevel, measure_noise};
-pub use crate::options::{CAPACITY, EstimateOptions, Method};
+pub use crate::options::{CAPACITY, EstimateOptions, Method, capacity};
 use crate::prepare::{Prepared, prepare};
-use crate::run::run_smpe;
+use crate::run::{EveryRoom, Task, run};
 use crate::summary::summarise;
 
 /// Estimates the parameters of `model` from `record`, sample by sample as an on-board computer would: no estimate uses
@@ -39,18 +40,34 @@ pub(crate) fn pipeline(
     health: Option<&HealthOptions>,
     progress: &mut dyn FnMut(f64),
 ) -> Result<(Estimation, Option<HealthRun>), EstimateError> {
-    let wanted = model.estimated().count();
-    if wanted > CAPACITY {
-        return Err(EstimateError::TooManyParameters { wanted, capacity: CAPACITY });
+    let (wanted, capacity) = (model.estimated().count(), capacity(model.axes));
+    if wanted > capacity {
+        return Err(EstimateError::TooManyParameters { wanted, capacity });
     }
-    let prepared = prepare(record, model)?;
+    match model.axes {
+        Axes::Longitudinal => pipeline_of::<LongitudinalModel, _, _>(record, model, options, health, progress),
+        Axes::LateralDirectional | Axes::All => {
+            let axes = model.axes.name();
+            Err(EstimateError::Model(format!("the {axes} motion cannot be estimated yet, only the longitudinal one")))
+        }
+    }
+}
+
+/// The pipeline of one motion.
+fn pipeline_of<M: EveryRoom<N, R>, const N: usize, const R: usize>(
+    record: &Record,
+    model: &ModelFile,
+    options: &EstimateOptions,
+    health: Option<&HealthOptions>,
+    progress: &mut dyn FnMut(f64),
+) -> Result<(Estimation, Option<HealthRun>), EstimateError> {
+    let prepared: Prepared<M, N, R> = prepare(record, model)?;
     let doubts = doubts(record, model)?;
     let noise = noise_levels(&prepared, model)?;
-    let mut run = match options.method {
-        Method::Smpe => run_smpe(&prepared, model, options, &noise, health, progress)?,
-    };
+    let task = Task { prepared: &prepared, file: model, options, noise: &noise, health };
+    let mut run = run(&task, progress)?;
     let watched = run.health.take();
-    Ok((summarise(record, model, options, &prepared, &noise, run, &doubts), watched))
+    Ok((summarise(record, &task, run, &doubts), watched))
 }
 
 /// What is doubtful about the units of the channels that the model uses.
@@ -70,10 +87,13 @@ fn doubts(record: &Record, model: &ModelFile) -> Result<Vec<Doubt>, EstimateErro
     Ok(doubts)
 }
 
-fn noise_levels(prepared: &Prepared, model: &ModelFile) -> Result<[NoiseLevel; OUTPUTS], EstimateError> {
+fn noise_levels<M: Motion<N, R>, const N: usize, const R: usize>(
+    prepared: &Prepared<M, N, R>,
+    model: &ModelFile,
+) -> Result<[NoiseLevel; R], EstimateError> {
     let length = prepared.noise_samples();
-    let mut levels = [NoiseLevel { std: 0.0, measured: false }; OUTPUTS];
-    for (row, output) in Axes::Longitudinal.outputs().iter().enumerate().filter(|(_, o)| model.outputs[o.index()]) {
+    let mut levels = [NoiseLevel { std: 0.0, measured: false }; R];
+    for (row, output) in M::AXES.outputs().iter().enumerate().filter(|(_, o)| model.outputs[o.index()]) {
         levels[row] = match model.noise[output.index()] {
             Some(std) => NoiseLevel { std, measured: false },
             None => {

@@ -8,83 +8,117 @@
 //! but of sums of terms: there the estimator runs from the first sample, and its estimates are shown from the first motion
 //! on.
 
-use crate::longitudinal::{OUTPUTS, row};
+use crate::axes::Axes;
+use crate::motion::Motion;
+use crate::noise::{NoiseLevel, measure_noise};
+use crate::prepare::Prepared;
 
 /// A departure this many sigmas from the first window counts as motion.
 const SIGMAS: f64 = 6.0;
 /// Length of the windows that are averaged, s.
 const WINDOW_S: f64 = 0.25;
-/// Smallest elevator motion that counts, rad: rounding is not an input.
-const SMALLEST_ELEVATOR: f64 = 1e-5;
+/// Smallest motion of a surface that counts, rad: rounding is not an input.
+const SMALLEST_DEFLECTION: f64 = 1e-5;
 
-/// Watches elevator, angle of attack and pitch rate for the first motion; causal.
+/// Watches the surfaces, the angles to the air and the angular rates of the axes for the first motion; causal.
 #[derive(Clone, Debug)]
 pub(crate) struct Excitation {
-    noise: [f64; 2],
-    elevator_noise: f64,
-    elevator_start: f64,
-    start: [Option<f64>; 2],
+    surfaces: Vec<Surface>,
+    responses: Vec<Response>,
     window_start_s: f64,
-    sums: [f64; 2],
-    counts: [u32; 2],
     seen: bool,
 }
 
+/// A control surface: where it started, and by how much it has to move.
+#[derive(Clone, Copy, Debug)]
+struct Surface {
+    start: f64,
+    threshold: f64,
+}
+
+/// An output: row, one sigma of its noise, its mean in the first window, and the window that is being filled.
+#[derive(Clone, Copy, Debug)]
+struct Response {
+    row: usize,
+    noise: f64,
+    start: Option<f64>,
+    sum: f64,
+    count: u32,
+}
+
 impl Excitation {
-    /// With the noise of the outputs and of the elevator (one sigma, SI) and the elevator's first value (rad).
-    pub(crate) fn new(noise: [f64; OUTPUTS], elevator_noise: f64, elevator_start: f64) -> Self {
+    /// For a record: the noise of surfaces is that at its start.
+    pub(crate) fn of<M: Motion<N, R>, const N: usize, const R: usize>(
+        prepared: &Prepared<M, N, R>,
+        noise: &[NoiseLevel; R],
+    ) -> Self {
+        let length = prepared.noise_samples();
+        let surfaces = prepared.surfaces().map(|signal| {
+            let start = &signal.values[..length.min(signal.values.len())];
+            let own = measure_noise(start).filter(|n| !n.quantised).map_or(0.0, |n| n.std);
+            (signal.values.first().copied().unwrap_or(0.0), own)
+        });
+        Self::new(M::AXES, &noise.map(|n| n.std), surfaces)
+    }
+
+    /// With the noise of the outputs (one sigma, SI), and the first value and the noise of each surface (rad).
+    fn new(axes: Axes, noise: &[f64], surfaces: impl Iterator<Item = (f64, f64)>) -> Self {
+        let response =
+            |row: usize| noise.get(row).map(|n| Response { row, noise: *n, start: None, sum: 0.0, count: 0 });
         Self {
-            noise: [noise[row::ALPHA], noise[row::PITCH_RATE]],
-            elevator_noise,
-            elevator_start,
-            start: [None; 2],
+            surfaces: surfaces
+                .map(|(start, noise)| Surface { start, threshold: SMALLEST_DEFLECTION.max(SIGMAS * noise) })
+                .collect(),
+            responses: axes.responses().iter().filter_map(|o| axes.row(*o).and_then(response)).collect(),
             window_start_s: f64::NAN,
-            sums: [0.0; 2],
-            counts: [0; 2],
             seen: false,
         }
     }
 
-    /// Takes a sample; true from the first visible motion on.
-    pub(crate) fn update(&mut self, time_s: f64, elevator: f64, outputs: &[f64; OUTPUTS]) -> bool {
-        let threshold = SMALLEST_ELEVATOR.max(SIGMAS * self.elevator_noise);
-        if (elevator - self.elevator_start).abs() > threshold {
-            self.seen = true;
+    /// Takes a sample, the surfaces in the order in which they were given; true from the first visible motion on.
+    pub(crate) fn update(&mut self, time_s: f64, surfaces: impl Iterator<Item = f64>, outputs: &[f64]) -> bool {
+        for (surface, position) in self.surfaces.iter().zip(surfaces) {
+            self.seen |= (position - surface.start).abs() > surface.threshold;
         }
         if self.window_start_s.is_nan() {
             self.window_start_s = time_s;
         }
         if time_s - self.window_start_s >= WINDOW_S - 1e-9 {
-            self.close_window();
+            for response in &mut self.responses {
+                self.seen |= response.close_window();
+            }
             self.window_start_s = time_s;
         }
-        for (i, output) in [row::ALPHA, row::PITCH_RATE].into_iter().enumerate() {
-            let value = outputs[output];
+        for response in &mut self.responses {
+            let value = outputs.get(response.row).copied().unwrap_or(f64::NAN);
             if value.is_finite() {
-                self.sums[i] += value;
-                self.counts[i] += 1;
+                response.sum += value;
+                response.count += 1;
             }
         }
         self.seen
     }
+}
 
-    fn close_window(&mut self) {
-        for i in 0..2 {
-            if self.counts[i] > 0 {
-                let n = f64::from(self.counts[i]);
-                let mean = self.sums[i] / n;
-                match self.start[i] {
-                    None => self.start[i] = Some(mean),
-                    // Both means are uncertain by sigma over the root of n; an outlier moves one by twenty sigmas over n.
-                    Some(start) => {
-                        let limit = SIGMAS * self.noise[i] * (2.0 / n).sqrt() + 20.0 * self.noise[i] / n;
-                        self.seen |= (mean - start).abs() > limit;
-                    }
+impl Response {
+    /// True if the mean of the window has departed from that of the first one.
+    fn close_window(&mut self) -> bool {
+        let mut departed = false;
+        if self.count > 0 {
+            let n = f64::from(self.count);
+            let mean = self.sum / n;
+            match self.start {
+                None => self.start = Some(mean),
+                // Both means are uncertain by sigma over the root of n; an outlier moves one by twenty sigmas over n.
+                Some(start) => {
+                    let limit = SIGMAS * self.noise * (2.0 / n).sqrt() + 20.0 * self.noise / n;
+                    departed = (mean - start).abs() > limit;
                 }
             }
-            self.sums[i] = 0.0;
-            self.counts[i] = 0;
         }
+        self.sum = 0.0;
+        self.count = 0;
+        departed
     }
 }
 
@@ -92,27 +126,28 @@ impl Excitation {
 mod tests {
     use super::*;
 
-    fn first_motion(elevator: impl Fn(f64) -> f64, alpha: impl Fn(f64) -> f64) -> Option<f64> {
-        let mut noise = [0.0; OUTPUTS];
-        noise[row::ALPHA] = 1.7e-3;
-        noise[row::PITCH_RATE] = 1.7e-3;
-        let mut watch = Excitation::new(noise, 0.0, elevator(0.0));
+    fn first_motion(axes: Axes, surface: impl Fn(f64) -> f64, angle: impl Fn(f64) -> f64) -> Option<f64> {
+        let row = axes.row(axes.responses()[0]).unwrap();
+        let noise = [1.7e-3; 14];
+        let mut watch = Excitation::new(axes, &noise, [(surface(0.0), 0.0)].into_iter());
         (0..1000).map(|k| 0.02 * f64::from(k)).find(|t| {
-            let mut outputs = [0.0; OUTPUTS];
+            let mut outputs = [0.0; 14];
             // A triangle wave of one sigma stands for the noise.
-            outputs[1] = alpha(*t) + 1.7e-3 * (((t / 0.02) as i32 % 5 - 2) as f64) / 1.4;
-            watch.update(*t, elevator(*t), &outputs)
+            outputs[row] = angle(*t) + 1.7e-3 * (((t / 0.02) as i32 % 5 - 2) as f64) / 1.4;
+            watch.update(*t, [surface(*t)].into_iter(), &outputs)
         })
     }
 
     #[test]
     fn motion_is_seen_and_noise_is_not() {
-        assert_eq!(first_motion(|_| -0.03, |_| 0.04), None);
-        // A doublet of 0.05 deg, as in the thesis.
-        let doublet = |t: f64| if t >= 5.0 { 8.7e-4 } else { 0.0 };
-        assert!((first_motion(doublet, |_| 0.04).unwrap() - 5.0).abs() < 0.021);
-        // A gust that moves alpha by one degree.
-        let seen = first_motion(|_| 0.0, |t| if t > 8.0 { 0.057 } else { 0.04 }).unwrap();
-        assert!((8.0..8.6).contains(&seen), "{seen}");
+        for axes in [Axes::Longitudinal, Axes::LateralDirectional, Axes::All] {
+            assert_eq!(first_motion(axes, |_| -0.03, |_| 0.04), None);
+            // A doublet of 0.05 deg, as in the thesis.
+            let doublet = |t: f64| if t >= 5.0 { 8.7e-4 } else { 0.0 };
+            assert!((first_motion(axes, doublet, |_| 0.04).unwrap() - 5.0).abs() < 0.021);
+            // A gust that moves the angle by one degree.
+            let seen = first_motion(axes, |_| 0.0, |t| if t > 8.0 { 0.057 } else { 0.04 }).unwrap();
+            assert!((8.0..8.6).contains(&seen), "{seen}");
+        }
     }
 }

@@ -11,6 +11,7 @@ pub use expected::Expectation;
 use std::collections::BTreeMap;
 
 use crate::axes::Axes;
+use crate::method::Method;
 use crate::output::{CHANNELS, Output, STATE_CHANNELS};
 use crate::term::{Coefficient, Term};
 
@@ -110,6 +111,8 @@ pub struct AircraftData {
     pub thrust_arm: f64,
     /// Air density, kg/m^3.
     pub air_density: AirDensity,
+    /// Angular momentum of spinning rotors along body x, kg m^2/s, positive clockwise seen from behind.
+    pub rotor_momentum: f64,
     /// Reference speed `V0`, m/s.
     pub reference_speed: Option<f64>,
     /// Acceleration of gravity, m/s^2.
@@ -193,6 +196,8 @@ pub struct ProcessNoise {
 /// The estimator's own settings where they differ from the automatic rule (`docs/tuning.md`).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EstimatorSettings {
+    /// Which estimator, where the command line does not say.
+    pub method: Method,
     /// `kappa`: up to this normalised surface value a row slides; none for the rule, 3.
     pub reaching_limit: Option<f64>,
     /// Factor on the rule for `kappa2`, `max(6, 2 sqrt(p) + 2)`, beyond which a row is rejected; never below `kappa`.
@@ -210,6 +215,7 @@ pub struct EstimatorSettings {
 impl Default for EstimatorSettings {
     fn default() -> Self {
         Self {
+            method: Method::default(),
             reaching_limit: None,
             rejection_scale: 1.0,
             prior_scale: 1.0,

@@ -3,16 +3,16 @@
 use phugoid_estimators::health::{
     self, Expected, Failure, Health, HealthMonitor, MonitorError, MonitorSettings, Watched,
 };
-use phugoid_estimators::smpe::{Smpe, SmpeSettings};
-use phugoid_estimators::{Estimate, Estimator, Sample};
+use phugoid_estimators::smpe::SmpeSettings;
+use phugoid_estimators::{Estimate, Inspect, Sample};
 use phugoid_flight_data::record::Record;
 
 use crate::error::EstimateError;
 use crate::estimate::pipeline;
 use crate::estimation::Estimation;
 use crate::health::{Condition, FailureReport, HealthHistory, HealthOptions, HealthReport, ParameterHealth};
-use crate::longitudinal::{LongitudinalInput, LongitudinalModel, OUTPUTS, STATES};
 use crate::model_file::{Expectation, ModelFile, Role};
+use crate::motion::MotionModel;
 use crate::options::EstimateOptions;
 
 /// Estimates the parameters of `model` from `record` as [`crate::estimate::estimate`] does, and watches beside it whether they
@@ -34,8 +34,8 @@ pub fn monitor(
 }
 
 /// The monitor while a record is run, in the room of the estimator beside it.
-pub(crate) struct Monitoring<const ROOM: usize> {
-    monitor: Box<HealthMonitor<LongitudinalModel, STATES, OUTPUTS, ROOM>>,
+pub(crate) struct Monitoring<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> {
+    monitor: Box<HealthMonitor<M, N, R, P>>,
     expected: Vec<Expectation>,
     /// Column of each expectation.
     columns: Vec<usize>,
@@ -60,11 +60,11 @@ struct FailedParameter {
     change_std: f64,
 }
 
-impl<const ROOM: usize> Monitoring<ROOM> {
+impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> Monitoring<M, N, R, P> {
     pub(crate) fn new(
-        model: &LongitudinalModel,
+        model: &M,
         file: &ModelFile,
-        settings: &SmpeSettings<STATES, OUTPUTS, ROOM>,
+        settings: &SmpeSettings<N, R, P>,
         options: &HealthOptions,
     ) -> Result<Self, EstimateError> {
         let names: Vec<&str> =
@@ -99,17 +99,17 @@ impl<const ROOM: usize> Monitoring<ROOM> {
     /// Takes the next sample with the estimate as it is shown.
     pub(crate) fn update(
         &mut self,
-        sample: &Sample<LongitudinalInput, OUTPUTS>,
-        estimate: &Estimate<ROOM>,
-        smpe: &Smpe<LongitudinalModel, STATES, OUTPUTS, ROOM>,
+        sample: &Sample<M::KnownInput, R>,
+        estimate: &Estimate<P>,
+        estimator: &impl Inspect<R, P>,
     ) {
-        let mut covariance = [[0.0; ROOM]; ROOM];
-        smpe.covariance(&mut covariance);
+        let mut covariance = [[0.0; P]; P];
+        estimator.covariance(&mut covariance);
         let watched = Watched {
             estimate,
             covariance: &covariance,
-            residuals: &smpe.innovations().normalised,
-            noise_scale: smpe.process_noise_scale(),
+            residuals: &estimator.innovations().normalised,
+            noise_scale: estimator.process_noise_scale(),
         };
         let health = self.monitor.update(sample, &watched);
         let history = &mut self.run.history;
@@ -128,10 +128,10 @@ impl<const ROOM: usize> Monitoring<ROOM> {
         self.note(&health);
     }
 
-    fn note(&mut self, health: &Health<ROOM>) {
+    fn note(&mut self, health: &Health<P>) {
         let failed = |column: usize| {
             let nothing = FailedParameter { named_s: f64::NAN, change: f64::NAN, change_std: f64::NAN };
-            health.failure.as_ref().map_or(nothing, |failure: &Failure<ROOM>| FailedParameter {
+            health.failure.as_ref().map_or(nothing, |failure: &Failure<P>| FailedParameter {
                 named_s: failure.named_s[column],
                 change: failure.change[column],
                 change_std: failure.change_std[column],

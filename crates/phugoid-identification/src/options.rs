@@ -2,22 +2,26 @@
 
 use std::collections::BTreeMap;
 
-/// Parameters, sensor biases included, that this build has room for.
-pub const CAPACITY: usize = 24;
+use crate::axes::Axes;
+pub use crate::method::Method;
 
-/// Estimator to use.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Method {
-    /// The sliding-mode parameter estimator on a parallel model (docs/theory.md).
-    #[default]
-    Smpe,
+/// Parameters, sensor biases included, that this build has room for at most.
+pub const CAPACITY: usize = 48;
+
+/// Parameters, sensor biases included, that this build has room for with these axes. The longitudinal motion alone has
+/// a smaller room: what is not there costs neither time nor memory.
+pub fn capacity(axes: Axes) -> usize {
+    match axes {
+        Axes::Longitudinal => 24,
+        Axes::LateralDirectional | Axes::All => CAPACITY,
+    }
 }
 
 /// Choices of one estimation.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct EstimateOptions {
-    /// Estimator.
-    pub method: Method,
+    /// Estimator; none: as the model file says.
+    pub method: Option<Method>,
     /// Look for sudden changes of the parameters; none: as the model file says.
     pub re_reaching: Option<bool>,
     /// True values by parameter name, where the flight was simulated.

@@ -6,40 +6,50 @@ use phugoid_flight_dynamics::f16::{F16, F16Options};
 
 use crate::axes::Axes;
 use crate::error::EstimateError;
-use crate::longitudinal::{Database, LongitudinalConstants, LongitudinalInput, LongitudinalModel, OUTPUTS, row};
-use crate::model_file::{AirDensity, Base, InputHold, ModelFile, Reference, ReferenceValue, Role, Source, Thrust};
+use crate::estimation::Signal;
+use crate::longitudinal::{Database, LongitudinalModel};
+use crate::model_file::{AirDensity, Base, ModelFile, Reference, ReferenceValue, Source, Thrust};
+use crate::motion::{Known, Motion, ReferencePoint};
 use crate::noise::median;
+use crate::output::Output;
 use crate::trim::{LevelTrim, TrimCondition, level_trim};
 use crate::words::nearest;
 
 /// Everything the estimator needs of one record.
 #[derive(Clone, Debug)]
-pub struct Prepared {
+pub struct Prepared<M: Motion<N, R>, const N: usize, const R: usize> {
     /// The model with its constants filled in.
-    pub model: LongitudinalModel,
+    pub model: M,
     /// Time, s.
     pub time: Vec<f64>,
     /// Known input per sample.
-    pub inputs: Vec<LongitudinalInput>,
+    pub inputs: Vec<M::KnownInput>,
     /// Measured outputs per sample; NaN where missing.
-    pub outputs: Vec<[f64; OUTPUTS]>,
+    pub outputs: Vec<[f64; R]>,
+    /// The known inputs by name: [`Axes::known_channels`], then air, mass and inertia, then the extra inputs.
+    pub known: Vec<Signal>,
     /// Index in the record of the first sample used.
     pub first: usize,
     /// Sentences about what was filled in.
     pub notes: Vec<String>,
 }
 
-impl Prepared {
+impl<M: Motion<N, R>, const N: usize, const R: usize> Prepared<M, N, R> {
     /// Samples at the start of the record that noise levels are measured from: two seconds, at least 40 samples.
     pub fn noise_samples(&self) -> usize {
         let start = self.time.first().copied().unwrap_or(0.0);
         self.time.iter().take_while(|t| **t - start <= 2.0).count().max(40).min(self.time.len())
     }
+
+    /// The positions of the control surfaces, rad, by sample.
+    pub(crate) fn surfaces(&self) -> impl Iterator<Item = &Signal> {
+        self.known.iter().filter(|signal| Axes::SURFACES.contains(&signal.name.as_str()))
+    }
 }
 
-/// Says how often the elevator moved while it was not sampled. The model takes it to move at the later sample, or evenly;
+/// Says how often a surface moved while it was not sampled. The model takes it to move at the later sample, or evenly;
 /// a step that came earlier biases the moment derivatives by more than their bounds.
-fn unseen_moves(time: &[f64], elevator: &[f64], seen: &[bool]) -> Option<String> {
+fn unseen_moves(name: &str, time: &[f64], elevator: &[f64], seen: &[bool]) -> Option<String> {
     let step = median(&mut time.windows(2).map(|pair| pair[1] - pair[0]).collect::<Vec<f64>>())?;
     let (low, high) = elevator.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
     let unseen = time
@@ -50,63 +60,39 @@ fn unseen_moves(time: &[f64], elevator: &[f64], seen: &[bool]) -> Option<String>
         .count();
     (unseen > 0).then(|| {
         format!(
-            "the elevator moved {unseen} times while samples were lost: when is not known, and the bounds do not allow \
+            "the {name} moved {unseen} times while samples were lost: when is not known, and the bounds do not allow \
              for it"
         )
     })
 }
 
-/// Builds the model and collects the signals.
+/// Builds the model and collects the signals: `prepare::<LongitudinalModel, _, _>(&record, &file)`.
 ///
 /// # Errors
-/// A missing channel, a channel without any value, an impossible trim.
-pub fn prepare(record: &Record, file: &ModelFile) -> Result<Prepared, EstimateError> {
-    if file.axes != Axes::Longitudinal {
-        let axes = file.axes.name();
-        return Err(EstimateError::Model(format!(
-            "the {axes} motion cannot be estimated yet, only the longitudinal one"
-        )));
+/// A file of other axes, a missing channel, a channel without any value, an impossible trim.
+pub fn prepare<M: Motion<N, R>, const N: usize, const R: usize>(
+    record: &Record,
+    file: &ModelFile,
+) -> Result<Prepared<M, N, R>, EstimateError> {
+    if file.axes != M::AXES {
+        let (found, expected) = (file.axes.name(), M::AXES.name());
+        let message = format!("{}: the file is of the {found} motion, expected the {expected} one", file.source);
+        return Err(EstimateError::Model(message));
     }
     let mut notes = Vec::new();
-    let recorded = |source: &Source| match source {
-        Source::Constant(value) => Ok(vec![*value; record.time.len()]),
-        Source::Channel(name) => channel(record, name).map(<[f64]>::to_vec),
-    };
-    let aircraft = &file.aircraft;
-    let database = match file.base {
-        Base::None => Database::None,
-        Base::F16 => {
-            let options = F16Options { cg: aircraft.cg.unwrap_or(0.35), ..F16Options::default() };
-            Database::F16(Box::new(F16::new(options).map_err(|e| EstimateError::Model(e.to_string()))?))
-        }
-    };
-    let density = match &aircraft.air_density {
-        AirDensity::Known(source) => recorded(source)?,
-        AirDensity::StandardAtmosphere => densities(Atmosphere::Standard, channel(record, "altitude")?),
-        AirDensity::BookAtmosphere => densities(Atmosphere::Book, channel(record, "altitude")?),
-    };
-    let (mass, iyy) = (recorded(&aircraft.mass)?, recorded(&aircraft.iyy)?);
-    let trim = trim_of(file, &database, [&density, &mass])?;
-    let thrust = match (&aircraft.thrust, trim) {
-        (Thrust::Known(source), _) => recorded(source)?,
-        (Thrust::Trim, Some(trim)) => vec![trim.thrust; record.time.len()],
-        (Thrust::Trim, None) => return Err(EstimateError::Model("thrust = \"trim\" needs a database".to_owned())),
-    };
-    let mut columns = vec![channel(record, "elevator")?.to_vec(), density, thrust, mass, iyy];
-    for name in &file.extra_inputs {
-        columns.push(channel(record, name)?.to_vec());
-    }
-    let mut measured: Vec<Option<&[f64]>> = Vec::with_capacity(OUTPUTS);
-    for output in Axes::Longitudinal.outputs() {
+    let database = database(file)?;
+    let (mut known, trim) = known(record, file, &database)?;
+    let mut measured: Vec<Option<&[f64]>> = Vec::with_capacity(R);
+    for output in M::AXES.outputs() {
         let wanted = file.outputs[output.index()];
         measured.push(if wanted { Some(channel(record, output.name())?) } else { None });
     }
 
     // Everything known, nothing filled in from later samples: start where every input has a value.
-    let complete = |k: usize| columns.iter().all(|c| c[k].is_finite());
+    let complete = |k: usize| known.iter().all(|c| c.values[k].is_finite());
     let Some(first) = (0..record.time.len()).find(|&k| complete(k)) else {
-        let culprit = columns.iter().position(|c| !c.iter().any(|v| v.is_finite())).unwrap_or(0);
-        return Err(EstimateError::EmptyChannel(input_name(culprit, &file.extra_inputs)));
+        let culprit = known.iter().find(|c| !c.values.iter().any(|v| v.is_finite())).or(known.first());
+        return Err(EstimateError::EmptyChannel(culprit.map(|c| c.name.clone()).unwrap_or_default()));
     };
     if first > 0 {
         notes.push(format!(
@@ -118,71 +104,135 @@ pub fn prepare(record: &Record, file: &ModelFile) -> Result<Prepared, EstimateEr
     if samples < 20 {
         return Err(EstimateError::TooShort { samples });
     }
-    let seen: Vec<bool> = columns[0][first..].iter().map(|value| value.is_finite()).collect();
-    for (index, column) in columns.iter_mut().enumerate() {
-        let held = hold(&mut column[first..]);
+    let time = record.time[first..].to_vec();
+    let mut unseen = Vec::new();
+    for signal in &mut known {
+        signal.values.drain(..first);
+        let seen: Vec<bool> = signal.values.iter().map(|value| value.is_finite()).collect();
+        let held = hold(&mut signal.values);
         if held > 0 {
-            let name = input_name(index, &file.extra_inputs);
-            notes.push(format!("input `{name}` is missing in {held} samples: its last value was held there"));
+            notes.push(format!("input `{}` is missing in {held} samples: its last value was held there", signal.name));
+        }
+        if Axes::SURFACES.contains(&signal.name.as_str()) {
+            unseen.extend(unseen_moves(&signal.name, &time, &signal.values, &seen));
         }
     }
-    notes.extend(unseen_moves(&record.time[first..], &columns[0][first..], &seen));
-    let inputs: Vec<LongitudinalInput> = (first..record.time.len())
-        .map(|k| LongitudinalInput {
-            elevator: columns[0][k],
-            air_density: columns[1][k],
-            thrust: columns[2][k],
-            mass: columns[3][k],
-            iyy: columns[4][k],
-            extra: std::array::from_fn(|i| columns.get(5 + i).map_or(0.0, |c| c[k])),
-            controls_held: file.input == InputHold::Held,
+    notes.extend(unseen);
+    let named = known.len() - file.extra_inputs.len();
+    let inputs: Vec<M::KnownInput> = (0..samples)
+        .map(|k| {
+            let mut at = Known::new(file.input);
+            for signal in &known[..named] {
+                if let Some(slot) = at.slot(&signal.name) {
+                    *slot = signal.values[k];
+                }
+            }
+            for (slot, signal) in at.extra.iter_mut().zip(&known[named..]) {
+                *slot = signal.values[k];
+            }
+            M::known_input(&at)
         })
         .collect();
-    let outputs: Vec<[f64; OUTPUTS]> = (first..record.time.len())
-        .map(|k| std::array::from_fn(|i| measured[i].map_or(f64::NAN, |values| values[k])))
+    let outputs: Vec<[f64; R]> = (first..record.time.len())
+        .map(|k| std::array::from_fn(|i| measured.get(i).copied().flatten().map_or(f64::NAN, |values| values[k])))
         .collect();
-    for (row, output) in Axes::Longitudinal.outputs().iter().enumerate() {
+    for (row, output) in M::AXES.outputs().iter().enumerate() {
         if file.outputs[output.index()] && !outputs.iter().any(|y| y[row].is_finite()) {
             return Err(EstimateError::EmptyChannel(output.name().to_owned()));
         }
     }
 
-    let alpha = reference_value(file.reference.alpha, trim.map(|t| t.alpha), || first_alpha(&outputs))?;
-    let elevator = reference_value(file.reference.elevator, trim.map(|t| t.elevator), || Some(inputs[0].elevator))?;
-    let model = build(file, database, alpha, elevator);
-    Ok(Prepared { model, time: record.time[first..].to_vec(), inputs, outputs, first, notes })
+    let of = |name: &str| known.iter().find(|signal| signal.name == name).map(|signal| signal.values.as_slice());
+    let start = |name: &str| of(name).and_then(|values| values.first().copied());
+    let surface = |wanted: ReferenceValue, trim: Option<f64>, name: &str| {
+        // A surface that these axes do not use has no reference to look for.
+        if of(name).is_none() { Ok(0.0) } else { reference_value(wanted, trim, || start(name)) }
+    };
+    let alpha = match M::AXES.row(Output::Alpha) {
+        Some(row) => outputs.iter().map(|y| y[row]).collect(),
+        None => of("alpha").unwrap_or_default().to_vec(),
+    };
+    let wanted = &file.reference;
+    let reference = ReferencePoint {
+        alpha: reference_value(wanted.alpha, trim.map(|t| t.alpha), || first_alpha(&alpha))?,
+        elevator: surface(wanted.elevator, trim.map(|t| t.elevator), "elevator")?,
+        aileron: surface(wanted.aileron, Some(0.0), "aileron")?,
+        rudder: surface(wanted.rudder, Some(0.0), "rudder")?,
+    };
+    let model = M::build(file, database, &reference);
+    Ok(Prepared { model, time, inputs, outputs, known, first, notes })
 }
 
-/// The model of a file with a given reference point: estimated terms become columns, fixed ones known terms.
-/// For simulation and studies as well as for estimation.
+/// The longitudinal model of a file with a given reference point. For simulation and studies as well as for estimation.
 pub fn build(file: &ModelFile, database: Database, alpha_reference: f64, elevator_reference: f64) -> LongitudinalModel {
-    let aircraft = &file.aircraft;
-    let reference_speed = aircraft.reference_speed.unwrap_or(1.0);
-    let constants = LongitudinalConstants {
-        wing_area: aircraft.wing_area,
-        mean_chord: aircraft.mean_chord,
-        gravity: aircraft.gravity,
-        thrust_inclination: aircraft.thrust_inclination,
-        thrust_arm: aircraft.thrust_arm,
-        reference_speed,
-        rate_speed: (file.rate_speed == crate::model_file::RateSpeed::Reference).then_some(reference_speed),
-        alpha_reference,
-        elevator_reference,
+    let reference =
+        ReferencePoint { alpha: alpha_reference, elevator: elevator_reference, ..ReferencePoint::default() };
+    LongitudinalModel::build(file, database, &reference)
+}
+
+/// The database of a model file.
+///
+/// # Errors
+/// [`EstimateError::Model`] if it cannot be loaded.
+pub fn database(file: &ModelFile) -> Result<Database, EstimateError> {
+    Ok(match file.base {
+        Base::None => Database::None,
+        Base::F16 => {
+            let options = F16Options { cg: file.aircraft.cg.unwrap_or(0.35), ..F16Options::default() };
+            Database::F16(Box::new(F16::new(options).map_err(|e| EstimateError::Model(e.to_string()))?))
+        }
+    })
+}
+
+/// The known inputs over the whole record, by name, and the trim where one is asked for.
+fn known(
+    record: &Record,
+    file: &ModelFile,
+    database: &Database,
+) -> Result<(Vec<Signal>, Option<LevelTrim>), EstimateError> {
+    let recorded = |source: &Source| match source {
+        Source::Constant(value) => Ok(vec![*value; record.time.len()]),
+        Source::Channel(name) => channel(record, name).map(<[f64]>::to_vec),
     };
-    let (mut columns, mut known) = (Vec::new(), Vec::new());
-    for parameter in &file.parameters {
-        let (coefficient, term) = match &parameter.role {
-            Role::Term(coefficient, term) => (*coefficient, term.clone()),
-            Role::Offset(coefficient) => (*coefficient, crate::term::Term::default()),
-            Role::Bias(_) => continue,
-        };
-        if parameter.fixed {
-            known.push((coefficient, term, parameter.start));
-        } else {
-            columns.push((coefficient, term));
+    let aircraft = &file.aircraft;
+    let density = match &aircraft.air_density {
+        AirDensity::Known(source) => recorded(source)?,
+        AirDensity::StandardAtmosphere => densities(Atmosphere::Standard, channel(record, "altitude")?),
+        AirDensity::BookAtmosphere => densities(Atmosphere::Book, channel(record, "altitude")?),
+    };
+    let mass = recorded(&aircraft.mass)?;
+    let trim = trim_of(file, database, [&density, &mass])?;
+    let thrust = match (&aircraft.thrust, trim) {
+        (Thrust::Known(source), _) => recorded(source)?,
+        (Thrust::Trim, Some(trim)) => vec![trim.thrust; record.time.len()],
+        (Thrust::Trim, None) => return Err(EstimateError::Model("thrust = \"trim\" needs a database".to_owned())),
+    };
+    let mut known = Vec::new();
+    let mut add = |name: &str, unit: &str, values: Vec<f64>| {
+        known.push(Signal { name: name.to_owned(), unit: unit.to_owned(), values });
+    };
+    for name in file.axes.known_channels() {
+        add(name, Output::from_name(name).map_or("rad", Output::unit), channel(record, name)?.to_vec());
+    }
+    add("air_density", "kg/m^3", density);
+    add("thrust", "N", thrust);
+    add("mass", "kg", mass);
+    let inertias = [("ixx", &aircraft.ixx), ("izz", &aircraft.izz), ("ixz", &aircraft.ixz)];
+    add("iyy", "kg*m^2", recorded(&aircraft.iyy)?);
+    if file.axes.has_lateral() {
+        for (name, source) in inertias {
+            let Some(source) = source else {
+                let message =
+                    format!("{}: the {} motion needs `{name}` under [aircraft]", file.source, file.axes.name());
+                return Err(EstimateError::Model(message));
+            };
+            add(name, "kg*m^2", recorded(source)?);
         }
     }
-    LongitudinalModel::new(constants, database, columns, known)
+    for name in &file.extra_inputs {
+        add(name, "-", channel(record, name)?.to_vec());
+    }
+    Ok((known, trim))
 }
 
 /// The values of a channel of the record.
@@ -259,8 +309,8 @@ fn reference_value(
 }
 
 /// Angle of attack at the start: the median of the first values, so that one outlier does not shift the reference.
-fn first_alpha(outputs: &[[f64; OUTPUTS]]) -> Option<f64> {
-    let mut first: Vec<f64> = outputs.iter().map(|y| y[row::ALPHA]).filter(|v| v.is_finite()).take(5).collect();
+fn first_alpha(alpha: &[f64]) -> Option<f64> {
+    let mut first: Vec<f64> = alpha.iter().copied().filter(|v| v.is_finite()).take(5).collect();
     median(&mut first)
 }
 
@@ -276,11 +326,4 @@ fn hold(values: &mut [f64]) -> usize {
         }
     }
     held
-}
-
-/// Name of an input by its position among all.
-fn input_name(index: usize, extra_inputs: &[String]) -> String {
-    let fixed = ["elevator", "air_density", "thrust", "mass", "iyy"];
-    let extra = || extra_inputs.get(index.wrapping_sub(fixed.len())).cloned();
-    fixed.get(index).map(|n| (*n).to_owned()).or_else(extra).unwrap_or_default()
 }

@@ -4,30 +4,27 @@ use phugoid_flight_data::plausibility::Doubt;
 use phugoid_flight_data::quality::{Finding, QualityReport};
 use phugoid_flight_data::record::Record;
 
+use crate::axes::Axes;
 use crate::estimation::{Estimation, History, ParameterHistory, ParameterResult, Signal};
-use crate::longitudinal::OUTPUTS;
 use crate::model_file::{ModelFile, Parameter};
-use crate::noise::NoiseLevel;
-use crate::options::{EstimateOptions, Method};
+use crate::motion::Motion;
+use crate::options::EstimateOptions;
 use crate::output::Output;
-use crate::prepare::Prepared;
-use crate::run::{ColumnRun, Run, phase_word, status_word};
+use crate::run::{ColumnRun, Run, Task, phase_word, status_word};
 use crate::verdict::{is_contradicted, verdict};
 
-pub(crate) fn summarise(
+pub(crate) fn summarise<M: Motion<N, R>, const N: usize, const R: usize>(
     record: &Record,
-    file: &ModelFile,
-    options: &EstimateOptions,
-    prepared: &Prepared,
-    noise: &[NoiseLevel; OUTPUTS],
-    run: Run,
+    task: &Task<M, N, R>,
+    run: Run<R>,
     doubts: &[Doubt],
 ) -> Estimation {
+    let Task { prepared, file, options, noise, .. } = *task;
     let columns = columns(file);
     let mut parameters: Vec<ParameterResult> =
-        columns.iter().map(|(p, column)| result(p, *column, prepared, &run, options)).collect();
-    let correlation = correlation(&columns, &run);
-    let history = history(file, prepared, &columns, &run);
+        columns.iter().map(|(p, column)| result(p, *column, &prepared.time, &run.columns, options)).collect();
+    let correlation = correlation(&columns, &run.covariance);
+    let history = history(task, &columns, &run);
     if run.excited && is_contradicted(&history.residuals) {
         // An estimate that stands still because the samples that speak against it are rejected has not converged.
         for parameter in parameters.iter_mut().filter(|p| p.status == "converged") {
@@ -35,13 +32,11 @@ pub(crate) fn summarise(
         }
     }
     let noise_signals = measured(file).map(|(row, o)| signal(o.name(), o.unit(), vec![noise[row].std])).collect();
-    let verdict = verdict(&parameters, &correlation, prepared, noise, &run, doubts, &history);
+    let verdict = verdict(task, &parameters, &correlation, &run, doubts, &history);
     Estimation {
         source: record.source.clone(),
         model: file.source.clone(),
-        method: match options.method {
-            Method::Smpe => "smpe".to_owned(),
-        },
+        method: task.method().name().to_owned(),
         parameters,
         correlation,
         verdict,
@@ -89,8 +84,8 @@ fn signal(name: &str, unit: &str, values: Vec<f64>) -> Signal {
 fn result(
     parameter: &Parameter,
     column: Option<usize>,
-    prepared: &Prepared,
-    run: &Run,
+    time: &[f64],
+    columns: &[ColumnRun],
     options: &EstimateOptions,
 ) -> ParameterResult {
     let truth = options.truth.get(&parameter.name).copied();
@@ -111,7 +106,7 @@ fn result(
         nuisance: parameter.is_nuisance(),
     };
     let Some(j) = column else { return result };
-    let last = &run.columns[j];
+    let last = &columns[j];
     result.value = last.value;
     result.std_error = last.std_error;
     result.corrected_std_error = last.corrected_std_error;
@@ -120,24 +115,24 @@ fn result(
     result.status = status_word(last.status).to_owned();
     result.observability = last.observability;
     if result.status != "not_excited" {
-        result.converged_at_s = converged_at(prepared, &last.values, truth.unwrap_or(result.value));
+        result.converged_at_s = converged_at(time, &last.values, truth.unwrap_or(result.value));
     }
     result
 }
 
 /// First time after which the estimate stays within 5 % of `goal`, s from the start of the record.
-fn converged_at(prepared: &Prepared, values: &[f64], goal: f64) -> Option<f64> {
+fn converged_at(time: &[f64], values: &[f64], goal: f64) -> Option<f64> {
     let outside = values.iter().rposition(|v| (v - goal).abs() > 0.05 * goal.abs());
     let first = outside.map_or(0, |k| k + 1);
-    Some(prepared.time.get(first)? - prepared.time.first()?)
+    Some(time.get(first)? - time.first()?)
 }
 
-fn correlation(columns: &[(&Parameter, Option<usize>)], run: &Run) -> Vec<Vec<f64>> {
+fn correlation(columns: &[(&Parameter, Option<usize>)], covariance: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let entry = |a: Option<usize>, b: Option<usize>, same: bool| match (a, b) {
         _ if same => 1.0,
         (Some(a), Some(b)) => {
-            let scale = (run.covariance[a][a] * run.covariance[b][b]).sqrt();
-            if scale > 0.0 { (run.covariance[a][b] / scale).clamp(-1.0, 1.0) } else { 0.0 }
+            let scale = (covariance[a][a] * covariance[b][b]).sqrt();
+            if scale > 0.0 { (covariance[a][b] / scale).clamp(-1.0, 1.0) } else { 0.0 }
         }
         _ => 0.0,
     };
@@ -145,25 +140,17 @@ fn correlation(columns: &[(&Parameter, Option<usize>)], run: &Run) -> Vec<Vec<f6
     (0..columns.len()).map(row).collect()
 }
 
-fn history(file: &ModelFile, prepared: &Prepared, columns: &[(&Parameter, Option<usize>)], run: &Run) -> History {
-    let input = |name: &str, unit: &str, value: &dyn Fn(usize) -> f64| {
-        signal(name, unit, (0..prepared.time.len()).map(value).collect())
-    };
-    let u = &prepared.inputs;
-    let mut inputs = vec![
-        input("elevator", "rad", &|k| u[k].elevator),
-        input("air_density", "kg/m^3", &|k| u[k].air_density),
-        input("thrust", "N", &|k| u[k].thrust),
-        input("mass", "kg", &|k| u[k].mass),
-        input("iyy", "kg*m^2", &|k| u[k].iyy),
-    ];
-    // The elevator always, the others where they change.
+fn history<M: Motion<N, R>, const N: usize, const R: usize>(
+    task: &Task<M, N, R>,
+    columns: &[(&Parameter, Option<usize>)],
+    run: &Run<R>,
+) -> History {
+    let Task { prepared, file, .. } = *task;
+    // Surfaces and extra inputs always, the others where they change.
     let changes = |s: &Signal| s.values.iter().any(|v| *v != s.values[0]);
-    inputs.retain(|s| s.name == "elevator" || changes(s));
-    for (i, name) in file.extra_inputs.iter().enumerate() {
-        inputs.push(input(name, "-", &|k| u[k].extra[i]));
-    }
-    let outputs = |rows: &[[f64; OUTPUTS]], whitened: bool| -> Vec<Signal> {
+    let always = |s: &Signal| Axes::SURFACES.contains(&s.name.as_str()) || file.extra_inputs.contains(&s.name);
+    let inputs = prepared.known.iter().filter(|s| always(s) || changes(s)).cloned().collect();
+    let outputs = |rows: &[[f64; R]], whitened: bool| -> Vec<Signal> {
         measured(file)
             .map(|(row, o)| {
                 let unit = if whitened { "-" } else { o.unit() };

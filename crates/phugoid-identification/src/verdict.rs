@@ -5,10 +5,8 @@ use phugoid_flight_data::plausibility::Doubt;
 
 use crate::axes::Axes;
 use crate::estimation::{History, ParameterResult, Signal};
-use crate::longitudinal::OUTPUTS;
-use crate::noise::NoiseLevel;
-use crate::prepare::Prepared;
-use crate::run::Run;
+use crate::motion::Motion;
+use crate::run::{Run, Task};
 
 /// Correlation from which two parameters are said to be indistinguishable.
 const INDISTINGUISHABLE: f64 = 0.99;
@@ -20,12 +18,11 @@ const CONTRADICTED: f64 = 0.05;
 /// Lag-one correlation of clipped residuals from which they are called coloured.
 const COLOURED: f64 = 0.4;
 
-pub(crate) fn verdict(
+pub(crate) fn verdict<M: Motion<N, R>, const N: usize, const R: usize>(
+    task: &Task<M, N, R>,
     parameters: &[ParameterResult],
     correlation: &[Vec<f64>],
-    prepared: &Prepared,
-    noise: &[NoiseLevel; OUTPUTS],
-    run: &Run,
+    run: &Run<R>,
     doubts: &[Doubt],
     history: &History,
 ) -> Vec<String> {
@@ -38,12 +35,12 @@ pub(crate) fn verdict(
         changes(parameters, run, is_contradicted(&history.residuals), &mut sentences);
         residuals(&history.residuals, run, &mut sentences);
     } else {
-        no_excitation(&history.measured, &mut sentences);
+        no_excitation(M::AXES, &history.measured, &mut sentences);
     }
-    let measured: Vec<String> = Axes::Longitudinal
+    let measured: Vec<String> = M::AXES
         .outputs()
         .iter()
-        .zip(noise)
+        .zip(task.noise)
         .filter(|(_, level)| level.measured)
         .map(|(o, level)| format!("{} {:.3e} {}", o.name(), level.std, o.unit()))
         .collect();
@@ -51,7 +48,7 @@ pub(crate) fn verdict(
         sentences.push(format!("Noise levels measured from the record, one sigma: {}.", measured.join(", ")));
     }
     sentences.extend(doubts.iter().map(|d| format!("Check the units: {}.", d.to_string().trim_end_matches('.'))));
-    sentences.extend(prepared.notes.iter().map(|n| format!("{}.", capitalised(n))));
+    sentences.extend(task.prepared.notes.iter().map(|n| format!("{}.", capitalised(n))));
     sentences
 }
 
@@ -63,13 +60,12 @@ fn capitalised(text: &str) -> String {
 /// Two parameters and their correlation.
 type Pair = (f64, usize, usize);
 
-fn no_excitation(measured: &[Signal], sentences: &mut Vec<String>) {
-    sentences.push(
-        "No excitation: elevator, angle of attack and pitch rate never move beyond their noise. Steady flight tells at \
-         most sums of terms, so all parameters and their bounds are still those given beforehand. Fly an elevator input \
-         such as a 3-2-1-1 or a doublet."
-            .to_owned(),
-    );
+fn no_excitation(axes: Axes, measured: &[Signal], sentences: &mut Vec<String>) {
+    let [movers, manoeuvre] = axes.excitation_words();
+    sentences.push(format!(
+        "No excitation: {movers} never move beyond their noise. Steady flight tells at \
+         most sums of terms, so all parameters and their bounds are still those given beforehand. Fly {manoeuvre}."
+    ));
     if measured.iter().all(|signal| signal.values.windows(2).all(|pair| pair[0] == pair[1])) {
         sentences.push("Every measured output is exactly constant: the recorder was frozen.".to_owned());
     }
@@ -143,7 +139,12 @@ fn tell_pairs(parameters: &[ParameterResult], found: &[Pair], sentences: &mut Ve
     }
 }
 
-fn changes(parameters: &[ParameterResult], run: &Run, contradicted: bool, sentences: &mut Vec<String>) {
+fn changes<const R: usize>(
+    parameters: &[ParameterResult],
+    run: &Run<R>,
+    contradicted: bool,
+    sentences: &mut Vec<String>,
+) {
     let times: Vec<String> =
         run.events.iter().filter(|e| e.kind == "re_reached").map(|e| format!("{:.2} s", e.time_s)).collect();
     if !times.is_empty() {
@@ -223,7 +224,7 @@ fn contradiction(residuals: &[Signal], sentences: &mut Vec<String>) {
 }
 
 /// Outliers, and residuals that are not white.
-fn residuals(residuals: &[Signal], run: &Run, sentences: &mut Vec<String>) {
+fn residuals<const R: usize>(residuals: &[Signal], run: &Run<R>, sentences: &mut Vec<String>) {
     let samples = run.phases.len().max(1) as f64;
     let mut coloured = Vec::new();
     for signal in residuals {

@@ -5,7 +5,8 @@ mod common;
 
 use common::f16::{TRUTH, channel, fly, model, unbiased};
 use phugoid_flight_data::record::{Quantity, Record};
-use phugoid_identification::estimate::{CAPACITY, EstimateError, EstimateOptions, estimate};
+use phugoid_identification::axes::Axes;
+use phugoid_identification::estimate::{EstimateError, EstimateOptions, capacity, estimate};
 use phugoid_identification::estimation::Estimation;
 use phugoid_identification::model_file::ModelFile;
 use proptest::prelude::*;
@@ -288,7 +289,7 @@ fn more_parameters_than_there_is_room_for_are_refused() {
         .replace("[parameters] ", &format!("[parameters]\n{priors}#"));
     let model = ModelFile::parse("crowded", &text).unwrap();
     let error = run(&fly(2.0, AMPLITUDE, 9), &model).unwrap_err();
-    assert_eq!(error, EstimateError::TooManyParameters { wanted: 32, capacity: CAPACITY });
+    assert_eq!(error, EstimateError::TooManyParameters { wanted: 32, capacity: capacity(Axes::Longitudinal) });
 }
 
 fn power_name(alpha: u32, q: u32) -> String {

@@ -12,7 +12,7 @@ use phugoid_flight_data::record::Record;
 use phugoid_identification::axes::Axes;
 use phugoid_identification::estimate::{EstimateOptions, estimate};
 use phugoid_identification::estimation::Estimation;
-use phugoid_identification::longitudinal::{OUTPUTS, STATES};
+use phugoid_identification::longitudinal::{LongitudinalModel, OUTPUTS, STATES};
 use phugoid_identification::model_file::ModelFile;
 use phugoid_identification::prepare::prepare;
 
@@ -133,7 +133,7 @@ fn uses_no_future_sample() {
 /// With `change` false nothing changes.
 fn replay(record: &Record, reference: &BTreeMap<String, f64>, change: bool, seed: u64) -> Record {
     let file = model();
-    let prepared = prepare(record, &file).unwrap();
+    let prepared = prepare::<LongitudinalModel, _, _>(record, &file).unwrap();
     let names: Vec<&str> = file.estimated().map(|p| p.name.as_str()).collect();
     let mut theta = [0.0; 24];
     for (slot, name) in theta.iter_mut().zip(&names) {

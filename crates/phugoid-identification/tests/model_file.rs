@@ -1,6 +1,7 @@
 //! Model files: what they give, and how wrong ones are refused.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // tests and benches may
 
+use phugoid_identification::method::Method;
 use phugoid_identification::model_file::{Base, EstimatorSettings, ModelFile, ReferenceValue, Role, Source, Thrust};
 use phugoid_identification::output::Output;
 use proptest::prelude::*;
@@ -63,7 +64,7 @@ fn a_wrong_file_is_refused_at_its_line_with_the_nearest_word() {
         (HFB320, "\"2.43 m\"", "\"2.43 mtr\"", &["unknown unit `mtr`"], None),
         (HFB320, "\"2.43 m\"", "-2.43", &["more than zero"], None),
         (HFB320, "\"2.43 m\"", "true", &["boolean", "expected a number in m"], None),
-        (HFB320, "\"longitudinal\"", "\"lateral\"", &["lateral", "cannot be estimated yet"], None),
+        (HFB320, "\"longitudinal\"", "\"latteral\"", &["did you mean `lateral`"], Some("lateral")),
         (HFB320, "\"longitudinal\"", "\"longitudnal\"", &["did you mean `longitudinal`"], Some("longitudinal")),
         (HFB320, "\"qdot\"]", "\"qdott\"]", &["unknown word `qdott`", "`qdot`"], Some("qdot")),
         (HFB320, "\"true_airspeed\", ", "", &["`true_airspeed` must be measured"], None),
@@ -205,6 +206,7 @@ az = "0.02 g"
     assert!(model.process_noise.adaptive && !model.re_reaching);
     assert!((model.aircraft.gravity - 9.80665).abs() < 1e-12);
     let own = EstimatorSettings {
+        method: Method::Smpe,
         reaching_limit: Some(4.0),
         rejection_scale: 1.5,
         prior_scale: 2.0,
@@ -219,6 +221,7 @@ az = "0.02 g"
 #[test]
 fn settings_of_the_estimator_that_cannot_be_are_refused() {
     for (wrong, message) in [
+        ("method = \"kalmann\"", "unknown method `kalmann`"),
         ("rejection_scale = 0", "more than zero"),
         ("prior_scale = 0", "more than zero"),
         ("process_noise_scale = -1", "zero or more"),

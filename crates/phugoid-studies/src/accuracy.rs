@@ -145,7 +145,7 @@ fn outcomes(estimation: &Estimation, at: &[f64]) -> Vec<Vec<Outcome>> {
 /// # Errors
 /// [`StudyError`]: the model needs a channel that the flight has not, sensor biases are asked for, no bound exists.
 pub fn bound(flight: &Flight, model: &ModelFile, at: &[f64]) -> Result<Vec<Bound>, StudyError> {
-    let prepared = prepare(&flight.truth, model)?;
+    let prepared = prepare::<LongitudinalModel, _, _>(&flight.truth, model)?;
     let unsuitable = |what: &str| Err(StudyError::Unsuitable(format!("model `{}`: {what}", model.source)));
     let count = <LongitudinalModel as Model<STATES, OUTPUTS, CAPACITY>>::parameter_count(&prepared.model);
     let names: Vec<&str> = model.estimated().map(|p| p.name.as_str()).collect();

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use phugoid_estimators::{LinearizedRates, Model};
-use phugoid_identification::longitudinal::STATES;
+use phugoid_identification::longitudinal::{LongitudinalModel, STATES};
 use phugoid_identification::model_file::ModelFile;
 use phugoid_identification::prepare::prepare;
 use phugoid_studies::flight::fly;
@@ -70,7 +70,7 @@ fn short_period_damping(increment: f64) -> f64 {
     let flight = fly(&case.scenario).unwrap();
     let mut file = ModelFile::parse("f16-thesis-model", THESIS_MODEL).unwrap();
     file.parameters.retain(|parameter| parameter.name == UNKNOWN);
-    let prepared = prepare(&flight.measured, &file).unwrap();
+    let prepared = prepare::<LongitudinalModel, _, _>(&flight.measured, &file).unwrap();
     let mut lin = LinearizedRates::<STATES, 1>::ZERO;
     let at_trim = std::array::from_fn(|i| prepared.outputs[0][i]);
     prepared.model.linearized_rates(&at_trim, &[increment], &prepared.inputs[0], &mut lin);

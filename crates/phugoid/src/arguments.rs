@@ -2,7 +2,9 @@
 
 use std::path::PathBuf;
 
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use phugoid_identification::method::Method;
 use phugoid_studies::quantity::{Angle, AngularRate, Length, Speed, Time};
 
 const EXIT_CODES: &str = "\
@@ -55,6 +57,9 @@ pub(crate) struct Demonstration {
     /// Seed of the sensor noise
     #[arg(long, value_name = "NUMBER")]
     pub(crate) seed: Option<u64>,
+    /// Estimator
+    #[arg(long, value_parser = method())]
+    pub(crate) method: Option<Method>,
     /// Folder for the report [default: phugoid-report]
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
@@ -185,11 +190,10 @@ pub(crate) struct Simulate {
     pub(crate) json: bool,
 }
 
-/// Estimators.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum MethodName {
-    /// Sliding-mode parameter estimator on a parallel model
-    Smpe,
+/// The names of the estimators, with a line each in the help.
+fn method() -> impl TypedValueParser<Value = Method> {
+    let named = Method::ALL.iter().map(|method| PossibleValue::new(method.name()).help(method.description()));
+    PossibleValuesParser::new(named).try_map(|name| name.parse::<Method>())
 }
 
 /// What is known to be true of a simulated flight.
@@ -225,9 +229,9 @@ pub(crate) struct Estimate {
     /// The aircraft: a model file, or the name of a built-in one
     #[arg(long, value_name = "AIRCRAFT.toml", required_unless_present_any = ["list_models", "show_model"])]
     pub(crate) model: Option<String>,
-    /// Estimator
-    #[arg(long, value_enum, default_value = "smpe")]
-    pub(crate) method: MethodName,
+    /// Estimator; without it the model file's, or smpe
+    #[arg(long, value_parser = method())]
+    pub(crate) method: Option<Method>,
     /// Do not look for sudden changes of the coefficients
     #[arg(long)]
     pub(crate) no_change_detection: bool,

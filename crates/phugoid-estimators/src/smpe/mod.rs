@@ -686,6 +686,10 @@ where
         Self::restarts(self)
     }
 
+    fn process_noise_scale(&self) -> f64 {
+        Self::process_noise_scale(self)
+    }
+
     fn detector(&self) -> Option<DetectorReport> {
         Self::detector(self)
     }

@@ -13,6 +13,7 @@ use super::{
     ProcessNoise, RateSpeed, Reference, ReferenceValue, Role, Source, Thrust,
 };
 use crate::axes::Axes;
+use crate::method::Method;
 use crate::output::{CHANNELS as OUTPUT_CHANNELS, Output, STATE_CHANNELS};
 use crate::term::{Coefficient, EXTRA_INPUTS, Term, Variable};
 
@@ -34,9 +35,17 @@ const TOP_KEYS: [&str; 15] = [
     "biases",
 ];
 const MORE_TOP_KEYS: [&str; 3] = ["re_reaching", "expected", "estimator"];
-const ESTIMATOR_KEYS: [&str; 6] =
-    ["reaching_limit", "rejection_scale", "prior_scale", "process_noise_scale", "adaptation_gain", "start_window"];
-const AIRCRAFT_KEYS: [&str; 15] = [
+const ESTIMATOR_KEYS: [&str; 7] = [
+    "method",
+    "reaching_limit",
+    "rejection_scale",
+    "prior_scale",
+    "process_noise_scale",
+    "adaptation_gain",
+    "start_window",
+];
+const AIRCRAFT_KEYS: [&str; 16] = [
+    "rotor_momentum",
     "mass",
     "ixx",
     "iyy",
@@ -221,6 +230,8 @@ fn aircraft(top: &Section, base: Base, axes: Axes) -> Result<AircraftData, Model
             return Err(section.error("thrust", "thrust = \"trim\" needs a database (base = \"f16\") to trim"));
         }
         Some("trim") => Thrust::Trim,
+        // The lateral-directional motion takes the measured specific forces in its place.
+        None if section.get("thrust").is_none() && !axes.has_longitudinal() => Thrust::Known(Source::Constant(0.0)),
         _ => Thrust::Known(source_of(&section, "thrust", Dimension::FORCE)?.ok_or_else(|| {
             section
                 .missing("thrust", "a force (0 for a glider), { channel = \"thrust\" } or, with a database, \"trim\"")
@@ -283,6 +294,7 @@ fn aircraft(top: &Section, base: Base, axes: Axes) -> Result<AircraftData, Model
         thrust_inclination: section.number("thrust_inclination", Dimension::ANGLE)?.unwrap_or(0.0),
         thrust_arm: section.number("thrust_arm", Dimension::LENGTH)?.unwrap_or(0.0),
         air_density,
+        rotor_momentum: section.number("rotor_momentum", Dimension::ANGULAR_MOMENTUM)?.unwrap_or(0.0),
         reference_speed: section.positive("reference_speed", Dimension::SPEED)?,
         gravity: section.positive("gravity", Dimension::ACCELERATION)?.unwrap_or(9.80665),
     })
@@ -427,7 +439,16 @@ fn estimator(top: &Section) -> Result<EstimatorSettings, ModelFileError> {
         Some(v) if v < 0.0 => Err(section.error(key, format!("`{key}` is {v}: expected zero or more"))),
         other => Ok(other),
     };
+    let method = match section.string("method")? {
+        Some(word) => word.parse::<Method>().map_err(|e| {
+            let mut error = section.error("method", e.to_string());
+            error.nearest = crate::words::nearest(word, Method::ALL.iter().map(|m| m.name())).map(Into::into);
+            error
+        })?,
+        None => Method::default(),
+    };
     Ok(EstimatorSettings {
+        method,
         reaching_limit: section.positive("reaching_limit", Dimension::NUMBER)?,
         rejection_scale: section.positive("rejection_scale", Dimension::NUMBER)?.unwrap_or(1.0),
         prior_scale: section.positive("prior_scale", Dimension::NUMBER)?.unwrap_or(1.0),

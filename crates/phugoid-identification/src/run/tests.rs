@@ -1,11 +1,15 @@
 //! The numbers do not depend on the room that the estimator was compiled with.
 
-use super::{CAPACITY, ColumnRun, MIDDLE_ROOM, Run, SMALL_ROOM, run_in_room};
-use crate::longitudinal::OUTPUTS;
+use super::causal::run_causal;
+use super::kalman::SlidingMode;
+use super::settings::shared_settings;
+use super::{ColumnRun, LARGE_ROOM, MIDDLE_ROOM, Run, SMALL_ROOM, Task};
+use crate::error::EstimateError;
+use crate::longitudinal::{LongitudinalModel, OUTPUTS, STATES};
 use crate::model_file::ModelFile;
 use crate::noise::NoiseLevel;
 use crate::options::EstimateOptions;
-use crate::prepare::prepare;
+use crate::prepare::{Prepared, prepare};
 
 #[path = "../../tests/common/mod.rs"]
 mod common;
@@ -29,6 +33,17 @@ fn eventful() -> Record {
     record
 }
 
+type Flown = Prepared<LongitudinalModel, STATES, OUTPUTS>;
+
+fn run_in_room<const P: usize>(
+    prepared: &Flown,
+    file: &ModelFile,
+    noise: &[NoiseLevel; OUTPUTS],
+) -> Result<Run<OUTPUTS>, EstimateError> {
+    let task = Task { prepared, file, options: &EstimateOptions::default(), noise, health: None };
+    run_causal::<SlidingMode, _, _, _, P>(&task, &mut |_| {})
+}
+
 fn assert_same_bits(a: &[f64], b: &[f64], what: &str) {
     assert_eq!(a.len(), b.len(), "{what}");
     for (k, (a, b)) in a.iter().zip(b).enumerate() {
@@ -36,7 +51,7 @@ fn assert_same_bits(a: &[f64], b: &[f64], what: &str) {
     }
 }
 
-fn assert_same(a: &Run, b: &Run) {
+fn assert_same(a: &Run<OUTPUTS>, b: &Run<OUTPUTS>) {
     assert_eq!(a.columns.len(), b.columns.len());
     let end = |c: &ColumnRun| [c.value, c.std_error, c.corrected_std_error, c.observability, c.change_sensitivity];
     for (a, b) in a.columns.iter().zip(&b.columns) {
@@ -61,14 +76,13 @@ fn the_room_does_not_change_a_bit() {
     // Five parameters, which fill the small room, and eight.
     for (biases, columns) in [("", 5), ("\n[biases]\nalpha = \"0.3 deg\"\nq = \"0.1 deg/s\"\naz = \"0.02 g\"\n", 8)] {
         let file = ModelFile::parse("f16", &format!("{}{biases}", unbiased())).unwrap();
-        let prepared = prepare(&record, &file).unwrap();
-        let options = EstimateOptions::default();
-        let large = run_in_room::<CAPACITY>(&prepared, &file, &options, &noise, None, &mut |_| {}).unwrap();
-        let middle = run_in_room::<MIDDLE_ROOM>(&prepared, &file, &options, &noise, None, &mut |_| {}).unwrap();
+        let prepared: Flown = prepare(&record, &file).unwrap();
+        let large = run_in_room::<LARGE_ROOM>(&prepared, &file, &noise).unwrap();
+        let middle = run_in_room::<MIDDLE_ROOM>(&prepared, &file, &noise).unwrap();
         let full = if columns == SMALL_ROOM {
-            run_in_room::<SMALL_ROOM>(&prepared, &file, &options, &noise, None, &mut |_| {}).unwrap()
+            run_in_room::<SMALL_ROOM>(&prepared, &file, &noise).unwrap()
         } else {
-            run_in_room::<8>(&prepared, &file, &options, &noise, None, &mut |_| {}).unwrap()
+            run_in_room::<8>(&prepared, &file, &noise).unwrap()
         };
         assert_eq!(full.columns.len(), columns);
         let kinds: Vec<&str> = full.events.iter().map(|e| e.kind.as_str()).collect();
@@ -85,8 +99,8 @@ fn a_model_beyond_the_small_room_is_refused_by_it() {
     assert!(file.estimated().count() > SMALL_ROOM);
     let noise = [NoiseLevel { std: 0.1, measured: false }; OUTPUTS];
     let f16 = ModelFile::parse("f16", unbiased()).unwrap();
-    let prepared = prepare(&fly(2.0, 0.026, 33), &f16).unwrap();
-    let error = run_in_room::<SMALL_ROOM>(&prepared, &file, &EstimateOptions::default(), &noise, None, &mut |_| {});
+    let prepared: Flown = prepare(&fly(2.0, 0.026, 33), &f16).unwrap();
+    let error = run_in_room::<SMALL_ROOM>(&prepared, &file, &noise);
     assert!(error.unwrap_err().to_string().contains('5'));
 }
 
@@ -98,8 +112,8 @@ fn what_the_model_file_says_of_the_estimator_reaches_it() {
     let settings = |own: &str| {
         let text = format!("{}\n{own}", include_str!("../../../../data/models/f16.toml"));
         let file = ModelFile::parse("f16", &text).unwrap();
-        let prepared = prepare(&record, &file).unwrap();
-        super::smpe_settings::<CAPACITY>(&prepared, &file, &options, &noise).unwrap()
+        let prepared: Flown = prepare(&record, &file).unwrap();
+        shared_settings::<LongitudinalModel, _, _, LARGE_ROOM>(&prepared, &file, &options, &noise).unwrap()
     };
     let rule = settings("");
     assert_eq!(settings("[estimator]"), rule);

@@ -59,7 +59,7 @@ pub(crate) mod f16 {
     use phugoid_estimators::discretization::{self, InputHold, IntervalInput, Part};
     use phugoid_estimators::{LinearizedOutputs, Model};
     use phugoid_flight_data::record::{Channel, Quantity, Record};
-    use phugoid_identification::longitudinal::{LongitudinalInput, OUTPUTS, STATES};
+    use phugoid_identification::longitudinal::{LongitudinalInput, LongitudinalModel, OUTPUTS, STATES};
     use phugoid_identification::model_file::ModelFile;
     use phugoid_identification::prepare::prepare;
 
@@ -118,7 +118,7 @@ pub(crate) mod f16 {
             ],
             ..Record::default()
         };
-        let prepared = prepare(&record, &model()).unwrap();
+        let prepared = prepare::<LongitudinalModel, _, _>(&record, &model()).unwrap();
         let mut theta = [0.0; 5];
         for (slot, (_, value)) in theta.iter_mut().zip(TRUTH) {
             *slot = value;

@@ -105,6 +105,7 @@ impl SmpeTuning {
             process_noise_scale: value("process_noise_scale").unwrap_or(1.0),
             adaptation_gain: value("adaptation_gain"),
             start_window_s: value("start_window"),
+            ..EstimatorSettings::default()
         }
     }
 }

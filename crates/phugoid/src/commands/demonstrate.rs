@@ -23,7 +23,8 @@ pub(crate) fn run(arguments: &Demonstration) -> Result<(), Failure> {
     let model = ModelFile::parse("f16-model", CALM_MODEL).map_err(Failure::input)?;
     let flight = fly(&scenario).map_err(simulate::failure)?;
     // The truth is only for the comparison that is printed: no estimator sees it.
-    let options = EstimateOptions { truth: flight.true_parameters, ..EstimateOptions::default() };
+    let options =
+        EstimateOptions { method: arguments.method, truth: flight.true_parameters, ..EstimateOptions::default() };
     let estimation = {
         let progress = Progress::new("estimating");
         estimate(&flight.measured, &model, &options, &mut |done| progress.set(done)).map_err(Failure::impossible)?

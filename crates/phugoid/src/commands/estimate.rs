@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use phugoid_flight_data::csv::{self, ColumnMapping, CsvOptions};
 use phugoid_flight_data::record::Record;
-use phugoid_identification::estimate::{EstimateOptions, Method, estimate};
+use phugoid_identification::estimate::{EstimateOptions, estimate};
 use phugoid_identification::estimation::Estimation;
 use phugoid_identification::model_file::ModelFile;
 use phugoid_report::HtmlOptions;
@@ -15,7 +15,7 @@ use serde::Serialize;
 
 use super::result::{self, Document};
 use super::simulate::scenario;
-use crate::arguments::{self, MethodName, Truth};
+use crate::arguments::{self, Truth};
 use crate::failure::Failure;
 use crate::output::{json, print};
 use crate::progress::Progress;
@@ -40,10 +40,7 @@ pub(crate) fn run(arguments: &arguments::Estimate) -> Result<(), Failure> {
         (_, true) => Some(false),
         _ => None,
     };
-    let method = match arguments.method {
-        MethodName::Smpe => Method::Smpe,
-    };
-    let options = EstimateOptions { method, re_reaching, truth };
+    let options = EstimateOptions { method: arguments.method, re_reaching, truth };
     let estimation = {
         let progress = Progress::new("estimating");
         estimate(&record, &model, &options, &mut |done| progress.set(done)).map_err(Failure::input)?

@@ -49,7 +49,7 @@ impl Reference {
     /// # Errors
     /// [`StudyError`]: a channel is missing.
     pub fn new(flight: &Flight, model: &ModelFile) -> Result<Self, StudyError> {
-        let prepared = prepare(&flight.measured, model)?;
+        let prepared = prepare::<LongitudinalModel, _, _>(&flight.measured, model)?;
         let gravity = prepared.model.constants().gravity;
         let (states, rates) = states_and_rates(&flight.truth, values(&flight.truth, "qdot")?, prepared.first, gravity)?;
         let pitch_acceleration = pitch_acceleration(flight)?;

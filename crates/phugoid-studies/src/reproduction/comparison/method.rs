@@ -115,7 +115,7 @@ pub struct Flown {
     /// True value, per radian.
     pub truth: f64,
     measured: Record,
-    prepared: Prepared,
+    prepared: Prepared<LongitudinalModel, STATES, OUTPUTS>,
     /// Whether the pitch acceleration is measured.
     has_acceleration: bool,
 }
@@ -223,7 +223,7 @@ impl<'a> Setting<'a> {
         let flight = fly(&scenario)?;
         let has_acceleration = flight.measured.channel("qdot").is_some();
         let model = if has_acceleration { &self.model_with_acceleration } else { &self.model };
-        let prepared = prepare(&flight.measured, model)?;
+        let prepared = prepare::<LongitudinalModel, _, _>(&flight.measured, model)?;
         Ok(Flown { truth, measured: flight.measured, prepared, has_acceleration })
     }
 
@@ -298,7 +298,10 @@ impl<'a> Setting<'a> {
 }
 
 /// Feeds the samples to an estimator of one parameter.
-fn track(mut law: impl Estimator<OUTPUTS, 1, Input = LongitudinalInput>, prepared: &Prepared) -> Track {
+fn track(
+    mut law: impl Estimator<OUTPUTS, 1, Input = LongitudinalInput>,
+    prepared: &Prepared<LongitudinalModel, STATES, OUTPUTS>,
+) -> Track {
     let samples = prepared.time.iter().zip(&prepared.inputs).zip(&prepared.outputs);
     let values = samples
         .map(|((&time_s, &input), &outputs)| law.update(&Sample { time_s, input, outputs }).parameters[0])

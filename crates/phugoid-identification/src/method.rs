@@ -1,0 +1,70 @@
+//! The estimators to choose from, by name.
+
+use std::fmt;
+use std::str::FromStr;
+
+use crate::words::did_you_mean;
+
+/// Estimator to use.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Method {
+    /// The sliding-mode parameter estimator on a parallel model (docs/theory.md).
+    #[default]
+    Smpe,
+}
+
+impl Method {
+    /// All, in the order in which they are shown.
+    pub const ALL: &[Self] = &[Self::Smpe];
+
+    /// Its name on the command line, in model files and in results.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Smpe => "smpe",
+        }
+    }
+
+    /// One line for a list.
+    pub fn description(self) -> &'static str {
+        match self {
+            Self::Smpe => "sliding-mode parameter estimator on a parallel model",
+        }
+    }
+}
+
+impl fmt::Display for Method {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+/// A word that is no method.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("unknown method `{word}`{}", did_you_mean(word, Method::ALL.iter().map(|m| m.name())))]
+pub struct UnknownMethod {
+    /// What was found.
+    pub word: String,
+}
+
+impl FromStr for Method {
+    type Err = UnknownMethod;
+
+    fn from_str(word: &str) -> Result<Self, UnknownMethod> {
+        let found = Self::ALL.iter().copied().find(|m| m.name() == word);
+        found.ok_or_else(|| UnknownMethod { word: word.to_owned() })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_read_back_and_wrong_ones_get_the_list() {
+        for method in Method::ALL {
+            assert_eq!(method.name().parse::<Method>(), Ok(*method));
+        }
+        let message = "kalmann".parse::<Method>().unwrap_err().to_string();
+        assert!(message.contains("`kalmann`") && message.contains("`smpe`"), "{message}");
+    }
+}

@@ -1,0 +1,42 @@
+//! The longitudinal motion, as the estimation takes it.
+
+use super::{Known, Motion, ReferencePoint, terms};
+use crate::axes::Axes;
+use crate::longitudinal::{Database, LongitudinalConstants, LongitudinalInput, LongitudinalModel, OUTPUTS, STATES};
+use crate::model_file::{ModelFile, RateSpeed};
+
+impl Motion<STATES, OUTPUTS> for LongitudinalModel {
+    type KnownInput = LongitudinalInput;
+
+    const AXES: Axes = Axes::Longitudinal;
+
+    fn build(file: &ModelFile, database: Database, reference: &ReferencePoint) -> Self {
+        let aircraft = &file.aircraft;
+        let reference_speed = aircraft.reference_speed.unwrap_or(1.0);
+        let constants = LongitudinalConstants {
+            wing_area: aircraft.wing_area,
+            mean_chord: aircraft.mean_chord,
+            gravity: aircraft.gravity,
+            thrust_inclination: aircraft.thrust_inclination,
+            thrust_arm: aircraft.thrust_arm,
+            reference_speed,
+            rate_speed: (file.rate_speed == RateSpeed::Reference).then_some(reference_speed),
+            alpha_reference: reference.alpha,
+            elevator_reference: reference.elevator,
+        };
+        let (columns, known) = terms(file);
+        Self::new(constants, database, columns, known)
+    }
+
+    fn known_input(known: &Known) -> LongitudinalInput {
+        LongitudinalInput {
+            elevator: known.elevator,
+            air_density: known.air_density,
+            thrust: known.thrust,
+            mass: known.mass,
+            iyy: known.iyy,
+            extra: known.extra,
+            controls_held: known.controls_held,
+        }
+    }
+}

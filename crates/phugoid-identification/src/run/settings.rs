@@ -1,0 +1,90 @@
+//! What the model file and the record say to every method: priors, noise, biases, sample time, process noise.
+
+use phugoid_estimators::discretization::InputHold;
+use phugoid_estimators::smpe::{ChangeDetection, ChangePrior, ParameterPrior, ProcessNoise, ReReaching, SmpeSettings};
+
+use crate::error::EstimateError;
+use crate::model_file::{Base, ModelFile, Parameter, Role};
+use crate::motion::Motion;
+use crate::noise::NoiseLevel;
+use crate::options::EstimateOptions;
+use crate::output::Output;
+use crate::prepare::Prepared;
+
+/// Settings for a prepared record: the automatic rule with what the model file says. Methods other than SMPE take what is theirs
+/// from here, so that comparisons are fair.
+///
+/// # Errors
+/// [`EstimateError::Model`] if the estimator refuses them.
+pub(super) fn shared_settings<M: Motion<N, R>, const N: usize, const R: usize, const P: usize>(
+    prepared: &Prepared<M, N, R>,
+    file: &ModelFile,
+    options: &EstimateOptions,
+    noise: &[NoiseLevel; R],
+) -> Result<SmpeSettings<N, R, P>, EstimateError> {
+    let own = file.estimated().filter(|p| !matches!(p.role, Role::Bias(_)));
+    let tuned = &file.estimator;
+    let priors: Vec<ParameterPrior> = own
+        .map(|p| {
+            let prior = prior(p, file.base);
+            ParameterPrior { sd: prior.sd * if p.is_nuisance() { 1.0 } else { tuned.prior_scale }, ..prior }
+        })
+        .collect();
+    let mut settings = SmpeSettings::automatic(&priors, noise.map(|n| n.std), sample_time(&prepared.time))
+        .map_err(|e| EstimateError::Model(e.to_string()))?;
+    // The input knows itself what is held (`Known::controls_held`).
+    settings.input_hold = InputHold::Linear;
+    let mut biases = [0.0; R];
+    for parameter in file.estimated() {
+        if let Role::Bias(output) = parameter.role
+            && let Some(row) = M::AXES.row(output)
+        {
+            biases[row] = parameter.prior_std;
+        }
+    }
+    settings = settings.with_biases(biases);
+    settings.reaching_limit = tuned.reaching_limit.unwrap_or(settings.reaching_limit);
+    // A row has to reach before it is rejected.
+    settings.rejection_limit = (tuned.rejection_scale * settings.rejection_limit).max(settings.reaching_limit);
+    settings.start_window_s = tuned.start_window_s.unwrap_or(settings.start_window_s);
+    let states = M::AXES.states();
+    let density = std::array::from_fn(|i| {
+        states.get(i).map_or(0.0, |o| file.process_noise.density[o.index()] * tuned.process_noise_scale)
+    });
+    // Gusts move what is measured against the air.
+    let gusty = [Output::TrueAirspeed, Output::Alpha, Output::Beta];
+    let gust_rows = std::array::from_fn(|i| states.get(i).is_some_and(|o| gusty.contains(o)));
+    settings.process_noise = if file.process_noise.adaptive {
+        ProcessNoise::adaptive(density, gust_rows)
+    } else {
+        ProcessNoise::fixed(density)
+    };
+    if let (true, Some(gain)) = (file.process_noise.adaptive, tuned.adaptation_gain) {
+        settings.process_noise.adaptation_gain = gain;
+    }
+    settings.re_reaching = if options.re_reaching.unwrap_or(file.re_reaching) {
+        ReReaching::Safe(ChangeDetection::default())
+    } else {
+        ReReaching::Off
+    };
+    Ok(settings)
+}
+
+fn prior(parameter: &Parameter, base: Base) -> ParameterPrior {
+    let [lower, upper] = parameter.bounds.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
+    let quarter = 0.25 * (upper - lower);
+    let change_sd = match (parameter.change_std, base) {
+        _ if parameter.is_nuisance() => ChangePrior::None,
+        (Some(std), _) => ChangePrior::Fixed(std),
+        (None, Base::F16) => ChangePrior::Fixed(quarter.min(parameter.prior_std)),
+        // In absolute form a sudden change is of the order of half the parameter, not of the start prior.
+        (None, Base::None) => ChangePrior::Relative { fraction: 0.5, maximum: quarter },
+    };
+    ParameterPrior { initial: parameter.start, sd: parameter.prior_std, lower, upper, change_sd }
+}
+
+/// Median of the first fifty intervals, s: later ones must not change what was estimated before them.
+fn sample_time(time: &[f64]) -> f64 {
+    let mut steps: Vec<f64> = time.windows(2).take(50).map(|w| w[1] - w[0]).collect();
+    crate::noise::median(&mut steps).unwrap_or(f64::NAN)
+}
