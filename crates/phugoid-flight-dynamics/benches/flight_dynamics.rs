@@ -56,6 +56,7 @@ fn flight_dynamics(criterion: &mut Criterion) {
     let gusty = Disturbance {
         gust: [1.0, 2.0, 3.0],
         increments: Increments { dCm_alpha: -0.2, dCL_alpha: 0.4, dCn_beta: 0.01, ..Increments::NONE },
+        ..Disturbance::default()
     };
     let mut group = criterion.benchmark_group("f16");
     group.throughput(Throughput::Elements(1));

@@ -1,6 +1,22 @@
-//! The smooth gust of the thesis: a 1-cosine ramp on a body axis.
+//! How the air moves: the smooth gust of the thesis, a 1-cosine ramp on a body axis.
 
 use crate::scalar::Scalar;
+
+/// Motion of the air around the aircraft, body axes. The default is air at rest.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct AirMotion {
+    /// Velocity at the centre of gravity, m/s.
+    pub velocity: [f64; 3],
+    /// Rotation of the air about the body axes, rad/s: what the aerodynamics see is `p`, `q`, `r` less these.
+    pub rates: [f64; 3],
+}
+
+impl From<[f64; 3]> for AirMotion {
+    /// Air that moves without turning.
+    fn from(velocity: [f64; 3]) -> Self {
+        Self { velocity, rates: [0.0; 3] }
+    }
+}
 
 /// Air velocity along a body axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

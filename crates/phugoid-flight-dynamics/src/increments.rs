@@ -131,6 +131,42 @@ impl Increments {
         Self { alpha_reference: alpha, q_reference: q, elevator_reference: elevator, ..self }
     }
 
+    /// All derivatives under their names.
+    pub fn named(&self) -> [(&'static str, f64); 24] {
+        macro_rules! named {
+            ($($name:ident)*) => { [$((stringify!($name), self.$name)),*] };
+        }
+        named![
+            dCm_alpha dCm_q dCm_elevator dCL_alpha dCL_q dCL_elevator dCD_alpha dCD_q dCD_elevator
+            dCY_beta dCY_p dCY_r dCY_aileron dCY_rudder dCl_beta dCl_p dCl_r dCl_aileron dCl_rudder
+            dCn_beta dCn_p dCn_r dCn_aileron dCn_rudder
+        ]
+    }
+
+    /// The derivative of this name; none if there is none.
+    pub fn by_name_mut(&mut self, name: &str) -> Option<&mut f64> {
+        macro_rules! named {
+            ($($name:ident)*) => { match name { $(stringify!($name) => Some(&mut self.$name),)* _ => None } };
+        }
+        named![
+            dCm_alpha dCm_q dCm_elevator dCL_alpha dCL_q dCL_elevator dCD_alpha dCD_q dCD_elevator
+            dCY_beta dCY_p dCY_r dCY_aileron dCY_rudder dCl_beta dCl_p dCl_r dCl_aileron dCl_rudder
+            dCn_beta dCn_p dCn_r dCn_aileron dCn_rudder
+        ]
+    }
+
+    /// A part of the way, 0 to 1, to other increments about the same reference point.
+    #[must_use]
+    pub fn towards(&self, other: &Self, part: f64) -> Self {
+        let mut between = *self;
+        for ((name, from), (_, to)) in self.named().into_iter().zip(other.named()) {
+            if let Some(value) = between.by_name_mut(name) {
+                *value = from + part * (to - from);
+            }
+        }
+        between
+    }
+
     /// The longitudinal derivatives under their names.
     pub fn named_longitudinal(&self) -> [(&'static str, f64); 9] {
         macro_rules! named {

@@ -9,6 +9,8 @@ use crate::scalar::Scalar;
 pub struct Disturbance {
     /// Velocity of the air in body axes, m/s, relative to the undisturbed air.
     pub gust: [f64; 3],
+    /// Rotation of the air about the body axes, rad/s: the aerodynamics see `p`, `q`, `r` less these.
+    pub gust_rates: [f64; 3],
     /// Aerodynamic increments on top of the aircraft's database.
     pub increments: Increments,
 }
@@ -78,11 +80,13 @@ pub fn motion<T: Scalar, A: Aircraft>(
         mach: air_speed / local_air.speed_of_sound,
     };
 
-    let mut coefficients = aircraft.coefficients(&air, [p, q, r], controls);
+    let turning = disturbance.gust_rates;
+    let air_rates = if turning == [0.0; 3] { [p, q, r] } else { [p - turning[0], q - turning[1], r - turning[2]] };
+    let mut coefficients = aircraft.coefficients(&air, air_rates, controls);
     let increments = &disturbance.increments;
     if increments.is_longitudinal() {
         let chord_time = (air_speed * 2.0).recip() * geometry.mean_chord;
-        let [lift, drag, pitch] = increments.longitudinal(air_alpha, chord_time, q, controls.elevator);
+        let [lift, drag, pitch] = increments.longitudinal(air_alpha, chord_time, air_rates[1], controls.elevator);
         let [cx, cz] = lift_drag_to_body(lift, drag, air_sin, air_cos);
         coefficients.cx = coefficients.cx + cx;
         coefficients.cz = coefficients.cz + cz;
@@ -90,8 +94,13 @@ pub fn motion<T: Scalar, A: Aircraft>(
     }
     if increments.is_lateral() {
         let span_time = (air_speed * 2.0).recip() * geometry.span;
-        let [side, roll, yaw] =
-            increments.lateral(air_beta, p * span_time, r * span_time, controls.aileron, controls.rudder);
+        let [side, roll, yaw] = increments.lateral(
+            air_beta,
+            air_rates[0] * span_time,
+            air_rates[2] * span_time,
+            controls.aileron,
+            controls.rudder,
+        );
         coefficients.cy = coefficients.cy + side;
         coefficients.cl = coefficients.cl + roll;
         coefficients.cn = coefficients.cn + yaw;

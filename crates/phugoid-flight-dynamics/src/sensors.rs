@@ -32,6 +32,9 @@ pub struct SensorSpecification {
     pub outlier_probability: f64,
     /// Size of an outlier, added to the sample with either sign.
     pub outlier_size: f64,
+    /// Mean length of a burst, samples: outliers come in runs of one sign and of geometrically distributed length, with the
+    /// same chance per sample in the long run. Zero for outliers that are independent of one another.
+    pub outlier_burst: f64,
     /// Chance that a sample is lost, 0 to 1.
     pub drop_probability: f64,
 }
@@ -84,6 +87,8 @@ pub struct Sensor {
     start: Option<f64>,
     /// Number of the next sample since the start.
     next_sample: u64,
+    /// Sign of the outliers of the burst that the last sample was in; zero outside of one, NaN before the first sample.
+    burst: f64,
 }
 
 impl Sensor {
@@ -103,6 +108,7 @@ impl Sensor {
             ("quantisation", s.quantisation, s.quantisation >= 0.0, positive),
             ("outlier_probability", s.outlier_probability, (0.0..=1.0).contains(&s.outlier_probability), probability),
             ("outlier_size", s.outlier_size, true, "a finite number"),
+            ("outlier_burst", s.outlier_burst, valid_burst(s), "zero, or a mean length of one sample or more"),
             ("drop_probability", s.drop_probability, (0.0..=1.0).contains(&s.drop_probability), probability),
         ] {
             if !valid || !value.is_finite() {
@@ -118,6 +124,7 @@ impl Sensor {
             past: VecDeque::new(),
             start: None,
             next_sample: 0,
+            burst: f64::NAN,
         })
     }
 
@@ -140,8 +147,21 @@ impl Sensor {
         let noise: f64 = StandardNormal.sample(&mut self.noise);
         let mut reading = truth + s.bias + s.noise * noise;
         let (chance, negative) = (self.outliers.random::<f64>(), self.outliers.random::<bool>());
-        if chance < s.outlier_probability {
-            reading += if negative { -s.outlier_size } else { s.outlier_size };
+        let sign = if negative { -1.0 } else { 1.0 };
+        self.burst = match s.outlier_probability {
+            p if s.outlier_burst > 0.0 => {
+                // A chain of two states that is in bursts a part p of the time; a burst goes on with chance 1 - 1/length.
+                let begins = p / (s.outlier_burst * (1.0 - p));
+                match self.burst {
+                    before if before.is_nan() => f64::from(chance < p) * sign,
+                    0.0 => f64::from(chance < begins) * sign,
+                    before => f64::from(chance >= s.outlier_burst.recip()) * before,
+                }
+            }
+            p => f64::from(chance < p) * sign,
+        };
+        if self.burst != 0.0 {
+            reading += self.burst * s.outlier_size;
         }
         if s.quantisation > 0.0 {
             reading = (reading / s.quantisation).round() * s.quantisation;
@@ -190,6 +210,12 @@ impl Sensor {
         self.next_sample = reached as u64 + 1;
         true
     }
+}
+
+/// A burst cannot be shorter than a sample, nor so long between so many others that no sample lies between two of them.
+fn valid_burst(s: &SensorSpecification) -> bool {
+    let p = s.outlier_probability;
+    s.outlier_burst == 0.0 || (s.outlier_burst >= 1.0 && p < 1.0 && p <= s.outlier_burst * (1.0 - p))
 }
 
 /// The sensors of all channels of a run.

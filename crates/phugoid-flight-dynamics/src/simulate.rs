@@ -1,6 +1,7 @@
 //! Flights of an aircraft from commands, gusts and a schedule of increments: histories in plain data.
 
 use crate::aircraft::{AirData, Aircraft, Coefficients, Controls, STATES, State};
+use crate::gust::AirMotion;
 use crate::increments::IncrementSchedule;
 use crate::integrate::rk4_step;
 use crate::motion::{Disturbance, motion};
@@ -134,14 +135,15 @@ impl<'a, A: Aircraft> Simulation<'a, A> {
         }
     }
 
-    /// Flies with commands and gust velocity (body axes, m/s) as functions of time alone.
+    /// Flies with commands and the motion of the air as functions of time alone; three numbers are its velocity (body
+    /// axes, m/s).
     ///
     /// # Errors
     /// [`SimulationError`] when the times make no grid or the motion diverges.
-    pub fn run(
+    pub fn run<W: Into<AirMotion>>(
         &self,
         mut commands: impl FnMut(f64) -> Controls,
-        gust: impl FnMut(f64) -> [f64; 3],
+        gust: impl FnMut(f64) -> W,
     ) -> Result<Trajectory, SimulationError> {
         self.run_closed_loop(|time, _| commands(time), gust)
     }
@@ -150,10 +152,10 @@ impl<'a, A: Aircraft> Simulation<'a, A> {
     ///
     /// # Errors
     /// [`SimulationError`] when the times make no grid or the motion diverges.
-    pub fn run_closed_loop(
+    pub fn run_closed_loop<W: Into<AirMotion>>(
         &self,
         mut commands: impl FnMut(f64, &State) -> Controls,
-        mut gust: impl FnMut(f64) -> [f64; 3],
+        mut gust: impl FnMut(f64) -> W,
     ) -> Result<Trajectory, SimulationError> {
         let Self { duration, sample_time, substeps, .. } = *self;
         let valid = duration >= 0.0 && duration.is_finite() && sample_time > 0.0 && sample_time.is_finite();
@@ -171,7 +173,9 @@ impl<'a, A: Aircraft> Simulation<'a, A> {
             let time = grid_time(k, sample_time);
             let (state, positions) = split(&x);
             let mut command = commands(time, &state);
-            let mut disturbance = Disturbance { gust: gust(time), increments: self.increments.at(time) };
+            let air: AirMotion = gust(time).into();
+            let mut disturbance =
+                Disturbance { gust: air.velocity, gust_rates: air.rates, increments: self.increments.at(time) };
             let surfaces = actuators.map_or(command, |a| a.controls(&command, positions));
             let now = motion(self.aircraft, &state, &surfaces, &disturbance);
             samples.push(TrajectorySample {
@@ -198,7 +202,8 @@ impl<'a, A: Aircraft> Simulation<'a, A> {
                 }
                 let rates = |t: f64, x: &[f64; VECTOR]| {
                     let (state, positions) = split(x);
-                    disturbance.gust = gust(t);
+                    let air: AirMotion = gust(t).into();
+                    (disturbance.gust, disturbance.gust_rates) = (air.velocity, air.rates);
                     let (surfaces, surface_rates) = match actuators {
                         Some(a) => (a.controls(&command, positions), a.rates(&command, positions)),
                         None => (command, [0.0; 3]),

@@ -370,7 +370,7 @@ impl<'a, A: Aircraft> Problem<'a, A> {
         let (full, idle) = (force(1.0), force(0.0));
         let inverse_mass = aircraft.mass_properties().inverse_mass();
         let excess = core::array::from_fn(|i| (full[i] - idle[i]) * inverse_mass);
-        let disturbance = Disturbance { gust: [0.0; 3], increments: condition.increments };
+        let disturbance = Disturbance { increments: condition.increments, ..Disturbance::default() };
         Self { aircraft, condition, disturbance, excess }
     }
 

@@ -194,6 +194,19 @@ proptest! {
         prop_assert!(close(m.air.dynamic_pressure, 0.5 * m.air.density * state.speed * state.speed, 1.0));
     }
 
+    /// Air that turns with the aircraft damps nothing: the coefficients are those of an aircraft that does not turn.
+    #[test]
+    fn turning_air_takes_the_damping_away(state in any_state(), controls in any_controls()) {
+        let aircraft = f16();
+        let increments = Increments { dCm_q: -2.0, dCl_p: 0.3, dCn_r: 0.1, ..Increments::NONE };
+        let gust_rates = [state.p, state.q, state.r];
+        let turning = motion(&aircraft, &state, &controls, &Disturbance { gust_rates, increments, ..Default::default() });
+        let still = State { p: 0.0, q: 0.0, r: 0.0, ..state };
+        let steady = motion(&aircraft, &still, &controls, &Disturbance { increments, ..Default::default() });
+        prop_assert_eq!(turning.coefficients, steady.coefficients);
+        prop_assert_eq!(turning.specific_force, steady.specific_force);
+    }
+
     /// A gust acts through the relative velocity alone: the forces are those of flight through still air at that
     /// velocity, and the path over the ground is the one of the inertial velocity.
     #[test]

@@ -78,6 +78,30 @@ fn adding_a_channel_or_a_disturbance_changes_no_other_number() {
     assert!((150..=250).contains(&drops) && (114..=206).contains(&outliers), "{drops} {outliers}");
 }
 
+/// Bursts are as frequent as independent outliers, of the mean length asked for, and of one sign each.
+#[test]
+fn outliers_come_in_bursts_when_asked_to() {
+    let n = 400_000;
+    let (t, zero) = (times(n, 0.01), vec![0.0; n]);
+    let bursts =
+        SensorSpecification { outlier_probability: 0.05, outlier_size: 1.0, outlier_burst: 12.0, ..Default::default() };
+    let x = record(bursts, 5, 0, &t, &zero);
+    let outliers = x.iter().filter(|v| **v != 0.0).count();
+    let begun = x.windows(2).filter(|w| w[0] == 0.0 && w[1] != 0.0).count();
+    // 1667 bursts: their number and mean length are known to 1/sqrt(1667) = 2.4 % each, the product to some 3.5 %.
+    assert!((outliers as f64 / (0.05 * n as f64) - 1.0).abs() < 0.14, "{outliers}");
+    assert!((outliers as f64 / begun as f64 / 12.0 - 1.0).abs() < 0.1, "{outliers} in {begun}");
+    assert!(x.windows(2).all(|w| w[0] * w[1] >= 0.0), "one burst, one sign");
+    let positive = x.windows(2).filter(|w| w[0] == 0.0 && w[1] > 0.0).count();
+    assert!((positive as f64 / begun as f64 - 0.5).abs() < 0.05, "{positive} of {begun}");
+    // A mean length of one sample: none is followed by another one of the same burst.
+    let short = SensorSpecification { outlier_burst: 1.0, ..bursts };
+    let x = record(short, 5, 0, &t, &zero);
+    assert!(x.windows(2).all(|w| w[0] == 0.0 || w[1] == 0.0));
+    let impossible = SensorSpecification { outlier_burst: 0.5, ..bursts };
+    assert!(Sensor::new(impossible, 0, 0).unwrap_err().to_string().contains("outlier_burst is 0.5"));
+}
+
 #[test]
 fn a_slower_channel_is_nan_between_its_samples() {
     let slow = SensorSpecification { sample_interval: 0.05, ..Default::default() };

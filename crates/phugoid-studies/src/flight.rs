@@ -5,16 +5,18 @@ use std::collections::BTreeMap;
 use phugoid_flight_data::quality::QualityReport;
 use phugoid_flight_data::record::{Channel, Quantity, Record};
 use phugoid_flight_dynamics::aircraft::{Aircraft, Controls};
+use phugoid_flight_dynamics::dryden::{Dryden, DrydenError};
 use phugoid_flight_dynamics::f16::{F16, F16DataError, F16Options, F16Tables};
-use phugoid_flight_dynamics::gust::{Gust, total_velocity};
+use phugoid_flight_dynamics::gust::{AirMotion, Gust, total_velocity};
 use phugoid_flight_dynamics::increments::{IncrementChange, IncrementSchedule, Increments};
 use phugoid_flight_dynamics::simulate::{CommandHold, Simulation, SimulationError, Trajectory, TrajectorySample};
 use phugoid_flight_dynamics::trim::{Trim, TrimCondition, TrimError, trim};
 
 use crate::constant_thrust::ConstantThrust;
 use crate::manoeuvre::Surface;
-use crate::scenario::{AircraftKind, Scenario, ScenarioError, Tables, Thrust};
-use crate::sensing::measure;
+use crate::model_error::Misjudged;
+use crate::scenario::{AircraftKind, ModelError, RecordedSurfaces, Scenario, ScenarioError, Tables, Thrust};
+use crate::sensing::{command_channel, measure};
 
 /// A flown scenario.
 #[derive(Clone, Debug)]
@@ -25,8 +27,23 @@ pub struct Flight {
     pub truth: Record,
     /// The trim that the flight started in.
     pub trim: Trim,
-    /// As [`Scenario::true_parameters`].
+    /// As [`Scenario::true_parameters`], and what the scenario's error of the model amounts to.
     pub true_parameters: BTreeMap<String, f64>,
+    /// The scenario as flown: what differs from flight to flight is drawn.
+    pub scenario: Scenario,
+    /// Increments that the scenario's error of the model amounts to at the trim, by name; empty without one.
+    pub error_increments: BTreeMap<String, f64>,
+}
+
+impl Flight {
+    /// As [`true_parameters`](Self::true_parameters), at a time (s).
+    pub fn true_parameters_at(&self, time: f64) -> BTreeMap<String, f64> {
+        let mut truth = self.scenario.true_parameters_at(time);
+        for (name, error) in &self.error_increments {
+            truth.entry(name.clone()).and_modify(|value| *value += error);
+        }
+        truth
+    }
 }
 
 /// Why a scenario could not be flown.
@@ -41,6 +58,9 @@ pub enum FlightError {
     /// No trim.
     #[error("the scenario has no trim to start in: {0}")]
     Trim(#[from] TrimError),
+    /// The turbulence.
+    #[error(transparent)]
+    Turbulence(#[from] DrydenError),
     /// The motion diverges.
     #[error("{0}")]
     Simulation(#[from] SimulationError),
@@ -69,41 +89,70 @@ pub fn fly(scenario: &Scenario) -> Result<Flight, FlightError> {
 /// # Errors
 /// As [`fly`].
 pub fn fly_with_progress(scenario: &Scenario, progress: &dyn Fn(f64)) -> Result<Flight, FlightError> {
-    let AircraftKind::F16 = scenario.aircraft.kind;
-    let tables = match scenario.aircraft.tables {
-        Tables::Book => F16Tables::Book,
-        Tables::Morelli => F16Tables::Morelli,
-    };
-    let aircraft = F16::new(F16Options { tables, cg: scenario.aircraft.cg, ..F16Options::default() })?;
-    let condition = TrimCondition {
-        flight_path_angle: scenario.condition.flight_path.si(),
-        turn_rate: scenario.condition.turn_rate.si(),
-        alpha_range: F16_ALPHA_RANGE_DEG.map(f64::to_radians),
-        ..TrimCondition::level(scenario.condition.speed.si(), scenario.condition.altitude.si())
-    };
-    let trim = trim(&aircraft, &condition)?;
+    let scenario = scenario.drawn();
+    let (known, known_trim) = trimmed_aircraft(&scenario)?;
+    let error = &scenario.model_error;
+    let (mut trim, mut error_increments) = (known_trim, BTreeMap::new());
+    let mut aircraft = Misjudged::new(&known, error, trim.alpha_rad);
+    if *error != ModelError::default() {
+        trim = trim_of(&aircraft, &scenario)?;
+        // The quadratic term and its slope vanish at the trim: it is the same with and without.
+        aircraft = Misjudged::new(&known, error, trim.alpha_rad);
+        trim = trim_of(&aircraft, &scenario)?;
+        error_increments = aircraft.equivalent_increments(&trim);
+    }
     let trajectory = match scenario.aircraft.thrust {
-        Thrust::Engine => trajectory(scenario, &aircraft, &trim, progress)?,
+        Thrust::Engine => trajectory(&scenario, &aircraft, &trim, progress)?,
         Thrust::Constant => {
             let frozen = ConstantThrust::at(&aircraft, trim.power_percent, trim.altitude_m, trim.mach);
-            trajectory(scenario, &frozen, &trim, progress)?
+            trajectory(&scenario, &frozen, &trim, progress)?
         }
     };
     let thrust = |s: &TrajectorySample| match scenario.aircraft.thrust {
         Thrust::Engine => aircraft.propulsion(s.state.power, s.state.altitude, s.air.mach).force[0],
         Thrust::Constant => trim.thrust_n,
     };
-    let truth = true_record(scenario, &trajectory, thrust);
-    let measured = sense(&truth, scenario, scenario.seed)?;
-    Ok(Flight { measured, truth, trim, true_parameters: scenario.true_parameters() })
+    let truth = true_record(&scenario, &trajectory, thrust);
+    let measured = sense(&truth, &scenario, scenario.seed)?;
+    let mut flight = Flight { measured, truth, trim, true_parameters: BTreeMap::new(), scenario, error_increments };
+    flight.true_parameters = flight.true_parameters_at(f64::INFINITY);
+    Ok(flight)
 }
 
-/// What the scenario's sensors make of a true record, with a seed of their noise.
+/// The aircraft of a scenario as it is known, without the scenario's error of the model, and its trim.
+///
+/// # Errors
+/// [`FlightError`]: the aircraft's data, no trim in this condition.
+pub fn trimmed_aircraft(scenario: &Scenario) -> Result<(F16, Trim), FlightError> {
+    let AircraftKind::F16 = scenario.aircraft.kind;
+    let tables = match scenario.aircraft.tables {
+        Tables::Book => F16Tables::Book,
+        Tables::Morelli => F16Tables::Morelli,
+    };
+    let aircraft = F16::new(F16Options { tables, cg: scenario.aircraft.cg, ..F16Options::default() })?;
+    let trim = trim_of(&aircraft, scenario)?;
+    Ok((aircraft, trim))
+}
+
+fn trim_of<A: Aircraft>(aircraft: &A, scenario: &Scenario) -> Result<Trim, TrimError> {
+    let condition = TrimCondition {
+        flight_path_angle: scenario.condition.flight_path.si(),
+        turn_rate: scenario.condition.turn_rate.si(),
+        alpha_range: F16_ALPHA_RANGE_DEG.map(f64::to_radians),
+        ..TrimCondition::level(scenario.condition.speed.si(), scenario.condition.altitude.si())
+    };
+    trim(aircraft, &condition)
+}
+
+/// What the scenario's sensors make of a true record, with a seed of their noise. Constant errors that are not drawn yet are
+/// drawn from the same seed.
 ///
 /// # Errors
 /// [`FlightError::Scenario`] for a sensor that cannot be.
 pub fn sense(truth: &Record, scenario: &Scenario, seed: u64) -> Result<Record, FlightError> {
-    Ok(measure(truth, &scenario.sensors, seed, scenario.name.clone())?)
+    let mut sensors = scenario.sensors;
+    sensors.draw(seed);
+    Ok(measure(truth, &sensors, &scenario.model_error, seed, scenario.name.clone())?)
 }
 
 /// The motion from the trim, through commands, gusts and changing increments.
@@ -147,8 +196,9 @@ fn trajectory<A: Aircraft>(
         .collect();
     let about = |i: &Increments| i.about(trim.alpha_rad, trim.q_rad_s, trim_controls.elevator);
     let start = IncrementChange { time: f64::NEG_INFINITY, increments: about(&scenario.increments) };
-    let damage = scenario.damage.iter().map(|d| IncrementChange { time: d.at.si(), increments: about(&d.increments) });
-    let increments = IncrementSchedule::new(std::iter::once(start).chain(damage).collect())
+    let changes = changes(scenario, sample_time)
+        .map(|(time, increments)| IncrementChange { time, increments: about(&increments) });
+    let increments = IncrementSchedule::new(std::iter::once(start).chain(changes).collect())
         .map_err(|e| ScenarioError::OutOfRange { place: scenario.name.clone(), message: e.to_string() })?;
     let simulation = Simulation {
         aircraft,
@@ -161,7 +211,45 @@ fn trajectory<A: Aircraft>(
         substeps: SUBSTEPS,
         hold: CommandHold::Sample,
     };
-    Ok(simulation.run(commands, |t| total_velocity(&gusts, t))?)
+    let turbulence = turbulence(scenario, aircraft.geometry().span, time.len())?;
+    let stage = stage_time(scenario);
+    let air = |t: f64| {
+        let gust = total_velocity(&gusts, t);
+        let Some(&random) = turbulence.get((t / stage).round() as usize) else { return AirMotion::from(gust) };
+        AirMotion { velocity: std::array::from_fn(|i| gust[i] + random.velocity[i]), rates: random.rates }
+    };
+    Ok(simulation.run(commands, air)?)
+}
+
+/// Time between the instants at which the integration looks at the air: the stages of its steps.
+fn stage_time(scenario: &Scenario) -> f64 {
+    0.5 / (SUBSTEPS as f64 * scenario.sample_rate.si())
+}
+
+/// The turbulence of a flight at every stage of the integration; empty without turbulence.
+fn turbulence(scenario: &Scenario, span: f64, samples: usize) -> Result<Vec<AirMotion>, DrydenError> {
+    let Some(settings) = &scenario.turbulence else { return Ok(Vec::new()) };
+    let field = settings.field(scenario.condition.altitude.si());
+    // A stream of its own: with and without turbulence the sensors have the same noise.
+    let seed = scenario.seed ^ 0x0064_7279_6465_6e00;
+    let mut dryden = Dryden::new(field, scenario.condition.speed.si(), span, stage_time(scenario), seed)?;
+    let sample = || {
+        let air = dryden.sample();
+        if settings.rates { air } else { AirMotion::from(air.velocity) }
+    };
+    Ok(std::iter::repeat_with(sample).take(2 * SUBSTEPS * samples).collect())
+}
+
+/// Damage as changes at instants (s): one that takes its time changes at every sample.
+fn changes(scenario: &Scenario, sample_time: f64) -> impl Iterator<Item = (f64, Increments)> {
+    scenario.damage.iter().flat_map(move |damage| {
+        let (from, over) = (damage.at.si(), damage.over.si());
+        // The change of a sample holds until the next one: the middle of the interval stands for it.
+        let steps = (over / sample_time + 1e-9) as usize;
+        let during = (0..steps).map(move |k| from + k as f64 * sample_time);
+        let ramp = during.map(move |t| (t, scenario.increments_at(t + 0.5 * sample_time)));
+        ramp.chain(std::iter::once((from + over, damage.increments)))
+    })
 }
 
 /// The trajectory as a record of canonical channels.
@@ -203,6 +291,17 @@ fn true_record(scenario: &Scenario, trajectory: &Trajectory, thrust: impl Fn(&Tr
             values: samples.iter().map(get).collect(),
         })
         .collect();
+    if scenario.model_error.surfaces == RecordedSurfaces::Commanded {
+        const COMMANDS: [(&str, Get); 3] = [
+            ("elevator", |s| s.commands.elevator),
+            ("aileron", |s| s.commands.aileron),
+            ("rudder", |s| s.commands.rudder),
+        ];
+        for (name, get) in COMMANDS.into_iter().filter_map(|(surface, get)| Some((command_channel(surface)?, get))) {
+            let values = samples.iter().map(get).collect();
+            channels.push(Channel { name: name.to_owned(), quantity: Quantity::Angle, values });
+        }
+    }
     channels.push(Channel {
         name: "thrust".to_owned(),
         quantity: Quantity::Force,

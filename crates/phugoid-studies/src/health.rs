@@ -236,7 +236,7 @@ fn failing(scenario: &Scenario, model: &ModelFile, stick: Stick, run: usize) -> 
         set(&mut increments, &expectation.name, expectation.value + sign * expectation.tolerance * (1.0 + beyond));
         failed.push(expectation.name);
     }
-    flown.damage = vec![Damage { at: Time::from_si(onset_s), increments }];
+    flown.damage = vec![Damage::sudden(Time::from_si(onset_s), increments)];
     if stick == Stick::Calm {
         flown.manoeuvre = [1.0, 11.0]
             .map(|start| Manoeuvre::ThreeTwoOneOne {

@@ -1,17 +1,31 @@
 //! Scenario files: a simulated flight, from the aircraft to the faults of its sensors.
 
+mod air;
+mod aircraft;
+mod built_in;
+mod damage;
+mod draw;
+mod sensors;
+mod text;
+
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use phugoid_flight_dynamics::increments::Increments;
-use phugoid_flight_dynamics::sensors::SensorSpecification;
 use serde::Deserialize;
-use serde::de::DeserializeOwned;
 
-use crate::manoeuvre::Manoeuvre;
-use crate::quantity::{
-    Acceleration, Angle, AngularAcceleration, AngularRate, Frequency, Length, Quantity, Speed, Time,
+pub use self::air::{GustSettings, Turbulence};
+pub use self::aircraft::{
+    AircraftKind, AircraftSettings, Condition, ModelError, RecordedSurfaces, TableFactors, Tables, Thrust,
 };
+pub use self::built_in::{BUILT_IN, built_in};
+pub use self::damage::Damage;
+pub use self::draw::Ranges;
+pub use self::sensors::{Sensor, Sensors};
+pub(crate) use self::text::parse_toml;
+pub use self::text::{ScenarioError, nearest};
+use crate::manoeuvre::Manoeuvre;
+use crate::quantity::{Frequency, Time};
 
 /// A simulated flight. Every quantity carries its unit: `altitude = "20000 ft"`.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -23,7 +37,7 @@ pub struct Scenario {
     pub duration: Time,
     /// Samples per second of the record; commands change at the samples too.
     pub sample_rate: Frequency,
-    /// Seed of everything random: sensor noise, outliers, dropped frames, the pilot.
+    /// Seed of everything random: sensor noise, outliers, dropped frames, the pilot, turbulence, and what is drawn.
     #[serde(default)]
     pub seed: u64,
     /// Aircraft.
@@ -36,9 +50,17 @@ pub struct Scenario {
     /// Gusts.
     #[serde(default)]
     pub gust: Vec<GustSettings>,
+    /// Turbulence, beside the gusts.
+    pub turbulence: Option<Turbulence>,
+    /// How the aircraft that flies differs from the tables, beside the increments: what no estimator is told.
+    #[serde(default)]
+    pub model_error: ModelError,
     /// Aerodynamic increments from the start: what the estimator has to find. They vanish at the trim point.
     #[serde(default)]
     pub increments: Increments,
+    /// Increments of the start that are drawn, in place of those above: `dCm_alpha = [-0.3, 0.1]`.
+    #[serde(default)]
+    pub increment_ranges: Ranges,
     /// Increments that hold from a later time on, in place of all earlier ones: damage.
     #[serde(default)]
     pub damage: Vec<Damage>,
@@ -48,216 +70,6 @@ pub struct Scenario {
     /// Folder of the scenario file, where relative paths start.
     #[serde(skip)]
     pub folder: PathBuf,
-}
-
-/// The aircraft of a scenario.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct AircraftSettings {
-    /// Which aircraft.
-    #[serde(rename = "type")]
-    pub kind: AircraftKind,
-    /// Which aerodynamic tables.
-    #[serde(default)]
-    pub tables: Tables,
-    /// Centre of gravity, fraction of the mean aerodynamic chord.
-    #[serde(default = "reference_cg")]
-    pub cg: f64,
-    /// Whether surfaces follow their commands through actuators (lag, rate and position limits) or at once.
-    #[serde(default)]
-    pub actuators: bool,
-    /// Whether thrust stays as trimmed, or comes from the engine at fixed throttle.
-    #[serde(default)]
-    pub thrust: Thrust,
-}
-
-fn reference_cg() -> f64 {
-    0.35
-}
-
-/// Aircraft that can be flown.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum AircraftKind {
-    /// F-16 of Stevens & Lewis.
-    F16,
-}
-
-/// Aerodynamic tables of the F-16.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Tables {
-    /// Stevens, Lewis & Johnson, 3rd edition.
-    #[default]
-    Book,
-    /// Morelli's digitisation.
-    Morelli,
-}
-
-/// What thrust does after the trim.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Thrust {
-    /// It stays as trimmed.
-    #[default]
-    Constant,
-    /// The engine at the trim throttle: thrust follows Mach number and altitude.
-    Engine,
-}
-
-/// Trim condition.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Condition {
-    /// Altitude above sea level.
-    pub altitude: Length,
-    /// True airspeed.
-    pub speed: Speed,
-    /// Angle of climb, positive up.
-    #[serde(default)]
-    pub flight_path: Angle,
-    /// Rate of turn about the vertical, positive to the right.
-    #[serde(default)]
-    pub turn_rate: AngularRate,
-}
-
-/// A gust of thesis equation 2.32: the air along a body axis rises as `1 - cos` and then stays.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct GustSettings {
-    /// Body axis: `x` forward, `y` right, `z` down.
-    pub axis: phugoid_flight_dynamics::gust::BodyAxis,
-    /// Final velocity of the air along the axis.
-    pub amplitude: Speed,
-    /// Duration of the rise.
-    pub duration: Time,
-    /// Beginning.
-    #[serde(default)]
-    pub start: Time,
-}
-
-/// Increments from a time on.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Damage {
-    /// When.
-    pub at: Time,
-    /// What holds from then on.
-    pub increments: Increments,
-}
-
-/// One sensor: `quantise(true value one delay ago + bias + noise [+ outlier])`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Sensor<Q> {
-    /// Standard deviation of white noise.
-    pub noise: Q,
-    /// Constant error.
-    pub bias: Q,
-    /// Size of the steps of the digital output.
-    pub quantisation: Q,
-    /// Age of what is measured.
-    pub delay: Time,
-    /// Rate of the sensor's own samples; between them there is no value. Every sample has one if it is not given.
-    pub rate: Option<Frequency>,
-    /// Probability that a value is an outlier.
-    pub outliers: f64,
-    /// Size of an outlier in standard deviations of the noise, either sign.
-    pub outlier_size: f64,
-    /// Probability that a value is missing.
-    pub drops: f64,
-}
-
-impl<Q: Quantity> Sensor<Q> {
-    /// The sensor in SI.
-    pub fn specification(&self) -> SensorSpecification {
-        SensorSpecification {
-            noise: self.noise.si(),
-            bias: self.bias.si(),
-            sample_interval: self.rate.map_or(0.0, |rate| rate.si().recip()),
-            delay: self.delay.si(),
-            quantisation: self.quantisation.si(),
-            outlier_probability: self.outliers,
-            outlier_size: self.outlier_size * self.noise.si(),
-            drop_probability: self.drops,
-        }
-    }
-}
-
-/// Sensors, by channel.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Sensors {
-    /// Probability that a whole frame of air data and inertial sensors is missing. Altitude and surface positions, which
-    /// the flight computer has from elsewhere, stay.
-    pub drops: f64,
-    /// True airspeed.
-    pub true_airspeed: Sensor<Speed>,
-    /// Angle of attack.
-    pub alpha: Sensor<Angle>,
-    /// Sideslip angle.
-    pub beta: Sensor<Angle>,
-    /// Roll angle.
-    pub phi: Sensor<Angle>,
-    /// Pitch angle.
-    pub theta: Sensor<Angle>,
-    /// Heading.
-    pub psi: Sensor<Angle>,
-    /// Roll rate.
-    pub p: Sensor<AngularRate>,
-    /// Pitch rate.
-    pub q: Sensor<AngularRate>,
-    /// Yaw rate.
-    pub r: Sensor<AngularRate>,
-    /// Pitch acceleration; not measured unless it is named.
-    pub qdot: Option<Sensor<AngularAcceleration>>,
-    /// Specific force, body x.
-    pub ax: Sensor<Acceleration>,
-    /// Specific force, body y.
-    pub ay: Sensor<Acceleration>,
-    /// Specific force, body z.
-    pub az: Sensor<Acceleration>,
-    /// Altitude.
-    pub altitude: Sensor<Length>,
-    /// Elevator position.
-    pub elevator: Sensor<Angle>,
-    /// Aileron position.
-    pub aileron: Sensor<Angle>,
-    /// Rudder position.
-    pub rudder: Sensor<Angle>,
-}
-
-/// Why a scenario could not be read or flown.
-#[derive(Debug, thiserror::Error)]
-pub enum ScenarioError {
-    /// The file cannot be read.
-    #[error("cannot read the scenario `{}`: {source}", .file.display())]
-    Unreadable {
-        /// The file.
-        file: PathBuf,
-        /// What the system says.
-        source: std::io::Error,
-    },
-    /// The text is not a scenario.
-    #[error("{place}:{line}: {message}\n{excerpt}")]
-    Invalid {
-        /// File or name of the scenario.
-        place: String,
-        /// Line, from one.
-        line: usize,
-        /// What is wrong and what to write.
-        message: String,
-        /// The line itself.
-        excerpt: String,
-    },
-    /// A value is out of range.
-    #[error("{place}: {message}")]
-    OutOfRange {
-        /// File or name of the scenario.
-        place: String,
-        /// What is wrong and what to write.
-        message: String,
-    },
 }
 
 impl Scenario {
@@ -270,22 +82,26 @@ impl Scenario {
         Ok(scenario)
     }
 
-    /// True values, at the end of the flight, of what a model file may ask for, by its names: the longitudinal increments
-    /// about the trim (`dCm_alpha`, ..., `dCm_elevator`), zero or not, and the sensors' constant errors (`bias_alpha`, ...),
-    /// SI.
+    /// True values, at the end of the flight, of what a model file may ask for, by its names: the increments about the trim
+    /// (`dCm_alpha`, ..., `dCn_rudder`), zero or not, and the sensors' constant errors (`bias_alpha`, ...), SI.
     pub fn true_parameters(&self) -> BTreeMap<String, f64> {
-        let last = self.damage.last().map_or(&self.increments, |damage| &damage.increments);
-        let sensors = &self.sensors;
-        let biases = [
-            ("bias_true_airspeed", sensors.true_airspeed.bias.si()),
-            ("bias_alpha", sensors.alpha.bias.si()),
-            ("bias_theta", sensors.theta.bias.si()),
-            ("bias_q", sensors.q.bias.si()),
-            ("bias_ax", sensors.ax.bias.si()),
-            ("bias_az", sensors.az.bias.si()),
-            ("bias_qdot", sensors.qdot.map_or(0.0, |sensor| sensor.bias.si())),
-        ];
-        last.named_longitudinal().into_iter().chain(biases).map(|(name, value)| (name.to_owned(), value)).collect()
+        self.true_parameters_at(f64::INFINITY)
+    }
+
+    /// As [`true_parameters`](Self::true_parameters), at a time (s).
+    pub fn true_parameters_at(&self, time: f64) -> BTreeMap<String, f64> {
+        let drawn = self.drawn();
+        let increments = drawn.increments_at(time).named();
+        increments.into_iter().chain(drawn.sensors.biases()).map(|(name, value)| (name.to_owned(), value)).collect()
+    }
+
+    /// The increments in force at a time (s). Where something is drawn, ask [`drawn`](Self::drawn) first.
+    pub fn increments_at(&self, time: f64) -> Increments {
+        let mut now = self.increments;
+        for damage in self.damage.iter().filter(|damage| damage.at.si() <= time) {
+            now = damage.after(&now, time);
+        }
+        now
     }
 
     /// Parses the text of a scenario; `place` is its name in messages.
@@ -319,7 +135,7 @@ impl Scenario {
                 [increments.alpha_reference, increments.q_reference, increments.elevator_reference] == [0.0; 3],
                 "increments of a scenario are about its trim point: leave the references out",
             )?;
-            let named = increments.named_longitudinal();
+            let named = increments.named();
             if let Some((name, value)) = named.into_iter().find(|(_, value)| !value.is_finite()) {
                 return Err(format!("the increment `{name}` is {value}: expected a finite number, per radian"));
             }
@@ -328,63 +144,20 @@ impl Scenario {
             self.damage.windows(2).all(|w| w[0].at < w[1].at),
             "the `[[damage]]` tables must be in the order of their times `at`",
         )?;
+        range(
+            self.damage.windows(2).all(|w| w[0].at.si() + w[0].over.si() <= w[1].at.si()),
+            "one `[[damage]]` has to be over (`at` plus `over`) before the next one begins",
+        )?;
+        range(self.damage.iter().all(|d| d.over.si() >= 0.0), "`over` of a `[[damage]]` is a duration, not negative")?;
+        for ranges in std::iter::once(&self.increment_ranges).chain(self.damage.iter().map(|d| &d.ranges)) {
+            ranges.check()?;
+        }
+        self.model_error.check()?;
+        if let Some(turbulence) = &self.turbulence {
+            turbulence.check()?;
+        }
         Ok(())
     }
-}
-
-/// Parses TOML; `place` is the name of the text in messages, which give the line and the nearest valid word.
-pub(crate) fn parse_toml<T: DeserializeOwned>(text: &str, place: &str) -> Result<T, ScenarioError> {
-    toml::from_str(text).map_err(|error| {
-        let offset = error.span().map_or(0, |span| span.start).min(text.len());
-        let before = text.get(..offset).unwrap_or_default();
-        let line = before.matches('\n').count() + 1;
-        let excerpt = text.lines().nth(line - 1).unwrap_or_default();
-        ScenarioError::Invalid {
-            place: place.to_owned(),
-            line,
-            message: with_suggestion(error.message()),
-            excerpt: format!("  {line} | {excerpt}"),
-        }
-    })
-}
-
-/// Adds the nearest valid word to serde's "unknown field `x`, expected one of `a`, `b`".
-fn with_suggestion(message: &str) -> String {
-    let mut quoted = message.split('`').skip(1).step_by(2);
-    let (Some(found), true) = (quoted.next(), message.starts_with("unknown")) else { return message.to_owned() };
-    let head = message.split(", expected").next().unwrap_or(message);
-    let valid: Vec<&str> = quoted.collect();
-    match nearest(found, valid.iter().copied()) {
-        Some(word) => format!("{head}: did you mean `{word}`?"),
-        None => format!("{head}: expected one of {}", valid.join(", ")),
-    }
-}
-
-/// The valid word nearest to a misspelt one, if any is near.
-pub fn nearest<'a>(word: &str, valid: impl Iterator<Item = &'a str>) -> Option<&'a str> {
-    let word = word.to_lowercase();
-    valid
-        .map(|v| (strsim::jaro_winkler(&word, &v.to_lowercase()), v))
-        .filter(|(similarity, _)| *similarity > 0.7)
-        .max_by(|a, b| a.0.total_cmp(&b.0))
-        .map(|(_, v)| v)
-}
-
-/// The scenarios that are built in: name and text.
-pub const BUILT_IN: &[(&str, &str)] = &[
-    ("f16-calm", include_str!("../../../scenarios/f16-calm.toml")),
-    ("f16-thesis-doublet", include_str!("../../../scenarios/f16-thesis-doublet.toml")),
-    ("f16-thesis-sine", include_str!("../../../scenarios/f16-thesis-sine.toml")),
-    ("f16-thesis-gust", include_str!("../../../scenarios/thesis/f16-thesis-gust.toml")),
-    ("f16-damage", include_str!("../../../scenarios/f16-damage.toml")),
-    ("f16-gust-actuators", include_str!("../../../scenarios/f16-gust-actuators.toml")),
-    ("f16-failure", include_str!("../../../scenarios/f16-failure.toml")),
-    ("f16-healthy", include_str!("../../../scenarios/f16-healthy.toml")),
-];
-
-/// A built-in scenario by name.
-pub fn built_in(name: &str) -> Option<Result<Scenario, ScenarioError>> {
-    BUILT_IN.iter().find(|(n, _)| *n == name).map(|(n, text)| Scenario::parse(text, n))
 }
 
 #[cfg(test)]

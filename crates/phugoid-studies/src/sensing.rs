@@ -6,11 +6,12 @@ use phugoid_flight_dynamics::sensors::{Sensor, SensorError, SensorSpecification}
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
-use crate::scenario::{ScenarioError, Sensors};
+use crate::mounting::at_the_sensors;
+use crate::scenario::{ModelError, RecordedSurfaces, ScenarioError, Sensors};
 
 /// Channels that one frame of air data and inertial sensors brings; whole frames may be missing.
 const FRAME: &[&str] =
-    &["true_airspeed", "alpha", "beta", "phi", "theta", "psi", "p", "q", "r", "qdot", "ax", "ay", "az"];
+    &["true_airspeed", "alpha", "beta", "phi", "theta", "psi", "p", "q", "r", "pdot", "qdot", "rdot", "ax", "ay", "az"];
 
 /// Channels that are there in symmetric flight too, where all others stay at zero.
 const LONGITUDINAL: &[&str] =
@@ -28,7 +29,9 @@ fn specification(sensors: &Sensors, channel: &str) -> Option<SensorSpecification
         "p" => sensors.p.specification(),
         "q" => sensors.q.specification(),
         "r" => sensors.r.specification(),
+        "pdot" => sensors.pdot?.specification(),
         "qdot" => sensors.qdot?.specification(),
+        "rdot" => sensors.rdot?.specification(),
         "ax" => sensors.ax.specification(),
         "ay" => sensors.ay.specification(),
         "az" => sensors.az.specification(),
@@ -44,26 +47,40 @@ fn specification(sensors: &Sensors, channel: &str) -> Option<SensorSpecification
 
 /// The record that the sensors make of the true one. The lateral channels of a flight in which they stay at zero are left
 /// out, unless their sensors are named.
-pub(crate) fn measure(truth: &Record, sensors: &Sensors, seed: u64, source: String) -> Result<Record, ScenarioError> {
+pub(crate) fn measure(
+    truth: &Record,
+    sensors: &Sensors,
+    error: &ModelError,
+    seed: u64,
+    source: String,
+) -> Result<Record, ScenarioError> {
     // Its own stream, so that dropping frames changes no sensor's noise.
     let mut random = Pcg64::seed_from_u64(seed ^ 0x6672_616d_6573);
     let dropped: Vec<bool> = truth.time.iter().map(|_| random.random::<f64>() < sensors.drops).collect();
+    let there = at_the_sensors(truth, sensors);
     let mut channels = Vec::new();
     for (index, channel) in truth.channels.iter().enumerate() {
-        let Some(specification) = specification(sensors, &channel.name) else { continue };
-        let still = channel.values.iter().all(|v| v.abs() < 1e-12);
+        let name = channel.name.as_str();
+        let Some(specification) = specification(sensors, name) else { continue };
+        let recorded = match error.surfaces {
+            RecordedSurfaces::Commanded => command_channel(name).and_then(|command| truth.channel(command)),
+            RecordedSurfaces::Measured => None,
+        };
+        let felt = there.iter().find(|(moved, _)| *moved == name).map(|(_, values)| values.as_slice());
+        let values = felt.unwrap_or(&recorded.unwrap_or(channel).values);
+        let still = values.iter().all(|v| v.abs() < 1e-12);
         let perfect = specification == SensorSpecification::default();
-        if still && perfect && !LONGITUDINAL.contains(&channel.name.as_str()) {
+        if still && perfect && !LONGITUDINAL.contains(&name) {
             continue;
         }
         let mut values = Sensor::new(specification, seed, index)
-            .and_then(|mut sensor| sensor.record(&truth.time, &channel.values))
-            .map_err(|error| ScenarioError::OutOfRange {
-                place: source.clone(),
-                message: told(&channel.name, error),
-            })?;
-        if FRAME.contains(&channel.name.as_str()) {
+            .and_then(|mut sensor| sensor.record(&truth.time, values))
+            .map_err(|error| ScenarioError::OutOfRange { place: source.clone(), message: told(name, error) })?;
+        if FRAME.contains(&name) {
             values.iter_mut().zip(&dropped).filter(|(_, dropped)| **dropped).for_each(|(v, _)| *v = f64::NAN);
+        }
+        if name == "thrust" && error.thrust != 0.0 {
+            values.iter_mut().for_each(|v| *v *= 1.0 + error.thrust);
         }
         channels.push(Channel { name: channel.name.clone(), quantity: channel.quantity, values });
     }
@@ -71,6 +88,16 @@ pub(crate) fn measure(truth: &Record, sensors: &Sensors, seed: u64, source: Stri
     let sample_time_s = truth.quality.sample_time_s;
     let quality = QualityReport { rows_read: rows, rows_kept: rows, sample_time_s, ..QualityReport::default() };
     Ok(Record { source, time: truth.time.clone(), channels, quality })
+}
+
+/// The channel of the true record that holds the command of a surface.
+pub(crate) fn command_channel(surface: &str) -> Option<&'static str> {
+    match surface {
+        "elevator" => Some("elevator_command"),
+        "aileron" => Some("aileron_command"),
+        "rudder" => Some("rudder_command"),
+        _ => None,
+    }
 }
 
 /// The sensor's complaint under the name that its channel has in the scenario file.

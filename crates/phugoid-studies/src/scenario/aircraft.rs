@@ -1,0 +1,150 @@
+//! The aircraft of a scenario and where its flight starts.
+
+use serde::Deserialize;
+
+use crate::quantity::{Angle, AngularRate, Length, Speed};
+
+/// The aircraft of a scenario.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct AircraftSettings {
+    /// Which aircraft.
+    #[serde(rename = "type")]
+    pub kind: AircraftKind,
+    /// Which aerodynamic tables.
+    #[serde(default)]
+    pub tables: Tables,
+    /// Centre of gravity, fraction of the mean aerodynamic chord.
+    #[serde(default = "reference_cg")]
+    pub cg: f64,
+    /// Whether surfaces follow their commands through actuators (lag, rate and position limits) or at once.
+    #[serde(default)]
+    pub actuators: bool,
+    /// Whether thrust stays as trimmed, or comes from the engine at fixed throttle.
+    #[serde(default)]
+    pub thrust: Thrust,
+}
+
+fn reference_cg() -> f64 {
+    0.35
+}
+
+/// Aircraft that can be flown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum AircraftKind {
+    /// F-16 of Stevens & Lewis.
+    F16,
+}
+
+/// Aerodynamic tables of the F-16.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Tables {
+    /// Stevens, Lewis & Johnson, 3rd edition.
+    #[default]
+    Book,
+    /// Morelli's digitisation.
+    Morelli,
+}
+
+/// What thrust does after the trim.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Thrust {
+    /// It stays as trimmed.
+    #[default]
+    Constant,
+    /// The engine at the trim throttle: thrust follows Mach number and altitude.
+    Engine,
+}
+
+/// Trim condition.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Condition {
+    /// Altitude above sea level.
+    pub altitude: Length,
+    /// True airspeed.
+    pub speed: Speed,
+    /// Angle of climb, positive up.
+    #[serde(default)]
+    pub flight_path: Angle,
+    /// Rate of turn about the vertical, positive to the right.
+    #[serde(default)]
+    pub turn_rate: AngularRate,
+}
+
+/// How the aircraft that flies differs from what is known of it, beside the increments to be found. The default is no error.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+#[allow(non_snake_case)] // the field's own spelling, which scenario files use as well
+pub struct ModelError {
+    /// Factors on the aircraft's coefficients (body axes, about the centre of gravity).
+    pub tables: TableFactors,
+    /// Pitching moment with the square of the angle of attack from trim, per rad^2: a term that no model has.
+    pub Cm_alpha_squared: f64,
+    /// Recorded thrust less the true one, as a part of it: 0.1 for a record that is 10 % too high. Models that take their
+    /// thrust from the trim do not see it.
+    pub thrust: f64,
+    /// What the record gives as the position of the surfaces.
+    pub surfaces: RecordedSurfaces,
+}
+
+/// Factors of the true coefficients on those of the tables.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+#[allow(non_snake_case)] // the field's own spelling, which scenario files use as well
+pub struct TableFactors {
+    /// Axial force.
+    pub CX: f64,
+    /// Side force.
+    pub CY: f64,
+    /// Normal force.
+    pub CZ: f64,
+    /// Rolling moment.
+    pub Cl: f64,
+    /// Pitching moment.
+    pub Cm: f64,
+    /// Yawing moment.
+    pub Cn: f64,
+}
+
+impl Default for TableFactors {
+    fn default() -> Self {
+        Self { CX: 1.0, CY: 1.0, CZ: 1.0, Cl: 1.0, Cm: 1.0, Cn: 1.0 }
+    }
+}
+
+/// What is recorded as the position of a surface that moves through an actuator.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum RecordedSurfaces {
+    /// Where it is.
+    #[default]
+    Measured,
+    /// Where it has been commanded: the lag of the actuator is not known.
+    Commanded,
+}
+
+impl ModelError {
+    pub(super) fn check(&self) -> Result<(), String> {
+        let t = &self.tables;
+        let factors = [("CX", t.CX), ("CY", t.CY), ("CZ", t.CZ), ("Cl", t.Cl), ("Cm", t.Cm), ("Cn", t.Cn)];
+        if let Some((name, value)) = factors.into_iter().find(|(_, f)| !(*f > 0.0 && f.is_finite())) {
+            return Err(format!(
+                "`model_error.tables.{name}` is {value}: it is a positive factor (1.1 for ten per cent more)"
+            ));
+        }
+        if !self.Cm_alpha_squared.is_finite() {
+            return Err(format!("`model_error.Cm_alpha_squared` is {}: per rad^2", self.Cm_alpha_squared));
+        }
+        if !(self.thrust > -1.0 && self.thrust.is_finite()) {
+            return Err(format!(
+                "`model_error.thrust` is {}: it is a part of the true thrust (0.1 for ten per cent too high)",
+                self.thrust
+            ));
+        }
+        Ok(())
+    }
+}

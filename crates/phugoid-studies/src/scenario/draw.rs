@@ -1,0 +1,95 @@
+//! What differs from flight to flight: drawn once from the seed of the scenario.
+
+use std::collections::BTreeMap;
+
+use phugoid_flight_dynamics::increments::Increments;
+use rand::{RngExt, SeedableRng};
+use rand_distr::{Distribution, StandardNormal};
+use rand_pcg::Pcg64;
+use serde::Deserialize;
+
+use super::{Scenario, Sensor, Sensors, nearest};
+use crate::quantity::{Acceleration, Angle, AngularAcceleration, AngularRate, Length, Quantity, Speed};
+
+/// Increments that are drawn evenly between two values, by name.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(transparent)]
+pub struct Ranges(pub BTreeMap<String, [f64; 2]>);
+
+impl Ranges {
+    pub(super) fn check(&self) -> Result<(), String> {
+        let names = Increments::NONE.named().map(|(name, _)| name);
+        for (name, [low, high]) in &self.0 {
+            if !names.contains(&name.as_str()) {
+                let near = nearest(name, names.into_iter()).map(|n| format!(": did you mean `{n}`?"));
+                return Err(format!("no increment has the name `{name}`{}", near.unwrap_or_default()));
+            }
+            if !(low <= high && low.is_finite() && high.is_finite()) {
+                return Err(format!("the range of `{name}` is [{low}, {high}]: expected [lower, upper]"));
+            }
+        }
+        Ok(())
+    }
+
+    /// Draws in the order of the names.
+    fn draw(&mut self, increments: &mut Increments, random: &mut Pcg64) {
+        for (name, [low, high]) in std::mem::take(&mut self.0) {
+            let value = low + (high - low) * random.random::<f64>();
+            if let Some(increment) = increments.by_name_mut(&name) {
+                *increment = value;
+            }
+        }
+    }
+}
+
+impl Scenario {
+    /// The scenario as its seed flies it: everything that is drawn once per flight is drawn, and no longer asked for. Noise,
+    /// outliers, dropped frames, the pilot and turbulence stay random signals of the seed.
+    #[must_use]
+    pub fn drawn(&self) -> Self {
+        let mut flown = self.clone();
+        // A stream of its own, so that a range more changes no noise.
+        let mut random = Pcg64::seed_from_u64(self.seed ^ 0x0064_7261_776e);
+        flown.increment_ranges.draw(&mut flown.increments, &mut random);
+        for damage in &mut flown.damage {
+            damage.ranges.draw(&mut damage.increments, &mut random);
+        }
+        flown.sensors.draw(self.seed);
+        flown
+    }
+}
+
+impl Sensors {
+    /// Draws the constant errors of a flight.
+    pub(crate) fn draw(&mut self, seed: u64) {
+        let mut random = Pcg64::seed_from_u64(seed ^ 0x6269_6173_6573);
+        draw(&mut self.true_airspeed, Speed::from_si, &mut random);
+        draw(&mut self.alpha, Angle::from_si, &mut random);
+        draw(&mut self.beta, Angle::from_si, &mut random);
+        draw(&mut self.phi, Angle::from_si, &mut random);
+        draw(&mut self.theta, Angle::from_si, &mut random);
+        draw(&mut self.psi, Angle::from_si, &mut random);
+        draw(&mut self.p, AngularRate::from_si, &mut random);
+        draw(&mut self.q, AngularRate::from_si, &mut random);
+        draw(&mut self.r, AngularRate::from_si, &mut random);
+        draw(&mut self.ax, Acceleration::from_si, &mut random);
+        draw(&mut self.ay, Acceleration::from_si, &mut random);
+        draw(&mut self.az, Acceleration::from_si, &mut random);
+        draw(&mut self.altitude, Length::from_si, &mut random);
+        draw(&mut self.elevator, Angle::from_si, &mut random);
+        draw(&mut self.aileron, Angle::from_si, &mut random);
+        draw(&mut self.rudder, Angle::from_si, &mut random);
+        for sensor in [&mut self.pdot, &mut self.qdot, &mut self.rdot].into_iter().flatten() {
+            draw(sensor, AngularAcceleration::from_si, &mut random);
+        }
+    }
+}
+
+fn draw<Q: Quantity>(sensor: &mut Sensor<Q>, of_si: fn(f64) -> Q, random: &mut Pcg64) {
+    let normal: f64 = StandardNormal.sample(random);
+    let spread = sensor.bias_spread.si();
+    if spread != 0.0 {
+        sensor.bias = of_si(sensor.bias.si() + spread * normal);
+        sensor.bias_spread = of_si(0.0);
+    }
+}

@@ -1,0 +1,126 @@
+//! The sensors of a scenario.
+
+use phugoid_flight_dynamics::sensors::SensorSpecification;
+use serde::Deserialize;
+
+use crate::quantity::{
+    Acceleration, Angle, AngularAcceleration, AngularRate, Frequency, Length, Quantity, Speed, Time,
+};
+
+/// One sensor: `quantise(true value one delay ago + bias + noise [+ outlier])`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Sensor<Q> {
+    /// Standard deviation of white noise.
+    pub noise: Q,
+    /// Constant error.
+    pub bias: Q,
+    /// Standard deviation of a further constant error that is drawn once per flight.
+    pub bias_spread: Q,
+    /// Size of the steps of the digital output.
+    pub quantisation: Q,
+    /// Age of what is measured.
+    pub delay: Time,
+    /// Rate of the sensor's own samples; between them there is no value. Every sample has one if it is not given.
+    pub rate: Option<Frequency>,
+    /// Probability that a value is an outlier.
+    pub outliers: f64,
+    /// Mean length of a burst of outliers, samples: they come in runs of one sign, as many in all. Independent if not given.
+    pub outlier_burst: f64,
+    /// Size of an outlier in standard deviations of the noise, either sign.
+    pub outlier_size: f64,
+    /// Probability that a value is missing.
+    pub drops: f64,
+}
+
+impl<Q: Quantity> Sensor<Q> {
+    /// The sensor in SI.
+    pub fn specification(&self) -> SensorSpecification {
+        SensorSpecification {
+            noise: self.noise.si(),
+            bias: self.bias.si(),
+            sample_interval: self.rate.map_or(0.0, |rate| rate.si().recip()),
+            delay: self.delay.si(),
+            quantisation: self.quantisation.si(),
+            outlier_probability: self.outliers,
+            outlier_burst: self.outlier_burst,
+            outlier_size: self.outlier_size * self.noise.si(),
+            drop_probability: self.drops,
+        }
+    }
+}
+
+/// Sensors, by channel.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Sensors {
+    /// Probability that a whole frame of air data and inertial sensors is missing. Altitude and surface positions, which
+    /// the flight computer has from elsewhere, stay.
+    pub drops: f64,
+    /// Where the accelerometers are, body axes from the centre of gravity (x forward, y right, z down). They feel the
+    /// rotation there.
+    pub accelerometers: [Length; 3],
+    /// Where the vanes for angle of attack and sideslip are, likewise.
+    pub vanes: [Length; 3],
+    /// True airspeed.
+    pub true_airspeed: Sensor<Speed>,
+    /// Angle of attack.
+    pub alpha: Sensor<Angle>,
+    /// Sideslip angle.
+    pub beta: Sensor<Angle>,
+    /// Roll angle.
+    pub phi: Sensor<Angle>,
+    /// Pitch angle.
+    pub theta: Sensor<Angle>,
+    /// Heading.
+    pub psi: Sensor<Angle>,
+    /// Roll rate.
+    pub p: Sensor<AngularRate>,
+    /// Pitch rate.
+    pub q: Sensor<AngularRate>,
+    /// Yaw rate.
+    pub r: Sensor<AngularRate>,
+    /// Roll acceleration; not measured unless it is named.
+    pub pdot: Option<Sensor<AngularAcceleration>>,
+    /// Pitch acceleration; not measured unless it is named.
+    pub qdot: Option<Sensor<AngularAcceleration>>,
+    /// Yaw acceleration; not measured unless it is named.
+    pub rdot: Option<Sensor<AngularAcceleration>>,
+    /// Specific force, body x.
+    pub ax: Sensor<Acceleration>,
+    /// Specific force, body y.
+    pub ay: Sensor<Acceleration>,
+    /// Specific force, body z.
+    pub az: Sensor<Acceleration>,
+    /// Altitude.
+    pub altitude: Sensor<Length>,
+    /// Elevator position.
+    pub elevator: Sensor<Angle>,
+    /// Aileron position.
+    pub aileron: Sensor<Angle>,
+    /// Rudder position.
+    pub rudder: Sensor<Angle>,
+}
+
+impl Sensors {
+    /// Constant errors of the sensors by the names that model files have for them, SI.
+    pub(super) fn biases(&self) -> Vec<(&'static str, f64)> {
+        let optional = |sensor: &Option<Sensor<AngularAcceleration>>| sensor.map_or(0.0, |sensor| sensor.bias.si());
+        vec![
+            ("bias_true_airspeed", self.true_airspeed.bias.si()),
+            ("bias_alpha", self.alpha.bias.si()),
+            ("bias_beta", self.beta.bias.si()),
+            ("bias_phi", self.phi.bias.si()),
+            ("bias_theta", self.theta.bias.si()),
+            ("bias_p", self.p.bias.si()),
+            ("bias_q", self.q.bias.si()),
+            ("bias_r", self.r.bias.si()),
+            ("bias_ax", self.ax.bias.si()),
+            ("bias_ay", self.ay.bias.si()),
+            ("bias_az", self.az.bias.si()),
+            ("bias_pdot", optional(&self.pdot)),
+            ("bias_qdot", optional(&self.qdot)),
+            ("bias_rdot", optional(&self.rdot)),
+        ]
+    }
+}
