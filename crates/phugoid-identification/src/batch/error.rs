@@ -18,6 +18,18 @@ pub enum BatchError {
         /// Time of the first value that is not finite, s from the start of the manoeuvre.
         time_s: f64,
     },
+    /// A free simulation of an unstable model did not lead to a minimum.
+    #[error(
+        "{manoeuvre}: the model is unstable with the start values: an error of the initial state grows {growth:.0} times \
+         during the manoeuvre. Output error integrates freely and found no minimum. Take filter error or equation error, \
+         which hold on to the measurements; or start from the result of equation error; or cut the manoeuvre"
+    )]
+    Unstable {
+        /// Manoeuvre.
+        manoeuvre: String,
+        /// Growth, each state measured by its own range.
+        growth: f64,
+    },
     /// Some combination of the unknowns leaves every output where it is.
     #[error("{}", singular(culprits))]
     Singular {

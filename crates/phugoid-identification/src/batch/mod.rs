@@ -4,6 +4,7 @@
 //!
 //! | method | minimises | allows for |
 //! |---|---|---|
+//! | [`equation_error()`] | residuals of the equations of motion | noise of the rates |
 //! | [`output_error()`] | output errors of a free simulation | measurement noise |
 //! | [`filter_error()`] | prediction errors of a Kalman filter | measurement and process noise: turbulence, model error, unstable aircraft |
 //!
@@ -11,6 +12,8 @@
 //! [`BatchFit`] holds the estimates with their covariance and the fit. Equations and sources are in docs/methods.md.
 
 mod colour;
+mod differentiate;
+mod equation_error;
 mod error;
 mod filter;
 mod filter_error;
@@ -22,12 +25,14 @@ mod optimise;
 mod output_error;
 mod prediction;
 mod problem;
+mod regression;
 mod relaxation;
 mod response;
 mod result;
 mod start;
 mod summary;
 
+pub use equation_error::{EquationErrorFit, EquationErrorSettings, equation_error};
 pub use error::BatchError;
 pub use filter_error::{ProcessNoise, filter_error};
 pub use fit::OutputFit;
@@ -35,4 +40,5 @@ pub use optimise::OptimiserSettings;
 pub use output_error::output_error;
 pub use prediction::predict;
 pub use problem::{BatchParameter, Bias, InitialState, Manoeuvre, Noise, OutputChannel, Structure};
+pub use regression::{Equation, Term};
 pub use result::{BatchFit, Iteration, ManoeuvreFit, Unknown, UnknownKind};

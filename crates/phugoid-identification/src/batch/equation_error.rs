@@ -1,0 +1,255 @@
+//! Equation error: least squares on the equations of motion themselves.
+
+use phugoid_estimators::{Input, LinearizedOutputs, LinearizedRates, Model};
+
+use super::differentiate::smooth;
+use super::error::BatchError;
+use super::layout::Layout;
+use super::optimise::OptimiserSettings;
+use super::problem::{Bias, Manoeuvre, Noise, Structure};
+use super::regression::{Equation, equations};
+use super::relaxation::{self, Fitted};
+use super::response::Rows;
+use super::result::{BatchFit, UnknownKind};
+use super::summary::{Summary, summarise};
+
+/// Choices of equation error.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EquationErrorSettings {
+    /// Samples this far to each side make one value of a state and its slope, s. It should be short against the motion
+    /// (a tenth of the short period) and hold at least three samples.
+    pub half_window_s: f64,
+    /// Use smoothed states in the regressors; otherwise the measured ones, which is right for noise-free data only: noise in
+    /// a regressor biases its derivative towards zero.
+    pub smooth_regressors: bool,
+    /// Use every equation that has a measured left side. Otherwise a state's rate is differentiated only where a parameter
+    /// needs it: a measured acceleration is better than a numerical one.
+    pub every_equation: bool,
+    /// Partial F from which a term counts as needed. 4 is the 95 % point for white residuals; 20 allows for their colour.
+    pub f_to_enter: f64,
+}
+
+impl EquationErrorSettings {
+    /// For samples `sample_time_s` apart: windows of 0.2 s, at least three samples, to each side.
+    pub fn automatic(sample_time_s: f64) -> Self {
+        let half_window_s = f64::max(0.2, 3.0 * sample_time_s);
+        Self { half_window_s, smooth_regressors: true, every_equation: false, f_to_enter: 20.0 }
+    }
+}
+
+/// What equation error gives.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct EquationErrorFit {
+    /// Estimates with their covariance. The fitted outputs are the smoothed states and, from them, the other outputs; the
+    /// residuals are those of the equations, in the place of the output that measures the state or the acceleration.
+    pub fit: BatchFit,
+    /// The equations, by groups that share parameters.
+    pub equations: Vec<Equation>,
+}
+
+/// Solves the equations of motion for the parameters by weighted least squares, with measured states and differentiated or
+/// measured rates (Klein & Morelli, Aircraft System Identification, chapter 5):
+///
+/// ```text
+/// d/dt x_i (measured, smoothed) - f_i(x, u) = Phi_i(x, u) theta + e_i        a state's equation
+/// y_i - h_i(x, 0, u)                        = D_i(x, u) theta + e_i          a measured acceleration
+/// ```
+///
+/// Each equation has its own residual variance, found with the parameters. States that no output measures, and equations
+/// whose left side is nowhere measured, are refused or left out. No integration, no start values: it cannot diverge, and
+/// gives start values to the other methods. Noise in the states biases it (docs/methods.md, measured).
+///
+/// # Errors
+/// [`BatchError`]: input that does not fit together, a state that is not measured, terms that the data cannot tell apart.
+pub fn equation_error<M, I, const N: usize, const R: usize, const P: usize>(
+    manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
+    structure: &Structure<N, R>,
+    settings: &EquationErrorSettings,
+) -> Result<EquationErrorFit, BatchError>
+where
+    M: Model<N, R, P, Input = I>,
+    I: Input,
+{
+    structure.check(manoeuvres, |m: &M| m.parameter_count().min(P))?;
+    let half = settings.half_window_s;
+    if half.is_nan() || half <= 0.0 {
+        return Err(BatchError::BadInput(format!("the half window is {half} s: it must be positive")));
+    }
+    let smoothed = manoeuvres.iter().map(|m| Measured::of(m, structure, settings)).collect::<Result<Vec<_>, _>>()?;
+    let mut held = structure.clone();
+    held.states.iter_mut().for_each(|s| s.free = false);
+    for (i, channel) in held.outputs.iter_mut().enumerate() {
+        // A constant error of a state is no term of its equation.
+        if state_of::<M, I, N, R, P>(manoeuvres, i).is_some() {
+            channel.bias = Bias::None;
+        }
+    }
+    let states = vec![[0.0; N]; manoeuvres.len()];
+    let layout: Layout<N, P> = Layout::new(&held, manoeuvres, states);
+    let every: Vec<Rows<R>> = rows_of(manoeuvres, &smoothed, &layout, &layout.start(), &[true; R]);
+    let wanted = if settings.every_equation { [true; R] } else { needed(manoeuvres, &every, &layout) };
+    let residuals = |unknowns: &[f64]| Ok(rows_of(manoeuvres, &smoothed, &layout, unknowns, &wanted));
+    let floor = equation_floor(&every);
+    // Linear in the parameters: the search is the iteration of the weights.
+    let search = OptimiserSettings { step_tolerance: 1e-6, ..OptimiserSettings::default() };
+    let noise = [Noise::Estimated; R];
+    let minimum = relaxation::fit(&layout.places, layout.start(), &noise, &floor, &search, residuals)?;
+    let Fitted { rows, noise_sd } = &minimum.evaluation.detail;
+    let fit = summarise(&Summary {
+        method: "equation-error",
+        structure,
+        manoeuvres,
+        layout: &layout,
+        minimum: &minimum,
+        rows,
+        noise_sd,
+    })?;
+    let name = |row: usize| match state_of::<M, I, N, R, P>(manoeuvres, row) {
+        Some(state) => format!("d({})/dt", structure.states[state].name),
+        None => structure.outputs[row].name.clone(),
+    };
+    let equations = equations(rows, noise_sd, &layout.places, &minimum.unknowns, &fit, settings.f_to_enter, name);
+    Ok(EquationErrorFit { fit, equations })
+}
+
+/// The states of one manoeuvre as measured, and their slopes.
+struct Measured<const N: usize> {
+    /// By sample; NaN near the ends and where not measured.
+    states: Vec<[f64; N]>,
+    slopes: Vec<[f64; N]>,
+}
+
+impl<const N: usize> Measured<N> {
+    fn of<M, I, const R: usize, const P: usize>(
+        m: &Manoeuvre<'_, M, I, N, R>,
+        structure: &Structure<N, R>,
+        settings: &EquationErrorSettings,
+    ) -> Result<Self, BatchError>
+    where
+        M: Model<N, R, P, Input = I>,
+        I: Input,
+    {
+        let samples = m.time_s.len();
+        let mut measured = Self { states: vec![[f64::NAN; N]; samples], slopes: vec![[f64::NAN; N]; samples] };
+        for state in 0..N {
+            let Some(output) = m.model.measuring_output(state) else {
+                let (name, of) = (&structure.states[state].name, m.name);
+                return Err(BatchError::BadInput(format!("{of}: equation error needs the state {name} measured")));
+            };
+            let values: Vec<f64> = m.outputs.iter().map(|y| y[output]).collect();
+            let smoothed = smooth(m.time_s, &values, settings.half_window_s);
+            if !smoothed.slope.iter().any(|v| v.is_finite()) {
+                let (name, of, half) = (&structure.outputs[output].name, m.name, settings.half_window_s);
+                return Err(BatchError::BadInput(format!(
+                    "{of}: {name} has nowhere two values to each side within {half} s: widen the window of equation error"
+                )));
+            }
+            for k in 0..samples {
+                measured.slopes[k][state] = smoothed.slope[k];
+                measured.states[k][state] = if settings.smooth_regressors { smoothed.value[k] } else { values[k] };
+            }
+        }
+        Ok(measured)
+    }
+}
+
+/// The state whose equation stands in the place of this output, if the output measures a state.
+fn state_of<M, I, const N: usize, const R: usize, const P: usize>(
+    manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
+    output: usize,
+) -> Option<usize>
+where
+    M: Model<N, R, P, Input = I>,
+    I: Input,
+{
+    (0..N).find(|&state| manoeuvres[0].model.measuring_output(state) == Some(output))
+}
+
+/// Equations as rows: residual is left side minus right side, sensitivity the regressors.
+fn rows_of<M, I, const N: usize, const R: usize, const P: usize>(
+    manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
+    measured: &[Measured<N>],
+    layout: &Layout<N, P>,
+    unknowns: &[f64],
+    wanted: &[bool; R],
+) -> Vec<Rows<R>>
+where
+    M: Model<N, R, P, Input = I>,
+    I: Input,
+{
+    let theta = layout.parameters(unknowns);
+    let of = |(index, (m, measured)): (usize, (&Manoeuvre<'_, M, I, N, R>, &Measured<N>))| {
+        let columns = layout.columns(index);
+        let kinds: Vec<UnknownKind> = columns.iter().map(|&j| layout.places[j].kind).collect();
+        let biases: [f64; R] = layout.biases(index, unknowns);
+        let states: [Option<usize>; R] = std::array::from_fn(|i| state_of::<M, I, N, R, P>(manoeuvres, i));
+        let mut rates = LinearizedRates::<N, P>::ZERO;
+        let mut lin = LinearizedOutputs::<N, R, P>::ZERO;
+        let mut rows = Rows {
+            outputs: Vec::with_capacity(m.time_s.len()),
+            residuals: Vec::with_capacity(m.time_s.len()),
+            sensitivities: Vec::with_capacity(m.time_s.len() * R * columns.len()),
+            columns,
+            growth: 1.0,
+        };
+        for k in 0..m.time_s.len() {
+            let x = &measured.states[k];
+            let known = x.iter().all(|v| v.is_finite());
+            if known {
+                m.model.linearized_rates(x, &theta, &m.inputs[k], &mut rates);
+                m.model.linearized_outputs(x, &theta, &m.inputs[k], &mut lin);
+            }
+            let mut residuals = [f64::NAN; R];
+            for i in 0..R {
+                let (regressors, residual) = match states[i] {
+                    Some(state) => (&rates.regressors[state], measured.slopes[k][state] - rates.rates[state]),
+                    None => (&lin.parameter_jacobian[i], m.outputs[k][i] - lin.outputs[i] - biases[i]),
+                };
+                let used = known && wanted[i] && residual.is_finite();
+                if used {
+                    residuals[i] = residual;
+                }
+                rows.sensitivities.extend(kinds.iter().map(|kind| match *kind {
+                    UnknownKind::Parameter { index } if used => regressors[index],
+                    UnknownKind::Bias { output, .. } if used && states[i].is_none() => f64::from(output == i),
+                    _ => 0.0,
+                }));
+            }
+            rows.outputs.push(if known { std::array::from_fn(|i| lin.outputs[i] + biases[i]) } else { [f64::NAN; R] });
+            rows.residuals.push(residuals);
+        }
+        rows
+    };
+    manoeuvres.iter().zip(measured).enumerate().map(of).collect()
+}
+
+/// The equations to use: measured accelerations, and the rates of states that carry a parameter which no acceleration sees.
+fn needed<M, I, const N: usize, const R: usize, const P: usize>(
+    manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
+    every: &[Rows<R>],
+    layout: &Layout<N, P>,
+) -> [bool; R]
+where
+    M: Model<N, R, P, Input = I>,
+    I: Input,
+{
+    let moves = |output: usize, column: usize| {
+        every.iter().any(|rows| {
+            rows.columns
+                .iter()
+                .position(|&j| j == column)
+                .is_some_and(|position| (0..rows.residuals.len()).any(|k| rows.sensitivity(k, output)[position] != 0.0))
+        })
+    };
+    let acceleration = |i: usize| state_of::<M, I, N, R, P>(manoeuvres, i).is_none();
+    let seen: Vec<bool> = (0..layout.places.len()).map(|j| (0..R).any(|i| acceleration(i) && moves(i, j))).collect();
+    std::array::from_fn(|i| acceleration(i) || (0..seen.len()).any(|j| !seen[j] && moves(i, j)))
+}
+
+/// Least residual that is believed of each equation.
+fn equation_floor<const R: usize>(every: &[Rows<R>]) -> [f64; R] {
+    std::array::from_fn(|i| {
+        let largest = every.iter().flat_map(|r| r.residuals.iter().map(move |e| e[i].abs())).fold(0.0, f64::max);
+        if largest > 0.0 { 1e-9 * largest } else { f64::MIN_POSITIVE.sqrt() }
+    })
+}
