@@ -33,13 +33,13 @@ const PUBLISHED: [(&str, f64); 11] = [
 
 type Flight<'a> = Manoeuvre<'a, LongitudinalModel, LongitudinalInput, STATES, OUTPUTS>;
 
-fn flight() -> Option<(Prepared, ModelFile)> {
+fn flight() -> Option<(Prepared<LongitudinalModel, STATES, OUTPUTS>, ModelFile)> {
     let record = csv::read_path(&common::shared_file("flight/hfb320.csv")?, &CsvOptions::default()).unwrap();
     let file = ModelFile::built_in("hfb320").unwrap().unwrap();
     Some((prepare(&record, &file).unwrap(), file))
 }
 
-fn manoeuvre(prepared: &Prepared) -> Flight<'_> {
+fn manoeuvre(prepared: &Prepared<LongitudinalModel, STATES, OUTPUTS>) -> Flight<'_> {
     Manoeuvre {
         name: "hfb320",
         model: &prepared.model,

@@ -49,16 +49,15 @@ where
     };
     let noise = structure.outputs.each_ref().map(|channel| channel.noise);
     let floor = noise_floor(manoeuvres);
-    let minimum =
-        relaxation::fit(&layout.places, layout.start(), &noise, &floor, settings, &simulate).map_err(|e| {
-            let unstable = |rows: Vec<Rows<R>>| manoeuvres.iter().zip(rows).find(|(_, r)| r.growth > GROWTH);
-            match (&e, simulate(&layout.start()).ok().and_then(unstable)) {
-                (BatchError::NotConverged { .. }, Some((m, r))) => {
-                    BatchError::Unstable { manoeuvre: m.name.to_owned(), growth: r.growth }
-                }
-                _ => e,
+    let minimum = relaxation::fit(&layout.places, layout.start(), &noise, &floor, settings, simulate).map_err(|e| {
+        let unstable = |rows: Vec<Rows<R>>| manoeuvres.iter().zip(rows).find(|(_, r)| r.growth > GROWTH);
+        match (&e, simulate(&layout.start()).ok().and_then(unstable)) {
+            (BatchError::NotConverged { .. }, Some((m, r))) => {
+                BatchError::Unstable { manoeuvre: m.name.to_owned(), growth: r.growth }
             }
-        })?;
+            _ => e,
+        }
+    })?;
     let Fitted { rows, noise_sd } = &minimum.evaluation.detail;
     let mut fit = summarise(&Summary {
         method: "output-error",
