@@ -152,3 +152,31 @@ fn stays_positive_on_nearly_collinear_rows() {
         assert!((ratio - 1.0).abs() < 1e-6, "{ratio}");
     }
 }
+
+proptest! {
+    #![proptest_config(ProptestConfig { rng_seed: proptest::test_runner::RngSeed::Fixed(6), ..ProptestConfig::default() })]
+
+    /// Of a covariance whose column `fixed` is known exactly, too: it takes no part in a solution.
+    #[test]
+    fn the_factors_of_a_matrix_give_it_back_and_solve_it((n, _, mut matrix) in covariance(), fixed in 0..2 * CAPACITY) {
+        for i in 0..n {
+            if fixed < n {
+                matrix[i][fixed] = 0.0;
+                matrix[fixed][i] = 0.0;
+            }
+        }
+        let mut lower = [[f64::NAN; CAPACITY]; CAPACITY];
+        for i in 0..n {
+            lower[i][..=i].copy_from_slice(&matrix[i][..=i]);
+        }
+        let ud = Ud::from_lower_triangle(&lower, n);
+        prop_assert!(ud.is_sound() && ud.len() == n);
+        assert_close(n, &dense(&ud), &matrix, 1e-12)?;
+        let known: [f64; CAPACITY] = core::array::from_fn(|i| if i < n && i != fixed { 1.0 - 0.3 * i as f64 } else { 0.0 });
+        let mut y: [f64; CAPACITY] = core::array::from_fn(|i| (0..n).map(|j| matrix[i][j] * known[j]).sum());
+        ud.solve(&mut y);
+        for i in 0..n {
+            prop_assert!((y[i] - known[i]).abs() < 1e-8, "{} for {}", y[i], known[i]);
+        }
+    }
+}
