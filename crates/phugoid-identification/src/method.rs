@@ -11,16 +11,19 @@ pub enum Method {
     /// The sliding-mode parameter estimator on a parallel model (docs/theory.md).
     #[default]
     Smpe,
+    /// The joint extended Kalman filter.
+    Ekf,
 }
 
 impl Method {
     /// All, in the order in which they are shown.
-    pub const ALL: &[Self] = &[Self::Smpe];
+    pub const ALL: &[Self] = &[Self::Smpe, Self::Ekf];
 
     /// Its name on the command line, in model files and in results.
     pub fn name(self) -> &'static str {
         match self {
             Self::Smpe => "smpe",
+            Self::Ekf => "ekf",
         }
     }
 
@@ -28,6 +31,7 @@ impl Method {
     pub fn description(self) -> &'static str {
         match self {
             Self::Smpe => "sliding-mode parameter estimator on a parallel model",
+            Self::Ekf => "joint extended Kalman filter with a gate, and all else that smpe has",
         }
     }
 }

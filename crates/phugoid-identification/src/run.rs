@@ -108,6 +108,7 @@ pub(crate) fn run<M: EveryRoom<N, R>, const N: usize, const R: usize>(
 ) -> Result<Run<R>, EstimateError> {
     match task.method() {
         Method::Smpe => in_smallest_room::<kalman::SlidingMode, M, N, R>(task, progress),
+        Method::Ekf => in_smallest_room::<kalman::ExtendedKalman, M, N, R>(task, progress),
     }
 }
 

@@ -10,7 +10,7 @@ use phugoid_estimators::discretization::{self, IntervalInput, Part};
 use phugoid_flight_data::csv::{self, CsvOptions};
 use phugoid_flight_data::record::Record;
 use phugoid_identification::axes::Axes;
-use phugoid_identification::estimate::{EstimateOptions, estimate};
+use phugoid_identification::estimate::{EstimateOptions, Method, estimate};
 use phugoid_identification::estimation::Estimation;
 use phugoid_identification::longitudinal::{LongitudinalModel, OUTPUTS, STATES};
 use phugoid_identification::model_file::ModelFile;
@@ -47,7 +47,12 @@ fn model() -> ModelFile {
 }
 
 fn run(record: &Record) -> Estimation {
-    estimate(record, &model(), &EstimateOptions::default(), &mut |_| {}).unwrap()
+    run_by(Method::Smpe, record)
+}
+
+fn run_by(method: Method, record: &Record) -> Estimation {
+    let options = EstimateOptions { method: Some(method), ..EstimateOptions::default() };
+    estimate(record, &model(), &options, &mut |_| {}).unwrap()
 }
 
 /// Estimate of a parameter at the last sample not after `time_s`.
@@ -102,6 +107,26 @@ fn ends_at_the_published_estimate() {
         .fold(0.0, f64::max);
     println!("CL_alpha at most {:.2} % off from 10 s on", 100.0 * worst);
     assert!(worst < 0.08);
+}
+
+/// The joint extended Kalman filter, gate, detection and all: 4 % is what the filter of the book's kind was measured to be off
+/// by, 16 % its `Cm_V`, which this flight hardly excites.
+#[test]
+fn the_joint_filter_ends_at_the_published_estimate() {
+    let (Some(record), Some(reference)) = (flight(), reference()) else { return };
+    let estimation = run_by(Method::Ekf, &record);
+    for parameter in &estimation.parameters {
+        let error = parameter.value / reference[&parameter.name] - 1.0;
+        println!(
+            "{:12} {:6.2} %, two sigma {:6.2} %",
+            parameter.name,
+            100.0 * error,
+            200.0 * parameter.corrected_std_error / reference[&parameter.name].abs()
+        );
+        let allowed = if parameter.name == "Cm_V" { 0.16 } else { 0.04 };
+        assert!(error.abs() < allowed, "{} is {:.1} % off", parameter.name, 100.0 * error);
+    }
+    assert!(!estimation.events.iter().any(|e| e.kind == "re_reached"), "{:?}", estimation.events);
 }
 
 #[test]

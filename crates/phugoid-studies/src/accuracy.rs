@@ -34,6 +34,8 @@ pub struct AccuracyStudy {
     pub scenario: String,
     /// Model file.
     pub model: String,
+    /// Estimator.
+    pub method: String,
     /// Number of runs; run `i` has the scenario's seed plus `i`.
     pub runs: usize,
     /// Accuracy at each time asked for.
@@ -66,21 +68,22 @@ impl StudyError {
     }
 }
 
-/// Flies `scenario` once, measures it `runs` times and estimates each measured flight with `model`; compares with the
-/// truth and the Cramer-Rao bound at the times `at` (s). `done` is called after each run, from any thread.
+/// Flies `scenario` once, measures it `runs` times and estimates each measured flight with `model` and `options` (whose
+/// truth is the flight's); compares with the truth and the Cramer-Rao bound at the times `at` (s). `done` is called after each run, from any thread.
 ///
 /// # Errors
 /// [`StudyError`]: the scenario cannot be flown, the model does not fit it, the bound does not exist.
 pub fn accuracy(
     scenario: &Scenario,
     model: &ModelFile,
+    options: &EstimateOptions,
     runs: usize,
     at: &[f64],
     done: impl Fn() + Sync,
 ) -> Result<AccuracyStudy, StudyError> {
     let flight = fly(scenario)?;
     let bounds = bound(&flight, model, at)?;
-    let options = EstimateOptions { truth: flight.true_parameters.clone(), ..EstimateOptions::default() };
+    let options = EstimateOptions { truth: flight.true_parameters.clone(), ..options.clone() };
     let results = monte_carlo(
         runs,
         |run| {
@@ -114,6 +117,7 @@ pub fn accuracy(
     Ok(AccuracyStudy {
         scenario: scenario.name.clone(),
         model: model.name.clone(),
+        method: options.method.unwrap_or(model.estimator.method).to_string(),
         runs,
         checkpoints,
         runs_with_re_reaching: results.iter().filter(|(_, re_reached)| *re_reached).count(),

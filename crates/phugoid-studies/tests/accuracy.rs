@@ -1,9 +1,9 @@
 //! Estimates and bounds of the published F-16 cases, in small: `phugoid study` makes the large ones.
 
-use phugoid_identification::estimate::{EstimateOptions, estimate};
+use phugoid_identification::estimate::{EstimateOptions, Method, estimate};
 use phugoid_identification::estimation::ParameterResult;
 use phugoid_identification::model_file::ModelFile;
-use phugoid_studies::accuracy::accuracy;
+use phugoid_studies::accuracy::{AccuracyStudy, accuracy};
 use phugoid_studies::convergence::convergence;
 use phugoid_studies::damage::damage;
 use phugoid_studies::flight::{fly, sense};
@@ -20,15 +20,25 @@ fn calm_air_estimates_reach_the_bound() {
     const RUNS: usize = 100;
     let scenario = Scenario::parse(CALM_SCENARIO, "f16-calm").unwrap();
     let model = ModelFile::parse("f16-model", CALM_MODEL).unwrap();
-    let study = accuracy(&scenario, &model, RUNS, &[4.7, 20.0], || ()).unwrap();
+    for method in [Method::Smpe, Method::Ekf] {
+        let options = EstimateOptions { method: Some(method), ..EstimateOptions::default() };
+        let study = accuracy(&scenario, &model, &options, RUNS, &[4.7, 20.0], || ()).unwrap();
+        assert_reaches_the_bound(&study);
+    }
+}
+
+fn assert_reaches_the_bound(study: &AccuracyStudy) {
     // The RMSE of n normal errors has the relative standard error 1/sqrt(2n), a coverage of 95.4 % that of sqrt(pq/n).
     // Four of each are allowed; the prior lets the ratio lie a little below one.
-    let ratio_error = 4.0 / (2.0 * RUNS as f64).sqrt();
-    let coverage_error = 4.0 * (0.954 * 0.046 / RUNS as f64).sqrt();
+    let ratio_error = 4.0 / (2.0 * study.runs as f64).sqrt();
+    let coverage_error = 4.0 * (0.954 * 0.046 / study.runs as f64).sqrt();
     for checkpoint in &study.checkpoints {
         for p in &checkpoint.parameters {
             let (ratio, coverage) = (p.rmse_over_cramer_rao, p.coverage);
-            let place = format!("{} at {} s: RMSE/CRB {ratio:.3}, coverage {coverage:.3}", p.name, checkpoint.time_s);
+            let place = format!(
+                "{}: {} at {} s: RMSE/CRB {ratio:.3}, coverage {coverage:.3}",
+                study.method, p.name, checkpoint.time_s
+            );
             println!("{place}");
             assert!((ratio - 1.0).abs() < ratio_error, "{place}");
             assert!(coverage > 0.954 - coverage_error, "{place}");

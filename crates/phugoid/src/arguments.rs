@@ -377,6 +377,9 @@ pub(crate) struct Study {
     /// Model file of the study `accuracy`, or the name of a built-in one. It has to give the noise of its outputs
     #[arg(long, required_if_eq("study", "accuracy"))]
     pub(crate) model: Option<String>,
+    /// Estimator of the studies `calm-air` and `accuracy`; without it the model file's, or smpe
+    #[arg(long, value_parser = method())]
+    pub(crate) method: Option<Method>,
     /// Times of the study `accuracy` at which the estimates are compared [default: the end]
     #[arg(long, value_name = "TIME")]
     pub(crate) at: Vec<Time>,

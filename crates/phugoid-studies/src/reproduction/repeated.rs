@@ -1,5 +1,6 @@
 //! A case flown once and measured many times, as a table and requirements.
 
+use phugoid_identification::estimate::EstimateOptions;
 use phugoid_identification::model_file::ModelFile;
 
 use super::aircraft_case::AircraftCase;
@@ -14,7 +15,7 @@ pub(super) const RUNS: usize = 40;
 /// # Errors
 /// As [`accuracy`].
 pub(super) fn repeated(case: &AircraftCase, model: &ModelFile, at: &[f64]) -> Result<AccuracyStudy, StudyError> {
-    accuracy(&case.scenario, model, RUNS, at, || ())
+    accuracy(&case.scenario, model, &EstimateOptions::default(), RUNS, at, || ())
 }
 
 /// Errors over the runs beside the Cramer-Rao bound, in percent of the truth.

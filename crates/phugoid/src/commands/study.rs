@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 use std::sync::atomic::{AtomicU32, Ordering};
 
+use phugoid_identification::estimate::EstimateOptions;
 use phugoid_identification::model_file::ModelFile;
 use phugoid_studies::accuracy::{AccuracyStudy, StudyError, accuracy};
 use phugoid_studies::convergence::{ConvergenceStudy, convergence};
@@ -35,7 +36,7 @@ pub(crate) fn run(arguments: &arguments::Study) -> Result<(), Failure> {
         StudyName::CalmAir => {
             let scenario = Scenario::parse(CALM_SCENARIO, "f16-calm").map_err(Failure::input)?;
             let model = ModelFile::parse("f16-model", CALM_MODEL).map_err(Failure::input)?;
-            let study = accurate(&scenario, &model, arguments.runs, &CHECKPOINTS_S)?;
+            let study = accurate(&scenario, &model, arguments, &CHECKPOINTS_S)?;
             deliver(&study, delivery.json, delivery.out.as_deref(), || accuracy_text(&study))
         }
         StudyName::Accuracy => {
@@ -45,7 +46,7 @@ pub(crate) fn run(arguments: &arguments::Study) -> Result<(), Failure> {
             if at.is_empty() {
                 at.push(scenario.duration.si());
             }
-            let study = accurate(&scenario, &model, arguments.runs, &at)?;
+            let study = accurate(&scenario, &model, arguments, &at)?;
             deliver(&study, delivery.json, delivery.out.as_deref(), || accuracy_text(&study))
         }
         StudyName::Damage => {
@@ -81,8 +82,15 @@ fn with_progress<T>(runs: u32, study: impl FnOnce(&(dyn Fn() + Sync)) -> Result<
     study(&|| progress.set(f64::from(1 + done.fetch_add(1, Ordering::Relaxed)) / f64::from(runs))).map_err(failure)
 }
 
-fn accurate(scenario: &Scenario, model: &ModelFile, runs: u32, at: &[f64]) -> Result<AccuracyStudy, Failure> {
-    with_progress(runs, |done| accuracy(scenario, model, runs as usize, at, done))
+fn accurate(
+    scenario: &Scenario,
+    model: &ModelFile,
+    arguments: &arguments::Study,
+    at: &[f64],
+) -> Result<AccuracyStudy, Failure> {
+    let options = EstimateOptions { method: arguments.method, ..EstimateOptions::default() };
+    let runs = arguments.runs;
+    with_progress(runs, |done| accuracy(scenario, model, &options, runs as usize, at, done))
 }
 
 fn damaged(runs: u32) -> Result<DamageStudy, Failure> {
@@ -174,7 +182,8 @@ fn thesis_size(scenario: &str) -> Result<ConvergenceStudy, Failure> {
 }
 
 fn accuracy_text(study: &AccuracyStudy) -> String {
-    let mut text = format!("{}\n{} runs, model `{}`\n", study.scenario, study.runs, study.model);
+    let mut text =
+        format!("{}\n{} runs, model `{}`, method {}\n", study.scenario, study.runs, study.model, study.method);
     for checkpoint in &study.checkpoints {
         let _ = writeln!(text, "\nAfter {:.2} s", checkpoint.time_s);
         let mut table = Table::new(&[
