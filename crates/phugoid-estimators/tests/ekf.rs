@@ -225,7 +225,7 @@ fn the_covariance_stays_positive_definite() {
         settings.process_noise = ProcessNoise::adaptive([1e-7, 1e-7], [true, true, false]);
         let mut filter = ekf(EkfSettings::new(settings));
         let mut rng = seeded(3);
-        let quiet = |t: f64| if (t / 60.0) as u64 % 2 == 0 { elevator_3211(t) } else { 0.0 };
+        let quiet = |t: f64| if (t / 120.0).fract() < 0.5 { elevator_3211(t) } else { 0.0 };
         let flight =
             fly(&JET, &regular(120_000, 0.01), [0.0; 2], |_| truth(), |t| [quiet(t)], JET_NOISE, &mut seeded(4));
         for (k, mut sample) in flight.into_iter().enumerate() {

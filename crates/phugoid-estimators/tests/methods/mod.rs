@@ -1,0 +1,42 @@
+//! Every causal method on the synthetic plant, by name: for the benchmark and the instruction count.
+#![allow(dead_code, unreachable_pub)]
+
+use phugoid_estimators::Estimator;
+use phugoid_estimators::ekf::{EkfSettings, JointEkf};
+use phugoid_estimators::fourier::{FourierRegression, FourierSettings};
+use phugoid_estimators::implicit_sign::ImplicitSign;
+use phugoid_estimators::regression::{MeasuredStates, RegressionSettings};
+use phugoid_estimators::rls::RecursiveLeastSquares;
+use phugoid_estimators::smpe::{Smpe, SmpeSettings};
+use phugoid_estimators::super_twisting::SuperTwisting;
+
+use crate::synthetic::Synthetic;
+
+pub const METHODS: [&str; 6] = ["smpe", "ekf", "rls", "fourier", "implicit-sign", "super-twisting"];
+
+/// What is done with an estimator.
+pub trait Run<const R: usize, const P: usize> {
+    fn run(&mut self, estimator: impl Estimator<R, P, Input = [f64; 1]>);
+}
+
+/// Sets the method up with the settings that all share, and hands it over.
+pub fn with_method<const R: usize, const P: usize>(
+    name: &str,
+    model: Synthetic<P>,
+    settings: SmpeSettings<4, R, P>,
+    mut what: impl Run<R, P>,
+) {
+    let states = MeasuredStates::<4>::new::<_, R, P>(&model);
+    let regression = RegressionSettings::with(settings);
+    let refused = match name {
+        "ekf" => JointEkf::<_, 4, R, P>::new(model, EkfSettings::new(settings)).map(|e| what.run(e)).err(),
+        "rls" => RecursiveLeastSquares::new(model, states, regression).map(|e| what.run(e)).err(),
+        "fourier" => FourierRegression::new(model, states, FourierSettings::with(settings)).map(|e| what.run(e)).err(),
+        "implicit-sign" => ImplicitSign::new(model, states, regression, 2.0).map(|e| what.run(e)).err(),
+        "super-twisting" => SuperTwisting::new(model, states, regression).map(|e| what.run(e)).err(),
+        _ => Smpe::<_, 4, R, P>::new(model, settings).map(|e| what.run(e)).err(),
+    };
+    if let Some(error) = refused {
+        eprintln!("{name}: {error}");
+    }
+}
