@@ -23,6 +23,7 @@
 //! | [`fourier`] | recursive Fourier-transform regression with the end-point term |
 //! | [`implicit_sign`], [`super_twisting`] | sliding laws on the same regression, for teaching |
 //! | [`regression`] | what the regression methods share: equations, filters, and where the states come from |
+//! | [`adaptive_model`] | the model-reference law tuned by rule, for an aircraft |
 //! | [`discretization`] | the RK4 step map of a model with its exact derivatives |
 //! | [`ud`] | covariances as `U D U^T`, positive definite by construction |
 //! | [`verdict`] | may a parameter be believed now: excitation, collinearity, convergence, whiteness |
@@ -34,6 +35,7 @@
 #![no_std]
 #![cfg_attr(not(test), deny(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
+pub mod adaptive_model;
 mod dense;
 pub mod discretization;
 pub mod ekf;

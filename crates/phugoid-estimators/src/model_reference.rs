@@ -267,6 +267,11 @@ where
         })
     }
 
+    /// The model.
+    pub fn model(&self) -> &M {
+        &self.model
+    }
+
     /// State of the estimated model.
     pub fn state(&self) -> [f64; N] {
         let mut state = self.x;

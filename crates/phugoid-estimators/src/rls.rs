@@ -91,7 +91,13 @@ where
         self.flow.state()
     }
 
-    /// Takes a sample and gives each of its rows to `observe`, before the row is used.
+    /// [`Estimator::update`] that gives each row of the sample to `observe` before it is used: for a batch solution of the same
+    /// regression, or to look at it.
+    pub fn update_observed(&mut self, sample: &Sample<M::Input, R>, observe: impl FnMut(&Row<P>)) -> Estimate<P> {
+        self.update_with(sample, observe);
+        self.estimate()
+    }
+
     pub(crate) fn update_with(&mut self, sample: &Sample<M::Input, R>, mut observe: impl FnMut(&Row<P>)) -> Taken {
         let Self { flow, theta, covariance, .. } = self;
         let (sd, p) = (flow.columns.sd, flow.columns.count);

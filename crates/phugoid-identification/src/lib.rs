@@ -6,6 +6,7 @@ mod error;
 pub mod estimate;
 pub mod estimation;
 mod excitation;
+pub mod front_end;
 pub mod health;
 pub mod longitudinal;
 pub mod method;

@@ -13,17 +13,40 @@ pub enum Method {
     Smpe,
     /// The joint extended Kalman filter.
     Ekf,
+    /// Recursive least squares on states smoothed by kinematics (docs/methods.md).
+    Rls,
+    /// Recursive Fourier-transform regression with the end-point term (docs/methods.md).
+    Fourier,
+    /// Model-reference law tuned by rule, without bounds (docs/methods.md).
+    ModelReference,
+    /// Teaching mode: implicit sign on the least-squares surface (docs/methods.md).
+    ImplicitSign,
+    /// Teaching mode: super-twisting law on mixed regressors, without bounds (docs/methods.md).
+    SuperTwisting,
 }
 
 impl Method {
     /// All, in the order in which they are shown.
-    pub const ALL: &[Self] = &[Self::Smpe, Self::Ekf];
+    pub const ALL: &[Self] = &[
+        Self::Smpe,
+        Self::Ekf,
+        Self::Rls,
+        Self::Fourier,
+        Self::ModelReference,
+        Self::ImplicitSign,
+        Self::SuperTwisting,
+    ];
 
     /// Its name on the command line, in model files and in results.
     pub fn name(self) -> &'static str {
         match self {
             Self::Smpe => "smpe",
             Self::Ekf => "ekf",
+            Self::Rls => "rls",
+            Self::Fourier => "fourier",
+            Self::ModelReference => "model-reference",
+            Self::ImplicitSign => "implicit-sign",
+            Self::SuperTwisting => "super-twisting",
         }
     }
 
@@ -32,6 +55,11 @@ impl Method {
         match self {
             Self::Smpe => "sliding-mode parameter estimator on a parallel model",
             Self::Ekf => "joint extended Kalman filter with a gate, and all else that smpe has",
+            Self::Rls => "recursive least squares on smoothed states",
+            Self::Fourier => "recursive Fourier-transform regression on smoothed states",
+            Self::ModelReference => "model-reference law tuned by rule; no bounds",
+            Self::ImplicitSign => "teaching mode: sliding law on the least-squares surface",
+            Self::SuperTwisting => "teaching mode: super-twisting law on mixed regressors; no bounds",
         }
     }
 }

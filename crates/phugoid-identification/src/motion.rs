@@ -9,6 +9,7 @@ use phugoid_estimators::{Input, Model};
 use crate::axes::Axes;
 use crate::longitudinal::Database;
 use crate::model_file::{InputHold, ModelFile, Role};
+use crate::output::Output;
 use crate::term::{Coefficient, EXTRA_INPUTS, Term};
 
 /// A motion of the aircraft that parameters can be estimated from: `N` states, `R` outputs, those of its axes.
@@ -27,6 +28,12 @@ pub trait Motion<const N: usize, const R: usize>: Clone + Debug {
 
     /// The model's input at one sample.
     fn known_input(known: &Known) -> Self::KnownInput;
+
+    /// A channel of the motion, SI, that the input holds instead of the outputs ([`Axes::known_channels`]); none if it does not.
+    /// Kinematics needs the airspeed also where it is no state.
+    fn known_channel(_input: &Self::KnownInput, _channel: Output) -> Option<f64> {
+        None
+    }
 }
 
 /// A motion that is a [`Model`] with room for `P` parameters.

@@ -2,6 +2,7 @@
 
 mod causal;
 mod kalman;
+mod regression;
 mod settings;
 mod watch;
 
@@ -109,6 +110,11 @@ pub(crate) fn run<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     match task.method() {
         Method::Smpe => in_smallest_room::<kalman::SlidingMode, M, N, R>(task, progress),
         Method::Ekf => in_smallest_room::<kalman::ExtendedKalman, M, N, R>(task, progress),
+        Method::Rls => in_smallest_room::<regression::LeastSquares, M, N, R>(task, progress),
+        Method::Fourier => in_smallest_room::<regression::Fourier, M, N, R>(task, progress),
+        Method::ModelReference => in_smallest_room::<regression::ByModelReference, M, N, R>(task, progress),
+        Method::ImplicitSign => in_smallest_room::<regression::BySign, M, N, R>(task, progress),
+        Method::SuperTwisting => in_smallest_room::<regression::BySuperTwisting, M, N, R>(task, progress),
     }
 }
 

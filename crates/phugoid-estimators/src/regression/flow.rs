@@ -13,7 +13,10 @@ use crate::smpe::start::Start;
 /// Time constant of the mean from which excitation is told, s.
 const MEAN_TIME_S: f64 = 2.0;
 /// A state that is this many sigmas of its measurement away from its own mean shows that something moves.
-const MOVING_SIGMAS: f64 = 3.0;
+const MOVING_SIGMAS: f64 = 4.0;
+/// A state whose measurement is missing for no longer than this, s, goes on as the source has it. Only its integral is taken
+/// from there: the ends of the bridge are measured. Without a bridge each missing frame would leave the noise of two ends.
+const BRIDGE_S: f64 = 0.1;
 
 /// What became of a sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -62,7 +65,9 @@ where
     pub(crate) after: Rates<N, P>,
     /// Rates at the start of the next interval.
     next: Rates<N, P>,
-    /// Measured states at the start of the interval; NaN where not believed.
+    /// For how long each state has not been measured, s.
+    missing_s: [f64; N],
+    /// Measured states at the start of the interval, bridged where they are missing for a moment; NaN for longer.
     pub(crate) measured_before: [f64; N],
     /// Measured states at its end.
     pub(crate) measured_after: [f64; N],
@@ -106,6 +111,7 @@ where
             before: nothing,
             after: nothing,
             next: nothing,
+            missing_s: [f64::INFINITY; N],
             measured_before: [f64::NAN; N],
             measured_after: [f64::NAN; N],
             outputs: LinearizedOutputs::ZERO,
@@ -218,6 +224,7 @@ where
         self.source.start(sample, &started.x);
         self.believed = [f64::NAN; R];
         self.predicted = [f64::NAN; R];
+        self.missing_s = [f64::INFINITY; N];
         self.evaluate(sample, &sample.input);
         Taken::First
     }
@@ -235,9 +242,15 @@ where
     /// Everything at the end of the interval but the left-limit rates.
     fn evaluate(&mut self, sample: &Sample<M::Input, R>, seen_input: &M::Input) {
         self.measured_before = self.measured_after;
-        self.measured_after = core::array::from_fn(|state| {
-            self.columns.output_of_state[state].map_or(f64::NAN, |output| self.believed[output])
-        });
+        for state in 0..N {
+            let measured = self.columns.output_of_state[state].map_or(f64::NAN, |output| self.believed[output]);
+            self.missing_s[state] = if measured.is_finite() { 0.0 } else { self.missing_s[state] + self.interval_s };
+            self.measured_after[state] = match self.missing_s[state] {
+                0.0 => measured,
+                missing if missing <= BRIDGE_S => self.state[state],
+                _ => f64::NAN,
+            };
+        }
         self.next = self.rates(&sample.input);
         self.model.linearized_outputs(&self.state, &[0.0; P], seen_input, &mut self.outputs);
         for j in 0..self.columns.own {

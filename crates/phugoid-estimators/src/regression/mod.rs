@@ -12,8 +12,9 @@
 //! The kernel `k` spares the derivative: `int x' k = [x k] - int x k'` needs the measured state alone. Kernels of one pole
 //! (`e^{s(T-t)}`) are first-order filters; `s = -w` is Kreisselmeier's regression, `s = j omega` Fourier's.
 //! Which equations there are follows from the model: every used output that sees a parameter, and every measured state driven
-//! by a parameter that no output sees. Each interval is integrated with the input that acted during it. What was not
-//! measured is not held or guessed: the kernel's window is zero there, which keeps both sides of the equation equal.
+//! by a parameter that no output sees. Each interval is integrated with the input that acted during it. A missing
+//! measurement makes no row. A state that is missing for a moment goes on as the source has it; for longer the kernel's
+//! window is zero, which keeps both sides of the equation equal.
 //!
 //! [`rls`](crate::rls) and [`fourier`](crate::fourier) say when to use them and where they fail.
 
@@ -25,10 +26,11 @@ mod rows;
 mod settings;
 mod source;
 
+pub use rows::Row;
 pub use settings::RegressionSettings;
 pub use source::{MeasuredStates, SourceStep, StateSource};
 
 pub(crate) use claim::Claim;
 pub(crate) use flow::{Flow, Taken};
 pub(crate) use pole::{Complex, Weights};
-pub(crate) use rows::{Kreisselmeier, Row};
+pub(crate) use rows::Kreisselmeier;

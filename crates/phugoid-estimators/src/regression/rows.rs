@@ -6,24 +6,24 @@ use super::source::StateSource;
 use crate::kernels::add_scaled;
 use crate::model::Model;
 
-/// One row `z = w theta + n`.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Row<const P: usize> {
+/// One row `z = w theta + n` of a regression.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Row<const P: usize> {
     /// The output that it rests on.
-    pub(crate) output: usize,
+    pub output: usize,
     /// Left hand side, output units.
-    pub(crate) z: f64,
+    pub z: f64,
     /// Regressors, output units per parameter unit.
-    pub(crate) w: [f64; P],
+    pub w: [f64; P],
     /// What the output is when `z` is: `y = z + known`.
-    pub(crate) known: f64,
+    pub known: f64,
     /// One sigma of `n`, output units.
-    pub(crate) sd: f64,
+    pub sd: f64,
 }
 
 /// The filters of the dynamic rows.
 ///
-/// With `x' = f + Phi theta` and the window `e^{-w(T-t)}`, zero where the state was not measured,
+/// With `x' = f + Phi theta` and the window `e^{-w(T-t)}`, zero where the state was not measured for long,
 ///
 /// ```text
 /// z   = int (x' - f) e^{-w(T-t)} dt  =  [x e^{-w(T-t)}] - int (w x + f) e^{-w(T-t)} dt
@@ -107,7 +107,7 @@ impl<const N: usize, const P: usize> Kreisselmeier<N, P> {
         for state in 0..N {
             let (before, after) = (flow.measured_before[state], flow.measured_after[state]);
             let Some(output) = flow.columns.output_of_state[state] else { continue };
-            if before.is_finite() && after.is_finite() && flow.is_dynamic(state) {
+            if before.is_finite() && flow.believed[output].is_finite() && flow.is_dynamic(state) {
                 let sd = flow.settings.common.noise_sd[output];
                 use_row(&Row { output, z: self.z[state], w: self.upsilon[state], known: after - self.z[state], sd });
             }

@@ -29,10 +29,12 @@ impl<const N: usize, const R: usize, const P: usize> RegressionSettings<N, R, P>
         Ok(Self::with(SmpeSettings::automatic(priors, noise_sd, sample_time_s)?))
     }
 
-    /// With the priors, noise levels and timing of the flagship: filter at 1 rad/s, no forgetting, outliers from six sigmas
-    /// on.
+    /// With the priors, noise levels and timing of the flagship: filter at 4 rad/s (between 3 and 6 the F-16's moment derivatives
+    /// change by 15 %), no forgetting, outliers from six sigmas on, and blocks of at least a second for the colour of the
+    /// residuals, whose correlation lasts that long.
     pub fn with(common: SmpeSettings<N, R, P>) -> Self {
-        Self { common, filter_rate: 1.0, forgetting_per_s: 0.0, outlier_limit: 6.0 }
+        let common = SmpeSettings { colour_block_s: common.colour_block_s.max(1.0), ..common };
+        Self { common, filter_rate: 4.0, forgetting_per_s: 0.0, outlier_limit: 6.0 }
     }
 
     /// Checks the settings for a model with `parameters` parameters.

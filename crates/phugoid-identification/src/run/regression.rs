@@ -1,0 +1,97 @@
+//! Methods on a regression without derivatives, and the gradient law. Their states come from the kinematic front end.
+
+use phugoid_estimators::Inspect;
+use phugoid_estimators::adaptive_model::AdaptiveModel;
+use phugoid_estimators::fourier::{FourierRegression, FourierSettings};
+use phugoid_estimators::implicit_sign::ImplicitSign;
+use phugoid_estimators::regression::RegressionSettings;
+use phugoid_estimators::rls::RecursiveLeastSquares;
+use phugoid_estimators::smpe::{SmpeError, SmpeSettings};
+use phugoid_estimators::super_twisting::SuperTwisting;
+
+use super::causal::Causal;
+use crate::error::EstimateError;
+use crate::front_end::KinematicFrontEnd;
+use crate::model_file::ModelFile;
+use crate::motion::MotionModel;
+
+/// Half ranges per second that the implicit sign moves a parameter at most.
+const REACHING_RATE: f64 = 2.0;
+
+fn refused(error: SmpeError) -> EstimateError {
+    EstimateError::Model(error.to_string())
+}
+
+/// Recursive least squares.
+pub(super) struct LeastSquares;
+
+impl Causal for LeastSquares {
+    fn set_up<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize>(
+        model: M,
+        settings: &SmpeSettings<N, R, P>,
+        file: &ModelFile,
+    ) -> Result<impl Inspect<R, P, Input = M::KnownInput>, EstimateError> {
+        let states = KinematicFrontEnd::<M, N, R>::new(file.aircraft.gravity, settings);
+        RecursiveLeastSquares::new(model, states, RegressionSettings::with(*settings)).map_err(refused)
+    }
+}
+
+/// Recursive Fourier-transform regression.
+pub(super) struct Fourier;
+
+impl Causal for Fourier {
+    fn set_up<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize>(
+        model: M,
+        settings: &SmpeSettings<N, R, P>,
+        file: &ModelFile,
+    ) -> Result<impl Inspect<R, P, Input = M::KnownInput>, EstimateError> {
+        let states = KinematicFrontEnd::<M, N, R>::new(file.aircraft.gravity, settings);
+        FourierRegression::new(model, states, FourierSettings::with(*settings)).map_err(refused)
+    }
+}
+
+/// Model reference by rule.
+pub(super) struct ByModelReference;
+
+impl Causal for ByModelReference {
+    fn set_up<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize>(
+        model: M,
+        settings: &SmpeSettings<N, R, P>,
+        _file: &ModelFile,
+    ) -> Result<impl Inspect<R, P, Input = M::KnownInput>, EstimateError> {
+        AdaptiveModel::new(model, settings).map_err(|error| match error {
+            SmpeError::NoOutput => EstimateError::Model(
+                "model-reference needs a measurement with a noise level for every state of the motion".to_owned(),
+            ),
+            other => refused(other),
+        })
+    }
+}
+
+/// Implicit sign on the least-squares surface.
+pub(super) struct BySign;
+
+impl Causal for BySign {
+    fn set_up<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize>(
+        model: M,
+        settings: &SmpeSettings<N, R, P>,
+        file: &ModelFile,
+    ) -> Result<impl Inspect<R, P, Input = M::KnownInput>, EstimateError> {
+        let states = KinematicFrontEnd::<M, N, R>::new(file.aircraft.gravity, settings);
+        ImplicitSign::new(model, states, RegressionSettings::with(*settings), REACHING_RATE).map_err(refused)
+    }
+}
+
+/// Super-twisting on mixed regressors.
+pub(super) struct BySuperTwisting;
+
+impl Causal for BySuperTwisting {
+    fn set_up<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize>(
+        model: M,
+        settings: &SmpeSettings<N, R, P>,
+        file: &ModelFile,
+    ) -> Result<impl Inspect<R, P, Input = M::KnownInput>, EstimateError> {
+        let states = KinematicFrontEnd::<M, N, R>::new(file.aircraft.gravity, settings);
+        SuperTwisting::new(model, states, RegressionSettings::with(*settings)).map_err(refused)
+    }
+}
