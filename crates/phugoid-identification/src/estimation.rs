@@ -1,6 +1,8 @@
 //! The result of an estimation: plain data to print, plot, save and compare.
 
+use phugoid_flight_data::channels::by_name;
 use phugoid_flight_data::quality::QualityReport;
+use phugoid_flight_data::record::{Channel, Quantity, Record};
 use serde::{Deserialize, Serialize};
 
 /// The final word on one parameter.
@@ -90,6 +92,28 @@ pub struct History {
     pub parameters: Vec<ParameterHistory>,
     /// Phase per sample: `starting`, `sliding`, `reaching`, `rejected`, `predicting`.
     pub phase: Vec<String>,
+}
+
+impl History {
+    /// As a record to be written as CSV: inputs and measured outputs under their names, `<output>_predicted`,
+    /// `<output>_residual` (one sigma = 1), and each parameter with `<parameter>_std`, the corrected one-sigma error.
+    pub fn record(&self, source: &str) -> Record {
+        let quantity = |name: &str| by_name(name).map_or(Quantity::Number, |spec| spec.quantity);
+        let channel =
+            |name: String, quantity: Quantity, values: &[f64]| Channel { name, quantity, values: values.to_vec() };
+        let plain = |s: &Signal| channel(s.name.clone(), quantity(&s.name), &s.values);
+        let mut channels: Vec<Channel> = self.inputs.iter().chain(&self.measured).map(plain).collect();
+        channels.extend(
+            self.predicted.iter().map(|s| channel(format!("{}_predicted", s.name), quantity(&s.name), &s.values)),
+        );
+        let residual = |s: &Signal| channel(format!("{}_residual", s.name), Quantity::Number, &s.values);
+        channels.extend(self.residuals.iter().map(residual));
+        for parameter in &self.parameters {
+            channels.push(channel(parameter.name.clone(), Quantity::Number, &parameter.value));
+            channels.push(channel(format!("{}_std", parameter.name), Quantity::Number, &parameter.std_error));
+        }
+        Record { source: source.to_owned(), time: self.time_s.clone(), channels, ..Record::default() }
+    }
 }
 
 /// Everything one run of one estimator on one record gives.

@@ -24,6 +24,9 @@ pub struct EstimateOptions {
     pub method: Option<Method>,
     /// Look for sudden changes of the parameters; none: as the model file says.
     pub re_reaching: Option<bool>,
+    /// Time from which times of convergence count, s, where the record is a part of one that began earlier; none: its own
+    /// first sample.
+    pub start_s: Option<f64>,
     /// True values by parameter name, where the flight was simulated.
     pub truth: BTreeMap<String, f64>,
 }

@@ -21,8 +21,9 @@ pub(crate) fn summarise<M: Motion<N, R>, const N: usize, const R: usize>(
 ) -> Estimation {
     let Task { prepared, file, options, noise, .. } = *task;
     let columns = columns(file);
+    let start_s = options.start_s.or(record.time.first().copied()).unwrap_or_default();
     let mut parameters: Vec<ParameterResult> =
-        columns.iter().map(|(p, column)| result(p, *column, &prepared.time, &run.columns, options)).collect();
+        columns.iter().map(|(p, column)| result(p, *column, &prepared.time, start_s, &run.columns, options)).collect();
     let correlation = correlation(&columns, &run.covariance);
     let history = history(task, &columns, &run);
     if run.excited && is_contradicted(&history.residuals) {
@@ -85,6 +86,7 @@ fn result(
     parameter: &Parameter,
     column: Option<usize>,
     time: &[f64],
+    start_s: f64,
     columns: &[ColumnRun],
     options: &EstimateOptions,
 ) -> ParameterResult {
@@ -115,16 +117,16 @@ fn result(
     result.status = status_word(last.status).to_owned();
     result.observability = last.observability;
     if result.status != "not_excited" {
-        result.converged_at_s = converged_at(time, &last.values, truth.unwrap_or(result.value));
+        result.converged_at_s = converged_at(time, start_s, &last.values, truth.unwrap_or(result.value));
     }
     result
 }
 
-/// First time after which the estimate stays within 5 % of `goal`, s from the start of the record.
-fn converged_at(time: &[f64], values: &[f64], goal: f64) -> Option<f64> {
+/// First time after which the estimate stays within 5 % of `goal`, s from `start_s`.
+fn converged_at(time: &[f64], start_s: f64, values: &[f64], goal: f64) -> Option<f64> {
     let outside = values.iter().rposition(|v| (v - goal).abs() > 0.05 * goal.abs());
     let first = outside.map_or(0, |k| k + 1);
-    Some(time.get(first)? - time.first()?)
+    Some(time.get(first)? - start_s)
 }
 
 fn correlation(columns: &[(&Parameter, Option<usize>)], covariance: &[Vec<f64>]) -> Vec<Vec<f64>> {

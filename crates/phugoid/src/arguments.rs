@@ -260,9 +260,9 @@ pub(crate) struct Estimate {
     /// Print one JSON document instead of text
     #[arg(long)]
     pub(crate) json: bool,
-    /// Put the histories of all signals and parameters into the JSON document
-    #[arg(long, requires = "json")]
-    pub(crate) history: bool,
+    /// Write the histories of all signals and parameters to this file; without a name they go into the JSON document
+    #[arg(long, value_name = "FILE.csv", num_args = 0..=1)]
+    pub(crate) history: Option<Option<PathBuf>>,
     /// List the built-in model files
     #[arg(long)]
     pub(crate) list_models: bool,

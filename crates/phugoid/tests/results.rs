@@ -224,6 +224,38 @@ fn a_part_of_a_record_can_be_chosen() {
     let history = part(&["--history"]).json()["history"].clone();
     assert_eq!(history["time_s"].as_array().unwrap().len(), 2001);
     part(&["--from", "100s"]).fails(3);
+    // The time of convergence is one of the whole record: it cannot lie before the part.
+    let late = part(&["--from", "2s"]).json();
+    let times: Vec<f64> =
+        late["parameters"].as_array().unwrap().iter().filter_map(|p| p["converged_at_s"].as_f64()).collect();
+    assert!(!times.is_empty() && times.iter().all(|t| *t >= 2.0), "{times:?}");
+}
+
+#[test]
+fn histories_are_written_as_csv() {
+    let folder = Folder::new("history");
+    phugoid(&folder.0, &["simulate", "f16-calm", "--out", "flight"]);
+    let estimate = |more: &[&str]| {
+        let all = ["estimate", "flight/measured.csv", "--model", "f16-model", "--no-report"];
+        phugoid(&folder.0, &[&all, more].concat())
+    };
+    let document = estimate(&["--json", "--history", "history.csv"]).json();
+    assert!(document["history"].is_null());
+    let text = folder.read("history.csv");
+    let mut lines = text.lines();
+    let headers: Vec<&str> = lines.next().unwrap().split(',').collect();
+    for header in ["time_s", "elevator_rad", "alpha_rad", "alpha_predicted_rad", "alpha_residual", "dCm_q", "dCm_q_std"]
+    {
+        assert!(headers.contains(&header), "{header} is not in {headers:?}");
+    }
+    assert_eq!(lines.clone().count(), 2001);
+    // The last row is the result.
+    let column = headers.iter().position(|h| *h == "dCm_q").unwrap();
+    let last: f64 = lines.last().unwrap().split(',').nth(column).unwrap().parse().unwrap();
+    let parameters = document["parameters"].as_array().unwrap();
+    assert_eq!(last, number(&parameters.iter().find(|p| p["name"] == "dCm_q").unwrap()["value"]));
+    estimate(&["--history"]).fails(3);
+    estimate(&["--history", "flight/measured.csv"]).fails(3);
 }
 
 /// The first real flight: see the flight's reference answers for how close the estimates have to be; here only that the

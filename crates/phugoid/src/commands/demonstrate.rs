@@ -9,7 +9,7 @@ use phugoid_studies::flight::fly;
 use phugoid_studies::published::{CALM_MODEL, CALM_SCENARIO};
 use phugoid_studies::scenario::Scenario;
 
-use super::estimate::Presentation;
+use super::estimate::{History, Presentation};
 use super::simulate;
 use crate::arguments::Demonstration;
 use crate::failure::Failure;
@@ -38,7 +38,7 @@ pub(crate) fn run(arguments: &Demonstration) -> Result<(), Failure> {
         report: Some(arguments.out.as_deref().unwrap_or(Path::new(FOLDER))),
         page: HtmlOptions { notes: vec![note], ..HtmlOptions::default() },
         figures: arguments.figures.as_deref(),
-        history: false,
+        history: &History::None,
         json: arguments.json,
     };
     presentation.present(&estimation)

@@ -27,6 +27,7 @@ pub(crate) fn run(arguments: &arguments::Estimate) -> Result<(), Failure> {
     let (false, Some(flight), Some(wanted)) = (arguments.list_models, &arguments.flight, &arguments.model) else {
         return list_models(arguments.json);
     };
+    let history = History::new(arguments, flight)?;
     let model = model(wanted)?;
     let truth = truth(&arguments.truth, &model)?;
     let options = CsvOptions { columns: columns(&model), ..CsvOptions::default() };
@@ -34,13 +35,15 @@ pub(crate) fn run(arguments: &arguments::Estimate) -> Result<(), Failure> {
         let _progress = Progress::spinner("reading");
         csv::read_path(flight, &options).map_err(Failure::input)?
     };
+    // Times of convergence count from the start of the whole record.
+    let start_s = record.time.first().copied();
     let record = between(record, arguments.from.map(|t| t.si()), arguments.to.map(|t| t.si()))?;
     let re_reaching = match (arguments.change_detection, arguments.no_change_detection) {
         (true, _) => Some(true),
         (_, true) => Some(false),
         _ => None,
     };
-    let options = EstimateOptions { method: arguments.method, re_reaching, truth };
+    let options = EstimateOptions { method: arguments.method, re_reaching, start_s, truth };
     let estimation = {
         let progress = Progress::new("estimating");
         estimate(&record, &model, &options, &mut |done| progress.set(done)).map_err(Failure::input)?
@@ -58,10 +61,40 @@ pub(crate) fn run(arguments: &arguments::Estimate) -> Result<(), Failure> {
         report: (!arguments.no_report).then_some(arguments.out.as_path()),
         page,
         figures: arguments.figures.as_deref(),
-        history: arguments.history,
+        history: &history,
         json: arguments.json,
     };
     presentation.present(&estimation)
+}
+
+/// Where the histories of signals and parameters go.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum History {
+    /// Nowhere.
+    None,
+    /// Into the JSON document.
+    Document,
+    /// Into a CSV file.
+    File(PathBuf),
+}
+
+impl History {
+    /// # Errors
+    /// Without a name there has to be a document; the flight is not to be overwritten.
+    fn new(arguments: &arguments::Estimate, flight: &Path) -> Result<Self, Failure> {
+        match &arguments.history {
+            None => Ok(Self::None),
+            Some(None) if arguments.json => Ok(Self::Document),
+            Some(None) => {
+                Err(Failure::input("--history needs a file (--history history.csv), or --json to put it there"))
+            }
+            Some(Some(file)) if file == flight => Err(Failure::input(format!(
+                "--history {} would overwrite the flight: name another file",
+                file.display()
+            ))),
+            Some(Some(file)) => Ok(Self::File(file.clone())),
+        }
+    }
 }
 
 /// Where and how a result is shown.
@@ -72,8 +105,8 @@ pub(crate) struct Presentation<'a> {
     pub(crate) page: HtmlOptions,
     /// Folder of the figures, if they are wanted as files.
     pub(crate) figures: Option<&'a Path>,
-    /// Whether the JSON document holds the histories.
-    pub(crate) history: bool,
+    /// Where the histories go.
+    pub(crate) history: &'a History,
     /// JSON in place of text.
     pub(crate) json: bool,
 }
@@ -89,10 +122,14 @@ impl Presentation<'_> {
             }
             None => Vec::new(),
         };
+        if let History::File(file) = self.history {
+            let record = estimation.history.record(&estimation.source);
+            csv::write_path(&record, file).map_err(|e| Failure::writing(file, e))?;
+        }
         drop(progress);
         if self.json {
             let mut document = Document::new(estimation, report, figures);
-            document.history = self.history.then_some(&estimation.history);
+            document.history = (*self.history == History::Document).then_some(&estimation.history);
             print(&json(&document)?)
         } else {
             print(&result::text(estimation, report.as_deref(), &figures))
