@@ -14,6 +14,27 @@ pub enum Axes {
     All,
 }
 
+/// The two motions that all axes are made of, each excited by inputs of its own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Group {
+    /// In the plane of symmetry.
+    Longitudinal,
+    /// Out of it.
+    Lateral,
+}
+
+impl Group {
+    /// The group that a control surface (by the name of its channel) moves first.
+    pub fn of_surface(name: &str) -> Self {
+        if name == "elevator" { Self::Longitudinal } else { Self::Lateral }
+    }
+
+    /// The group that an output belongs to.
+    pub fn of(output: Output) -> Self {
+        if Axes::LateralDirectional.row(output).is_some() { Self::Lateral } else { Self::Longitudinal }
+    }
+}
+
 impl Axes {
     /// The words of a model file: `axes = ["longitudinal", "lateral"]`.
     pub const WORDS: [&'static str; 2] = ["longitudinal", "lateral"];

@@ -1,6 +1,7 @@
 //! A method over the samples of a record, and what it said at each of them.
 
 mod causal;
+mod gate;
 mod kalman;
 mod regression;
 mod settings;

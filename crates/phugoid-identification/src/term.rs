@@ -2,6 +2,7 @@
 
 use phugoid_flight_dynamics::scalar::Scalar;
 
+use crate::axes::Group;
 use crate::words::did_you_mean;
 
 /// Room for inputs of the model file beyond the control surfaces (flap, speed brake, ...).
@@ -33,6 +34,14 @@ impl Coefficient {
     /// All, in order: those of symmetric flight first.
     pub const ALL: [Self; 6] =
         [Self::Lift, Self::Drag, Self::PitchingMoment, Self::SideForce, Self::RollingMoment, Self::YawingMoment];
+
+    /// The motion that its derivatives are learnt from.
+    pub fn group(self) -> Group {
+        match self {
+            Self::Lift | Self::Drag | Self::PitchingMoment => Group::Longitudinal,
+            Self::SideForce | Self::RollingMoment | Self::YawingMoment => Group::Lateral,
+        }
+    }
 
     /// The symbol used in model files and parameter names.
     pub fn symbol(self) -> &'static str {

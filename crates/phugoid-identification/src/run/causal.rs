@@ -3,11 +3,12 @@
 use phugoid_estimators::smpe::SmpeSettings;
 use phugoid_estimators::{ChangeState, Estimate, Estimator, Inspect, ParameterStatus, Phase, Sample, Status};
 
+use super::gate::{Gated, GatedInput, open};
 use super::settings::shared_settings;
 use super::watch::Watch;
 use super::{ColumnRun, Run, Task};
 use crate::error::EstimateError;
-use crate::excitation::Excitation;
+use crate::excitation::{Excitation, Moved};
 use crate::model_file::{Base, ModelFile};
 use crate::monitor::Monitoring;
 use crate::motion::{Motion, MotionModel};
@@ -35,7 +36,8 @@ pub(super) fn run_causal<C: Causal, M: MotionModel<N, R, P>, const N: usize, con
     let Task { prepared, file, options, noise, health } = *task;
     let settings = shared_settings::<M, N, R, P>(prepared, file, options, noise)?;
     // On the heap: with room for 48 columns an estimator is too large for the stack of a thread.
-    let mut estimator = Box::new(C::set_up(prepared.model.clone(), &settings, file)?);
+    let gated = Gated::new(prepared.model.clone(), file);
+    let mut estimator = Box::new(C::set_up(gated.clone(), &settings, file)?);
     let samples = prepared.time.len();
     let mut monitoring: Option<Monitoring<M, N, R, P>> = match health {
         Some(health) => Some(Monitoring::new(&prepared.model, file, &settings, health)?),
@@ -67,30 +69,34 @@ pub(super) fn run_causal<C: Causal, M: MotionModel<N, R, P>, const N: usize, con
     let mut last: Option<Estimate<P>> = None;
     // Until something has moved the prior is all that is known of single parameters: steady flight tells sums of terms.
     let mut waiting = true;
+    let mut moved = Moved::default();
     let mut excitation = Excitation::of(prepared, noise);
     let mut watch = Watch::new(settings.maximum_step_s.max(3.5 * settings.sample_time_s));
     for k in 0..samples {
         let sample = sample_at(prepared, k);
-        let mut estimate = estimator.update(&sample);
         let surfaces = prepared.surfaces().map(|signal| signal.values[k]);
-        let moved = excitation.update(sample.time_s, surfaces, &sample.outputs);
-        run.excited |= moved;
-        if waiting && moved {
+        moved = excitation.update(sample.time_s, surfaces, &sample.outputs);
+        let open = open(M::AXES, file.base, moved);
+        let mut estimate = estimator.update(&gate(&sample, open));
+        run.excited |= moved.any();
+        if waiting && moved.any() {
             waiting = false;
             run.events.retain(|e| !e.is_of_detector());
             let from = prepared.time.partition_point(|t| *t < sample.time_s - LEAD_S - 1e-9);
             // In absolute form the sums that steady flight tells are worth keeping.
             if from > 0 && file.base != Base::None {
                 // Forget what was taken for excitation before there was any.
-                *estimator = C::set_up(prepared.model.clone(), &settings, file)?;
+                *estimator = C::set_up(gated.clone(), &settings, file)?;
                 for i in from..=k {
-                    estimate = estimator.update(&sample_at(prepared, i));
+                    estimate = estimator.update(&gate(&sample_at(prepared, i), open));
                 }
                 watch.restarts = estimator.restarts();
             }
         }
         if waiting {
             estimate = unmoved(estimate, &settings, estimator.column_count(), estimator.prior_sd());
+        } else {
+            still(&mut estimate, &settings, &gated, moved, estimator.prior_sd());
         }
         if let Some(monitoring) = &mut monitoring {
             monitoring.update(&sample, &estimate, &*estimator);
@@ -120,6 +126,12 @@ pub(super) fn run_causal<C: Causal, M: MotionModel<N, R, P>, const N: usize, con
     } else {
         estimator.covariance(&mut covariance);
     }
+    for j in gated.closed(moved) {
+        // What steady flight tells of the sums is not shown of single ones.
+        covariance[j] = [0.0; P];
+        covariance.iter_mut().for_each(|row| row[j] = 0.0);
+        covariance[j][j] = estimator.prior_sd()[j].powi(2);
+    }
     let columns = run.columns.len();
     run.covariance = covariance[..columns].iter().map(|row| row[..columns].to_vec()).collect();
     let sensitivity = estimator.change_sensitivity();
@@ -147,6 +159,28 @@ fn sample_at<M: Motion<N, R>, const N: usize, const R: usize>(
     k: usize,
 ) -> Sample<M::KnownInput, R> {
     Sample { time_s: prepared.time[k], input: prepared.inputs[k], outputs: prepared.outputs[k] }
+}
+
+/// The sample with word of what may be learnt from it.
+fn gate<I: Copy, const R: usize>(sample: &Sample<I, R>, open: Moved) -> Sample<GatedInput<I>, R> {
+    Sample { time_s: sample.time_s, input: GatedInput { input: sample.input, open }, outputs: sample.outputs }
+}
+
+/// Shows the prior of the parameters of a group on which nothing has moved yet.
+fn still<M, const N: usize, const R: usize, const P: usize>(
+    estimate: &mut Estimate<P>,
+    settings: &SmpeSettings<N, R, P>,
+    gated: &Gated<M>,
+    moved: Moved,
+    prior_sd: &[f64; P],
+) {
+    for j in gated.closed(moved) {
+        estimate.parameters[j] = settings.priors[j].initial;
+        estimate.std_error[j] = prior_sd[j];
+        estimate.corrected_std_error[j] = prior_sd[j];
+        estimate.observability[j] = 0.0;
+        estimate.parameter_status[j] = ParameterStatus::NotExcited;
+    }
 }
 
 /// The estimate before anything has moved: the prior.
