@@ -2,6 +2,7 @@
 #![cfg_attr(not(test), deny(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 pub mod axes;
 pub mod batch;
+pub mod compatibility;
 mod error;
 pub mod estimate;
 pub mod estimation;

@@ -32,6 +32,8 @@ pub use chart::chart_figure;
 pub use error::ReportError;
 pub use figure::Figure;
 pub use figures::{TimeHistoryPanel, figures, time_histories};
-pub use html::{HtmlOptions, NotRun, ReproductionOptions, html, reproduction_html};
+pub use html::{
+    HtmlOptions, NotRun, ReproductionOptions, StudyPage, StudySection, html, reproduction_html, study_html,
+};
 pub use ticks::significant;
 pub use write::{write_figures, write_named_figures};

@@ -1,16 +1,16 @@
 //! How good are the estimates, and how true their bounds? Many flights of one scenario, each with its own sensor noise,
 //! against the Cramer-Rao bound.
 
-use phugoid_estimators::Model;
 use phugoid_identification::axes::Axes;
 use phugoid_identification::estimate::{EstimateError, EstimateOptions, estimate};
 use phugoid_identification::estimation::Estimation;
 use phugoid_identification::longitudinal::{LongitudinalModel, OUTPUTS, STATES};
-use phugoid_identification::model_file::{InputHold, ModelFile};
+use phugoid_identification::model_file::{InputHold, ModelFile, Role};
+use phugoid_identification::output::Output;
 use phugoid_identification::prepare::prepare;
 use serde::Serialize;
 
-use crate::cramer_rao::{Between, Bound, CramerRaoError, Experiment, cramer_rao};
+use crate::cramer_rao::{Between, Bound, CramerRaoError, Experiment, Knowledge, cramer_rao_knowing};
 use crate::flight::{Flight, FlightError, fly, sense};
 use crate::monte_carlo::{Accuracy, Outcome, monte_carlo};
 use crate::scenario::Scenario;
@@ -149,30 +149,68 @@ fn outcomes(estimation: &Estimation, at: &[f64]) -> Vec<Vec<Outcome>> {
 /// # Errors
 /// [`StudyError`]: the model needs a channel that the flight has not, sensor biases are asked for, no bound exists.
 pub fn bound(flight: &Flight, model: &ModelFile, at: &[f64]) -> Result<Vec<Bound>, StudyError> {
-    let prepared = prepare::<LongitudinalModel, _, _>(&flight.truth, model)?;
-    let unsuitable = |what: &str| Err(StudyError::Unsuitable(format!("model `{}`: {what}", model.source)));
-    let count = <LongitudinalModel as Model<STATES, OUTPUTS, CAPACITY>>::parameter_count(&prepared.model);
-    let names: Vec<&str> = model.estimated().map(|p| p.name.as_str()).collect();
-    if names.len() != count {
-        return unsuitable("sensor biases have no place in this bound: leave [biases] out");
+    if model.estimated().any(|p| matches!(p.role, Role::Bias(_))) {
+        let message = "sensor biases have no place in this bound: leave [biases] out";
+        return Err(StudyError::Unsuitable(format!("model `{}`: {message}", model.source)));
     }
+    bound_with_noise(flight, model, &|_| None, at)
+}
+
+/// As [`bound`], with the sensor biases of the model file, of which their priors are known, and with the noise (one sigma,
+/// SI) of outputs for which the model file gives none.
+///
+/// # Errors
+/// As [`bound`], but for the biases.
+pub fn bound_with_noise(
+    flight: &Flight,
+    model: &ModelFile,
+    noise: &dyn Fn(Output) -> Option<f64>,
+    at: &[f64],
+) -> Result<Vec<Bound>, StudyError> {
+    let unsuitable = |what: &str| Err(StudyError::Unsuitable(format!("model `{}`: {what}", model.source)));
+    if model.axes != Axes::Longitudinal {
+        return unsuitable("the bound is known for the longitudinal motion only");
+    }
+    let prepared = prepare::<LongitudinalModel, _, _>(&flight.truth, model)?;
     let mut parameters = [0.0; CAPACITY];
-    for (slot, name) in parameters.iter_mut().zip(&names) {
-        match flight.true_parameters.get(*name) {
-            Some(truth) => *slot = *truth,
-            None => return unsuitable(&format!("the true value of `{name}` is not known")),
+    let mut knowledge = Knowledge::<OUTPUTS, CAPACITY>::NONE;
+    let mut terms = 0;
+    for parameter in model.estimated() {
+        if let Role::Bias(output) = parameter.role {
+            if let Some(row) = Axes::Longitudinal.row(output) {
+                knowledge.bias_sd[row] = parameter.prior_std;
+            }
+            continue;
         }
+        let Some(truth) =
+            flight.true_parameters.get(&parameter.name).copied().or(parameter.is_nuisance().then_some(0.0))
+        else {
+            return unsuitable(&format!("the true value of `{}` is not known", parameter.name));
+        };
+        let Some(slot) = parameters.get_mut(terms) else {
+            return unsuitable(&format!("there is room for {CAPACITY} parameters"));
+        };
+        *slot = truth;
+        if parameter.is_nuisance() {
+            knowledge.prior_sd[terms] = parameter.prior_std;
+        }
+        terms += 1;
     }
     let mut sigma = [f64::INFINITY; OUTPUTS];
     for (row, output) in Axes::Longitudinal.outputs().iter().enumerate().filter(|(_, o)| model.outputs[o.index()]) {
-        match model.noise[output.index()] {
+        match model.noise[output.index()].or_else(|| noise(*output)) {
             Some(noise) => sigma[row] = noise,
             None => return unsuitable(&format!("the noise of `{}` is needed: give it under [noise]", output.name())),
         }
     }
-    let Some(first) = prepared.outputs.first() else { return unsuitable("the flight is empty") };
+    // A state need not be measured: its true value is in the flight.
+    let mut initial_state = [f64::NAN; STATES];
+    for (value, state) in initial_state.iter_mut().zip(Axes::Longitudinal.states()) {
+        let truth = flight.truth.channel(state.name()).and_then(|c| c.values.get(prepared.first));
+        *value = truth.copied().unwrap_or(f64::NAN);
+    }
     let experiment = Experiment {
-        initial_state: std::array::from_fn(|i| first[i]),
+        initial_state,
         parameters,
         time_s: &prepared.time,
         inputs: &prepared.inputs,
@@ -182,5 +220,5 @@ pub fn bound(flight: &Flight, model: &ModelFile, at: &[f64]) -> Result<Vec<Bound
         },
         sigma,
     };
-    Ok(cramer_rao::<_, STATES, OUTPUTS, CAPACITY>(&prepared.model, &experiment, at)?)
+    Ok(cramer_rao_knowing::<_, STATES, OUTPUTS, CAPACITY>(&prepared.model, &experiment, &knowledge, at)?)
 }

@@ -14,8 +14,26 @@ pub struct Bound {
     /// Time of the last sample used, s.
     pub time_s: f64,
     /// Smallest possible standard error of each parameter, in the parameter's unit; infinite where the data up to now
-    /// do not determine it, and for all as long as any combination of what they do see is undetermined.
+    /// do not determine it, and for all as long as any combination of what they do see is undetermined. Parameters, then
+    /// the biases of [`Knowledge`] in the order of the outputs.
     pub std_error: Vec<f64>,
+    /// Correlation of the errors, row and column as in `std_error`; empty where there is no bound.
+    pub correlation: Vec<Vec<f64>>,
+}
+
+/// What is known beside the data, and what is unknown beside states and parameters.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Knowledge<const R: usize, const P: usize> {
+    /// One sigma of an unknown constant bias of each output, output units: zero for an output without a bias, infinite for a
+    /// bias of which nothing is known.
+    pub bias_sd: [f64; R],
+    /// One sigma of what is known of each parameter beforehand; infinite for nothing.
+    pub prior_sd: [f64; P],
+}
+
+impl<const R: usize, const P: usize> Knowledge<R, P> {
+    /// No biases, and nothing known.
+    pub const NONE: Self = Self { bias_sd: [0.0; R], prior_sd: [f64::INFINITY; P] };
 }
 
 /// Why the bound could not be computed.
@@ -96,6 +114,23 @@ pub fn cramer_rao<M, const N: usize, const R: usize, const P: usize>(
 where
     M: Model<N, R, P>,
 {
+    cramer_rao_knowing(model, experiment, &Knowledge::NONE, at)
+}
+
+/// As [`cramer_rao`], with unknown biases of the outputs and with what is known beforehand: the information of a normal prior
+/// is added to that of the data (the Bayesian bound of H. L. Van Trees, 1968, section 2.4, with the Jacobians at the truth).
+///
+/// # Errors
+/// As [`cramer_rao`].
+pub fn cramer_rao_knowing<M, const N: usize, const R: usize, const P: usize>(
+    model: &M,
+    experiment: &Experiment<'_, M::Input, N, R, P>,
+    knowledge: &Knowledge<R, P>,
+    at: &[f64],
+) -> Result<Vec<Bound>, CramerRaoError>
+where
+    M: Model<N, R, P>,
+{
     let Experiment { time_s, inputs, .. } = *experiment;
     if time_s.len() != inputs.len() || time_s.is_empty() {
         return Err(CramerRaoError::BadInput { what: "times and inputs must be equally many, at least one" });
@@ -104,8 +139,13 @@ where
         return Err(CramerRaoError::BadInput { what: "sample times must increase" });
     }
     let p = model.parameter_count().min(P);
-    let unknowns = N + p;
+    let biased: Vec<usize> = (0..R).filter(|i| knowledge.bias_sd[*i] > 0.0).collect();
+    let unknowns = N + p + biased.len();
     let mut information = DMatrix::<f64>::zeros(unknowns, unknowns);
+    let priors = knowledge.prior_sd[..p].iter().chain(biased.iter().map(|i| &knowledge.bias_sd[*i]));
+    for (j, sd) in priors.enumerate() {
+        information[(N + j, N + j)] += 1.0 / (sd * sd);
+    }
     let mut state = Sensitive {
         x: experiment.initial_state,
         initial: core::array::from_fn(|i| core::array::from_fn(|j| f64::from(i == j))),
@@ -131,13 +171,17 @@ where
                 let through_state: f64 = (0..N).map(|l| outputs.state_jacobian[i][l] * state.parameter[l][j]).sum();
                 row[N + j] = weight * (through_state + outputs.parameter_jacobian[i][j]);
             }
+            if let Some(j) = biased.iter().position(|b| *b == i) {
+                row[N + p + j] = weight;
+            }
             if row.iter().any(|v| !v.is_finite()) {
                 return Err(CramerRaoError::NotFinite { time_s: time_s[k] });
             }
             information.ger(1.0, &row, &row, 1.0);
         }
         for (bound, _) in bounds.iter_mut().zip(&last).filter(|(_, l)| **l == k) {
-            *bound = Some(Bound { time_s: time_s[k], std_error: invert(&information, N, p) });
+            let (std_error, correlation) = invert(&information, N);
+            *bound = Some(Bound { time_s: time_s[k], std_error, correlation });
         }
         if k + 1 < time_s.len() {
             state = step(model, experiment, &state, k);
@@ -184,14 +228,15 @@ where
     state.plus(h / 6.0, &k1).plus(h / 3.0, &k2).plus(h / 3.0, &k3).plus(h / 6.0, &k4)
 }
 
-/// Standard errors of the parameters from the information on (initial state, parameters).
-fn invert(information: &DMatrix<f64>, states: usize, parameters: usize) -> Vec<f64> {
+/// Standard errors of all but the states, and their correlation, from the information on (initial state, the rest).
+fn invert(information: &DMatrix<f64>, states: usize) -> (Vec<f64>, Vec<Vec<f64>>) {
     // Scaled to a unit diagonal, so that ft/s and rad do not decide what counts as singular.
     let scale: Vec<f64> = information.diagonal().iter().map(|d| d.sqrt()).collect();
     let known: Vec<usize> = (0..information.nrows()).filter(|&i| scale[i] > 0.0).collect();
-    let mut errors = vec![f64::INFINITY; parameters];
+    let wanted = information.nrows() - states;
+    let mut errors = vec![f64::INFINITY; wanted];
     if known.is_empty() {
-        return errors;
+        return (errors, Vec::new());
     }
     let scaled = DMatrix::from_fn(known.len(), known.len(), |i, j| {
         information[(known[i], known[j])] / (scale[known[i]] * scale[known[j]])
@@ -199,17 +244,20 @@ fn invert(information: &DMatrix<f64>, states: usize, parameters: usize) -> Vec<f
     // Below this the scaled information is singular to rounding, and no unbiased estimator exists.
     let smallest = scaled.clone().symmetric_eigen().eigenvalues.min();
     if smallest.is_nan() || smallest <= 1e-13 {
-        return errors;
+        return (errors, Vec::new());
     }
-    if let Some(cholesky) = scaled.cholesky() {
-        let covariance = cholesky.inverse();
-        for (i, &unknown) in known.iter().enumerate() {
-            if unknown >= states {
-                errors[unknown - states] = covariance[(i, i)].sqrt() / scale[unknown];
-            }
+    let Some(cholesky) = scaled.cholesky() else { return (errors, Vec::new()) };
+    let covariance = cholesky.inverse();
+    let mut correlation: Vec<Vec<f64>> =
+        (0..wanted).map(|i| (0..wanted).map(|j| f64::from(i == j)).collect()).collect();
+    for (i, &unknown) in known.iter().enumerate().filter(|(_, u)| **u >= states) {
+        errors[unknown - states] = covariance[(i, i)].sqrt() / scale[unknown];
+        for (j, &other) in known.iter().enumerate().filter(|(_, o)| **o >= states) {
+            correlation[unknown - states][other - states] =
+                covariance[(i, j)] / (covariance[(i, i)] * covariance[(j, j)]).sqrt();
         }
     }
-    errors
+    (errors, correlation)
 }
 
 #[cfg(test)]
@@ -263,6 +311,26 @@ mod tests {
             let expected = 0.2 / spread.sqrt();
             assert!((bound.std_error[0] / expected - 1.0).abs() < 1e-9, "{} {expected}", bound.std_error[0]);
         }
+    }
+
+    /// A straight line with an unknown offset of the sensor: the offset is told from the start only by what is known of it, and
+    /// the slope by the data alone. A prior as good as the data halves the variance.
+    #[test]
+    fn biases_and_priors_enter_as_they_should() {
+        let time: Vec<f64> = (0..50).map(|k| 0.1 * f64::from(k)).collect();
+        let experiment = Experiment {
+            initial_state: [3.0],
+            parameters: [2.0, 0.0],
+            time_s: &time,
+            inputs: &[[1.0]; 50],
+            between: Between::Held,
+            sigma: [0.2],
+        };
+        let alone = cramer_rao(&Integrator, &experiment, &[4.9]).unwrap()[0].std_error[0];
+        let knowledge = Knowledge { bias_sd: [0.5], prior_sd: [alone, f64::INFINITY] };
+        let bound = cramer_rao_knowing(&Integrator, &experiment, &knowledge, &[4.9]).unwrap().remove(0);
+        assert!((bound.std_error[0] / alone - 0.5_f64.sqrt()).abs() < 1e-9, "{:?}", bound.std_error);
+        assert!((bound.std_error[1] - 0.5).abs() < 1e-9 && bound.correlation[0][1].abs() < 1e-9);
     }
 
     #[test]

@@ -6,6 +6,7 @@ pub mod constant_thrust;
 pub mod convergence;
 pub mod cramer_rao;
 pub mod damage;
+pub mod design;
 pub mod flight;
 pub mod health;
 pub mod manoeuvre;

@@ -7,13 +7,13 @@ use phugoid_flight_data::record::Record;
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use crate::quantity::{Angle, Frequency, Time};
 use crate::scenario::{ScenarioError, nearest};
 
 /// The surface that a manoeuvre moves.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Surface {
     /// Elevator, positive trailing edge down.
@@ -116,6 +116,16 @@ pub enum Manoeuvre {
         /// Channel of the record; the surface's own name if it is not given.
         channel: Option<String>,
     },
+    /// A signal in memory, held between its samples: a designed input. Not for scenario files, which name a `csv`.
+    #[serde(skip)]
+    Samples {
+        /// Surface moved.
+        surface: Surface,
+        /// Samples per second, the first one at time zero.
+        rate: Frequency,
+        /// Deflection from trim, rad; zero after the last.
+        deflection: Vec<f64>,
+    },
 }
 
 /// A pulse from `from` to `to`; the tolerance keeps a sample that was meant to lie on an edge on its right side.
@@ -170,7 +180,8 @@ impl Manoeuvre {
             | Self::Sine { surface, .. }
             | Self::Multistep { surface, .. }
             | Self::Pilot { surface, .. }
-            | Self::Csv { surface, .. } => *surface,
+            | Self::Csv { surface, .. }
+            | Self::Samples { surface, .. } => *surface,
         }
     }
 
@@ -205,6 +216,10 @@ impl Manoeuvre {
             }
             Self::Csv { surface, file, channel } => {
                 recorded(file, folder, channel.as_deref().unwrap_or(surface.name()), time)?
+            }
+            Self::Samples { rate, deflection, .. } => {
+                let at = |t: &f64| deflection.get((t * rate.si() + 1e-6) as usize).copied().unwrap_or(0.0);
+                time.iter().map(at).collect()
             }
         })
     }

@@ -18,7 +18,7 @@ const LONGITUDINAL: &[&str] =
     &["true_airspeed", "alpha", "theta", "q", "ax", "az", "altitude", "elevator", "throttle", "thrust"];
 
 /// Sensor of a channel; none for channels that no sensor measures.
-fn specification(sensors: &Sensors, channel: &str) -> Option<SensorSpecification> {
+pub(crate) fn specification(sensors: &Sensors, channel: &str) -> Option<SensorSpecification> {
     Some(match channel {
         "true_airspeed" => sensors.true_airspeed.specification(),
         "alpha" => sensors.alpha.specification(),

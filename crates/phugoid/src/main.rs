@@ -28,6 +28,8 @@ fn main() -> ExitCode {
         Some(Command::Study(arguments)) => commands::study::run(arguments),
         Some(Command::Reproduce(arguments)) => commands::reproduce::run(arguments),
         Some(Command::Tune(arguments)) => commands::tune::run(arguments),
+        Some(Command::Design(arguments)) => commands::design::run(arguments),
+        Some(Command::Compatibility(arguments)) => commands::compatibility::run(arguments),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

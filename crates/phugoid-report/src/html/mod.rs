@@ -12,10 +12,12 @@ use crate::ticks::significant;
 
 mod page;
 mod reproduction;
+mod study;
 mod tables;
 
 use page::{Section, prose, trimmed};
 pub use reproduction::{NotRun, ReproductionOptions, reproduction_html};
+pub use study::{StudyPage, StudySection, study_html};
 
 /// What a page says beyond the estimation itself.
 #[derive(Clone, Debug, Default, PartialEq)]

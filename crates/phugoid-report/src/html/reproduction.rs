@@ -9,6 +9,8 @@ use crate::escape::escape;
 mod case;
 mod overview;
 
+pub(super) use case::plain_table;
+
 /// What a page of reproductions says beyond them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ReproductionOptions {

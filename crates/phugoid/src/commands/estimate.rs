@@ -37,6 +37,10 @@ pub(crate) fn run(arguments: &arguments::Estimate) -> Result<(), Failure> {
     };
     // Times of convergence count from the start of the whole record.
     let start_s = record.time.first().copied();
+    let record = match &arguments.correct {
+        Some(file) => super::compatibility::corrections(file)?.apply(&record),
+        None => record,
+    };
     let record = between(record, arguments.from.map(|t| t.si()), arguments.to.map(|t| t.si()))?;
     let re_reaching = match (arguments.change_detection, arguments.no_change_detection) {
         (true, _) => Some(true),

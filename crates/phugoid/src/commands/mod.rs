@@ -1,6 +1,8 @@
 //! One file per command: read, call, print.
 
+pub(crate) mod compatibility;
 pub(crate) mod demonstrate;
+pub(crate) mod design;
 pub(crate) mod estimate;
 pub(crate) mod linearize;
 pub(crate) mod monitor;

@@ -112,7 +112,7 @@ pub(crate) fn failure(error: FlightError) -> Failure {
     }
 }
 
-fn text_of(wanted: &str) -> Result<String, Failure> {
+pub(crate) fn text_of(wanted: &str) -> Result<String, Failure> {
     match BUILT_IN.iter().find(|(name, _)| *name == wanted) {
         Some((_, text)) => Ok((*text).to_owned()),
         None => std::fs::read_to_string(wanted)

@@ -143,7 +143,7 @@ fn requirements(reproduction: &Reproduction) -> String {
     out
 }
 
-fn plain_table(content: &Table) -> String {
+pub(in crate::html) fn plain_table(content: &Table) -> String {
     let number = |column: usize| content.rows.iter().any(|row| matches!(row.get(column), Some(Cell::Number(_))));
     let heads: Vec<(&str, String)> = content
         .columns
