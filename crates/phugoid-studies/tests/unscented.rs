@@ -274,7 +274,7 @@ where
 }
 
 #[test]
-fn an_unscented_filter_gains_nothing_on_an_aircraft() {
+fn on_an_aircraft_an_unscented_filter_gains_little_and_only_early() {
     let scenario = Scenario::parse(CALM_SCENARIO, "f16-calm").unwrap();
     let file = ModelFile::parse("f16-model", CALM_MODEL).unwrap();
     let flight = fly(&scenario).unwrap();
@@ -293,7 +293,9 @@ fn an_unscented_filter_gains_nothing_on_an_aircraft() {
             .map(|k| Sample { time_s: prepared.time[k], input: prepared.inputs[k], outputs: prepared.outputs[k] })
             .collect::<Vec<_>>()
     };
-    for (what, factor) in [("F-16 calm, p = 4", 1.0), ("F-16 calm, prior ten times as wide", 10.0)] {
+    // Allowed gain from one cycle (4.7 s) on: with the priors of the model file none beyond the scatter of the ratio of two nearly equal
+    // filters; with priors of ten times the bounds, which no model file has, a tenth.
+    for (what, factor, gain) in [("F-16 calm, p = 4", 1.0, 0.02), ("F-16 calm, prior ten times as wide", 10.0, 0.1)] {
         let priors: Vec<ParameterPrior> = file
             .estimated()
             .map(|p| {
@@ -304,9 +306,8 @@ fn an_unscented_filter_gains_nothing_on_an_aircraft() {
         let mut settings = SmpeSettings::<STATES, OUTPUTS, 4>::automatic(&priors, noise, 0.01).unwrap();
         settings.input_hold = InputHold::Linear;
         let scores = contest(what, &prepared.model, settings, &truth, &[1.5, 2.5, 4.7, 20.0], samples);
-        // Equal within the scatter of the ratio of two nearly equal filters: 5 %.
         for [ekf, ukf] in &scores[2..] {
-            assert!((ukf.rms() / ekf.rms() - 1.0).abs() < 0.05, "{} {}", ukf.rms(), ekf.rms());
+            assert!((ukf.rms() / ekf.rms() - 1.0).abs() < gain, "{} {}", ukf.rms(), ekf.rms());
         }
     }
 }
