@@ -19,7 +19,50 @@ macro_rules! cases {
     };
 }
 
-pub(super) use cases;
+/// [`cases!`] that are all of one type and run by its own `run`: `Type; group / name: title, ...`.
+macro_rules! published_cases {
+    ($case:ty; $($cases:tt)*) => {
+        $crate::reproduction::embedded::cases! { $($cases)* }
+
+        /// A published case of this kind by id, `group/number`.
+        ///
+        /// # Errors
+        /// [`StudyError::Unsuitable`](crate::accuracy::StudyError::Unsuitable): there is none of that id.
+        pub fn published_case(id: &str) -> Result<$case, $crate::accuracy::StudyError> {
+            $crate::reproduction::embedded::case(FILES, id, <$case>::parse)
+        }
+
+        /// Ids of the published cases of this kind.
+        pub fn published_ids() -> impl Iterator<Item = &'static str> + Clone {
+            FILES.iter().map(|(id, _)| *id)
+        }
+
+        fn run(
+            id: &str,
+            progress: &(dyn Fn(f64) + Sync),
+        ) -> Result<$crate::reproduction::Reproduction, $crate::accuracy::StudyError> {
+            let result = published_case(id)?.run(id);
+            progress(1.0);
+            result
+        }
+
+        #[cfg(test)]
+        mod tests {
+            use super::*;
+
+            #[test]
+            fn every_file_reads_and_bears_the_title_of_its_entry() {
+                for entry in ENTRIES {
+                    let case = published_case(entry.id).unwrap();
+                    assert_eq!(case.title, entry.title, "{}", entry.id);
+                }
+                assert!(published_case("no-group/9").unwrap_err().to_string().contains("no-group/9"));
+            }
+        }
+    };
+}
+
+pub(super) use {cases, published_cases};
 
 /// The case of an id among embedded files.
 ///

@@ -1,11 +1,10 @@
 //! The published plant cases, embedded.
 
 use super::PlantCase;
-use crate::accuracy::StudyError;
-use crate::reproduction::Reproduction;
-use crate::reproduction::embedded::{case, cases};
+use crate::reproduction::embedded::published_cases;
 
-cases! {
+published_cases! {
+    PlantCase;
     "first-order"/1: "First order, case 1: step, a = 3",
     "first-order"/2: "First order, case 2: larger lambda",
     "first-order"/3: "First order, case 3: a = 5, unit step",
@@ -27,37 +26,4 @@ cases! {
     "noise"/1: "Noise, case 1: step of 5",
     "noise"/2: "Noise, case 2: step of 20, highest noise",
     "noise"/3: "Noise, case 3: step of 20, lowest noise",
-}
-
-/// A published plant case by id, e.g. `second-order/3`.
-///
-/// # Errors
-/// [`StudyError::Unsuitable`]: there is none of that id.
-pub fn published_case(id: &str) -> Result<PlantCase, StudyError> {
-    case(FILES, id, PlantCase::parse)
-}
-
-/// Ids of the published plant cases.
-pub fn published_ids() -> impl Iterator<Item = &'static str> + Clone {
-    FILES.iter().map(|(id, _)| *id)
-}
-
-fn run(id: &str, progress: &(dyn Fn(f64) + Sync)) -> Result<Reproduction, StudyError> {
-    let result = published_case(id)?.run(id);
-    progress(1.0);
-    result
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_file_reads_and_bears_the_title_of_its_entry() {
-        for entry in ENTRIES {
-            let case = published_case(entry.id).unwrap();
-            assert_eq!(case.title, entry.title, "{}", entry.id);
-        }
-        assert!(published_case("first-order/9").unwrap_err().to_string().contains("first-order/9"));
-    }
 }
