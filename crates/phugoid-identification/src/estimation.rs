@@ -38,6 +38,32 @@ pub struct ParameterResult {
     pub truth: Option<f64>,
     /// True for sensor bias columns and other parameters that only support the others.
     pub nuisance: bool,
+    /// May it be believed, and what would help? None for a fixed parameter and for methods that look at the record as a
+    /// whole.
+    #[serde(default)]
+    pub readiness: Option<ParameterReadiness>,
+}
+
+/// May a parameter be believed at the end of the record?
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ParameterReadiness {
+    /// One of `ready`, `improving` (wait, or move the aircraft more), `not_identifiable` (more of the same input will not
+    /// do), `doubtful` (something speaks against it).
+    pub verdict: String,
+    /// Why, in words.
+    pub reason: String,
+    /// What input would help, in words; none where an input would not.
+    pub advice: Option<String>,
+    /// Since when it has been ready without a break, s; none if it is not.
+    pub ready_since_s: Option<f64>,
+    /// Bound over prior, one sigma each.
+    pub bound_over_prior: f64,
+    /// The same if all other parameters were known: what the excitation of this regressor alone gives.
+    pub excitation: f64,
+    /// Variance inflation factor: variance with the others unknown over that with the others known.
+    pub variance_inflation: f64,
+    /// The parameters that it is most correlated with (beyond 0.7), and the correlations.
+    pub correlated_with: Vec<(String, f64)>,
 }
 
 /// A named signal with its unit, one value per time of the estimation.

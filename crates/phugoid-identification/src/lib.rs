@@ -1,5 +1,6 @@
 //! From an aircraft and a flight record to aerodynamic parameters with bounds.
 #![cfg_attr(not(test), deny(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
+mod advice;
 pub mod axes;
 pub mod batch;
 pub mod compatibility;
@@ -18,6 +19,7 @@ pub mod noise;
 mod options;
 pub mod output;
 pub mod prepare;
+mod readiness;
 mod run;
 mod summary;
 pub mod term;

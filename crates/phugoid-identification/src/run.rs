@@ -3,6 +3,7 @@
 mod causal;
 mod gate;
 mod kalman;
+mod readiness;
 mod regression;
 mod settings;
 mod watch;
@@ -22,6 +23,7 @@ use crate::noise::NoiseLevel;
 use crate::options::{CAPACITY, EstimateOptions};
 use crate::prepare::Prepared;
 use causal::{Causal, run_causal};
+pub(crate) use readiness::ColumnVerdict;
 
 /// Everything that one run gave, by sample and by column.
 #[derive(Debug)]
@@ -59,6 +61,8 @@ pub(crate) struct ColumnRun {
     pub(crate) observability: f64,
     pub(crate) status: ParameterStatus,
     pub(crate) change_sensitivity: f64,
+    /// May it be believed?
+    pub(crate) verdict: ColumnVerdict,
 }
 
 /// What a method is run on.

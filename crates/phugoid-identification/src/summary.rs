@@ -10,6 +10,7 @@ use crate::model_file::{ModelFile, Parameter};
 use crate::motion::Motion;
 use crate::options::EstimateOptions;
 use crate::output::Output;
+use crate::readiness::readiness;
 use crate::run::{ColumnRun, Run, Task, phase_word, status_word};
 use crate::verdict::{is_contradicted, verdict};
 
@@ -24,12 +25,21 @@ pub(crate) fn summarise<M: Motion<N, R>, const N: usize, const R: usize>(
     let start_s = options.start_s.or(record.time.first().copied()).unwrap_or_default();
     let mut parameters: Vec<ParameterResult> =
         columns.iter().map(|(p, column)| result(p, *column, &prepared.time, start_s, &run.columns, options)).collect();
+    let estimated: Vec<&Parameter> = file.estimated().collect();
+    for (result, (_, column)) in parameters.iter_mut().zip(&columns) {
+        result.readiness = column.map(|j| readiness(j, &run.columns[j].verdict, &estimated, &file.extra_inputs));
+    }
     let correlation = correlation(&columns, &run.covariance);
     let history = history(task, &columns, &run);
     if run.excited && is_contradicted(&history.residuals) {
         // An estimate that stands still because the samples that speak against it are rejected has not converged.
         for parameter in parameters.iter_mut().filter(|p| p.status == "converged") {
             parameter.status = "in_doubt".to_owned();
+            if let Some(readiness) = parameter.readiness.as_mut().filter(|r| r.verdict == "ready") {
+                readiness.verdict = "doubtful".to_owned();
+                readiness.reason = "the model contradicts the flight".to_owned();
+                readiness.ready_since_s = None;
+            }
         }
     }
     let noise_signals = measured(file).map(|(row, o)| signal(o.name(), o.unit(), vec![noise[row].std])).collect();
@@ -106,6 +116,7 @@ fn result(
         bounds: parameter.bounds,
         truth,
         nuisance: parameter.is_nuisance(),
+        readiness: None,
     };
     let Some(j) = column else { return result };
     let last = &columns[j];

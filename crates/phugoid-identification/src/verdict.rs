@@ -32,6 +32,7 @@ pub(crate) fn verdict<M: Motion<N, R>, const N: usize, const R: usize>(
         contradiction(&history.residuals, &mut sentences);
         excitation(parameters, &pairs, &mut sentences);
         tell_pairs(parameters, &pairs, &mut sentences);
+        advice(parameters, &mut sentences);
         changes(parameters, run, is_contradicted(&history.residuals), &mut sentences);
         residuals(&history.residuals, run, &mut sentences);
     } else {
@@ -105,6 +106,22 @@ fn excitation(parameters: &[ParameterResult], pairs: &[Pair], sentences: &mut Ve
             limited.join(", ")
         ));
     }
+}
+
+/// What to fly, for the parameters that more of the same input will not tell.
+fn advice(parameters: &[ParameterResult], sentences: &mut Vec<String>) {
+    let mut told: Vec<(&str, Vec<&str>)> = Vec::new();
+    for parameter in parameters.iter().filter(|p| !p.nuisance) {
+        let Some(readiness) = parameter.readiness.as_ref().filter(|r| r.verdict == "not_identifiable") else {
+            continue;
+        };
+        let Some(advice) = readiness.advice.as_deref() else { continue };
+        match told.iter_mut().find(|(known, _)| *known == advice) {
+            Some((_, names)) => names.push(&parameter.name),
+            None => told.push((advice, vec![&parameter.name])),
+        }
+    }
+    sentences.extend(told.iter().map(|(advice, names)| format!("For {}: {advice}.", names.join(", "))));
 }
 
 /// Parameters that the data cannot tell apart, the worst pair first. Before the data have spoken parameters are

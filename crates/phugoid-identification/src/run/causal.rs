@@ -4,6 +4,7 @@ use phugoid_estimators::smpe::SmpeSettings;
 use phugoid_estimators::{ChangeState, Estimate, Estimator, Inspect, ParameterStatus, Phase, Sample, Status};
 
 use super::gate::{Gated, GatedInput, open};
+use super::readiness::{ColumnVerdict, ReadinessWatch};
 use super::settings::shared_settings;
 use super::watch::Watch;
 use super::{ColumnRun, Run, Task};
@@ -53,6 +54,7 @@ pub(super) fn run_causal<C: Causal, M: MotionModel<N, R, P>, const N: usize, con
         observability: 0.0,
         status: ParameterStatus::NotExcited,
         change_sensitivity: 0.0,
+        verdict: ColumnVerdict::default(),
     };
     let mut run = Run {
         columns: vec![blank; estimator.column_count()],
@@ -71,6 +73,7 @@ pub(super) fn run_causal<C: Causal, M: MotionModel<N, R, P>, const N: usize, con
     let mut waiting = true;
     let mut moved = Moved::default();
     let mut excitation = Excitation::of(prepared, noise);
+    let mut readiness = ReadinessWatch::new();
     let mut watch = Watch::new(settings.maximum_step_s.max(3.5 * settings.sample_time_s));
     for k in 0..samples {
         let sample = sample_at(prepared, k);
@@ -97,6 +100,7 @@ pub(super) fn run_causal<C: Causal, M: MotionModel<N, R, P>, const N: usize, con
             estimate = unmoved(estimate, &settings, estimator.column_count(), estimator.prior_sd());
         } else {
             still(&mut estimate, &settings, &gated, moved, estimator.prior_sd());
+            readiness.look(&estimate, &*estimator);
         }
         if let Some(monitoring) = &mut monitoring {
             monitoring.update(&sample, &estimate, &*estimator);
@@ -143,6 +147,11 @@ pub(super) fn run_causal<C: Causal, M: MotionModel<N, R, P>, const N: usize, con
         column.observability = last.observability[j];
         column.status = last.parameter_status[j];
         column.change_sensitivity = sensitivity[j];
+    }
+    if !waiting {
+        for (column, verdict) in run.columns.iter_mut().zip(readiness.finish(&last, &*estimator)) {
+            column.verdict = verdict;
+        }
     }
     run.status = last.status;
     run.health = monitoring.map(Monitoring::finish);

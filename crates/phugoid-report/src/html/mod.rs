@@ -11,6 +11,7 @@ use crate::statistics::median_step;
 use crate::ticks::significant;
 
 mod page;
+mod readiness;
 mod reproduction;
 mod study;
 mod tables;
@@ -42,6 +43,7 @@ pub fn html(estimation: &Estimation, options: &HtmlOptions) -> String {
     let sections = [
         Section::new("summary", "Summary", summary(estimation)),
         Section::new("parameters", "Parameters", tables::parameters(estimation)),
+        Section::new("readiness", "May it be believed?", readiness::readiness(estimation)),
         Section::new("correlation-section", "Correlation", correlation(estimation, &all)),
         Section::new("figures", "Figures", drawn(&all, |name| name != "correlation")),
         Section::new("fit", "Fit and noise", tables::fit(estimation)),

@@ -1,7 +1,9 @@
 //! Made-up estimations for tests and the gallery. Nothing here is measured or estimated: shapes only resemble a flight.
 
 use phugoid_flight_data::quality::{ChannelQuality, Finding, QualityReport, Severity};
-use phugoid_identification::estimation::{Estimation, Event, History, ParameterHistory, ParameterResult, Signal};
+use phugoid_identification::estimation::{
+    Estimation, Event, History, ParameterHistory, ParameterReadiness, ParameterResult, Signal,
+};
 
 /// What to make up.
 pub(crate) struct Case {
@@ -197,6 +199,17 @@ pub(crate) fn estimation(case: &Case) -> Estimation {
             bounds: case.truth_known.then(|| [-2.5 * value.abs(), 2.5 * value.abs()]),
             truth: case.truth_known.then_some(*value),
             nuisance: name.starts_with("offset_") || name.starts_with("bias_"),
+            readiness: Some(ParameterReadiness {
+                verdict: if excited { "ready" } else { "not_identifiable" }.to_owned(),
+                reason: if excited { "its bound is small" } else { "this input does not move its regressor" }
+                    .to_owned(),
+                advice: (!excited).then(|| "fly an elevator doublet".to_owned()),
+                ready_since_s: excited.then_some(3.5),
+                bound_over_prior: sigma / prior,
+                excitation: 0.5 * sigma / prior,
+                variance_inflation: 4.0,
+                correlated_with: vec![("Cm_q".to_owned(), -0.82)],
+            }),
         });
         histories.push(history);
     }

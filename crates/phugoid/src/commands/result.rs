@@ -82,6 +82,7 @@ pub(crate) fn text(estimation: &Estimation, report: Option<&Path>, figures: &[Pa
     text.push_str(
         "\nDerivatives per radian. Bounds are two standard errors, corrected for the\ncolour of the residuals.\n",
     );
+    paragraph(&mut text, "Not ready", not_ready(estimation));
     paragraph(&mut text, "Verdict", estimation.verdict.iter().cloned());
     let event = |e: &Event| format!("{:8.2} s  {}", e.time_s, e.message);
     paragraph(&mut text, "Events", estimation.events.iter().map(event));
@@ -111,6 +112,14 @@ pub(crate) fn paragraph(text: &mut String, title: &str, lines: impl Iterator<Ite
         }
         text.push_str(&wrapped(&line));
     }
+}
+
+/// Why parameters are not ready, those asked for alone; the advice stands in the verdict.
+fn not_ready(estimation: &Estimation) -> impl Iterator<Item = String> + '_ {
+    estimation.parameters.iter().filter(|p| !p.nuisance).filter_map(|p| {
+        let readiness = p.readiness.as_ref().filter(|r| r.verdict != "ready")?;
+        Some(format!("{}: {}, {}", p.name, readiness.verdict.replace('_', " "), readiness.reason))
+    })
 }
 
 /// The table of parameters: those asked for first, then those that only support them.
