@@ -89,6 +89,25 @@ impl F16 {
         (cx, cz, cm + cz * (self.geometry.cg_reference - self.geometry.cg))
     }
 
+    /// All coefficients, body axes, moments about the centre of gravity, from angle of attack and sideslip (rad), the
+    /// dimensionless rates `[p b/2V, q cbar/2V, r b/2V]` and the surface positions (appendix A.3, A.4).
+    #[inline]
+    pub fn coefficients_at<T: Scalar>(
+        &self,
+        alpha: T,
+        beta: T,
+        rates: [T; 3],
+        controls: &Controls<T>,
+    ) -> Coefficients<T> {
+        let Geometry { span, mean_chord, cg, cg_reference, .. } = self.geometry;
+        let (longitudinal, lateral) = self.aerodynamics.all(alpha, beta, rates, controls);
+        let Longitudinal { cx, cz, cm } = longitudinal;
+        let Lateral { cy, cl, cn } = lateral;
+        // From the reference point to the centre of gravity.
+        let arm = cg_reference - cg;
+        Coefficients { cx, cy, cz, cl, cm: cm + cz * arm, cn: cn - cy * (arm * mean_chord / span) }
+    }
+
     /// Thrust along body x, N, from the engine power level (percent), altitude (m) and Mach number (appendix A.5).
     #[inline]
     pub fn thrust<T: Scalar>(&self, power: T, altitude: T, mach: T) -> T {
@@ -119,16 +138,11 @@ impl Aircraft for F16 {
 
     #[inline]
     fn coefficients<T: Scalar>(&self, air: &AirData<T>, rates: [T; 3], controls: &Controls<T>) -> Coefficients<T> {
-        let Geometry { span, mean_chord, cg, cg_reference, .. } = self.geometry;
+        let Geometry { span, mean_chord, .. } = self.geometry;
         let time_scale = (air.speed * 2.0).recip();
         let span_time = time_scale * span;
         let [p_hat, q_hat, r_hat] = [rates[0] * span_time, rates[1] * (time_scale * mean_chord), rates[2] * span_time];
-        let (longitudinal, lateral) = self.aerodynamics.all(air.alpha, air.beta, [p_hat, q_hat, r_hat], controls);
-        let Longitudinal { cx, cz, cm } = longitudinal;
-        let Lateral { cy, cl, cn } = lateral;
-        // From the reference point to the centre of gravity.
-        let arm = cg_reference - cg;
-        Coefficients { cx, cy, cz, cl, cm: cm + cz * arm, cn: cn - cy * (arm * mean_chord / span) }
+        self.coefficients_at(air.alpha, air.beta, [p_hat, q_hat, r_hat], controls)
     }
 
     #[inline]

@@ -42,6 +42,7 @@ pub mod mass;
 #[cfg(feature = "std")]
 pub mod modes;
 pub mod motion;
+pub mod rigid_body;
 pub mod scalar;
 #[cfg(feature = "std")]
 pub mod sensors;

@@ -2,6 +2,7 @@
 
 use crate::aircraft::{AirData, Aircraft, Coefficients, Controls, State};
 use crate::increments::{Increments, lift_drag_to_body};
+use crate::rigid_body::{Angles, attitude_equations, force_equations};
 use crate::scalar::Scalar;
 
 /// What disturbs the flight. The default is nothing: still air and the database as it is.
@@ -47,16 +48,13 @@ pub fn motion<T: Scalar, A: Aircraft>(
     let gravity = aircraft.gravity();
     let &State { speed, alpha, beta, phi, theta, psi, p, q, r, altitude, power, .. } = state;
 
-    let (sin_alpha, cos_alpha) = alpha.sin_cos();
-    let (sin_beta, cos_beta) = beta.sin_cos();
-    let (sin_phi, cos_phi) = phi.sin_cos();
-    let (sin_theta, cos_theta) = theta.sin_cos();
+    let angles = Angles::of(alpha, beta, phi, theta);
+    let Angles { sin_alpha, cos_alpha, sin_phi, cos_phi, sin_theta, cos_theta, .. } = angles;
     let (sin_psi, cos_psi) = psi.sin_cos();
 
-    // Body-axis velocity relative to the undisturbed air (2.3-6).
-    let u = speed * cos_alpha * cos_beta;
-    let v = speed * sin_beta;
-    let w = speed * sin_alpha * cos_beta;
+    // Body-axis velocity relative to the undisturbed air.
+    let velocity = angles.body_velocity(speed);
+    let [u, v, w] = velocity;
 
     // Motion relative to the air.
     let local_air = aircraft.atmosphere().at(altitude);
@@ -121,24 +119,9 @@ pub fn motion<T: Scalar, A: Aircraft>(
         coefficients.cn * moment_scale + propulsion.moment[2],
     ];
 
-    // Force equations, body axes.
-    let g_cos_theta = cos_theta * gravity;
-    let u_rate = r * v - q * w - sin_theta * gravity + specific_force[0];
-    let v_rate = p * w - r * u + sin_phi * g_cos_theta + specific_force[1];
-    let w_rate = q * u - p * v + cos_phi * g_cos_theta + specific_force[2];
-    // The same in speed, angle of attack and sideslip. u = V cos a cos b and so on are put in, so that one division
-    // serves all three.
-    let in_plane = cos_alpha * u_rate + sin_alpha * w_rate;
-    let speed_rate = in_plane * cos_beta + v_rate * sin_beta;
-    let inverse_speed = speed.recip();
-    let alpha_rate = (cos_alpha * w_rate - sin_alpha * u_rate) * inverse_speed / cos_beta;
-    let beta_rate = (v_rate * cos_beta - in_plane * sin_beta) * inverse_speed;
-
-    // Kinematic equations.
-    let inverse_cos_theta = cos_theta.recip();
-    let psi_rate = (q * sin_phi + r * cos_phi) * inverse_cos_theta;
-    let phi_rate = p + psi_rate * sin_theta;
-    let theta_rate = q * cos_phi - r * sin_phi;
+    let [speed_rate, alpha_rate, beta_rate] =
+        force_equations(speed, &angles, velocity, [p, q, r], specific_force, gravity);
+    let [phi_rate, theta_rate, psi_rate] = attitude_equations(&angles, [p, q, r]);
 
     // Moment equations.
     let [p_rate, q_rate, r_rate] = mass.angular_acceleration([p, q, r], moment);
