@@ -141,9 +141,9 @@ impl Axes {
 
     /// Flight variables that the motion can evaluate, beside the extra inputs of the model file.
     pub fn variables(self) -> &'static [Variable] {
-        use Variable::{Aileron, Airspeed, Alpha, Beta, Elevator, PitchRate, RollRate, Rudder, YawRate};
+        use Variable::{Aileron, Airspeed, Alpha, AlphaRate, Beta, Elevator, PitchRate, RollRate, Rudder, YawRate};
         match self {
-            Self::Longitudinal => &[Alpha, PitchRate, Airspeed, Elevator],
+            Self::Longitudinal => &[Alpha, PitchRate, Airspeed, Elevator, AlphaRate],
             Self::LateralDirectional => &[Alpha, Beta, RollRate, PitchRate, YawRate, Airspeed, Aileron, Rudder],
             Self::All => &[Alpha, Beta, RollRate, PitchRate, YawRate, Airspeed, Elevator, Aileron, Rudder],
         }

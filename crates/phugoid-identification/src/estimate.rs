@@ -7,6 +7,7 @@ use crate::axes::Axes;
 pub use crate::error::EstimateError;
 use crate::estimation::Estimation;
 use crate::health::HealthOptions;
+use crate::lateral::LateralModel;
 use crate::longitudinal::LongitudinalModel;
 use crate::model_file::ModelFile;
 use crate::monitor::HealthRun;
@@ -15,6 +16,7 @@ use crate::noise::{NoiseLevel, measure_noise};
 pub use crate::options::{CAPACITY, EstimateOptions, Method, capacity};
 use crate::prepare::{Prepared, prepare};
 use crate::run::{EveryRoom, Task, run};
+use crate::six::SixModel;
 use crate::summary::summarise;
 
 /// Estimates the parameters of `model` from `record`, sample by sample as an on-board computer would: no estimate uses
@@ -46,10 +48,8 @@ pub(crate) fn pipeline(
     }
     match model.axes {
         Axes::Longitudinal => pipeline_of::<LongitudinalModel, _, _>(record, model, options, health, progress),
-        Axes::LateralDirectional | Axes::All => {
-            let axes = model.axes.name();
-            Err(EstimateError::Model(format!("the {axes} motion cannot be estimated yet, only the longitudinal one")))
-        }
+        Axes::LateralDirectional => pipeline_of::<LateralModel, _, _>(record, model, options, health, progress),
+        Axes::All => pipeline_of::<SixModel, _, _>(record, model, options, health, progress),
     }
 }
 

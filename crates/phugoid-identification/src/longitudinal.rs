@@ -1,5 +1,8 @@
 //! The longitudinal motion of an aircraft as a model for the estimators.
 
+mod alpha_rate;
+
+use alpha_rate::AlphaRateTerms;
 use phugoid_estimators::{Input, LinearizedOutputs, LinearizedRates, Model};
 use phugoid_flight_dynamics::f16::F16;
 use phugoid_flight_dynamics::longitudinal::{
@@ -125,7 +128,9 @@ pub struct LongitudinalConstants {
 /// M = qbar S cbar Cm + T l                        (wind axes to body axes; s, l: thrust line)
 /// ```
 ///
-/// so that CD moves only the speed, CL only the angle of attack and Cm only the pitch rate. Linear in the parameters;
+/// so that CD moves only the speed, CL only the angle of attack and Cm only the pitch rate. Linear in the parameters,
+/// unless a term has the rate of the angle of attack: that equation is solved exactly, and the regressors are the
+/// derivatives at the parameters asked for;
 /// the derivatives with respect to the state are exact. [`Model::rates`] goes through the equations of motion of
 /// `phugoid-flight-dynamics`; the linearised forms are worked out by hand in wind axes, because they are evaluated five
 /// times per sample on board. Tests hold the two together.
@@ -141,6 +146,8 @@ pub struct LongitudinalModel {
     /// The same for evaluation in flight.
     quick: Vec<QuickTerm>,
     quick_known: Vec<(QuickTerm, f64)>,
+    /// Terms with the rate of the angle of attack, which make the equations implicit.
+    alpha_rate: Option<AlphaRateTerms>,
 }
 
 /// A term ready for evaluation: nearly all terms are one flight variable or the constant.
@@ -245,6 +252,7 @@ impl LongitudinalModel {
         known: Vec<(Coefficient, Term, f64)>,
     ) -> Self {
         let (sin, cos) = constants.thrust_inclination.sin_cos();
+        let alpha_rate = AlphaRateTerms::of(&columns, &known);
         let estimated: Vec<(Coefficient, Term)> = columns.iter().map(|(c, t)| short(*c, t)).collect();
         let known: Vec<(Coefficient, Term, f64)> = known
             .iter()
@@ -255,7 +263,17 @@ impl LongitudinalModel {
             .collect();
         let quick = estimated.iter().map(|(c, t)| QuickTerm::new(*c, t)).collect();
         let quick_known = known.iter().map(|(c, t, value)| (QuickTerm::new(*c, t), *value)).collect();
-        Self { constants, thrust_direction: [cos, -sin], database, columns, known, estimated, quick, quick_known }
+        Self {
+            constants,
+            thrust_direction: [cos, -sin],
+            database,
+            columns,
+            known,
+            estimated,
+            quick,
+            quick_known,
+            alpha_rate,
+        }
     }
 
     /// The constants it was built with.
@@ -423,6 +441,9 @@ impl<const P: usize> Model<STATES, OUTPUTS, P> for LongitudinalModel {
     }
 
     fn rates(&self, x: &[f64; STATES], theta: &[f64; P], u: &Self::Input) -> [f64; STATES] {
+        if let Some(terms) = &self.alpha_rate {
+            return self.implicit_rates(terms, x, theta, u);
+        }
         let factors = self.factors(x, u);
         let coefficients = self.coefficients(x, theta, u, &factors);
         to_array(&self.motion(x, u, coefficients).rates)
@@ -435,6 +456,9 @@ impl<const P: usize> Model<STATES, OUTPUTS, P> for LongitudinalModel {
         u: &Self::Input,
         out: &mut LinearizedRates<STATES, P>,
     ) {
+        if let Some(terms) = &self.alpha_rate {
+            return self.implicit_linearized_rates(terms, x, theta, u, out);
+        }
         let c = &self.constants;
         let p = self.point(x, theta, u);
         let [cl, cd, cm] = p.c;
@@ -486,6 +510,9 @@ impl<const P: usize> Model<STATES, OUTPUTS, P> for LongitudinalModel {
         u: &Self::Input,
         out: &mut LinearizedOutputs<STATES, OUTPUTS, P>,
     ) {
+        if let Some(terms) = &self.alpha_rate {
+            return self.implicit_linearized_outputs(terms, x, theta, u, out);
+        }
         let p = self.point(x, theta, u);
         let [cl, cd, cm] = p.c;
         let [dcl, dcd, dcm] = p.dc;

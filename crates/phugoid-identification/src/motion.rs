@@ -1,6 +1,8 @@
 //! What a motion model is to the estimation: built from a model file, with inputs made from the channels of a record.
 
+mod lateral;
 mod longitudinal;
+mod six;
 
 use std::fmt::Debug;
 

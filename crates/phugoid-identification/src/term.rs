@@ -200,6 +200,14 @@ impl Term {
         name
     }
 
+    /// What multiplies a flight variable in this term; none if it is not there to the first power.
+    pub fn without(&self, variable: Variable) -> Option<Self> {
+        let place = self.factors.iter().position(|factor| *factor == (variable.index(), 1))?;
+        let mut factors = self.factors.clone();
+        factors.remove(place);
+        Some(Self { factors })
+    }
+
     /// The same term with its flight variables counted otherwise, for a model that needs but few of them. A variable
     /// without a new position gets one beyond every array: it is zero there.
     #[must_use]

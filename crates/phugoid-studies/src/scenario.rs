@@ -83,7 +83,8 @@ impl Scenario {
     }
 
     /// True values, at the end of the flight, of what a model file may ask for, by its names: the increments about the trim
-    /// (`dCm_alpha`, ..., `dCn_rudder`), zero or not, and the sensors' constant errors (`bias_alpha`, ...), SI.
+    /// (`dCm_alpha`, ..., `dCn_rudder`), zero or not, the constant ones (`dCY_0`, ...), which are zero, and the sensors'
+    /// constant errors (`bias_alpha`, ...), SI.
     pub fn true_parameters(&self) -> BTreeMap<String, f64> {
         self.true_parameters_at(f64::INFINITY)
     }
@@ -92,7 +93,13 @@ impl Scenario {
     pub fn true_parameters_at(&self, time: f64) -> BTreeMap<String, f64> {
         let drawn = self.drawn();
         let increments = drawn.increments_at(time).named();
-        increments.into_iter().chain(drawn.sensors.biases()).map(|(name, value)| (name.to_owned(), value)).collect()
+        let constants = ["dCL_0", "dCD_0", "dCm_0", "dCY_0", "dCl_0", "dCn_0"].map(|name| (name, 0.0));
+        increments
+            .into_iter()
+            .chain(constants)
+            .chain(drawn.sensors.biases())
+            .map(|(name, value)| (name.to_owned(), value))
+            .collect()
     }
 
     /// The increments in force at a time (s). Where something is drawn, ask [`drawn`](Self::drawn) first.

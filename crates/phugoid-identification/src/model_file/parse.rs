@@ -492,13 +492,17 @@ fn reference(top: &Section, base: Base) -> Result<Reference, ModelFileError> {
 
 /// Refuses a flight variable that the motion cannot evaluate.
 fn check_variables(term: &Term, axes: Axes) -> Result<(), String> {
+    let rate = Variable::AlphaRate;
+    if term.factors().iter().any(|(index, power)| *index == rate.index() && *power > 1) {
+        return Err(format!("`{}` enters to the first power only: the motion depends on it in turn", rate.name()));
+    }
     let variables = term.factors().iter().filter_map(|(index, _)| Variable::ALL.get(*index));
     let Some(foreign) = variables.into_iter().find(|v| !axes.variables().contains(v)) else { return Ok(()) };
     let name = foreign.name();
     Err(if *foreign == Variable::AlphaRate {
         format!(
-            "`{name}` is not one of the variables that can be estimated: leave it out. The coefficient of `q_hat` is then \
-             the effective derivative, that with respect to q and to the rate of alpha together"
+            "`{name}` is a variable of the longitudinal motion alone: leave it out. The coefficient of `q_hat` is then the \
+             effective derivative, that with respect to q and to the rate of alpha together"
         )
     } else {
         format!(

@@ -5,6 +5,8 @@ use super::{Scenario, ScenarioError};
 /// The scenarios that are built in: name and text.
 pub const BUILT_IN: &[(&str, &str)] = &[
     ("f16-calm", include_str!("../../../../scenarios/f16-calm.toml")),
+    ("f16-lateral", include_str!("../../../../scenarios/f16-lateral.toml")),
+    ("f16-six", include_str!("../../../../scenarios/f16-six.toml")),
     ("f16-thesis-doublet", include_str!("../../../../scenarios/f16-thesis-doublet.toml")),
     ("f16-thesis-sine", include_str!("../../../../scenarios/f16-thesis-sine.toml")),
     ("f16-thesis-gust", include_str!("../../../../scenarios/thesis/f16-thesis-gust.toml")),

@@ -1,0 +1,33 @@
+//! The lateral-directional motion, as the estimation takes it.
+
+use super::{Known, Motion, ReferencePoint, terms};
+use crate::axes::Axes;
+use crate::lateral::{LATERAL_OUTPUTS, LATERAL_STATES, LateralInput, LateralModel};
+use crate::longitudinal::Database;
+use crate::model_file::ModelFile;
+use crate::rigid::AircraftConstants;
+
+impl Motion<LATERAL_STATES, LATERAL_OUTPUTS> for LateralModel {
+    type KnownInput = LateralInput;
+
+    const AXES: Axes = Axes::LateralDirectional;
+
+    fn build(file: &ModelFile, database: Database, reference: &ReferencePoint) -> Self {
+        let (columns, known) = terms(file);
+        Self::new(AircraftConstants::of(file, &database, reference), database, columns, known)
+    }
+
+    fn known_input(known: &Known) -> LateralInput {
+        LateralInput {
+            surfaces: known.into(),
+            air_density: known.air_density,
+            mass: known.into(),
+            speed: known.true_airspeed,
+            alpha: known.alpha,
+            theta: known.theta,
+            q: known.q,
+            ax: known.ax,
+            az: known.az,
+        }
+    }
+}

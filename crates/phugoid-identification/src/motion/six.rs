@@ -1,0 +1,69 @@
+//! The whole motion, as the estimation takes it, and what the lateral-directional one has in common with it.
+
+use super::{Known, Motion, ReferencePoint, terms};
+use crate::axes::Axes;
+use crate::longitudinal::Database;
+use crate::model_file::{ModelFile, RateSpeed};
+use crate::rigid::{AircraftConstants, MassInput, Surfaces};
+use crate::six::{SIX_OUTPUTS, SIX_STATES, SixInput, SixModel};
+
+impl Motion<SIX_STATES, SIX_OUTPUTS> for SixModel {
+    type KnownInput = SixInput;
+
+    const AXES: Axes = Axes::All;
+
+    fn build(file: &ModelFile, database: Database, reference: &ReferencePoint) -> Self {
+        let (columns, known) = terms(file);
+        Self::new(AircraftConstants::of(file, &database, reference), database, columns, known)
+    }
+
+    fn known_input(known: &Known) -> SixInput {
+        SixInput {
+            surfaces: known.into(),
+            air_density: known.air_density,
+            thrust: known.thrust,
+            mass: known.into(),
+        }
+    }
+}
+
+impl AircraftConstants {
+    /// Those of a model file about a reference point. The rotor's momentum is the database's; without one there is none.
+    /// The span of a file of lateral axes is there: it is refused without.
+    pub(crate) fn of(file: &ModelFile, database: &Database, reference: &ReferencePoint) -> Self {
+        let aircraft = &file.aircraft;
+        let reference_speed = aircraft.reference_speed.unwrap_or(1.0);
+        Self {
+            wing_area: aircraft.wing_area,
+            mean_chord: aircraft.mean_chord,
+            span: aircraft.wing_span.unwrap_or(f64::NAN),
+            gravity: aircraft.gravity,
+            thrust_inclination: aircraft.thrust_inclination,
+            thrust_arm: aircraft.thrust_arm,
+            rotor_momentum: match database {
+                Database::None => 0.0,
+                Database::F16(aircraft) => aircraft.mass_properties.rotor_momentum(),
+            },
+            reference_speed,
+            rate_speed: (file.rate_speed == RateSpeed::Reference).then_some(reference_speed),
+            alpha_reference: reference.alpha,
+            elevator_reference: reference.elevator,
+            aileron_reference: reference.aileron,
+            rudder_reference: reference.rudder,
+        }
+    }
+}
+
+impl From<&Known> for Surfaces {
+    fn from(known: &Known) -> Self {
+        let &Known { elevator, aileron, rudder, extra, controls_held, .. } = known;
+        Self { elevator, aileron, rudder, extra, held: controls_held }
+    }
+}
+
+impl From<&Known> for MassInput {
+    fn from(known: &Known) -> Self {
+        let &Known { mass, ixx, iyy, izz, ixz, .. } = known;
+        Self { mass, ixx, iyy, izz, ixz }
+    }
+}
