@@ -295,12 +295,14 @@ impl ModelFile {
     }
 
     /// The model files built into the library: name and text.
-    pub const BUILT_IN: [(&'static str, &'static str); 2] = [
+    pub const BUILT_IN: [(&'static str, &'static str); 4] = [
         ("f16", include_str!("../../../data/models/f16.toml")),
+        ("f16-lateral", include_str!("../../../data/models/f16-lateral.toml")),
+        ("f16-six", include_str!("../../../data/models/f16-six.toml")),
         ("hfb320", include_str!("../../../data/models/hfb320.toml")),
     ];
 
-    /// The built-in model file with this name (`f16`, `hfb320`), if there is one.
+    /// The built-in model file with this name (`f16`, `f16-lateral`, ...), if there is one.
     pub fn built_in(name: &str) -> Option<Result<Self, ModelFileError>> {
         Self::BUILT_IN.iter().find(|(n, _)| *n == name).map(|(n, text)| Self::parse(n, text))
     }

@@ -10,7 +10,7 @@ pub const CAPACITY: usize = 48;
 
 /// Parameters, sensor biases included, that this build has room for with these axes. The longitudinal motion alone has
 /// a smaller room: what is not there costs neither time nor memory.
-pub fn capacity(axes: Axes) -> usize {
+pub const fn capacity(axes: Axes) -> usize {
     match axes {
         Axes::Longitudinal => 24,
         Axes::LateralDirectional | Axes::All => CAPACITY,

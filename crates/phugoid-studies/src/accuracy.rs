@@ -2,12 +2,15 @@
 //! against the Cramer-Rao bound.
 
 use phugoid_identification::axes::Axes;
-use phugoid_identification::estimate::{EstimateError, EstimateOptions, estimate};
+use phugoid_identification::estimate::{CAPACITY, EstimateError, EstimateOptions, capacity, estimate};
 use phugoid_identification::estimation::Estimation;
-use phugoid_identification::longitudinal::{LongitudinalModel, OUTPUTS, STATES};
+use phugoid_identification::lateral::LateralModel;
+use phugoid_identification::longitudinal::LongitudinalModel;
 use phugoid_identification::model_file::{InputHold, ModelFile, Role};
+use phugoid_identification::motion::MotionModel;
 use phugoid_identification::output::Output;
 use phugoid_identification::prepare::prepare;
+use phugoid_identification::six::SixModel;
 use serde::Serialize;
 
 use crate::cramer_rao::{Between, Bound, CramerRaoError, Experiment, Knowledge, cramer_rao_knowing};
@@ -15,8 +18,8 @@ use crate::flight::{Flight, FlightError, fly, sense};
 use crate::monte_carlo::{Accuracy, Outcome, monte_carlo};
 use crate::scenario::Scenario;
 
-/// Room for parameters in the bound; the model's own count decides how many are used.
-const CAPACITY: usize = 24;
+/// Room for parameters of the longitudinal motion in the bound; the model's own count decides how many are used.
+const LONGITUDINAL_CAPACITY: usize = capacity(Axes::Longitudinal);
 
 /// Accuracy at one time of the flight.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -167,17 +170,30 @@ pub fn bound_with_noise(
     noise: &dyn Fn(Output) -> Option<f64>,
     at: &[f64],
 ) -> Result<Vec<Bound>, StudyError> {
-    let unsuitable = |what: &str| Err(StudyError::Unsuitable(format!("model `{}`: {what}", model.source)));
-    if model.axes != Axes::Longitudinal {
-        return unsuitable("the bound is known for the longitudinal motion only");
+    match model.axes {
+        Axes::Longitudinal => bound_of::<LongitudinalModel, _, _, LONGITUDINAL_CAPACITY>(flight, model, noise, at),
+        Axes::LateralDirectional => bound_of::<LateralModel, _, _, CAPACITY>(flight, model, noise, at),
+        Axes::All => bound_of::<SixModel, _, _, CAPACITY>(flight, model, noise, at),
     }
-    let prepared = prepare::<LongitudinalModel, _, _>(&flight.truth, model)?;
-    let mut parameters = [0.0; CAPACITY];
-    let mut knowledge = Knowledge::<OUTPUTS, CAPACITY>::NONE;
+}
+
+fn bound_of<M, const N: usize, const R: usize, const P: usize>(
+    flight: &Flight,
+    model: &ModelFile,
+    noise: &dyn Fn(Output) -> Option<f64>,
+    at: &[f64],
+) -> Result<Vec<Bound>, StudyError>
+where
+    M: MotionModel<N, R, P>,
+{
+    let unsuitable = |what: &str| Err(StudyError::Unsuitable(format!("model `{}`: {what}", model.source)));
+    let prepared = prepare::<M, N, R>(&flight.truth, model)?;
+    let mut parameters = [0.0; P];
+    let mut knowledge = Knowledge::<R, P>::NONE;
     let mut terms = 0;
     for parameter in model.estimated() {
         if let Role::Bias(output) = parameter.role {
-            if let Some(row) = Axes::Longitudinal.row(output) {
+            if let Some(row) = M::AXES.row(output) {
                 knowledge.bias_sd[row] = parameter.prior_std;
             }
             continue;
@@ -188,7 +204,7 @@ pub fn bound_with_noise(
             return unsuitable(&format!("the true value of `{}` is not known", parameter.name));
         };
         let Some(slot) = parameters.get_mut(terms) else {
-            return unsuitable(&format!("there is room for {CAPACITY} parameters"));
+            return unsuitable(&format!("there is room for {P} parameters"));
         };
         *slot = truth;
         if parameter.is_nuisance() {
@@ -196,16 +212,16 @@ pub fn bound_with_noise(
         }
         terms += 1;
     }
-    let mut sigma = [f64::INFINITY; OUTPUTS];
-    for (row, output) in Axes::Longitudinal.outputs().iter().enumerate().filter(|(_, o)| model.outputs[o.index()]) {
+    let mut sigma = [f64::INFINITY; R];
+    for (row, output) in M::AXES.outputs().iter().enumerate().filter(|(_, o)| model.outputs[o.index()]) {
         match model.noise[output.index()].or_else(|| noise(*output)) {
             Some(noise) => sigma[row] = noise,
             None => return unsuitable(&format!("the noise of `{}` is needed: give it under [noise]", output.name())),
         }
     }
     // A state need not be measured: its true value is in the flight.
-    let mut initial_state = [f64::NAN; STATES];
-    for (value, state) in initial_state.iter_mut().zip(Axes::Longitudinal.states()) {
+    let mut initial_state = [f64::NAN; N];
+    for (value, state) in initial_state.iter_mut().zip(M::AXES.states()) {
         let truth = flight.truth.channel(state.name()).and_then(|c| c.values.get(prepared.first));
         *value = truth.copied().unwrap_or(f64::NAN);
     }
@@ -214,11 +230,12 @@ pub fn bound_with_noise(
         parameters,
         time_s: &prepared.time,
         inputs: &prepared.inputs,
-        between: match model.input {
-            InputHold::Held => Between::Held,
-            InputHold::Interpolated => Between::Interpolated,
+        between: match (model.input, M::AXES) {
+            (InputHold::Held, Axes::Longitudinal) => Between::Held,
+            // The input knows itself what is held; a measured motion that is an input runs on between the samples.
+            _ => Between::Interpolated,
         },
         sigma,
     };
-    Ok(cramer_rao_knowing::<_, STATES, OUTPUTS, CAPACITY>(&prepared.model, &experiment, &knowledge, at)?)
+    Ok(cramer_rao_knowing::<_, N, R, P>(&prepared.model, &experiment, &knowledge, at)?)
 }

@@ -364,6 +364,8 @@ fn rate(text: &str) -> Result<f64, String> {
 #[derive(Debug, Args)]
 #[command(after_help = examples_and_exit_codes(
     "  phugoid study calm-air --runs 200        RMSE over Cramer-Rao bound, and coverage
+  phugoid study lateral --runs 200         the same of the lateral-directional motion
+  phugoid study six --runs 100             the same of all six coefficients together
   phugoid study thesis-size --json         0.05 deg doublet and sine without noise
   phugoid study damage --runs 100          is damage found, how soon, do the bounds hold?
   phugoid study health --runs 1000         false alarms, missed failures, onset
@@ -397,6 +399,10 @@ pub(crate) struct Study {
 pub(crate) enum StudyName {
     /// F-16 in calm air with realistic sensors: accuracy against the Cramer-Rao bound
     CalmAir,
+    /// The fifteen lateral-directional derivatives of the F-16 and three constants, from rudder and aileron doublets
+    Lateral,
+    /// All six coefficients of the F-16 at once, 24 derivatives, from all three surfaces
+    Six,
     /// Inputs as small as the thesis used, without noise: time to converge
     ThesisSize,
     /// Five coefficients change at 10 s: detection and recovery

@@ -18,12 +18,7 @@ impl Motion<SIX_STATES, SIX_OUTPUTS> for SixModel {
     }
 
     fn known_input(known: &Known) -> SixInput {
-        SixInput {
-            surfaces: known.into(),
-            air_density: known.air_density,
-            thrust: known.thrust,
-            mass: known.into(),
-        }
+        SixInput { surfaces: known.into(), air_density: known.air_density, thrust: known.thrust, mass: known.into() }
     }
 }
 

@@ -24,6 +24,12 @@ use crate::progress::Progress;
 /// One short-period cycle (4.17 s; the 3-2-1-1 ends after 4.2 s) and two after the input starts at 0.5 s, and the end.
 const CHECKPOINTS_S: [f64; 3] = [0.5 + 4.2, 0.5 + 8.4, 20.0];
 
+/// After the first rudder and the first aileron doublet, and the end.
+const LATERAL_CHECKPOINTS_S: [f64; 2] = [10.0, 20.0];
+
+/// After the first elevator, rudder and aileron input, and the end.
+const SIX_CHECKPOINTS_S: [f64; 2] = [15.0, 30.0];
+
 /// Times after the damage at which the estimates are looked at: 1, 2 and 4.2 s, and the end.
 const RECOVERY_S: [f64; 4] = [1.0, 2.0, 4.2, 10.0];
 
@@ -39,6 +45,8 @@ pub(crate) fn run(arguments: &arguments::Study) -> Result<(), Failure> {
             let study = accurate(&scenario, &model, arguments, &CHECKPOINTS_S)?;
             deliver(&study, delivery.json, delivery.out.as_deref(), || accuracy_text(&study))
         }
+        StudyName::Lateral => built_in("f16-lateral", &LATERAL_CHECKPOINTS_S, arguments),
+        StudyName::Six => built_in("f16-six", &SIX_CHECKPOINTS_S, arguments),
         StudyName::Accuracy => {
             let scenario = super::simulate::scenario(arguments.scenario.as_deref().unwrap_or_default())?;
             let model = super::estimate::model(arguments.model.as_deref().unwrap_or_default())?;
@@ -64,6 +72,15 @@ pub(crate) fn run(arguments: &arguments::Study) -> Result<(), Failure> {
             })
         }
     }
+}
+
+/// Accuracy of the built-in model on the built-in scenario of the same name.
+fn built_in(name: &str, at: &[f64], arguments: &arguments::Study) -> Result<(), Failure> {
+    let scenario = super::simulate::scenario(name)?;
+    let model = super::estimate::model(name)?;
+    let study = accurate(&scenario, &model, arguments.runs, at)?;
+    let delivery = &arguments.delivery;
+    deliver(&study, delivery.json, delivery.out.as_deref(), || accuracy_text(&study))
 }
 
 /// A study that cannot be made: its input's fault, or the task has no answer.
