@@ -5,6 +5,8 @@ use phugoid_flight_data::quality::QualityReport;
 use phugoid_flight_data::record::{Channel, Quantity, Record};
 use serde::{Deserialize, Serialize};
 
+pub use crate::effective::EffectiveDerivative;
+
 /// The final word on one parameter.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ParameterResult {
@@ -155,6 +157,12 @@ pub struct Estimation {
     pub parameters: Vec<ParameterResult>,
     /// Correlation matrix of the parameters, same order.
     pub correlation: Vec<Vec<f64>>,
+    /// Sums of derivatives that the flight determines although it may not tell the parts apart.
+    #[serde(default)]
+    pub effective: Vec<EffectiveDerivative>,
+    /// Angle of attack at which the terms' `alpha` is zero, rad: where derivatives are turned into other axes.
+    #[serde(default)]
+    pub alpha_reference: f64,
     /// Sentences for the user: verdict, pairs that cannot be told apart, unit doubts, model error.
     pub verdict: Vec<String>,
     /// Events in order of time.

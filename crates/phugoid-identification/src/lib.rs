@@ -4,6 +4,7 @@ mod advice;
 pub mod axes;
 pub mod batch;
 pub mod compatibility;
+mod effective;
 mod error;
 pub mod estimate;
 pub mod estimation;

@@ -28,6 +28,8 @@ pub struct Prepared<M: Motion<N, R>, const N: usize, const R: usize> {
     pub outputs: Vec<[f64; R]>,
     /// The known inputs by name: [`Axes::known_channels`], then air, mass and inertia, then the extra inputs.
     pub known: Vec<Signal>,
+    /// Where increments are zero and the terms count from.
+    pub reference: ReferencePoint,
     /// Index in the record of the first sample used.
     pub first: usize,
     /// Sentences about what was filled in.
@@ -160,7 +162,7 @@ pub fn prepare<M: Motion<N, R>, const N: usize, const R: usize>(
         rudder: surface(wanted.rudder, Some(0.0), "rudder")?,
     };
     let model = M::build(file, database, &reference);
-    Ok(Prepared { model, time, inputs, outputs, known, first, notes })
+    Ok(Prepared { model, time, inputs, outputs, known, reference, first, notes })
 }
 
 /// The longitudinal model of a file with a given reference point. For simulation and studies as well as for estimation.

@@ -5,6 +5,7 @@ use phugoid_flight_data::quality::{Finding, QualityReport};
 use phugoid_flight_data::record::Record;
 
 use crate::axes::Axes;
+use crate::effective::{effective, sentence};
 use crate::estimation::{Estimation, History, ParameterHistory, ParameterResult, Signal};
 use crate::model_file::{ModelFile, Parameter};
 use crate::motion::Motion;
@@ -43,13 +44,19 @@ pub(crate) fn summarise<M: Motion<N, R>, const N: usize, const R: usize>(
         }
     }
     let noise_signals = measured(file).map(|(row, o)| signal(o.name(), o.unit(), vec![noise[row].std])).collect();
-    let verdict = verdict(task, &parameters, &correlation, &run, doubts, &history);
+    let effective = effective(&mut parameters, &correlation, file);
+    let mut verdict = verdict(task, &parameters, &correlation, &run, doubts, &history);
+    if run.excited {
+        verdict.extend(effective.iter().map(sentence));
+    }
     Estimation {
         source: record.source.clone(),
         model: file.source.clone(),
         method: task.method().name().to_owned(),
         parameters,
         correlation,
+        effective,
+        alpha_reference: prepared.reference.alpha,
         verdict,
         events: run.events,
         quality: without(&record.quality, doubts),

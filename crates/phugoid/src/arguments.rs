@@ -73,6 +73,15 @@ pub(crate) struct Demonstration {
     pub(crate) json: bool,
 }
 
+/// Axes that derivatives are turned into.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum AxesForm {
+    /// CL, CD; moments, p and r about the stability axes
+    Stability,
+    /// CX, CZ; moments and rates about the body axes
+    Body,
+}
+
 /// Aircraft that are built in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum AircraftName {
@@ -253,6 +262,11 @@ pub(crate) struct Estimate {
     /// values one by one, as in `--truth dCm_alpha=-0.2 --truth dCm_q=-2`. The estimator does not see it
     #[arg(long, value_name = "SCENARIO|NAME=VALUE", value_parser = truth)]
     pub(crate) truth: Vec<Truth>,
+    /// Give the derivatives in these axes too, with their covariance: `stability` (CL, CD; moments, p and r about the
+    /// stability axes) or `body` (CX, CZ; moments and rates about the body axes). A model file has CL and CD in stability
+    /// axes and all else in body axes
+    #[arg(long, value_enum, value_name = "AXES")]
+    pub(crate) axes_form: Option<AxesForm>,
     /// Folder for the report
     #[arg(long, value_name = "DIR", default_value = "phugoid-report")]
     pub(crate) out: PathBuf,

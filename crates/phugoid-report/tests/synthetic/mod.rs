@@ -233,6 +233,8 @@ pub(crate) fn estimation(case: &Case) -> Estimation {
         method: "smpe".to_owned(),
         parameters,
         correlation,
+        effective: Vec::new(),
+        alpha_reference: 0.0,
         verdict: vec![
             "All increments are known to better than 4 % of their value.".to_owned(),
             "CL_0 and CL_V cannot be told apart well (correlation −0.97): fly at two speeds.".to_owned(),

@@ -40,6 +40,7 @@ pub(crate) fn run(arguments: &Demonstration) -> Result<(), Failure> {
         figures: arguments.figures.as_deref(),
         history: &History::None,
         json: arguments.json,
+        turned: None,
     };
     presentation.present(&estimation)
 }

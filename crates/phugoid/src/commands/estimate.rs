@@ -13,6 +13,7 @@ use phugoid_studies::published;
 use phugoid_studies::scenario::nearest;
 use serde::Serialize;
 
+use super::axes_form::Turned;
 use super::result::{self, Document};
 use super::simulate::scenario;
 use crate::arguments::{self, Truth};
@@ -67,6 +68,7 @@ pub(crate) fn run(arguments: &arguments::Estimate) -> Result<(), Failure> {
         figures: arguments.figures.as_deref(),
         history: &history,
         json: arguments.json,
+        turned: arguments.axes_form.map(|form| Turned::of(&estimation, &model, form)),
     };
     presentation.present(&estimation)
 }
@@ -113,6 +115,8 @@ pub(crate) struct Presentation<'a> {
     pub(crate) history: &'a History,
     /// JSON in place of text.
     pub(crate) json: bool,
+    /// The derivatives in other axes, if they are wanted.
+    pub(crate) turned: Option<Turned>,
 }
 
 impl Presentation<'_> {
@@ -134,9 +138,11 @@ impl Presentation<'_> {
         if self.json {
             let mut document = Document::new(estimation, report, figures);
             document.history = (*self.history == History::Document).then_some(&estimation.history);
+            document.turned = self.turned.as_ref();
             print(&json(&document)?)
         } else {
-            print(&result::text(estimation, report.as_deref(), &figures))
+            let turned = self.turned.as_ref().map(Turned::text).unwrap_or_default();
+            print(&(result::text(estimation, report.as_deref(), &figures) + &turned))
         }
     }
 

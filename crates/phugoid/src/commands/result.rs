@@ -4,9 +4,10 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use phugoid_flight_data::quality::{QualityReport, Severity};
-use phugoid_identification::estimation::{Estimation, Event, History, ParameterResult, Signal};
+use phugoid_identification::estimation::{EffectiveDerivative, Estimation, Event, History, ParameterResult, Signal};
 use serde::Serialize;
 
+use super::axes_form::Turned;
 use crate::output::{Table, significant, wrapped};
 
 /// What an estimation gives, as a JSON document. Angles in rad, everything else in SI, derivatives per rad.
@@ -20,6 +21,12 @@ pub(crate) struct Document<'a> {
     pub(crate) parameters: &'a [ParameterResult],
     /// Row and column as in `parameters`.
     pub(crate) correlation: &'a [Vec<f64>],
+    /// Sums of derivatives whose parts the flight may not have told apart.
+    #[serde(skip_serializing_if = "<[_]>::is_empty")]
+    pub(crate) effective: &'a [EffectiveDerivative],
+    /// The derivatives in the axes asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) turned: Option<&'a Turned>,
     pub(crate) verdict: &'a [String],
     pub(crate) events: &'a [Event],
     pub(crate) quality: &'a QualityReport,
@@ -51,6 +58,8 @@ impl<'a> Document<'a> {
             sample_time_s: estimation.quality.sample_time_s,
             parameters: &estimation.parameters,
             correlation: &estimation.correlation,
+            effective: &estimation.effective,
+            turned: None,
             verdict: &estimation.verdict,
             events: &estimation.events,
             quality: &estimation.quality,
