@@ -1,7 +1,9 @@
 //! What the axes of a model file need, and what is said when it is not there.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // tests and benches may
 
+use phugoid_flight_data::record::{Channel, Quantity, Record};
 use phugoid_identification::axes::Axes;
+use phugoid_identification::estimate::{EstimateError, EstimateOptions, capacity, estimate};
 use phugoid_identification::model_file::{ModelFile, ReferenceValue, Source};
 use phugoid_identification::output::Output;
 
@@ -115,4 +117,69 @@ fn what_the_axes_do_not_have_is_refused_with_what_to_do() {
     let own = sideslip.replacen("[parameters]", "[parameters]\ndCL_beta.prior_std = 1\n", 1);
     let own = own.replacen("base =", "inputs = [\"beta\"]\nbase =", 1);
     assert!(ModelFile::parse("f16", &own).unwrap().channels_used().contains(&"beta"));
+}
+
+/// Half a minute of steady flight at 50 Hz with every channel that the lateral axes take.
+fn record() -> Record {
+    let time: Vec<f64> = (0..1500).map(|k| 0.02 * f64::from(k)).collect();
+    let constant = |name: &str, quantity, value: f64| Channel {
+        name: name.to_owned(),
+        quantity,
+        values: (0..1500).map(|k| value + 1e-4 * f64::from((k * 7919) % 13 - 6)).collect(),
+    };
+    let still = |name: &str| Channel { values: vec![0.01; 1500], ..constant(name, Quantity::Angle, 0.0) };
+    let channels = vec![
+        still("aileron"),
+        still("rudder"),
+        constant("true_airspeed", Quantity::Speed, 50.0),
+        constant("alpha", Quantity::Angle, 0.05),
+        constant("theta", Quantity::Angle, 0.05),
+        constant("q", Quantity::AngularRate, 0.0),
+        constant("ax", Quantity::Acceleration, 0.49),
+        constant("az", Quantity::Acceleration, -9.79),
+        constant("beta", Quantity::Angle, 0.0),
+        constant("phi", Quantity::Angle, 0.0),
+        constant("p", Quantity::AngularRate, 0.0),
+        constant("r", Quantity::AngularRate, 0.0),
+        constant("ay", Quantity::Acceleration, 0.0),
+    ];
+    Record { source: "steady".to_owned(), time, channels, ..Record::default() }
+}
+
+#[test]
+fn a_missing_or_misspelt_channel_is_named() {
+    let file = ModelFile::parse("lateral", LATERAL).unwrap();
+    for (channel, instead) in [("aileron", None), ("beta", Some("betta")), ("ax", None)] {
+        let mut record = record();
+        match instead {
+            Some(name) => record.channels.iter_mut().find(|c| c.name == channel).unwrap().name = name.to_owned(),
+            None => record.channels.retain(|c| c.name != channel),
+        }
+        let error = estimate(&record, &file, &EstimateOptions::default(), &mut |_| {}).unwrap_err();
+        let EstimateError::MissingChannel { channel: found, nearest, .. } = &error else { panic!("{error}") };
+        assert_eq!(found, channel);
+        if let Some(name) = instead {
+            assert_eq!(nearest.as_deref(), Some(name));
+        }
+    }
+}
+
+#[test]
+fn nothing_is_learnt_from_steady_flight_on_the_lateral_axes() {
+    let file = ModelFile::parse("lateral", LATERAL).unwrap();
+    let steady = estimate(&record(), &file, &EstimateOptions::default(), &mut |_| {}).unwrap();
+    assert!(
+        steady.verdict[0].contains("No excitation: aileron, rudder, sideslip, roll and yaw rate"),
+        "{:?}",
+        steady.verdict
+    );
+    for parameter in &steady.parameters {
+        assert_eq!(
+            (parameter.value, parameter.status.as_str()),
+            (parameter.initial, "not_excited"),
+            "{}",
+            parameter.name
+        );
+    }
+    assert_eq!(capacity(Axes::LateralDirectional), 48);
 }

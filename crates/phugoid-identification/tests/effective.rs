@@ -3,8 +3,8 @@
 
 mod common;
 
-use common::f16::{NOISE, TRIM, channel, three_two_one_one, unbiased};
 use common::Normal;
+use common::f16::{NOISE, TRIM, channel, three_two_one_one, unbiased};
 use phugoid_estimators::discretization::{self, InputHold, IntervalInput, Part};
 use phugoid_estimators::{LinearizedOutputs, Model};
 use phugoid_flight_data::record::{Channel, Quantity, Record};

@@ -23,8 +23,8 @@ impl Motion<SIX_STATES, SIX_OUTPUTS> for SixModel {
 }
 
 impl AircraftConstants {
-    /// Those of a model file about a reference point. The rotor's momentum is the database's; without one there is none.
-    /// The span of a file of lateral axes is there: it is refused without.
+    /// Those of a model file about a reference point. The rotor's momentum is the database's if the file gives none. The
+    /// span of a file of lateral axes is there: it is refused without.
     pub(crate) fn of(file: &ModelFile, database: &Database, reference: &ReferencePoint) -> Self {
         let aircraft = &file.aircraft;
         let reference_speed = aircraft.reference_speed.unwrap_or(1.0);
@@ -36,8 +36,8 @@ impl AircraftConstants {
             thrust_inclination: aircraft.thrust_inclination,
             thrust_arm: aircraft.thrust_arm,
             rotor_momentum: match database {
-                Database::None => 0.0,
-                Database::F16(aircraft) => aircraft.mass_properties.rotor_momentum(),
+                Database::F16(known) if aircraft.rotor_momentum == 0.0 => known.mass_properties.rotor_momentum(),
+                _ => aircraft.rotor_momentum,
             },
             reference_speed,
             rate_speed: (file.rate_speed == RateSpeed::Reference).then_some(reference_speed),

@@ -78,7 +78,7 @@ pub(crate) fn run(arguments: &arguments::Study) -> Result<(), Failure> {
 fn built_in(name: &str, at: &[f64], arguments: &arguments::Study) -> Result<(), Failure> {
     let scenario = super::simulate::scenario(name)?;
     let model = super::estimate::model(name)?;
-    let study = accurate(&scenario, &model, arguments.runs, at)?;
+    let study = accurate(&scenario, &model, arguments, at)?;
     let delivery = &arguments.delivery;
     deliver(&study, delivery.json, delivery.out.as_deref(), || accuracy_text(&study))
 }
