@@ -1,6 +1,7 @@
 //! The lateral-directional motion and all six coefficients of the F-16 against the Cramer-Rao bound.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // tests may
 
+use phugoid_identification::estimate::EstimateOptions;
 use phugoid_identification::model_file::ModelFile;
 use phugoid_studies::accuracy::{AccuracyStudy, accuracy};
 use phugoid_studies::scenario::built_in;
@@ -9,7 +10,8 @@ fn study(name: &str, runs: usize, at: &[f64]) -> AccuracyStudy {
     let runs = std::env::var("PHUGOID_RUNS").ok().and_then(|n| n.parse().ok()).unwrap_or(runs);
     let scenario = built_in(name).unwrap().unwrap();
     let model = ModelFile::built_in(name).unwrap().unwrap();
-    let study = accuracy(&scenario, &model, runs, at, || ()).unwrap_or_else(|e| panic!("{e}"));
+    let study =
+        accuracy(&scenario, &model, &EstimateOptions::default(), runs, at, || ()).unwrap_or_else(|e| panic!("{e}"));
     for checkpoint in &study.checkpoints {
         println!("{name}, {runs} runs, {:.1} s: truth, bound, RMSE/bound, bias/bound, coverage", checkpoint.time_s);
         for p in &checkpoint.parameters {

@@ -1,7 +1,7 @@
 //! One file per command: read, call, print.
 
-pub(crate) mod compatibility;
 mod axes_form;
+pub(crate) mod compatibility;
 pub(crate) mod demonstrate;
 pub(crate) mod design;
 pub(crate) mod estimate;
