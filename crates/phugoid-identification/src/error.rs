@@ -2,6 +2,8 @@
 
 use phugoid_flight_data::channels::by_name;
 
+use crate::batch::BatchError;
+
 /// Why an estimation could not be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum EstimateError {
@@ -41,6 +43,9 @@ pub enum EstimateError {
     /// The model cannot be built.
     #[error("{0}")]
     Model(String),
+    /// A batch method has no answer.
+    #[error(transparent)]
+    Batch(#[from] BatchError),
     /// More parameters than the estimator has room for.
     #[error(
         "the model has {wanted} parameters, sensor biases included; this build has room for {capacity}. Fix some \

@@ -46,6 +46,13 @@ pub(crate) fn pipeline(
     if wanted > capacity {
         return Err(EstimateError::TooManyParameters { wanted, capacity });
     }
+    let method = options.method.unwrap_or(model.estimator.method);
+    if !method.is_batch() && (options.predict.is_some() || !options.further.is_empty()) {
+        return Err(EstimateError::Model(format!(
+            "{method} takes one record, sample by sample: further records and a prediction need a batch method \
+             (equation-error, output-error, filter-error)"
+        )));
+    }
     match model.axes {
         Axes::Longitudinal => pipeline_of::<LongitudinalModel, _, _>(record, model, options, health, progress),
         Axes::LateralDirectional => pipeline_of::<LateralModel, _, _>(record, model, options, health, progress),

@@ -6,6 +6,7 @@ use phugoid_flight_data::record::{Channel, Quantity, Record};
 use serde::{Deserialize, Serialize};
 
 pub use crate::effective::EffectiveDerivative;
+use crate::batch::{Equation, OutputFit, Unknown};
 
 /// The final word on one parameter.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -171,6 +172,46 @@ pub struct Estimation {
     pub quality: QualityReport,
     /// Measurement noise used per output, SI: name, unit, one sigma (one value each).
     pub noise: Vec<Signal>,
-    /// Histories.
+    /// Histories. Of a batch method: the fitted outputs as predictions, the parameters constant.
     pub history: History,
+    /// What a batch method says beside; none for a causal one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub batch: Option<BatchReport>,
+}
+
+/// What a batch method says beside the parameters.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct BatchReport {
+    /// Iterations to the minimum.
+    pub iterations: usize,
+    /// Negative logarithm of the likelihood there, without constants: for comparing models on the same record.
+    pub cost: f64,
+    /// One sigma of the noise by output, given or estimated; of equation error: of the equations. NaN where not measured.
+    pub noise_sd: Vec<f64>,
+    /// What was estimated beside the parameters and biases: initial states, noise.
+    pub unknowns: Vec<Unknown>,
+    /// Fit by manoeuvre and output: this record first, then the others that were fitted with it.
+    pub manoeuvres: Vec<(String, Vec<OutputFit>)>,
+    /// Equations with their terms, from equation error.
+    pub equations: Vec<Equation>,
+    /// The parameters tried on another record.
+    pub prediction: Option<Prediction>,
+    /// What should be known before the numbers are used.
+    pub notes: Vec<String>,
+}
+
+/// The estimated parameters tried on a record that they have not seen: simulated with their values held, only the initial
+/// state and the sensor biases fitted.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Prediction {
+    /// The record.
+    pub source: String,
+    /// Agreement by output.
+    pub fit: Vec<OutputFit>,
+    /// Time, s.
+    pub time_s: Vec<f64>,
+    /// Measured outputs.
+    pub measured: Vec<Signal>,
+    /// Predicted outputs.
+    pub predicted: Vec<Signal>,
 }

@@ -23,6 +23,12 @@ pub enum Method {
     ImplicitSign,
     /// Teaching mode: super-twisting law on mixed regressors, without bounds (docs/methods.md).
     SuperTwisting,
+    /// Least squares on the equations of motion (docs/methods.md, as all below).
+    EquationError,
+    /// Maximum likelihood without process noise.
+    OutputError,
+    /// Maximum likelihood with process noise.
+    FilterError,
 }
 
 impl Method {
@@ -35,6 +41,9 @@ impl Method {
         Self::ModelReference,
         Self::ImplicitSign,
         Self::SuperTwisting,
+        Self::EquationError,
+        Self::OutputError,
+        Self::FilterError,
     ];
 
     /// Its name on the command line, in model files and in results.
@@ -47,7 +56,15 @@ impl Method {
             Self::ModelReference => "model-reference",
             Self::ImplicitSign => "implicit-sign",
             Self::SuperTwisting => "super-twisting",
+            Self::EquationError => "equation-error",
+            Self::OutputError => "output-error",
+            Self::FilterError => "filter-error",
         }
+    }
+
+    /// Whether it sees all samples at once, and several records; the others see one sample after the other.
+    pub fn is_batch(self) -> bool {
+        matches!(self, Self::EquationError | Self::OutputError | Self::FilterError)
     }
 
     /// One line for a list.
@@ -60,6 +77,9 @@ impl Method {
             Self::ModelReference => "model-reference law tuned by rule; no bounds",
             Self::ImplicitSign => "teaching mode: sliding law on the least-squares surface",
             Self::SuperTwisting => "teaching mode: super-twisting law on mixed regressors; no bounds",
+            Self::EquationError => "batch: least squares on the equations of motion",
+            Self::OutputError => "batch: maximum likelihood, measurement noise only",
+            Self::FilterError => "batch: maximum likelihood with process noise, for turbulence",
         }
     }
 }

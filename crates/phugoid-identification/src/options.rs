@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use phugoid_flight_data::record::Record;
+
 use crate::axes::Axes;
 pub use crate::method::Method;
 
@@ -29,4 +31,8 @@ pub struct EstimateOptions {
     pub start_s: Option<f64>,
     /// True values by parameter name, where the flight was simulated.
     pub truth: BTreeMap<String, f64>,
+    /// Further records of the same aircraft; a batch method fits all together. A causal method takes none.
+    pub further: Vec<Record>,
+    /// A record that the estimated parameters are tried on, with a batch method.
+    pub predict: Option<Record>,
 }

@@ -1,5 +1,6 @@
 //! A method over the samples of a record, and what it said at each of them.
 
+mod batch;
 mod causal;
 mod gate;
 mod kalman;
@@ -13,7 +14,7 @@ use phugoid_estimators::{ParameterStatus, Phase, Status};
 
 use crate::axes::Axes;
 use crate::error::EstimateError;
-use crate::estimation::Event;
+use crate::estimation::{BatchReport, Event};
 use crate::health::HealthOptions;
 use crate::method::Method;
 use crate::model_file::ModelFile;
@@ -43,6 +44,8 @@ pub(crate) struct Run<const R: usize> {
     pub(crate) excited: bool,
     /// What the health monitor said, if one was asked for.
     pub(crate) health: Option<HealthRun>,
+    /// What a batch method says beside.
+    pub(crate) batch: Option<BatchReport>,
 }
 
 /// What one run gave of one parameter.
@@ -120,6 +123,13 @@ pub(crate) fn run<M: EveryRoom<N, R>, const N: usize, const R: usize>(
         Method::ModelReference => in_smallest_room::<regression::ByModelReference, M, N, R>(task, progress),
         Method::ImplicitSign => in_smallest_room::<regression::BySign, M, N, R>(task, progress),
         Method::SuperTwisting => in_smallest_room::<regression::BySuperTwisting, M, N, R>(task, progress),
+        Method::EquationError | Method::OutputError | Method::FilterError => {
+            if const { matches!(M::AXES, Axes::Longitudinal) } {
+                batch::run_batch::<M, N, R, LARGE_ROOM>(task, progress)
+            } else {
+                batch::run_batch::<M, N, R, CAPACITY>(task, progress)
+            }
+        }
     }
 }
 

@@ -7,6 +7,7 @@ use phugoid_flight_data::record::Record;
 use crate::axes::Axes;
 use crate::effective::{effective, sentence};
 use crate::estimation::{Estimation, History, ParameterHistory, ParameterResult, Signal};
+use crate::method::Method;
 use crate::model_file::{ModelFile, Parameter};
 use crate::motion::Motion;
 use crate::options::EstimateOptions;
@@ -43,7 +44,14 @@ pub(crate) fn summarise<M: Motion<N, R>, const N: usize, const R: usize>(
             }
         }
     }
-    let noise_signals = measured(file).map(|(row, o)| signal(o.name(), o.unit(), vec![noise[row].std])).collect();
+    if run.batch.is_some() {
+        // All samples decide at once: there is no time from which on.
+        parameters.iter_mut().for_each(|p| p.converged_at_s = None);
+    }
+    // Residuals of equations are no noise of sensors.
+    let found = run.batch.as_ref().filter(|_| task.method() != Method::EquationError).map(|b| &b.noise_sd);
+    let sd = |row: usize| found.and_then(|sd| sd.get(row)).copied().unwrap_or(noise[row].std);
+    let noise_signals = measured(file).map(|(row, o)| signal(o.name(), o.unit(), vec![sd(row)])).collect();
     let effective = effective(&mut parameters, &correlation, file);
     let mut verdict = verdict(task, &parameters, &correlation, &run, doubts, &history);
     if run.excited {
@@ -62,6 +70,7 @@ pub(crate) fn summarise<M: Motion<N, R>, const N: usize, const R: usize>(
         quality: without(&record.quality, doubts),
         noise: noise_signals,
         history,
+        batch: run.batch,
     }
 }
 

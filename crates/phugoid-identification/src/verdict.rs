@@ -4,10 +4,12 @@ use phugoid_estimators::DetectorState;
 use phugoid_flight_data::plausibility::Doubt;
 
 use crate::axes::Axes;
-use crate::estimation::{History, ParameterResult, Signal};
+use crate::estimation::{BatchReport, History, ParameterResult, Signal};
 use crate::motion::Motion;
 use crate::run::{Run, Task};
 
+/// Theil's coefficient up to which a prediction counts as good (Jategaonkar, Flight Vehicle System Identification, ch. 11).
+const GOOD_PREDICTION: f64 = 0.3;
 /// Correlation from which two parameters are said to be indistinguishable.
 const INDISTINGUISHABLE: f64 = 0.99;
 /// Correlation from which two parameters are said to depend on each other.
@@ -45,12 +47,39 @@ pub(crate) fn verdict<M: Motion<N, R>, const N: usize, const R: usize>(
         .filter(|(_, level)| level.measured)
         .map(|(o, level)| format!("{} {:.3e} {}", o.name(), level.std, o.unit()))
         .collect();
-    if !measured.is_empty() {
+    if !measured.is_empty() && run.batch.is_none() {
         sentences.push(format!("Noise levels measured from the record, one sigma: {}.", measured.join(", ")));
+    }
+    if let Some(report) = &run.batch {
+        batch(report, &mut sentences);
     }
     sentences.extend(doubts.iter().map(|d| format!("Check the units: {}.", d.to_string().trim_end_matches('.'))));
     sentences.extend(task.prepared.notes.iter().map(|n| format!("{}.", capitalised(n))));
     sentences
+}
+
+/// What a batch method found beside, and how its parameters do on another record.
+fn batch(report: &BatchReport, sentences: &mut Vec<String>) {
+    sentences.extend(report.notes.iter().map(|n| format!("{}.", capitalised(n))));
+    for equation in &report.equations {
+        let idle: Vec<&str> = equation.terms.iter().filter(|t| !t.needed).map(|t| t.name.as_str()).collect();
+        if !idle.is_empty() {
+            sentences.push(format!(
+                "The equation of {} does not need {}: leaving it out hardly changes the fit.",
+                equation.left_sides.join(" and "),
+                idle.join(", ")
+            ));
+        }
+    }
+    if let Some(prediction) = &report.prediction
+        && let Some(worst) = prediction.fit.iter().max_by(|a, b| a.theil.total_cmp(&b.theil))
+    {
+        let verdict = if worst.theil <= GOOD_PREDICTION { "predicts" } else { "does not predict" };
+        sentences.push(format!(
+            "The estimate {verdict} {}: Theil's coefficient is at most {:.3} ({}), and up to {GOOD_PREDICTION} counts as good.",
+            prediction.source, worst.theil, worst.name
+        ));
+    }
 }
 
 fn capitalised(text: &str) -> String {

@@ -243,6 +243,12 @@ pub(crate) struct Estimate {
     /// Estimator; without it the model file's, or smpe
     #[arg(long, value_parser = method())]
     pub(crate) method: Option<Method>,
+    /// Another flight of the same aircraft, fitted together with the first by a batch method; may be repeated
+    #[arg(long, value_name = "FLIGHT.csv")]
+    pub(crate) with: Vec<PathBuf>,
+    /// A flight to try the result on: the parameters of a batch method are held, and its outputs predicted
+    #[arg(long, value_name = "FLIGHT.csv")]
+    pub(crate) predict: Option<PathBuf>,
     /// Do not look for sudden changes of the coefficients
     #[arg(long)]
     pub(crate) no_change_detection: bool,

@@ -67,6 +67,7 @@ pub(super) fn run_causal<C: Causal, M: MotionModel<N, R, P>, const N: usize, con
         detector: None,
         excited: false,
         health: None,
+        batch: None,
     };
     let mut last: Option<Estimate<P>> = None;
     // Until something has moved the prior is all that is known of single parameters: steady flight tells sums of terms.

@@ -84,7 +84,7 @@ fn prior(parameter: &Parameter, base: Base) -> ParameterPrior {
 }
 
 /// Median of the first fifty intervals, s: later ones must not change what was estimated before them.
-fn sample_time(time: &[f64]) -> f64 {
+pub(super) fn sample_time(time: &[f64]) -> f64 {
     let mut steps: Vec<f64> = time.windows(2).take(50).map(|w| w[1] - w[0]).collect();
     crate::noise::median(&mut steps).unwrap_or(f64::NAN)
 }

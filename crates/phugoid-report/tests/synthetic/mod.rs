@@ -276,6 +276,7 @@ pub(crate) fn estimation(case: &Case) -> Estimation {
             ],
         },
         noise: OUTPUTS.map(|(n, u, s)| Signal { values: vec![s], ..signal(n, u) }).to_vec(),
+        batch: None,
         history: History {
             inputs: vec![Signal {
                 values: time_s.iter().map(|t| input(*t) - 0.034).collect(),

@@ -32,9 +32,11 @@ pub(crate) fn run(arguments: &arguments::Estimate) -> Result<(), Failure> {
     let model = model(wanted)?;
     let truth = truth(&arguments.truth, &model)?;
     let options = CsvOptions { columns: columns(&model), ..CsvOptions::default() };
-    let record = {
+    let read = |path: &PathBuf| csv::read_path(path, &options).map_err(Failure::input);
+    let (record, further, predict) = {
         let _progress = Progress::spinner("reading");
-        csv::read_path(flight, &options).map_err(Failure::input)?
+        let further = arguments.with.iter().map(read).collect::<Result<Vec<_>, _>>()?;
+        (read(flight)?, further, arguments.predict.as_ref().map(read).transpose()?)
     };
     // Times of convergence count from the start of the whole record.
     let start_s = record.time.first().copied();
@@ -48,7 +50,7 @@ pub(crate) fn run(arguments: &arguments::Estimate) -> Result<(), Failure> {
         (_, true) => Some(false),
         _ => None,
     };
-    let options = EstimateOptions { method: arguments.method, re_reaching, start_s, truth };
+    let options = EstimateOptions { method: arguments.method, re_reaching, start_s, truth, further, predict };
     let estimation = {
         let progress = Progress::new("estimating");
         estimate(&record, &model, &options, &mut |done| progress.set(done)).map_err(Failure::input)?
