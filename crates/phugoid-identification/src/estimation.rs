@@ -5,8 +5,8 @@ use phugoid_flight_data::quality::QualityReport;
 use phugoid_flight_data::record::{Channel, Quantity, Record};
 use serde::{Deserialize, Serialize};
 
-pub use crate::effective::EffectiveDerivative;
 use crate::batch::{Equation, OutputFit, Unknown};
+pub use crate::effective::EffectiveDerivative;
 
 /// The final word on one parameter.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

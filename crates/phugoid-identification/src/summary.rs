@@ -28,7 +28,7 @@ pub(crate) fn summarise<M: Motion<N, R>, const N: usize, const R: usize>(
     let mut parameters: Vec<ParameterResult> =
         columns.iter().map(|(p, column)| result(p, *column, &prepared.time, start_s, &run.columns, options)).collect();
     let estimated: Vec<&Parameter> = file.estimated().collect();
-    for (result, (_, column)) in parameters.iter_mut().zip(&columns) {
+    for (result, (_, column)) in parameters.iter_mut().zip(&columns).filter(|_| run.batch.is_none()) {
         result.readiness = column.map(|j| readiness(j, &run.columns[j].verdict, &estimated, &file.extra_inputs));
     }
     let correlation = correlation(&columns, &run.covariance);

@@ -60,8 +60,8 @@ fn further_records_sharpen_the_bounds_and_a_prediction_is_judged() {
     assert_eq!(prediction.time_s.len(), 500);
     assert!(prediction.fit.iter().all(|f| f.theil < 0.3 && f.white), "{:?}", prediction.fit);
     assert!(together.verdict.iter().any(|s| s.contains("The estimate predicts")), "{:?}", together.verdict);
-    let json = serde_json::to_string(&together).unwrap();
-    assert_eq!(serde_json::from_str::<Estimation>(&json).unwrap().batch.unwrap().manoeuvres, batch.manoeuvres);
+    let json = serde_json::to_value(&together).unwrap();
+    assert!(json["batch"]["prediction"]["fit"][0]["theil"].is_f64(), "{json}");
 }
 
 #[test]
@@ -72,5 +72,5 @@ fn what_a_method_cannot_do_is_said() {
     // Nothing moves: nothing can be told, and no number is given.
     let options = EstimateOptions { method: Some(Method::EquationError), ..EstimateOptions::default() };
     let message = estimate(&fly(5.0, 0.0, 36), &model(), &options, &mut |_| {}).unwrap_err().to_string();
-    assert!(message.contains("dCm_elevator does not move any measured output"), "{message}");
+    assert!(message.contains("no excitation"), "{message}");
 }

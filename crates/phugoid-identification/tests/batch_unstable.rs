@@ -56,7 +56,8 @@ fn settings() -> EquationErrorSettings {
     EquationErrorSettings { half_window_s: 0.1, smooth_regressors: false, every_equation: false, f_to_enter: 20.0 }
 }
 
-/// From zero, without any start values. The pitch acceleration is not measured: what differentiating costs is 0.5-0.75 %.
+/// From zero, without any start values. The pitch acceleration is not measured; both sides of its equation go through the
+/// same differentiation, so that not even the window of four samples costs more than the published values' digits.
 #[test]
 fn equation_error_needs_no_start() {
     let Some(flight) = flight() else { return };
@@ -65,7 +66,7 @@ fn equation_error_needs_no_start() {
     for index in 0..3 {
         // Half a unit of the fifth published digit.
         within(&result.fit, index, 0.5e-4 / TRUTH[index].abs());
-        within(&result.fit, 3 + index, 0.01);
+        within(&result.fit, 3 + index, 2e-4);
     }
     let [pitch, normal] = &result.equations[..] else { panic!("{:?}", result.equations) };
     assert_eq!(

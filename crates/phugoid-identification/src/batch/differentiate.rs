@@ -7,55 +7,84 @@
 
 use nalgebra::{Matrix4, Vector4};
 
-/// A smoothed signal; NaN near the ends, at long gaps and where nothing was measured.
+/// Local cubics over one set of sample times: both value and slope are weighted sums of the samples in a window.
 #[derive(Clone, Debug)]
-pub(crate) struct Smoothed {
-    pub(crate) value: Vec<f64>,
-    /// Per second.
-    pub(crate) slope: Vec<f64>,
+pub(crate) struct LocalCubics {
+    /// By sample; none near the ends and where too little was measured.
+    windows: Vec<Option<Window>>,
+}
+
+#[derive(Clone, Debug)]
+struct Window {
+    /// First sample of the window.
+    from: usize,
+    /// Weights of the value and of the slope (1/s), by sample from there; zero for a missing one.
+    weights: Vec<[f64; 2]>,
 }
 
 /// Fewest samples on each side of a window.
 const SIDE: usize = 2;
 
-/// Smooths `values` at `time_s` with windows of `half_window_s` to each side.
-pub(crate) fn smooth(time_s: &[f64], values: &[f64], half_window_s: f64) -> Smoothed {
-    let samples = time_s.len().min(values.len());
-    let mut smoothed = Smoothed { value: vec![f64::NAN; samples], slope: vec![f64::NAN; samples] };
-    let half = half_window_s * (1.0 + 1e-9);
-    let (mut from, mut to) = (0, 0);
-    for k in 0..samples {
-        let centre = time_s[k];
-        while time_s[from] < centre - half {
-            from += 1;
-        }
-        while to < samples && time_s[to] <= centre + half {
-            to += 1;
-        }
-        let whole = time_s[0] <= centre - half_window_s * (1.0 - 1e-9)
-            && time_s[samples - 1] >= centre + half_window_s * (1.0 - 1e-9);
-        let present = |range: std::ops::Range<usize>| values[range].iter().filter(|v| v.is_finite()).count();
-        if !whole || present(from..k) < SIDE || present(k + 1..to) < SIDE {
-            continue;
-        }
-        let (mut normal, mut right) = (Matrix4::<f64>::zeros(), Vector4::<f64>::zeros());
-        for i in (from..to).filter(|&i| values[i].is_finite()) {
-            let s = (time_s[i] - centre) / half_window_s;
-            let powers = Vector4::new(1.0, s, s * s, s * s * s);
-            normal += powers * powers.transpose();
-            // About the centre value, so that a large constant costs no digits.
-            right += powers * (values[i] - reference(values, from, to));
-        }
-        if let Some(coefficients) = normal.cholesky().map(|c| c.solve(&right)) {
-            smoothed.value[k] = coefficients[0] + reference(values, from, to);
-            smoothed.slope[k] = coefficients[1] / half_window_s;
-        }
+impl LocalCubics {
+    /// Windows of `half_window_s` to each side, over the samples at which `values` are finite.
+    pub(crate) fn new(time_s: &[f64], values: &[f64], half_window_s: f64) -> Self {
+        let samples = time_s.len().min(values.len());
+        let (inner, outer) = (half_window_s * (1.0 - 1e-9), half_window_s * (1.0 + 1e-9));
+        let window = |k: usize| {
+            let centre = time_s[k];
+            if time_s[0] > centre - inner || time_s[samples - 1] < centre + inner {
+                return None;
+            }
+            let from = time_s.partition_point(|t| *t < centre - outer);
+            let to = time_s[..samples].partition_point(|t| *t <= centre + outer);
+            let present = |range: std::ops::Range<usize>| values[range].iter().filter(|v| v.is_finite()).count();
+            if present(from..k) < SIDE || present(k + 1..to) < SIDE {
+                return None;
+            }
+            let powers = |i: usize| {
+                let s = (time_s[i] - centre) / half_window_s;
+                Vector4::new(1.0, s, s * s, s * s * s)
+            };
+            let normal: Matrix4<f64> =
+                (from..to).filter(|&i| values[i].is_finite()).map(|i| powers(i) * powers(i).transpose()).sum();
+            let inverse = normal.cholesky()?.inverse();
+            let weight = |i: usize| {
+                let w = if values[i].is_finite() { inverse * powers(i) } else { Vector4::zeros() };
+                [w[0], w[1] / half_window_s]
+            };
+            Some(Window { from, weights: (from..to).map(weight).collect() })
+        };
+        Self { windows: (0..samples).map(window).collect() }
     }
-    smoothed
-}
 
-fn reference(values: &[f64], from: usize, to: usize) -> f64 {
-    values[from..to].iter().copied().find(|v| v.is_finite()).unwrap_or(0.0)
+    /// Most samples that a window has to one side.
+    pub(crate) fn reach(&self) -> usize {
+        let side =
+            |(k, w): (usize, &Option<Window>)| w.as_ref().map(|w| (k - w.from).max(w.from + w.weights.len() - 1 - k));
+        self.windows.iter().enumerate().filter_map(side).max().unwrap_or(0)
+    }
+
+    /// The smoothed values; NaN where there is no window.
+    pub(crate) fn values(&self, signal: &[f64]) -> Vec<f64> {
+        self.apply(signal, 0)
+    }
+
+    /// The slopes, per second; NaN where there is no window.
+    pub(crate) fn slopes(&self, signal: &[f64]) -> Vec<f64> {
+        self.apply(signal, 1)
+    }
+
+    fn apply(&self, signal: &[f64], which: usize) -> Vec<f64> {
+        let at = |(k, window): (usize, &Option<Window>)| {
+            let Some(window) = window else { return f64::NAN };
+            // About a value nearby, so that a large constant costs no digits.
+            let level = if signal[k].is_finite() { signal[k] } else { 0.0 };
+            let pairs = window.weights.iter().zip(&signal[window.from..]).filter(|(w, _)| **w != [0.0; 2]);
+            let sum: f64 = pairs.map(|(w, v)| w[which] * (v - level)).sum();
+            if which == 0 { level + sum } else { sum }
+        };
+        self.windows.iter().enumerate().map(at).collect()
+    }
 }
 
 #[cfg(test)]
@@ -69,12 +98,13 @@ mod tests {
         let slope = |t: f64| 2.0 - 6.0 * t + 1.5 * t * t;
         let mut values: Vec<f64> = time.iter().map(|t| cubic(*t)).collect();
         values[30] = f64::NAN;
-        let smoothed = smooth(&time, &values, 0.25);
+        let cubics = LocalCubics::new(&time, &values, 0.25);
+        let (smoothed, slopes) = (cubics.values(&values), cubics.slopes(&values));
         for (k, t) in time.iter().enumerate() {
             let inside = *t >= 0.25 && *t <= time[59] - 0.25;
-            assert_eq!(smoothed.value[k].is_finite(), inside, "{t}");
+            assert_eq!(smoothed[k].is_finite(), inside, "{t}");
             if inside {
-                assert!((smoothed.value[k] - cubic(*t)).abs() < 1e-10 && (smoothed.slope[k] - slope(*t)).abs() < 1e-9);
+                assert!((smoothed[k] - cubic(*t)).abs() < 1e-10 && (slopes[k] - slope(*t)).abs() < 1e-9);
             }
         }
     }
@@ -84,7 +114,7 @@ mod tests {
         let time: Vec<f64> = (0..40).map(|k| 0.1 * f64::from(k)).collect();
         let mut values = time.clone();
         values[15..22].fill(f64::NAN);
-        let smoothed = smooth(&time, &values, 0.3);
-        assert!(smoothed.value[18].is_nan() && smoothed.value[10].is_finite() && smoothed.value[26].is_finite());
+        let smoothed = LocalCubics::new(&time, &values, 0.3).values(&values);
+        assert!(smoothed[18].is_nan() && smoothed[10].is_finite() && smoothed[26].is_finite());
     }
 }

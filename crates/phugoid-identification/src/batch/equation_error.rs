@@ -1,8 +1,9 @@
 //! Equation error: least squares on the equations of motion themselves.
 
+use phugoid_estimators::discretization::IntervalInput;
 use phugoid_estimators::{Input, LinearizedOutputs, LinearizedRates, Model};
 
-use super::differentiate::smooth;
+use super::differentiate::LocalCubics;
 use super::error::BatchError;
 use super::layout::Layout;
 use super::optimise::OptimiserSettings;
@@ -55,7 +56,8 @@ pub struct EquationErrorFit {
 /// y_i - h_i(x, 0, u)                        = D_i(x, u) theta + e_i          a measured acceleration
 /// ```
 ///
-/// Each equation has its own residual variance, found with the parameters. States that no output measures, and equations
+/// Differentiation rounds corners; the right side of a state's equation is integrated and differentiated in the same way, so
+/// that both sides agree whatever the window. Each equation has its own residual variance, found with the parameters. States that no output measures, and equations
 /// whose left side is nowhere measured, are refused or left out. No integration, no start values: it cannot diverge, and
 /// gives start values to the other methods. Noise in the states biases it (docs/methods.md, measured).
 ///
@@ -117,6 +119,8 @@ struct Measured<const N: usize> {
     /// By sample; NaN near the ends and where not measured.
     states: Vec<[f64; N]>,
     slopes: Vec<[f64; N]>,
+    /// What made the slopes, by state.
+    cubics: Vec<LocalCubics>,
 }
 
 impl<const N: usize> Measured<N> {
@@ -130,27 +134,98 @@ impl<const N: usize> Measured<N> {
         I: Input,
     {
         let samples = m.time_s.len();
-        let mut measured = Self { states: vec![[f64::NAN; N]; samples], slopes: vec![[f64::NAN; N]; samples] };
+        let mut measured =
+            Self { states: vec![[f64::NAN; N]; samples], slopes: vec![[f64::NAN; N]; samples], cubics: Vec::new() };
         for state in 0..N {
             let Some(output) = m.model.measuring_output(state) else {
                 let (name, of) = (&structure.states[state].name, m.name);
                 return Err(BatchError::BadInput(format!("{of}: equation error needs the state {name} measured")));
             };
             let values: Vec<f64> = m.outputs.iter().map(|y| y[output]).collect();
-            let smoothed = smooth(m.time_s, &values, settings.half_window_s);
-            if !smoothed.slope.iter().any(|v| v.is_finite()) {
+            let cubics = LocalCubics::new(m.time_s, &values, settings.half_window_s);
+            let (smoothed, slopes) = (cubics.values(&values), cubics.slopes(&values));
+            if !slopes.iter().any(|v| v.is_finite()) {
                 let (name, of, half) = (&structure.outputs[output].name, m.name, settings.half_window_s);
                 return Err(BatchError::BadInput(format!(
                     "{of}: {name} has nowhere two values to each side within {half} s: widen the window of equation error"
                 )));
             }
             for k in 0..samples {
-                measured.slopes[k][state] = smoothed.slope[k];
-                measured.states[k][state] = if settings.smooth_regressors { smoothed.value[k] } else { values[k] };
+                measured.slopes[k][state] = slopes[k];
+                measured.states[k][state] = if settings.smooth_regressors { smoothed[k] } else { values[k] };
             }
+            measured.cubics.push(cubics);
         }
         Ok(measured)
     }
+}
+
+/// The right side of the states' equations as the differentiation sees it: rates and regressors by sample.
+struct RightSide<const N: usize, const P: usize> {
+    rates: Vec<[f64; N]>,
+    /// Row of the sample, state, column.
+    regressors: Vec<LinearizedRates<N, P>>,
+}
+
+/// Integrates the right side over the samples (trapezia, with the input that acted in each interval) and takes the slope of
+/// that as it was taken of the measured state. Both sides have then been through the same window: what it rounds off, such
+/// as the step in a rate that a step of a surface makes, it rounds off on both.
+fn right_side<M, I, const N: usize, const R: usize, const P: usize>(
+    m: &Manoeuvre<'_, M, I, N, R>,
+    measured: &Measured<N>,
+    theta: &[f64; P],
+) -> RightSide<N, P>
+where
+    M: Model<N, R, P, Input = I>,
+    I: Input,
+{
+    let samples = m.time_s.len();
+    let columns = m.model.parameter_count().min(P);
+    let known = |k: usize| measured.states[k].iter().all(|v| v.is_finite());
+    let mut rates = vec![vec![0.0; samples]; N];
+    let mut regressors = vec![vec![vec![0.0; samples]; columns]; N];
+    let (mut before, mut after) = (LinearizedRates::<N, P>::ZERO, LinearizedRates::<N, P>::ZERO);
+    for k in 1..samples {
+        let whole = known(k - 1) && known(k);
+        let h = m.time_s[k] - m.time_s[k - 1];
+        if whole {
+            let input = IntervalInput { from: m.inputs[k - 1], to: m.inputs[k], hold: m.hold };
+            m.model.linearized_rates(&measured.states[k - 1], theta, &input.at(0.0), &mut before);
+            m.model.linearized_rates(&measured.states[k], theta, &input.at(1.0), &mut after);
+        }
+        for i in 0..N {
+            // An interval without states makes the windows that contain it useless.
+            let part = |a: f64, b: f64| if whole { 0.5 * h * (a + b) } else { 0.0 };
+            rates[i][k] = rates[i][k - 1] + part(before.rates[i], after.rates[i]);
+            for j in 0..columns {
+                regressors[i][j][k] = regressors[i][j][k - 1] + part(before.regressors[i][j], after.regressors[i][j]);
+            }
+        }
+    }
+    let mut side = RightSide { rates: vec![[f64::NAN; N]; samples], regressors: vec![LinearizedRates::ZERO; samples] };
+    for i in 0..N {
+        for (k, slope) in measured.cubics[i].slopes(&rates[i]).into_iter().enumerate() {
+            side.rates[k][i] = slope;
+        }
+        for j in 0..columns {
+            for (k, slope) in measured.cubics[i].slopes(&regressors[i][j]).into_iter().enumerate() {
+                side.regressors[k].regressors[i][j] = slope;
+            }
+        }
+    }
+    // True from the first to the last sample of each window that is whole.
+    let reach = measured.cubics.iter().map(LocalCubics::reach).max().unwrap_or(0);
+    let mut lost = vec![0_usize; samples + 1];
+    for k in 0..samples {
+        lost[k + 1] = lost[k] + usize::from(!known(k));
+    }
+    for k in 0..samples {
+        let (from, to) = (k.saturating_sub(reach), (k + reach + 1).min(samples));
+        if lost[to] > lost[from] {
+            side.rates[k] = [f64::NAN; N];
+        }
+    }
+    side
 }
 
 /// The state whose equation stands in the place of this output, if the output measures a state.
@@ -183,7 +258,7 @@ where
         let kinds: Vec<UnknownKind> = columns.iter().map(|&j| layout.places[j].kind).collect();
         let biases: [f64; R] = layout.biases(index, unknowns);
         let states: [Option<usize>; R] = std::array::from_fn(|i| state_of::<M, I, N, R, P>(manoeuvres, i));
-        let mut rates = LinearizedRates::<N, P>::ZERO;
+        let side = right_side(m, measured, &theta);
         let mut lin = LinearizedOutputs::<N, R, P>::ZERO;
         let mut rows = Rows {
             outputs: Vec::with_capacity(m.time_s.len()),
@@ -196,13 +271,14 @@ where
             let x = &measured.states[k];
             let known = x.iter().all(|v| v.is_finite());
             if known {
-                m.model.linearized_rates(x, &theta, &m.inputs[k], &mut rates);
                 m.model.linearized_outputs(x, &theta, &m.inputs[k], &mut lin);
             }
             let mut residuals = [f64::NAN; R];
             for i in 0..R {
                 let (regressors, residual) = match states[i] {
-                    Some(state) => (&rates.regressors[state], measured.slopes[k][state] - rates.rates[state]),
+                    Some(state) => {
+                        (&side.regressors[k].regressors[state], measured.slopes[k][state] - side.rates[k][state])
+                    }
                     None => (&lin.parameter_jacobian[i], m.outputs[k][i] - lin.outputs[i] - biases[i]),
                 };
                 let used = known && wanted[i] && residual.is_finite();

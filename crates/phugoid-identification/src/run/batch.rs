@@ -5,7 +5,7 @@ use phugoid_estimators::{ParameterStatus, Phase, Status};
 use phugoid_flight_data::record::Record;
 
 use super::settings::{sample_time, shared_settings};
-use super::{ColumnRun, Run, Task};
+use super::{ColumnRun, ColumnVerdict, Run, Task};
 use crate::batch::{
     self, BatchError, BatchFit, BatchParameter, Bias, Equation, EquationErrorSettings, InitialState, Manoeuvre,
     ManoeuvreFit, Noise, OptimiserSettings, OutputChannel, ProcessNoise, Structure, UnknownKind,
@@ -33,6 +33,13 @@ pub(super) fn run_batch<M: MotionModel<N, R, P>, const N: usize, const R: usize,
         let method = task.method();
         let message = format!("{method} sees the whole record at once: the health monitor needs a causal method");
         return Err(EstimateError::Model(message));
+    }
+    if !excited::<M, N, R, P>(task) {
+        let [movers, manoeuvre] = M::AXES.excitation_words();
+        return Err(EstimateError::Model(format!(
+            "no excitation: {movers} never move beyond their noise, and {} would fit the noise. Fly {manoeuvre}",
+            task.method()
+        )));
     }
     progress(0.0);
     let further = prepare_all::<M, N, R, P>(task, &options.further)?;
@@ -64,7 +71,7 @@ pub(super) fn run_batch<M: MotionModel<N, R, P>, const N: usize, const R: usize,
         covariance: covariance::<M, N, R, P>(task, &fit),
         status: Status::default(),
         detector: None,
-        excited: excited::<M, N, R, P>(task),
+        excited: true,
         health: None,
         batch: Some(report(&fit, equations, prediction)),
     };
@@ -262,6 +269,7 @@ fn column<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usiz
         observability,
         status,
         change_sensitivity: 0.0,
+        verdict: ColumnVerdict::default(),
     }
 }
 
@@ -297,7 +305,7 @@ fn excited<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usi
     let mut excitation = Excitation::of(prepared, task.noise);
     (0..prepared.time.len()).any(|k| {
         let surfaces = prepared.surfaces().map(|signal| signal.values[k]);
-        excitation.update(prepared.time[k], surfaces, &prepared.outputs[k])
+        excitation.update(prepared.time[k], surfaces, &prepared.outputs[k]).any()
     })
 }
 

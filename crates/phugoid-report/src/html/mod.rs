@@ -10,6 +10,7 @@ use crate::figures::figures;
 use crate::statistics::median_step;
 use crate::ticks::significant;
 
+mod batch;
 mod page;
 mod readiness;
 mod reproduction;
@@ -47,6 +48,7 @@ pub fn html(estimation: &Estimation, options: &HtmlOptions) -> String {
         Section::new("correlation-section", "Correlation", correlation(estimation, &all)),
         Section::new("figures", "Figures", drawn(&all, |name| name != "correlation")),
         Section::new("fit", "Fit and noise", tables::fit(estimation)),
+        Section::new("batch", "Batch estimation", batch::batch(estimation)),
         Section::new("quality", "Data quality", tables::quality(estimation)),
         Section::new("events", "Events", tables::events(estimation)),
         Section::new("method", "Method and settings", tables::method(estimation, options)),

@@ -137,7 +137,7 @@ fn first_cells(parameter: &ParameterResult, unit: &HumanUnit) -> String {
 }
 
 /// Cells of markup that is safe already.
-fn number_cells(cells: &[String]) -> String {
+pub(super) fn number_cells(cells: &[String]) -> String {
     cells.iter().map(|cell| format!("<td class=\"n\">{cell}</td>")).collect()
 }
 

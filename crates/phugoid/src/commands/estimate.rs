@@ -56,14 +56,13 @@ pub(crate) fn run(arguments: &arguments::Estimate) -> Result<(), Failure> {
         estimate(&record, &model, &options, &mut |done| progress.set(done)).map_err(Failure::input)?
     };
     let yes = |yes: bool| if yes { "yes" } else { "no" }.to_owned();
-    let page = HtmlOptions {
-        settings: vec![
-            ("estimator".to_owned(), estimation.method.clone()),
-            ("looks for sudden changes".to_owned(), yes(re_reaching.unwrap_or(model.re_reaching))),
-            ("process noise learnt from the residuals".to_owned(), yes(model.process_noise.adaptive)),
-        ],
-        ..HtmlOptions::default()
-    };
+    let mut settings = vec![("estimator".to_owned(), estimation.method.clone())];
+    if estimation.batch.is_none() {
+        let looks = yes(re_reaching.unwrap_or(model.re_reaching));
+        settings.push(("looks for sudden changes".to_owned(), looks));
+        settings.push(("process noise learnt from the residuals".to_owned(), yes(model.process_noise.adaptive)));
+    }
+    let page = HtmlOptions { settings, ..HtmlOptions::default() };
     let presentation = Presentation {
         report: (!arguments.no_report).then_some(arguments.out.as_path()),
         page,

@@ -4,7 +4,10 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use phugoid_flight_data::quality::{QualityReport, Severity};
-use phugoid_identification::estimation::{EffectiveDerivative, Estimation, Event, History, ParameterResult, Signal};
+use phugoid_identification::batch::OutputFit;
+use phugoid_identification::estimation::{
+    BatchReport, EffectiveDerivative, Estimation, Event, History, ParameterResult, Signal,
+};
 use serde::Serialize;
 
 use super::axes_form::Turned;
@@ -35,6 +38,9 @@ pub(crate) struct Document<'a> {
     pub(crate) report: Option<PathBuf>,
     /// The figures that were written.
     pub(crate) figures: Vec<PathBuf>,
+    /// What a batch method says beside.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) batch: Option<&'a BatchReport>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) history: Option<&'a History>,
 }
@@ -66,6 +72,7 @@ impl<'a> Document<'a> {
             noise: estimation.noise.iter().map(|s| Noise { name: &s.name, unit: &s.unit, sigma: sigma(s) }).collect(),
             report,
             figures,
+            batch: estimation.batch.as_ref(),
             history: None,
         }
     }
@@ -92,6 +99,9 @@ pub(crate) fn text(estimation: &Estimation, report: Option<&Path>, figures: &[Pa
         "\nDerivatives per radian. Bounds are two standard errors, corrected for the\ncolour of the residuals.\n",
     );
     paragraph(&mut text, "Not ready", not_ready(estimation));
+    if let Some(report) = &estimation.batch {
+        text.push_str(&batch(report));
+    }
     paragraph(&mut text, "Verdict", estimation.verdict.iter().cloned());
     let event = |e: &Event| format!("{:8.2} s  {}", e.time_s, e.message);
     paragraph(&mut text, "Events", estimation.events.iter().map(event));
@@ -111,6 +121,35 @@ pub(crate) fn text(estimation: &Estimation, report: Option<&Path>, figures: &[Pa
         let _ = writeln!(text, "{} figure files in {}", figures.len(), folder.display());
     }
     text
+}
+
+/// Fit and prediction of a batch method.
+fn batch(report: &BatchReport) -> String {
+    let mut text = String::new();
+    for (name, fits) in &report.manoeuvres {
+        let _ = write!(text, "\nFit of {name}\n{}", fit(fits));
+    }
+    if let Some(prediction) = &report.prediction {
+        let _ = write!(text, "\nPrediction of {}, parameters held\n{}", prediction.source, fit(&prediction.fit));
+    }
+    text
+}
+
+fn fit(fits: &[OutputFit]) -> String {
+    let mut table = Table::new(&["output", "rms", "R^2", "Theil", "bias", "variance", "covariance", "white"]);
+    for f in fits {
+        table.row(vec![
+            f.name.clone(),
+            significant(f.rms, 3),
+            format!("{:.4}", f.r_squared),
+            format!("{:.4}", f.theil),
+            format!("{:.2}", f.theil_bias),
+            format!("{:.2}", f.theil_variance),
+            format!("{:.2}", f.theil_covariance),
+            if f.white { "yes" } else { "no" }.to_owned(),
+        ]);
+    }
+    table.render()
 }
 
 /// A heading and sentences below it, wrapped; nothing where there are none.
