@@ -88,6 +88,30 @@ pub enum Body {
     },
     /// A quantity over a grid.
     HeatMap(HeatMap),
+    /// Named rows and columns as coloured cells with words in them: the only panel of its figure.
+    Grid(Grid),
+}
+
+/// Named rows and columns as coloured cells with words in them.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Grid {
+    /// Names of the rows, from above.
+    pub rows: Vec<String>,
+    /// Names of the columns.
+    pub columns: Vec<String>,
+    /// Cells, one row per row name, one per column name in it.
+    pub cells: Vec<Vec<Cell>>,
+}
+
+/// A cell of a grid.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Cell {
+    /// What stands in it.
+    pub words: String,
+    /// From -1, orange and bad, over 0, plain, to 1, blue and good; NaN for a cell without a value.
+    pub tone: f64,
+    /// Whether the words are bold.
+    pub strong: bool,
 }
 
 /// A quantity over a grid, as coloured cells of equal size beside a colour bar. Abscissa and ordinate are the panel's.

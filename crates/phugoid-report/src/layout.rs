@@ -6,7 +6,7 @@ use crate::font::{Fonts, reserved_width};
 use crate::legend::{self, Entry, Swatch};
 use crate::scene::{Anchor, Scene, Shape};
 use crate::ticks::{Ticks, superscript, ticks};
-use crate::{curves, heat_map, matrix};
+use crate::{curves, grid, heat_map, matrix};
 
 /// Width of a figure, px.
 pub(crate) const WIDTH: f64 = 960.0;
@@ -27,6 +27,9 @@ pub(crate) fn scene(figure: &Figure, with_title: bool) -> Scene {
     let fonts = fonts.as_ref();
     if let [Panel { body: Body::Matrix { labels, values }, .. }] = figure.panels.as_slice() {
         return matrix::scene(fonts, with_title.then_some(figure.title.as_str()), labels, values);
+    }
+    if let [Panel { body: Body::Grid(cells), .. }] = figure.panels.as_slice() {
+        return grid::scene(fonts, with_title.then_some(figure.title.as_str()), cells);
     }
 
     let mut scene = Scene { width: WIDTH, height: 0.0, shapes: Vec::new() };
@@ -88,7 +91,7 @@ impl<'a> Plan<'a> {
         let (y, empty) = match &panel.body {
             Body::Plot { series, references } => ordinate_limits(&panel.y, series, references, x),
             Body::Strip { x, .. } => ([0.0, 1.0], x.is_empty()),
-            Body::Matrix { .. } => ([0.0, 1.0], true),
+            Body::Matrix { .. } | Body::Grid(_) => ([0.0, 1.0], true),
             Body::HeatMap(map) => (heat_map::extent(&map.y), false),
         };
         let x = if let Body::HeatMap(map) = &panel.body { heat_map::extent(&map.x) } else { x };
@@ -149,7 +152,7 @@ impl<'a> Plan<'a> {
                 self.draw_events(scene, figure, &map);
             }
             Body::HeatMap(map) => heat_map::draw(scene, fonts, map, frame),
-            Body::Matrix { .. } => {}
+            Body::Matrix { .. } | Body::Grid(_) => {}
         }
         let border = vec![vec![[frame.left, frame.top], [frame.left, frame.bottom], [frame.right, frame.bottom]]];
         scene.shapes.push(line(border, Colour::Muted, 1.0));
@@ -287,7 +290,7 @@ fn entries(figure: &Figure) -> Vec<Entry> {
                     }
                 }
             }
-            Body::Matrix { .. } => {}
+            Body::Matrix { .. } | Body::Grid(_) => {}
             Body::HeatMap(map) => {
                 if let Some((label, _)) = &map.marked {
                     add(label, Colour::Vermillion, Swatch::Framed);
@@ -318,7 +321,7 @@ fn shared_limits(figure: &Figure) -> [f64; 2] {
                 }
             }
             Body::Strip { x, .. } => limits.add_all(x),
-            Body::Matrix { .. } | Body::HeatMap(_) => {}
+            Body::Matrix { .. } | Body::HeatMap(_) | Body::Grid(_) => {}
         }
     }
     rounded_out(limits.or_unit())

@@ -6,6 +6,7 @@
 //!
 //! Nothing is estimated here. The only numbers computed are descriptions of residuals, in [`statistics`].
 
+mod arena;
 mod chart;
 mod clip;
 mod curves;
@@ -15,6 +16,7 @@ mod escape;
 pub mod figure;
 mod figures;
 mod font;
+mod grid;
 mod heat_map;
 mod html;
 mod layout;
@@ -28,12 +30,13 @@ mod svg;
 mod ticks;
 mod write;
 
+pub use arena::arena_figures;
 pub use chart::chart_figure;
 pub use error::ReportError;
 pub use figure::Figure;
 pub use figures::{TimeHistoryPanel, figures, time_histories};
 pub use html::{
-    HtmlOptions, NotRun, ReproductionOptions, StudyPage, StudySection, html, reproduction_html, study_html,
+    HtmlOptions, NotRun, ReproductionOptions, StudyPage, StudySection, arena_html, html, reproduction_html, study_html,
 };
 pub use ticks::significant;
 pub use write::{write_figures, write_named_figures};

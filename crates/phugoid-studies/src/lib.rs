@@ -2,6 +2,7 @@
 #![cfg_attr(not(test), deny(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
 pub mod accuracy;
+pub mod arena;
 pub mod constant_thrust;
 pub mod convergence;
 pub mod cramer_rao;

@@ -10,6 +10,7 @@ use crate::figures::figures;
 use crate::statistics::median_step;
 use crate::ticks::significant;
 
+mod arena;
 mod batch;
 mod page;
 mod readiness;
@@ -17,6 +18,7 @@ mod reproduction;
 mod study;
 mod tables;
 
+pub use arena::arena_html;
 use page::{Section, prose, trimmed};
 pub use reproduction::{NotRun, ReproductionOptions, reproduction_html};
 pub use study::{StudyPage, StudySection, study_html};

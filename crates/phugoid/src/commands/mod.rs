@@ -1,6 +1,7 @@
 //! One file per command: read, call, print.
 
 mod axes_form;
+pub(crate) mod compare;
 pub(crate) mod compatibility;
 pub(crate) mod demonstrate;
 pub(crate) mod design;

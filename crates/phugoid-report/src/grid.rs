@@ -1,0 +1,74 @@
+//! Named rows and columns as coloured cells with words in them.
+
+use crate::figure::{Cell, Colour, Grid};
+use crate::font::{Fonts, reserved_width};
+use crate::layout::{WIDTH, text};
+use crate::scene::{Anchor, Scene, Shape};
+
+const LABEL: f64 = 12.0;
+const WORDS: f64 = 11.5;
+const ROW: f64 = 24.0;
+/// Widest cell: a grid of two columns need not fill the page.
+const WIDEST: f64 = 96.0;
+
+/// The sheet of a grid, as wide as it needs to be.
+pub(crate) fn scene(fonts: Option<&Fonts>, title: Option<&str>, grid: &Grid) -> Scene {
+    let mut scene = Scene { width: 0.0, height: 0.0, shapes: Vec::new() };
+    let widest = |labels: &[String]| labels.iter().map(|l| reserved_width(fonts, l, LABEL, false)).fold(0.0, f64::max);
+    // Column names climb at 45 degrees.
+    let climb = (widest(&grid.columns) + LABEL) * std::f64::consts::FRAC_1_SQRT_2;
+    let left = widest(&grid.rows) + 16.0;
+    let words = grid.cells.iter().flatten().map(|c| reserved_width(fonts, &c.words, WORDS, false)).fold(0.0, f64::max);
+    let room = (WIDTH - left - climb - 10.0) / grid.columns.len().max(1) as f64;
+    let width = room.min(WIDEST).max(words + 8.0);
+    let mut top = 8.0;
+    if let Some(title) = title {
+        top += 17.0;
+        scene.shapes.push(text(title, [8.0, top], 17.0, Anchor::Start, true, Colour::Ink));
+        top += 6.0;
+        scene.width = 16.0 + reserved_width(fonts, title, 17.0, true);
+    }
+    top += climb + 6.0;
+    scene.width = scene.width.max(left + width * grid.columns.len() as f64 + climb + 10.0);
+    scene.height = top + ROW * grid.rows.len() as f64 + 10.0;
+    for (column, name) in grid.columns.iter().enumerate() {
+        scene.shapes.push(Shape::Text {
+            text: name.clone(),
+            at: [left + width * (column as f64 + 0.5) + 4.0, top - 6.0],
+            size: LABEL,
+            anchor: Anchor::Start,
+            bold: false,
+            colour: Colour::Ink,
+            rotation: -45.0,
+        });
+    }
+    for (row, name) in grid.rows.iter().enumerate() {
+        let y = top + ROW * row as f64;
+        scene.shapes.push(text(name, [left - 8.0, y + ROW / 2.0 + 4.0], LABEL, Anchor::End, false, Colour::Ink));
+        for column in 0..grid.columns.len() {
+            let cell = grid.cells.get(row).and_then(|cells| cells.get(column));
+            let place = [left + width * column as f64, y];
+            draw_cell(&mut scene, place, [width - 1.5, ROW - 1.5], cell);
+        }
+    }
+    scene
+}
+
+fn draw_cell(scene: &mut Scene, [x, y]: [f64; 2], [width, height]: [f64; 2], cell: Option<&Cell>) {
+    let outline = vec![[x, y], [x + width, y], [x + width, y + height], [x, y + height]];
+    let centre = [x + width / 2.0, y + height / 2.0 + 4.0];
+    scene.shapes.push(Shape::Areas { outlines: vec![outline.clone()], colour: Colour::Grid, opacity: 0.5 });
+    let Some(cell) = cell else { return };
+    let tone = if cell.tone.is_finite() { cell.tone.clamp(-1.0, 1.0) } else { 0.0 };
+    let mut on = if cell.tone.is_finite() { Colour::Ink } else { Colour::Muted };
+    if tone != 0.0 {
+        let colour = if tone > 0.0 { Colour::Sky } else { Colour::Orange };
+        scene.shapes.push(Shape::Areas { outlines: vec![outline], colour, opacity: 0.8 * tone.abs() });
+        // From here on dark text reads better than light on a dark page; on white both are dark.
+        let dark_from = if tone > 0.0 { 0.6 } else { 0.75 };
+        if tone.abs() >= dark_from {
+            on = Colour::OnColour;
+        }
+    }
+    scene.shapes.push(text(&cell.words, centre, WORDS, Anchor::Middle, cell.strong, on));
+}

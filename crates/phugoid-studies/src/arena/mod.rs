@@ -1,0 +1,71 @@
+//! The arena: every method on the same samples of the same flights, and where each of them wins and loses.
+//!
+//! An [`Entry`] is a scenario and what every method is told of the aircraft; those in `scenarios/arena` are built in. Each
+//! seed is flown once, and every [`Contestant`] sees the same measured record. [`compare`] counts, for each of them, errors
+//! against the Cramer-Rao bound of that flight, coverage of the claimed bounds, time to 5 %, changes found, missed and
+//! imagined, and time per sample; [`Arena::findings`] says in words what follows from the numbers.
+
+mod entry;
+mod findings;
+#[cfg(feature = "parquet")]
+mod parquet;
+mod parse;
+mod result;
+mod rows;
+mod score;
+mod trial;
+
+pub use self::entry::{BUILT_IN, Entry, built_in};
+pub use self::findings::{Best, Findings};
+#[cfg(feature = "parquet")]
+pub use self::parquet::parquet;
+pub use self::result::{
+    Arena, Checkpoint, Counted, Coverage, Detection, EntryResult, MethodResult, ParameterScore, Settled, Unit,
+};
+pub use self::rows::{Row, csv};
+pub use self::trial::Contestant;
+
+use crate::accuracy::StudyError;
+use crate::monte_carlo::monte_carlo;
+
+/// After how many short-period cycles the estimates are looked at.
+pub const CYCLES: [f64; 3] = [1.0, 2.0, 5.0];
+
+/// Error within which a parameter counts as found, part of its true value.
+pub const TOLERANCE: f64 = 0.05;
+
+/// Flies each entry `seeds` times, lets every contestant estimate each flight, and compares. Flight `k` of an entry has the
+/// seed of its scenario plus `k`. `done` is called after each flight with all its estimations, from any thread.
+///
+/// A contestant that fails on a flight is counted as failed there; the first contestant is the one that the findings speak
+/// of as ours. All numbers but the times are the same on every machine and with any number of cores.
+///
+/// # Errors
+/// [`StudyError`]: a scenario that cannot be flown, or a model that does not fit its flight, whatever the method.
+pub fn compare(
+    entries: &[Entry],
+    contestants: &[Contestant],
+    seeds: usize,
+    done: impl Fn() + Sync,
+) -> Result<Arena, StudyError> {
+    let flights = monte_carlo(
+        entries.len() * seeds,
+        |run| {
+            let (entry, seed) = (run / seeds.max(1), run % seeds.max(1));
+            match entries.get(entry) {
+                Some(entry) => trial::fly_and_estimate(entry, contestants, seed as u64),
+                None => Err(StudyError::Unsuitable("there is no such entry".to_owned())),
+            }
+        },
+        done,
+    )?;
+    let names: Vec<String> = contestants.iter().map(|c| c.name.clone()).collect();
+    let mut rows = Vec::new();
+    let mut results = Vec::new();
+    for (entry, flights) in entries.iter().zip(flights.chunks(seeds.max(1))) {
+        rows.extend(rows::rows(entry, &names, flights));
+        results.push(score::score(entry, &names, flights));
+    }
+    let findings = Findings::of(&names, &results);
+    Ok(Arena { seeds, methods: names, entries: results, findings, rows })
+}

@@ -1,0 +1,69 @@
+//! Every judged number of every flight, one row each: for programs that want more than the summary.
+
+use serde::Serialize;
+
+use super::CYCLES;
+use super::entry::Entry;
+use super::trial::{Trial, judged};
+
+/// One parameter of one flight after some cycles, as one method has it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Row {
+    /// Entry.
+    pub entry: String,
+    /// Method.
+    pub method: String,
+    /// Seed flown.
+    pub seed: u64,
+    /// Cycles after the reference.
+    pub cycles: f64,
+    /// Parameter.
+    pub parameter: String,
+    /// Its truth then.
+    pub truth: f64,
+    /// Estimate; NaN where the method failed.
+    pub estimate: f64,
+    /// Claimed standard error; NaN where none is claimed or the method failed.
+    pub std_error: f64,
+    /// What the error is measured in: the Cramer-Rao bound, or the prior's deviation where there is none.
+    pub unit: f64,
+}
+
+pub(super) fn rows(entry: &Entry, methods: &[String], flights: &[Trial]) -> Vec<Row> {
+    let names = judged(&entry.model);
+    let mut rows = Vec::new();
+    for flight in flights {
+        for (method, track) in methods.iter().zip(&flight.tracks) {
+            for (c, cycles) in CYCLES.iter().enumerate() {
+                for (j, name) in names.iter().enumerate() {
+                    let point = track.as_ref().ok().and_then(|t| t.points.get(c)?.get(j));
+                    rows.push(Row {
+                        entry: entry.id.clone(),
+                        method: method.clone(),
+                        seed: flight.seed,
+                        cycles: *cycles,
+                        parameter: (*name).to_owned(),
+                        truth: point.map_or(f64::NAN, |p| p.truth),
+                        estimate: point.map_or(f64::NAN, |p| p.value),
+                        std_error: point.map_or(f64::NAN, |p| p.std_error),
+                        unit: flight.unit.get(c).and_then(|u| u.get(j)).copied().unwrap_or(f64::NAN),
+                    });
+                }
+            }
+        }
+    }
+    rows
+}
+
+/// The rows as CSV with a header.
+///
+/// # Errors
+/// What the writer says.
+pub fn csv(rows: &[Row]) -> Result<String, csv::Error> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    for row in rows {
+        writer.serialize(row)?;
+    }
+    let bytes = writer.into_inner().map_err(|error| csv::Error::from(error.into_error()))?;
+    Ok(String::from_utf8_lossy(&bytes).into_owned())
+}

@@ -1,0 +1,134 @@
+//! `phugoid compare`.
+
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use phugoid_identification::estimate::Method;
+use phugoid_report::{Figure, arena_figures, arena_html};
+use phugoid_studies::arena::{self, Arena, Contestant, Entry, compare};
+use rayon::prelude::*;
+use serde::Serialize;
+
+use crate::arguments::{self, PictureFormat};
+use crate::failure::Failure;
+use crate::output::{json, print};
+use crate::progress::Progress;
+
+mod selection;
+mod text;
+
+use selection::{contestants, entries};
+
+/// Flights per scenario where nothing else is asked for.
+const SEEDS: u32 = 20;
+
+/// Flights per scenario for a first look.
+const FEW_SEEDS: u32 = 4;
+
+pub(crate) fn run(arguments: &arguments::Compare) -> Result<(), Failure> {
+    if arguments.list {
+        return list(arguments.json);
+    }
+    let entries = entries(arguments)?;
+    let contestants = contestants(&arguments.methods)?;
+    let seeds = arguments.seeds.unwrap_or(if arguments.quick { FEW_SEEDS } else { SEEDS }) as usize;
+    // Before the minutes that it may take, not after.
+    std::fs::create_dir_all(&arguments.out).map_err(|e| Failure::writing(&arguments.out, e))?;
+    let result = fly(&entries, &contestants, seeds)?;
+    let written = {
+        let _progress = Progress::spinner("drawing");
+        write(arguments, &result)?
+    };
+    if arguments.json { print(&json(&result)?) } else { print(&text::text(&result, &written)) }
+}
+
+fn fly(entries: &[Entry], contestants: &[Contestant], seeds: usize) -> Result<Arena, Failure> {
+    let progress = Progress::new("comparing");
+    let done = AtomicUsize::new(0);
+    let all = (entries.len() * seeds) as f64;
+    let step = || progress.set((1 + done.fetch_add(1, Ordering::Relaxed)) as f64 / all);
+    compare(entries, contestants, seeds, step).map_err(super::study::failure)
+}
+
+#[derive(Serialize)]
+struct Listed {
+    name: String,
+    description: String,
+}
+
+fn list(as_json: bool) -> Result<(), Failure> {
+    let mut scenarios = Vec::new();
+    for (id, text) in arena::BUILT_IN {
+        let entry = Entry::parse(text, id).map_err(Failure::input)?;
+        scenarios.push(Listed { name: entry.id, description: entry.shows });
+    }
+    let methods: Vec<Listed> = Method::ALL
+        .iter()
+        .map(|m| Listed { name: m.name().to_owned(), description: m.description().to_owned() })
+        .collect();
+    if as_json {
+        return print(&json(&std::collections::BTreeMap::from([("methods", methods), ("scenarios", scenarios)]))?);
+    }
+    let width = scenarios.iter().chain(&methods).map(|l| l.name.len()).max().unwrap_or(0);
+    let lines = |listed: &[Listed]| -> String {
+        listed.iter().map(|l| format!("  {:width$}  {}\n", l.name, l.description)).collect()
+    };
+    print(&format!("Scenarios\n{}\nMethods\n{}", lines(&scenarios), lines(&methods)))
+}
+
+/// What was written where.
+struct Written {
+    report: PathBuf,
+    folder: PathBuf,
+}
+
+fn write(arguments: &arguments::Compare, result: &Arena) -> Result<Written, Failure> {
+    let folder = arguments.out.as_path();
+    let save = |path: &Path, bytes: &[u8]| std::fs::write(path, bytes).map_err(|e| Failure::writing(path, e));
+    let report = folder.join("report.html");
+    save(&report, arena_html(result, &again(arguments)).as_bytes())?;
+    save(&folder.join("comparison.json"), json(result)?.as_bytes())?;
+    let table = folder.join("comparison.csv");
+    let rows = arena::csv(&result.rows).map_err(|e| Failure::writing(&table, e))?;
+    save(&table, rows.as_bytes())?;
+    #[cfg(feature = "parquet")]
+    {
+        let table = folder.join("comparison.parquet");
+        let bytes = arena::parquet(&result.rows).map_err(|e| Failure::writing(&table, e))?;
+        save(&table, &bytes)?;
+    }
+    if let Some(format) = arguments.figures {
+        write_figures(&folder.join("figures"), &arena_figures(result), format)?;
+    }
+    Ok(Written { report, folder: folder.to_owned() })
+}
+
+/// The command that gives this result again.
+fn again(arguments: &arguments::Compare) -> String {
+    let mut words = vec!["phugoid compare".to_owned()];
+    words.extend(arguments.scenarios.iter().cloned());
+    if let Some(model) = &arguments.model {
+        words.push(format!("--model {model}"));
+    }
+    if !arguments.methods.is_empty() {
+        words.push(format!("--methods {}", arguments.methods.join(",")));
+    }
+    match arguments.seeds {
+        Some(seeds) => words.push(format!("--seeds {seeds}")),
+        None if arguments.quick => words.push("--quick".to_owned()),
+        None => {}
+    }
+    words.join(" ")
+}
+
+fn write_figures(folder: &Path, figures: &[(String, Figure)], format: PictureFormat) -> Result<(), Failure> {
+    std::fs::create_dir_all(folder).map_err(|e| Failure::writing(folder, e))?;
+    figures.par_iter().try_for_each(|(name, figure)| {
+        let (extension, bytes) = match format {
+            PictureFormat::Svg => ("svg", figure.to_svg().into_bytes()),
+            PictureFormat::Png => ("png", figure.to_png().map_err(|e| Failure::Output(e.to_string()))?),
+        };
+        let path = folder.join(format!("{name}.{extension}"));
+        std::fs::write(&path, bytes).map_err(|e| Failure::writing(&path, e))
+    })
+}

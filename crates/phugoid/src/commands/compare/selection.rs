@@ -1,0 +1,82 @@
+//! Which scenarios and methods are asked for.
+
+use std::path::Path;
+
+use phugoid_identification::estimate::Method;
+use phugoid_studies::arena::{BUILT_IN, Contestant, Entry, built_in};
+use phugoid_studies::scenario::{self, nearest};
+
+use crate::arguments::Compare;
+use crate::commands::{estimate, simulate};
+use crate::failure::Failure;
+
+/// The methods named, in that order; all of them where none is.
+pub(super) fn contestants(names: &[String]) -> Result<Vec<Contestant>, Failure> {
+    if names.is_empty() {
+        return Ok(Method::ALL.iter().map(|method| Contestant::of(*method)).collect());
+    }
+    let mut chosen: Vec<Method> = Vec::new();
+    for name in names {
+        let method = name.trim().parse::<Method>().map_err(Failure::input)?;
+        if chosen.contains(&method) {
+            return Err(Failure::input(format!("the method `{method}` is named twice")));
+        }
+        chosen.push(method);
+    }
+    Ok(chosen.into_iter().map(Contestant::of).collect())
+}
+
+/// The scenarios named; the whole arena where none is.
+pub(super) fn entries(arguments: &Compare) -> Result<Vec<Entry>, Failure> {
+    if arguments.scenarios.is_empty() {
+        return BUILT_IN.iter().map(|(id, text)| Entry::parse(text, id).map_err(Failure::input)).collect();
+    }
+    let mut entries: Vec<Entry> = Vec::new();
+    for wanted in &arguments.scenarios {
+        let entry = entry(wanted, arguments)?;
+        if entries.iter().any(|known| known.id == entry.id) {
+            return Err(Failure::input(format!("two scenarios are called `{}`: rename one", entry.id)));
+        }
+        entries.push(entry);
+    }
+    Ok(entries)
+}
+
+fn entry(wanted: &str, arguments: &Compare) -> Result<Entry, Failure> {
+    let path = Path::new(wanted);
+    if !path.exists() {
+        if let Some(entry) = built_in(wanted) {
+            return entry.map_err(Failure::input);
+        }
+        if scenario::built_in(wanted).is_none() {
+            return Err(Failure::input(unknown(wanted)));
+        }
+    }
+    let id = path.file_stem().map_or_else(|| wanted.to_owned(), |stem| stem.to_string_lossy().into_owned());
+    if path.exists() {
+        let text = std::fs::read_to_string(path).map_err(|e| Failure::input(format!("cannot read `{wanted}`: {e}")))?;
+        // A file of the arena has a model of its own; nothing else in a scenario has these names.
+        let of_arena = |line: &str| {
+            let line = line.trim_start();
+            line.starts_with("extends") || line.starts_with("[scenario") || line.starts_with("[[scenario")
+        };
+        if text.lines().any(of_arena) {
+            return Entry::parse(&text, &id).map_err(Failure::input);
+        }
+    }
+    let Some(model) = &arguments.model else {
+        return Err(Failure::input(format!(
+            "`{wanted}` is a scenario without a model: say with --model what the methods are told of the aircraft"
+        )));
+    };
+    let (flown, model) = (simulate::scenario(wanted)?, estimate::model(model)?);
+    Ok(Entry::new(id, flown, model, arguments.cycle.si()))
+}
+
+fn unknown(wanted: &str) -> String {
+    let known = || BUILT_IN.iter().map(|(id, _)| *id).chain(scenario::BUILT_IN.iter().map(|(id, _)| *id));
+    match nearest(wanted, known()) {
+        Some(near) => format!("there is no scenario `{wanted}`: did you mean `{near}`?"),
+        None => format!("there is no scenario `{wanted}`: see `phugoid compare --list`, or name a file"),
+    }
+}
