@@ -76,9 +76,7 @@ fn the_noise_of_measured_inputs_is_covered_by_adaptive_process_noise() {
         text.lines().filter(|l| !symmetric.iter().any(|s| l.starts_with(s))).map(|l| format!("{l}\n")).collect();
     let exact = ModelFile::parse("exact", &text).unwrap();
     let adaptive = ModelFile::parse("adaptive", text.split("[process_noise]").next().unwrap()).unwrap();
-    let worst = |study: &AccuracyStudy| {
-        study.checkpoints[0].parameters.iter().map(|p| p.coverage).fold(1.0, f64::min)
-    };
+    let worst = |study: &AccuracyStudy| study.checkpoints[0].parameters.iter().map(|p| p.coverage).fold(1.0, f64::min);
     let (exact, adaptive) = (study("f16-lateral", &exact, 40, &[20.0]), study("f16-lateral", &adaptive, 40, &[20.0]));
     assert!(worst(&exact) < 0.7, "the noise of the inputs has stopped to matter: say so in docs/methods.md");
     assert!(worst(&adaptive) > 0.75, "{}", worst(&adaptive));
