@@ -80,8 +80,9 @@ mod tests {
         let mut largest = 0.0_f64;
         for k in 0..flight.truth.time.len() {
             let (q, q_dot, v) = (truth("q")[k], truth("qdot")[k], truth("true_airspeed")[k]);
-            assert!((measured("az")[k] - (truth("az")[k] - q_dot * 2.0 - q * q * 0.5)).abs() < 1e-12);
-            assert!((measured("ax")[k] - (truth("ax")[k] + q_dot * 0.5 - q * q * 2.0)).abs() < 1e-12);
+            // The engine's rotor turns pitching into a little roll and yaw; their squares are left out here.
+            assert!((measured("az")[k] - (truth("az")[k] - q_dot * 2.0 - q * q * 0.5)).abs() < 1e-4);
+            assert!((measured("ax")[k] - (truth("ax")[k] + q_dot * 0.5 - q * q * 2.0)).abs() < 1e-4);
             // Second order in q x/V: at most 3 (0.1 rad/s 5 m/206 m/s)^2 and as much with alpha.
             assert!((measured("alpha")[k] - (truth("alpha")[k] - q * 5.0 / v)).abs() < 1e-4);
             largest = largest.max((measured("alpha")[k] - truth("alpha")[k]).abs());

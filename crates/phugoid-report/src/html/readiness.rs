@@ -26,7 +26,7 @@ pub(super) fn readiness(estimation: &Estimation) -> String {
         ("n", "Ready<br>since (s)"),
         ("n", "Bound /<br>prior"),
         ("n", "The same,<br>others known"),
-        ("n", "Variance<br>inflation"),
+        ("n", "Inflation of<br>variance"),
         ("", "Correlated with"),
     ];
     let mut out = table(&heads);

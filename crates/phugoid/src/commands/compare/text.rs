@@ -25,8 +25,8 @@ pub(super) fn text(arena: &Arena, written: &Written) -> String {
          mean over the parameters; worst: the parameter with the largest at the last. covered: percent of the parameters\n\
          within two claimed standard errors, in the same order. 5 %: when the slowest parameter is within 5 % of the truth\n\
          for good. found: flights in which the damage was adopted, and after what time. false: changes adopted where there\n\
-         was none. time: of computing, over that of {}{}; not reproducible. fail: flights without an estimate.\n\
-         -: never, or there is none.\n\n",
+         was none. time: of computing, over that of {}{}; not reproducible.\n\
+         fail: flights without an estimate. -: never, or there is none.\n\n",
         arena.methods.first().map_or("", String::as_str),
         microseconds(arena)
     );
