@@ -4,7 +4,7 @@
 //! identification for adaptive control systems*, AIAA J. 1, 1963; R. Jategaonkar, *Flight Vehicle System
 //! Identification*, 2nd ed. 2015, ch. 7), with a gate on the normalised innovation in place of SMPE's reaching law. All
 //! else (median start, sensor biases, restart, change detection, adaptation of the process noise, colour correction,
-//! limits) is the same [`Supervisor`](crate::smpe::Supervisor) that SMPE has, so that the two can be compared.
+//! limits) is the same [`Supervisor`] that SMPE has, so that the two can be compared.
 //!
 //! ```
 //! use phugoid_estimators::ekf::{EkfSettings, JointEkf};

@@ -3,7 +3,7 @@
 //!
 //! The kinematic equations, driven by accelerometers and rate gyroscopes, give airspeed, flow angles and attitude
 //! without any aerodynamics. Their difference from what was measured is the work of biases, scale factors, delays, positions and wind,
-//! which [`output_error`](crate::batch::output_error) estimates with standard errors (Klein & Morelli, chapter 10;
+//! which [`output_error`] estimates with standard errors (Klein & Morelli, chapter 10;
 //! Jategaonkar, chapter 10). Each has a wide prior; what the data do not tell stays at its prior, and the result says so.
 
 mod correction;
