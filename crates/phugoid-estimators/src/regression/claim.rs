@@ -3,10 +3,7 @@
 use super::settings::RegressionSettings;
 use crate::estimate::{Estimate, ParameterStatus, Phase, Status};
 use crate::smpe::columns::Columns;
-
-/// As the flagship's.
-const EXCITED: f64 = 0.5;
-const CONVERGED: f64 = 0.1;
+use crate::smpe::{CONVERGED, EXCITED};
 
 /// Parameters, scaled variances and their corrections, of which an [`Estimate`] is made.
 pub(crate) struct Claim<'a, const P: usize> {

@@ -84,10 +84,10 @@ use crate::model::{Model, Sample};
 
 /// Observability below which a parameter counts as not excited: its bound has shrunk by less than 30 %. Lower would not
 /// do: the noise of the estimated state alone, minute after minute, looks like a little excitation.
-const EXCITED: f64 = 0.5;
+pub(crate) const EXCITED: f64 = 0.5;
 /// Part of the prior standard deviation (or of twice the change prior, if that is smaller) below which a parameter
 /// counts as converged.
-const CONVERGED: f64 = 0.1;
+pub(crate) const CONVERGED: f64 = 0.1;
 /// The process noise is adapted only after this time, s: the start transient is not a gust.
 const ADAPTATION_START_S: f64 = 0.3;
 
