@@ -134,6 +134,11 @@ pub trait Inspect<const R: usize, const P: usize>: Estimator<R, P> {
         1.0
     }
 
+    /// Opens the parameters for a change that is known to happen before the next sample. False where the method cannot.
+    fn reopen_now(&mut self) -> bool {
+        false
+    }
+
     /// What the change detector knows; none for a method without one.
     fn detector(&self) -> Option<DetectorReport> {
         None

@@ -29,6 +29,9 @@ pub struct EstimateOptions {
     /// Time from which times of convergence count, s, where the record is a part of one that began earlier; none: its own
     /// first sample.
     pub start_s: Option<f64>,
+    /// Times (s, increasing) at which the parameters are known to change, from another source than the record: they are
+    /// opened again before the first sample not earlier than each. Methods without change detection take no notice.
+    pub known_changes_s: Vec<f64>,
     /// True values by parameter name, where the flight was simulated.
     pub truth: BTreeMap<String, f64>,
     /// Further records of the same aircraft; a batch method fits all together. A causal method takes none.

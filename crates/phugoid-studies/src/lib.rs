@@ -8,6 +8,7 @@ pub mod convergence;
 pub mod cramer_rao;
 pub mod damage;
 pub mod design;
+pub mod detection;
 pub mod flight;
 pub mod health;
 pub mod manoeuvre;

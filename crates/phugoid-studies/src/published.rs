@@ -25,6 +25,9 @@ pub const HEALTHY_SCENARIO: &str = include_str!("../../../scenarios/f16-healthy.
 /// What their estimator and monitor are told.
 pub const HEALTH_MODEL: &str = include_str!("../../../scenarios/f16-health-model.toml");
 
+/// The F-16 with five increments and six sensor biases: what the study of change detection tells its estimator.
+pub const F16_MODEL: &str = include_str!("../../../data/models/f16.toml");
+
 /// The model files of these cases: name and text.
 pub const MODELS: &[(&str, &str)] = &[
     ("f16-model", CALM_MODEL),

@@ -472,6 +472,9 @@ pub(crate) enum StudyName {
     ThesisSize,
     /// Five coefficients change at 10 s: detection and recovery
     Damage,
+    /// Change detection: random damage found or missed, and false adoptions under errors of the model. RUNS damages and RUNS
+    /// minutes of flight per line
+    Detection,
     /// Health monitor: false alarms in healthy flights, and random failures with two sticks
     Health,
     /// Accuracy against the Cramer-Rao bound for a scenario and a model file of your own

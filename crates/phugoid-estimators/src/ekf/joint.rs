@@ -6,7 +6,6 @@ use crate::kernels::{add_scaled, dot};
 use crate::model::{LinearizedOutputs, Model};
 use crate::smpe::columns::Columns;
 use crate::smpe::common::Common;
-use crate::smpe::reopen::STATE_ALLOWANCE;
 use crate::smpe::slot::{Innovations, RowPhase, ScoredRow, Slot};
 use crate::smpe::{SmpeError, SmpeSettings};
 use crate::ud::Ud;
@@ -346,6 +345,7 @@ impl<const N: usize, const R: usize, const P: usize> Slot<N, R, P> for Joint<N, 
         tested: &[usize],
         change_over_prior: &[f64; P],
         noise_sd: &[f64; R],
+        allowance: f64,
     ) -> bool {
         let p = columns.count;
         let mut before = [[0.0; P]; P];
@@ -355,7 +355,7 @@ impl<const N: usize, const R: usize, const P: usize> Slot<N, R, P> for Joint<N, 
         }
         for k in 0..N {
             if let Some(output) = columns.output_of_state[k] {
-                self.covariance.xx[k][k] += STATE_ALLOWANCE * noise_sd[output] * noise_sd[output];
+                self.covariance.xx[k][k] += allowance * noise_sd[output] * noise_sd[output];
             }
         }
         self.common.limited = [false; P];

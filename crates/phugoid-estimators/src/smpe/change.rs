@@ -30,6 +30,9 @@ const LEARNT: f64 = 10.0;
 /// itself.
 const EAGER: f64 = 5.0;
 
+/// Log Bayes factor within which a beginning of the change counts as possible, nats.
+const ONSET: f64 = 2.0;
+
 #[derive(Clone, Copy)]
 struct Block<const P: usize> {
     g: [f64; P],
@@ -72,6 +75,8 @@ pub(crate) struct ChangeDetector<const P: usize> {
     running: usize,
     filled: usize,
     frames: usize,
+    /// Number of the first frame of each block.
+    begins: [u64; BLOCKS],
     since_calibration: usize,
     wander_squared: f64,
     leverage: f64,
@@ -110,6 +115,7 @@ impl<const P: usize> ChangeDetector<P> {
             running: 0,
             filled: 0,
             frames: 0,
+            begins: [0; BLOCKS],
             since_calibration: 0,
             wander_squared: settings.initial_wander * settings.initial_wander,
             leverage: 1.0,
@@ -149,8 +155,11 @@ impl<const P: usize> ChangeDetector<P> {
     }
 
     /// Ends a frame that had measurements. At the end of a block gives the new log Bayes factor.
-    /// `change_over_prior` is `d_j` over the prior standard deviation, per column.
-    pub(crate) fn end_frame(&mut self, change_over_prior: &[f64; P]) -> Option<f64> {
+    /// `change_over_prior` is `d_j` over the prior standard deviation, per column; `number` that of the frame.
+    pub(crate) fn end_frame(&mut self, change_over_prior: &[f64; P], number: u64) -> Option<f64> {
+        if self.frames == 0 {
+            self.begins[self.running] = number;
+        }
         self.frames += 1;
         if self.frames < self.frames_per_block || self.count == 0 {
             return None;
@@ -179,14 +188,55 @@ impl<const P: usize> ChangeDetector<P> {
         Some(best)
     }
 
-    /// Largest log Bayes factor over the windows, and the moments of the longest one if they are wanted. The running
-    /// block is the newest complete one.
-    fn test(&mut self, change_over_prior: &[f64; P], with_moments: bool) -> (f64, Option<Moments>) {
+    /// Numbers of the frames between which the change has begun, from the complete blocks: the first frame that it may have
+    /// touched, and one before which it has begun, both up to a Bayes factor of `exp(ONSET)`. To be asked for directly after
+    /// a test.
+    pub(crate) fn onset(&mut self, change_over_prior: &[f64; P]) -> [u64; 2] {
+        let n = self.count.min(P);
+        let scale = self.scale(change_over_prior);
+        // The running block has just been emptied: the newest complete one lies before it, and it has one place less.
+        let complete = self.filled.min(BLOCKS - 1);
+        let place = |back: usize| (self.running + BLOCKS - back) % BLOCKS;
+        let places: [usize; BLOCKS] = core::array::from_fn(place);
+        let mut factors = [f64::NEG_INFINITY; BLOCKS];
+        self.sum.clear(n);
+        for length in 1..=complete {
+            let block = &self.blocks[places[length]];
+            add_scaled(&mut self.sum.g[..n], 1.0, &block.g[..n]);
+            for i in 0..n {
+                add_scaled(&mut self.sum.m[i][..=i], 1.0, &block.m[i][..=i]);
+            }
+            if let Some((factor, _)) = self.window(&scale, false) {
+                factors[length] = factor;
+            }
+        }
+        let best = factors.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let mut possible = (1..=complete).filter(|length| factors[*length] > best - ONSET);
+        let shortest = possible.next().unwrap_or(1);
+        let longest = possible.next_back().unwrap_or(shortest);
+        // The change may lie within the block before the longest window.
+        [self.begins[places[(longest + 1).min(complete.max(1))]], self.begins[places[shortest]]]
+    }
+
+    /// Length of the window, frames.
+    pub(crate) fn window_frames(&self) -> usize {
+        BLOCKS * self.frames_per_block
+    }
+
+    fn scale(&self, change_over_prior: &[f64; P]) -> [f64; P] {
         let n = self.count.min(P);
         let mut scale = [0.0; P];
         for (s, column) in scale[..n].iter_mut().zip(&self.tested[..n]) {
             *s = change_over_prior[*column];
         }
+        scale
+    }
+
+    /// Largest log Bayes factor over the windows, and the moments of the longest one if they are wanted. The running
+    /// block is the newest complete one.
+    fn test(&mut self, change_over_prior: &[f64; P], with_moments: bool) -> (f64, Option<Moments>) {
+        let n = self.count.min(P);
+        let scale = self.scale(change_over_prior);
         self.sum.clear(n);
         let mut taken = 0;
         let mut best = f64::NEG_INFINITY;
@@ -427,7 +477,7 @@ mod tests {
             }
             let change: [f64; P] = core::array::from_fn(|j| 0.3 + 0.05 * j as f64 + 0.001 * f64::from(frame));
             let (w2, leverage) = (detector.wander_squared(), detector.leverage());
-            let answer = detector.end_frame(&change);
+            let answer = detector.end_frame(&change, frame as u64);
             assert_eq!(answer.is_some(), since_clear % 3 == 2, "frame {frame}");
             let Some(factor) = answer else { continue };
             let of = |length: usize| window(&blocks[blocks.len() - length..], &change, w2, leverage);

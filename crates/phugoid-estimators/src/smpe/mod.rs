@@ -58,6 +58,8 @@ mod change;
 pub(crate) mod colour;
 pub(crate) mod columns;
 pub(crate) mod common;
+mod history;
+mod retrospect;
 pub(crate) mod reopen;
 mod separated;
 pub(crate) mod settings;
@@ -74,6 +76,8 @@ pub(crate) use start::median;
 use challenge::{Challenge, Verdict, maturity, needed_maturity};
 use change::ChangeDetector;
 use columns::Columns;
+use history::History;
+use retrospect::Behind;
 use separated::Separated;
 use slot::{Slot, output_input};
 use start::Start;
@@ -149,6 +153,9 @@ where
     champion: S,
     challenger: S,
     in_doubt: bool,
+    history: History<M::Input, S, R>,
+    /// The challenger is not yet up to date.
+    behind: Option<Behind>,
     detection: Option<(ChangeDetector<P>, Challenge)>,
     /// Time of the first frame, s.
     first_s: f64,
@@ -160,6 +167,8 @@ where
     innovations: Innovations<R>,
     phase: Phase,
     re_reached: bool,
+    /// Opened for a known change since the last sample.
+    known_change: bool,
     rejected_samples: u64,
     restarts: u32,
     /// Start of the present run of frames that were mostly rejected, and their number.
@@ -189,6 +198,7 @@ where
                 Some((ChangeDetector::new(detection, shared.sample_time_s, &columns), Challenge::new(detection)))
             }
         };
+        let history = History::new(detection.as_ref().map_or(0, |(detector, _)| detector.window_frames()));
         Ok(Self {
             model,
             settings,
@@ -198,6 +208,8 @@ where
             champion,
             challenger: champion,
             in_doubt: false,
+            history,
+            behind: None,
             detection,
             first_s: f64::NAN,
             last_s: f64::NEG_INFINITY,
@@ -207,6 +219,7 @@ where
             innovations: Innovations::EMPTY,
             phase: Phase::Starting,
             re_reached: false,
+            known_change: false,
             rejected_samples: 0,
             restarts: 0,
             lost_since_s: 0.0,
@@ -365,7 +378,8 @@ where
     fn restart(&mut self, sample: &Sample<M::Input, R>) {
         self.restarts = self.restarts.saturating_add(1);
         self.lost_frames = 0;
-        if self.in_doubt && !self.challenger.is_sound(self.columns.count) {
+        self.history.clear();
+        if self.in_doubt && (self.behind.is_some() || !self.challenger.is_sound(self.columns.count)) {
             self.drop_challenger();
         }
         if let Some((detector, _)) = &mut self.detection {
@@ -396,15 +410,16 @@ where
             return self.restart(sample);
         }
         let input = IntervalInput { from, to: sample.input, hold: self.shared().input_hold };
-        let Self { model, settings, columns, champion, challenger, in_doubt, .. } = self;
-        let challenger_lives = *in_doubt && challenger.predict(model, settings, columns, &input, interval_s);
+        let Self { model, settings, columns, champion, challenger, in_doubt, behind, .. } = self;
+        let up_to_date = *in_doubt && behind.is_none();
+        let challenger_lives = up_to_date && challenger.predict(model, settings, columns, &input, interval_s);
         if !champion.predict(model, settings, columns, &input, interval_s) {
             if !challenger_lives {
                 return self.restart(sample);
             }
             // The champion is lost and the challenger is not.
             self.adopt_challenger(sample.time_s);
-        } else if *in_doubt && !challenger_lives {
+        } else if up_to_date && !challenger_lives {
             self.drop_challenger();
         }
         if let Some((_, challenge)) = &mut self.detection {
@@ -420,15 +435,19 @@ where
         let since_start_s = sample.time_s - self.first_s;
         let adapt = since_start_s > ADAPTATION_START_S;
         let kappa = self.shared().reaching_limit;
-        let Self { model, settings, columns, champion, challenger, surfaces, detection, .. } = self;
         let watching = !self.in_doubt;
+        let up_to_date = self.in_doubt && self.behind.is_none();
+        let Self { model, settings, columns, champion, challenger, surfaces, detection, history, .. } = self;
+        if detection.is_some() {
+            history.push(sample);
+        }
         self.innovations =
             champion.correct(model, settings, columns, &input, &sample.outputs, adapt, surfaces, |row| {
                 if let (true, Some((detector, _))) = (watching, detection.as_mut()) {
                     detector.observe(&row, kappa);
                 }
             });
-        let challenged = self.in_doubt.then(|| {
+        let challenged = up_to_date.then(|| {
             let mut unused = [0.0; P];
             challenger.correct(model, settings, columns, &input, &sample.outputs, adapt, &mut unused, |_| {})
         });
@@ -438,12 +457,12 @@ where
         if block != self.colour_block {
             self.colour_block = block;
             self.champion.close_colour_block();
-            if self.in_doubt {
+            if up_to_date {
                 self.challenger.close_colour_block();
             }
         } else {
             self.champion.renew_colour();
-            if self.in_doubt {
+            if up_to_date {
                 self.challenger.renew_colour();
             }
         }
@@ -451,8 +470,13 @@ where
         if !self.champion.is_sound(self.columns.count) || self.is_lost(sample.time_s) {
             return self.restart(sample);
         }
+        if self.detection.is_some() {
+            self.history.note(&self.champion);
+        }
         if let Some(innovations) = challenged {
             self.contest(&innovations, sample.time_s);
+        } else if self.in_doubt {
+            self.catch_up();
         } else if self.phase != Phase::Predicting {
             self.watch(since_start_s, sample.time_s);
         }
@@ -482,18 +506,12 @@ where
     fn watch(&mut self, since_start_s: f64, time_s: f64) {
         let change = self.change_over_prior();
         let Some((detector, challenge)) = &mut self.detection else { return };
-        let Some(bayes_factor) = detector.end_frame(&change) else { return };
+        let Some(bayes_factor) = detector.end_frame(&change, self.history.newest()) else { return };
         if detector.wander() > challenge.settings.insensitive_wander && challenge.adoptions > 0 {
             challenge.model_error = true;
         }
         if challenge.is_triggered(bayes_factor, since_start_s) {
-            self.challenger = self.champion;
-            if self.challenger.reopen(&self.columns, detector.tested(), &change, &S::shared(&self.settings).noise_sd) {
-                challenge.open(time_s);
-                self.in_doubt = true;
-            } else {
-                detector.clear();
-            }
+            self.go_back(&change, time_s);
         }
     }
 
@@ -527,6 +545,8 @@ where
     fn adopt_challenger(&mut self, time_s: f64) {
         self.champion = self.challenger;
         self.in_doubt = false;
+        self.behind = None;
+        self.history.forget_snapshots();
         self.re_reached = true;
         if let Some((detector, challenge)) = &mut self.detection {
             let widening = challenge.adopted(time_s);
@@ -537,6 +557,7 @@ where
 
     fn drop_challenger(&mut self) {
         self.in_doubt = false;
+        self.behind = None;
         if let Some((detector, challenge)) = &mut self.detection {
             let widening = challenge.was_dropped();
             detector.widen_wander(widening);
@@ -585,6 +606,7 @@ where
             },
         };
         let challenger_variances = if self.in_doubt { self.challenger.variances() } else { [0.0; P] };
+        let change = if self.behind.is_some() { self.change_over_prior() } else { [0.0; P] };
         let challenger_inflation = self.challenger.common().colour.inflation();
         for j in 0..p {
             let sd = self.columns.sd[j];
@@ -594,7 +616,9 @@ where
             if self.in_doubt && sd > 0.0 {
                 // Bounds in doubt: both answers lie inside.
                 let difference = (self.challenger.common().theta[j] - slot.theta[j]) / sd;
-                let spread = difference * difference;
+                // A challenger that is not up to date has nothing to say yet: the whole plausible change.
+                let open = if self.behind.is_some() { change[j] * change[j] } else { 0.0 };
+                let spread = open.max(difference * difference);
                 variance = variance.max(challenger_variances[j]) + spread;
                 corrected = corrected.max(challenger_variances[j] * challenger_inflation[j]) + spread;
             }
@@ -637,7 +661,7 @@ where
     type Input = M::Input;
 
     fn update(&mut self, sample: &Sample<Self::Input, R>) -> Estimate<P> {
-        self.re_reached = false;
+        self.re_reached = core::mem::take(&mut self.known_change);
         if !sample.time_s.is_finite() || sample.time_s <= self.last_s {
             self.rejected_samples = self.rejected_samples.saturating_add(1);
             self.phase = Phase::Rejected;
@@ -680,6 +704,10 @@ where
 
     fn surfaces(&self) -> [f64; P] {
         *Self::surfaces(self)
+    }
+
+    fn reopen_now(&mut self) -> bool {
+        Self::reopen_now(self)
     }
 
     fn restarts(&self) -> u32 {

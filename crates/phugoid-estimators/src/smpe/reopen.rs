@@ -8,13 +8,14 @@ use crate::dense::Cholesky;
 /// State variance added, in measurement variances: pays for the state error gathered between change and trigger.
 pub(crate) const STATE_ALLOWANCE: f64 = 25.0;
 
-/// Opens the `tested` columns of a slot again. `change_over_prior` is `d_j` over the prior standard deviation.
+/// Opens the `tested` columns of a slot again. `change_over_prior` is `d_j` over the prior standard deviation;
+/// `allowance` is added to the variances of measured states, in measurement variances.
 /// Gives `false`, with the slot in an unspecified but finite state, if the arithmetic fails.
 ///
 /// With the joint covariance `[Px + U C U^T, U C; C U^T, C]`, a jump of the parameters alone gives `C' = C + Delta`,
 /// ```text
 /// U'  = U C C'^-1
-/// Px' = Px + U_E (Delta_E^-1 + (C^-1)_EE)^-1 U_E^T + 25 diag(sigma^2)
+/// Px' = Px + U_E (Delta_E^-1 + (C^-1)_EE)^-1 U_E^T + allowance diag(sigma^2)
 /// ```
 pub(crate) fn reopen<const N: usize, const R: usize, const P: usize>(
     slot: &mut Separated<N, P>,
@@ -22,6 +23,7 @@ pub(crate) fn reopen<const N: usize, const R: usize, const P: usize>(
     tested: &[usize],
     change_over_prior: &[f64; P],
     noise_sd: &[f64; R],
+    allowance: f64,
 ) -> bool {
     let p = columns.count.min(P);
     let mut before = [[0.0; P]; P];
@@ -68,7 +70,7 @@ pub(crate) fn reopen<const N: usize, const R: usize, const P: usize>(
         if let Some(output) = columns.output_of_state[state] {
             let mut unit = [0.0; N];
             unit[state] = 1.0;
-            slot.px.add_rank_one(STATE_ALLOWANCE * noise_sd[output] * noise_sd[output], &unit);
+            slot.px.add_rank_one(allowance * noise_sd[output] * noise_sd[output], &unit);
         }
     }
 
@@ -102,7 +104,7 @@ mod tests {
     use super::super::common::Common;
     use super::super::separated::Separated;
     use super::super::settings::ChangePrior;
-    use super::reopen;
+    use super::{STATE_ALLOWANCE, reopen};
     use crate::ud::Ud;
     use rand::{RngExt, SeedableRng};
     use rand_pcg::Pcg64Mcg;
@@ -181,7 +183,7 @@ mod tests {
             change[2] = 0.0; // a relative change prior of a parameter that is zero just now
             change[4] = 2.0;
             let before = joint(&slot, &columns);
-            assert!(reopen(&mut slot, &columns, &tested, &change, &noise_sd));
+            assert!(reopen(&mut slot, &columns, &tested, &change, &noise_sd, STATE_ALLOWANCE));
             let after = joint(&slot, &columns);
             let mut expected = before;
             expected[0][0] += 25.0 * 0.2 * 0.2;

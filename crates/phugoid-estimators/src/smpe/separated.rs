@@ -131,8 +131,9 @@ impl<const N: usize, const R: usize, const P: usize> Slot<N, R, P> for Separated
         tested: &[usize],
         change_over_prior: &[f64; P],
         noise_sd: &[f64; R],
+        allowance: f64,
     ) -> bool {
-        reopen::reopen(self, columns, tested, change_over_prior, noise_sd)
+        reopen::reopen(self, columns, tested, change_over_prior, noise_sd, allowance)
     }
 
     fn common(&self) -> &Common<N, P> {

@@ -164,13 +164,13 @@ pub struct ChangeDetection {
     pub trigger: f64,
     /// Score on fresh data at which the challenger is adopted, nats.
     pub adoption: f64,
-    /// Score at the time limit at which it is adopted whatever the maturity of the change, nats.
+    /// Score at the time limit at which it is adopted whatever the maturity of the change, nats; infinite for never.
     pub adoption_at_limit: f64,
     /// Score at which it is dropped, nats (negative).
     pub dropping: f64,
     /// Longest doubt, s.
     pub doubt_limit_s: f64,
-    /// Maturity `dtheta^T (C_B + w^2 diag d^2)^-1 dtheta` needed for adoption; none: chi-square quantile at
+    /// Maturity `dtheta^T (C_B + w^2 diag d^2)^-1 dtheta` needed for adoption; none: twice the chi-square quantile at
     /// `1 - 1.4e-4` for the number of tested parameters.
     pub maturity: Option<f64>,
     /// No trigger before this time from the first sample, s.
@@ -190,7 +190,7 @@ impl Default for ChangeDetection {
             window_s: 1.0,
             trigger: 15.0,
             adoption: 10.0,
-            adoption_at_limit: 300.0,
+            adoption_at_limit: f64::INFINITY,
             dropping: -30.0,
             doubt_limit_s: 6.0,
             maturity: None,

@@ -63,6 +63,7 @@ pub trait Slot<const N: usize, const R: usize, const P: usize>: Copy {
         tested: &[usize],
         change_over_prior: &[f64; P],
         noise_sd: &[f64; R],
+        allowance: f64,
     ) -> bool;
 
     /// What does not depend on the form of the covariance.

@@ -30,6 +30,7 @@ pub(crate) trait Causal {
 }
 
 /// Runs a causal method with room for `P` columns.
+#[inline(never)] // one room's estimator on the stack at a time
 pub(super) fn run_causal<C: Causal, M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize>(
     task: &Task<M, N, R>,
     progress: &mut dyn FnMut(f64),
@@ -76,11 +77,15 @@ pub(super) fn run_causal<C: Causal, M: MotionModel<N, R, P>, const N: usize, con
     let mut excitation = Excitation::of(prepared, noise);
     let mut readiness = ReadinessWatch::new();
     let mut watch = Watch::new(settings.maximum_step_s.max(3.5 * settings.sample_time_s));
+    let mut known_changes = options.known_changes_s.iter().peekable();
     for k in 0..samples {
         let sample = sample_at(prepared, k);
         let surfaces = prepared.surfaces().map(|signal| signal.values[k]);
         moved = excitation.update(sample.time_s, surfaces, &sample.outputs);
         let open = open(M::AXES, file.base, moved);
+        while known_changes.next_if(|time_s| **time_s <= sample.time_s + 1e-9).is_some() {
+            estimator.reopen_now();
+        }
         let mut estimate = estimator.update(&gate(&sample, open));
         run.excited |= moved.any();
         if waiting && moved.any() {

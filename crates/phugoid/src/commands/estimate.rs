@@ -50,7 +50,15 @@ pub(crate) fn run(arguments: &arguments::Estimate) -> Result<(), Failure> {
         (_, true) => Some(false),
         _ => None,
     };
-    let options = EstimateOptions { method: arguments.method, re_reaching, start_s, truth, further, predict };
+    let options = EstimateOptions {
+        method: arguments.method,
+        re_reaching,
+        start_s,
+        truth,
+        further,
+        predict,
+        ..EstimateOptions::default()
+    };
     let estimation = {
         let progress = Progress::new("estimating");
         estimate(&record, &model, &options, &mut |done| progress.set(done)).map_err(Failure::input)?

@@ -5,6 +5,7 @@ pub(crate) mod compare;
 pub(crate) mod compatibility;
 pub(crate) mod demonstrate;
 pub(crate) mod design;
+mod detection;
 pub(crate) mod estimate;
 pub(crate) mod linearize;
 pub(crate) mod monitor;

@@ -61,6 +61,10 @@ pub(crate) fn run(arguments: &arguments::Study) -> Result<(), Failure> {
             let study = damaged(arguments.runs)?;
             deliver(&study, delivery.json, delivery.out.as_deref(), || damage_text(&study))
         }
+        StudyName::Detection => {
+            let study = super::detection::detected(arguments.runs)?;
+            deliver(&study, delivery.json, delivery.out.as_deref(), || super::detection::detection_text(&study))
+        }
         StudyName::Health => {
             let study = health(arguments.runs)?;
             deliver(&study, delivery.json, delivery.out.as_deref(), || health_text(&study))
@@ -93,7 +97,7 @@ pub(super) fn failure(error: StudyError) -> Failure {
 }
 
 /// Runs many flights with a progress bar: `study` is given what to call after each run.
-fn with_progress<T>(runs: u32, study: impl FnOnce(&(dyn Fn() + Sync)) -> Result<T, StudyError>) -> Result<T, Failure> {
+pub(super) fn with_progress<T>(runs: u32, study: impl FnOnce(&(dyn Fn() + Sync)) -> Result<T, StudyError>) -> Result<T, Failure> {
     let progress = Progress::new("flying");
     let done = AtomicU32::new(0);
     study(&|| progress.set(f64::from(1 + done.fetch_add(1, Ordering::Relaxed)) / f64::from(runs))).map_err(failure)

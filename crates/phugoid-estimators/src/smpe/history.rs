@@ -1,0 +1,89 @@
+//! The last second or so of the flight: frames, and what the estimate was before them. A suspected change is gone back to
+//! with them, so that the challenger learns from the data since the change and not only from those since the suspicion, and so that
+//! what the champion has made of the changed aircraft meanwhile (state, sensor biases, process noise) does not stick to it.
+
+use crate::model::Sample;
+
+/// Frames kept: the older snapshot is at most two spacings old.
+const FRAMES: usize = 160;
+const SNAPSHOTS: usize = 2;
+/// Frames between snapshots, at most.
+const SPACING: u64 = 75;
+
+#[derive(Clone, Copy)]
+struct Snapshot<S> {
+    slot: S,
+    /// Number of the last frame that the slot has seen.
+    frame: u64,
+}
+
+/// Frames and snapshots, the frames numbered from one.
+pub(crate) struct History<I, S, const R: usize> {
+    frames: [Option<Sample<I, R>>; FRAMES],
+    /// Number of the newest frame.
+    newest: u64,
+    /// Of the oldest frame that belongs to the present run of the state.
+    first: u64,
+    snapshots: [Option<Snapshot<S>>; SNAPSHOTS],
+    spacing: u64,
+}
+
+impl<I: Copy, S: Copy, const R: usize> History<I, S, R> {
+    /// `window` is the length of the detector's window in frames.
+    pub(crate) fn new(window: usize) -> Self {
+        let spacing = (window as u64 * 3 / 4).clamp(1, SPACING);
+        Self { frames: [None; FRAMES], newest: 0, first: 1, snapshots: [None; SNAPSHOTS], spacing }
+    }
+
+    /// Number of the newest frame.
+    pub(crate) fn newest(&self) -> u64 {
+        self.newest
+    }
+
+    /// A frame, if it is still there.
+    pub(crate) fn frame(&self, number: u64) -> Option<&Sample<I, R>> {
+        let kept = number >= self.first && number <= self.newest && self.newest - number < FRAMES as u64;
+        if kept { self.frames[(number % FRAMES as u64) as usize].as_ref() } else { None }
+    }
+
+    /// Takes the next frame.
+    pub(crate) fn push(&mut self, sample: &Sample<I, R>) {
+        self.newest += 1;
+        self.frames[(self.newest % FRAMES as u64) as usize] = Some(*sample);
+    }
+
+    /// Takes a snapshot after the newest frame if one is due; the oldest one goes.
+    pub(crate) fn note(&mut self, slot: &S) {
+        let last = self.snapshots.iter().flatten().map(|snapshot| snapshot.frame).max();
+        if last.is_some_and(|last| self.newest < last + self.spacing) {
+            return;
+        }
+        let oldest = (0..SNAPSHOTS).min_by_key(|i| self.snapshots[*i].as_ref().map_or(0, |snapshot| snapshot.frame));
+        if let Some(place) = oldest.and_then(|i| self.snapshots.get_mut(i)) {
+            *place = Some(Snapshot { slot: *slot, frame: self.newest });
+        }
+    }
+
+    /// The newest snapshot before a frame from which everything since is still there, and the number of its own frame; the oldest such
+    /// one if all are later than that.
+    pub(crate) fn before(&self, frame: u64) -> Option<(&S, u64)> {
+        let complete = |snapshot: &&Snapshot<S>| {
+            snapshot.frame >= self.first && self.newest - snapshot.frame < FRAMES as u64 - 1
+        };
+        let usable = || self.snapshots.iter().flatten().filter(complete);
+        let earlier = usable().filter(|snapshot| snapshot.frame < frame).max_by_key(|snapshot| snapshot.frame);
+        let found = earlier.or_else(|| usable().min_by_key(|snapshot| snapshot.frame))?;
+        Some((&found.slot, found.frame))
+    }
+
+    /// The estimate is another one from the newest frame on.
+    pub(crate) fn forget_snapshots(&mut self) {
+        self.snapshots = [None; SNAPSHOTS];
+    }
+
+    /// The state starts again.
+    pub(crate) fn clear(&mut self) {
+        self.forget_snapshots();
+        self.first = self.newest + 1;
+    }
+}

@@ -1,0 +1,139 @@
+//! Going back to a change: the challenger starts from before it, is opened where it has begun, and catches up.
+
+use super::columns::Columns;
+use super::reopen::STATE_ALLOWANCE;
+use super::slot::{Slot, output_input};
+use super::{ADAPTATION_START_S, Supervisor};
+use crate::discretization::IntervalInput;
+use crate::model::Model;
+
+/// Frames that a challenger that has gone back works off per update: bounded work. At 100 Hz it is up to date after 0.1 s.
+const CATCH_UP: usize = 8;
+
+/// Where a challenger is that has gone back to before the change.
+#[derive(Clone, Copy)]
+pub(super) struct Behind {
+    /// Number of the last frame it has seen.
+    frame: u64,
+    /// It is opened before these frames, the second not before the first. The change lies between them, and what is between is
+    /// evidence of the state and not of what holds afterwards.
+    open: [u64; 2],
+}
+
+impl<S, M, const N: usize, const R: usize, const P: usize> Supervisor<S, M, N, R, P>
+where
+    S: Slot<N, R, P>,
+    M: Model<N, R, P>,
+{
+    /// Opens the parameters for a change that is known to happen now (damage, a flap, a store released, reported by another
+    /// system): what the detector would have had to find out. Call it between the last sample before the change and the
+    /// first one after it. Every parameter may jump by its change prior; biases and other nuisance columns keep what was
+    /// learnt of them, and a doubt that is running is settled by it. The next estimate says
+    /// [`ChangeState::ReReached`](crate::ChangeState::ReReached).
+    ///
+    /// Gives `false`, and changes nothing, if no parameter has a change prior or the arithmetic fails.
+    pub fn reopen_now(&mut self) -> bool {
+        let change = self.change_over_prior();
+        let mut tested = [0; P];
+        let mut count = 0;
+        for j in 0..self.columns.count {
+            if change[j] > 0.0 {
+                tested[count] = j;
+                count += 1;
+            }
+        }
+        let mut opened = self.champion;
+        let noise_sd = &self.shared().noise_sd;
+        // The state has not been estimated wrongly yet: no allowance.
+        if count == 0 || !opened.reopen(&self.columns, &tested[..count], &change, noise_sd, 0.0) {
+            return false;
+        }
+        self.champion = opened;
+        self.in_doubt = false;
+        self.behind = None;
+        self.known_change = true;
+        self.history.forget_snapshots();
+        if let Some((detector, _)) = &mut self.detection {
+            detector.clear();
+        }
+        true
+    }
+
+    /// Starts a challenger from before the change that the detector has found.
+    pub(super) fn go_back(&mut self, change: &[f64; P], time_s: f64) {
+        let Some((detector, challenge)) = &mut self.detection else { return };
+        let onset = detector.onset(change);
+        let Some((slot, frame)) = self.history.before(onset[0]) else { return detector.clear() };
+        self.challenger = *slot;
+        // Where the snapshots do not reach back, from the first one on.
+        let earliest = onset[0].max(frame + 1);
+        self.behind = Some(Behind { frame, open: [earliest, onset[1].max(earliest)] });
+        challenge.open(time_s);
+        self.in_doubt = true;
+        self.catch_up();
+    }
+
+    /// Brings a challenger that has gone back nearer to the present.
+    pub(super) fn catch_up(&mut self) {
+        let Some(mut behind) = self.behind else { return };
+        let change = self.change_over_prior();
+        let newest = self.history.newest();
+        for _ in 0..CATCH_UP {
+            if behind.frame == newest {
+                break;
+            }
+            let next = behind.frame + 1;
+            if !self.open_before(next, &behind, &change) || !self.work_off(next) {
+                return self.drop_challenger();
+            }
+            behind.frame = next;
+        }
+        self.behind = Some(behind);
+        if behind.frame == newest {
+            // What is not opened yet is opened with the next frame.
+            if behind.open[1] > newest && !self.open_before(behind.open[1], &behind, &change) {
+                return self.drop_challenger();
+            }
+            self.behind = None;
+        }
+    }
+
+    /// Opens the challenger if that is due before a frame.
+    fn open_before(&mut self, frame: u64, behind: &Behind, change: &[f64; P]) -> bool {
+        let Self { settings, columns, challenger, detection, .. } = self;
+        let Some((detector, _)) = detection else { return false };
+        let noise_sd = &S::shared(settings).noise_sd;
+        let [first, last] = behind.open;
+        let mut open = |columns: &Columns<N, R, P>, allowance: f64| {
+            challenger.reopen(columns, detector.tested(), change, noise_sd, allowance)
+        };
+        if frame == first {
+            open(columns, STATE_ALLOWANCE)
+        } else if frame == last {
+            open(columns, 0.0)
+        } else {
+            true
+        }
+    }
+
+    /// One frame of the past.
+    fn work_off(&mut self, number: u64) -> bool {
+        let first_s = self.first_s;
+        let Self { model, settings, columns, challenger, history, .. } = self;
+        let (Some(last), Some(frame)) = (history.frame(number - 1), history.frame(number)) else { return false };
+        let shared = S::shared(settings);
+        let input = IntervalInput { from: last.input, to: frame.input, hold: shared.input_hold };
+        if !challenger.predict(model, settings, columns, &input, frame.time_s - last.time_s) {
+            return false;
+        }
+        let seen = output_input(shared, last.input, frame.input);
+        let adapt = frame.time_s - first_s > ADAPTATION_START_S;
+        let mut unused = [0.0; P];
+        challenger.correct(model, settings, columns, &seen, &frame.outputs, adapt, &mut unused, |_| {});
+        let block = |time_s: f64| ((time_s - first_s) / shared.colour_block_s + 1e-9) as u64;
+        if block(last.time_s) != block(frame.time_s) {
+            challenger.close_colour_block();
+        }
+        challenger.is_sound(columns.count)
+    }
+}
