@@ -593,6 +593,55 @@ fn a_damage_is_found_among_biases_outliers_and_drops() {
     assert!(rms < 1.6, "{rms}");
 }
 
+/// Found without being told against told at the instant: 60 flights, the errors half a second and two seconds after the damage.
+#[test]
+fn a_change_that_is_found_is_nearly_as_good_as_one_that_is_told() {
+    let mut errors = [[0.0; 2]; 2];
+    let mut told_settings = jet_settings();
+    told_settings.re_reaching = ReReaching::Off;
+    for seed in 0..60 {
+        let (noise, stick) = (&mut seeded(640 + seed), |t: f64| [elevator_busy(t)]);
+        let flight = fly(&JET, &regular(2250, 0.01), [0.0; 2], damaged, stick, JET_NOISE, noise);
+        let (mut found, mut told) = (jet(), Jet::new(JET, told_settings).unwrap());
+        for sample in &flight {
+            if (sample.time_s - 20.0).abs() < 1e-6 {
+                assert!(told.reopen_now());
+                let before = told.estimate();
+                // The change prior is there at once, and what is told is said with the next sample.
+                assert!((0..4).all(|j| before.std_error[j] > 0.4 * jet_priors()[j].sd), "{before:?}");
+                assert_eq!(told.update(sample).status.change, ChangeState::ReReached);
+            } else {
+                told.update(sample);
+            }
+            found.update(sample);
+            for (k, after_s) in [0.5, 2.0].into_iter().enumerate() {
+                if (sample.time_s - 20.0 - after_s).abs() < 1e-6 {
+                    for (i, estimate) in [found.estimate(), told.estimate()].into_iter().enumerate() {
+                        let error = |j: usize| (estimate.parameters[j] - damaged(22.0)[j]) / jet_priors()[j].sd;
+                        errors[k][i] += (0..4).map(|j| error(j).powi(2)).sum::<f64>();
+                    }
+                }
+            }
+        }
+    }
+    let ratio = errors.map(|[found, told]| (found / told).sqrt());
+    println!("root mean square error over the told one: {:.2} after 0.5 s, {:.2} after 2 s", ratio[0], ratio[1]);
+    assert!(ratio[1] < 1.3, "{ratio:?}");
+}
+
+#[test]
+fn what_has_no_change_prior_cannot_be_opened() {
+    let mut settings = jet_settings();
+    for prior in &mut settings.priors {
+        prior.change_sd = ChangePrior::None;
+    }
+    let mut estimator = Jet::new(JET, settings).unwrap();
+    run(&mut estimator, &jet_flight(1, 300));
+    let before = estimator.estimate();
+    assert!(!estimator.reopen_now());
+    assert_eq!(estimator.estimate(), before);
+}
+
 #[test]
 fn without_detection_the_damage_is_missed() {
     // The other half of the power check: it is the detector that finds it.

@@ -67,9 +67,8 @@ impl<I: Copy, S: Copy, const R: usize> History<I, S, R> {
     /// The newest snapshot before a frame from which everything since is still there, and the number of its own frame; the oldest such
     /// one if all are later than that.
     pub(crate) fn before(&self, frame: u64) -> Option<(&S, u64)> {
-        let complete = |snapshot: &&Snapshot<S>| {
-            snapshot.frame >= self.first && self.newest - snapshot.frame < FRAMES as u64 - 1
-        };
+        let complete =
+            |snapshot: &&Snapshot<S>| snapshot.frame >= self.first && self.newest - snapshot.frame < FRAMES as u64 - 1;
         let usable = || self.snapshots.iter().flatten().filter(complete);
         let earlier = usable().filter(|snapshot| snapshot.frame < frame).max_by_key(|snapshot| snapshot.frame);
         let found = earlier.or_else(|| usable().min_by_key(|snapshot| snapshot.frame))?;
@@ -85,5 +84,60 @@ impl<I: Copy, S: Copy, const R: usize> History<I, S, R> {
     pub(crate) fn clear(&mut self) {
         self.forget_snapshots();
         self.first = self.newest + 1;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{FRAMES, History};
+    use crate::model::Sample;
+
+    fn at(number: u64) -> Sample<(), 1> {
+        Sample { time_s: number as f64, input: (), outputs: [0.0] }
+    }
+
+    /// The slot is the number of the frame it has seen last.
+    fn flown(frames: u64) -> History<(), u64, 1> {
+        let mut history = History::new(20);
+        for number in 1..=frames {
+            history.push(&at(number));
+            history.note(&number);
+        }
+        history
+    }
+
+    #[test]
+    fn frames_are_kept_by_number_and_no_longer_than_there_is_room() {
+        let history = flown(400);
+        assert_eq!(history.newest(), 400);
+        for number in [400, 399, 401 - FRAMES as u64] {
+            assert_eq!(history.frame(number).map(|frame| frame.time_s), Some(number as f64));
+        }
+        assert!(history.frame(400 - FRAMES as u64).is_none() && history.frame(401).is_none());
+    }
+
+    #[test]
+    fn the_snapshot_is_the_newest_before_the_change_with_all_frames_since() {
+        // A window of 20 frames: snapshots every 15, so that there are those of 391 and 376.
+        let history = flown(400);
+        assert_eq!(history.before(395), Some((&391, 391)));
+        assert_eq!(history.before(391), Some((&376, 376)));
+        // Too long ago: from the oldest one on.
+        assert_eq!(history.before(300), Some((&376, 376)));
+        assert_eq!(flown(0).before(1), None);
+    }
+
+    #[test]
+    fn another_estimate_or_a_new_start_forgets() {
+        let mut history = flown(400);
+        history.forget_snapshots();
+        assert_eq!(history.before(395), None);
+        assert!(history.frame(395).is_some());
+        history.note(&0);
+        assert_eq!(history.before(401), Some((&0, 400)));
+        history.clear();
+        assert!(history.before(401).is_none() && history.frame(400).is_none());
+        history.push(&at(401));
+        assert!(history.frame(401).is_some());
     }
 }

@@ -73,7 +73,12 @@ pub(super) fn flown(
         let (before, after) = (increments(model, &mut random), increments(model, &mut random));
         scenario.increments = before.0;
         scenario.damage = match order.damage_at_s {
-            Some(at) => vec![Damage { at: Time::from_si(at), over: Time::from_si(0.0), increments: after.0, ranges: Ranges::default() }],
+            Some(at) => vec![Damage {
+                at: Time::from_si(at),
+                over: Time::from_si(0.0),
+                increments: after.0,
+                ranges: Ranges::default(),
+            }],
             None => Vec::new(),
         };
         scenario.manoeuvre = stick(order, &mut random);
@@ -141,10 +146,8 @@ fn sensors(sensors: &mut Sensors, model: &ModelFile, order: &Order, random: &mut
     let disturbed = order.air == Air::Everything;
     let mut biases = [0.0; 6];
     for (bias, output) in biases.iter_mut().zip(Output::ALL) {
-        let one_sigma = model
-            .estimated()
-            .find(|p| matches!(p.role, Role::Bias(o) if o == output))
-            .map_or(0.0, |p| p.prior_std);
+        let one_sigma =
+            model.estimated().find(|p| matches!(p.role, Role::Bias(o) if o == output)).map_or(0.0, |p| p.prior_std);
         let normal: f64 = StandardNormal.sample(random);
         *bias = if order.biases { one_sigma * normal } else { 0.0 };
     }

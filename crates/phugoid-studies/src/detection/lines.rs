@@ -161,11 +161,8 @@ fn line(
 fn one_run(drawn: &Drawn, model: &ModelFile, damage_at_s: f64) -> Result<Run, StudyError> {
     let measured = &drawn.flight.measured;
     let ours = estimate(measured, model, &EstimateOptions::default(), &mut |_| {})?;
-    let told = EstimateOptions {
-        re_reaching: Some(false),
-        known_changes_s: vec![damage_at_s],
-        ..EstimateOptions::default()
-    };
+    let told =
+        EstimateOptions { re_reaching: Some(false), known_changes_s: vec![damage_at_s], ..EstimateOptions::default() };
     let oracle = estimate(measured, model, &told, &mut |_| {})?;
     let after = |kind: &str| -> f64 {
         let found = ours.events.iter().find(|e| e.kind == kind && e.time_s >= damage_at_s);

@@ -34,7 +34,19 @@ fn air_word(air: Air) -> &'static str {
 pub(super) fn detection_text(study: &DetectionStudy) -> String {
     let mut text = format!("Damage: {} flights per line, seeds from {}\n\n", study.runs, study.seed);
     let mut table = Table::new(&[
-        "air", "stick", "damage", "informed", "doubt", "adopted", "missed", "false before", "further", "+1 s", "+2 s", "+4.2 s", "+10 s",
+        "air",
+        "stick",
+        "damage",
+        "informed",
+        "doubt",
+        "adopted",
+        "missed",
+        "false before",
+        "further",
+        "+1 s",
+        "+2 s",
+        "+4.2 s",
+        "+10 s",
         "coverage +2 +10 s",
     ]);
     for line in &study.damage {
@@ -61,7 +73,15 @@ pub(super) fn detection_text(study: &DetectionStudy) -> String {
     );
     let _ = writeln!(text, "\nNo damage: {} min per line\n", study.runs);
     let mut table = Table::new(&[
-        "error of the model", "air", "adoptions", "per 10 min", "95 %", "harmful", "and claimed", "doubts", "rms error at the end, off",
+        "error of the model",
+        "air",
+        "adoptions",
+        "per 10 min",
+        "95 %",
+        "harmful",
+        "and claimed",
+        "doubts",
+        "rms error at the end, off",
         "coverage, off",
     ]);
     for line in &study.model_error {

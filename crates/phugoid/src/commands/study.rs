@@ -97,7 +97,10 @@ pub(super) fn failure(error: StudyError) -> Failure {
 }
 
 /// Runs many flights with a progress bar: `study` is given what to call after each run.
-pub(super) fn with_progress<T>(runs: u32, study: impl FnOnce(&(dyn Fn() + Sync)) -> Result<T, StudyError>) -> Result<T, Failure> {
+pub(super) fn with_progress<T>(
+    runs: u32,
+    study: impl FnOnce(&(dyn Fn() + Sync)) -> Result<T, StudyError>,
+) -> Result<T, Failure> {
     let progress = Progress::new("flying");
     let done = AtomicU32::new(0);
     study(&|| progress.set(f64::from(1 + done.fetch_add(1, Ordering::Relaxed)) / f64::from(runs))).map_err(failure)
