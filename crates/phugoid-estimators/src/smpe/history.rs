@@ -5,7 +5,7 @@
 use crate::model::Sample;
 
 /// Frames kept: the older snapshot is at most two spacings old.
-const FRAMES: usize = 160;
+pub(super) const FRAMES: usize = 160;
 const SNAPSHOTS: usize = 2;
 /// Frames between snapshots, at most.
 const SPACING: u64 = 75;

@@ -378,8 +378,9 @@ where
     fn restart(&mut self, sample: &Sample<M::Input, R>) {
         self.restarts = self.restarts.saturating_add(1);
         self.lost_frames = 0;
+        self.catch_up_at_once();
         self.history.clear();
-        if self.in_doubt && (self.behind.is_some() || !self.challenger.is_sound(self.columns.count)) {
+        if self.in_doubt && !self.challenger.is_sound(self.columns.count) {
             self.drop_challenger();
         }
         if let Some((detector, _)) = &mut self.detection {

@@ -1,6 +1,7 @@
 //! Going back to a change: the challenger starts from before it, is opened where it has begun, and catches up.
 
 use super::columns::Columns;
+use super::history::FRAMES;
 use super::reopen::STATE_ALLOWANCE;
 use super::slot::{Slot, output_input};
 use super::{ADAPTATION_START_S, Supervisor};
@@ -95,6 +96,16 @@ where
                 return self.drop_challenger();
             }
             self.behind = None;
+        }
+    }
+
+    /// Brings a challenger that has gone back to the present, because the state starts anew: at most all frames that are kept.
+    pub(super) fn catch_up_at_once(&mut self) {
+        for _ in 0..FRAMES {
+            if self.behind.is_none() {
+                break;
+            }
+            self.catch_up();
         }
     }
 
