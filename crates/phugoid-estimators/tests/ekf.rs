@@ -222,7 +222,7 @@ fn the_covariance_stays_positive_definite() {
                 ..ParameterPrior::absolute(prior.initial, prior.sd * width)
             };
         }
-        settings.process_noise = ProcessNoise::adaptive([1e-7, 1e-7], [true, true, false]);
+        settings.process_noise = ProcessNoise::adaptive([1e-7, 1e-7]);
         let mut filter = ekf(EkfSettings::new(settings));
         let mut rng = seeded(3);
         let quiet = |t: f64| if (t / 120.0).fract() < 0.5 { elevator_3211(t) } else { 0.0 };
@@ -297,7 +297,7 @@ proptest! {
             }
         }
         let mut settings = shared().with_biases([0.005, 0.0, 0.2]);
-        settings.process_noise = ProcessNoise::adaptive([1e-6, 1e-6], [true, true, false]);
+        settings.process_noise = ProcessNoise::adaptive([1e-6, 1e-6]);
         let mut filter = ekf(EkfSettings::new(settings));
         for sample in &flight {
             let estimate = filter.update(sample);

@@ -74,6 +74,7 @@ fn trial(seed: u64, sd: f64, rejection: f64) -> (f64, usize, usize, f64) {
     settings.rejection_limit = rejection;
     settings.clip_factor = f64::INFINITY;
     settings.start_window_s = 0.0;
+    settings.start_trial_s = 0.0;
     let kappa = settings.reaching_limit;
     let mut smpe = Smpe::new(Regression, settings).unwrap();
     let v0 = 0.5 * truth.iter().map(|t| t * t / (sd * sd)).sum::<f64>();

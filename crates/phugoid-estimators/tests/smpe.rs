@@ -448,7 +448,7 @@ fn process_noise_adapts_to_what_drives_the_states() {
         x = [step[1].outputs[0] + (drive * dt).sqrt() * normal(&mut rng), step[1].outputs[1]];
     }
     let mut settings = jet_settings();
-    settings.process_noise = ProcessNoise::adaptive([0.01 * drive, 0.0], [true, false, false]);
+    settings.process_noise = ProcessNoise::adaptive([0.01 * drive, 0.0]);
     let mut estimator = Jet::new(JET, settings).unwrap();
     let last = *run(&mut estimator, &flight).last().unwrap();
     let scale = estimator.process_noise_scale();
@@ -928,7 +928,7 @@ proptest! {
             }
         }
         let mut settings = jet_settings().with_biases([0.005, 0.0, 0.2]);
-        settings.process_noise = ProcessNoise::adaptive([1e-6, 1e-6], [true, true, false]);
+        settings.process_noise = ProcessNoise::adaptive([1e-6, 1e-6]);
         let mut estimator = Jet::new(JET, settings).unwrap();
         for sample in &flight {
             let estimate = estimator.update(sample);

@@ -18,7 +18,9 @@
 mod common;
 
 use phugoid_estimators::discretization::InputHold;
-use phugoid_estimators::smpe::{ParameterPrior, ProcessNoise, ReReaching, ReachingState, Smpe, SmpeSettings};
+use phugoid_estimators::smpe::{
+    NoiseAdaptation, ParameterPrior, ProcessNoise, ReReaching, ReachingState, Smpe, SmpeSettings,
+};
 use phugoid_estimators::{Estimate, Estimator, LinearizedOutputs, LinearizedRates, Model, Sample};
 use phugoid_flight_dynamics::atmosphere::Atmosphere;
 use phugoid_flight_dynamics::f16::{F16, F16Options};
@@ -147,12 +149,13 @@ fn trace(index: usize) -> Option<Trace> {
     smpe.re_reaching = ReReaching::Off;
     smpe.correct_first_sample = false;
     smpe.start_window_s = 0.0;
+    smpe.start_trial_s = 0.0;
     smpe.input_hold = InputHold::Linear; // the input itself holds its elevator
     let q = numbers(&settings["Qx_per_s_V_alpha_theta_q"]);
     let adapting = std::array::from_fn(|i| i < 2);
     smpe.process_noise = ProcessNoise {
-        adaptation_gain: number("q_scale_gain"),
-        ..ProcessNoise::adaptive([q[0] * FOOT * FOOT, q[1], q[2], q[3]], adapting)
+        adaptation: NoiseAdaptation::Rows { gain: number("q_scale_gain"), outputs: adapting },
+        ..ProcessNoise::fixed([q[0] * FOOT * FOOT, q[1], q[2], q[3]])
     };
 
     let column = |name: &str| table.column(name);

@@ -5,7 +5,7 @@ use crate::discretization::{self, IntervalInput, Part};
 use crate::kernels::{add_scaled, dot};
 use crate::model::{LinearizedOutputs, Model};
 use crate::smpe::columns::Columns;
-use crate::smpe::common::Common;
+use crate::smpe::common::{Common, NoiseScore};
 use crate::smpe::slot::{Innovations, RowPhase, ScoredRow, Slot};
 use crate::smpe::{SmpeError, SmpeSettings};
 use crate::ud::Ud;
@@ -423,7 +423,7 @@ impl<const N: usize, const P: usize> Joint<N, P> {
         let mut dx = [0.0; N];
         // In scaled columns.
         let mut dtheta = [0.0; P];
-        let mut adaptation = 0.0;
+        let mut score = NoiseScore::ZERO;
         surface[..p].fill(0.0);
         for i in 0..R {
             let sigma = shared.noise_sd[i];
@@ -466,17 +466,18 @@ impl<const N: usize, const P: usize> Joint<N, P> {
             for (psi, w) in psi[..p].iter_mut().zip(&w[..p]) {
                 *psi = w / root;
             }
-            observe(ScoredRow { psi: &psi[..p], xi, v: one_plus_v - 1.0, nn: libm::sqrt(one_plus_v) });
+            let rejected = xi.abs() > settings.gate;
+            observe(ScoredRow { psi: &psi[..p], xi, v: one_plus_v - 1.0, nn: libm::sqrt(one_plus_v), rejected });
             innovations.whitened[i] = residual / root;
             innovations.normalised[i] = xi;
             innovations.variance[i] = variance;
 
-            if xi.abs() > settings.gate {
+            if rejected {
                 innovations.phase[i] = RowPhase::Rejected;
                 continue;
             }
-            if adapt_noise && shared.process_noise.adapting_outputs[i] {
-                adaptation += (xi * xi).min(9.0) - 1.0;
+            if adapt_noise {
+                score.add(&shared.process_noise.adaptation, i, xi, (s - r) / variance);
             }
             innovations.phase[i] = RowPhase::Sliding;
             self.common.colour.add(&psi[..p], xi);
@@ -497,7 +498,7 @@ impl<const N: usize, const P: usize> Joint<N, P> {
             *step *= sd;
         }
         let Self { common, covariance } = self;
-        common.take_step(shared, columns, &dx, &dtheta[..p], adaptation, |j| covariance.tt[j][j]);
+        common.take_step(shared, columns, &dx, &dtheta[..p], &score, |j| covariance.tt[j][j]);
         innovations
     }
 }

@@ -66,8 +66,8 @@ impl Challenge {
         self.opened_at_s = time_s;
     }
 
-    /// Adds one frame: `D += sum 1/2 [(min(xi_A^2, 9) - min(xi_B^2, 9))/lev + ln(s_A (1+v_A)) - ln(s_B (1+v_B))]`.
-    /// One outlier moves it by at most 4.5.
+    /// Adds one frame: `D += sum 1/2 [(f_A min(xi_A^2, 9) - f_B min(xi_B^2, 9))/lev + ln(s_A (1+v_A)) - ln(s_B (1+v_B))]`, where
+    /// `f` is one, and [`REJECTED_WEIGHT`] for a row that is rejected. One outlier moves it by at most 4.5.
     pub(crate) fn add_frame<const R: usize>(
         &mut self,
         champion: &Innovations<R>,
@@ -77,9 +77,8 @@ impl Challenge {
         let mut squares = 0.0;
         let mut ratio = 1.0;
         for i in 0..R {
-            let (a, b) = (champion.normalised[i], challenger.normalised[i]);
-            if a.is_finite() && b.is_finite() {
-                squares += (a * a).min(9.0) - (b * b).min(9.0);
+            if champion.normalised[i].is_finite() && challenger.normalised[i].is_finite() {
+                squares += champion.misfit(i) - challenger.misfit(i);
                 ratio *= champion.variance[i] / challenger.variance[i];
             }
         }
@@ -194,8 +193,8 @@ mod tests {
     fn the_verdict_needs_score_and_maturity_in_time() {
         let settings = ChangeDetection { adoption_at_limit: 300.0, ..ChangeDetection::default() };
         let mut challenge = Challenge::new(settings);
-        assert!(!challenge.is_triggered(15.1, 2.0) && challenge.is_triggered(15.1, 2.1));
-        assert!(!challenge.is_triggered(14.9, 60.0));
+        assert!(!challenge.is_triggered(12.1, 2.0) && challenge.is_triggered(12.1, 2.1));
+        assert!(!challenge.is_triggered(11.9, 60.0));
         challenge.open(100.0);
         let verdict = |score: f64, time_s: f64, matured: f64, caution: f64| {
             Challenge { score, caution, ..challenge }.decide(time_s, matured, 25.0, true)

@@ -15,7 +15,7 @@
 
 use super::columns::Columns;
 use super::settings::ChangeDetection;
-use super::slot::ScoredRow;
+use super::slot::{REJECTED_WEIGHT, ScoredRow};
 use crate::dense::Cholesky;
 use crate::kernels::{add_scaled, dot};
 
@@ -27,8 +27,8 @@ const LEARNT: f64 = 10.0;
 
 /// Information up to which every window is learnt from at once. After that a window is learnt from one window later, and
 /// not at all if it has led to a trigger by then: a change that is only beginning to show otherwise raises `w` and hides
-/// itself.
-const EAGER: f64 = 5.0;
+/// itself. A single 3-2-1-1 gives about 4.5 of it: with 5 in place of 2, 9 in 100 damages between the first and the second one were missed, and 1 with 2.
+const EAGER: f64 = 2.0;
 
 /// Log Bayes factor within which a beginning of the change counts as possible, nats.
 const ONSET: f64 = 3.0;
@@ -149,6 +149,7 @@ impl<const P: usize> ChangeDetector<P> {
         }
         let n = self.count.min(P);
         let inverse = 1.0 / row.nn;
+        let weight = if row.rejected { REJECTED_WEIGHT } else { 1.0 };
         let mut a = [0.0; P];
         for (value, column) in a[..n].iter_mut().zip(&self.tested[..n]) {
             *value = row.psi.get(*column).copied().unwrap_or(0.0) * inverse;
@@ -156,7 +157,7 @@ impl<const P: usize> ChangeDetector<P> {
         let x = row.xi.clamp(-kappa, kappa);
         let block = &mut self.blocks[self.running];
         for i in 0..n {
-            let ai = a[i];
+            let ai = weight * a[i];
             block.g[i] += ai * x;
             add_scaled(&mut block.m[i][..=i], ai, &a[..=i]);
         }
@@ -337,11 +338,7 @@ impl<const P: usize> ChangeDetector<P> {
         let share = (moments.wander / m).clamp(0.0, 1.0);
         let excess = (moments.score / m).min(4.0) - 1.0;
         let early = self.informative < LEARNT;
-        let gain = match (excess > 0.0, early) {
-            (true, true) => 1.0,
-            (true, false) | (false, true) => 0.5,
-            (false, false) => 0.3,
-        };
+        let gain = if excess > 0.0 || early { 0.5 } else { 0.3 };
         let [low, high] = self.settings.wander_limits;
         self.leverage = (self.leverage * libm::exp(0.1 * (1.0 - share) * excess)).clamp(1.0, 20.0);
         self.wander_squared = (self.wander_squared * libm::exp(gain * share * excess)).clamp(low * low, high * high);
@@ -497,7 +494,7 @@ mod tests {
                 // The last row still learns: no evidence.
                 let v = if row == 3 { 1.0 } else { 0.5 * (1.0 + uniform()) * 0.99 };
                 let nn = (1.0 + v).sqrt();
-                detector.observe(&ScoredRow { psi: &psi, xi, v, nn }, 3.0);
+                detector.observe(&ScoredRow { psi: &psi, xi, v, nn, rejected: false }, 3.0);
                 if row < 3 {
                     let block = blocks.last_mut().unwrap();
                     for i in 0..T {
@@ -517,11 +514,11 @@ mod tests {
             let expected = SUFFIXES.into_iter().filter(|l| *l <= blocks.len()).map(|l| of(l).0).reduce(f64::max);
             assert!((factor - expected.unwrap_or(0.0)).abs() < 1e-10, "frame {frame}: {factor} {expected:?}");
             tests += 1;
-            if blocks.len().is_multiple_of(BLOCKS) && detector.informative() < 5.0 {
+            if blocks.len().is_multiple_of(BLOCKS) && detector.informative() < 2.0 {
                 let (_, q, m, sh) = of(BLOCKS);
                 let share = sh / m;
                 let excess = (q / m).min(4.0) - 1.0;
-                let gain = if excess > 0.0 { 1.0 } else { 0.5 };
+                let gain = 0.5;
                 let [low, high] = settings.wander_limits;
                 let wander = (w2 * (gain * share * excess).exp()).clamp(low * low, high * high);
                 let level = (leverage * (0.1 * (1.0 - share) * excess).exp()).clamp(1.0, 20.0);
@@ -532,7 +529,7 @@ mod tests {
                 assert_eq!((detector.wander_squared(), detector.leverage()), (w2, leverage), "frame {frame}");
             }
         }
-        assert!(tests > 100 && calibrations >= 3, "{tests} {calibrations}");
+        assert!(tests > 100 && calibrations >= 2, "{tests} {calibrations}");
     }
 
     /// One column, rows of equal weight, three frames to a block; from frame 91 on the innovations have a mean.
@@ -560,7 +557,7 @@ mod tests {
                 // Uniform noise of variance one.
                 let noise = 3.0_f64.sqrt() * (2.0 * rng.random::<f64>() - 1.0);
                 let xi = noise + if number >= 91 { 1.5 } else { 0.0 };
-                detector.observe(&ScoredRow { psi: &[1.0], xi, v: 0.0, nn: 1.0 }, 3.0);
+                detector.observe(&ScoredRow { psi: &[1.0], xi, v: 0.0, nn: 1.0, rejected: false }, 3.0);
                 let Some(factor) = detector.end_frame(&[1.0; P], number) else { continue };
                 if factor > 15.0 {
                     let [first, last] = detector.onset(&[1.0; P]);

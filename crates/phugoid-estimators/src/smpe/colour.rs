@@ -82,6 +82,11 @@ impl<const P: usize> Colour<P> {
         &self.inflation
     }
 
+    /// True if no inflation has overflowed.
+    pub(crate) fn is_sound(&self, columns: usize) -> bool {
+        self.inflation[..columns].iter().sum::<f64>().is_finite()
+    }
+
     /// Keeps `C S C` what it was when the covariance becomes `C'`: `S <- (C'^-1 C) S (C'^-1 C)^T`.
     /// `before` is the dense `C`, `after` the factors of `C'`.
     pub(crate) fn reopen(&mut self, before: &[[f64; P]; P], after: &Ud<P>) {

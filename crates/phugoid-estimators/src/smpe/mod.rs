@@ -65,10 +65,11 @@ mod separated;
 pub(crate) mod settings;
 pub(crate) mod slot;
 pub(crate) mod start;
+mod trial;
 
 pub use settings::{
-    ChangeDetection, ChangePrior, OutputInput, ParameterPrior, ProcessNoise, ReReaching, ReachingState, SmpeError,
-    SmpeSettings,
+    ChangeDetection, ChangePrior, NoiseAdaptation, OutputInput, ParameterPrior, ProcessNoise, ReReaching,
+    ReachingState, SmpeError, SmpeSettings,
 };
 pub use slot::{Innovations, RowPhase};
 pub(crate) use start::median;
@@ -81,6 +82,7 @@ use retrospect::Behind;
 use separated::Separated;
 use slot::{Slot, output_input};
 use start::Start;
+use trial::Trial;
 
 use crate::discretization::IntervalInput;
 use crate::estimate::{ChangeState, DetectorState, Estimate, Estimator, Inspect, ParameterStatus, Phase, Status};
@@ -150,6 +152,7 @@ where
     columns: Columns<N, R, P>,
     stage: Stage,
     start: Start<M::Input, R>,
+    trial: Trial<R>,
     champion: S,
     challenger: S,
     in_doubt: bool,
@@ -205,6 +208,7 @@ where
             columns,
             stage: Stage::Starting,
             start: Start::new(),
+            trial: Trial::NEW,
             champion,
             challenger: champion,
             in_doubt: false,
@@ -403,6 +407,14 @@ where
         self.surfaces = [0.0; P];
     }
 
+    /// The first start was none: nothing that was learnt from it is kept.
+    fn start_over(&mut self, sample: &Sample<M::Input, R>) {
+        self.champion = S::prior(&self.settings, &self.columns);
+        self.in_doubt = false;
+        self.behind = None;
+        self.restart(sample);
+    }
+
     /// One interval and the frame at its end.
     fn advance(&mut self, sample: &Sample<M::Input, R>) {
         let interval_s = sample.time_s - self.last_s;
@@ -468,6 +480,9 @@ where
             }
         }
 
+        if self.trial.contradicts(&self.innovations, sample.time_s, S::shared(&self.settings).start_trial_s) {
+            return self.start_over(sample);
+        }
         if !self.champion.is_sound(self.columns.count) || self.is_lost(sample.time_s) {
             return self.restart(sample);
         }

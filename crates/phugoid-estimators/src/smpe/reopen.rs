@@ -158,6 +158,7 @@ mod tests {
                     x: [0.0; N],
                     theta: [0.0; P],
                     noise_scale: 1.0,
+                    noise_information: 0.0,
                     colour: super::super::colour::Colour::new(),
                     limited: [true; P],
                 },

@@ -2,7 +2,7 @@
 //! covariances as `U D U^T`; with it the arithmetic of one sliding surface.
 
 use super::columns::Columns;
-use super::common::Common;
+use super::common::{Common, NoiseScore};
 use super::reopen;
 use super::settings::{ReachingState, SmpeError, SmpeSettings};
 use super::slot::{Innovations, RowPhase, ScoredRow, Slot};
@@ -190,7 +190,7 @@ impl<const N: usize, const P: usize> Separated<N, P> {
 
         let mut dx = [0.0; N];
         let mut dtheta = [0.0; P];
-        let mut adaptation = 0.0;
+        let mut score = NoiseScore::ZERO;
         surface[..p].fill(0.0);
         for i in 0..R {
             let sigma = settings.noise_sd[i];
@@ -240,18 +240,18 @@ impl<const N: usize, const P: usize> Separated<N, P> {
             if !(xi.is_finite() && s > 0.0 && s.is_finite() && one_plus_v >= 1.0 && one_plus_v.is_finite()) {
                 continue;
             }
-            observe(ScoredRow { psi: &psi[..p], xi, v: one_plus_v - 1.0, nn });
+            let size = xi.abs();
+            observe(ScoredRow { psi: &psi[..p], xi, v: one_plus_v - 1.0, nn, rejected: size > kappa2 });
             innovations.whitened[i] = e;
             innovations.normalised[i] = xi;
             innovations.variance[i] = s * one_plus_v;
 
-            let size = xi.abs();
             if size > kappa2 {
                 innovations.phase[i] = RowPhase::Rejected;
                 continue;
             }
-            if adapt_noise && settings.process_noise.adapting_outputs[i] {
-                adaptation += (xi * xi).min(9.0) - 1.0;
+            if adapt_noise {
+                score.add(&settings.process_noise.adaptation, i, xi, (s - r) / (s * one_plus_v));
             }
             // Surface by equivalent control (sliding), or by the implicit sign outside the boundary layer (reaching).
             let (phi, ex, c_psi, p_h);
@@ -297,7 +297,7 @@ impl<const N: usize, const P: usize> Separated<N, P> {
         }
 
         let Self { common, c, .. } = self;
-        common.take_step(settings, columns, &dx, &dtheta[..p], adaptation, |j| c.column(j)[j]);
+        common.take_step(settings, columns, &dx, &dtheta[..p], &score, |j| c.column(j)[j]);
         innovations
     }
 }

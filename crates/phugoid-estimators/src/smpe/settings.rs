@@ -107,27 +107,48 @@ pub struct ProcessNoise<const N: usize, const R: usize> {
     pub variance_per_s: [f64; N],
     /// `q_s` at the start.
     pub initial_scale: f64,
-    /// Gain per row of `q_s <- q_s exp(gain (min(xi^2, 9) - 1))`; zero switches the adaptation off.
-    pub adaptation_gain: f64,
+    /// How `q_s` follows the data.
+    pub adaptation: NoiseAdaptation<R>,
     /// Limits of `q_s`.
     pub scale_limits: [f64; 2],
-    /// Output rows whose innovations adapt `q_s`.
-    pub adapting_outputs: [bool; R],
 }
+
+/// How the scale of the process noise follows the data.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum NoiseAdaptation<const R: usize> {
+    /// Not at all.
+    Off,
+    /// By the slope of the likelihood of all rows over the information that they have given, a Newton step per frame; each row by how far its
+    /// predicted variance depends on the process noise.
+    Score {
+        /// Part of that information that is forgotten per frame.
+        forgetting: f64,
+    },
+    /// `q_s <- q_s exp(gain (min(xi^2, 9) - 1))` for each of some rows, however little they have to do with the process noise: the
+    /// first prototype's law, with which its published traces are reproduced. In light gusts `q_s` follows the noise of these rows.
+    Rows {
+        /// Gain per row.
+        gain: f64,
+        /// Which rows.
+        outputs: [bool; R],
+    },
+}
+
+/// Part of the information about the scale of the process noise that is forgotten per frame: a memory of 3 s at 100 Hz.
+const FORGETTING: f64 = 0.003;
 
 impl<const N: usize, const R: usize> ProcessNoise<N, R> {
     /// None at all.
     pub const NONE: Self = Self {
         variance_per_s: [0.0; N],
         initial_scale: 1.0,
-        adaptation_gain: 0.0,
+        adaptation: NoiseAdaptation::Off,
         scale_limits: [1e-4, 1e3],
-        adapting_outputs: [false; R],
     };
 
-    /// `Qx` adapted with the default gain on the given rows.
-    pub fn adaptive(variance_per_s: [f64; N], adapting_outputs: [bool; R]) -> Self {
-        Self { variance_per_s, adaptation_gain: 0.01, adapting_outputs, ..Self::NONE }
+    /// `Qx`, its scale adapted to the data by [`NoiseAdaptation::Score`].
+    pub fn adaptive(variance_per_s: [f64; N]) -> Self {
+        Self { variance_per_s, adaptation: NoiseAdaptation::Score { forgetting: FORGETTING }, ..Self::NONE }
     }
 
     /// `Qx` as given, never scaled.
@@ -188,7 +209,7 @@ impl Default for ChangeDetection {
     fn default() -> Self {
         Self {
             window_s: 1.0,
-            trigger: 15.0,
+            trigger: 12.0,
             adoption: 10.0,
             adoption_at_limit: f64::INFINITY,
             dropping: -30.0,
@@ -272,6 +293,9 @@ pub struct SmpeSettings<const N: usize, const R: usize, const P: usize> {
     pub maximum_gap_s: f64,
     /// Length of the median start, s.
     pub start_window_s: f64,
+    /// How long the first start is on trial, s: when an output has been rejected for more than half of it, everything starts again from the
+    /// prior, twice at most. More than twice the longest burst of outliers that is to be borne (0.25 s). Zero: no trial.
+    pub start_trial_s: f64,
     /// Whether the very first sample also corrects (it has already helped to start the state).
     pub correct_first_sample: bool,
     /// Estimates are held inside this many half widths of their bounds, about the middle. Where only one bound is
@@ -309,6 +333,7 @@ impl<const N: usize, const R: usize, const P: usize> SmpeSettings<N, R, P> {
             maximum_step_s: (1.5 * sample_time_s).clamp(0.02, 0.15),
             maximum_gap_s: 0.5_f64.max(5.0 * sample_time_s),
             start_window_s: 0.2,
+            start_trial_s: 0.6,
             correct_first_sample: true,
             clip_factor: 1.5,
             colour_block_s: 0.5,
@@ -355,6 +380,9 @@ impl<const N: usize, const R: usize, const P: usize> SmpeSettings<N, R, P> {
                 return Err(SmpeError::Setting { name, value });
             }
         }
+        if self.start_trial_s.is_nan() || self.start_trial_s < 0.0 {
+            return Err(SmpeError::Setting { name: "start_trial_s", value: self.start_trial_s });
+        }
         if self.start_window_s.is_nan() || self.start_window_s < 0.0 {
             return Err(SmpeError::Setting { name: "start_window_s", value: self.start_window_s });
         }
@@ -370,9 +398,12 @@ impl<const N: usize, const R: usize, const P: usize> SmpeSettings<N, R, P> {
                 value: self.process_noise.initial_scale,
             });
         }
-        let gain = self.process_noise.adaptation_gain;
-        if !(gain.is_finite() && gain >= 0.0) {
-            return Err(SmpeError::Setting { name: "process_noise.adaptation_gain", value: gain });
+        let gain = match self.process_noise.adaptation {
+            NoiseAdaptation::Off => 0.0,
+            NoiseAdaptation::Score { forgetting: value } | NoiseAdaptation::Rows { gain: value, .. } => value,
+        };
+        if !(0.0..=1.0).contains(&gain) {
+            return Err(SmpeError::Setting { name: "process_noise.adaptation", value: gain });
         }
         if let ReReaching::Safe(detection) = &self.re_reaching {
             detection.check()?;

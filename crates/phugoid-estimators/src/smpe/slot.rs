@@ -123,7 +123,18 @@ impl<const R: usize> Innovations<R> {
         variance: [f64::NAN; R],
         phase: [RowPhase::Missing; R],
     };
+
+    /// Bounded square of a row's normalised surface, with the weight of a rejected row if it was.
+    pub(crate) fn misfit(&self, output: usize) -> f64 {
+        let xi = self.normalised[output];
+        let weight = if self.phase[output] == RowPhase::Rejected { REJECTED_WEIGHT } else { 1.0 };
+        weight * (xi * xi).min(9.0)
+    }
 }
+
+/// Weight of a rejected row as evidence of a change. A parameter inside its bounds does not throw a row so far: rejected rows are outliers, one by one or in
+/// bursts, all of which together must not look like a change. Not zero, so that a change that throws everything so far is still found.
+pub(crate) const REJECTED_WEIGHT: f64 = 0.05;
 
 /// What an output row says about the parameters, before the row is used.
 pub struct ScoredRow<'a> {
@@ -135,6 +146,8 @@ pub struct ScoredRow<'a> {
     pub(crate) v: f64,
     /// `nn = sqrt(1 + v)`.
     pub(crate) nn: f64,
+    /// Whether it will be rejected.
+    pub(crate) rejected: bool,
 }
 
 /// The input that the outputs see at the end of an interval.

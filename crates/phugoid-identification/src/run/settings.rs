@@ -1,14 +1,15 @@
 //! What the model file and the record say to every method: priors, noise, biases, sample time, process noise.
 
 use phugoid_estimators::discretization::InputHold;
-use phugoid_estimators::smpe::{ChangeDetection, ChangePrior, ParameterPrior, ProcessNoise, ReReaching, SmpeSettings};
+use phugoid_estimators::smpe::{
+    ChangeDetection, ChangePrior, NoiseAdaptation, ParameterPrior, ProcessNoise, ReReaching, SmpeSettings,
+};
 
 use crate::error::EstimateError;
 use crate::model_file::{Base, ModelFile, Parameter, Role};
 use crate::motion::Motion;
 use crate::noise::NoiseLevel;
 use crate::options::EstimateOptions;
-use crate::output::Output;
 use crate::prepare::Prepared;
 
 /// Settings for a prepared record: the automatic rule with what the model file says. Methods other than SMPE take what is theirs
@@ -51,16 +52,10 @@ pub(super) fn shared_settings<M: Motion<N, R>, const N: usize, const R: usize, c
     let density = std::array::from_fn(|i| {
         states.get(i).map_or(0.0, |o| file.process_noise.density[o.index()] * tuned.process_noise_scale)
     });
-    // Gusts move what is measured against the air.
-    let gusty = [Output::TrueAirspeed, Output::Alpha, Output::Beta];
-    let gust_rows = std::array::from_fn(|i| states.get(i).is_some_and(|o| gusty.contains(o)));
-    settings.process_noise = if file.process_noise.adaptive {
-        ProcessNoise::adaptive(density, gust_rows)
-    } else {
-        ProcessNoise::fixed(density)
-    };
-    if let (true, Some(gain)) = (file.process_noise.adaptive, tuned.adaptation_gain) {
-        settings.process_noise.adaptation_gain = gain;
+    settings.process_noise =
+        if file.process_noise.adaptive { ProcessNoise::adaptive(density) } else { ProcessNoise::fixed(density) };
+    if let (true, Some(forgetting)) = (file.process_noise.adaptive, tuned.adaptation_gain) {
+        settings.process_noise.adaptation = NoiseAdaptation::Score { forgetting };
     }
     settings.re_reaching = if options.re_reaching.unwrap_or(file.re_reaching) {
         ReReaching::Safe(ChangeDetection::default())

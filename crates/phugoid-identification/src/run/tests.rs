@@ -10,6 +10,7 @@ use crate::model_file::ModelFile;
 use crate::noise::NoiseLevel;
 use crate::options::EstimateOptions;
 use crate::prepare::{Prepared, prepare};
+use phugoid_estimators::smpe::NoiseAdaptation;
 
 #[path = "../../tests/common/mod.rs"]
 mod common;
@@ -123,7 +124,7 @@ fn what_the_model_file_says_of_the_estimator_reaches_it() {
     );
     // A reaching limit above the rule's rejection limit takes that along.
     assert_eq!((own.reaching_limit, own.rejection_limit, rule.reaching_limit), (9.0, 9.0, 3.0));
-    assert_eq!((own.start_window_s, own.process_noise.adaptation_gain), (0.1, 0.02));
+    assert_eq!((own.start_window_s, own.process_noise.adaptation), (0.1, NoiseAdaptation::Score { forgetting: 0.02 }));
     for (own, rule) in own.priors.iter().zip(&rule.priors) {
         assert_eq!(own.sd, 2.0 * rule.sd);
         assert_eq!(own.change_sd, rule.change_sd, "how large a sudden change may be is another question");

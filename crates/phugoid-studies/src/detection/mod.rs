@@ -46,7 +46,7 @@ pub struct DetectionStudy {
     pub seed: u64,
     /// Damage, with the built-in model file `f16`.
     pub damage: Vec<DamageLine>,
-    /// No damage but errors of the model, with the same model file and offsets of the coefficients.
+    /// No damage but errors of the model: with the same model file, and with a term for the error that it asks for.
     pub model_error: Vec<ModelErrorLine>,
 }
 
@@ -57,12 +57,14 @@ pub struct DetectionStudy {
 pub fn detection(runs: usize, seed: u64, done: &(dyn Fn() + Sync)) -> Result<DetectionStudy, StudyError> {
     let base = Scenario::parse(DAMAGE_SCENARIO, "f16-damage").map_err(StudyError::unsuitable)?;
     let read = |text: &str| ModelFile::parse("f16", text).map_err(StudyError::unsuitable);
-    let with_offsets = F16_MODEL.replace("[coefficients]", "[coefficients]\noffsets = true");
+    let with_term = F16_MODEL
+        .replace("\"elevator\"]", "\"elevator\", \"alpha^2\"]")
+        .replace("[parameters]", "[parameters]\ndCm_alpha2 = { bounds = [-4, 4] }\n#");
     Ok(DetectionStudy {
         runs,
         seed,
         damage: damage_lines(&base, &read(F16_MODEL)?, runs, seed, done)?,
-        model_error: model_error_lines(&base, &read(&with_offsets)?, runs, seed, done)?,
+        model_error: model_error_lines(&base, [&read(F16_MODEL)?, &read(&with_term)?], runs, seed, done)?,
     })
 }
 

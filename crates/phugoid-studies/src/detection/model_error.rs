@@ -27,6 +27,8 @@ const CLAIMED: f64 = 3.0;
 pub struct ModelErrorLine {
     /// What the model does not know.
     pub error: String,
+    /// Whether the model file has the term that the error asks for (`alpha^2` in `Cm`).
+    pub term: bool,
     /// What disturbed the flights.
     pub air: Air,
     /// Minutes flown, half with each stick.
@@ -58,6 +60,18 @@ pub(super) struct Line {
     name: &'static str,
     air: Air,
     alter: fn(&mut Scenario),
+    term: bool,
+}
+
+impl Line {
+    const fn new(name: &'static str, air: Air, alter: fn(&mut Scenario)) -> Self {
+        Self { name, air, alter, term: false }
+    }
+
+    /// The same flights with the term in the model.
+    const fn with_term(name: &'static str, air: Air, alter: fn(&mut Scenario)) -> Self {
+        Self { name, air, alter, term: true }
+    }
 }
 
 fn delay(scenario: &mut Scenario) {
@@ -73,28 +87,34 @@ fn squared(scenario: &mut Scenario, per_rad_squared: f64) {
     scenario.model_error.Cm_alpha_squared = per_rad_squared;
 }
 
+fn all(scenario: &mut Scenario) {
+    tables(scenario, [0.9, 1.1, 0.9]);
+    squared(scenario, 1.0);
+    delay(scenario);
+    scenario.model_error.thrust = 0.1;
+}
+
+const ALL: &str = "all: tables, alpha^2 +1, delay, thrust";
+
 pub(super) const LINES: &[Line] = &[
-    Line { name: "none", air: Air::Calm, alter: |_| () },
-    Line { name: "none", air: Air::Everything, alter: |_| () },
-    Line { name: "Cm CZ CX x .9 1.1 .9", air: Air::Calm, alter: |s| tables(s, [0.9, 1.1, 0.9]) },
-    Line { name: "Cm CZ CX x 1.1 .9 1.1", air: Air::Calm, alter: |s| tables(s, [1.1, 0.9, 1.1]) },
-    Line { name: "alpha 20 ms late", air: Air::Calm, alter: delay },
-    Line { name: "alpha 20 ms late", air: Air::Everything, alter: delay },
-    Line { name: "thrust told 10 % too high", air: Air::Calm, alter: |s| s.model_error.thrust = 0.1 },
-    Line { name: "Cm alpha^2, +0.5", air: Air::Calm, alter: |s| squared(s, 0.5) },
-    Line { name: "Cm alpha^2, -0.5", air: Air::Calm, alter: |s| squared(s, -0.5) },
-    Line { name: "Cm alpha^2, +2", air: Air::Calm, alter: |s| squared(s, 2.0) },
-    Line { name: "Cm alpha^2, -2", air: Air::Calm, alter: |s| squared(s, -2.0) },
-    Line {
-        name: "all: tables, alpha^2 +1, delay, thrust",
-        air: Air::Everything,
-        alter: |s| {
-            tables(s, [0.9, 1.1, 0.9]);
-            squared(s, 1.0);
-            delay(s);
-            s.model_error.thrust = 0.1;
-        },
-    },
+    Line::new("none", Air::Calm, |_| ()),
+    Line::new("none", Air::Everything, |_| ()),
+    Line::new("Cm CZ CX x .9 1.1 .9", Air::Calm, |s| tables(s, [0.9, 1.1, 0.9])),
+    Line::new("Cm CZ CX x 1.1 .9 1.1", Air::Calm, |s| tables(s, [1.1, 0.9, 1.1])),
+    Line::new("alpha 20 ms late", Air::Calm, delay),
+    Line::new("alpha 20 ms late", Air::Everything, delay),
+    Line::new("thrust told 10 % too high", Air::Calm, |s| s.model_error.thrust = 0.1),
+    Line::new("Cm alpha^2, +0.5", Air::Calm, |s| squared(s, 0.5)),
+    Line::new("Cm alpha^2, -0.5", Air::Calm, |s| squared(s, -0.5)),
+    Line::new("Cm alpha^2, +2", Air::Calm, |s| squared(s, 2.0)),
+    Line::new("Cm alpha^2, -2", Air::Calm, |s| squared(s, -2.0)),
+    Line::new(ALL, Air::Everything, all),
+    Line::with_term("none", Air::Everything, |_| ()),
+    Line::with_term("Cm alpha^2, +0.5", Air::Calm, |s| squared(s, 0.5)),
+    Line::with_term("Cm alpha^2, -0.5", Air::Calm, |s| squared(s, -0.5)),
+    Line::with_term("Cm alpha^2, +2", Air::Calm, |s| squared(s, 2.0)),
+    Line::with_term("Cm alpha^2, -2", Air::Calm, |s| squared(s, -2.0)),
+    Line::with_term(ALL, Air::Everything, all),
 ];
 
 struct Run {
@@ -107,23 +127,24 @@ struct Run {
     end_off: Vec<[f64; 2]>,
 }
 
-/// Flies every line for so many minutes (rounded up to two flights of a minute).
+/// Flies every line for so many minutes with the first model, or with the second one, which has the term `alpha^2` in `Cm`.
 ///
 /// # Errors
 /// As [`super::damage_lines`].
 pub fn model_error_lines(
     base: &Scenario,
-    model: &ModelFile,
+    models: [&ModelFile; 2],
     minutes: usize,
     seed: u64,
     done: &(dyn Fn() + Sync),
 ) -> Result<Vec<ModelErrorLine>, StudyError> {
-    LINES.iter().map(|line| fly_line(base, model, line, minutes, seed, done)).collect()
+    LINES.iter().map(|line| fly_line(base, models, line, minutes, seed, done)).collect()
 }
 
+/// Truth, bounds and judgement are those of the first model, without the term.
 fn fly_line(
     base: &Scenario,
-    model: &ModelFile,
+    [model, with_term]: [&ModelFile; 2],
     line: &Line,
     minutes: usize,
     seed: u64,
@@ -138,7 +159,7 @@ fn fly_line(
             damage_at_s: None,
         };
         let drawn = flown(base, model, &order, seed.wrapping_add(run as u64), &line.alter)?;
-        let mut told = model.clone();
+        let mut told = if line.term { with_term.clone() } else { model.clone() };
         if drawn.scenario.model_error.thrust != 0.0 {
             // The thrust from the trim is right; the recorded one is not.
             told.aircraft.thrust = Thrust::Known(Source::Channel("thrust".to_owned()));
@@ -161,6 +182,7 @@ fn fly_line(
     let coverage = |e: &[[f64; 2]]| e.iter().filter(|e| e[1] <= 2.0).count() as f64 / e.len().max(1) as f64;
     Ok(ModelErrorLine {
         error: line.name.to_owned(),
+        term: line.term,
         air: line.air,
         minutes: results.len() as f64 * FLIGHT_S / 60.0,
         adoptions,

@@ -8,8 +8,8 @@ use super::study::with_progress;
 use crate::failure::Failure;
 use crate::output::Table;
 
-/// First seed: none below it was looked at while the detector was being made.
-const SEED: u64 = 900_000;
+/// First seed. The detector was made with others (700,000, 900,000 and 920,000 and what follows them).
+const SEED: u64 = 3_000_000;
 
 pub(super) fn detected(runs: u32) -> Result<DetectionStudy, Failure> {
     let flights = u32::try_from(detection_flights(runs as usize)).unwrap_or(u32::MAX);
@@ -86,7 +86,7 @@ pub(super) fn detection_text(study: &DetectionStudy) -> String {
     ]);
     for line in &study.model_error {
         table.row([
-            line.error.clone(),
+            if line.term { format!("{}; with the term", line.error) } else { line.error.clone() },
             air_word(line.air).to_owned(),
             line.adoptions.to_string(),
             format!("{:.2}", line.per_ten_minutes),
@@ -101,7 +101,8 @@ pub(super) fn detection_text(study: &DetectionStudy) -> String {
     text.push_str(&table.render());
     text.push_str(
         "\nHarmful: afterwards an estimate is worse than without change detection by more than 10 % of the half width of its bounds;\n\
-         and claimed: and more than three claimed standard errors from the truth.\n",
+         and claimed: and more than three claimed standard errors from the truth. With the term: with `alpha^2` in `Cm`, which\n\
+         `phugoid estimate` offers for such flights.\n",
     );
     text
 }

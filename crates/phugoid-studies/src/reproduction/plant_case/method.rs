@@ -123,6 +123,7 @@ pub(in crate::reproduction) fn flagship_settings<const N: usize, const R: usize,
     settings.maximum_step_s = MAXIMUM_STEP_S;
     // The record begins with the input: its first 0.2 s are not at rest, and are what is to be judged.
     settings.start_window_s = 0.0;
+    settings.start_trial_s = 0.0;
     Ok(settings)
 }
 
