@@ -210,7 +210,7 @@ pub fn compatibility(record: &Record, options: &CompatibilityOptions) -> Result<
             })
         })
         .collect();
-    notes.extend(fit.notes.iter().cloned());
+    // The engine's notes are about models of aircraft: kinematics integrate by nature.
     notes.extend(confused(
         &fit.correlation(),
         &fit.unknowns.iter().map(|u| (u.kind, u.name.as_str())).collect::<Vec<_>>(),
