@@ -8,10 +8,10 @@ use std::thread;
 const STACK_BYTES: usize = 16 << 20;
 
 /// Does `work` on a thread of its own with stack enough, and waits; `progress` is called from the caller's thread, in order.
-pub(crate) fn on_a_large_stack<T: Send>(
-    work: &(dyn Fn(&mut dyn FnMut(f64)) -> T + Sync),
-    progress: &mut dyn FnMut(f64),
-) -> T {
+pub(crate) fn on_a_large_stack<T: Send, W>(work: &W, progress: &mut dyn FnMut(f64)) -> T
+where
+    W: Fn(&mut dyn FnMut(f64)) -> T + Sync,
+{
     thread::scope(|scope| {
         let (sender, receiver) = mpsc::channel();
         let worker = thread::Builder::new().stack_size(STACK_BYTES).spawn_scoped(scope, move || {
