@@ -340,6 +340,14 @@ fn a_file_cut_in_the_middle_of_a_row() {
     let record = good("time_s,a1,b1\n0,1,2\n1,1,2\n2,1,2");
     assert_eq!(record.time.len(), 3);
     says(&record, &["line 4: the last row has no line end"]);
+    // A last number shorter than all others in its column was cut, and is no number: `2.` of 2.25 would be a quietly wrong one.
+    let record = good("time_s,a1,b1\n0,1,2.25\n1,1,2.50\n2,1,2.");
+    assert_eq!(values(&record, "a1"), [1.0, 1.0, 1.0]);
+    assert!(values(&record, "b1")[2].is_nan());
+    says(&record, &["line 4: the file ends without a line end after '2.'"]);
+    assert_eq!(good("a1,time_s\n1,0.00\n1,0.10\n1,0.").time, [0.0, 0.1]);
+    // With a line end it is a number like any other.
+    assert_eq!(values(&good("time_s,a1\n0,2.25\n1,2.50\n2,2.\n"), "a1"), [2.25, 2.5, 2.0]);
     let message = refused("time_s,a1,b1\n0,1");
     assert!(message.contains("the only row, line 2, is cut off"), "{message}");
 }

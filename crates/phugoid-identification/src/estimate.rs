@@ -17,10 +17,12 @@ pub use crate::options::{CAPACITY, EstimateOptions, Method, capacity};
 use crate::prepare::{Prepared, prepare};
 use crate::run::{EveryRoom, Task, run};
 use crate::six::SixModel;
+use crate::stack::on_a_large_stack;
 use crate::summary::summarise;
 
 /// Estimates the parameters of `model` from `record`, sample by sample as an on-board computer would: no estimate uses
-/// a later sample. (Measured noise levels, where the model file gives none, are those of the first two seconds, or of
+/// a later sample. It may be called on any thread: models of the lateral motion, whose estimators need 3 MB of stack, run on one
+/// of their own, and `progress` is called from the caller's. (Measured noise levels, where the model file gives none, are those of the first two seconds, or of
 /// the first 40 samples if that is longer.) `progress` is called with the fraction done, 0 to 1.
 ///
 /// # Errors
@@ -53,10 +55,13 @@ pub(crate) fn pipeline(
              (equation-error, output-error, filter-error)"
         )));
     }
+    let lateral =
+        |progress: &mut dyn FnMut(f64)| pipeline_of::<LateralModel, _, _>(record, model, options, health, progress);
+    let six = |progress: &mut dyn FnMut(f64)| pipeline_of::<SixModel, _, _>(record, model, options, health, progress);
     match model.axes {
         Axes::Longitudinal => pipeline_of::<LongitudinalModel, _, _>(record, model, options, health, progress),
-        Axes::LateralDirectional => pipeline_of::<LateralModel, _, _>(record, model, options, health, progress),
-        Axes::All => pipeline_of::<SixModel, _, _>(record, model, options, health, progress),
+        Axes::LateralDirectional => on_a_large_stack(&lateral, progress),
+        Axes::All => on_a_large_stack(&six, progress),
     }
 }
 

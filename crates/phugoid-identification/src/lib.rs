@@ -26,6 +26,7 @@ mod readiness;
 pub mod rigid;
 mod run;
 pub mod six;
+mod stack;
 mod summary;
 pub mod term;
 pub mod trim;

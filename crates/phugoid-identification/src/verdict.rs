@@ -286,9 +286,10 @@ fn residuals<const R: usize>(residuals: &[Signal], run: &Run<R>, sentences: &mut
         }
     }
     if !coloured.is_empty() {
+        let allowed = if run.batch.is_some() { "as far as it reaches" } else { "shorter than half a second" };
         sentences.push(format!(
             "Coloured residuals (lag-one correlation): {}. That is model error, a sensor bias or lag, turbulence, or too \
-             small a noise level. The corrected standard errors allow for colour shorter than half a second.",
+             small a noise level. The corrected standard errors allow for colour {allowed}.",
             coloured.join(", ")
         ));
     }

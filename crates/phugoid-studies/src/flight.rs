@@ -152,7 +152,8 @@ fn trim_of<A: Aircraft>(aircraft: &A, scenario: &Scenario) -> Result<Trim, TrimE
 pub fn sense(truth: &Record, scenario: &Scenario, seed: u64) -> Result<Record, FlightError> {
     let mut sensors = scenario.sensors;
     sensors.draw(seed);
-    Ok(measure(truth, &sensors, &scenario.model_error, seed, scenario.name.clone())?)
+    let named: Vec<&str> = scenario.manoeuvre.iter().map(|manoeuvre| manoeuvre.surface().name()).collect();
+    Ok(measure(truth, &sensors, &named, &scenario.model_error, seed, scenario.name.clone())?)
 }
 
 /// The motion from the trim, through commands, gusts and changing increments.

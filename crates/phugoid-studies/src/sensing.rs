@@ -46,10 +46,11 @@ pub(crate) fn specification(sensors: &Sensors, channel: &str) -> Option<SensorSp
 }
 
 /// The record that the sensors make of the true one. The lateral channels of a flight in which they stay at zero are left
-/// out, unless their sensors are named.
+/// out, unless their sensors or, of surfaces, a manoeuvre (of amplitude zero) are `named` in the scenario.
 pub(crate) fn measure(
     truth: &Record,
     sensors: &Sensors,
+    named: &[&str],
     error: &ModelError,
     seed: u64,
     source: String,
@@ -70,7 +71,7 @@ pub(crate) fn measure(
         let values = felt.unwrap_or(&recorded.unwrap_or(channel).values);
         let still = values.iter().all(|v| v.abs() < 1e-12);
         let perfect = specification == SensorSpecification::default();
-        if still && perfect && !LONGITUDINAL.contains(&name) {
+        if still && perfect && !LONGITUDINAL.contains(&name) && !named.contains(&name) {
             continue;
         }
         let mut values = Sensor::new(specification, seed, index)

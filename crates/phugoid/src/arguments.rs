@@ -453,7 +453,7 @@ pub(crate) struct Study {
     #[arg(long, value_parser = method())]
     pub(crate) method: Option<Method>,
     /// Times of the study `accuracy` at which the estimates are compared [default: the end]
-    #[arg(long, value_name = "TIME")]
+    #[arg(long, allow_hyphen_values = true, value_name = "TIME")]
     pub(crate) at: Vec<Time>,
     #[command(flatten)]
     pub(crate) delivery: Delivery,
@@ -599,40 +599,40 @@ pub(crate) struct Design {
     #[arg(long, requires = "model")]
     pub(crate) predict: bool,
     /// Length of the record
-    #[arg(long, value_name = "TIME", default_value = "20s")]
+    #[arg(long, allow_hyphen_values = true, value_name = "TIME", default_value = "20s")]
     pub(crate) duration: Time,
     /// Quiet time before the input
-    #[arg(long, value_name = "TIME", default_value = "0.5s")]
+    #[arg(long, allow_hyphen_values = true, value_name = "TIME", default_value = "0.5s")]
     pub(crate) lead: Time,
     /// Lowest frequency of sweep and multisine [default: 0.4 times the slowest mode]
-    #[arg(long, value_name = "FREQUENCY", requires = "to_frequency")]
+    #[arg(long, allow_hyphen_values = true, value_name = "FREQUENCY", requires = "to_frequency")]
     pub(crate) from_frequency: Option<Frequency>,
     /// Highest frequency of sweep and multisine [default: 2.5 times the fastest mode]
-    #[arg(long, value_name = "FREQUENCY", requires = "from_frequency")]
+    #[arg(long, allow_hyphen_values = true, value_name = "FREQUENCY", requires = "from_frequency")]
     pub(crate) to_frequency: Option<Frequency>,
     /// Let the frequency of a sweep run linearly instead of with equal time per octave
     #[arg(long)]
     pub(crate) linear: bool,
     /// Peak deflections from trim, one per surface, in place of what the limits allow
-    #[arg(long, value_name = "ANGLE", value_delimiter = ',')]
+    #[arg(long, allow_hyphen_values = true, value_name = "ANGLE", value_delimiter = ',')]
     pub(crate) amplitude: Vec<Angle>,
     /// Limit on the deflection of each surface from trim
-    #[arg(long, value_name = "ANGLE", default_value = "5deg")]
+    #[arg(long, allow_hyphen_values = true, value_name = "ANGLE", default_value = "5deg")]
     pub(crate) deflection_limit: Angle,
     /// Limit on the rate of each surface: steps become ramps, smooth inputs smaller
-    #[arg(long, value_name = "RATE", default_value = "60deg/s")]
+    #[arg(long, allow_hyphen_values = true, value_name = "RATE", default_value = "60deg/s")]
     pub(crate) surface_rate_limit: AngularRate,
     /// Limit on the angle of attack from trim
-    #[arg(long, value_name = "ANGLE", default_value = "3deg")]
+    #[arg(long, allow_hyphen_values = true, value_name = "ANGLE", default_value = "3deg")]
     pub(crate) alpha_limit: Angle,
     /// Limit on the load factor from trim, in g
-    #[arg(long, value_name = "NUMBER", default_value_t = 0.5, value_parser = positive)]
+    #[arg(long, allow_hyphen_values = true, value_name = "NUMBER", default_value_t = 0.5, value_parser = positive)]
     pub(crate) load_factor_limit: f64,
     /// Limit on the sideslip from trim
-    #[arg(long, value_name = "ANGLE", default_value = "3deg")]
+    #[arg(long, allow_hyphen_values = true, value_name = "ANGLE", default_value = "3deg")]
     pub(crate) beta_limit: Angle,
     /// Limit on the bank from trim
-    #[arg(long, value_name = "ANGLE", default_value = "30deg")]
+    #[arg(long, allow_hyphen_values = true, value_name = "ANGLE", default_value = "30deg")]
     pub(crate) bank_limit: Angle,
     /// Folder for the files and the page
     #[arg(long, value_name = "DIR", default_value = "phugoid-design")]

@@ -30,9 +30,18 @@ impl Failure {
         Self::Input(message.to_string())
     }
 
-    /// Writing to a file or folder failed.
+    /// Writing to a file or folder of `--out` failed.
     pub(crate) fn writing(path: &Path, error: impl Display) -> Self {
-        Self::Output(format!("cannot write `{}`: {error}\nChoose another place with --out.", path.display()))
+        Self::writing_of("--out", path, error)
+    }
+
+    /// Writing to the file or folder that an option names failed.
+    pub(crate) fn writing_of(option: &str, path: &Path, error: impl Display) -> Self {
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty() && !folder.exists());
+        let there =
+            folder.map_or_else(String::new, |f| format!("There is no folder `{}`: make it, or choose", f.display()));
+        let choose = if there.is_empty() { "Choose".to_owned() } else { there };
+        Self::Output(format!("cannot write `{}`: {error}\n{choose} another place with {option}.", path.display()))
     }
 
     /// Writing to standard output failed.

@@ -175,3 +175,115 @@ fn a_reader_that_leaves_is_no_failure() {
     assert_eq!(output.status.code(), Some(0));
     assert!(output.stderr.is_empty(), "{}", String::from_utf8_lossy(&output.stderr));
 }
+
+/// A last number that was cut off would be a quietly wrong one: 90 for a thrust of 9909 N.
+#[test]
+fn a_file_cut_inside_its_last_number_is_told() {
+    let folder = Folder::new("cut-number");
+    let good = flight(&folder);
+    let line = good.lines().nth(900).unwrap();
+    let end = good.find(line).unwrap() + line.len();
+    let run = estimate(&folder, &good[..end - 12]);
+    assert_eq!(run.code, Some(0), "{}", run.err);
+    let words = run.out.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(words.contains("line 901: the file ends without a line end after '9909"), "{}", run.out);
+}
+
+#[test]
+fn nonsense_in_a_design_is_refused() {
+    let folder = Folder::new("design-mistakes");
+    let design = |arguments: &[&str]| phugoid(&folder.0, &[&["design", "doublet"], arguments].concat());
+    assert!(design(&["--duration", "1e9s"]).fails(1).contains("shorten the duration"));
+    assert!(design(&["--duration", "-5s"]).fails(1).contains("lengthen the duration"));
+    assert!(design(&["--lead", "-1s"]).fails(1).contains("-1 s of rest"));
+    assert!(design(&["--amplitude", "0deg"]).fails(1).contains("moves nothing"));
+    assert!(design(&["--amplitude", "1000deg"]).fails(1).contains("Give smaller ones"));
+    assert!(design(&["--surface-rate-limit", "0deg/s"]).fails(1).contains("limit on the surface rate is 0"));
+    assert!(design(&["--deflection-limit", "-1deg"]).fails(1).contains("limit on the deflection is -0.017"));
+    assert!(design(&["--load-factor-limit", "-1"]).fails(2).contains("positive"));
+    assert!(!folder.0.join("phugoid-design").exists(), "nothing is written");
+}
+
+#[test]
+fn a_mistake_in_a_scenario_is_told_before_its_missing_model() {
+    let folder = Folder::new("compare-mistakes");
+    folder.file("bad.toml", "x = [\n");
+    let run = phugoid(&folder.0, &["compare", "bad.toml"]);
+    let message = run.fails(3);
+    assert!(message.contains("bad.toml:1: unclosed") && !message.contains("--model"), "{message}");
+}
+
+#[test]
+fn a_flight_that_was_fitted_is_neither_fitted_again_nor_predicted() {
+    let folder = Folder::new("twice");
+    flight(&folder);
+    let fit = ["estimate", "measured.csv", "--model", "f16-model", "--no-report", "--method", "output-error"];
+    let with = |option: &str| phugoid(&folder.0, &[&fit[..], &[option, "./measured.csv"]].concat());
+    assert!(with("--with").fails(3).contains("fitted already"));
+    assert!(with("--predict").fails(3).contains("tests nothing"));
+}
+
+#[test]
+fn a_surface_that_never_moves_is_named() {
+    let folder = Folder::new("still-rudder");
+    let text = include_str!("../../../scenarios/f16-lateral.toml");
+    let still: Vec<String> = text
+        .split("[[manoeuvre]]")
+        .map(|part| match part.contains("surface = \"rudder\"") {
+            true => part.replacen("amplitude = \"", "amplitude = \"0 deg\" # ", 1),
+            false => part.to_owned(),
+        })
+        .collect();
+    folder.file("still.toml", &still.join("[[manoeuvre]]"));
+    assert_eq!(phugoid(&folder.0, &["simulate", "still.toml", "--out", "flight"]).code, Some(0));
+    let estimate = |method: &str| {
+        let arguments =
+            ["estimate", "flight/measured.csv", "--model", "f16-lateral", "--no-report", "--method", method];
+        phugoid(&folder.0, &arguments)
+    };
+    for method in ["equation-error", "output-error", "filter-error"] {
+        let run = estimate(method);
+        let message = run.fails(3);
+        assert!(message.contains("_rudder does not move any measured output"), "{method}: {message}");
+    }
+    for method in ["smpe", "ekf", "rls", "fourier", "implicit-sign"] {
+        let run = estimate(method);
+        assert_eq!(run.code, Some(0), "{method}: {}", run.err);
+        for name in ["dCY_rudder", "dCl_rudder", "dCn_rudder"] {
+            let row = run.out.lines().find(|l| l.trim_start().starts_with(name)).unwrap();
+            let cells: Vec<&str> = row.split_whitespace().collect();
+            assert_eq!(cells[3..], ["-", "-", "not", "excited"], "{method}: {row}");
+        }
+    }
+}
+
+#[test]
+fn a_history_without_a_folder_names_its_option() {
+    let folder = Folder::new("history");
+    flight(&folder);
+    let estimate = ["estimate", "measured.csv", "--model", "f16-model", "--no-report", "--history", "absent/h.csv"];
+    let run = phugoid(&folder.0, &estimate);
+    let message = run.fails(4);
+    assert!(message.contains("no folder `absent`: make it") && message.contains("with --history"), "{message}");
+}
+
+#[test]
+fn a_file_that_holds_no_corrections_is_refused() {
+    let folder = Folder::new("corrections");
+    flight(&folder);
+    folder.file("none.json", "{}");
+    let estimate = ["estimate", "measured.csv", "--model", "f16-model", "--no-report", "--correct", "none.json"];
+    let run = phugoid(&folder.0, &estimate);
+    let message = run.fails(3);
+    assert!(message.contains("none.json") && message.contains("`channels`"), "{message}");
+}
+
+#[test]
+fn a_time_outside_the_flight_is_refused() {
+    let folder = Folder::new("study-time");
+    let study = ["study", "accuracy", "--scenario", "f16-calm", "--model", "f16-model", "--runs", "2", "--at"];
+    for at in ["1000s", "-1s"] {
+        let run = phugoid(&folder.0, &[&study[..], &[at]].concat());
+        assert!(run.fails(3).contains("which lasts 20 s"));
+    }
+}

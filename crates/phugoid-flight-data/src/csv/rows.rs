@@ -25,6 +25,10 @@ pub(super) struct Rows {
     no_time: Lines,
     cut: Option<usize>,
     unended: Option<usize>,
+    /// Fewest characters in the last cell of a row that has its line end.
+    shortest_last: usize,
+    /// The last row's last number where it is shorter than in any other row, as in a file that was cut off inside it.
+    half_number: Option<(usize, String)>,
     /// Cells per channel that are text, and the first of them.
     text: Vec<(Lines, String)>,
     clock: bool,
@@ -47,6 +51,8 @@ impl Rows {
             no_time: Lines::default(),
             cut: None,
             unended: None,
+            shortest_last: usize::MAX,
+            half_number: None,
             text: vec![(Lines::default(), String::new()); count],
             clock: false,
             midnights: 0.0,
@@ -72,7 +78,18 @@ impl Rows {
             }
             self.blank_at_end.add(row.line);
         }
-        if !row.ended {
+        let last = self.fields.saturating_sub(1);
+        let last_cell = cells.get(last).map_or("", |cell| cell.trim());
+        // With two rows before it a length says something.
+        let half = !row.ended && self.table.time.len() >= 2 && last_cell.len() < self.shortest_last;
+        if row.ended {
+            self.shortest_last = self.shortest_last.min(last_cell.len());
+        } else if half && self.plan.time.as_ref().is_some_and(|time| time.column == last) {
+            self.cut = Some(row.line);
+            return Ok(());
+        } else if half {
+            self.half_number = Some((row.line, columns::cut(last_cell, 20)));
+        } else {
             self.unended = Some(row.line);
         }
         let Some(time) = self.time(&cells, row_index, options) else {
@@ -90,7 +107,10 @@ impl Rows {
         self.table.time.push(time);
         self.table.lines.push(row.line);
         for ((channel, values), text) in self.plan.channels.iter().zip(&mut self.table.columns).zip(&mut self.text) {
-            let cell = cells.get(channel.column).copied().unwrap_or_default();
+            let cell = match half && channel.column == last {
+                true => "",
+                false => cells.get(channel.column).copied().unwrap_or_default(),
+            };
             let value = match cells::parse(cell, self.format.decimal_comma) {
                 Cell::Value(value) => channel.to_si(value),
                 Cell::Missing => f64::NAN,
@@ -252,6 +272,16 @@ impl Rows {
             report.note(
                 format!("line {line}"),
                 "the last row has no line end; it is kept, but if the file was cut off there its last number may be short",
+            );
+        }
+        if let Some((line, cell)) = &self.half_number {
+            report.warn(
+                format!("line {line}"),
+                format!(
+                    "the file ends without a line end after '{cell}', which is shorter than the last cell of any other row: \
+                     taken as a number cut short and left out; the file was probably cut off: if rows are missing, copy it \
+                     again"
+                ),
             );
         }
         if self.clock {

@@ -8,6 +8,10 @@ use super::error::BatchError;
 /// good to about 1e-15 times the root of the number of samples.
 const REGULAR: f64 = 1e-12;
 
+/// Information below which an unknown counts as one that moves nothing: a whole unit of it moves all outputs together by less
+/// than 1e-12 standard deviations, as with a surface at the rounding error of zero.
+const SILENT: f64 = 1e-24;
+
 /// Scales that make the diagonal one; 1 for an unknown without any information.
 fn scales(information: &DMatrix<f64>) -> DVector<f64> {
     information.diagonal().map(|d| if d > 0.0 { d.sqrt() } else { 1.0 })
@@ -62,7 +66,7 @@ pub(crate) fn covariance(
     if n == 0 {
         return Ok(DMatrix::zeros(0, 0));
     }
-    if let Some(silent) = (0..n).find(|&j| information[(j, j)].is_nan() || information[(j, j)] <= 0.0) {
+    if let Some(silent) = (0..n).find(|&j| information[(j, j)].is_nan() || information[(j, j)] < SILENT) {
         return Err(BatchError::Singular { culprits: vec![(name(silent), 1.0)] });
     }
     let scale = scales(information);

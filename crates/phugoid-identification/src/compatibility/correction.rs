@@ -21,17 +21,21 @@ pub struct ChannelCorrection {
 
 /// Errors of the sensors of an installation, to be taken out of its records.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+#[serde(deny_unknown_fields)]
 pub struct Corrections {
-    /// By canonical channel name.
+    /// By canonical channel name. A file has to have it, empty where nothing was found: any other file is none of corrections.
     pub channels: BTreeMap<String, ChannelCorrection>,
     /// Distance of the vane of the angle of attack ahead of the centre of gravity, m.
+    #[serde(default)]
     pub vane_alpha_x: f64,
     /// Distance of the vane of the sideslip ahead of the centre of gravity, m.
+    #[serde(default)]
     pub vane_beta_x: f64,
     /// Position of the accelerometers ahead of the centre of gravity, m.
+    #[serde(default)]
     pub accelerometer_x: f64,
     /// Position of the accelerometers below the centre of gravity, m.
+    #[serde(default)]
     pub accelerometer_z: f64,
 }
 

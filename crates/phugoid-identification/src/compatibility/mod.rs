@@ -7,6 +7,7 @@
 //! Jategaonkar, chapter 10). Each has a wide prior; what the data do not tell stays at its prior, and the result says so.
 
 mod correction;
+mod input_noise;
 mod kinematics;
 mod reconstruction;
 mod signals;
@@ -58,7 +59,7 @@ pub struct SensorError {
     pub unit: String,
     /// Estimate.
     pub value: f64,
-    /// One-sigma error, corrected for the colour of the residuals.
+    /// One-sigma error, corrected for the colour of the residuals and for the noise of the inertial sensors.
     pub std_error: f64,
     /// One sigma of what was expected beforehand.
     pub prior_std: f64,
@@ -186,13 +187,22 @@ pub fn compatibility(record: &Record, options: &CompatibilityOptions) -> Result<
     let fit =
         output_error::<_, _, STATES, OUTPUTS, PARAMETERS>(&[manoeuvre], &structure, &OptimiserSettings::default())
             .map_err(|e| EstimateError::Model(format!("data compatibility: {e}")))?;
+    let flight = input_noise::Flight {
+        model: &model,
+        time: &time,
+        inputs: &inputs,
+        outputs: &outputs,
+        maximum_step_s: structure.maximum_step_s,
+    };
+    let by_input_noise = flight.input_noise(&fit);
     let errors: Vec<SensorError> = fit
         .unknowns
         .iter()
-        .filter_map(|unknown| {
+        .enumerate()
+        .filter_map(|(i, unknown)| {
             let UnknownKind::Parameter { index } = unknown.kind else { return None };
             let spec = &UNKNOWNS[index];
-            let std_error = unknown.corrected_std_error.min(spec.prior_sd);
+            let std_error = unknown.corrected_std_error.hypot(by_input_noise[(i, i)].sqrt()).min(spec.prior_sd);
             let significance = unknown.value.abs() / std_error;
             let verdict = match significance {
                 _ if std_error > 0.7 * spec.prior_sd => SensorVerdict::NotIdentifiable,
@@ -210,7 +220,7 @@ pub fn compatibility(record: &Record, options: &CompatibilityOptions) -> Result<
             })
         })
         .collect();
-    notes.extend(fit.notes.iter().cloned());
+    // The engine's notes are about models of aircraft: kinematics integrate by nature.
     notes.extend(confused(
         &fit.correlation(),
         &fit.unknowns.iter().map(|u| (u.kind, u.name.as_str())).collect::<Vec<_>>(),

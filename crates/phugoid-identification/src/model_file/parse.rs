@@ -381,9 +381,11 @@ fn outputs(top: &Section, axes: Axes) -> Result<[bool; OUTPUT_CHANNELS], ModelFi
             outputs[output.index()] = true;
         }
     }
-    // The state is started from its own measurements.
+    // The state is started from its own measurements; a flow angle, for which many aircraft have no vane, from nearly straight
+    // and level flight.
     for state in axes.states() {
-        if !outputs[state.index()] {
+        let dispensable = matches!(state, Output::Alpha | Output::Beta);
+        if !dispensable && !outputs[state.index()] {
             return Err(
                 top.error("outputs", format!("`{}` must be measured: the model is started from it", state.name()))
             );

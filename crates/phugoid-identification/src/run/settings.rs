@@ -57,12 +57,41 @@ pub(super) fn shared_settings<M: Motion<N, R>, const N: usize, const R: usize, c
     if let (true, Some(forgetting)) = (file.process_noise.adaptive, tuned.adaptation_gain) {
         settings.process_noise.adaptation = NoiseAdaptation::Score { forgetting };
     }
+    let unmeasured = states.iter().enumerate().filter(|(_, state)| !file.outputs[state.index()]);
+    for (i, state) in unmeasured.take(N) {
+        [settings.initial_state[i], settings.initial_state_sd[i]] = unmeasured_start(*state, prepared, file);
+    }
     settings.re_reaching = if options.re_reaching.unwrap_or(file.re_reaching) {
         ReReaching::Safe(ChangeDetection::default())
     } else {
         ReReaching::Off
     };
     Ok(settings)
+}
+
+/// Where a state that nothing measures starts, and one sigma of that: flight nearly level and straight, at about the reference
+/// speed. Two degrees of path angle and sideslip are what a flight that is called level may have.
+fn unmeasured_start<M: Motion<N, R>, const N: usize, const R: usize>(
+    state: Output,
+    prepared: &Prepared<M, N, R>,
+    file: &ModelFile,
+) -> [f64; 2] {
+    let first = |output: Output| -> Option<f64> {
+        let row = M::AXES.row(output)?;
+        let values = prepared.outputs.iter().map(|y| y[row]).filter(|v| v.is_finite());
+        crate::noise::median(&mut values.take(5).collect::<Vec<f64>>())
+    };
+    let degree = std::f64::consts::PI / 180.0;
+    match state {
+        Output::TrueAirspeed => {
+            let speed = file.aircraft.reference_speed.unwrap_or(0.0);
+            [speed, 0.05 * speed]
+        }
+        Output::Alpha => [first(Output::Theta).unwrap_or(0.0), 2.0 * degree],
+        Output::Theta => [first(Output::Alpha).unwrap_or(0.0), 2.0 * degree],
+        Output::Beta | Output::Phi => [0.0, 2.0 * degree],
+        _ => [0.0, degree],
+    }
 }
 
 fn prior(parameter: &Parameter, base: Base) -> ParameterPrior {

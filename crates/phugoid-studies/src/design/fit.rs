@@ -26,6 +26,27 @@ pub struct Limits {
     pub bank: f64,
 }
 
+impl Limits {
+    /// # Errors
+    /// [`DesignError::Unsuitable`] for a limit that is not positive.
+    fn check(&self) -> Result<(), DesignError> {
+        let limits = [
+            (self.deflection, "deflection"),
+            (self.surface_rate, "surface rate"),
+            (self.alpha, "angle of attack"),
+            (self.load_factor, "load factor"),
+            (self.beta, "sideslip"),
+            (self.bank, "bank"),
+        ];
+        match limits.iter().find(|(limit, _)| limit.is_nan() || *limit <= 0.0) {
+            Some((limit, what)) => Err(DesignError::Unsuitable(format!(
+                "the limit on the {what} is {limit} in SI units: nothing can be flown within it; give a positive one"
+            ))),
+            None => Ok(()),
+        }
+    }
+}
+
 impl Default for Limits {
     /// Mild manoeuvres that stay in the linear part of most aerodynamics: this project's choice, not a rule of the literature.
     fn default() -> Self {
@@ -72,8 +93,9 @@ pub struct Fitted {
 /// surface alone and then all together.
 ///
 /// # Errors
-/// [`DesignError`] if the scenario cannot be flown, or no amplitude is small enough.
+/// [`DesignError`] if a limit is not positive, the scenario cannot be flown, or no amplitude is small enough.
 pub fn fitted(shape: &Shape, scenario: &Scenario, limits: &Limits) -> Result<Fitted, DesignError> {
+    limits.check()?;
     let h = 1.0 / shape.sample_rate_hz;
     let mut amplitudes = Vec::new();
     let mut limited_by = Vec::new();
@@ -115,7 +137,7 @@ pub fn fitted(shape: &Shape, scenario: &Scenario, limits: &Limits) -> Result<Fit
 /// The input with given amplitudes (rad, one per surface), flown; only the surface rate is kept to.
 ///
 /// # Errors
-/// [`DesignError`] if the scenario cannot be flown.
+/// [`DesignError`] if an amplitude is zero or no number, the scenario cannot be flown, or the motion diverges.
 pub fn with_amplitudes(
     shape: &Shape,
     scenario: &Scenario,
@@ -126,7 +148,18 @@ pub fn with_amplitudes(
         let message = format!("{} amplitudes for {} surfaces: give one each", amplitudes.len(), shape.inputs.len());
         return Err(DesignError::Unsuitable(message));
     }
-    at_amplitudes(shape, scenario, limits, amplitudes, vec!["given"; amplitudes.len()])
+    limits.check()?;
+    if let Some(zero) = amplitudes.iter().find(|a| !a.is_finite() || **a == 0.0) {
+        let message = format!("an amplitude of {zero} rad moves nothing: give another, or leave that surface out");
+        return Err(DesignError::Unsuitable(message));
+    }
+    let given = vec!["given"; amplitudes.len()];
+    at_amplitudes(shape, scenario, limits, amplitudes, given).map_err(|error| match error {
+        DesignError::Flight(FlightError::Simulation(error)) => DesignError::Unsuitable(format!(
+            "the flight with these amplitudes cannot be simulated: {error}. Give smaller ones"
+        )),
+        other => other,
+    })
 }
 
 fn at_amplitudes(

@@ -141,12 +141,15 @@ pub enum DesignError {
     Study(#[from] crate::accuracy::StudyError),
 }
 
+/// Most samples of a design: 1000 s at 100 Hz. The flight is simulated some ten times, and the phases of a multisine are searched.
+const MAX_SAMPLES: f64 = 100_000.0;
+
 /// The shape of an input of this kind, peak one, for an aircraft with these modes.
 ///
 /// Doublets, 3-2-1-1 and sweeps move one surface after another and fill the time; multisines move all surfaces at once.
 ///
 /// # Errors
-/// [`DesignError::Unsuitable`]: no surface, a surface twice, no room for the input in the time, an impossible band.
+/// [`DesignError::Unsuitable`]: no surface, a surface twice, no room for the input in the time, too long a time, an impossible band.
 pub fn shape(kind: Kind, request: &Request, modes: &ModeFrequencies) -> Result<Shape, DesignError> {
     let unsuitable = |message: String| Err(DesignError::Unsuitable(message));
     let Request { surfaces, duration_s, lead_s, sample_rate_hz, .. } = request;
@@ -160,6 +163,11 @@ pub fn shape(kind: Kind, request: &Request, modes: &ModeFrequencies) -> Result<S
     if !(*sample_rate_hz > 0.0 && *lead_s >= 0.0 && active * sample_rate_hz >= 20.0 && duration_s.is_finite()) {
         return unsuitable(format!(
             "{duration_s} s at {sample_rate_hz} Hz after {lead_s} s of rest leave no room for an input: lengthen the duration"
+        ));
+    }
+    if duration_s * sample_rate_hz > MAX_SAMPLES {
+        return unsuitable(format!(
+            "{duration_s} s at {sample_rate_hz} Hz are more than {MAX_SAMPLES} samples: shorten the duration, or join several inputs"
         ));
     }
     let samples = (duration_s * sample_rate_hz + 1e-9) as usize + 1;

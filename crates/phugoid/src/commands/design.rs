@@ -112,7 +112,7 @@ pub(crate) fn run(arguments: &arguments::Design) -> Result<(), Failure> {
     let figures = match &arguments.figures {
         Some(folder) => {
             let named: Vec<_> = charts.iter().map(|chart| (chart.name.clone(), chart_figure(chart))).collect();
-            write_named_figures(folder, &named).map_err(|e| Failure::writing(folder, e))?
+            write_named_figures(folder, &named).map_err(|e| Failure::writing_of("--figures", folder, e))?
         }
         None => Vec::new(),
     };

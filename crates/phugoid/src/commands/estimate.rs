@@ -29,6 +29,7 @@ pub(crate) fn run(arguments: &arguments::Estimate) -> Result<(), Failure> {
         return list_models(arguments.json);
     };
     let history = History::new(arguments, flight)?;
+    once_each(flight, &arguments.with, arguments.predict.as_deref())?;
     let model = model(wanted)?;
     let truth = truth(&arguments.truth, &model)?;
     let options = CsvOptions { columns: columns(&model), ..CsvOptions::default() };
@@ -80,6 +81,36 @@ pub(crate) fn run(arguments: &arguments::Estimate) -> Result<(), Failure> {
         turned: arguments.axes_form.map(|form| Turned::of(&estimation, &model, form)),
     };
     presentation.present(&estimation)
+}
+
+/// # Errors
+/// A flight that is fitted twice would count twice and halve the variances; one that was fitted is no test of the fit.
+fn once_each(flight: &Path, with: &[PathBuf], predict: Option<&Path>) -> Result<(), Failure> {
+    let mut seen = vec![identity(flight)];
+    for further in with {
+        let further_identity = identity(further);
+        if seen.contains(&further_identity) {
+            return Err(Failure::input(format!(
+                "--with {}: this flight is fitted already; twice the same data would make the bounds too small. Name \
+                 another flight, or leave --with out",
+                further.display()
+            )));
+        }
+        seen.push(further_identity);
+    }
+    match predict {
+        Some(predict) if seen.contains(&identity(predict)) => Err(Failure::input(format!(
+            "--predict {}: the parameters are fitted to this flight, so that it tests nothing. Name a flight that they \
+             have not seen",
+            predict.display()
+        ))),
+        _ => Ok(()),
+    }
+}
+
+/// The file itself, whatever way it is named; the name where there is no such file.
+fn identity(path: &Path) -> PathBuf {
+    std::fs::canonicalize(path).unwrap_or_else(|_| path.to_owned())
 }
 
 /// Where the histories of signals and parameters go.
@@ -134,14 +165,13 @@ impl Presentation<'_> {
         let progress = Progress::spinner("drawing");
         let report = self.report.map(|folder| self.write_report(estimation, folder)).transpose()?;
         let figures = match self.figures {
-            Some(folder) => {
-                phugoid_report::write_figures(folder, estimation).map_err(|e| Failure::writing(folder, e))?
-            }
+            Some(folder) => phugoid_report::write_figures(folder, estimation)
+                .map_err(|e| Failure::writing_of("--figures", folder, e))?,
             None => Vec::new(),
         };
         if let History::File(file) = self.history {
             let record = estimation.history.record(&estimation.source);
-            csv::write_path(&record, file).map_err(|e| Failure::writing(file, e))?;
+            csv::write_path(&record, file).map_err(|e| Failure::writing_of("--history", file, e))?;
         }
         drop(progress);
         if self.json {

@@ -185,11 +185,13 @@ fn parameters(estimation: &Estimation) -> String {
             let two_sigma = 2.0 * p.corrected_std_error;
             let fixed = p.status == "fixed";
             let dash = || "-".to_owned();
+            let percent = 100.0 * two_sigma / p.value.abs();
             let mut cells = vec![
                 p.name.clone(),
                 significant(p.value, 5),
                 if fixed { dash() } else { significant(two_sigma, 3) },
-                if fixed || p.value == 0.0 { dash() } else { significant(100.0 * two_sigma / p.value.abs(), 3) },
+                // Of a value that is zero but for rounding nothing is said.
+                if fixed || p.value == 0.0 || percent > 1e6 { dash() } else { significant(percent, 3) },
             ];
             if truth_known {
                 cells.push(p.truth.map_or_else(dash, |t| significant(t, 5)));

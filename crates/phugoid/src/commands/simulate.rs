@@ -56,9 +56,8 @@ pub(crate) fn run(arguments: &arguments::Simulate) -> Result<(), Failure> {
         csv::write_path(record, path).map_err(|e| Failure::writing(path, e))?;
     }
     let figures = match &arguments.figures {
-        Some(folder) => {
-            write_named_figures(folder, &figures(&scenario, &flight)).map_err(|e| Failure::writing(folder, e))?
-        }
+        Some(folder) => write_named_figures(folder, &figures(&scenario, &flight))
+            .map_err(|e| Failure::writing_of("--figures", folder, e))?,
         None => Vec::new(),
     };
     drop(writing);

@@ -54,6 +54,12 @@ pub(crate) fn run(arguments: &arguments::Study) -> Result<(), Failure> {
             if at.is_empty() {
                 at.push(scenario.duration.si());
             }
+            let duration = scenario.duration.si();
+            if let Some(outside) = at.iter().find(|t| !(0.0..=duration).contains(*t)) {
+                return Err(Failure::input(format!(
+                    "--at {outside} s lies outside the flight, which lasts {duration} s: choose a time in it"
+                )));
+            }
             let study = accurate(&scenario, &model, arguments, &at)?;
             deliver(&study, delivery.json, delivery.out.as_deref(), || accuracy_text(&study))
         }

@@ -64,13 +64,14 @@ fn entry(wanted: &str, arguments: &Compare) -> Result<Entry, Failure> {
             return Entry::parse(&text, &id).map_err(Failure::input);
         }
     }
+    // First, so that a mistake in the file is told before a missing option.
+    let flown = simulate::scenario(wanted)?;
     let Some(model) = &arguments.model else {
         return Err(Failure::input(format!(
             "`{wanted}` is a scenario without a model: say with --model what the methods are told of the aircraft"
         )));
     };
-    let (flown, model) = (simulate::scenario(wanted)?, estimate::model(model)?);
-    Ok(Entry::new(id, flown, model, arguments.cycle.si()))
+    Ok(Entry::new(id, flown, estimate::model(model)?, arguments.cycle.si()))
 }
 
 fn unknown(wanted: &str) -> String {

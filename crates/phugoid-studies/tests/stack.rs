@@ -1,0 +1,30 @@
+//! What an estimation takes of the stack of the thread that it is called on.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // tests may
+
+use phugoid_identification::estimate::{EstimateOptions, Method, estimate};
+use phugoid_identification::model_file::ModelFile;
+use phugoid_studies::flight::fly;
+use phugoid_studies::scenario::built_in;
+
+/// A user's own thread has 2 MiB; half of it is enough for every method, with the largest motion. Beyond it the process ends.
+#[test]
+fn every_method_runs_on_a_common_thread() {
+    let text = ModelFile::BUILT_IN.iter().find(|(name, _)| *name == "f16-six").unwrap().1;
+    let model = ModelFile::parse("f16-six", text).unwrap();
+    let mut scenario = built_in("f16-six").unwrap().unwrap();
+    // The first input of each surface.
+    scenario.duration = "14 s".parse().unwrap();
+    let record = fly(&scenario).unwrap().measured;
+    for method in [Method::Smpe, Method::Ekf, Method::Rls, Method::Fourier, Method::EquationError] {
+        let (record, model) = (record.clone(), model.clone());
+        let run = move || {
+            let options = EstimateOptions { method: Some(method), ..EstimateOptions::default() };
+            let mut seen = Vec::new();
+            let estimation = estimate(&record, &model, &options, &mut |done| seen.push(done)).unwrap();
+            (estimation.parameters.len(), seen)
+        };
+        let (parameters, seen) = std::thread::Builder::new().stack_size(1 << 20).spawn(run).unwrap().join().unwrap();
+        assert_eq!(parameters, 24);
+        assert!(seen.is_sorted() && seen.last() == Some(&1.0), "{method}: {seen:?}");
+    }
+}
