@@ -206,7 +206,8 @@ pub struct EstimatorSettings {
     pub prior_scale: f64,
     /// Factor on the process noise that the file gives (with adaptive noise: on its start).
     pub process_noise_scale: f64,
-    /// Gain of the adaptation of the process noise, per row; none for the rule, 0.01. Only where it is adaptive.
+    /// Part of the information about the scale of the process noise that is forgotten per sample; none for the rule, 0.003. Only where
+    /// it is adaptive.
     pub adaptation_gain: Option<f64>,
     /// Length of the median start, s; none for the rule, 0.2 s.
     pub start_window_s: Option<f64>,

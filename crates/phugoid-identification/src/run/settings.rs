@@ -10,6 +10,7 @@ use crate::model_file::{Base, ModelFile, Parameter, Role};
 use crate::motion::Motion;
 use crate::noise::NoiseLevel;
 use crate::options::EstimateOptions;
+use crate::output::Output;
 use crate::prepare::Prepared;
 
 /// Settings for a prepared record: the automatic rule with what the model file says. Methods other than SMPE take what is theirs

@@ -168,10 +168,10 @@ fn settings(process_noise: bool, adaptive: bool) -> Vec<Setting> {
         settings.push(number(
             "adaptation_gain",
             "-",
-            "gain per measurement of the adaptive process noise",
-            [1e-3, 1e-1],
-            0.01,
-            "0.002 is too slow to learn a scale that is a hundred times off within 20 s (docs/theory.md)",
+            "part of the information about the scale of the process noise that is forgotten per sample",
+            [1e-4, 1e-1],
+            0.003,
+            "a memory of 3 s at 100 Hz (docs/theory.md)",
         ));
     }
     settings
