@@ -35,4 +35,7 @@ pub struct EstimateOptions {
     pub further: Vec<Record>,
     /// A record that the estimated parameters are tried on, with a batch method.
     pub predict: Option<Record>,
+    /// Try terms that the model does not have, where the residuals give a reason to (`phugoid_identification::estimation::Offer`);
+    /// a causal method only. One run over the record per candidate.
+    pub offer: bool,
 }

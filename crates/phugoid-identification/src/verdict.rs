@@ -253,6 +253,12 @@ pub(crate) fn is_contradicted(residuals: &[Signal]) -> bool {
     residuals.iter().filter_map(Spread::of).any(|spread| spread.contradicts())
 }
 
+/// The outputs whose residuals are coloured, and the lag-one correlations.
+pub(crate) fn coloured(residuals: &[Signal]) -> Vec<(&str, f64)> {
+    let colour = |signal| Spread::of(signal).map(|s| s.colour).filter(|colour| *colour > COLOURED);
+    residuals.iter().filter_map(|signal| Some((signal.name.as_str(), colour(signal)?))).collect()
+}
+
 fn contradiction(residuals: &[Signal], sentences: &mut Vec<String>) {
     let told: Vec<String> = residuals
         .iter()
@@ -272,19 +278,17 @@ fn contradiction(residuals: &[Signal], sentences: &mut Vec<String>) {
 /// Outliers, and residuals that are not white.
 fn residuals<const R: usize>(residuals: &[Signal], run: &Run<R>, sentences: &mut Vec<String>) {
     let samples = run.phases.len().max(1) as f64;
-    let mut coloured = Vec::new();
     for signal in residuals {
-        let Some(Spread { present, outliers, colour }) = Spread::of(signal) else { continue };
+        let Some(Spread { present, outliers, .. }) = Spread::of(signal) else { continue };
         if outliers > 0 && outliers as f64 > 0.002 * samples {
             sentences.push(format!(
                 "{outliers} of {present} samples of {} lie more than six sigmas away and were taken for outliers.",
                 signal.name
             ));
         }
-        if colour > COLOURED {
-            coloured.push(format!("{} ({colour:.2})", signal.name));
-        }
     }
+    let coloured: Vec<String> =
+        coloured(residuals).iter().map(|(name, colour)| format!("{name} ({colour:.2})")).collect();
     if !coloured.is_empty() {
         let allowed = if run.batch.is_some() { "as far as it reaches" } else { "shorter than half a second" };
         sentences.push(format!(

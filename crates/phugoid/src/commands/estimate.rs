@@ -51,7 +51,8 @@ pub(crate) fn run(arguments: &arguments::Estimate) -> Result<(), Failure> {
         (_, true) => Some(false),
         _ => None,
     };
-    let options = EstimateOptions { method: arguments.method, re_reaching, start_s, truth, further, predict };
+    let offer = !arguments.no_offer;
+    let options = EstimateOptions { method: arguments.method, re_reaching, start_s, truth, further, predict, offer };
     let estimation = {
         let progress = Progress::new("estimating");
         estimate(&record, &model, &options, &mut |done| progress.set(done)).map_err(Failure::input)?

@@ -8,6 +8,7 @@ pub(crate) mod design;
 pub(crate) mod estimate;
 pub(crate) mod linearize;
 pub(crate) mod monitor;
+mod offer;
 pub(crate) mod reproduce;
 pub(crate) mod result;
 pub(crate) mod simulate;
