@@ -14,7 +14,7 @@ use crate::monitor::HealthRun;
 use crate::motion::Motion;
 use crate::noise::{NoiseLevel, measure_noise};
 use crate::offer::{offer, sentence};
-pub use crate::options::{CAPACITY, EstimateOptions, Method, capacity};
+pub use crate::options::{CAPACITY, EstimateOptions, Method, OfferTerms, capacity};
 use crate::prepare::{Prepared, prepare};
 use crate::run::{EveryRoom, Task, run};
 use crate::six::SixModel;
@@ -79,11 +79,11 @@ fn pipeline_of<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     let noise = noise_levels(&prepared, model)?;
     let task = Task { prepared: &prepared, file: model, options, noise: &noise, health };
     // Terms are tried in a second half.
-    let share = if options.offer { 0.5 } else { 1.0 };
+    let share = if options.offer == OfferTerms::Never { 1.0 } else { 0.5 };
     let mut run = run(&task, &mut |done| progress(share * done))?;
     let watched = run.health.take();
     let mut estimation = summarise(record, &task, &run, &doubts);
-    if options.offer {
+    if options.offer != OfferTerms::Never {
         estimation.offer = offer(record, &task, &estimation, &run, &mut |done| progress(0.5 + 0.5 * done))?;
         estimation.verdict.extend(estimation.offer.as_ref().map(sentence));
         progress(1.0);

@@ -17,10 +17,10 @@ use crate::error::EstimateError;
 use crate::estimation::{Estimation, Event};
 use crate::method::Method;
 use crate::model_file::ModelFile;
-use crate::options::{EstimateOptions, capacity};
+use crate::options::{EstimateOptions, OfferTerms, capacity};
 use crate::prepare::prepare;
 use crate::run::{EveryRoom, Run, Task, run};
-use crate::verdict::coloured;
+use crate::verdict::colour;
 use amplitude::Amplitudes;
 use candidate::{Candidate, candidates};
 
@@ -36,7 +36,7 @@ const FAR_FROM_ZERO: f64 = 3.0;
 /// What came of trying terms that the model does not have.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Offer {
-    /// Why terms were tried, in words.
+    /// Why terms were tried, in words; empty where they were asked for without a reason.
     pub reasons: Vec<String>,
     /// Estimator that they were tried with.
     pub method: String,
@@ -78,6 +78,8 @@ pub struct OfferedTerm {
     /// Both gains reach the threshold, the estimate lies three standard errors from zero, and fewer changes are adopted, if any
     /// were.
     pub asked_for: bool,
+    /// What gave a reason to try terms and is still there with this one, in words; empty where that was not looked at.
+    pub remaining: Vec<String>,
     /// The line to put under `[coefficients]`.
     pub coefficient_line: String,
     /// The line to put under `[parameters]`.
@@ -96,8 +98,13 @@ pub(crate) fn offer<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     progress: &mut dyn FnMut(f64),
 ) -> Result<Option<Offer>, EstimateError> {
     let file = task.file;
-    let reasons = reasons(estimation);
-    if task.method().is_batch() || !own.excited || reasons.is_empty() {
+    let reasons = reasons(own, file);
+    let wanted = match task.options.offer {
+        OfferTerms::Never => false,
+        OfferTerms::WithReason => !reasons.is_empty(),
+        OfferTerms::Always => true,
+    };
+    if !wanted || task.method().is_batch() || !own.excited {
         return Ok(None);
     }
     // One more column has to fit.
@@ -124,17 +131,19 @@ pub(crate) fn offer<M: EveryRoom<N, R>, const N: usize, const R: usize>(
 }
 
 /// What makes one suspect that a term is missing.
-fn reasons(estimation: &Estimation) -> Vec<String> {
+fn reasons<const R: usize>(run: &Run<R>, file: &ModelFile) -> Vec<String> {
     let mut reasons = Vec::new();
-    let adopted = adopted(&estimation.events);
+    let adopted = adopted(&run.events);
     if adopted > 0 {
         let times = if adopted == 1 { "once".to_owned() } else { format!("{adopted} times") };
         reasons.push(format!("the parameters were found changed {times}"));
     }
-    if estimation.events.iter().any(|e| e.kind == "insensitive") {
-        reasons.push("the parameters wander without any change (model error)".to_owned());
+    if run.events.iter().any(|e| e.kind == "insensitive") {
+        reasons.push("the parameters wander without any change".to_owned());
     }
-    let coloured: Vec<&str> = coloured(&estimation.history.residuals).into_iter().map(|(name, _)| name).collect();
+    let outputs = file.axes.outputs().iter().enumerate();
+    let is_coloured = |row: usize| colour(run.residuals.iter().map(|at| at[row])).is_some();
+    let coloured: Vec<&str> = outputs.filter(|(row, _)| is_coloured(*row)).map(|(_, o)| o.name()).collect();
     if !coloured.is_empty() {
         reasons.push(format!("the residuals of {} are coloured", coloured.join(", ")));
     }
@@ -193,6 +202,7 @@ impl<'a, M: EveryRoom<N, R>, const N: usize, const R: usize> Trials<'a, M, N, R>
             value,
             std_error,
             adopted_changes,
+            remaining: with_changes.as_ref().map(|with| reasons(with, &file)).unwrap_or_default(),
             asked_for: gain_with_changes.is_some_and(|g| g >= threshold)
                 && value.abs() >= FAR_FROM_ZERO * std_error
                 && spares_changes,
@@ -212,14 +222,17 @@ fn gain<const R: usize>(with: &Run<R>, without: &Run<R>) -> f64 {
 pub(crate) fn sentence(offer: &Offer) -> String {
     match offer.best() {
         Some(best) => {
-            let changes = match (offer.adopted_changes, best.adopted_changes.unwrap_or_default()) {
-                (0, _) => String::new(),
-                (before, 0) => format!(" None of the {before} changes that were adopted without it remains."),
-                (before, after) => format!(" {after} of the {before} changes that were adopted without it remain."),
+            let rest = match best.remaining.as_slice() {
+                _ if offer.reasons.is_empty() => String::new(),
+                [] => format!(" It explains all that gave a reason to look ({}).", offer.reasons.join("; ")),
+                left => format!(
+                    " It is not the whole truth, or stands for something else: with it {} still.",
+                    left.join(", and ")
+                ),
             };
             format!(
-                "The residuals ask for {} in {}: {} = {} +- {} (one sigma), a gain of {:.0} nats where {:.1} are enough.{changes} \
-                 What to write into the model file stands below.",
+                "The residuals ask for {} in {}: {} = {} +- {} (one sigma), a gain of {:.0} nats where {:.1} are enough.{rest} \
+                 The lines for the model file stand with the terms that were tried.",
                 best.term,
                 best.coefficient,
                 best.parameter,

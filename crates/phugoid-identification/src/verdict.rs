@@ -228,7 +228,11 @@ struct Spread {
 
 impl Spread {
     fn of(signal: &Signal) -> Option<Self> {
-        let present: Vec<f64> = signal.values.iter().copied().filter(|v| v.is_finite()).collect();
+        Self::of_values(signal.values.iter().copied())
+    }
+
+    fn of_values(values: impl Iterator<Item = f64>) -> Option<Self> {
+        let present: Vec<f64> = values.filter(|v| v.is_finite()).collect();
         if present.len() < 20 {
             return None;
         }
@@ -253,10 +257,9 @@ pub(crate) fn is_contradicted(residuals: &[Signal]) -> bool {
     residuals.iter().filter_map(Spread::of).any(|spread| spread.contradicts())
 }
 
-/// The outputs whose residuals are coloured, and the lag-one correlations.
-pub(crate) fn coloured(residuals: &[Signal]) -> Vec<(&str, f64)> {
-    let colour = |signal| Spread::of(signal).map(|s| s.colour).filter(|colour| *colour > COLOURED);
-    residuals.iter().filter_map(|signal| Some((signal.name.as_str(), colour(signal)?))).collect()
+/// The lag-one correlation of an output's whitened residuals, if they are coloured.
+pub(crate) fn colour(residuals: impl Iterator<Item = f64>) -> Option<f64> {
+    Spread::of_values(residuals).map(|spread| spread.colour).filter(|colour| *colour > COLOURED)
 }
 
 fn contradiction(residuals: &[Signal], sentences: &mut Vec<String>) {
@@ -278,6 +281,7 @@ fn contradiction(residuals: &[Signal], sentences: &mut Vec<String>) {
 /// Outliers, and residuals that are not white.
 fn residuals<const R: usize>(residuals: &[Signal], run: &Run<R>, sentences: &mut Vec<String>) {
     let samples = run.phases.len().max(1) as f64;
+    let mut coloured = Vec::new();
     for signal in residuals {
         let Some(Spread { present, outliers, .. }) = Spread::of(signal) else { continue };
         if outliers > 0 && outliers as f64 > 0.002 * samples {
@@ -286,9 +290,10 @@ fn residuals<const R: usize>(residuals: &[Signal], run: &Run<R>, sentences: &mut
                 signal.name
             ));
         }
+        if let Some(colour) = colour(signal.values.iter().copied()) {
+            coloured.push(format!("{} ({colour:.2})", signal.name));
+        }
     }
-    let coloured: Vec<String> =
-        coloured(residuals).iter().map(|(name, colour)| format!("{name} ({colour:.2})")).collect();
     if !coloured.is_empty() {
         let allowed = if run.batch.is_some() { "as far as it reaches" } else { "shorter than half a second" };
         sentences.push(format!(

@@ -2,13 +2,13 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // tests and benches may
 
-use phugoid_identification::estimate::{EstimateOptions, estimate};
+use phugoid_identification::estimate::{EstimateOptions, OfferTerms, estimate};
 use phugoid_identification::estimation::{Estimation, Offer, OfferedTerm};
 use phugoid_identification::model_file::ModelFile;
 use phugoid_studies::flight::fly;
 use phugoid_studies::monte_carlo::monte_carlo;
 use phugoid_studies::published::{DAMAGE_MODEL, GUST_MODEL};
-use phugoid_studies::scenario::Scenario;
+use phugoid_studies::scenario::{Scenario, built_in};
 
 /// A minute of a pilot's stick in the built-in F-16, with what is added to the scenario.
 fn flight(added: &str, seed: u64) -> Scenario {
@@ -23,8 +23,8 @@ fn model(text: &str) -> ModelFile {
     ModelFile::parse("model", text).unwrap()
 }
 
-fn with_offer(scenario: &Scenario, model: &ModelFile) -> Estimation {
-    let options = EstimateOptions { offer: true, ..EstimateOptions::default() };
+fn with_offer(scenario: &Scenario, model: &ModelFile, offer: OfferTerms) -> Estimation {
+    let options = EstimateOptions { offer, ..EstimateOptions::default() };
     estimate(&fly(scenario).unwrap().measured, model, &options, &mut |_| ()).unwrap()
 }
 
@@ -69,8 +69,8 @@ fn a_moment_that_grows_with_alpha_squared_is_offered_and_explains_the_changes() 
         runs,
         |run| -> Result<_, ()> {
             let scenario = flight(SQUARED, 700 + run as u64);
-            let first = with_offer(&scenario, &model(text));
-            let second = with_offer(&scenario, &taken_in(text, first.offer.as_ref().unwrap()));
+            let first = with_offer(&scenario, &model(text), OfferTerms::WithReason);
+            let second = with_offer(&scenario, &taken_in(text, first.offer.as_ref().unwrap()), OfferTerms::WithReason);
             Ok((first, second))
         },
         || (),
@@ -97,15 +97,43 @@ fn a_moment_that_grows_with_alpha_squared_is_offered_and_explains_the_changes() 
     assert!(changes > 0);
 }
 
-/// With the right model nothing is asked for: 20 flights in calm air, 20 in light turbulence with a model that knows of it.
+/// With the right model nothing gives a reason to try terms, and if they are tried all the same, none is asked for: 20 flights in
+/// calm air, 20 in light turbulence with a model that knows of it.
 #[test]
 fn a_right_model_is_offered_nothing() {
     let runs = runs(20);
     for (name, added, text) in [("calm", "", DAMAGE_MODEL), ("light turbulence", LIGHT, GUST_MODEL)] {
-        let offers = offers(runs, added, text);
-        let (tried, asked) = counts(&offers);
-        println!("{name}: {runs} flights, terms tried in {tried}, asked for in {asked}");
-        assert_eq!(asked, 0, "{name}: {:?}", offers.iter().flatten().map(in_words).collect::<Vec<_>>());
+        let (tried, _) = counts(&offers(runs, added, text, OfferTerms::WithReason));
+        let forced = offers(runs, added, text, OfferTerms::Always);
+        let (all, asked) = counts(&forced);
+        let gains: Vec<f64> = forced.iter().flatten().flat_map(|o| &o.terms).map(|t| t.gain).collect();
+        let largest = gains.iter().fold(f64::NEG_INFINITY, |a, b| a.max(*b));
+        println!(
+            "{name}: {runs} flights, reason in {tried}, asked for in {asked}; largest of {} gains {largest:.1}",
+            gains.len()
+        );
+        assert_eq!(
+            (tried, all, asked),
+            (0, runs, 0),
+            "{name}: {:?}",
+            forced.iter().flatten().map(in_words).collect::<Vec<_>>()
+        );
+        assert!(gains.len() >= 3 * runs);
+    }
+}
+
+/// Terms of the lateral motion are products with alpha too.
+#[test]
+fn lateral_terms_are_tried_by_themselves_and_with_the_others() {
+    for (name, tried) in [("f16-lateral", 15), ("f16-six", 24)] {
+        let scenario = built_in(name).unwrap().unwrap();
+        let model = ModelFile::built_in(name).unwrap().unwrap();
+        let estimation = with_offer(&scenario, &model, OfferTerms::Always);
+        let offer = estimation.offer.unwrap();
+        println!("{name}: {}", in_words(&offer));
+        assert_eq!(offer.terms.len(), tried);
+        assert!(offer.terms.iter().any(|t| t.coefficient == "Cl" && t.term == "alpha*beta"), "{}", in_words(&offer));
+        assert!(offer.best().is_none(), "{}", in_words(&offer));
     }
 }
 
@@ -113,7 +141,7 @@ fn a_right_model_is_offered_nothing() {
 #[test]
 fn damage_is_not_taken_for_a_missing_term() {
     let runs = runs(10);
-    let offers = offers(runs, DAMAGE, DAMAGE_MODEL);
+    let offers = offers(runs, DAMAGE, DAMAGE_MODEL, OfferTerms::WithReason);
     let (tried, asked) = counts(&offers);
     println!("{runs} flights, terms tried in {tried}, asked for in {asked}");
     assert_eq!((tried, asked), (runs, 0), "{:?}", offers.iter().flatten().map(in_words).collect::<Vec<_>>());
@@ -131,23 +159,31 @@ fn what_other_errors_of_the_model_look_like() {
         ("turbulence that the model does not know", LIGHT, DAMAGE_MODEL),
         ("weak alpha^2, 0.05", "[model_error]\nCm_alpha_squared = 0.05\n", DAMAGE_MODEL),
         ("weak alpha^2, 0.02", "[model_error]\nCm_alpha_squared = 0.02\n", DAMAGE_MODEL),
+        ("weak alpha^2, 0.005", "[model_error]\nCm_alpha_squared = 0.005\n", DAMAGE_MODEL),
         ("weak alpha^2, 0.01", "[model_error]\nCm_alpha_squared = 0.01\n", DAMAGE_MODEL),
     ] {
         let runs = runs(20);
-        let offers = offers(runs, added, text);
+        let offers = offers(runs, added, text, OfferTerms::WithReason);
         let (tried, asked) = counts(&offers);
         let mut best: Vec<String> =
             offers.iter().flatten().filter_map(Offer::best).map(|b| b.parameter.clone()).collect();
         best.sort();
-        println!("{name}: {runs} flights, terms tried in {tried}, asked for in {asked}: {best:?}");
-        for offer in offers.iter().flatten().take(3) {
+        let remaining = offers.iter().flatten().filter_map(Offer::best).filter(|b| !b.remaining.is_empty()).count();
+        best.dedup();
+        let (_, always) = counts(&self::offers(runs, added, text, OfferTerms::Always));
+        println!(
+            "{name}: {runs} flights, terms tried in {tried}, asked for in {asked} ({always} if always tried): {best:?}, \
+             something left in {remaining}"
+        );
+        for offer in offers.iter().flatten().take(2) {
             println!("{}", in_words(offer));
         }
     }
 }
 
-fn offers(runs: usize, added: &str, text: &str) -> Vec<Option<Offer>> {
-    let one = |run: usize| -> Result<_, ()> { Ok(with_offer(&flight(added, 700 + run as u64), &model(text)).offer) };
+fn offers(runs: usize, added: &str, text: &str, when: OfferTerms) -> Vec<Option<Offer>> {
+    let one =
+        |run: usize| -> Result<_, ()> { Ok(with_offer(&flight(added, 700 + run as u64), &model(text), when).offer) };
     monte_carlo(runs, one, || ()).unwrap()
 }
 

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use phugoid_identification::estimation::Estimation;
+use phugoid_identification::estimation::{Estimation, Offer};
 
 use super::page::{END_OF_TABLE, table};
 use crate::escape::escape;
@@ -12,11 +12,11 @@ use crate::ticks::{fixed, significant};
 pub(super) fn offer(estimation: &Estimation) -> String {
     let Some(offer) = &estimation.offer else { return String::new() };
     let mut out = format!(
-        "<p>Tried one at a time with {}, because {}. A term is asked for if it gains {} nats of log likelihood, without \
+        "<p>Tried one at a time with {}{}. A term is asked for if it gains {} nats of log likelihood, without \
          change detection and with it, lies three standard errors from zero, and leaves fewer adopted changes where there \
          were any.</p>\n",
         escape(&offer.method),
-        escape(&offer.reasons.join(", and ")),
+        escape(&because(offer)),
         fixed(offer.threshold, 1)
     );
     if offer.terms.is_empty() {
@@ -59,4 +59,9 @@ pub(super) fn offer(estimation: &Estimation) -> String {
         );
     }
     out
+}
+
+/// The reason for trying them; nothing where there was none.
+fn because(offer: &Offer) -> String {
+    if offer.reasons.is_empty() { String::new() } else { format!(", because {}", offer.reasons.join(", and ")) }
 }

@@ -2,7 +2,7 @@
 
 use phugoid_flight_data::quality::{ChannelQuality, Finding, QualityReport, Severity};
 use phugoid_identification::estimation::{
-    Estimation, Event, History, ParameterHistory, ParameterReadiness, ParameterResult, Signal,
+    Estimation, Event, History, Offer, OfferedTerm, ParameterHistory, ParameterReadiness, ParameterResult, Signal,
 };
 
 /// What to make up.
@@ -121,6 +121,7 @@ fn offer() -> Offer {
         value: 0.4987,
         std_error: 0.0123,
         adopted_changes: more.map(|_| 0),
+        remaining: Vec::new(),
         asked_for: more.is_some(),
         coefficient_line: format!("Cm = [\"alpha\", \"{term}\"]"),
         parameter_line: format!("{parameter} = {{ bounds = [-4, 4] }}"),

@@ -11,10 +11,10 @@ use crate::output::{Table, significant};
 pub(crate) fn text(offer: &Offer) -> String {
     let mut text = String::new();
     let why = format!(
-        "Tried one at a time with {}, because {}. A term is asked for if it gains {:.1} nats of log likelihood, without change \
+        "Tried one at a time with {}{}. A term is asked for if it gains {:.1} nats of log likelihood, without change \
          detection and with it, lies three standard errors from zero, and leaves fewer adopted changes where there were any.",
         offer.method,
-        offer.reasons.join(", and "),
+        because(offer),
         offer.threshold
     );
     paragraph(&mut text, "Terms that the residuals ask for", std::iter::once(why));
@@ -56,4 +56,9 @@ pub(crate) fn text(offer: &Offer) -> String {
         );
     }
     text
+}
+
+/// The reason for trying them; nothing where there was none.
+fn because(offer: &Offer) -> String {
+    if offer.reasons.is_empty() { String::new() } else { format!(", because {}", offer.reasons.join(", and ")) }
 }
