@@ -13,7 +13,8 @@ use crate::model_file::ModelFile;
 use crate::monitor::HealthRun;
 use crate::motion::Motion;
 use crate::noise::{NoiseLevel, measure_noise};
-pub use crate::options::{CAPACITY, EstimateOptions, Method, capacity};
+use crate::offer::{offer, sentence};
+pub use crate::options::{CAPACITY, EstimateOptions, Method, OfferTerms, capacity};
 use crate::prepare::{Prepared, prepare};
 use crate::run::{EveryRoom, Task, run};
 use crate::six::SixModel;
@@ -77,9 +78,17 @@ fn pipeline_of<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     let doubts = doubts(record, model)?;
     let noise = noise_levels(&prepared, model)?;
     let task = Task { prepared: &prepared, file: model, options, noise: &noise, health };
-    let mut run = run(&task, progress)?;
+    // Terms are tried in a second half.
+    let share = if options.offer == OfferTerms::Never { 1.0 } else { 0.5 };
+    let mut run = run(&task, &mut |done| progress(share * done))?;
     let watched = run.health.take();
-    Ok((summarise(record, &task, run, &doubts), watched))
+    let mut estimation = summarise(record, &task, &run, &doubts);
+    if options.offer != OfferTerms::Never {
+        estimation.offer = offer(record, &task, &estimation, &run, &mut |done| progress(0.5 + 0.5 * done))?;
+        estimation.verdict.extend(estimation.offer.as_ref().map(sentence));
+        progress(1.0);
+    }
+    Ok((estimation, watched))
 }
 
 /// What is doubtful about the units of the channels that the model uses.

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::batch::{Equation, OutputFit, Unknown};
 pub use crate::effective::EffectiveDerivative;
+pub use crate::offer::{Offer, OfferedTerm};
 
 /// The final word on one parameter.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -164,6 +165,9 @@ pub struct Estimation {
     /// Angle of attack at which the terms' `alpha` is zero, rad: where derivatives are turned into other axes.
     #[serde(default)]
     pub alpha_reference: f64,
+    /// Terms that the residuals ask for; none where nobody asked, or there was no reason to look.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub offer: Option<Offer>,
     /// Sentences for the user: verdict, pairs that cannot be told apart, unit doubts, model error.
     pub verdict: Vec<String>,
     /// Events in order of time.

@@ -19,6 +19,7 @@ pub mod model_file;
 pub mod monitor;
 pub mod motion;
 pub mod noise;
+mod offer;
 mod options;
 pub mod output;
 pub mod prepare;

@@ -19,6 +19,18 @@ pub const fn capacity(axes: Axes) -> usize {
     }
 }
 
+/// When terms that the model lacks are tried (`estimation::Offer`): one run over the record per candidate.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum OfferTerms {
+    /// Never.
+    #[default]
+    Never,
+    /// Where changes were adopted, parameters wander, or residuals are coloured.
+    WithReason,
+    /// In every flight in which anything moved.
+    Always,
+}
+
 /// Choices of one estimation.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct EstimateOptions {
@@ -38,4 +50,6 @@ pub struct EstimateOptions {
     pub further: Vec<Record>,
     /// A record that the estimated parameters are tried on, with a batch method.
     pub predict: Option<Record>,
+    /// Whether terms that the model lacks are tried beside it; a causal method only.
+    pub offer: OfferTerms,
 }

@@ -9,7 +9,7 @@ mod regression;
 mod settings;
 mod watch;
 
-use phugoid_estimators::smpe::DetectorReport;
+use phugoid_estimators::smpe::{DetectorReport, Innovations};
 use phugoid_estimators::{ParameterStatus, Phase, Status};
 
 use crate::axes::Axes;
@@ -33,6 +33,9 @@ pub(crate) struct Run<const R: usize> {
     pub(crate) columns: Vec<ColumnRun>,
     pub(crate) predicted: Vec<[f64; R]>,
     pub(crate) residuals: Vec<[f64; R]>,
+    /// Bounded logarithm of the density that each innovation had before it was seen ([`log_density`]), by sample: NaN where
+    /// there was none and before anything had moved. Empty for a batch method.
+    pub(crate) log_density: Vec<[f64; R]>,
     pub(crate) phases: Vec<Phase>,
     pub(crate) events: Vec<Event>,
     /// Of the parameters at the end, row and column as in `columns`.
@@ -151,6 +154,16 @@ fn in_smallest_room<C: Causal, M: EveryRoom<N, R>, const N: usize, const R: usiz
         return run_causal::<C, M, N, R, LARGE_ROOM>(task, progress);
     }
     run_causal::<C, M, N, R, CAPACITY>(task, progress)
+}
+
+/// `-(min(xi^2, 9) + ln S)/2` of each row, nats, without the constant `ln(2 pi)/2`: the score of the change detector's contest
+/// (docs/theory.md), so that one outlier costs 4.5 nats and no more.
+pub(crate) fn log_density<const R: usize>(innovations: &Innovations<R>) -> [f64; R] {
+    std::array::from_fn(|i| {
+        let xi = innovations.normalised[i];
+        // `min` alone would make a number of a missing row.
+        if xi.is_finite() { -0.5 * ((xi * xi).min(9.0) + innovations.variance[i].ln()) } else { f64::NAN }
+    })
 }
 
 /// The word for a parameter's status.

@@ -19,7 +19,7 @@ use crate::verdict::{is_contradicted, verdict};
 pub(crate) fn summarise<M: Motion<N, R>, const N: usize, const R: usize>(
     record: &Record,
     task: &Task<M, N, R>,
-    run: Run<R>,
+    run: &Run<R>,
     doubts: &[Doubt],
 ) -> Estimation {
     let Task { prepared, file, options, noise, .. } = *task;
@@ -32,7 +32,7 @@ pub(crate) fn summarise<M: Motion<N, R>, const N: usize, const R: usize>(
         result.readiness = column.map(|j| readiness(j, &run.columns[j].verdict, &estimated, &file.extra_inputs));
     }
     let correlation = correlation(&columns, &run.covariance);
-    let history = history(task, &columns, &run);
+    let history = history(task, &columns, run);
     if run.excited && is_contradicted(&history.residuals) {
         // An estimate that stands still because the samples that speak against it are rejected has not converged.
         for parameter in parameters.iter_mut().filter(|p| p.status == "converged") {
@@ -53,7 +53,7 @@ pub(crate) fn summarise<M: Motion<N, R>, const N: usize, const R: usize>(
     let sd = |row: usize| found.and_then(|sd| sd.get(row)).copied().unwrap_or(noise[row].std);
     let noise_signals = measured(file).map(|(row, o)| signal(o.name(), o.unit(), vec![sd(row)])).collect();
     let effective = effective(&mut parameters, &correlation, file);
-    let mut verdict = verdict(task, &parameters, &correlation, &run, doubts, &history);
+    let mut verdict = verdict(task, &parameters, &correlation, run, doubts, &history);
     if run.excited {
         verdict.extend(effective.iter().map(sentence));
     }
@@ -65,12 +65,13 @@ pub(crate) fn summarise<M: Motion<N, R>, const N: usize, const R: usize>(
         correlation,
         effective,
         alpha_reference: prepared.reference.alpha,
+        offer: None,
         verdict,
-        events: run.events,
+        events: run.events.clone(),
         quality: without(&record.quality, doubts),
         noise: noise_signals,
         history,
-        batch: run.batch,
+        batch: run.batch.clone(),
     }
 }
 

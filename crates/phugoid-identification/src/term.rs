@@ -200,6 +200,30 @@ impl Term {
         name
     }
 
+    /// The term as a model file writes it: `alpha^2`, `alpha*elevator`, `1`.
+    pub fn text(&self, extra_inputs: &[String]) -> String {
+        let word = |&(index, power): &(usize, i32)| {
+            let name = factor_names(extra_inputs).nth(index).unwrap_or("?");
+            if power > 1 { format!("{name}^{power}") } else { name.to_owned() }
+        };
+        let words: Vec<String> = self.factors.iter().map(word).collect();
+        if words.is_empty() { "1".to_owned() } else { words.join("*") }
+    }
+
+    /// The product of this term and another.
+    #[must_use]
+    pub(crate) fn times(&self, other: &Self) -> Self {
+        let mut factors = self.factors.clone();
+        for &(index, power) in &other.factors {
+            match factors.iter_mut().find(|(i, _)| *i == index) {
+                Some((_, p)) => *p += power,
+                None => factors.push((index, power)),
+            }
+        }
+        factors.sort_unstable();
+        Self { factors }
+    }
+
     /// What multiplies a flight variable in this term; none if it is not there to the first power.
     pub fn without(&self, variable: Variable) -> Option<Self> {
         let place = self.factors.iter().position(|factor| *factor == (variable.index(), 1))?;
@@ -278,6 +302,7 @@ mod tests {
             let term = Term::parse(text, &extra).unwrap();
             assert_eq!(term.parameter_name(Coefficient::PitchingMoment, false, &extra), name);
             assert!((term.value(&variables) - value).abs() < 1e-15, "{text}");
+            assert_eq!(Term::parse(&term.text(&extra), &extra), Ok(term), "{text}");
         }
     }
 

@@ -228,7 +228,11 @@ struct Spread {
 
 impl Spread {
     fn of(signal: &Signal) -> Option<Self> {
-        let present: Vec<f64> = signal.values.iter().copied().filter(|v| v.is_finite()).collect();
+        Self::of_values(signal.values.iter().copied())
+    }
+
+    fn of_values(values: impl Iterator<Item = f64>) -> Option<Self> {
+        let present: Vec<f64> = values.filter(|v| v.is_finite()).collect();
         if present.len() < 20 {
             return None;
         }
@@ -253,6 +257,11 @@ pub(crate) fn is_contradicted(residuals: &[Signal]) -> bool {
     residuals.iter().filter_map(Spread::of).any(|spread| spread.contradicts())
 }
 
+/// The lag-one correlation of an output's whitened residuals, if they are coloured.
+pub(crate) fn colour(residuals: impl Iterator<Item = f64>) -> Option<f64> {
+    Spread::of_values(residuals).map(|spread| spread.colour).filter(|colour| *colour > COLOURED)
+}
+
 fn contradiction(residuals: &[Signal], sentences: &mut Vec<String>) {
     let told: Vec<String> = residuals
         .iter()
@@ -274,14 +283,14 @@ fn residuals<const R: usize>(residuals: &[Signal], run: &Run<R>, sentences: &mut
     let samples = run.phases.len().max(1) as f64;
     let mut coloured = Vec::new();
     for signal in residuals {
-        let Some(Spread { present, outliers, colour }) = Spread::of(signal) else { continue };
+        let Some(Spread { present, outliers, .. }) = Spread::of(signal) else { continue };
         if outliers > 0 && outliers as f64 > 0.002 * samples {
             sentences.push(format!(
                 "{outliers} of {present} samples of {} lie more than six sigmas away and were taken for outliers.",
                 signal.name
             ));
         }
-        if colour > COLOURED {
+        if let Some(colour) = colour(signal.values.iter().copied()) {
             coloured.push(format!("{} ({colour:.2})", signal.name));
         }
     }

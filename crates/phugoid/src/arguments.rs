@@ -256,6 +256,12 @@ pub(crate) struct Estimate {
     /// Look for sudden changes even where the model file says not to
     #[arg(long, conflicts_with = "no_change_detection")]
     pub(crate) change_detection: bool,
+    /// Do not try terms that the model file lacks where residuals or adopted changes give a reason to
+    #[arg(long)]
+    pub(crate) no_offer: bool,
+    /// Try them without a reason too
+    #[arg(long, conflicts_with = "no_offer")]
+    pub(crate) offer: bool,
     /// Take these errors of the sensors out of the flight first: a file that `phugoid compatibility` has written
     #[arg(long, value_name = "CORRECTIONS.json")]
     pub(crate) correct: Option<PathBuf>,

@@ -7,7 +7,7 @@ use super::gate::{Gated, GatedInput, open};
 use super::readiness::{ColumnVerdict, ReadinessWatch};
 use super::settings::shared_settings;
 use super::watch::Watch;
-use super::{ColumnRun, Run, Task};
+use super::{ColumnRun, Run, Task, log_density};
 use crate::error::EstimateError;
 use crate::excitation::{Excitation, Moved};
 use crate::model_file::{Base, ModelFile};
@@ -61,6 +61,7 @@ pub(super) fn run_causal<C: Causal, M: MotionModel<N, R, P>, const N: usize, con
         columns: vec![blank; estimator.column_count()],
         predicted: Vec::with_capacity(samples),
         residuals: Vec::with_capacity(samples),
+        log_density: Vec::with_capacity(samples),
         phases: Vec::with_capacity(samples),
         events: Vec::new(),
         covariance: Vec::new(),
@@ -121,6 +122,7 @@ pub(super) fn run_causal<C: Causal, M: MotionModel<N, R, P>, const N: usize, con
         let started = estimate.status.phase != Phase::Starting;
         run.predicted.push(if started { estimator.innovations().predicted } else { [f64::NAN; R] });
         run.residuals.push(estimator.innovations().normalised);
+        run.log_density.push(if waiting { [f64::NAN; R] } else { log_density(estimator.innovations()) });
         run.phases.push(estimate.status.phase);
         last = Some(estimate);
         if k % 64 == 0 {

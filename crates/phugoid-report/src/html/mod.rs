@@ -12,6 +12,7 @@ use crate::ticks::significant;
 
 mod arena;
 mod batch;
+mod offer;
 mod page;
 mod readiness;
 mod reproduction;
@@ -47,6 +48,7 @@ pub fn html(estimation: &Estimation, options: &HtmlOptions) -> String {
         Section::new("summary", "Summary", summary(estimation)),
         Section::new("parameters", "Parameters", tables::parameters(estimation)),
         Section::new("readiness", "May it be believed?", readiness::readiness(estimation)),
+        Section::new("offer", "Terms that the residuals ask for", offer::offer(estimation)),
         Section::new("correlation-section", "Correlation", correlation(estimation, &all)),
         Section::new("figures", "Figures", drawn(&all, |name| name != "correlation")),
         Section::new("fit", "Fit and noise", tables::fit(estimation)),

@@ -2,7 +2,7 @@
 
 use phugoid_flight_data::quality::{ChannelQuality, Finding, QualityReport, Severity};
 use phugoid_identification::estimation::{
-    Estimation, Event, History, ParameterHistory, ParameterReadiness, ParameterResult, Signal,
+    Estimation, Event, History, Offer, OfferedTerm, ParameterHistory, ParameterReadiness, ParameterResult, Signal,
 };
 
 /// What to make up.
@@ -109,6 +109,34 @@ const OUTPUTS: [(&str, &str, f64); 6] = [
     ("ax", "m/s^2", 0.03),
     ("az", "m/s^2", 0.08),
 ];
+
+/// One term that is asked for and one whose second gain was not looked at; quotes and an asterisk in the text.
+fn offer() -> Offer {
+    let term = |term: &str, parameter: &str, gain, more: Option<f64>| OfferedTerm {
+        coefficient: "Cm".to_owned(),
+        term: term.to_owned(),
+        parameter: parameter.to_owned(),
+        gain,
+        gain_with_changes: more,
+        value: 0.4987,
+        std_error: 0.0123,
+        adopted_changes: more.map(|_| 0),
+        remaining: Vec::new(),
+        asked_for: more.is_some(),
+        coefficient_line: format!("Cm = [\"alpha\", \"{term}\"]"),
+        parameter_line: format!("{parameter} = {{ bounds = [-4, 4] }}"),
+    };
+    Offer {
+        reasons: vec!["the parameters were found changed 3 times".to_owned()],
+        method: "smpe".to_owned(),
+        threshold: 11.6,
+        adopted_changes: 3,
+        terms: vec![
+            term("alpha^2", "dCm_alpha2", 3210.5, Some(180.25)),
+            term("alpha*q_hat", "dCm_alpha_q", -3.5, None),
+        ],
+    }
+}
 
 pub(crate) fn estimation(case: &Case) -> Estimation {
     let mut noise = Noise(20_260_101);
@@ -235,6 +263,7 @@ pub(crate) fn estimation(case: &Case) -> Estimation {
         correlation,
         effective: Vec::new(),
         alpha_reference: 0.0,
+        offer: case.truth_known.then(offer),
         verdict: vec![
             "All increments are known to better than 4 % of their value.".to_owned(),
             "CL_0 and CL_V cannot be told apart well (correlation −0.97): fly at two speeds.".to_owned(),

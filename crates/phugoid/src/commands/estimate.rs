@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use phugoid_flight_data::csv::{self, ColumnMapping, CsvOptions};
 use phugoid_flight_data::record::Record;
-use phugoid_identification::estimate::{EstimateOptions, estimate};
+use phugoid_identification::estimate::{EstimateOptions, OfferTerms, estimate};
 use phugoid_identification::estimation::Estimation;
 use phugoid_identification::model_file::ModelFile;
 use phugoid_report::HtmlOptions;
@@ -51,6 +51,7 @@ pub(crate) fn run(arguments: &arguments::Estimate) -> Result<(), Failure> {
         (_, true) => Some(false),
         _ => None,
     };
+<<<<<<< HEAD
     let options = EstimateOptions {
         method: arguments.method,
         re_reaching,
@@ -60,6 +61,14 @@ pub(crate) fn run(arguments: &arguments::Estimate) -> Result<(), Failure> {
         predict,
         ..EstimateOptions::default()
     };
+=======
+    let offer = match (arguments.offer, arguments.no_offer) {
+        (true, _) => OfferTerms::Always,
+        (_, true) => OfferTerms::Never,
+        _ => OfferTerms::WithReason,
+    };
+    let options = EstimateOptions { method: arguments.method, re_reaching, start_s, truth, further, predict, offer };
+>>>>>>> offer
     let estimation = {
         let progress = Progress::new("estimating");
         estimate(&record, &model, &options, &mut |done| progress.set(done)).map_err(Failure::input)?

@@ -9,6 +9,7 @@ mod detection;
 pub(crate) mod estimate;
 pub(crate) mod linearize;
 pub(crate) mod monitor;
+mod offer;
 pub(crate) mod reproduce;
 pub(crate) mod result;
 pub(crate) mod simulate;

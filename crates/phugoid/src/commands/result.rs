@@ -6,11 +6,12 @@ use std::path::{Path, PathBuf};
 use phugoid_flight_data::quality::{QualityReport, Severity};
 use phugoid_identification::batch::OutputFit;
 use phugoid_identification::estimation::{
-    BatchReport, EffectiveDerivative, Estimation, Event, History, ParameterResult, Signal,
+    BatchReport, EffectiveDerivative, Estimation, Event, History, Offer, ParameterResult, Signal,
 };
 use serde::Serialize;
 
 use super::axes_form::Turned;
+use super::offer;
 use crate::output::{Table, significant, wrapped};
 
 /// What an estimation gives, as a JSON document. Angles in rad, everything else in SI, derivatives per rad.
@@ -30,6 +31,9 @@ pub(crate) struct Document<'a> {
     /// The derivatives in the axes asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) turned: Option<&'a Turned>,
+    /// Terms that the residuals ask for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) offer: Option<&'a Offer>,
     pub(crate) verdict: &'a [String],
     pub(crate) events: &'a [Event],
     pub(crate) quality: &'a QualityReport,
@@ -66,6 +70,7 @@ impl<'a> Document<'a> {
             correlation: &estimation.correlation,
             effective: &estimation.effective,
             turned: None,
+            offer: estimation.offer.as_ref(),
             verdict: &estimation.verdict,
             events: &estimation.events,
             quality: &estimation.quality,
@@ -103,6 +108,9 @@ pub(crate) fn text(estimation: &Estimation, report: Option<&Path>, figures: &[Pa
         text.push_str(&batch(report));
     }
     paragraph(&mut text, "Verdict", estimation.verdict.iter().cloned());
+    if let Some(found) = &estimation.offer {
+        text.push_str(&offer::text(found));
+    }
     let event = |e: &Event| format!("{:8.2} s  {}", e.time_s, e.message);
     paragraph(&mut text, "Events", estimation.events.iter().map(event));
     let worth_telling = estimation.quality.findings.iter().filter(|f| f.severity == Severity::Warning);
