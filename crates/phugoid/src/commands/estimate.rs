@@ -51,7 +51,11 @@ pub(crate) fn run(arguments: &arguments::Estimate) -> Result<(), Failure> {
         (_, true) => Some(false),
         _ => None,
     };
-<<<<<<< HEAD
+    let offer = match (arguments.offer, arguments.no_offer) {
+        (true, _) => OfferTerms::Always,
+        (_, true) => OfferTerms::Never,
+        _ => OfferTerms::WithReason,
+    };
     let options = EstimateOptions {
         method: arguments.method,
         re_reaching,
@@ -59,16 +63,9 @@ pub(crate) fn run(arguments: &arguments::Estimate) -> Result<(), Failure> {
         truth,
         further,
         predict,
+        offer,
         ..EstimateOptions::default()
     };
-=======
-    let offer = match (arguments.offer, arguments.no_offer) {
-        (true, _) => OfferTerms::Always,
-        (_, true) => OfferTerms::Never,
-        _ => OfferTerms::WithReason,
-    };
-    let options = EstimateOptions { method: arguments.method, re_reaching, start_s, truth, further, predict, offer };
->>>>>>> offer
     let estimation = {
         let progress = Progress::new("estimating");
         estimate(&record, &model, &options, &mut |done| progress.set(done)).map_err(Failure::input)?
