@@ -59,8 +59,8 @@ fn taken_in(text: &str, offer: &Offer) -> ModelFile {
     model(&text.replace(parameters, &format!("[parameters]\n{}", best.parameter_line)))
 }
 
-/// What a user does: fly, read, copy the two lines, estimate again. The truth is within three claimed errors: of 20 flights with
-/// normal errors one in 19 would have one beyond.
+/// What a user does: fly, read, copy the two lines, estimate again. The truth is within three claimed errors: of
+/// eight normal ones one lies beyond in 2 % of such sets.
 #[test]
 fn a_moment_that_grows_with_alpha_squared_is_offered_and_explains_the_changes() {
     let runs = runs(8);
