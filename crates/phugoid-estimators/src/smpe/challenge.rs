@@ -67,18 +67,19 @@ impl Challenge {
     }
 
     /// Adds one frame: `D += sum 1/2 [(f_A min(xi_A^2, 9) - f_B min(xi_B^2, 9))/lev + ln(s_A (1+v_A)) - ln(s_B (1+v_B))]`, where
-    /// `f` is one, and [`REJECTED_WEIGHT`] for a row that is rejected. One outlier moves it by at most 4.5.
+    /// `f` is one, and [`REJECTED_WEIGHT`](super::slot::REJECTED_WEIGHT) beyond the rejection limit. One outlier moves it by at most 4.5.
     pub(crate) fn add_frame<const R: usize>(
         &mut self,
         champion: &Innovations<R>,
         challenger: &Innovations<R>,
+        rejection_limit: f64,
         leverage: f64,
     ) {
         let mut squares = 0.0;
         let mut ratio = 1.0;
         for i in 0..R {
             if champion.normalised[i].is_finite() && challenger.normalised[i].is_finite() {
-                squares += champion.misfit(i) - challenger.misfit(i);
+                squares += champion.misfit(i, rejection_limit) - challenger.misfit(i, rejection_limit);
                 ratio *= champion.variance[i] / challenger.variance[i];
             }
         }
@@ -175,17 +176,17 @@ mod tests {
         Innovations { normalised, variance, ..Innovations::EMPTY }
     }
 
-    /// Against the formula, row by row; a row that one of the two has not got does not count, an outlier little.
+    /// Against the formula, row by row; a row that one of the two has not got does not count, a rejected one little.
     #[test]
     fn the_score_is_the_bounded_difference_of_the_log_likelihoods() {
         let mut challenge = Challenge::new(ChangeDetection::default());
         let champion = rows([2.0, 50.0, 1.0], [4.0, 2.0, 3.0]);
         let challenger = rows([0.5, 1.0, f64::NAN], [5.0, 2.5, f64::NAN]);
-        challenge.add_frame(&champion, &challenger, 2.0);
-        let expected = 0.5 * ((4.0 - 0.25 + 9.0 - 1.0) / 2.0 + (4.0_f64 / 5.0).ln() + (2.0_f64 / 2.5).ln());
+        challenge.add_frame(&champion, &challenger, 30.0, 2.0);
+        let expected = 0.5 * ((4.0 - 0.25 + 0.05 * 9.0 - 1.0) / 2.0 + (4.0_f64 / 5.0).ln() + (2.0_f64 / 2.5).ln());
         assert!((challenge.score - expected).abs() < 1e-12, "{}", challenge.score);
         // The other way round takes it back.
-        challenge.add_frame(&challenger, &champion, 2.0);
+        challenge.add_frame(&challenger, &champion, 30.0, 2.0);
         assert!(challenge.score.abs() < 1e-12);
     }
 

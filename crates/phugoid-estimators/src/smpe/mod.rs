@@ -535,7 +535,8 @@ where
     fn contest(&mut self, innovations: &Innovations<R>, time_s: f64) {
         let change = self.change_over_prior();
         let Some((detector, challenge)) = &mut self.detection else { return };
-        challenge.add_frame(&self.innovations, innovations, detector.leverage());
+        let limit = S::shared(&self.settings).rejection_limit;
+        challenge.add_frame(&self.innovations, innovations, limit, detector.leverage());
         let sound = self.challenger.is_sound(self.columns.count);
         let mut difference = [0.0; P];
         let mut covariance = [[0.0; P]; P];

@@ -124,10 +124,10 @@ impl<const R: usize> Innovations<R> {
         phase: [RowPhase::Missing; R],
     };
 
-    /// Bounded square of a row's normalised surface, with the weight of a rejected row if it was.
-    pub(crate) fn misfit(&self, output: usize) -> f64 {
+    /// Bounded square of a row's normalised surface, with the weight of a rejected row beyond the limit.
+    pub(crate) fn misfit(&self, output: usize, rejection_limit: f64) -> f64 {
         let xi = self.normalised[output];
-        let weight = if self.phase[output] == RowPhase::Rejected { REJECTED_WEIGHT } else { 1.0 };
+        let weight = if xi.abs() > rejection_limit { REJECTED_WEIGHT } else { 1.0 };
         weight * (xi * xi).min(9.0)
     }
 }
@@ -146,7 +146,7 @@ pub struct ScoredRow<'a> {
     pub(crate) v: f64,
     /// `nn = sqrt(1 + v)`.
     pub(crate) nn: f64,
-    /// Whether it will be rejected.
+    /// Whether it lies beyond the rejection limit.
     pub(crate) rejected: bool,
 }
 
