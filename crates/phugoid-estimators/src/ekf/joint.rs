@@ -466,9 +466,7 @@ impl<const N: usize, const P: usize> Joint<N, P> {
             for (psi, w) in psi[..p].iter_mut().zip(&w[..p]) {
                 *psi = w / root;
             }
-            // As evidence of a change a row counts fully beyond the gate, up to where SMPE would reject it.
-            let rejected = xi.abs() > shared.rejection_limit;
-            observe(ScoredRow { psi: &psi[..p], xi, v: one_plus_v - 1.0, nn: libm::sqrt(one_plus_v), rejected });
+            observe(ScoredRow { output: i, psi: &psi[..p], xi, v: one_plus_v - 1.0, nn: libm::sqrt(one_plus_v) });
             innovations.whitened[i] = residual / root;
             innovations.normalised[i] = xi;
             innovations.variance[i] = variance;

@@ -2,7 +2,7 @@
 //! fresh data better.
 
 use super::settings::ChangeDetection;
-use super::slot::Innovations;
+use super::slot::{Faults, Innovations};
 use crate::dense::Cholesky;
 
 /// Time constant with which the caution after a false alarm decays, s.
@@ -66,12 +66,12 @@ impl Challenge {
         self.opened_at_s = time_s;
     }
 
-    /// Adds one frame: `D += sum 1/2 [(f_A min(xi_A^2, 9) - f_B min(xi_B^2, 9))/lev + ln(s_A (1+v_A)) - ln(s_B (1+v_B))]`, where
-    /// `f` is one, and [`REJECTED_WEIGHT`](super::slot::REJECTED_WEIGHT) beyond the rejection limit. One outlier moves it by at most 4.5.
+    /// Adds one frame: `D += sum 1/2 [(f_A min(xi_A^2, 9) - f_B min(xi_B^2, 9))/lev + ln(s_A (1+v_A)) - ln(s_B (1+v_B))]`, with the
+    /// weights `f` of champion and challenger ([`Faults::weight`]). One outlier moves it by at most 4.5.
     pub(crate) fn add_frame<const R: usize>(
         &mut self,
-        champion: &Innovations<R>,
-        challenger: &Innovations<R>,
+        [champion, challenger]: [&Innovations<R>; 2],
+        faults: &[Faults<R>; 2],
         rejection_limit: f64,
         leverage: f64,
     ) {
@@ -79,7 +79,8 @@ impl Challenge {
         let mut ratio = 1.0;
         for i in 0..R {
             if champion.normalised[i].is_finite() && challenger.normalised[i].is_finite() {
-                squares += champion.misfit(i, rejection_limit) - challenger.misfit(i, rejection_limit);
+                squares +=
+                    faults[0].misfit(champion, i, rejection_limit) - faults[1].misfit(challenger, i, rejection_limit);
                 ratio *= champion.variance[i] / challenger.variance[i];
             }
         }
@@ -169,7 +170,7 @@ pub(crate) fn needed_maturity(settings: &ChangeDetection, tested: usize) -> f64 
 #[cfg(test)]
 mod tests {
     use super::super::settings::ChangeDetection;
-    use super::super::slot::Innovations;
+    use super::super::slot::{Faults, Innovations};
     use super::{Challenge, Verdict, maturity, needed_maturity};
 
     fn rows(normalised: [f64; 3], variance: [f64; 3]) -> Innovations<3> {
@@ -182,12 +183,18 @@ mod tests {
         let mut challenge = Challenge::new(ChangeDetection::default());
         let champion = rows([2.0, 50.0, 1.0], [4.0, 2.0, 3.0]);
         let challenger = rows([0.5, 1.0, f64::NAN], [5.0, 2.5, f64::NAN]);
-        challenge.add_frame(&champion, &challenger, 30.0, 2.0);
+        let faults = [Faults::NONE; 2];
+        challenge.add_frame([&champion, &challenger], &faults, 30.0, 2.0);
         let expected = 0.5 * ((4.0 - 0.25 + 0.05 * 9.0 - 1.0) / 2.0 + (4.0_f64 / 5.0).ln() + (2.0_f64 / 2.5).ln());
         assert!((challenge.score - expected).abs() < 1e-12, "{}", challenge.score);
         // The other way round takes it back.
-        challenge.add_frame(&challenger, &champion, 30.0, 2.0);
+        challenge.add_frame([&challenger, &champion], &faults, 30.0, 2.0);
         assert!(challenge.score.abs() < 1e-12);
+        // What goes on for longer than a burst counts fully.
+        let mut faults = faults;
+        (0..31).for_each(|_| faults[0].note(&champion, 30.0, 0.01));
+        challenge.add_frame([&champion, &challenger], &faults, 30.0, 2.0);
+        assert!((challenge.score - expected - 0.5 * 0.95 * 9.0 / 2.0).abs() < 1e-12, "{}", challenge.score);
     }
 
     #[test]

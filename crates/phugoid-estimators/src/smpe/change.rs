@@ -15,7 +15,7 @@
 
 use super::columns::Columns;
 use super::settings::ChangeDetection;
-use super::slot::{REJECTED_WEIGHT, ScoredRow};
+use super::slot::ScoredRow;
 use crate::dense::Cholesky;
 use crate::kernels::{add_scaled, dot};
 
@@ -140,16 +140,15 @@ impl<const P: usize> ChangeDetector<P> {
         &self.tested[..self.count.min(P)]
     }
 
-    /// Adds a row, before it is used.
+    /// Adds a row, before it is used, as so much of a row as `weight` says.
     #[inline]
-    pub(crate) fn observe(&mut self, row: &ScoredRow<'_>, kappa: f64) {
+    pub(crate) fn observe(&mut self, row: &ScoredRow<'_>, kappa: f64, weight: f64) {
         // A row with v >= 1 is still being learnt from; it is no evidence of a change.
         if row.v >= 1.0 {
             return;
         }
         let n = self.count.min(P);
         let inverse = 1.0 / row.nn;
-        let weight = if row.rejected { REJECTED_WEIGHT } else { 1.0 };
         let mut a = [0.0; P];
         for (value, column) in a[..n].iter_mut().zip(&self.tested[..n]) {
             *value = row.psi.get(*column).copied().unwrap_or(0.0) * inverse;
@@ -494,7 +493,7 @@ mod tests {
                 // The last row still learns: no evidence.
                 let v = if row == 3 { 1.0 } else { 0.5 * (1.0 + uniform()) * 0.99 };
                 let nn = (1.0 + v).sqrt();
-                detector.observe(&ScoredRow { psi: &psi, xi, v, nn, rejected: false }, 3.0);
+                detector.observe(&ScoredRow { output: 0, psi: &psi, xi, v, nn }, 3.0, 1.0);
                 if row < 3 {
                     let block = blocks.last_mut().unwrap();
                     for i in 0..T {
@@ -557,7 +556,7 @@ mod tests {
                 // Uniform noise of variance one.
                 let noise = 3.0_f64.sqrt() * (2.0 * rng.random::<f64>() - 1.0);
                 let xi = noise + if number >= 91 { 1.5 } else { 0.0 };
-                detector.observe(&ScoredRow { psi: &[1.0], xi, v: 0.0, nn: 1.0, rejected: false }, 3.0);
+                detector.observe(&ScoredRow { output: 0, psi: &[1.0], xi, v: 0.0, nn: 1.0 }, 3.0, 1.0);
                 let Some(factor) = detector.end_frame(&[1.0; P], number) else { continue };
                 if factor > 15.0 {
                     let [first, last] = detector.onset(&[1.0; P]);

@@ -80,7 +80,7 @@ use columns::Columns;
 use history::History;
 use retrospect::Behind;
 use separated::Separated;
-use slot::{Slot, output_input};
+use slot::{Faults, Slot, output_input};
 use start::Start;
 use trial::Trial;
 
@@ -169,6 +169,8 @@ where
     surfaces: [f64; P],
     innovations: Innovations<R>,
     phase: Phase,
+    /// Of champion and challenger.
+    faults: [Faults<R>; 2],
     re_reached: bool,
     /// Opened for a known change since the last sample.
     known_change: bool,
@@ -222,6 +224,7 @@ where
             surfaces: [0.0; P],
             innovations: Innovations::EMPTY,
             phase: Phase::Starting,
+            faults: [Faults::NONE; 2],
             re_reached: false,
             known_change: false,
             rejected_samples: 0,
@@ -399,6 +402,7 @@ where
             }
         }
         self.stage = Stage::Starting;
+        self.faults = [Faults::NONE; 2];
         self.start = Start::new();
         self.start.push(sample);
         self.last_s = sample.time_s;
@@ -447,7 +451,9 @@ where
     fn correct(&mut self, sample: &Sample<M::Input, R>, input: M::Input) {
         let since_start_s = sample.time_s - self.first_s;
         let adapt = since_start_s > ADAPTATION_START_S;
-        let kappa = self.shared().reaching_limit;
+        let (kappa, limit) = (self.shared().reaching_limit, self.shared().rejection_limit);
+        let nominal_s = self.shared().sample_time_s;
+        let faults = self.faults[0];
         let watching = !self.in_doubt;
         let up_to_date = self.in_doubt && self.behind.is_none();
         let Self { model, settings, columns, champion, challenger, surfaces, detection, history, .. } = self;
@@ -457,7 +463,7 @@ where
         self.innovations =
             champion.correct(model, settings, columns, &input, &sample.outputs, adapt, surfaces, |row| {
                 if let (true, Some((detector, _))) = (watching, detection.as_mut()) {
-                    detector.observe(&row, kappa);
+                    detector.observe(&row, kappa, faults.weight(row.output, row.xi, limit));
                 }
             });
         let challenged = up_to_date.then(|| {
@@ -491,11 +497,13 @@ where
         }
         if let Some(innovations) = challenged {
             self.contest(&innovations, sample.time_s);
+            self.faults[1].note(&innovations, limit, nominal_s);
         } else if self.in_doubt {
             self.catch_up();
         } else if self.phase != Phase::Predicting {
             self.watch(since_start_s, sample.time_s);
         }
+        self.faults[0].note(&self.innovations, limit, nominal_s);
     }
 
     /// Whether the estimated state no longer has to do with the measurements.
@@ -536,7 +544,7 @@ where
         let change = self.change_over_prior();
         let Some((detector, challenge)) = &mut self.detection else { return };
         let limit = S::shared(&self.settings).rejection_limit;
-        challenge.add_frame(&self.innovations, innovations, limit, detector.leverage());
+        challenge.add_frame([&self.innovations, innovations], &self.faults, limit, detector.leverage());
         let sound = self.challenger.is_sound(self.columns.count);
         let mut difference = [0.0; P];
         let mut covariance = [[0.0; P]; P];
@@ -561,6 +569,7 @@ where
 
     fn adopt_challenger(&mut self, time_s: f64) {
         self.champion = self.challenger;
+        self.faults[0] = self.faults[1];
         self.in_doubt = false;
         self.behind = None;
         self.history.forget_snapshots();

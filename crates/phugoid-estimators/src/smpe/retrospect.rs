@@ -3,7 +3,7 @@
 use super::columns::Columns;
 use super::history::FRAMES;
 use super::reopen::STATE_ALLOWANCE;
-use super::slot::{Slot, output_input};
+use super::slot::{Faults, Slot, output_input};
 use super::{ADAPTATION_START_S, Supervisor};
 use crate::discretization::IntervalInput;
 use crate::model::Model;
@@ -66,6 +66,7 @@ where
         let onset = detector.onset(change);
         let Some((slot, frame)) = self.history.before(onset[0]) else { return detector.clear() };
         self.challenger = *slot;
+        self.faults[1] = Faults::NONE;
         // Where the snapshots do not reach back, from the first one on.
         let earliest = onset[0].max(frame + 1);
         self.behind = Some(Behind { frame, open: [earliest, onset[1].max(earliest)] });
@@ -130,7 +131,7 @@ where
     /// One frame of the past.
     fn work_off(&mut self, number: u64) -> bool {
         let first_s = self.first_s;
-        let Self { model, settings, columns, challenger, history, .. } = self;
+        let Self { model, settings, columns, challenger, history, faults, .. } = self;
         let (Some(last), Some(frame)) = (history.frame(number - 1), history.frame(number)) else { return false };
         let shared = S::shared(settings);
         let input = IntervalInput { from: last.input, to: frame.input, hold: shared.input_hold };
@@ -140,7 +141,9 @@ where
         let seen = output_input(shared, last.input, frame.input);
         let adapt = frame.time_s - first_s > ADAPTATION_START_S;
         let mut unused = [0.0; P];
-        challenger.correct(model, settings, columns, &seen, &frame.outputs, adapt, &mut unused, |_| {});
+        let innovations =
+            challenger.correct(model, settings, columns, &seen, &frame.outputs, adapt, &mut unused, |_| {});
+        faults[1].note(&innovations, shared.rejection_limit, shared.sample_time_s);
         let block = |time_s: f64| ((time_s - first_s) / shared.colour_block_s + 1e-9) as u64;
         if block(last.time_s) != block(frame.time_s) {
             challenger.close_colour_block();

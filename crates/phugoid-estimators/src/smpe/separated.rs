@@ -241,7 +241,7 @@ impl<const N: usize, const P: usize> Separated<N, P> {
                 continue;
             }
             let size = xi.abs();
-            observe(ScoredRow { psi: &psi[..p], xi, v: one_plus_v - 1.0, nn, rejected: size > kappa2 });
+            observe(ScoredRow { output: i, psi: &psi[..p], xi, v: one_plus_v - 1.0, nn });
             innovations.whitened[i] = e;
             innovations.normalised[i] = xi;
             innovations.variance[i] = s * one_plus_v;

@@ -27,7 +27,7 @@ fn eventful() -> Record {
         channel.values.extend(&more.values);
     }
     let elevator = &mut record.channels.iter_mut().find(|c| c.name == "elevator").unwrap().values;
-    elevator[1000..].iter_mut().for_each(|e| *e = TRIM[1] + 1.5 * (*e - TRIM[1]));
+    elevator[500..].iter_mut().for_each(|e| *e = TRIM[1] + 2.0 * (*e - TRIM[1]));
     let q = &mut record.channels.iter_mut().find(|c| c.name == "q").unwrap().values;
     q.iter_mut().skip(11).step_by(37).for_each(|v| *v = f64::NAN);
     q.iter_mut().skip(19).step_by(41).for_each(|v| *v += 0.5);
