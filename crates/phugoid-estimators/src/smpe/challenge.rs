@@ -192,7 +192,7 @@ mod tests {
         assert!(challenge.score.abs() < 1e-12);
         // What goes on for longer than a burst counts fully.
         let mut faults = faults;
-        (0..31).for_each(|_| faults[0].note(&champion, 30.0, 0.01));
+        (0..51).for_each(|_| faults[0].note(&champion, 30.0, 0.01));
         challenge.add_frame([&champion, &challenger], &faults, 30.0, 2.0);
         assert!((challenge.score - expected - 0.5 * 0.95 * 9.0 / 2.0).abs() < 1e-12, "{}", challenge.score);
     }

@@ -127,9 +127,9 @@ impl<const R: usize> Innovations<R> {
 
 /// Weight of a rejected row as evidence of a change: outliers, one by one or in bursts, all together must not look like one.
 const REJECTED_WEIGHT: f64 = 0.05;
-/// ... until the output has been rejected for this long, s: a burst of a quarter of a second is borne, and a change so violent that it throws rows
+/// ... until the output has been rejected for this long, s: bursts of a quarter of a second are borne, and a change so violent that it throws rows
 /// beyond the rejection limit is found after it.
-const BORNE_S: f64 = 0.3;
+const BORNE_S: f64 = 0.5;
 /// Part of a frame by which that time shrinks with each frame that is not rejected.
 const RECOVERY: f64 = 0.25;
 
