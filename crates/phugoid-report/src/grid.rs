@@ -4,8 +4,8 @@ use crate::figure::{Cell, Colour, Grid};
 use crate::font::{Fonts, reserved_width};
 use crate::layout::{WIDTH, text};
 use crate::scene::{Anchor, Scene, Shape};
+use crate::sheet::{LABEL, climb, column_name, titled, widest};
 
-const LABEL: f64 = 12.0;
 const WORDS: f64 = 11.5;
 const ROW: f64 = 24.0;
 /// Widest cell: a grid of two columns need not fill the page.
@@ -13,34 +13,17 @@ const WIDEST: f64 = 96.0;
 
 /// The sheet of a grid, as wide as it needs to be.
 pub(crate) fn scene(fonts: Option<&Fonts>, title: Option<&str>, grid: &Grid) -> Scene {
-    let mut scene = Scene { width: 0.0, height: 0.0, shapes: Vec::new() };
-    let widest = |labels: &[String]| labels.iter().map(|l| reserved_width(fonts, l, LABEL, false)).fold(0.0, f64::max);
-    // Column names climb at 45 degrees.
-    let climb = (widest(&grid.columns) + LABEL) * std::f64::consts::FRAC_1_SQRT_2;
-    let left = widest(&grid.rows) + 16.0;
+    let climb = climb(widest(fonts, &grid.columns));
+    let left = widest(fonts, &grid.rows) + 16.0;
     let words = grid.cells.iter().flatten().map(|c| reserved_width(fonts, &c.words, WORDS, false)).fold(0.0, f64::max);
     let room = (WIDTH - left - climb - 10.0) / grid.columns.len().max(1) as f64;
     let width = room.min(WIDEST).max(words + 8.0);
-    let mut top = 8.0;
-    if let Some(title) = title {
-        top += 17.0;
-        scene.shapes.push(text(title, [8.0, top], 17.0, Anchor::Start, true, Colour::Ink));
-        top += 6.0;
-        scene.width = 16.0 + reserved_width(fonts, title, 17.0, true);
-    }
+    let (mut scene, mut top) = titled(fonts, title);
     top += climb + 6.0;
     scene.width = scene.width.max(left + width * grid.columns.len() as f64 + climb + 10.0);
     scene.height = top + ROW * grid.rows.len() as f64 + 10.0;
     for (column, name) in grid.columns.iter().enumerate() {
-        scene.shapes.push(Shape::Text {
-            text: name.clone(),
-            at: [left + width * (column as f64 + 0.5) + 4.0, top - 6.0],
-            size: LABEL,
-            anchor: Anchor::Start,
-            bold: false,
-            colour: Colour::Ink,
-            rotation: -45.0,
-        });
+        scene.shapes.push(column_name(name, [left + width * (column as f64 + 0.5) + 4.0, top - 6.0]));
     }
     for (row, name) in grid.rows.iter().enumerate() {
         let y = top + ROW * row as f64;

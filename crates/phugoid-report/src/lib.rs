@@ -25,6 +25,7 @@ mod matrix;
 mod names;
 mod png;
 mod scene;
+mod sheet;
 pub mod statistics;
 mod svg;
 mod ticks;

@@ -1,29 +1,20 @@
 //! A matrix of correlations as coloured cells.
 
 use crate::figure::Colour;
-use crate::font::{Fonts, reserved_width};
+use crate::font::Fonts;
 use crate::layout::{WIDTH, text};
 use crate::scene::{Anchor, Scene, Shape};
+use crate::sheet::{LABEL, climb, column_name, titled, widest};
 use crate::ticks::fixed;
-
-const LABEL: f64 = 12.0;
 
 /// The sheet of a matrix figure, as wide as it needs to be.
 pub(crate) fn scene(fonts: Option<&Fonts>, title: Option<&str>, labels: &[String], values: &[Vec<f64>]) -> Scene {
-    let mut scene = Scene { width: 0.0, height: 0.0, shapes: Vec::new() };
     let count = labels.len();
-    let label_width = labels.iter().map(|l| reserved_width(fonts, l, LABEL, false)).fold(0.0, f64::max);
-    // Column names climb at 45 degrees.
-    let climb = (label_width + LABEL) * std::f64::consts::FRAC_1_SQRT_2;
+    let label_width = widest(fonts, labels);
+    let climb = climb(label_width);
     let left = label_width + 16.0;
     let cell = ((WIDTH - left - climb - 10.0) / count.max(1) as f64).clamp(14.0, 46.0);
-    let mut top = 8.0;
-    if let Some(title) = title {
-        top += 17.0;
-        scene.shapes.push(text(title, [8.0, top], 17.0, Anchor::Start, true, Colour::Ink));
-        top += 6.0;
-        scene.width = 16.0 + reserved_width(fonts, title, 17.0, true);
-    }
+    let (mut scene, mut top) = titled(fonts, title);
     top += climb + 6.0;
     scene.width = scene.width.max(left + cell * count as f64 + climb + 10.0);
     scene.height = top + cell * count as f64 + 10.0;
@@ -31,15 +22,7 @@ pub(crate) fn scene(fonts: Option<&Fonts>, title: Option<&str>, labels: &[String
     for (row, name) in labels.iter().enumerate() {
         let y = top + cell * row as f64;
         scene.shapes.push(text(name, [left - 8.0, y + cell / 2.0 + 4.0], LABEL, Anchor::End, false, Colour::Ink));
-        scene.shapes.push(Shape::Text {
-            text: name.clone(),
-            at: [left + cell * (row as f64 + 0.5) + 4.0, top - 6.0],
-            size: LABEL,
-            anchor: Anchor::Start,
-            bold: false,
-            colour: Colour::Ink,
-            rotation: -45.0,
-        });
+        scene.shapes.push(column_name(name, [left + cell * (row as f64 + 0.5) + 4.0, top - 6.0]));
         for column in 0..count {
             let value = values.get(row).and_then(|r| r.get(column)).copied().unwrap_or(f64::NAN);
             draw_cell(&mut scene, [left + cell * column as f64, y], cell, value, row == column);

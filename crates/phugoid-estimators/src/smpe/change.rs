@@ -280,10 +280,7 @@ impl<const P: usize> ChangeDetector<P> {
             }
             while taken < length {
                 let block = &self.blocks[(self.running + BLOCKS - taken) % BLOCKS];
-                add_scaled(&mut self.sum.g[..n], 1.0, &block.g[..n]);
-                for i in 0..n {
-                    add_scaled(&mut self.sum.m[i][..=i], 1.0, &block.m[i][..=i]);
-                }
+                self.sum.add(block, 1.0, n);
                 taken += 1;
             }
             if let Some((factor, window)) = self.window(&scale, with_moments && length == BLOCKS) {
@@ -452,23 +449,26 @@ mod tests {
         (0.5 * ((1.0 - w2) * q - log_a1 + log_a2), q, T as f64 - trace(&a1), T as f64 - trace(&a2))
     }
 
-    #[test]
-    fn the_bayes_factor_and_the_calibration_are_those_of_the_equations() {
-        let mut change_prior = [ChangePrior::None; P];
-        for j in TESTED {
-            change_prior[j] = ChangePrior::Fixed(1.0);
-        }
-        let columns = Columns::<1, 1, P> {
-            count: COLUMNS,
-            own: COLUMNS,
+    /// Columns of unit prior, of which some may change by `d = 1`.
+    fn columns(count: usize, tested: &[usize]) -> Columns<1, 1, P> {
+        let change =
+            core::array::from_fn(|j| if tested.contains(&j) { ChangePrior::Fixed(1.0) } else { ChangePrior::None });
+        Columns {
+            count,
+            own: count,
             initial: [0.0; P],
             sd: [1.0; P],
             clip_low: [f64::NEG_INFINITY; P],
             clip_high: [f64::INFINITY; P],
-            change: change_prior,
+            change,
             bias_of_output: [None],
             output_of_state: [None],
-        };
+        }
+    }
+
+    #[test]
+    fn the_bayes_factor_and_the_calibration_are_those_of_the_equations() {
+        let columns = columns(COLUMNS, &TESTED);
         // Three frames to a block: 1 s / (20 * 1/60 s).
         let settings = ChangeDetection { window_s: 1.0, ..ChangeDetection::default() };
         let mut detector = ChangeDetector::new(settings, 1.0 / 60.0, &columns);
@@ -534,19 +534,7 @@ mod tests {
     /// One column, rows of equal weight, three frames to a block; from frame 91 on the innovations have a mean.
     #[test]
     fn the_onset_lies_within_what_the_blocks_tell() {
-        let mut change_prior = [ChangePrior::None; P];
-        change_prior[0] = ChangePrior::Fixed(1.0);
-        let columns = Columns::<1, 1, P> {
-            count: 1,
-            own: 1,
-            initial: [0.0; P],
-            sd: [1.0; P],
-            clip_low: [f64::NEG_INFINITY; P],
-            clip_high: [f64::INFINITY; P],
-            change: change_prior,
-            bias_of_output: [None],
-            output_of_state: [None],
-        };
+        let columns = columns(1, &[0]);
         let mut rng = Pcg64Mcg::seed_from_u64(21);
         let (mut inside, mut width) = (0, 0);
         for _ in 0..200 {

@@ -472,7 +472,7 @@ where
         });
         self.phase = phase_of(&self.innovations);
 
-        let block = (since_start_s / self.shared().colour_block_s + 1e-9) as u64;
+        let block = self.shared().colour_block(since_start_s);
         if block != self.colour_block {
             self.colour_block = block;
             self.champion.close_colour_block();

@@ -144,8 +144,7 @@ where
         let innovations =
             challenger.correct(model, settings, columns, &seen, &frame.outputs, adapt, &mut unused, |_| {});
         faults[1].note(&innovations, shared.rejection_limit, shared.sample_time_s);
-        let block = |time_s: f64| ((time_s - first_s) / shared.colour_block_s + 1e-9) as u64;
-        if block(last.time_s) != block(frame.time_s) {
+        if shared.colour_block(last.time_s - first_s) != shared.colour_block(frame.time_s - first_s) {
             challenger.close_colour_block();
         }
         challenger.is_sound(columns.count)

@@ -240,12 +240,12 @@ impl<const N: usize, const P: usize> Separated<N, P> {
             if !(xi.is_finite() && s > 0.0 && s.is_finite() && one_plus_v >= 1.0 && one_plus_v.is_finite()) {
                 continue;
             }
-            let size = xi.abs();
             observe(ScoredRow { output: i, psi: &psi[..p], xi, v: one_plus_v - 1.0, nn });
             innovations.whitened[i] = e;
             innovations.normalised[i] = xi;
             innovations.variance[i] = s * one_plus_v;
 
+            let size = xi.abs();
             if size > kappa2 {
                 innovations.phase[i] = RowPhase::Rejected;
                 continue;

@@ -351,6 +351,11 @@ impl<const N: usize, const R: usize, const P: usize> SmpeSettings<N, R, P> {
         self
     }
 
+    /// Number of the block of the colour correction that a time since the first frame (s) belongs to.
+    pub(super) fn colour_block(&self, since_start_s: f64) -> u64 {
+        (since_start_s / self.colour_block_s + 1e-9) as u64
+    }
+
     /// Outputs that have a bias column, in order.
     pub fn bias_columns(&self) -> impl Iterator<Item = usize> + '_ {
         (0..R).filter(|&i| self.bias_sd[i] > 0.0 && self.bias_sd[i].is_finite())
