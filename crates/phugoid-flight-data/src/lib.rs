@@ -16,6 +16,7 @@
 //! ```
 pub mod channels;
 pub mod csv;
+pub mod log;
 pub mod plausibility;
 pub mod quality;
 pub mod quantity;

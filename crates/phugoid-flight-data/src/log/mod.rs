@@ -1,0 +1,61 @@
+//! Logs of autopilots and recorders: topics, each sampled at times of its own.
+//!
+//! A reader of a format gives a [`Log`]; a [`crate::record::Record`] on one time base is made of it afterwards, so that what is
+//! said of rates, gaps and units is said of the log as it was written.
+
+use serde::Serialize;
+
+use crate::quality::QualityReport;
+
+/// What a log holds.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Log {
+    /// Where it came from, for messages and reports.
+    pub source: String,
+    /// What the log says of itself (vehicle, firmware, start of recording), in its own words: name and value.
+    pub information: Vec<(String, String)>,
+    /// Parameters of the autopilot at the start of the log.
+    pub parameters: Vec<(String, f64)>,
+    /// Topics in the order of their first appearance.
+    pub topics: Vec<Topic>,
+    /// What the reader found, skipped and left out.
+    pub quality: QualityReport,
+}
+
+/// One kind of message: one time per sample, and fields of the same length.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Topic {
+    /// The log's name of it: `vehicle_attitude`, `IMU`.
+    pub name: String,
+    /// Which of several equal sources, from 0.
+    pub instance: u16,
+    /// Time of each sample, s, in the order of the log.
+    pub time_s: Vec<f64>,
+    /// Numeric fields; arrays are one field per element, `xyz[0]`.
+    pub fields: Vec<Field>,
+}
+
+/// One signal of a topic.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Field {
+    /// Name within the topic: `GyrX`, `q[3]`.
+    pub name: String,
+    /// Unit as the log gives it (`rad/s`, `deg`), none if it does not say. Values are in this unit, multipliers applied.
+    pub unit: Option<String>,
+    /// One value per time of the topic; NaN where the log has none.
+    pub values: Vec<f64>,
+}
+
+impl Log {
+    /// The topic of this name and instance.
+    pub fn topic(&self, name: &str, instance: u16) -> Option<&Topic> {
+        self.topics.iter().find(|topic| topic.name == name && topic.instance == instance)
+    }
+}
+
+impl Topic {
+    /// The field of this name.
+    pub fn field(&self, name: &str) -> Option<&Field> {
+        self.fields.iter().find(|field| field.name == name)
+    }
+}
