@@ -3,16 +3,20 @@
 use std::collections::HashMap;
 
 use crate::channels::{self, ChannelSpec};
-use crate::csv::{ColumnMapping, CsvOptions, ReadError};
 use crate::header::{self, Conflict, Doubt, Meaning};
 use crate::quality::{QualityReport, Short};
 use crate::record::Quantity;
+use crate::table::{ColumnMapping, TableError, TableOptions};
 use crate::units::{self, Unit};
+
+/// The most columns accepted.
+pub(crate) const MOST_COLUMNS: usize = 5000;
 
 /// The head of a file: one header per column, and perhaps a row of units below.
 pub(crate) struct Head<'a> {
     pub(crate) source: &'a str,
-    pub(crate) line: usize,
+    /// Line of the header, in a file of lines.
+    pub(crate) line: Option<usize>,
     pub(crate) headers: &'a [String],
     pub(crate) units: Option<&'a [String]>,
 }
@@ -92,7 +96,15 @@ pub(crate) struct Plan {
 }
 
 /// Decides for every column, and says in the report what was assumed.
-pub(crate) fn plan(head: &Head<'_>, options: &CsvOptions, report: &mut QualityReport) -> Result<Plan, ReadError> {
+pub(crate) fn plan(head: &Head<'_>, options: &TableOptions, report: &mut QualityReport) -> Result<Plan, TableError> {
+    if head.headers.len() > MOST_COLUMNS {
+        return Err(TableError::TooManyColumns {
+            source_name: head.source.to_owned(),
+            line: head.line,
+            columns: head.headers.len(),
+            max_columns: MOST_COLUMNS,
+        });
+    }
     let mut uses = Vec::new();
     for mapping in &options.columns {
         uses.push(mapped(head, mapping, report)?);
@@ -152,8 +164,8 @@ fn unit_below<'a>(head: &Head<'a>, column: usize) -> Option<&'a str> {
     head.units.and_then(|units| units.get(column)).map(String::as_str)
 }
 
-fn mapped(head: &Head<'_>, mapping: &ColumnMapping, report: &mut QualityReport) -> Result<ColumnUse, ReadError> {
-    let bad = |problem: String| ReadError::BadMapping {
+fn mapped(head: &Head<'_>, mapping: &ColumnMapping, report: &mut QualityReport) -> Result<ColumnUse, TableError> {
+    let bad = |problem: String| TableError::BadMapping {
         channel: mapping.channel.clone(),
         header: mapping.header.clone(),
         problem,
@@ -202,7 +214,7 @@ fn mapped(head: &Head<'_>, mapping: &ColumnMapping, report: &mut QualityReport) 
     Ok(ColumnUse { column, header, name: mapping.channel.clone(), spec, unit, unit_assumed, scale: mapping.scale })
 }
 
-fn find_column(head: &Head<'_>, mapping: &ColumnMapping) -> Result<usize, ReadError> {
+fn find_column(head: &Head<'_>, mapping: &ColumnMapping) -> Result<usize, TableError> {
     let wanted = mapping.header.trim();
     let alike = |loose: bool| -> Vec<usize> {
         let same = |header: &String| match loose {
@@ -215,14 +227,13 @@ fn find_column(head: &Head<'_>, mapping: &ColumnMapping) -> Result<usize, ReadEr
     let found = if exact.is_empty() { alike(true) } else { exact };
     match found.as_slice() {
         [one] => Ok(*one),
-        [first, second, ..] => Err(ReadError::TwoColumns {
+        [first, second, ..] => Err(TableError::TwoColumns {
             source_name: head.source.to_owned(),
             line: head.line,
             channel: mapping.channel.clone(),
-            first_column: first + 1,
-            first: head.headers.get(*first).cloned().unwrap_or_default(),
-            second_column: second + 1,
-            second: head.headers.get(*second).cloned().unwrap_or_default(),
+            columns: Box::new(
+                [*first, *second].map(|index| (index + 1, head.headers.get(index).cloned().unwrap_or_default())),
+            ),
         }),
         [] => {
             let likeness = |header: &str| {
@@ -234,7 +245,7 @@ fn find_column(head: &Head<'_>, mapping: &ColumnMapping) -> Result<usize, ReadEr
                 .map(|header| (header, likeness(header)))
                 .filter(|&(_, likeness)| likeness >= 0.6)
                 .max_by(|a, b| a.1.total_cmp(&b.1));
-            Err(ReadError::MappedColumnMissing {
+            Err(TableError::MappedColumnMissing {
                 source_name: head.source.to_owned(),
                 line: head.line,
                 mapping: Box::new(mapping.clone()),
@@ -252,11 +263,11 @@ fn automatic(
     mapped_names: &[String],
     uses: &[ColumnUse],
     report: &mut QualityReport,
-) -> Result<Option<ColumnUse>, ReadError> {
+) -> Result<Option<ColumnUse>, TableError> {
     let header = head.headers.get(column).map(|header| header.trim()).unwrap_or_default().to_owned();
     let place = format!("column '{header}'");
     let Some(meaning) = meanings.headers.get(column).cloned() else { return Ok(None) };
-    let meaning = meaning.map_err(|Conflict { first, second }| ReadError::TwoUnits {
+    let meaning = meaning.map_err(|Conflict { first, second }| TableError::TwoUnits {
         source_name: head.source.to_owned(),
         line: head.line,
         column: column + 1,
@@ -391,19 +402,16 @@ fn first_pair(uses: &[ColumnUse], same: impl Fn(&ColumnUse, &ColumnUse) -> bool)
     })
 }
 
-fn two_columns(head: &Head<'_>, first: &ColumnUse, second: &ColumnUse) -> ReadError {
-    ReadError::TwoColumns {
+fn two_columns(head: &Head<'_>, first: &ColumnUse, second: &ColumnUse) -> TableError {
+    TableError::TwoColumns {
         source_name: head.source.to_owned(),
         line: head.line,
         channel: second.name.clone(),
-        first_column: first.column + 1,
-        first: first.header.clone(),
-        second_column: second.column + 1,
-        second: second.header.clone(),
+        columns: Box::new([first, second].map(|used| (used.column + 1, used.header.clone()))),
     }
 }
 
-fn no_time(head: &Head<'_>) -> ReadError {
+fn no_time(head: &Head<'_>) -> TableError {
     let nearest = head.headers.iter().enumerate().find_map(|(column, header)| {
         match header::interpret(header, unit_below(head, column)) {
             Ok(Meaning::Unknown { doubt: Some(Doubt::Unit { spec, text, .. }), .. }) if spec.name == "time" => {
@@ -417,7 +425,7 @@ fn no_time(head: &Head<'_>) -> ReadError {
             }
         }
     });
-    ReadError::NoTime {
+    TableError::NoTime {
         source_name: head.source.to_owned(),
         line: head.line,
         headers: list(head.headers),

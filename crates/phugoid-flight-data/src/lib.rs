@@ -22,6 +22,7 @@ pub mod plausibility;
 pub mod quality;
 pub mod quantity;
 pub mod record;
+pub mod table;
 pub mod units;
 
 mod columns;

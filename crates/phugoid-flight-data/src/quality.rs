@@ -119,15 +119,44 @@ impl fmt::Display for Short {
     }
 }
 
-/// How many, and the line numbers of the first few.
+/// What a place in a table is counted in: lines of a text file, as an editor shows them, or rows of numbers; from 1.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum Counted {
+    #[default]
+    Lines,
+    Rows,
+}
+
+impl Counted {
+    pub(crate) fn one(self) -> &'static str {
+        match self {
+            Counted::Lines => "line",
+            Counted::Rows => "row",
+        }
+    }
+
+    pub(crate) fn several(self) -> &'static str {
+        match self {
+            Counted::Lines => "lines",
+            Counted::Rows => "rows",
+        }
+    }
+}
+
+/// How many, and the line (or row) numbers of the first few.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Lines {
+    counted: Counted,
     count: usize,
     first: Vec<usize>,
 }
 
 impl Lines {
     const SHOWN: usize = 8;
+
+    pub(crate) fn of(counted: Counted) -> Self {
+        Self { counted, ..Self::default() }
+    }
 
     pub(crate) fn add(&mut self, line: usize) {
         self.count += 1;
@@ -140,14 +169,16 @@ impl Lines {
         self.count
     }
 
-    /// `line 7`, `lines 7, 9, 12` or `lines 7, 9, ... (40 in all)`.
+    /// `line 7`, `rows 7, 9, 12` or `lines 7, 9, ... (40 in all)`.
     pub(crate) fn place(&self) -> String {
         let shown: Vec<_> = self.first.iter().map(usize::to_string).collect();
         let shown = shown.join(", ");
         match self.count {
-            1 => format!("line {shown}"),
-            count if count > self.first.len() => format!("lines {shown}, ... ({count} in all)"),
-            _ => format!("lines {shown}"),
+            1 => format!("{} {shown}", self.counted.one()),
+            count if count > self.first.len() => {
+                format!("{} {shown}, ... ({count} in all)", self.counted.several())
+            }
+            _ => format!("{} {shown}", self.counted.several()),
         }
     }
 }

@@ -1,11 +1,13 @@
 //! One strictly increasing time base out of whatever the file has.
 
-use crate::csv::ReadError;
-use crate::quality::{Lines, QualityReport, Short, plural};
+use crate::quality::{Counted, Lines, QualityReport, Short, plural};
+use crate::table::TableError;
 
-/// Rows as read: a finite time, the line in the file, and one value per channel.
+/// Rows as read: a finite time, the line (or row) in the file, and one value per channel.
 pub(crate) struct Table {
     pub(crate) time: Vec<f64>,
+    /// What `lines` counts.
+    pub(crate) counted: Counted,
     pub(crate) lines: Vec<usize>,
     pub(crate) columns: Vec<Vec<f64>>,
 }
@@ -20,19 +22,19 @@ pub(crate) fn put_in_order(
     source: &str,
     time_header: &str,
     report: &mut QualityReport,
-) -> Result<(), ReadError> {
+) -> Result<(), TableError> {
     let mut rows: Vec<usize> = longest_part(table, report);
     merge_equal_times(table, &mut rows, report);
     let rising = longest_rising(&table.time, &rows);
     if 2 * rising.len() < rows.len() {
-        return Err(ReadError::TimeDoesNotRise {
+        return Err(TableError::TimeDoesNotRise {
             source_name: source.to_owned(),
             header: time_header.to_owned(),
             rising: rising.len(),
             rows: rows.len(),
         });
     }
-    let mut left_out = Lines::default();
+    let mut left_out = Lines::of(table.counted);
     let mut kept = rising.iter().copied().peekable();
     for &row in &rows {
         if kept.next_if_eq(&row).is_none() {
@@ -86,7 +88,7 @@ fn longest_part(table: &Table, report: &mut QualityReport) -> Vec<usize> {
         let line = table.lines.get(start).copied().unwrap_or_default();
         let (from, to) = (time.get(end - 1).copied().unwrap_or(f64::NAN), time.get(start).copied().unwrap_or(f64::NAN));
         report.warn(
-            format!("line {line}"),
+            format!("{} {line}", table.counted.one()),
             format!(
                 "the time falls from {} s to {} s and runs on from there: the clock was started again. Each start is a \
                  record of its own",
@@ -100,12 +102,13 @@ fn longest_part(table: &Table, report: &mut QualityReport) -> Vec<usize> {
         let (start, end) = longest;
         let out = time.len() - (end - start);
         report.warn(
-            format!("lines {} to {}", line(start), line(end - 1)),
+            format!("{} {} to {}", table.counted.several(), line(start), line(end - 1)),
             format!(
                 "this longest of {} parts is used, {} outside it are left out; to use another part, cut the file at the \
-                 lines named above",
+                 {} named above",
                 parts.len(),
-                plural(out, "row")
+                plural(out, "row"),
+                table.counted.several()
             ),
         );
     }
@@ -114,7 +117,7 @@ fn longest_part(table: &Table, report: &mut QualityReport) -> Vec<usize> {
 
 /// Merges neighbouring rows of equal time into the first of them: its missing values are taken from the later ones.
 fn merge_equal_times(table: &mut Table, rows: &mut Vec<usize>, report: &mut QualityReport) {
-    let mut merged = Lines::default();
+    let mut merged = Lines::of(table.counted);
     let (mut filled, mut differing) = (0_usize, 0_usize);
     let mut kept: Vec<usize> = Vec::with_capacity(rows.len());
     for &row in rows.iter() {
@@ -241,7 +244,12 @@ mod tests {
 
     fn table(time: &[f64]) -> Table {
         let lines = (0..time.len()).map(|row| row + 2).collect();
-        Table { time: time.to_vec(), lines, columns: vec![(0..time.len()).map(|row| row as f64).collect()] }
+        Table {
+            time: time.to_vec(),
+            counted: Counted::Lines,
+            lines,
+            columns: vec![(0..time.len()).map(|row| row as f64).collect()],
+        }
     }
 
     fn ordered(time: &[f64]) -> (Vec<f64>, QualityReport) {

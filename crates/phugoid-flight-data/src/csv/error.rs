@@ -1,6 +1,6 @@
 //! Why a file could not be read or written.
 
-use super::ColumnMapping;
+use crate::table::TableError;
 
 /// Why a file could not be read. Every message says where, what was found, what was expected and what to do.
 #[derive(Debug, thiserror::Error)]
@@ -45,151 +45,6 @@ pub enum ReadError {
         /// The line, cut.
         found: String,
     },
-    /// No column is the time.
-    #[error(
-        "{source_name}, line {line}: no column is the time. Found: {headers}.{nearest} Call the time column time_s \
-         (or time_ms, time_us), map it (channel 'time'), or give the sample time of the rows"
-    )]
-    NoTime {
-        /// File or stream.
-        source_name: String,
-        /// Line of the header.
-        line: usize,
-        /// The headers found.
-        headers: String,
-        /// A sentence about a header that looks like the time, or empty.
-        nearest: String,
-    },
-    /// Two columns claim to be one channel.
-    #[error(
-        "{source_name}, line {line}: columns {first_column} ('{first}') and {second_column} ('{second}') are both \
-         {channel}. Rename one of them, or map {channel} to the one that is to be used"
-    )]
-    TwoColumns {
-        /// File or stream.
-        source_name: String,
-        /// Line of the header.
-        line: usize,
-        /// The channel, by its canonical name.
-        channel: String,
-        /// Column number of the first, from 1.
-        first_column: usize,
-        /// Header of the first.
-        first: String,
-        /// Column number of the second.
-        second_column: usize,
-        /// Header of the second.
-        second: String,
-    },
-    /// Two units for one column.
-    #[error(
-        "{source_name}, line {line}, column {column} ('{header}'): the unit is given twice and differently, as \
-         '{first}' and as '{second}'. Correct one of them, or map the column with its unit"
-    )]
-    TwoUnits {
-        /// File or stream.
-        source_name: String,
-        /// Line of the header.
-        line: usize,
-        /// Column number, from 1.
-        column: usize,
-        /// The header.
-        header: String,
-        /// One unit.
-        first: String,
-        /// The other.
-        second: String,
-    },
-    /// A mapping names a column that is not in the file.
-    #[error(
-        "{source_name}, line {line}: channel '{}' is mapped to the column '{}', but the file has no such column{nearest}. \
-         The columns are: {headers}",
-        mapping.channel,
-        mapping.header
-    )]
-    MappedColumnMissing {
-        /// File or stream.
-        source_name: String,
-        /// Line of the header.
-        line: usize,
-        /// The mapping.
-        mapping: Box<ColumnMapping>,
-        /// `; did you mean '...'?` or empty.
-        nearest: String,
-        /// The headers found.
-        headers: String,
-    },
-    /// A mapping is wrong in itself.
-    #[error("the mapping of channel '{channel}' to column '{header}': {problem}")]
-    BadMapping {
-        /// The mapping's channel.
-        channel: String,
-        /// The mapping's header.
-        header: String,
-        /// What was found, what is accepted.
-        problem: String,
-    },
-    /// An option is out of its range.
-    #[error("reader option {option}: {problem}")]
-    BadOption {
-        /// The option's name.
-        option: &'static str,
-        /// What was found, what is accepted.
-        problem: String,
-    },
-    /// A header and nothing, or nothing usable, below it.
-    #[error("{source_name}: no usable row of data below the header in line {line}: {reason}")]
-    NoRows {
-        /// File or stream.
-        source_name: String,
-        /// Line of the header.
-        line: usize,
-        /// What was wrong with the rows that there are.
-        reason: String,
-    },
-    /// The time column is no time.
-    #[error(
-        "{source_name}: column '{header}' does not work as the time: it rises in only {rising} of {rows} rows. Expected \
-         are times that increase from row to row. If another column is the time, map the channel 'time' to it"
-    )]
-    TimeDoesNotRise {
-        /// File or stream.
-        source_name: String,
-        /// The time column's header.
-        header: String,
-        /// Rows in the longest rising sequence.
-        rising: usize,
-        /// Rows with a time.
-        rows: usize,
-    },
-    /// More than fits into the set bound.
-    #[error(
-        "{source_name}, line {line}: the file holds more than {max_values} values, the set bound on memory. Cut it into \
-         pieces, leave out columns, or raise `max_values`"
-    )]
-    TooLarge {
-        /// File or stream.
-        source_name: String,
-        /// Line at which the bound was reached.
-        line: usize,
-        /// The bound.
-        max_values: usize,
-    },
-    /// More columns than any flight record has.
-    #[error(
-        "{source_name}, line {line}: the header has {columns} columns, more than the {max_columns} that are read. Check \
-         that it is a CSV file with one signal per column, or leave out columns"
-    )]
-    TooManyColumns {
-        /// File or stream.
-        source_name: String,
-        /// Line of the header.
-        line: usize,
-        /// Columns found.
-        columns: usize,
-        /// The bound.
-        max_columns: usize,
-    },
     /// A line without an end.
     #[error(
         "{source_name}, line {line}: the line is longer than {max_bytes} bytes; this is hardly a table of text. Check \
@@ -203,6 +58,9 @@ pub enum ReadError {
         /// The bound.
         max_bytes: usize,
     },
+    /// The cells were read, but make no record.
+    #[error(transparent)]
+    Table(#[from] TableError),
 }
 
 /// Why a record could not be written.

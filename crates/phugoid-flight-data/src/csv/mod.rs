@@ -21,48 +21,8 @@ pub use error::{ReadError, WriteError};
 pub use read::{read, read_path};
 pub use write::{write, write_path};
 
-use serde::{Deserialize, Serialize};
-
-/// Maps one column to a channel by hand, where the header does not say it or says it wrongly.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct ColumnMapping {
-    /// Canonical channel name (see [`crate::channels::CHANNELS`]), or a free name for a signal of your own.
-    pub channel: String,
-    /// The column's header as it stands in the file, e.g. `ELEV_POS_2`; case does not matter if that is unambiguous.
-    pub header: String,
-    /// The column's unit, e.g. `deg`; without it, the unit in the header, else SI with a warning.
-    #[serde(default)]
-    pub unit: Option<String>,
-    /// Multiplies the column's values before the unit is converted; -1 turns the sign. Finite, not zero.
-    #[serde(default = "one")]
-    pub scale: f64,
-}
-
-fn one() -> f64 {
-    1.0
-}
-
-impl ColumnMapping {
-    /// A mapping with the unit of the header and no change of sign.
-    pub fn new(channel: impl Into<String>, header: impl Into<String>) -> Self {
-        Self { channel: channel.into(), header: header.into(), unit: None, scale: 1.0 }
-    }
-
-    /// The same with the unit given.
-    #[must_use]
-    pub fn with_unit(mut self, unit: impl Into<String>) -> Self {
-        self.unit = Some(unit.into());
-        self
-    }
-
-    /// The same with a factor, such as -1 for a sign.
-    #[must_use]
-    pub fn with_scale(mut self, scale: f64) -> Self {
-        self.scale = scale;
-        self
-    }
-}
+use crate::table::TableOptions;
+pub use crate::table::{ColumnMapping, TableError};
 
 /// How a CSV file is to be read. The default reads every file that explains itself.
 #[derive(Clone, Debug, PartialEq)]
@@ -82,6 +42,19 @@ pub struct CsvOptions {
 
 impl Default for CsvOptions {
     fn default() -> Self {
-        Self { columns: Vec::new(), delimiter: None, sample_time_s: None, gap_factor: 3.5, max_values: 100_000_000 }
+        let TableOptions { columns, sample_time_s, gap_factor, max_values } = TableOptions::default();
+        Self { columns, delimiter: None, sample_time_s, gap_factor, max_values }
+    }
+}
+
+impl CsvOptions {
+    /// What is not about text.
+    pub(crate) fn table(&self) -> TableOptions {
+        TableOptions {
+            columns: self.columns.clone(),
+            sample_time_s: self.sample_time_s,
+            gap_factor: self.gap_factor,
+            max_values: self.max_values,
+        }
     }
 }

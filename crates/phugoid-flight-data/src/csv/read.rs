@@ -10,9 +10,7 @@ use super::{CsvOptions, ReadError};
 use crate::columns::{self, Head};
 use crate::quality::QualityReport;
 use crate::record::Record;
-
-/// The most columns accepted.
-const MOST_COLUMNS: usize = 5000;
+use crate::table::TableError;
 
 /// Reads a CSV file from the disk; otherwise as [`read()`].
 ///
@@ -40,17 +38,10 @@ pub fn read(reader: impl Read, source: &str, options: &CsvOptions) -> Result<Rec
     let mut file = TextFile::open(reader, source, options.delimiter)?;
     let mut report = QualityReport::default();
     let (line, headers, carried) = file.header(&mut report)?;
-    if headers.len() > MOST_COLUMNS {
-        return Err(ReadError::TooManyColumns {
-            source_name: source.to_owned(),
-            line,
-            columns: headers.len(),
-            max_columns: MOST_COLUMNS,
-        });
-    }
     let (units, carried) = file.unit_row(&headers, carried)?;
-    let head = Head { source, line, headers: &headers, units: units.as_deref() };
-    let plan = columns::plan(&head, options, &mut report)?;
+    let head = Head { source, line: Some(line), headers: &headers, units: units.as_deref() };
+    let table_options = options.table();
+    let plan = columns::plan(&head, &table_options, &mut report)?;
     let mut rows = Rows::new(plan, headers.len(), line, file.format);
     if let Some(row) = carried {
         rows.add(&row, source, options)?;
@@ -58,21 +49,14 @@ pub fn read(reader: impl Read, source: &str, options: &CsvOptions) -> Result<Rec
     while let Some(row) = file.next_row()? {
         rows.add(&row, source, options)?;
     }
-    rows.finish(source, options, report)
+    rows.finish(source, &table_options, report)
 }
 
 fn check(options: &CsvOptions) -> Result<(), ReadError> {
-    if options.gap_factor.is_nan() || options.gap_factor <= 1.0 {
-        let problem = format!("is {}; it counts median time steps and must be more than 1", options.gap_factor);
-        return Err(ReadError::BadOption { option: "gap_factor", problem });
-    }
-    if let Some(step) = options.sample_time_s.filter(|step| !step.is_finite() || *step <= 0.0) {
-        let problem = format!("is {step}; it must be a positive number of seconds");
-        return Err(ReadError::BadOption { option: "sample_time_s", problem });
-    }
+    options.table().check()?;
     if let Some(mark) = options.delimiter.filter(|mark| ![',', ';', '\t', '|', ' '].contains(mark)) {
         let problem = format!("is {mark:?}; use one of ',' ';' tab '|' ' '");
-        return Err(ReadError::BadOption { option: "delimiter", problem });
+        return Err(TableError::BadOption { option: "delimiter", problem }.into());
     }
     Ok(())
 }

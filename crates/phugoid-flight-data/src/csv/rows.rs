@@ -1,15 +1,14 @@
-//! The rows of a file: which are kept, what is wrong with the others, and the record they make.
+//! The rows of a file: which are kept, and what is wrong with the others.
 
 use super::cells::{self, Cell};
 use super::format::Format;
 use super::text_file::Row;
 use super::{CsvOptions, ReadError};
-use crate::channels;
-use crate::columns::{self, ColumnUse, Plan};
-use crate::quality::{ChannelQuality, Finding, Lines, QualityReport, Short, plural};
-use crate::record::{Channel, Record};
-use crate::time_base::{self, Table};
-use crate::{plausibility, signals};
+use crate::columns::{self, Plan};
+use crate::quality::{Counted, Lines, QualityReport, Short, plural};
+use crate::record::Record;
+use crate::table::{self, Read, TableError, TableOptions};
+use crate::time_base::Table;
 
 /// The rows read so far and what was wrong with the others.
 pub(super) struct Rows {
@@ -43,7 +42,12 @@ impl Rows {
             fields,
             header_line,
             format,
-            table: Table { time: Vec::new(), lines: Vec::new(), columns: vec![Vec::new(); count] },
+            table: Table {
+                time: Vec::new(),
+                counted: Counted::Lines,
+                lines: Vec::new(),
+                columns: vec![Vec::new(); count],
+            },
             seen: 0,
             too_short: Lines::default(),
             too_long: Lines::default(),
@@ -98,11 +102,11 @@ impl Rows {
         };
         // Two more per row: its time and its line.
         if (self.table.time.len() + 1).saturating_mul(self.table.columns.len() + 2) > options.max_values {
-            return Err(ReadError::TooLarge {
+            return Err(ReadError::Table(TableError::TooLarge {
                 source_name: source.to_owned(),
-                line: row.line,
+                place: format!("line {}", row.line),
                 max_values: options.max_values,
-            });
+            }));
         }
         self.table.time.push(time);
         self.table.lines.push(row.line);
@@ -149,66 +153,21 @@ impl Rows {
     }
 
     pub(super) fn finish(
-        self,
+        mut self,
         source: &str,
-        options: &CsvOptions,
+        options: &TableOptions,
         mut report: QualityReport,
     ) -> Result<Record, ReadError> {
-        let no_rows =
-            |reason: String| ReadError::NoRows { source_name: source.to_owned(), line: self.header_line, reason };
         if self.table.time.is_empty() {
-            return Err(no_rows(self.why_no_rows()));
+            let (line, reason) = (Some(self.header_line), self.why_no_rows());
+            return Err(TableError::NoRows { source_name: source.to_owned(), line, reason }.into());
         }
         self.report_rows(&mut report);
-        let Self { plan, mut table, text, seen, header_line, .. } = self;
-        let time_header = plan.time.as_ref().map_or("(row number)", |column| column.header.as_str()).to_owned();
-        if let Some(column) = plan.time.as_ref().filter(|column| column.unit_assumed && !self.clock) {
-            columns::say_assumed(column, &mut report);
+        if let Some(time) = self.plan.time.as_mut().filter(|_| self.clock) {
+            time.unit_assumed = false;
         }
-        time_base::put_in_order(&mut table, source, &time_header, &mut report)?;
-        if table.time.len() < 2 {
-            let reason = "only one time is left; a record needs at least two".to_owned();
-            return Err(ReadError::NoRows { source_name: source.to_owned(), line: header_line, reason });
-        }
-        let mut record = Record { source: source.to_owned(), time: table.time, ..Record::default() };
-        report.rows_read = seen;
-        report.rows_kept = record.time.len();
-        report.sample_time_s = record.sample_time_s();
-        let assumed = plan.time.as_ref().is_some_and(|column| column.unit_assumed && !self.clock);
-        if assumed && report.sample_time_s >= 1.0 {
-            let step = Short(report.sample_time_s);
-            report.warn("time", format!("the rows are {step} s apart: if the time is in milliseconds, write time_ms"));
-        }
-        time_base::report_steps(&record.time, report.sample_time_s, options.gap_factor, &mut report);
-
-        report.channels.push(match &plan.time {
-            Some(column) => quality_of(column, 0),
-            None => ChannelQuality {
-                name: "time".into(),
-                header: String::new(),
-                unit: "s".into(),
-                scale: 1.0,
-                ..ChannelQuality::default()
-            },
-        });
-        let mut holes = Vec::new();
-        for ((column, values), (text, example)) in plan.channels.into_iter().zip(table.columns).zip(text) {
-            if let Some(channel) = keep(&column, values, &text, &example, &mut holes, &mut report) {
-                report.channels.push(quality_of(&column, channel.values.iter().filter(|value| value.is_nan()).count()));
-                record.channels.push(channel);
-            }
-        }
-        if !holes.is_empty() {
-            report.note(
-                "",
-                format!("values missing in {} rows: {}; nothing is filled in", report.rows_kept, holes.join(", ")),
-            );
-        }
-        record.quality = report;
-        signals::check(&mut record);
-        let doubts = plausibility::check(&record);
-        record.quality.findings.extend(doubts.into_iter().map(Finding::from));
-        Ok(record)
+        let Self { plan, table, text, seen, header_line, .. } = self;
+        Ok(table::record(Read { source, header_line: Some(header_line), seen, plan, table, text }, options, report)?)
     }
 
     fn why_no_rows(&self) -> String {
@@ -291,63 +250,4 @@ impl Rows {
             report.note("time", format!("the clock passes midnight {} times; counted on", Short(self.midnights)));
         }
     }
-}
-
-fn quality_of(column: &ColumnUse, missing: usize) -> ChannelQuality {
-    ChannelQuality {
-        name: column.name.clone(),
-        header: column.header.clone(),
-        unit: column.unit.symbol.to_owned(),
-        unit_assumed: column.unit_assumed,
-        scale: column.scale,
-        missing,
-        spikes: 0,
-    }
-}
-
-/// The channel of a column, with a word on what is missing in it (a few missing values go to `holes`); none for columns
-/// of text.
-fn keep(
-    column: &ColumnUse,
-    values: Vec<f64>,
-    text: &Lines,
-    example: &str,
-    holes: &mut Vec<String>,
-    report: &mut QualityReport,
-) -> Option<Channel> {
-    let place = format!("column '{}'", column.header);
-    let known = channels::by_name(&column.name).is_some();
-    let missing = values.iter().filter(|value| value.is_nan()).count();
-    let any = missing < values.len();
-    if !any && !known {
-        match (text.count(), column.header.is_empty()) {
-            (0, true) => {}
-            (0, false) => report.note(place, "left out: it has no values"),
-            _ => report.note(place, format!("left out: it holds text such as '{example}', not numbers")),
-        }
-        return None;
-    }
-    if text.count() > 0 {
-        let cells = plural(text.count(), "cell");
-        let message = format!("{cells} of {} no number, such as '{example}'; taken as missing", column.name);
-        report.warn(text.place(), message);
-    }
-    if !any {
-        report.warn(place, format!("{} has no value at all", column.name));
-    } else if missing > 0 {
-        let percent = 100.0 * missing as f64 / values.len() as f64;
-        match percent > 10.0 {
-            true => report.warn(
-                place,
-                format!(
-                    "{missing} of {} values of {} missing ({} %); kept as missing, nothing is filled in",
-                    values.len(),
-                    column.name,
-                    Short(percent)
-                ),
-            ),
-            false => holes.push(format!("{missing} in {}", column.name)),
-        }
-    }
-    Some(Channel { name: column.name.clone(), quantity: column.unit.quantity, values })
 }

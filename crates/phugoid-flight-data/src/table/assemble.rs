@@ -1,0 +1,134 @@
+//! From the rows of a table, converted to SI, to the record they make.
+
+use crate::channels;
+use crate::columns::{self, ColumnUse, Plan};
+use crate::quality::{ChannelQuality, Finding, Lines, QualityReport, Short, plural};
+use crate::record::{Channel, Record};
+use crate::table::{TableError, TableOptions};
+use crate::time_base::{self, Table};
+use crate::{plausibility, signals};
+
+/// What was read of a table: the rows that have a time.
+pub(crate) struct Read<'a> {
+    pub(crate) source: &'a str,
+    pub(crate) header_line: Option<usize>,
+    /// Rows seen, kept or not.
+    pub(crate) seen: usize,
+    pub(crate) plan: Plan,
+    /// One column per channel of the plan.
+    pub(crate) table: Table,
+    /// Cells per channel that are text, and the first of them.
+    pub(crate) text: Vec<(Lines, String)>,
+}
+
+/// Puts the rows in the order of time and says everything that there is to say about them.
+pub(crate) fn record(read: Read<'_>, options: &TableOptions, mut report: QualityReport) -> Result<Record, TableError> {
+    let Read { source, header_line, seen, plan, mut table, text } = read;
+    let time_header = plan.time.as_ref().map_or("(row number)", |column| column.header.as_str()).to_owned();
+    if let Some(column) = plan.time.as_ref().filter(|column| column.unit_assumed) {
+        columns::say_assumed(column, &mut report);
+    }
+    time_base::put_in_order(&mut table, source, &time_header, &mut report)?;
+    if table.time.len() < 2 {
+        let reason = "only one time is left; a record needs at least two".to_owned();
+        return Err(TableError::NoRows { source_name: source.to_owned(), line: header_line, reason });
+    }
+    let mut record = Record { source: source.to_owned(), time: table.time, ..Record::default() };
+    report.rows_read = seen;
+    report.rows_kept = record.time.len();
+    report.sample_time_s = record.sample_time_s();
+    let assumed = plan.time.as_ref().is_some_and(|column| column.unit_assumed);
+    if assumed && report.sample_time_s >= 1.0 {
+        let step = Short(report.sample_time_s);
+        report.warn("time", format!("the rows are {step} s apart: if the time is in milliseconds, write time_ms"));
+    }
+    time_base::report_steps(&record.time, report.sample_time_s, options.gap_factor, &mut report);
+
+    report.channels.push(match &plan.time {
+        Some(column) => quality_of(column, 0),
+        None => ChannelQuality {
+            name: "time".into(),
+            header: String::new(),
+            unit: "s".into(),
+            scale: 1.0,
+            ..ChannelQuality::default()
+        },
+    });
+    let mut holes = Vec::new();
+    for ((column, values), (text, example)) in plan.channels.into_iter().zip(table.columns).zip(text) {
+        if let Some(channel) = keep(&column, values, &text, &example, &mut holes, &mut report) {
+            report.channels.push(quality_of(&column, channel.values.iter().filter(|value| value.is_nan()).count()));
+            record.channels.push(channel);
+        }
+    }
+    if !holes.is_empty() {
+        report.note(
+            "",
+            format!("values missing in {} rows: {}; nothing is filled in", report.rows_kept, holes.join(", ")),
+        );
+    }
+    record.quality = report;
+    signals::check(&mut record);
+    let doubts = plausibility::check(&record);
+    record.quality.findings.extend(doubts.into_iter().map(Finding::from));
+    Ok(record)
+}
+
+fn quality_of(column: &ColumnUse, missing: usize) -> ChannelQuality {
+    ChannelQuality {
+        name: column.name.clone(),
+        header: column.header.clone(),
+        unit: column.unit.symbol.to_owned(),
+        unit_assumed: column.unit_assumed,
+        scale: column.scale,
+        missing,
+        spikes: 0,
+    }
+}
+
+/// The channel of a column, with a word on what is missing in it (a few missing values go to `holes`); none for columns
+/// of text.
+fn keep(
+    column: &ColumnUse,
+    values: Vec<f64>,
+    text: &Lines,
+    example: &str,
+    holes: &mut Vec<String>,
+    report: &mut QualityReport,
+) -> Option<Channel> {
+    let place = format!("column '{}'", column.header);
+    let known = channels::by_name(&column.name).is_some();
+    let missing = values.iter().filter(|value| value.is_nan()).count();
+    let any = missing < values.len();
+    if !any && !known {
+        match (text.count(), column.header.is_empty()) {
+            (0, true) => {}
+            (0, false) => report.note(place, "left out: it has no values"),
+            _ => report.note(place, format!("left out: it holds text such as '{example}', not numbers")),
+        }
+        return None;
+    }
+    if text.count() > 0 {
+        let cells = plural(text.count(), "cell");
+        let message = format!("{cells} of {} no number, such as '{example}'; taken as missing", column.name);
+        report.warn(text.place(), message);
+    }
+    if !any {
+        report.warn(place, format!("{} has no value at all", column.name));
+    } else if missing > 0 {
+        let percent = 100.0 * missing as f64 / values.len() as f64;
+        match percent > 10.0 {
+            true => report.warn(
+                place,
+                format!(
+                    "{missing} of {} values of {} missing ({} %); kept as missing, nothing is filled in",
+                    values.len(),
+                    column.name,
+                    Short(percent)
+                ),
+            ),
+            false => holes.push(format!("{missing} in {}", column.name)),
+        }
+    }
+    Some(Channel { name: column.name.clone(), quantity: column.unit.quantity, values })
+}

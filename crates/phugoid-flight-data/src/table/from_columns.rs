@@ -1,0 +1,177 @@
+//! From columns of numbers to a record.
+
+use super::assemble::{Read, record};
+use super::{ColumnMapping, TableError, TableOptions};
+use crate::columns::{self, Head, Plan};
+use crate::header::{self, Meaning};
+use crate::quality::{Counted, Lines, QualityReport, plural};
+use crate::record::Record;
+use crate::time_base::Table;
+
+/// One column of a table: a header that says what it is, and one number per row.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Column {
+    /// The name in the file, which may say the unit: `alpha_deg`, `Alpha [deg]`, `KTAS`.
+    pub header: String,
+    /// The unit where the file has it apart from the name.
+    pub unit: Option<String>,
+    /// Values in that unit; NaN where one is missing. An infinity counts as missing.
+    pub values: Vec<f64>,
+    /// Does the file itself say that these are points in time? Such a column is the time if no header is.
+    pub is_time: bool,
+}
+
+/// A column that is no signal, and why, so that nobody looks for it in vain.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LeftOut {
+    /// The name in the file.
+    pub header: String,
+    /// What it is instead of numbers, after "it is": `text`, `nested (a list)`.
+    pub why: String,
+}
+
+/// Makes a record in SI units of columns, by their headers and units, exactly as [`crate::csv::read`] does of cells; rows
+/// are counted from 1. `source` is the table's name in messages, `report` what its reader has to say.
+///
+/// # Errors
+/// [`TableError`] if the columns differ in length, none is the time, two are one channel, units contradict each other,
+/// there are fewer than two usable rows, more values than `options.max_values`, or a mapping is wrong.
+pub fn from_columns(
+    source: &str,
+    columns: Vec<Column>,
+    left_out: &[LeftOut],
+    options: &TableOptions,
+    mut report: QualityReport,
+) -> Result<Record, TableError> {
+    options.check()?;
+    let rows = same_length(source, &columns)?;
+    // Two more per row: its time and its number.
+    if rows.saturating_mul(columns.len() + 2) > options.max_values {
+        let place = format!("row {}", options.max_values / (columns.len() + 2) + 1);
+        return Err(TableError::TooLarge { source_name: source.to_owned(), place, max_values: options.max_values });
+    }
+    for column in left_out {
+        report.note(format!("column '{}'", column.header), format!("left out: it is {}, not numbers", column.why));
+    }
+    let headers: Vec<String> = columns.iter().map(|column| column.header.clone()).collect();
+    let units: Vec<String> = columns.iter().map(|column| column.unit.clone().unwrap_or_default()).collect();
+    let mut options = options.clone();
+    refuse_left_out(&headers, left_out, &options)?;
+    time_by_type(&columns, &mut options, &mut report);
+    let head = Head { source, line: None, headers: &headers, units: Some(&units) };
+    let plan = columns::plan(&head, &options, &mut report).map_err(|error| hint(error, left_out))?;
+    let (table, untimed) = table(&plan, columns, rows, &options);
+    if untimed.count() > 0 {
+        let what = plural(untimed.count(), "row");
+        report.warn(untimed.place(), format!("{what} left out: no time, or one that is no number"));
+    }
+    if table.time.is_empty() {
+        let reason = match untimed.count() {
+            0 => "there is none".to_owned(),
+            count => format!("{} without a time ({})", plural(count, "row"), untimed.place()),
+        };
+        return Err(TableError::NoRows { source_name: source.to_owned(), line: None, reason });
+    }
+    let text = vec![(Lines::of(Counted::Rows), String::new()); plan.channels.len()];
+    record(Read { source, header_line: None, seen: rows, plan, table, text }, &options, report)
+}
+
+fn same_length(source: &str, columns: &[Column]) -> Result<usize, TableError> {
+    let rows = columns.first().map_or(0, |column| column.values.len());
+    match columns.iter().find(|column| column.values.len() != rows) {
+        Some(other) => Err(TableError::Length {
+            source_name: source.to_owned(),
+            header: other.header.clone(),
+            found: other.values.len(),
+            expected: rows,
+        }),
+        None => Ok(rows),
+    }
+}
+
+/// A mapping to a column of text is answered with what the column is.
+fn refuse_left_out(headers: &[String], left_out: &[LeftOut], options: &TableOptions) -> Result<(), TableError> {
+    let same = |mapping: &ColumnMapping, header: &str| mapping.header.trim().eq_ignore_ascii_case(header.trim());
+    for mapping in &options.columns {
+        let text = left_out.iter().find(|column| same(mapping, &column.header));
+        if let Some(column) = text.filter(|_| !headers.iter().any(|header| same(mapping, header))) {
+            return Err(TableError::BadMapping {
+                channel: mapping.channel.clone(),
+                header: mapping.header.clone(),
+                problem: format!("this column is {}, not numbers; map a column of numbers", column.why),
+            });
+        }
+    }
+    Ok(())
+}
+
+/// The one column of points in time is the time, whatever it is called, if nothing else says what is.
+fn time_by_type(columns: &[Column], options: &mut TableOptions, report: &mut QualityReport) {
+    let mapped = options.sample_time_s.is_some() || options.columns.iter().any(|mapping| mapping.channel == "time");
+    let named = columns.iter().any(|column| {
+        let meaning = header::interpret(&column.header, column.unit.as_deref());
+        matches!(meaning, Ok(Meaning::Known { spec, .. }) if spec.name == "time")
+    });
+    let mut points = columns.iter().filter(|column| column.is_time);
+    if let (false, false, Some(column), None) = (mapped, named, points.next(), points.next()) {
+        report
+            .note(format!("column '{}'", column.header), "taken as the time: the file says that it is points in time");
+        let mapping = ColumnMapping::new("time", &column.header);
+        options.columns.push(mapping.with_unit(column.unit.as_deref().unwrap_or("s")));
+    }
+}
+
+/// No time, but a column left out that looks like it.
+fn hint(error: TableError, left_out: &[LeftOut]) -> TableError {
+    let alike = left_out.iter().find(|column| column.header.to_lowercase().contains("time"));
+    match (error, alike) {
+        (TableError::NoTime { source_name, line, headers, nearest }, Some(column)) if nearest.is_empty() => {
+            let nearest = format!(" '{}' looks like it, but is {}, not numbers.", column.header, column.why);
+            TableError::NoTime { source_name, line, headers, nearest }
+        }
+        (error, _) => error,
+    }
+}
+
+/// The rows that have a time, in SI, and which have none.
+fn table(plan: &Plan, columns: Vec<Column>, rows: usize, options: &TableOptions) -> (Table, Lines) {
+    let mut columns: Vec<Vec<f64>> = columns.into_iter().map(|column| column.values).collect();
+    // Two mappings may take one column.
+    let mut uses = vec![0_usize; columns.len()];
+    let used = plan.time.iter().chain(&plan.channels);
+    used.for_each(|used| uses.get_mut(used.column).into_iter().for_each(|count| *count += 1));
+    let mut take = |column: usize| match (columns.get_mut(column), uses.get(column)) {
+        (Some(values), Some(1)) => std::mem::take(values),
+        (Some(values), _) => values.clone(),
+        (None, _) => Vec::new(),
+    };
+    let mut time = match (&plan.time, options.sample_time_s) {
+        (Some(used), None) => take(used.column).into_iter().map(|value| used.to_si(value)).collect(),
+        (_, step) => (0..rows).map(|row| step.unwrap_or(f64::NAN) * row as f64).collect::<Vec<f64>>(),
+    };
+    let mut values: Vec<Vec<f64>> = Vec::with_capacity(plan.channels.len());
+    for used in &plan.channels {
+        let mut column = take(used.column);
+        for value in &mut column {
+            let si = used.to_si(*value);
+            // A finite number may overflow in the conversion.
+            *value = if si.is_finite() { si } else { f64::NAN };
+        }
+        values.push(column);
+    }
+    let mut untimed = Lines::of(Counted::Rows);
+    let mut lines: Vec<usize> = (1..=rows).collect();
+    if time.iter().any(|time| !time.is_finite()) {
+        let kept: Vec<bool> = time.iter().map(|time| time.is_finite()).collect();
+        (1..=rows).zip(&kept).filter(|(_, kept)| !**kept).for_each(|(row, _)| untimed.add(row));
+        values.iter_mut().for_each(|column| keep(column, &kept));
+        keep(&mut time, &kept);
+        keep(&mut lines, &kept);
+    }
+    (Table { time, counted: Counted::Rows, lines, columns: values }, untimed)
+}
+
+fn keep<T>(values: &mut Vec<T>, kept: &[bool]) {
+    let mut kept = kept.iter();
+    values.retain(|_| kept.next().copied().unwrap_or(false));
+}
