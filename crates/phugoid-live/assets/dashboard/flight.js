@@ -1,0 +1,130 @@
+// What the documents of a stream tell, gathered: layout, rows for the charts, the newest estimate, events, link, phase.
+"use strict";
+
+// Events kept in memory and shown; older ones are counted.
+const MOST_EVENTS = 500;
+
+class Flight {
+  constructor() {
+    this.hello = null;
+    this.layout = null;
+    this.store = new Store(0);
+    this.begin();
+  }
+
+  begin() {
+    this.newest = null;
+    this.waiting = null;
+    this.events = [];
+    this.forgotten = 0;
+    this.eventsChanged = true;
+    this.link = null;
+    this.linkChanged = true;
+    this.ended = null;
+    this.trouble = null;
+    this.estimates = 0;
+  }
+
+  // Takes one document. True where the layout is another than before, so that charts have to be made anew.
+  take(document) {
+    switch (document.type) {
+      case "hello": return this.greet(document);
+      case "estimate": this.estimate(document); break;
+      case "waiting": this.waiting = document; break;
+      case "event": this.event(document); break;
+      case "link":
+        this.link = document;
+        this.linkChanged = true;
+        if (document.waiting) this.waiting = document.waiting;
+        break;
+      case "end": this.ended = document; break;
+      default: break; // Later versions may add documents.
+    }
+    return false;
+  }
+
+  greet(hello) {
+    const layout = hello.layout || hello;
+    const shape = JSON.stringify([hello.session, hello.source, layout.model, layout.parameters, layout.outputs, layout.inputs]);
+    this.hello = hello;
+    this.ended = null;
+    if (shape === this.shape) return false; // The same stream after a break: what was received stays.
+    this.shape = shape;
+    this.layout = layout;
+    this.places = placesOf(layout);
+    this.store = new Store(this.places.columns, hello.rows);
+    this.row = new Float64Array(this.places.columns);
+    this.begin();
+    return true;
+  }
+
+  estimate(snapshot) {
+    if (!this.layout) return;
+    const { row, places } = this;
+    const number = (value) => (typeof value === "number" ? value : NaN);
+    snapshot.parameters.forEach((p, i) => {
+      const place = places.parameters + 3 * i, sigma = number(p.std_error);
+      row[place] = number(p.value);
+      row[place + 1] = row[place] - 2 * sigma;
+      row[place + 2] = row[place] + 2 * sigma;
+    });
+    places.outputNames.forEach((_, i) => {
+      row[places.outputs + 3 * i] = number(snapshot.outputs[i]);
+      row[places.outputs + 3 * i + 1] = number(snapshot.predicted[i]);
+      row[places.outputs + 3 * i + 2] = number(snapshot.residuals[i]);
+    });
+    for (let i = 0; i < places.inputCount; i += 1) row[places.inputs + i] = number(snapshot.inputs[i]);
+    // What was sent again after a break is known already.
+    if (!this.store.push(snapshot.time_s, row)) return;
+    this.newest = snapshot;
+    this.waiting = null;
+    this.estimates += 1;
+  }
+
+  event(event) {
+    const same = (e) => e.time_s === event.time_s && e.kind === event.kind && e.message === event.message;
+    if (this.events.slice(-50).some(same)) return;
+    this.events.push(event);
+    if (this.events.length > MOST_EVENTS) {
+      this.events.shift();
+      this.forgotten += 1;
+    }
+    this.eventsChanged = true;
+  }
+
+  // A finished result: whole columns at once.
+  load(result) {
+    this.greet({ ...result.hello, rows: Math.max(result.history.time_s.length, 2) });
+    const { history } = result, { places, row } = this;
+    const at = (column, k) => (column && typeof column[k] === "number" ? column[k] : NaN);
+    history.time_s.forEach((time, k) => {
+      history.parameters.forEach((p, i) => {
+        const place = places.parameters + 3 * i, value = at(p.value, k), sigma = at(p.std_error, k);
+        row[place] = value;
+        row[place + 1] = value - 2 * sigma;
+        row[place + 2] = value + 2 * sigma;
+      });
+      places.outputNames.forEach((_, i) => {
+        row[places.outputs + 3 * i] = at(history.outputs[i], k);
+        row[places.outputs + 3 * i + 1] = at(history.predicted[i], k);
+        row[places.outputs + 3 * i + 2] = at(history.residuals[i], k);
+      });
+      for (let i = 0; i < places.inputCount; i += 1) row[places.inputs + i] = at(history.inputs[i], k);
+      this.store.push(time, row);
+    });
+    this.newest = { time_s: this.store.last, parameters: result.parameters };
+    result.events.forEach((event) => this.event(event));
+    this.link = result.link || null;
+    this.ended = result.end || { reason: "result" };
+  }
+}
+
+// Where which column stands in a row: three per parameter (value and the edges of its band), three per output (measured,
+// predicted, residual), one per input.
+function placesOf(layout) {
+  const p = layout.parameters.length, r = layout.outputs.length, u = layout.inputs.length;
+  return {
+    parameters: 0, outputs: 3 * p, inputs: 3 * (p + r), columns: 3 * (p + r) + u,
+    outputNames: layout.outputs.map((o) => o.name), inputCount: u,
+  };
+}

@@ -1,0 +1,136 @@
+// The page's panels: cards with charts, events, link.
+"use strict";
+
+const byId = (id) => document.getElementById(id);
+
+function element(tag, className, text) {
+  const made = document.createElement(tag);
+  if (className) made.className = className;
+  if (text !== undefined) made.textContent = text;
+  return made;
+}
+
+// Sets a text only where it differs: most of them stay the same from one picture to the next.
+function setText(node, text) {
+  if (node.textContent !== text) node.textContent = text;
+}
+
+class Panels {
+  constructor() {
+    this.charts = [];
+    this.cards = [];
+    this.sizes = new ResizeObserver((entries) => {
+      for (const { target, contentRect } of entries) target.chart.resize(contentRect.width, contentRect.height);
+      this.stale = true;
+    });
+    // A chart that is out of sight is not drawn.
+    this.sight = new IntersectionObserver((entries) => {
+      for (const { target, isIntersecting } of entries) target.chart.visible = isIntersecting;
+      this.stale = true;
+    }, { rootMargin: "100px" });
+  }
+
+  // Makes the cards for a layout.
+  build(flight) {
+    const { layout, places } = flight;
+    for (const chart of this.charts) {
+      this.sizes.unobserve(chart.canvas);
+      this.sight.unobserve(chart.canvas);
+    }
+    this.charts = [];
+    for (const id of ["parameters", "inputs", "outputs", "residuals"]) byId(id).replaceChildren();
+    this.cards = layout.parameters.map((p, i) => this.parameter(p, places.parameters + 3 * i));
+    const unitOf = (signal) => humanUnit(signal.unit);
+    this.readings = [];
+    layout.inputs.forEach((input, i) => {
+      const column = places.inputs + i;
+      this.signal("inputs", input.name, unitOf(input), [{ column, colour: "blue", width: 1.4 }]);
+    });
+    layout.outputs.forEach((output, i) => {
+      const column = places.outputs + 3 * i;
+      this.signal("outputs", output.name, unitOf(output), [
+        { column, colour: "muted", width: 2 }, { column: column + 1, colour: "orange", width: 1.2 }]);
+      this.signal("residuals", output.name, { text: "σ", factor: 1 },
+        [{ column: column + 2, colour: "blue", width: 1 }], { marks: [-4, -2, 2, 4] });
+    });
+    byId("inputs-section").hidden = layout.inputs.length === 0;
+    byId("parameters-section").querySelector(".truth-key").hidden = !layout.parameters.some((p) => Number.isFinite(p.truth));
+  }
+
+  parameter(layout, column) {
+    const unit = parameterUnit(layout.unit);
+    const card = this.card("parameters", layout.name, unit, {
+      lines: [{ column, colour: "blue", width: 1.6 }], band: [column + 1, column + 2], settled: true, truth: layout.truth,
+    });
+    card.verdict = card.head.appendChild(element("span", "verdict"));
+    card.symbol = card.verdict.appendChild(element("span", "symbol"));
+    card.words = card.verdict.appendChild(element("span"));
+    return card;
+  }
+
+  signal(place, name, unit, lines, more) {
+    const card = this.card(place, words(name), unit, { lines, ...more });
+    this.readings.push({ ...card, lines, unit });
+  }
+
+  card(place, name, unit, options) {
+    const root = element("div", "card");
+    const head = root.appendChild(element("div", "head"));
+    head.appendChild(element("span", "name", name));
+    const value = head.appendChild(element("span", "value"));
+    const number = value.appendChild(element("span", "number"));
+    value.append(" ", element("span", "unit", unit.text));
+    const canvas = root.appendChild(element("canvas"));
+    canvas.setAttribute("role", "img");
+    canvas.setAttribute("aria-label", `${name}${unit.text ? " in " + unit.text : ""} against time in seconds`);
+    const chart = new Chart({ canvas, unit, ...options });
+    canvas.chart = chart;
+    this.charts.push(chart);
+    this.sizes.observe(canvas);
+    this.sight.observe(canvas);
+    byId(place).append(root);
+    return { root, head, number, chart, unit };
+  }
+
+  // Values and verdicts of a snapshot, and how many of each.
+  values(snapshot) {
+    const totals = new Map();
+    snapshot.parameters.forEach((p, i) => {
+      const card = this.cards[i];
+      if (!card) return;
+      const factor = card.unit.factor, fixed = p.status === "fixed";
+      const sigma = typeof p.std_error === "number" ? p.std_error : NaN;
+      setText(card.number, p.value === null ? "–" : valueWithBound(p.value * factor, fixed ? NaN : 2 * sigma * factor));
+      const { symbol, text, kind } = verdictOf(p.status, p.verdict);
+      setText(card.symbol, symbol);
+      setText(card.words, text);
+      card.verdict.className = "verdict v-" + kind;
+      const name = (VERDICTS[p.status] || [0, words(p.status || "")])[1];
+      totals.set(name, (totals.get(name) || 0) + 1);
+    });
+    const told = [...totals].sort((a, b) => b[1] - a[1]).map(([name, n]) => `${n} ${name}`);
+    setText(byId("summary"), `${snapshot.parameters.length} parameters at ${timeText(snapshot.time_s)}: ${told.join(", ")}.`);
+  }
+
+  // Values of the signals at a time: where the pointer is, or at the end of the window.
+  signals(store, time) {
+    for (const { number, lines, unit } of this.readings) {
+      setText(number, lines.map((line) => significant(store.valueAt(line.column, time) * unit.factor, 4)).join(" | "));
+    }
+  }
+
+  events(flight) {
+    const shown = flight.events.slice(-200).reverse();
+    byId("events").replaceChildren(...shown.map((event) => {
+      const item = element("li");
+      item.append(element("time", "", timeText(event.time_s, 2)));
+      const text = item.appendChild(element("span"));
+      text.append(element("span", "kind", words(event.kind)), ": " + event.message);
+      return item;
+    }));
+    const hidden = flight.forgotten + flight.events.length - shown.length;
+    if (hidden > 0) byId("events").append(element("li", "note", `and ${count(hidden)} earlier ones`));
+    byId("no-events").hidden = shown.length > 0;
+    byId("events").hidden = shown.length === 0;
+  }
+}
