@@ -95,7 +95,7 @@ fn pipeline_of<M: EveryRoom<N, R>, const N: usize, const R: usize>(
 ///
 /// # Errors
 /// [`EstimateError::Units`] if one of them is certainly wrong.
-fn doubts(record: &Record, model: &ModelFile) -> Result<Vec<Doubt>, EstimateError> {
+pub(crate) fn doubts(record: &Record, model: &ModelFile) -> Result<Vec<Doubt>, EstimateError> {
     let used = model.channels_used();
     let is_used = |name: &String| used.contains(&name.as_str());
     let concerned = plausibility::check(record).into_iter().filter(|doubt| doubt.channels.iter().any(is_used));
@@ -108,7 +108,11 @@ fn doubts(record: &Record, model: &ModelFile) -> Result<Vec<Doubt>, EstimateErro
     Ok(doubts)
 }
 
-fn noise_levels<M: Motion<N, R>, const N: usize, const R: usize>(
+/// One sigma of the noise per output: the model file's, else measured from the beginning of the record.
+///
+/// # Errors
+/// [`EstimateError::Noise`] if it cannot be measured.
+pub(crate) fn noise_levels<M: Motion<N, R>, const N: usize, const R: usize>(
     prepared: &Prepared<M, N, R>,
     model: &ModelFile,
 ) -> Result<[NoiseLevel; R], EstimateError> {

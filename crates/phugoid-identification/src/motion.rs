@@ -18,9 +18,9 @@ use crate::term::{Coefficient, EXTRA_INPUTS, Term};
 ///
 /// Everything from the record to the verdict is written once against this and
 /// [`Model`]; a new motion is an implementation of both, and an arm in `estimate.rs`.
-pub trait Motion<const N: usize, const R: usize>: Clone + Debug {
+pub trait Motion<const N: usize, const R: usize>: Clone + Debug + Send + 'static {
     /// The known input of the model at one sample.
-    type KnownInput: Input + Debug;
+    type KnownInput: Input + Debug + Send;
 
     /// Its axes; their states and outputs are the model's, in the same order.
     const AXES: Axes;

@@ -7,9 +7,10 @@ use phugoid_flight_dynamics::f16::{F16, F16Options};
 use crate::axes::Axes;
 use crate::error::EstimateError;
 use crate::estimation::Signal;
+use crate::intake::{KnownInput, Origin, known_inputs, model_input};
 use crate::longitudinal::{Database, LongitudinalModel};
-use crate::model_file::{AirDensity, Base, ModelFile, Reference, ReferenceValue, Source, Thrust};
-use crate::motion::{Known, Motion, ReferencePoint};
+use crate::model_file::{AirDensity, Base, ModelFile, Reference, ReferenceValue, Thrust};
+use crate::motion::{Motion, ReferencePoint};
 use crate::noise::median;
 use crate::output::Output;
 use crate::trim::{LevelTrim, TrimCondition, level_trim};
@@ -28,6 +29,8 @@ pub struct Prepared<M: Motion<N, R>, const N: usize, const R: usize> {
     pub outputs: Vec<[f64; R]>,
     /// The known inputs by name: [`Axes::known_channels`], then air, mass and inertia, then the extra inputs.
     pub known: Vec<Signal>,
+    /// Where they come from, in the same order.
+    pub(crate) origins: Vec<Origin>,
     /// Where increments are zero and the terms count from.
     pub reference: ReferencePoint,
     /// Index in the record of the first sample used.
@@ -83,7 +86,11 @@ pub fn prepare<M: Motion<N, R>, const N: usize, const R: usize>(
     }
     let mut notes = Vec::new();
     let database = database(file)?;
-    let (mut known, trim) = known(record, file, &database)?;
+    let (inputs, trim) = known(record, file, &database)?;
+    let mut known = Vec::with_capacity(inputs.len());
+    for KnownInput { name, unit, origin } in &inputs {
+        known.push(Signal { name: name.clone(), unit: unit.clone(), values: recorded(record, origin)? });
+    }
     let mut measured: Vec<Option<&[f64]>> = Vec::with_capacity(R);
     for output in M::AXES.outputs() {
         let wanted = file.outputs[output.index()];
@@ -121,18 +128,11 @@ pub fn prepare<M: Motion<N, R>, const N: usize, const R: usize>(
     }
     notes.extend(unseen);
     let named = known.len() - file.extra_inputs.len();
+    let origins = inputs.into_iter().map(|input| input.origin).collect();
     let inputs: Vec<M::KnownInput> = (0..samples)
         .map(|k| {
-            let mut at = Known::new(file.input);
-            for signal in &known[..named] {
-                if let Some(slot) = at.slot(&signal.name) {
-                    *slot = signal.values[k];
-                }
-            }
-            for (slot, signal) in at.extra.iter_mut().zip(&known[named..]) {
-                *slot = signal.values[k];
-            }
-            M::known_input(&at)
+            let values = known.iter().map(|signal| (signal.name.as_str(), signal.values[k]));
+            model_input::<M, N, R>(file.input, named, values)
         })
         .collect();
     let outputs: Vec<[f64; R]> = (first..record.time.len())
@@ -162,7 +162,7 @@ pub fn prepare<M: Motion<N, R>, const N: usize, const R: usize>(
         rudder: surface(wanted.rudder, Some(0.0), "rudder")?,
     };
     let model = M::build(file, database, &reference);
-    Ok(Prepared { model, time, inputs, outputs, known, reference, first, notes })
+    Ok(Prepared { model, time, inputs, outputs, known, origins, reference, first, notes })
 }
 
 /// The longitudinal model of a file with a given reference point. For simulation and studies as well as for estimation.
@@ -186,55 +186,24 @@ pub fn database(file: &ModelFile) -> Result<Database, EstimateError> {
     })
 }
 
-/// The known inputs over the whole record, by name, and the trim where one is asked for.
+/// The known inputs of the file, and the trim where one is asked for.
 fn known(
     record: &Record,
     file: &ModelFile,
     database: &Database,
-) -> Result<(Vec<Signal>, Option<LevelTrim>), EstimateError> {
-    let recorded = |source: &Source| match source {
-        Source::Constant(value) => Ok(vec![*value; record.time.len()]),
-        Source::Channel(name) => channel(record, name).map(<[f64]>::to_vec),
-    };
-    let aircraft = &file.aircraft;
-    let density = match &aircraft.air_density {
-        AirDensity::Known(source) => recorded(source)?,
-        AirDensity::StandardAtmosphere => densities(Atmosphere::Standard, channel(record, "altitude")?),
-        AirDensity::BookAtmosphere => densities(Atmosphere::Book, channel(record, "altitude")?),
-    };
-    let mass = recorded(&aircraft.mass)?;
+) -> Result<(Vec<KnownInput>, Option<LevelTrim>), EstimateError> {
+    let density = recorded(record, &Origin::of_density(file))?;
+    let mass = recorded(record, &Origin::of_mass(file))?;
     let trim = trim_of(file, database, [&density, &mass])?;
-    let thrust = match (&aircraft.thrust, trim) {
-        (Thrust::Known(source), _) => recorded(source)?,
-        (Thrust::Trim, Some(trim)) => vec![trim.thrust; record.time.len()],
-        (Thrust::Trim, None) => return Err(EstimateError::Model("thrust = \"trim\" needs a database".to_owned())),
-    };
-    let mut known = Vec::new();
-    let mut add = |name: &str, unit: &str, values: Vec<f64>| {
-        known.push(Signal { name: name.to_owned(), unit: unit.to_owned(), values });
-    };
-    for name in file.axes.known_channels() {
-        add(name, Output::from_name(name).map_or("rad", Output::unit), channel(record, name)?.to_vec());
-    }
-    add("air_density", "kg/m^3", density);
-    add("thrust", "N", thrust);
-    add("mass", "kg", mass);
-    let inertias = [("ixx", &aircraft.ixx), ("izz", &aircraft.izz), ("ixz", &aircraft.ixz)];
-    add("iyy", "kg*m^2", recorded(&aircraft.iyy)?);
-    if file.axes.has_lateral() {
-        for (name, source) in inertias {
-            let Some(source) = source else {
-                let message =
-                    format!("{}: the {} motion needs `{name}` under [aircraft]", file.source, file.axes.name());
-                return Err(EstimateError::Model(message));
-            };
-            add(name, "kg*m^2", recorded(source)?);
-        }
-    }
-    for name in &file.extra_inputs {
-        add(name, "-", channel(record, name)?.to_vec());
-    }
-    Ok((known, trim))
+    Ok((known_inputs(file, trim.map(|trim| trim.thrust))?, trim))
+}
+
+/// A known input over the whole record.
+fn recorded(record: &Record, origin: &Origin) -> Result<Vec<f64>, EstimateError> {
+    Ok(match origin.channel() {
+        Some(name) => channel(record, name)?.iter().map(|value| origin.value(*value)).collect(),
+        None => vec![origin.value(f64::NAN); record.time.len()],
+    })
 }
 
 /// The values of a channel of the record.
@@ -262,10 +231,6 @@ fn missing(record: &Record, name: &str) -> EstimateError {
         present: record.channels.iter().map(|c| c.name.clone()).collect(),
         nearest: nearest(name, record.channels.iter().map(|c| c.name.as_str())).map(str::to_owned),
     }
-}
-
-fn densities(atmosphere: Atmosphere, altitude: &[f64]) -> Vec<f64> {
-    altitude.iter().map(|h| atmosphere.at(*h).density).collect()
 }
 
 fn trim_of(

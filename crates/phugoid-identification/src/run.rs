@@ -7,6 +7,7 @@ mod kalman;
 mod readiness;
 mod regression;
 mod settings;
+mod stepper;
 mod watch;
 
 use phugoid_estimators::smpe::{DetectorReport, Innovations};
@@ -23,8 +24,10 @@ use crate::motion::{Motion, MotionModel};
 use crate::noise::NoiseLevel;
 use crate::options::{CAPACITY, EstimateOptions};
 use crate::prepare::Prepared;
-use causal::{Causal, run_causal};
+pub(crate) use causal::Causal;
+use causal::run_causal;
 pub(crate) use readiness::ColumnVerdict;
+pub(crate) use stepper::Stepper;
 
 /// Everything that one run gave, by sample and by column.
 #[derive(Debug)]
@@ -113,47 +116,96 @@ impl<M, const N: usize, const R: usize> EveryRoom<N, R> for M where
 {
 }
 
-/// Runs the method of the task. One arm per method.
+/// What is done with a causal method in a room for `P` columns.
+pub(crate) trait InRoom<M, const N: usize, const R: usize> {
+    /// What it gives.
+    type Output;
+
+    /// Does it.
+    fn with<C: Causal + 'static, const P: usize>(self) -> Self::Output
+    where
+        M: MotionModel<N, R, P>;
+}
+
+/// Runs the method of the task.
 pub(crate) fn run<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     task: &Task<M, N, R>,
     progress: &mut dyn FnMut(f64),
 ) -> Result<Run<R>, EstimateError> {
-    match task.method() {
-        Method::Smpe => in_smallest_room::<kalman::SlidingMode, M, N, R>(task, progress),
-        Method::Ekf => in_smallest_room::<kalman::ExtendedKalman, M, N, R>(task, progress),
-        Method::Rls => in_smallest_room::<regression::LeastSquares, M, N, R>(task, progress),
-        Method::Fourier => in_smallest_room::<regression::Fourier, M, N, R>(task, progress),
-        Method::ModelReference => in_smallest_room::<regression::ByModelReference, M, N, R>(task, progress),
-        Method::ImplicitSign => in_smallest_room::<regression::BySign, M, N, R>(task, progress),
-        Method::SuperTwisting => in_smallest_room::<regression::BySuperTwisting, M, N, R>(task, progress),
-        Method::EquationError | Method::OutputError | Method::FilterError => {
-            if const { matches!(M::AXES, Axes::Longitudinal) } {
-                batch::run_batch::<M, N, R, LARGE_ROOM>(task, progress)
-            } else {
-                batch::run_batch::<M, N, R, CAPACITY>(task, progress)
-            }
-        }
+    let method = task.method();
+    if !method.is_batch() {
+        return in_its_room(method, task.file, OverRecord { task, progress });
+    }
+    if const { matches!(M::AXES, Axes::Longitudinal) } {
+        batch::run_batch::<M, N, R, LARGE_ROOM>(task, progress)
+    } else {
+        batch::run_batch::<M, N, R, CAPACITY>(task, progress)
     }
 }
 
-/// Runs a causal method in the smallest room that holds the model; the numbers do not depend on the room. Which rooms there are
-/// is decided when the motion is compiled: the small ones for the longitudinal alone, the largest for the others alone.
-fn in_smallest_room<C: Causal, M: EveryRoom<N, R>, const N: usize, const R: usize>(
-    task: &Task<M, N, R>,
-    progress: &mut dyn FnMut(f64),
-) -> Result<Run<R>, EstimateError> {
-    let columns = task.file.estimated().count();
+struct OverRecord<'a, 'b, M: Motion<N, R>, const N: usize, const R: usize> {
+    task: &'a Task<'b, M, N, R>,
+    progress: &'a mut dyn FnMut(f64),
+}
+
+impl<M: Motion<N, R>, const N: usize, const R: usize> InRoom<M, N, R> for OverRecord<'_, '_, M, N, R> {
+    type Output = Result<Run<R>, EstimateError>;
+
+    fn with<C: Causal + 'static, const P: usize>(self) -> Self::Output
+    where
+        M: MotionModel<N, R, P>,
+    {
+        run_causal::<C, M, N, R, P>(self.task, self.progress)
+    }
+}
+
+/// Does `work` with a causal method and the smallest room that holds the model. One arm per method.
+///
+/// # Errors
+/// [`EstimateError::Model`] for a batch method.
+pub(crate) fn in_its_room<W, T, M, const N: usize, const R: usize>(
+    method: Method,
+    file: &ModelFile,
+    work: W,
+) -> Result<T, EstimateError>
+where
+    W: InRoom<M, N, R, Output = Result<T, EstimateError>>,
+    M: EveryRoom<N, R>,
+{
+    match method {
+        Method::Smpe => in_smallest_room::<kalman::SlidingMode, W, M, N, R>(file, work),
+        Method::Ekf => in_smallest_room::<kalman::ExtendedKalman, W, M, N, R>(file, work),
+        Method::Rls => in_smallest_room::<regression::LeastSquares, W, M, N, R>(file, work),
+        Method::Fourier => in_smallest_room::<regression::Fourier, W, M, N, R>(file, work),
+        Method::ModelReference => in_smallest_room::<regression::ByModelReference, W, M, N, R>(file, work),
+        Method::ImplicitSign => in_smallest_room::<regression::BySign, W, M, N, R>(file, work),
+        Method::SuperTwisting => in_smallest_room::<regression::BySuperTwisting, W, M, N, R>(file, work),
+        Method::EquationError | Method::OutputError | Method::FilterError => Err(EstimateError::Model(format!(
+            "{method} looks at a record as a whole; sample by sample works a causal method: smpe, ekf, rls, fourier"
+        ))),
+    }
+}
+
+/// The numbers do not depend on the room. Which rooms there are is decided when the motion is compiled: the small ones for the
+/// longitudinal alone, the largest for the others alone.
+fn in_smallest_room<C, W, M, const N: usize, const R: usize>(file: &ModelFile, work: W) -> W::Output
+where
+    C: Causal + 'static,
+    W: InRoom<M, N, R>,
+    M: EveryRoom<N, R>,
+{
+    let columns = file.estimated().count();
     if const { matches!(M::AXES, Axes::Longitudinal) } {
         return match columns {
-            0..=SMALL_ROOM => run_causal::<C, M, N, R, SMALL_ROOM>(task, progress),
-            columns if columns <= MIDDLE_ROOM => run_causal::<C, M, N, R, MIDDLE_ROOM>(task, progress),
-            _ => run_causal::<C, M, N, R, LARGE_ROOM>(task, progress),
+            0..=SMALL_ROOM => work.with::<C, SMALL_ROOM>(),
+            columns if columns <= MIDDLE_ROOM => work.with::<C, MIDDLE_ROOM>(),
+            _ => work.with::<C, LARGE_ROOM>(),
         };
     }
     if const { matches!(M::AXES, Axes::LateralDirectional) } && columns <= LARGE_ROOM {
-        return run_causal::<C, M, N, R, LARGE_ROOM>(task, progress);
+        return work.with::<C, LARGE_ROOM>();
     }
-    run_causal::<C, M, N, R, CAPACITY>(task, progress)
+    work.with::<C, CAPACITY>()
 }
 
 /// `-(min(xi^2, 9) + ln S)/2` of each row, nats, without the constant `ln(2 pi)/2`: the score of the change detector's contest

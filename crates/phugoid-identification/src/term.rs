@@ -224,6 +224,17 @@ impl Term {
         Self { factors }
     }
 
+    /// Unit of the parameter that multiplies it, as printed: `per rad`, `per rad^2`, `-` where no angle is involved. Rates
+    /// made dimensionless are angles (radians per time that the air takes along the chord or span), as usual.
+    pub fn parameter_unit(&self) -> String {
+        let angular = |&&(index, _): &&(usize, i32)| index < Variable::ALL.len() && index != Variable::Airspeed.index();
+        match self.factors.iter().filter(angular).map(|(_, power)| power).sum::<i32>() {
+            0 => "-".to_owned(),
+            1 => "per rad".to_owned(),
+            power => format!("per rad^{power}"),
+        }
+    }
+
     /// What multiplies a flight variable in this term; none if it is not there to the first power.
     pub fn without(&self, variable: Variable) -> Option<Self> {
         let place = self.factors.iter().position(|factor| *factor == (variable.index(), 1))?;

@@ -15,7 +15,7 @@ use crate::motion::{Known, Motion, MotionModel, ReferencePoint, terms};
 
 /// A known input, and which groups of axes may be learnt from it on.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct GatedInput<I> {
+pub(crate) struct GatedInput<I> {
     pub(super) input: I,
     pub(super) open: Moved,
 }
@@ -29,7 +29,7 @@ impl<I: Input> Input for GatedInput<I> {
 
 /// A model whose sensitivity to the parameters of a closed group is zero.
 #[derive(Clone, Debug)]
-pub(super) struct Gated<M> {
+pub(crate) struct Gated<M> {
     model: M,
     /// Group of each column.
     groups: Vec<Group>,

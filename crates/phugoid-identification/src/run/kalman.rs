@@ -1,6 +1,5 @@
 //! Methods that carry state and parameters together.
 
-use phugoid_estimators::Inspect;
 use phugoid_estimators::ekf::{EkfSettings, JointEkf};
 use phugoid_estimators::smpe::{Smpe, SmpeSettings};
 
@@ -13,11 +12,13 @@ use crate::motion::MotionModel;
 pub(super) struct SlidingMode;
 
 impl Causal for SlidingMode {
+    type Estimator<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> = Smpe<M, N, R, P>;
+
     fn set_up<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize>(
         model: M,
         settings: &SmpeSettings<N, R, P>,
         _file: &ModelFile,
-    ) -> Result<impl Inspect<R, P, Input = M::KnownInput>, EstimateError> {
+    ) -> Result<Self::Estimator<M, N, R, P>, EstimateError> {
         Smpe::new(model, *settings).map_err(|e| EstimateError::Model(e.to_string()))
     }
 }
@@ -26,11 +27,13 @@ impl Causal for SlidingMode {
 pub(super) struct ExtendedKalman;
 
 impl Causal for ExtendedKalman {
+    type Estimator<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> = JointEkf<M, N, R, P>;
+
     fn set_up<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize>(
         model: M,
         settings: &SmpeSettings<N, R, P>,
         _file: &ModelFile,
-    ) -> Result<impl Inspect<R, P, Input = M::KnownInput>, EstimateError> {
+    ) -> Result<Self::Estimator<M, N, R, P>, EstimateError> {
         JointEkf::new(model, EkfSettings::new(*settings)).map_err(|e| EstimateError::Model(e.to_string()))
     }
 }

@@ -1,6 +1,6 @@
 //! Since when each parameter may be believed.
 
-use phugoid_estimators::verdict::{ParameterVerdict, Readiness, Verdict, VerdictMonitor};
+use phugoid_estimators::verdict::{ParameterVerdict, Readiness, VerdictMonitor};
 use phugoid_estimators::{Estimate, Inspect};
 
 /// The verdict is renewed at this interval, s: it inverts a matrix, and nobody reads faster.
@@ -18,12 +18,13 @@ pub(crate) struct ColumnVerdict {
 pub(super) struct ReadinessWatch<const R: usize, const P: usize> {
     monitor: VerdictMonitor<R, P>,
     renewed_s: f64,
-    ready_since_s: [Option<f64>; P],
+    /// As of `renewed_s`.
+    latest: [ColumnVerdict; P],
 }
 
 impl<const R: usize, const P: usize> ReadinessWatch<R, P> {
     pub(super) fn new() -> Self {
-        Self { monitor: VerdictMonitor::new(), renewed_s: f64::NEG_INFINITY, ready_since_s: [None; P] }
+        Self { monitor: VerdictMonitor::new(), renewed_s: f64::NEG_INFINITY, latest: [ColumnVerdict::default(); P] }
     }
 
     /// After each sample from the first motion on; before it nothing is ready.
@@ -34,24 +35,20 @@ impl<const R: usize, const P: usize> ReadinessWatch<R, P> {
         }
     }
 
-    fn renew<E: Inspect<R, P>>(&mut self, estimate: &Estimate<P>, estimator: &E) -> Verdict<R, P> {
+    /// The verdicts per column as of now.
+    pub(super) fn renew<E: Inspect<R, P>>(&mut self, estimate: &Estimate<P>, estimator: &E) -> &[ColumnVerdict] {
         self.renewed_s = estimate.time_s;
         let verdict = self.monitor.verdict(estimate, estimator);
-        for (since, parameter) in self.ready_since_s.iter_mut().zip(&verdict.parameters) {
-            *since = (parameter.readiness == Readiness::Ready).then(|| since.unwrap_or(estimate.time_s));
+        for (column, verdict) in self.latest.iter_mut().zip(verdict.parameters) {
+            let ready = verdict.readiness == Readiness::Ready;
+            let ready_since_s = ready.then(|| column.ready_since_s.unwrap_or(estimate.time_s));
+            *column = ColumnVerdict { verdict, ready_since_s };
         }
-        verdict
+        self.latest.get(..estimator.column_count()).unwrap_or_default()
     }
 
-    /// The last word, per column.
-    pub(super) fn finish<E: Inspect<R, P>>(mut self, estimate: &Estimate<P>, estimator: &E) -> Vec<ColumnVerdict> {
-        let verdict = self.renew(estimate, estimator);
-        verdict
-            .parameters
-            .iter()
-            .zip(self.ready_since_s)
-            .take(estimator.column_count())
-            .map(|(verdict, ready_since_s)| ColumnVerdict { verdict: *verdict, ready_since_s })
-            .collect()
+    /// The verdicts per column as last renewed, and when; before the first motion none.
+    pub(super) fn latest(&self) -> (f64, &[ColumnVerdict; P]) {
+        (self.renewed_s, &self.latest)
     }
 }

@@ -1,6 +1,5 @@
 //! Methods on a regression without derivatives, and the gradient law. Their states come from the kinematic front end.
 
-use phugoid_estimators::Inspect;
 use phugoid_estimators::adaptive_model::AdaptiveModel;
 use phugoid_estimators::fourier::{FourierRegression, FourierSettings};
 use phugoid_estimators::implicit_sign::ImplicitSign;
@@ -26,11 +25,14 @@ fn refused(error: SmpeError) -> EstimateError {
 pub(super) struct LeastSquares;
 
 impl Causal for LeastSquares {
+    type Estimator<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> =
+        RecursiveLeastSquares<M, KinematicFrontEnd<M, N, R>, N, R, P>;
+
     fn set_up<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize>(
         model: M,
         settings: &SmpeSettings<N, R, P>,
         file: &ModelFile,
-    ) -> Result<impl Inspect<R, P, Input = M::KnownInput>, EstimateError> {
+    ) -> Result<Self::Estimator<M, N, R, P>, EstimateError> {
         let states = KinematicFrontEnd::<M, N, R>::new(file.aircraft.gravity, settings);
         RecursiveLeastSquares::new(model, states, RegressionSettings::with(*settings)).map_err(refused)
     }
@@ -40,11 +42,14 @@ impl Causal for LeastSquares {
 pub(super) struct Fourier;
 
 impl Causal for Fourier {
+    type Estimator<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> =
+        FourierRegression<M, KinematicFrontEnd<M, N, R>, N, R, P>;
+
     fn set_up<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize>(
         model: M,
         settings: &SmpeSettings<N, R, P>,
         file: &ModelFile,
-    ) -> Result<impl Inspect<R, P, Input = M::KnownInput>, EstimateError> {
+    ) -> Result<Self::Estimator<M, N, R, P>, EstimateError> {
         let states = KinematicFrontEnd::<M, N, R>::new(file.aircraft.gravity, settings);
         FourierRegression::new(model, states, FourierSettings::with(*settings)).map_err(refused)
     }
@@ -54,11 +59,13 @@ impl Causal for Fourier {
 pub(super) struct ByModelReference;
 
 impl Causal for ByModelReference {
+    type Estimator<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> = AdaptiveModel<M, N, R, P>;
+
     fn set_up<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize>(
         model: M,
         settings: &SmpeSettings<N, R, P>,
         _file: &ModelFile,
-    ) -> Result<impl Inspect<R, P, Input = M::KnownInput>, EstimateError> {
+    ) -> Result<Self::Estimator<M, N, R, P>, EstimateError> {
         AdaptiveModel::new(model, settings).map_err(|error| match error {
             SmpeError::NoOutput => EstimateError::Model(
                 "model-reference needs a measurement with a noise level for every state of the motion".to_owned(),
@@ -72,11 +79,14 @@ impl Causal for ByModelReference {
 pub(super) struct BySign;
 
 impl Causal for BySign {
+    type Estimator<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> =
+        ImplicitSign<M, KinematicFrontEnd<M, N, R>, N, R, P>;
+
     fn set_up<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize>(
         model: M,
         settings: &SmpeSettings<N, R, P>,
         file: &ModelFile,
-    ) -> Result<impl Inspect<R, P, Input = M::KnownInput>, EstimateError> {
+    ) -> Result<Self::Estimator<M, N, R, P>, EstimateError> {
         let states = KinematicFrontEnd::<M, N, R>::new(file.aircraft.gravity, settings);
         ImplicitSign::new(model, states, RegressionSettings::with(*settings), REACHING_RATE).map_err(refused)
     }
@@ -86,11 +96,14 @@ impl Causal for BySign {
 pub(super) struct BySuperTwisting;
 
 impl Causal for BySuperTwisting {
+    type Estimator<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> =
+        SuperTwisting<M, KinematicFrontEnd<M, N, R>, N, R, P>;
+
     fn set_up<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize>(
         model: M,
         settings: &SmpeSettings<N, R, P>,
         file: &ModelFile,
-    ) -> Result<impl Inspect<R, P, Input = M::KnownInput>, EstimateError> {
+    ) -> Result<Self::Estimator<M, N, R, P>, EstimateError> {
         let states = KinematicFrontEnd::<M, N, R>::new(file.aircraft.gravity, settings);
         SuperTwisting::new(model, states, RegressionSettings::with(*settings)).map_err(refused)
     }

@@ -5,7 +5,7 @@ use phugoid_estimators::{ChangeState, DetectorState, Estimate};
 use crate::estimation::Event;
 
 impl Event {
-    /// True for what the change detector said; before anything has moved it had nothing to speak of.
+    /// True for what the change detector said.
     pub(super) fn is_of_detector(&self) -> bool {
         matches!(self.kind.as_str(), "in_doubt" | "re_reached" | "doubt_dropped" | "insensitive")
     }
