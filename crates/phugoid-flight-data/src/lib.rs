@@ -17,6 +17,7 @@
 pub mod align;
 pub mod channels;
 pub mod csv;
+pub mod format;
 pub mod log;
 pub mod plausibility;
 pub mod quality;

@@ -3,6 +3,22 @@
 //! A reader of a format gives a [`Log`]; a [`crate::record::Record`] on one time base is made of it afterwards, so that what is
 //! said of rates, gaps and units is said of the log as it was written.
 
+pub mod dataflash;
+mod decode;
+mod error;
+mod read;
+mod selection;
+mod sink;
+mod skipped;
+pub mod survey;
+pub mod ulog;
+mod utc;
+mod window;
+
+pub use error::LogError;
+pub use read::{read, read_path, survey, survey_path};
+pub use selection::{Selection, Wanted};
+
 use serde::Serialize;
 
 use crate::quality::QualityReport;
@@ -16,10 +32,21 @@ pub struct Log {
     pub information: Vec<(String, String)>,
     /// Parameters of the autopilot at the start of the log.
     pub parameters: Vec<(String, f64)>,
+    /// What the autopilot said in words.
+    pub messages: Vec<Message>,
     /// Topics in the order of their first appearance.
     pub topics: Vec<Topic>,
     /// What the reader found, skipped and left out.
     pub quality: QualityReport,
+}
+
+/// A line of text in a log.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Message {
+    /// When, s from the start of the log.
+    pub time_s: f64,
+    /// What was said, at most some hundred characters.
+    pub text: String,
 }
 
 /// One kind of message: one time per sample, and fields of the same length.

@@ -1,0 +1,94 @@
+//! Which format a file is in, by what it begins with and not by its name.
+
+use crate::log::{dataflash, ulog};
+
+/// As many bytes of the beginning as tell every format.
+pub const SNIFFED: usize = 64;
+
+/// A format that is known by its beginning; not all of them can be read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Format {
+    /// Text: a table with a header.
+    Csv,
+    /// A PX4 log.
+    Ulog,
+    /// An ArduPilot DataFlash log, binary.
+    DataFlash,
+    /// An ArduPilot DataFlash log as text.
+    DataFlashText,
+    /// MCAP, a container of messages.
+    Mcap,
+    /// Apache Parquet, a table.
+    Parquet,
+    /// Apache Arrow IPC file or Feather version 2, a table.
+    Arrow,
+    /// MATLAB level 5 file.
+    Mat5,
+    /// HDF5, also MATLAB 7.3.
+    Hdf5,
+    /// Compressed by gzip.
+    Gzip,
+    /// A zip archive, which spreadsheets are too.
+    Zip,
+    /// UTF-16 text.
+    Utf16,
+}
+
+impl Format {
+    /// The format of a file that begins so; what is not known is taken as [`Format::Csv`], whose reader refuses what is no text.
+    pub fn sniff(start: &[u8]) -> Self {
+        let is = |magic: &[u8]| start.starts_with(magic);
+        match start {
+            _ if is(&ulog::MAGIC) => Format::Ulog,
+            _ if is(&dataflash::MAGIC) => Format::DataFlash,
+            _ if is(b"FMT, 128,") => Format::DataFlashText,
+            _ if is(b"\x89MCAP0\r\n") => Format::Mcap,
+            _ if is(b"PAR1") => Format::Parquet,
+            _ if is(b"ARROW1") => Format::Arrow,
+            _ if is(b"MATLAB 5.0") => Format::Mat5,
+            _ if is(b"\x89HDF") || is(b"MATLAB 7.3") => Format::Hdf5,
+            _ if is(&[0x1F, 0x8B]) => Format::Gzip,
+            _ if is(b"PK\x03\x04") => Format::Zip,
+            _ if is(&[0xFF, 0xFE]) || is(&[0xFE, 0xFF]) => Format::Utf16,
+            _ => Format::Csv,
+        }
+    }
+
+    /// What it is, in a sentence.
+    pub fn in_words(self) -> &'static str {
+        match self {
+            Format::Csv => "a table as text (CSV)",
+            Format::Ulog => "a PX4 log (ULog)",
+            Format::DataFlash => "an ArduPilot DataFlash log",
+            Format::DataFlashText => "an ArduPilot DataFlash log converted to text",
+            Format::Mcap => "an MCAP file",
+            Format::Parquet => "a Parquet file",
+            Format::Arrow => "an Arrow or Feather file",
+            Format::Mat5 => "a MATLAB file",
+            Format::Hdf5 => "an HDF5 or MATLAB 7.3 file",
+            Format::Gzip => "compressed by gzip",
+            Format::Zip => "a zip archive or a spreadsheet",
+            Format::Utf16 => "UTF-16 text",
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn formats_are_known_by_their_first_bytes() {
+        for (start, format) in [
+            (&b"ULog\x01\x12\x35\x01"[..], Format::Ulog),
+            (b"\xA3\x95\x80\x80\x59FMT", Format::DataFlash),
+            (b"PAR1....", Format::Parquet),
+            (b"time_s,alpha_deg\n", Format::Csv),
+            (b"", Format::Csv),
+            (b"MATLAB 5.0 MAT-file", Format::Mat5),
+        ] {
+            assert_eq!(Format::sniff(start), format);
+        }
+    }
+}

@@ -1,0 +1,269 @@
+//! Where a reader puts what it reads: into tables of values, or into a survey that keeps none.
+
+use std::collections::HashMap;
+
+use super::decode::Scale;
+use super::{Field, Log, LogError, Message, Selection, Topic};
+use crate::quality::QualityReport;
+
+/// Fields of one topic that are kept; beyond it they are left out, and said so.
+const MOST_FIELDS: usize = 4096;
+/// Fields of all topics together.
+const MOST_FIELDS_IN_ALL: usize = 200_000;
+/// Topics, with their instances.
+const MOST_TOPICS: usize = 4096;
+
+/// What a reader knows of a log beside its samples.
+#[derive(Debug, Default)]
+pub(super) struct Head {
+    pub(super) source: String,
+    pub(super) information: Vec<(String, String)>,
+    pub(super) parameters: Vec<(String, f64)>,
+    /// Times in microseconds of the autopilot's clock.
+    pub(super) messages: Vec<Message>,
+    pub(super) quality: QualityReport,
+    /// Time zero, microseconds of the autopilot's clock; the earliest stamp if the log does not say.
+    pub(super) start_us: Option<f64>,
+    /// What is added to the autopilot's clock to give seconds from 1970, if a satellite said so.
+    pub(super) utc_offset_s: Option<f64>,
+}
+
+impl Head {
+    /// Puts the texts on the log's time, and says when it began.
+    pub(super) fn settle(&mut self, start_us: f64) {
+        for message in &mut self.messages {
+            // What was said before the first stamp was said at the start.
+            message.time_s = if message.time_s.is_nan() { 0.0 } else { (message.time_s - start_us) * 1e-6 };
+        }
+        if let Some(offset_s) = self.utc_offset_s {
+            self.information.extend(super::utc::information(offset_s + start_us * 1e-6));
+        }
+    }
+}
+
+/// Samples of one layout on their way into a topic.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Stream {
+    topic: usize,
+    /// Of the fields offered, those that are kept.
+    pub(super) kept: Vec<usize>,
+    /// Where each of them goes in the topic.
+    columns: Vec<usize>,
+}
+
+/// Takes samples.
+pub(super) trait Sink {
+    /// Announces samples of a topic with these fields; none if nothing of it is wanted.
+    fn open(&mut self, topic: &str, instance: u16, fields: &[String]) -> Option<Stream>;
+    /// Takes one sample: values of the fields kept, in their order.
+    fn row(&mut self, stream: &Stream, time_us: f64, values: &[f64]) -> Result<(), Full>;
+    /// The unit of the `kept`-th field, and a factor for the values taken so far.
+    fn describe(&mut self, stream: &Stream, kept: usize, unit: Option<&str>, factor: Scale);
+    /// Forgets all samples taken of a topic; says how many there were.
+    fn forget(&mut self, stream: &Stream) -> usize;
+}
+
+/// The bound on memory is reached.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Full;
+
+/// Which columns a topic has, for every kind of sink.
+#[derive(Debug, Default)]
+pub(super) struct Layout {
+    topics: HashMap<(String, u16), usize>,
+    columns: Vec<HashMap<String, usize>>,
+    fields: usize,
+    left_out: Vec<(String, usize)>,
+    topics_left_out: usize,
+}
+
+impl Layout {
+    /// The stream of a topic; its columns are made where they are new. `wanted` says which fields are kept.
+    fn stream(
+        &mut self,
+        topic: &str,
+        instance: u16,
+        fields: &[String],
+        wanted: impl Fn(&str) -> bool,
+    ) -> Option<Stream> {
+        let (next, key) = (self.topics.len(), (topic.to_owned(), instance));
+        let index = match self.topics.get(&key) {
+            Some(&index) => index,
+            None if next < MOST_TOPICS => {
+                self.topics.insert(key, next);
+                self.columns.push(HashMap::new());
+                next
+            }
+            None => {
+                self.topics_left_out += 1;
+                return None;
+            }
+        };
+        let mut stream = Stream { topic: index, kept: Vec::new(), columns: Vec::new() };
+        let columns = self.columns.get_mut(index)?;
+        let mut left_out = 0;
+        for (field, name) in fields.iter().enumerate().filter(|(_, name)| wanted(name)) {
+            let next = columns.len();
+            let column = match columns.get(name) {
+                Some(&column) => column,
+                None if next < MOST_FIELDS && self.fields < MOST_FIELDS_IN_ALL => {
+                    columns.insert(name.clone(), next);
+                    self.fields += 1;
+                    next
+                }
+                None => {
+                    left_out += 1;
+                    continue;
+                }
+            };
+            // Of two fields of one name the first is kept.
+            if !stream.columns.contains(&column) {
+                stream.kept.push(field);
+                stream.columns.push(column);
+            }
+        }
+        if left_out > 0 && self.left_out.len() < 100 {
+            self.left_out.push((topic.to_owned(), left_out));
+        }
+        Some(stream)
+    }
+
+    pub(super) fn report(&self, quality: &mut QualityReport) {
+        for (topic, count) in &self.left_out {
+            quality.warn(
+                topic.as_str(),
+                format!("{count} fields left out: a topic may have {MOST_FIELDS} fields, a log {MOST_FIELDS_IN_ALL}"),
+            );
+        }
+        if self.topics_left_out > 0 {
+            quality.warn("", format!("{} topics left out: a log may have {MOST_TOPICS}", self.topics_left_out));
+        }
+    }
+}
+
+/// Keeps all values.
+#[derive(Debug)]
+pub(super) struct Tables<'s> {
+    selection: &'s Selection,
+    layout: Layout,
+    topics: Vec<Table>,
+    values: usize,
+}
+
+#[derive(Debug, Default)]
+struct Table {
+    name: String,
+    instance: u16,
+    time_us: Vec<f64>,
+    columns: Vec<Field>,
+    /// Has it had several layouts, so that a row may lack columns?
+    mixed: bool,
+}
+
+impl<'s> Tables<'s> {
+    pub(super) fn new(selection: &'s Selection) -> Self {
+        Self { selection, layout: Layout::default(), topics: Vec::new(), values: 0 }
+    }
+
+    pub(super) fn too_large(&self, source: &str) -> LogError {
+        LogError::TooLarge { source_name: source.to_owned(), max_values: self.selection.max_values }
+    }
+
+    pub(super) fn finish(self, mut head: Head) -> Log {
+        self.layout.report(&mut head.quality);
+        let topics = self.topics.into_iter().filter(|table| !table.time_us.is_empty());
+        let topics: Vec<Table> = topics.collect();
+        let earliest = topics.iter().filter_map(|table| table.time_us.first()).copied().fold(f64::INFINITY, f64::min);
+        let start_us = head.start_us.unwrap_or(if earliest.is_finite() { earliest } else { 0.0 });
+        head.settle(start_us);
+        let topics = topics.into_iter().map(|table| {
+            let time_s = table.time_us.iter().map(|time_us| (time_us - start_us) * 1e-6).collect();
+            Topic { name: table.name, instance: table.instance, time_s, fields: table.columns }
+        });
+        Log {
+            source: head.source,
+            information: head.information,
+            parameters: head.parameters,
+            messages: head.messages,
+            topics: topics.collect(),
+            quality: head.quality,
+        }
+    }
+}
+
+impl Sink for Tables<'_> {
+    fn open(&mut self, topic: &str, instance: u16, fields: &[String]) -> Option<Stream> {
+        if !self.selection.has_topic(topic, instance) {
+            return None;
+        }
+        let wanted = |field: &str| self.selection.has_field(topic, instance, field);
+        let stream = self.layout.stream(topic, instance, fields, wanted)?;
+        if stream.topic == self.topics.len() {
+            self.topics.push(Table { name: topic.to_owned(), instance, ..Table::default() });
+        }
+        let table = self.topics.get_mut(stream.topic)?;
+        for (&field, &column) in stream.kept.iter().zip(&stream.columns) {
+            if column == table.columns.len() {
+                let name = fields.get(field).cloned().unwrap_or_default();
+                let values = vec![f64::NAN; table.time_us.len()];
+                table.columns.push(Field { name, unit: None, values });
+            }
+        }
+        table.mixed |= stream.columns.len() < table.columns.len() || !table.time_us.is_empty();
+        Some(stream)
+    }
+
+    #[inline]
+    fn row(&mut self, stream: &Stream, time_us: f64, values: &[f64]) -> Result<(), Full> {
+        self.values += values.len() + 1;
+        if self.values > self.selection.max_values {
+            return Err(Full);
+        }
+        let Some(table) = self.topics.get_mut(stream.topic) else { return Ok(()) };
+        table.time_us.push(time_us);
+        for (&column, &value) in stream.columns.iter().zip(values) {
+            if let Some(column) = table.columns.get_mut(column) {
+                column.values.push(value);
+            }
+        }
+        if table.mixed {
+            let rows = table.time_us.len();
+            table.columns.iter_mut().for_each(|column| column.values.resize(rows, f64::NAN));
+        }
+        Ok(())
+    }
+
+    fn describe(&mut self, stream: &Stream, kept: usize, unit: Option<&str>, factor: Scale) {
+        let Some(table) = self.topics.get_mut(stream.topic) else { return };
+        let column = stream.columns.get(kept).and_then(|&column| table.columns.get_mut(column));
+        if let Some(column) = column {
+            column.unit = unit.map(str::to_owned);
+            if factor != Scale::ONE {
+                column.values.iter_mut().for_each(|value| *value = factor.apply(*value));
+            }
+        }
+    }
+
+    fn forget(&mut self, stream: &Stream) -> usize {
+        let Some(table) = self.topics.get_mut(stream.topic) else { return 0 };
+        let count = table.time_us.len();
+        table.time_us.clear();
+        table.columns.iter_mut().for_each(|column| column.values.clear());
+        count
+    }
+}
+
+/// What a survey keeps of a topic is its business; which columns there are is decided here.
+pub(super) fn open_all(layout: &mut Layout, topic: &str, instance: u16, fields: &[String]) -> Option<Stream> {
+    layout.stream(topic, instance, fields, |_| true)
+}
+
+impl Stream {
+    pub(super) fn topic(&self) -> usize {
+        self.topic
+    }
+
+    pub(super) fn columns(&self) -> &[usize] {
+        &self.columns
+    }
+}

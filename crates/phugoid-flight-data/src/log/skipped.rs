@@ -1,0 +1,82 @@
+//! What of a log was damaged and left out.
+
+use crate::quality::{QualityReport, plural};
+
+/// How many places are named one by one.
+const SHOWN: usize = 10;
+
+/// Stretches of a file that are no messages.
+#[derive(Debug, Default)]
+pub(super) struct Skipped {
+    places: Vec<(u64, u64)>,
+    count: usize,
+    bytes: u64,
+    last_end: u64,
+}
+
+impl Skipped {
+    /// Leaves out `bytes` from `offset` on; stretches that touch are one.
+    pub(super) fn add(&mut self, offset: u64, bytes: u64) {
+        if bytes == 0 {
+            return;
+        }
+        self.bytes += bytes;
+        if self.count > 0 && self.last_end == offset {
+            if let Some(last) = self.places.last_mut().filter(|last| last.0 + last.1 == offset) {
+                last.1 += bytes;
+            }
+        } else {
+            self.count += 1;
+            if self.places.len() < SHOWN {
+                self.places.push((offset, bytes));
+            }
+        }
+        self.last_end = offset + bytes;
+    }
+
+    pub(super) fn bytes(&self) -> u64 {
+        self.bytes
+    }
+
+    pub(super) fn report(&self, quality: &mut QualityReport) {
+        for (offset, bytes) in &self.places {
+            quality.warn(
+                format!("byte {offset}"),
+                format!(
+                    "{bytes} bytes skipped up to byte {}: they are no messages of the format; the log is damaged there. What \
+                     comes after is read",
+                    offset + bytes
+                ),
+            );
+        }
+        if self.count > SHOWN {
+            quality.warn(
+                "",
+                format!(
+                    "{} skipped in {}; the first {SHOWN} are listed",
+                    plural(self.bytes as usize, "byte"),
+                    plural(self.count, "place")
+                ),
+            );
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stretches_that_touch_are_one_and_many_are_counted() {
+        let mut skipped = Skipped::default();
+        skipped.add(100, 5);
+        skipped.add(105, 7);
+        (0..20).for_each(|i| skipped.add(1000 + 10 * i, 1));
+        let mut quality = QualityReport::default();
+        skipped.report(&mut quality);
+        assert_eq!(quality.findings[0].place, "byte 100");
+        assert!(quality.findings[0].message.contains("12 bytes skipped up to byte 112"), "{quality}");
+        assert_eq!(quality.findings.len(), SHOWN + 1);
+        assert!(quality.findings[SHOWN].message.contains("32 bytes skipped in 21 places"), "{quality}");
+    }
+}

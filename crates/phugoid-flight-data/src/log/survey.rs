@@ -1,0 +1,332 @@
+//! What is in a log, without keeping it: counts, times, gaps and ranges, in memory that does not grow with the log.
+
+use serde::Serialize;
+
+use super::decode::Scale;
+use super::sink::{self, Full, Head, Layout, Sink, Stream};
+use super::{Log, Message};
+use crate::quality::QualityReport;
+
+/// A step in time longer than this many median steps is a gap, as for records.
+const GAP_FACTOR: f64 = 3.5;
+/// Classes per doubling of the step, for its median: the median is known to a twelfth part.
+const CLASSES_PER_OCTAVE: f64 = 8.0;
+/// Classes of steps, from one microsecond to 2^36 (nineteen hours).
+const CLASSES: usize = 36 * 8;
+
+/// What a log holds, in numbers.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Survey {
+    /// Where it came from.
+    pub source: String,
+    /// What the log says of itself: name and value.
+    pub information: Vec<(String, String)>,
+    /// Parameters of the autopilot at the start of the log.
+    pub parameters: Vec<(String, f64)>,
+    /// What the autopilot said in words.
+    pub messages: Vec<Message>,
+    /// Topics in the order of their first appearance.
+    pub topics: Vec<TopicSurvey>,
+    /// What the reader found, skipped and left out.
+    pub quality: QualityReport,
+}
+
+/// One topic, in numbers.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct TopicSurvey {
+    /// The log's name of it.
+    pub name: String,
+    /// Which of several equal sources, from 0.
+    pub instance: u16,
+    /// Samples.
+    pub samples: usize,
+    /// Time of the first sample, s.
+    pub first_s: f64,
+    /// Time of the last one, s.
+    pub last_s: f64,
+    /// Median step from sample to sample, s, to a twelfth part; zero if there are fewer than two samples.
+    pub step_s: f64,
+    /// Steps longer than 3.5 median ones.
+    pub gaps: usize,
+    /// The longest step, s.
+    pub longest_step_s: f64,
+    /// Where the longest step begins, s.
+    pub longest_step_at_s: f64,
+    /// Samples that are not later than the one before.
+    pub backwards: usize,
+    /// Fields in the order of the log.
+    pub fields: Vec<FieldSurvey>,
+}
+
+/// One field, in numbers.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct FieldSurvey {
+    /// Name within the topic.
+    pub name: String,
+    /// Unit as the log gives it.
+    pub unit: Option<String>,
+    /// Smallest value; none if there is no value at all.
+    pub min: Option<f64>,
+    /// Largest value.
+    pub max: Option<f64>,
+    /// Samples without a finite value.
+    pub missing: usize,
+}
+
+impl Survey {
+    /// The topic of this name and instance.
+    pub fn topic(&self, name: &str, instance: u16) -> Option<&TopicSurvey> {
+        self.topics.iter().find(|topic| topic.name == name && topic.instance == instance)
+    }
+
+    /// The survey of a log that is in memory.
+    pub fn of(log: &Log) -> Self {
+        let mut counts = Counts::default();
+        for topic in &log.topics {
+            let names: Vec<String> = topic.fields.iter().map(|field| field.name.clone()).collect();
+            let Some(stream) = counts.open(&topic.name, topic.instance, &names) else { continue };
+            for (kept, &field) in stream.kept.iter().enumerate() {
+                let unit = topic.fields.get(field).and_then(|field| field.unit.as_deref());
+                counts.describe(&stream, kept, unit, Scale::ONE);
+            }
+            let mut row = vec![f64::NAN; stream.kept.len()];
+            for (sample, &time_s) in topic.time_s.iter().enumerate() {
+                for (value, &field) in row.iter_mut().zip(&stream.kept) {
+                    *value = topic.fields.get(field).and_then(|f| f.values.get(sample)).copied().unwrap_or(f64::NAN);
+                }
+                // A survey is never full.
+                let _ = counts.row(&stream, time_s * 1e6, &row);
+            }
+        }
+        let head = Head { source: log.source.clone(), start_us: Some(0.0), ..Head::default() };
+        Self {
+            information: log.information.clone(),
+            parameters: log.parameters.clone(),
+            messages: log.messages.clone(),
+            quality: log.quality.clone(),
+            ..counts.finish(head)
+        }
+    }
+}
+
+/// Counts instead of keeping.
+#[derive(Debug, Default)]
+pub(super) struct Counts {
+    layout: Layout,
+    topics: Vec<TopicCount>,
+}
+
+#[derive(Debug)]
+struct TopicCount {
+    name: String,
+    instance: u16,
+    samples: usize,
+    first_us: f64,
+    last_us: f64,
+    longest_us: f64,
+    longest_at_us: f64,
+    backwards: usize,
+    /// How many steps are how long, in classes of equal ratio.
+    steps: Vec<u32>,
+    fields: Vec<FieldCount>,
+}
+
+#[derive(Clone, Debug)]
+struct FieldCount {
+    name: String,
+    unit: Option<String>,
+    min: f64,
+    max: f64,
+    present: usize,
+}
+
+impl TopicCount {
+    fn new(name: &str, instance: u16) -> Self {
+        Self {
+            name: name.to_owned(),
+            instance,
+            samples: 0,
+            first_us: f64::NAN,
+            last_us: f64::NAN,
+            longest_us: 0.0,
+            longest_at_us: 0.0,
+            backwards: 0,
+            steps: Vec::new(),
+            fields: Vec::new(),
+        }
+    }
+
+    fn clear(&mut self) {
+        let mut empty = Self::new(&self.name, self.instance);
+        std::mem::swap(&mut empty.fields, &mut self.fields);
+        for field in &mut empty.fields {
+            (field.min, field.max, field.present) = (f64::INFINITY, f64::NEG_INFINITY, 0);
+        }
+        *self = empty;
+    }
+
+    #[inline]
+    fn step(&mut self, time_us: f64) {
+        if self.samples == 0 {
+            self.first_us = time_us;
+        } else {
+            let step = time_us - self.last_us;
+            if step <= 0.0 {
+                self.backwards += 1;
+            } else {
+                if step > self.longest_us {
+                    (self.longest_us, self.longest_at_us) = (step, self.last_us);
+                }
+                if self.steps.is_empty() {
+                    self.steps.resize(CLASSES, 0);
+                }
+                if let Some(class) = self.steps.get_mut(class_of(step)) {
+                    *class = class.saturating_add(1);
+                }
+            }
+        }
+        self.samples += 1;
+        self.last_us = time_us;
+    }
+
+    fn finish(self, start_us: f64) -> TopicSurvey {
+        let seconds = |time_us: f64| (time_us - start_us) * 1e-6;
+        let all: u64 = self.steps.iter().map(|&count| u64::from(count)).sum();
+        let mut below = 0;
+        let median = self.steps.iter().position(|&count| {
+            below += u64::from(count);
+            2 * below >= all && all > 0
+        });
+        let step_us = median.map_or(0.0, |class| 2_f64.powf((class as f64 + 0.5) / CLASSES_PER_OCTAVE));
+        let longer =
+            |class: usize| median.is_some() && 2_f64.powf(class as f64 / CLASSES_PER_OCTAVE) > GAP_FACTOR * step_us;
+        let gaps = self.steps.iter().enumerate().filter(|(class, _)| longer(*class)).map(|(_, &count)| count as usize);
+        let samples = self.samples;
+        let field = |field: FieldCount| FieldSurvey {
+            min: (field.present > 0).then_some(field.min),
+            max: (field.present > 0).then_some(field.max),
+            missing: samples.saturating_sub(field.present),
+            name: field.name,
+            unit: field.unit,
+        };
+        TopicSurvey {
+            samples,
+            first_s: seconds(self.first_us),
+            last_s: seconds(self.last_us),
+            step_s: step_us * 1e-6,
+            gaps: gaps.sum(),
+            longest_step_s: self.longest_us * 1e-6,
+            longest_step_at_s: if self.longest_us > 0.0 { seconds(self.longest_at_us) } else { 0.0 },
+            backwards: self.backwards,
+            fields: self.fields.into_iter().map(field).collect(),
+            name: self.name,
+            instance: self.instance,
+        }
+    }
+}
+
+fn class_of(step_us: f64) -> usize {
+    ((step_us.max(1.0).log2() * CLASSES_PER_OCTAVE) as usize).min(CLASSES - 1)
+}
+
+impl Counts {
+    pub(super) fn finish(self, mut head: Head) -> Survey {
+        self.layout.report(&mut head.quality);
+        let topics = self.topics.into_iter().filter(|topic| topic.samples > 0);
+        let topics: Vec<TopicCount> = topics.collect();
+        let earliest = topics.iter().map(|topic| topic.first_us).fold(f64::INFINITY, f64::min);
+        let start_us = head.start_us.unwrap_or(if earliest.is_finite() { earliest } else { 0.0 });
+        head.settle(start_us);
+        Survey {
+            source: head.source,
+            information: head.information,
+            parameters: head.parameters,
+            messages: head.messages,
+            topics: topics.into_iter().map(|topic| topic.finish(start_us)).collect(),
+            quality: head.quality,
+        }
+    }
+}
+
+impl Sink for Counts {
+    fn open(&mut self, topic: &str, instance: u16, fields: &[String]) -> Option<Stream> {
+        let stream = sink::open_all(&mut self.layout, topic, instance, fields)?;
+        if stream.topic() == self.topics.len() {
+            self.topics.push(TopicCount::new(topic, instance));
+        }
+        let count = self.topics.get_mut(stream.topic())?;
+        for (&field, &column) in stream.kept.iter().zip(stream.columns()) {
+            if column == count.fields.len() {
+                let name = fields.get(field).cloned().unwrap_or_default();
+                count.fields.push(FieldCount {
+                    name,
+                    unit: None,
+                    min: f64::INFINITY,
+                    max: f64::NEG_INFINITY,
+                    present: 0,
+                });
+            }
+        }
+        Some(stream)
+    }
+
+    #[inline]
+    fn row(&mut self, stream: &Stream, time_us: f64, values: &[f64]) -> Result<(), Full> {
+        let Some(topic) = self.topics.get_mut(stream.topic()) else { return Ok(()) };
+        topic.step(time_us);
+        for (&column, &value) in stream.columns().iter().zip(values) {
+            if let Some(field) = topic.fields.get_mut(column)
+                && value.is_finite()
+            {
+                field.min = field.min.min(value);
+                field.max = field.max.max(value);
+                field.present += 1;
+            }
+        }
+        Ok(())
+    }
+
+    fn describe(&mut self, stream: &Stream, kept: usize, unit: Option<&str>, factor: Scale) {
+        let Some(topic) = self.topics.get_mut(stream.topic()) else { return };
+        let field = stream.columns().get(kept).and_then(|&column| topic.fields.get_mut(column));
+        if let Some(field) = field {
+            field.unit = unit.map(str::to_owned);
+            if factor != Scale::ONE && field.present > 0 {
+                let (a, b) = (factor.apply(field.min), factor.apply(field.max));
+                (field.min, field.max) = (a.min(b), a.max(b));
+            }
+        }
+    }
+
+    fn forget(&mut self, stream: &Stream) -> usize {
+        let Some(topic) = self.topics.get_mut(stream.topic()) else { return 0 };
+        let count = topic.samples;
+        topic.clear();
+        count
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::log::{Field, Topic};
+
+    #[test]
+    fn counts_gaps_and_ranges() {
+        let mut time_s: Vec<f64> = (0..100).map(|i| 0.01 * f64::from(i)).collect();
+        time_s.extend((0..100).map(|i| 3.0 + 0.01 * f64::from(i)));
+        time_s.push(1.0);
+        let mut values: Vec<f64> = (0..201).map(f64::from).collect();
+        values[7] = f64::NAN;
+        let field = Field { name: "x".into(), unit: Some("m".into()), values };
+        let topic = Topic { name: "T".into(), instance: 2, time_s, fields: vec![field] };
+        let survey = Survey::of(&Log { topics: vec![topic], ..Log::default() });
+        let topic = survey.topic("T", 2).unwrap();
+        assert_eq!((topic.samples, topic.gaps, topic.backwards), (201, 1, 1));
+        assert!((topic.step_s / 0.01 - 1.0).abs() < 1.0 / 12.0, "{}", topic.step_s);
+        assert!((topic.longest_step_s - 2.01).abs() < 1e-9 && (topic.longest_step_at_s - 0.99).abs() < 1e-9);
+        let field = &topic.fields[0];
+        assert_eq!((field.min, field.max, field.missing), (Some(0.0), Some(200.0), 1));
+        assert_eq!(field.unit.as_deref(), Some("m"));
+    }
+}

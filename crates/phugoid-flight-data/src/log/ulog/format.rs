@@ -1,0 +1,235 @@
+//! Definitions of messages: which fields lie where.
+
+use std::collections::HashMap;
+use std::rc::Rc;
+
+use crate::log::decode::{Kind, Place, Scale};
+
+/// A message carries at most this many bytes.
+const LARGEST: usize = u16::MAX as usize;
+/// Nested types go at most this deep.
+const DEEPEST: usize = 16;
+/// Fields and elements that are laid out in one log, so that a definition of a few bytes cannot ask for gigabytes.
+const MOST_LAID_OUT: usize = 500_000;
+
+/// One field of a definition: `float[4] q`.
+#[derive(Clone, Debug, PartialEq)]
+struct Declared {
+    type_name: String,
+    /// Number of elements; none if it is no array.
+    elements: Option<usize>,
+    name: String,
+}
+
+/// A definition with nested types resolved: where every number lies.
+#[derive(Debug, Default)]
+pub(super) struct Layout {
+    /// Names of the numeric fields, without the time stamp and padding.
+    pub(super) names: Vec<String>,
+    pub(super) places: Vec<Place>,
+    /// The stamp in microseconds; without it the samples have no time.
+    pub(super) timestamp: Option<Place>,
+    /// Bytes of a message without the padding at its end, which a writer may leave out.
+    pub(super) least: usize,
+    /// Bytes with it.
+    pub(super) most: usize,
+}
+
+impl Layout {
+    /// Where a field of this name lies.
+    pub(super) fn place(&self, name: &str) -> Option<Place> {
+        let index = self.names.iter().position(|other| other == name)?;
+        self.places.get(index).copied()
+    }
+}
+
+/// The definitions of a log.
+#[derive(Debug, Default)]
+pub(super) struct Formats {
+    declared: HashMap<String, Vec<Declared>>,
+    laid_out: HashMap<String, Rc<Layout>>,
+    work: usize,
+}
+
+impl Formats {
+    /// Takes the text of a definition, `name:type field;type[4] field;`; none if it is not one.
+    pub(super) fn add(&mut self, text: &str) -> Option<()> {
+        let (name, fields) = parse(text)?;
+        if self.declared.get(&name) != Some(&fields) {
+            self.laid_out.clear();
+            self.declared.insert(name, fields);
+        }
+        Some(())
+    }
+
+    pub(super) fn knows(&self, name: &str) -> bool {
+        self.declared.contains_key(name)
+    }
+
+    /// The layout of a message.
+    pub(super) fn layout(&mut self, name: &str) -> Result<Rc<Layout>, String> {
+        if let Some(layout) = self.laid_out.get(name) {
+            return Ok(Rc::clone(layout));
+        }
+        let mut layout = Layout::default();
+        let mut walk = Walk { declared: &self.declared, work: self.work, layout: &mut layout, end: 0 };
+        let done = walk.message(name, "", 0);
+        let (work, end) = (walk.work, walk.end);
+        self.work = work;
+        done?;
+        layout.most = end;
+        let layout = Rc::new(layout);
+        self.laid_out.insert(name.to_owned(), Rc::clone(&layout));
+        Ok(layout)
+    }
+}
+
+/// The name and the fields of a definition.
+fn parse(text: &str) -> Option<(String, Vec<Declared>)> {
+    let (name, fields) = text.split_once(':')?;
+    let fields = fields.split(';').map(str::trim).filter(|field| !field.is_empty());
+    let declared = fields.map(|field| {
+        let (type_name, name) = field.split_once(' ')?;
+        let (type_name, elements) = match type_name.split_once('[') {
+            Some((type_name, rest)) => (type_name, Some(rest.strip_suffix(']')?.parse().ok()?)),
+            None => (type_name, None),
+        };
+        Some(Declared { type_name: type_name.to_owned(), elements, name: name.trim().to_owned() })
+    });
+    let declared: Option<Vec<Declared>> = declared.collect();
+    Some((name.to_owned(), declared?)).filter(|(name, _)| is_name(name))
+}
+
+pub(super) fn is_name(text: &str) -> bool {
+    !text.is_empty() && text.bytes().all(is_name_byte)
+}
+
+pub(super) fn is_name_byte(byte: u8) -> bool {
+    byte.is_ascii_alphanumeric() || matches!(byte, b'_' | b'-' | b'/')
+}
+
+struct Walk<'a> {
+    declared: &'a HashMap<String, Vec<Declared>>,
+    work: usize,
+    layout: &'a mut Layout,
+    end: usize,
+}
+
+impl Walk<'_> {
+    fn message(&mut self, name: &str, prefix: &str, depth: usize) -> Result<(), String> {
+        let declared = self.declared.get(name).ok_or_else(|| format!("the type '{name}' is not defined"))?;
+        if depth > DEEPEST {
+            return Err(format!("its types are nested more than {DEEPEST} deep"));
+        }
+        for field in declared {
+            for element in 0..field.elements.unwrap_or(1) {
+                let name = match field.elements {
+                    Some(_) => format!("{prefix}{}[{element}]", field.name),
+                    None => format!("{prefix}{}", field.name),
+                };
+                self.work += 1;
+                if self.work > MOST_LAID_OUT {
+                    return Err(format!("the log defines more than {MOST_LAID_OUT} fields"));
+                }
+                match kind(&field.type_name) {
+                    None => self.message(&field.type_name, &format!("{name}."), depth + 1)?,
+                    Some((kind, size)) => self.number(name, &field.name, kind, size)?,
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn number(&mut self, name: String, last_name: &str, kind: Option<Kind>, size: usize) -> Result<(), String> {
+        let offset = self.end;
+        self.end += size;
+        if self.end > LARGEST {
+            return Err(format!("it is longer than {LARGEST} bytes"));
+        }
+        let is_padding = last_name.starts_with("_padding");
+        // Only padding of the message itself may be left out at its end, not that of a type nested in it.
+        if !is_padding || name.contains('.') {
+            self.layout.least = self.end;
+        }
+        if is_padding {
+            return Ok(());
+        }
+        let Some(kind) = kind else { return Ok(()) };
+        let place = Place { offset, kind, scale: Scale::ONE };
+        if name == "timestamp" {
+            if kind == Kind::U64 {
+                self.layout.timestamp = Some(place);
+            }
+        } else {
+            self.layout.names.push(name);
+            self.layout.places.push(place);
+        }
+        Ok(())
+    }
+}
+
+/// How a basic type is stored, and its bytes; a character is no number. None if it is no basic type.
+pub(super) fn kind(type_name: &str) -> Option<(Option<Kind>, usize)> {
+    let kind = match type_name {
+        "int8_t" => Kind::I8,
+        "uint8_t" | "bool" => Kind::U8,
+        "int16_t" => Kind::I16,
+        "uint16_t" => Kind::U16,
+        "int32_t" => Kind::I32,
+        "uint32_t" => Kind::U32,
+        "int64_t" => Kind::I64,
+        "uint64_t" => Kind::U64,
+        "float" => Kind::F32,
+        "double" => Kind::F64,
+        "char" => return Some((None, 1)),
+        _ => return None,
+    };
+    Some((Some(kind), kind.size()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nested_arrays_padding_and_text() {
+        let mut formats = Formats::default();
+        formats.add("point:uint64_t timestamp;double lat;uint8_t[2] _padding0;").unwrap();
+        formats.add("route:uint64_t timestamp;point[2] at;float[2] q;char[3] name;uint8_t[5] _padding0;").unwrap();
+        let layout = formats.layout("route").unwrap();
+        let names = ["at[0].timestamp", "at[0].lat", "at[1].timestamp", "at[1].lat", "q[0]", "q[1]"];
+        assert_eq!(layout.names, names);
+        let offsets: Vec<usize> = layout.places.iter().map(|place| place.offset).collect();
+        assert_eq!(offsets, [8, 16, 26, 34, 44, 48]);
+        assert_eq!(layout.timestamp.map(|place| place.offset), Some(0));
+        assert_eq!((layout.least, layout.most), (55, 60));
+    }
+
+    #[test]
+    fn definitions_that_bite_their_tail_or_explode_are_refused() {
+        let mut formats = Formats::default();
+        formats.add("a:b x;").unwrap();
+        formats.add("b:a x;").unwrap();
+        assert!(formats.layout("a").unwrap_err().contains("deep"));
+        formats.add("e:").unwrap();
+        formats.add("d:e[65535] x;").unwrap();
+        formats.add("c:d[65535] x;").unwrap();
+        assert!(formats.layout("c").unwrap_err().contains("more than"));
+        assert!(Formats::default().layout("c").unwrap_err().contains("'c' is not defined"));
+        let mut formats = Formats::default();
+        formats.add("big:uint64_t timestamp;uint8_t[65530] x;").unwrap();
+        assert!(formats.layout("big").unwrap_err().contains("longer than"));
+        for text in [
+            "",
+            "x",
+            ":",
+            "a b:float x;",
+            "a:float;",
+            "a:float[ x;",
+            "a:float[-1] x;",
+            "a:float[9999999999999999999999] x;",
+        ] {
+            assert!(formats.add(text).is_none(), "{text}");
+        }
+    }
+}

@@ -1,0 +1,61 @@
+//! Reads PX4 ULog files, streaming, as their public description says (PX4 User Guide, "ULog File Format").
+//!
+//! Read are definitions (`B F I M P Q`), data (`A R D L C S O`), appended data, multi-instance topics, nested types and arrays.
+//! A log has no check sums. Where a message does not fit the definitions, the reader looks for the next one that does, keeps
+//! everything else, and says which bytes it skipped. A length in the file allocates nothing.
+//!
+//! Times are seconds from the log's start as its head gives it. The format has no units; the profiles know them.
+
+mod format;
+mod message;
+mod reader;
+
+use std::io::Read;
+
+use self::format::Formats;
+use super::sink::Tables;
+use super::survey::{Counts, Survey};
+use super::{Log, LogError, Selection};
+
+/// How a ULog file begins.
+pub const MAGIC: [u8; 7] = [b'U', b'L', b'o', b'g', 0x01, 0x12, 0x35];
+
+/// Reads a log. `source` is its name in messages and reports.
+///
+/// # Errors
+/// [`LogError`] if it cannot be read, does not begin as a ULog file, needs a newer reader, has no samples at all, or holds
+/// more than `selection.max_values`. Damage within it is no error; `quality` says what was skipped.
+pub fn read(reader: impl Read, source: &str, selection: &Selection) -> Result<Log, LogError> {
+    let mut tables = Tables::new(selection);
+    match reader::run(reader, source, &mut tables)? {
+        Some(head) => Ok(tables.finish(head)),
+        None => Err(tables.too_large(source)),
+    }
+}
+
+/// What is in a log, in memory that does not grow with it.
+///
+/// # Errors
+/// As [`read()`]; there is no bound on its length.
+pub fn survey(reader: impl Read, source: &str) -> Result<Survey, LogError> {
+    let mut counts = Counts::default();
+    let head = reader::run(reader, source, &mut counts)?.unwrap_or_default();
+    Ok(counts.finish(head))
+}
+
+/// What was defined so far.
+#[derive(Debug, Default)]
+struct Definitions {
+    formats: Formats,
+    /// By the number under which a topic is logged.
+    topics: Vec<Option<Box<reader::Subscription>>>,
+}
+
+impl Definitions {
+    /// Least and greatest size of a sample of this number.
+    #[inline]
+    fn sizes(&self, id: u16) -> Option<(usize, usize)> {
+        let topic = self.topics.get(usize::from(id))?.as_ref()?;
+        Some((topic.layout.least, topic.layout.most))
+    }
+}

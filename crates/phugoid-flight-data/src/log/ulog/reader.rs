@@ -1,0 +1,429 @@
+//! The messages of a log, one after the other.
+
+use std::collections::{BTreeMap, HashMap};
+use std::io::Read;
+use std::rc::Rc;
+
+use super::format::{self, Layout};
+use super::message::{self, HEADER, LONGEST, Trust};
+use super::{Definitions, MAGIC};
+use crate::log::decode::{Kind, Place, Scale};
+use crate::log::sink::{Full, Head, Sink, Stream};
+use crate::log::skipped::Skipped;
+use crate::log::window::Window;
+use crate::log::{LogError, Message};
+use crate::quality::{QualityReport, Short, plural};
+
+/// Texts, changes and pieces of information that are kept; far more than a flight has.
+const MOST_TEXTS: usize = 10_000;
+/// Characters of a text that are kept.
+const LONGEST_TEXT: usize = 400;
+/// Dropouts and changes that are named one by one.
+const SHOWN: usize = 5;
+
+/// A topic under its number.
+#[derive(Debug)]
+pub(super) struct Subscription {
+    name: String,
+    instance: u16,
+    pub(super) layout: Rc<Layout>,
+    state: State,
+    /// The clock of a satellite receiver, where the topic has one.
+    utc: Option<Place>,
+}
+
+#[derive(Debug)]
+enum State {
+    /// No sample yet.
+    Announced,
+    /// Nothing of it is wanted, or it has no time.
+    Unwanted,
+    Open {
+        stream: Stream,
+        places: Vec<Place>,
+    },
+}
+
+/// Reads all messages into the sink; none if the sink is full.
+pub(super) fn run<R: Read, S: Sink>(reader: R, source: &str, sink: &mut S) -> Result<Option<Head>, LogError> {
+    let io = |error| LogError::Io { source_name: source.to_owned(), error };
+    let mut window = Window::new(reader);
+    window.fill(16).map_err(io)?;
+    let start = window.bytes().get(..16).filter(|start| start.starts_with(&MAGIC));
+    let Some(&[.., version, _, _, _, _, _, _, _, _]) = start else {
+        let problem = match window.bytes().starts_with(&MAGIC) {
+            true => {
+                "the file ends within its head of 16 bytes; it was cut when it was copied, or never written".to_owned()
+            }
+            false => format!("byte 0: the bytes 55 4c 6f 67 01 12 35 are expected, found {}", hex(window.bytes())),
+        };
+        return Err(LogError::NotThisFormat { source_name: source.to_owned(), format: "ULog", problem });
+    };
+    let stamp = Place { offset: 8, kind: Kind::U64, scale: Scale::ONE }.read(window.bytes());
+    let head = Head { source: source.to_owned(), start_us: Some(stamp), ..Head::default() };
+    let mut log = Reading { head, last_us: stamp, ..Reading::default() };
+    if version > 1 {
+        log.head.quality.note("byte 7", format!("version {version} of the format is not known; read as version 1"));
+    }
+    window.advance(16);
+    let mut lost = false;
+    loop {
+        // Two messages, so that the one after a doubtful one can be looked at.
+        window.fill(2 * LONGEST).map_err(io)?;
+        let offset = window.offset();
+        let cut = log.appended.iter().copied().find(|&begin| begin > offset).map(|begin| begin - offset);
+        let bytes = window.bytes();
+        let bytes = cut.and_then(|cut| bytes.get(..usize::try_from(cut).ok()?)).unwrap_or(bytes);
+        if bytes.is_empty() {
+            break;
+        }
+        let Some((kind, payload)) = message::split(bytes) else {
+            // Cut by the end, or a wrong length: inside may still be messages.
+            let rest = bytes.len();
+            match log.find(bytes) {
+                Some(step) => {
+                    log.skipped.add(offset, step as u64);
+                    window.advance(step);
+                }
+                None => {
+                    log.cut.push((offset, rest));
+                    window.advance(rest);
+                }
+            }
+            continue;
+        };
+        let trust = message::trust(kind, payload, &log.definitions);
+        let length = HEADER + payload.len();
+        let follows = bytes.get(length..).is_some_and(|rest| message::may_begin(rest, &log.definitions));
+        let good = match trust {
+            // Where nothing follows, bytes may be missing within: then the next message begins inside.
+            Trust::Strong => {
+                follows || log.find(bytes.get(..length + LONGEST).unwrap_or(bytes)).is_none_or(|at| at >= length)
+            }
+            Trust::Weak => follows && !lost,
+            Trust::No => false,
+        };
+        if good {
+            lost = false;
+            if log.take(kind, payload, sink, offset).map_err(|error| error.into_error(source))? == Taken::Full {
+                return Ok(None);
+            }
+            window.advance(length);
+        } else {
+            let step = log.find(bytes).unwrap_or(bytes.len().saturating_sub(LONGEST).max(1)).min(bytes.len());
+            log.skipped.add(offset, step as u64);
+            window.advance(step);
+            lost = true;
+        }
+    }
+    log.finish(source).map(Some)
+}
+
+fn hex(bytes: &[u8]) -> String {
+    let shown: Vec<String> = bytes.iter().take(7).map(|byte| format!("{byte:02x}")).collect();
+    if shown.is_empty() { "an empty file".into() } else { shown.join(" ") }
+}
+
+/// A log on its way.
+#[derive(Debug, Default)]
+struct Reading {
+    head: Head,
+    definitions: Definitions,
+    /// Where appended data begin, bytes from the start of the file, rising.
+    appended: Vec<u64>,
+    in_data: bool,
+    last_us: f64,
+    samples: u64,
+    skipped: Skipped,
+    cut: Vec<(u64, usize)>,
+    parameters: HashMap<String, usize>,
+    changes: Vec<(f64, String, f64)>,
+    change_count: usize,
+    information: HashMap<String, usize>,
+    dropouts: Vec<(f64, f64)>,
+    dropout_count: usize,
+    dropout_ms: f64,
+    unannounced: u64,
+    left_out: BTreeMap<String, String>,
+    unknown_kinds: BTreeMap<char, u64>,
+    row: Vec<f64>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Taken {
+    Read,
+    Full,
+}
+
+/// The log says that it must not be read by this version.
+#[derive(Debug)]
+struct UnknownFlags(Vec<u8>);
+
+impl UnknownFlags {
+    fn into_error(self, source: &str) -> LogError {
+        let flags: Vec<String> = self.0.iter().map(|flag| format!("{flag:02x}")).collect();
+        LogError::Incompatible {
+            source_name: source.to_owned(),
+            feature: format!("incompatible flags {}", flags.join(" ")),
+        }
+    }
+}
+
+impl Reading {
+    /// The nearest place after the first byte at which there certainly is a message.
+    fn find(&self, bytes: &[u8]) -> Option<usize> {
+        // A place so near the end that its message is not in the window is looked at when more of the stream is.
+        (1..bytes.len()).find(|&at| {
+            let kind = bytes.get(at + 2).copied().unwrap_or_default();
+            matches!(kind, b'D' | b'S' | b'A' | b'F' | b'I' | b'P' | b'M' | b'Q')
+                && bytes.get(at..).and_then(message::split).is_some_and(|(kind, payload)| {
+                    message::trust(kind, payload, &self.definitions) == Trust::Strong
+                        && bytes
+                            .get(at + HEADER + payload.len()..)
+                            .is_some_and(|rest| message::may_begin(rest, &self.definitions))
+                })
+        })
+    }
+
+    #[inline]
+    fn take<S: Sink>(&mut self, kind: u8, payload: &[u8], sink: &mut S, offset: u64) -> Result<Taken, UnknownFlags> {
+        match kind {
+            b'D' => return Ok(self.sample(payload, sink)),
+            b'B' => self.flags(payload)?,
+            b'F' => {
+                if std::str::from_utf8(payload).ok().and_then(|text| self.definitions.formats.add(text)).is_none() {
+                    self.head
+                        .quality
+                        .warn(format!("byte {offset}"), "a definition that cannot be understood is left out");
+                }
+            }
+            b'I' => self.inform(payload, false),
+            b'M' => self.inform(payload.get(1..).unwrap_or_default(), payload.first() == Some(&1)),
+            b'P' => self.parameter(payload),
+            b'A' => self.announce(payload),
+            b'R' => {
+                if let Some(id) = payload.first_chunk().map(|id| u16::from_le_bytes(*id))
+                    && let Some(topic) = self.definitions.topics.get_mut(usize::from(id))
+                {
+                    *topic = None;
+                }
+            }
+            b'L' => self.text(payload, 1, 9),
+            b'C' => self.text(payload, 3, 11),
+            b'O' => {
+                let milliseconds = Place { offset: 0, kind: Kind::U16, scale: Scale::ONE }.read(payload);
+                self.dropout_count += 1;
+                self.dropout_ms += milliseconds;
+                if self.dropouts.len() < SHOWN {
+                    self.dropouts.push((self.last_us, milliseconds));
+                }
+            }
+            b'S' | b'Q' => {}
+            kind => *self.unknown_kinds.entry(char::from(kind)).or_default() += 1,
+        }
+        Ok(Taken::Read)
+    }
+
+    #[inline]
+    fn sample<S: Sink>(&mut self, payload: &[u8], sink: &mut S) -> Taken {
+        self.in_data = true;
+        let Some((id, data)) = payload.split_first_chunk() else { return Taken::Read };
+        let topic =
+            self.definitions.topics.get_mut(usize::from(u16::from_le_bytes(*id))).and_then(Option::as_deref_mut);
+        let Some(topic) = topic else {
+            self.unannounced += 1;
+            return Taken::Read;
+        };
+        let Some(stamp) = topic.layout.timestamp else { return Taken::Read };
+        let time_us = stamp.read(data);
+        if let Some(utc) = topic.utc
+            && self.head.utc_offset_s.is_none()
+        {
+            let utc_us = utc.read(data);
+            // Before a receiver knows the time it says 0.
+            if utc_us > 0.0 {
+                self.head.utc_offset_s = Some((utc_us - time_us) * 1e-6);
+            }
+        }
+        if matches!(topic.state, State::Announced) {
+            topic.state = match sink.open(&topic.name, topic.instance, &topic.layout.names) {
+                Some(stream) => {
+                    let place = |&field: &usize| topic.layout.places.get(field).copied();
+                    let places = stream.kept.iter().filter_map(place).collect();
+                    State::Open { stream, places }
+                }
+                None => State::Unwanted,
+            };
+        }
+        self.samples += 1;
+        self.last_us = time_us;
+        if let State::Open { stream, places } = &topic.state {
+            self.row.clear();
+            self.row.extend(places.iter().map(|place| place.read(data)));
+            if sink.row(stream, time_us, &self.row) == Err(Full) {
+                return Taken::Full;
+            }
+        }
+        Taken::Read
+    }
+
+    fn flags(&mut self, payload: &[u8]) -> Result<(), UnknownFlags> {
+        let Some((incompatible, offsets)) = payload.get(8..40).and_then(|rest| rest.split_at_checked(8)) else {
+            return Ok(());
+        };
+        // Bit 0 of byte 0: data are appended.
+        let unknown = incompatible.iter().enumerate().any(|(index, &flags)| flags & !u8::from(index == 0) != 0);
+        if unknown && !self.in_data {
+            return Err(UnknownFlags(incompatible.to_vec()));
+        }
+        if incompatible.first().is_some_and(|flags| flags & 1 == 1) {
+            let offsets = offsets.chunks_exact(8).filter_map(|bytes| bytes.first_chunk());
+            self.appended = offsets.map(|bytes| u64::from_le_bytes(*bytes)).filter(|&offset| offset > 0).collect();
+            self.appended.sort_unstable();
+        }
+        Ok(())
+    }
+
+    fn inform(&mut self, payload: &[u8], continued: bool) {
+        let Some((key, value)) = message::key_and_value(payload) else { return };
+        let Some((type_name, name)) = key.split_once(' ') else { return };
+        let text = match (type_name.starts_with("char["), format::kind(type_name)) {
+            (true, _) => String::from_utf8_lossy(value).trim_end_matches('\0').to_owned(),
+            (false, Some((Some(kind), _))) => Place { offset: 0, kind, scale: Scale::ONE }.read(value).to_string(),
+            _ => return,
+        };
+        let room = self.head.information.len() < MOST_TEXTS;
+        match self.information.get(name).and_then(|&index| self.head.information.get_mut(index)) {
+            Some((_, known)) if continued && known.len() < LONGEST_TEXT => *known += &text,
+            Some(_) if continued => {}
+            Some((_, known)) => *known = text,
+            None if room => {
+                self.information.insert(name.to_owned(), self.head.information.len());
+                self.head.information.push((name.to_owned(), text));
+            }
+            None => {}
+        }
+    }
+
+    fn parameter(&mut self, payload: &[u8]) {
+        let Some((key, value)) = message::key_and_value(payload) else { return };
+        let Some((type_name, name)) = key.split_once(' ') else { return };
+        let kind = if type_name == "float" { Kind::F32 } else { Kind::I32 };
+        let value = Place { offset: 0, kind, scale: Scale::ONE }.read(value);
+        match self.parameters.get(name).and_then(|&index| self.head.parameters.get_mut(index)) {
+            Some((_, known)) if !self.in_data => *known = value,
+            Some((_, known)) if *known == value => {}
+            Some(_) => {
+                self.change_count += 1;
+                if self.changes.len() < SHOWN {
+                    self.changes.push((self.last_us, name.to_owned(), value));
+                }
+            }
+            None => {
+                self.parameters.insert(name.to_owned(), self.head.parameters.len());
+                self.head.parameters.push((name.to_owned(), value));
+            }
+        }
+    }
+
+    fn announce(&mut self, payload: &[u8]) {
+        self.in_data = true;
+        let Some((&[instance, low, high], name)) = payload.split_first_chunk() else { return };
+        let (id, name) = (usize::from(u16::from_le_bytes([low, high])), String::from_utf8_lossy(name).into_owned());
+        let subscription = match self.definitions.formats.layout(&name) {
+            Err(problem) => {
+                self.leave_out(&name, &problem);
+                None
+            }
+            Ok(layout) => {
+                let state = match layout.timestamp {
+                    Some(_) => State::Announced,
+                    None => {
+                        self.leave_out(&name, "it has no field 'timestamp' of type uint64_t");
+                        State::Unwanted
+                    }
+                };
+                let utc = layout.place("time_utc_usec");
+                Some(Box::new(Subscription { name, instance: u16::from(instance), layout, state, utc }))
+            }
+        };
+        if id >= self.definitions.topics.len() {
+            self.definitions.topics.resize_with(id + 1, || None);
+        }
+        if let Some(topic) = self.definitions.topics.get_mut(id) {
+            *topic = subscription;
+        }
+    }
+
+    fn leave_out(&mut self, name: &str, problem: &str) {
+        if self.left_out.len() < MOST_TEXTS {
+            self.left_out.insert(name.to_owned(), problem.to_owned());
+        }
+    }
+
+    fn text(&mut self, payload: &[u8], stamp: usize, text: usize) {
+        self.in_data = true;
+        let time_s = Place { offset: stamp, kind: Kind::U64, scale: Scale::ONE }.read(payload);
+        if self.head.messages.len() < MOST_TEXTS {
+            let bytes = payload.get(text..).unwrap_or_default();
+            let text =
+                String::from_utf8_lossy(bytes.get(..LONGEST_TEXT).unwrap_or(bytes)).trim_end_matches('\0').to_owned();
+            self.head.messages.push(Message { time_s, text });
+        }
+    }
+
+    fn finish(mut self, source: &str) -> Result<Head, LogError> {
+        let start_us = self.head.start_us.unwrap_or_default();
+        let seconds = |time_us: f64| Short((time_us - start_us) * 1e-6);
+        let quality: &mut QualityReport = &mut self.head.quality;
+        self.skipped.report(quality);
+        for (offset, bytes) in &self.cut {
+            let place = format!("byte {offset}");
+            quality.warn(place, format!("the log ends within a message; its {} are left out", plural(*bytes, "byte")));
+        }
+        if self.dropout_count > 0 {
+            let shown: Vec<String> =
+                self.dropouts.iter().map(|(time, ms)| format!("{ms} ms at {} s", seconds(*time))).collect();
+            let more = if self.dropout_count > SHOWN { ", ..." } else { "" };
+            quality.warn(
+                "",
+                format!(
+                    "{}: the recorder could not keep up and lost {} ms of data ({}{more}); nothing is filled in",
+                    plural(self.dropout_count, "dropout"),
+                    self.dropout_ms,
+                    shown.join(", ")
+                ),
+            );
+        }
+        if self.unannounced > 0 {
+            quality.warn(
+                "",
+                format!("{} left out: what they are was never announced", plural(self.unannounced as usize, "sample")),
+            );
+        }
+        for (name, problem) in &self.left_out {
+            quality.warn(name.as_str(), format!("left out: {problem}"));
+        }
+        if self.change_count > 0 {
+            let shown: Vec<String> = self
+                .changes
+                .iter()
+                .map(|(time, name, value)| format!("{name} = {} at {} s", Short(*value), seconds(*time)))
+                .collect();
+            let more = if self.change_count > SHOWN { ", ..." } else { "" };
+            let count = plural(self.change_count, "parameter");
+            quality.note("", format!("{count} changed while the log ran: {}{more}", shown.join(", ")));
+        }
+        for (kind, count) in &self.unknown_kinds {
+            quality.note("", format!("{count} messages of the unknown kind '{kind}' read past"));
+        }
+        if self.samples == 0 {
+            let reason = match self.skipped.bytes() {
+                0 => String::new(),
+                bytes => format!(": {bytes} bytes are no messages that could be understood"),
+            };
+            return Err(LogError::NoData { source_name: source.to_owned(), reason });
+        }
+        Ok(self.head)
+    }
+}

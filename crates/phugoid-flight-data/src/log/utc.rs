@@ -1,0 +1,69 @@
+//! When a log began, by the clock of the satellites.
+
+/// GPS time began at 1980-01-06T00:00:00 UTC.
+const GPS_EPOCH_S: f64 = 315_964_800.0;
+
+/// First second (UTC, Unix) from which GPS time is ahead of UTC by so many seconds: leap seconds since 2006, IERS Bulletin C.
+const LEAP_SECONDS: [(f64, f64); 5] = [
+    (1_483_228_800.0, 18.0), // 2017-01-01
+    (1_435_708_800.0, 17.0), // 2015-07-01
+    (1_341_100_800.0, 16.0), // 2012-07-01
+    (1_230_768_000.0, 15.0), // 2009-01-01
+    (f64::NEG_INFINITY, 14.0),
+];
+
+/// Seconds from 1970-01-01T00:00:00 UTC of a GPS week and a time of week in seconds.
+pub(super) fn from_gps(week: f64, time_of_week_s: f64) -> f64 {
+    let gps = GPS_EPOCH_S + week * 604_800.0 + time_of_week_s;
+    let leap = LEAP_SECONDS.iter().find(|(from, leap)| gps - leap >= *from).map_or(14.0, |(_, leap)| *leap);
+    gps - leap
+}
+
+/// `2024-05-01T12:34:56.789Z`; none outside the years 1980 to 2200, which no log has.
+pub(super) fn text(unix_s: f64) -> Option<String> {
+    if !(GPS_EPOCH_S..7_258_118_400.0).contains(&unix_s) {
+        return None;
+    }
+    let milliseconds = (unix_s * 1e3).round() as i64;
+    let (days, of_day) = (milliseconds.div_euclid(86_400_000), milliseconds.rem_euclid(86_400_000));
+    // The Gregorian calendar in years that begin in March, so that the leap day is the last of its year.
+    let days = days + 719_468;
+    let (era, of_era) = (days.div_euclid(146_097), days.rem_euclid(146_097));
+    let year_of_era = (of_era - of_era / 1460 + of_era / 36_524 - of_era / 146_096) / 365;
+    let of_year = of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
+    let month = (5 * of_year + 2) / 153;
+    let day = of_year - (153 * month + 2) / 5 + 1;
+    let month = if month < 10 { month + 3 } else { month - 9 };
+    let year = year_of_era + 400 * era + i64::from(month <= 2);
+    let (hour, minute) = (of_day / 3_600_000, of_day / 60_000 % 60);
+    let (second, millisecond) = (of_day / 1000 % 60, of_day % 1000);
+    Some(format!("{year:04}-{month:02}-{day:02}T{hour:02}:{minute:02}:{second:02}.{millisecond:03}Z"))
+}
+
+/// What goes into the information of a log: when its time zero was, in words and in seconds from 1970.
+pub(super) fn information(unix_s_at_zero: f64) -> Vec<(String, String)> {
+    let Some(words) = text(unix_s_at_zero) else { return Vec::new() };
+    vec![("utc_at_start".into(), words), ("unix_s_at_start".into(), format!("{unix_s_at_zero:.3}"))]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// `date -u -d @...` says so.
+    #[test]
+    fn dates() {
+        assert_eq!(text(1_714_566_896.789).as_deref(), Some("2024-05-01T12:34:56.789Z"));
+        assert_eq!(text(1_709_164_800.0).as_deref(), Some("2024-02-29T00:00:00.000Z"));
+        assert_eq!(text(951_868_799.999_9).as_deref(), Some("2000-03-01T00:00:00.000Z"));
+        assert_eq!(text(f64::NAN), None);
+        assert_eq!(text(0.0), None);
+    }
+
+    /// Week 2000 began on 2018-05-06 at 00:00:00 GPS, 18 s before that in UTC.
+    #[test]
+    fn gps_weeks() {
+        assert_eq!(text(from_gps(2000.0, 18.0)).as_deref(), Some("2018-05-06T00:00:00.000Z"));
+        assert_eq!(text(from_gps(1800.0, 16.0)).as_deref(), Some("2014-07-06T00:00:00.000Z"));
+    }
+}
