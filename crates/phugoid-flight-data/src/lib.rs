@@ -19,6 +19,8 @@ pub mod channels;
 pub mod csv;
 pub mod format;
 pub mod log;
+#[cfg(feature = "matlab")]
+pub mod matlab;
 pub mod plausibility;
 pub mod quality;
 pub mod quantity;

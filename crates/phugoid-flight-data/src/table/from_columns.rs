@@ -26,7 +26,7 @@ pub struct Column {
 pub struct LeftOut {
     /// The name in the file.
     pub header: String,
-    /// What it is instead of numbers, after "it is": `text`, `nested (a list)`.
+    /// What it is instead of a column of numbers, after "it is": `text`, `a list`.
     pub why: String,
 }
 
@@ -51,7 +51,7 @@ pub fn from_columns(
         return Err(TableError::TooLarge { source_name: source.to_owned(), place, max_values: options.max_values });
     }
     for column in left_out {
-        report.note(format!("column '{}'", column.header), format!("left out: it is {}, not numbers", column.why));
+        report.note(format!("column '{}'", column.header), format!("left out: it is {}", column.why));
     }
     let headers: Vec<String> = columns.iter().map(|column| column.header.clone()).collect();
     let units: Vec<String> = columns.iter().map(|column| column.unit.clone().unwrap_or_default()).collect();
@@ -98,7 +98,7 @@ fn refuse_left_out(headers: &[String], left_out: &[LeftOut], options: &TableOpti
             return Err(TableError::BadMapping {
                 channel: mapping.channel.clone(),
                 header: mapping.header.clone(),
-                problem: format!("this column is {}, not numbers; map a column of numbers", column.why),
+                problem: format!("this column is {}; map a column of numbers", column.why),
             });
         }
     }
@@ -126,7 +126,7 @@ fn hint(error: TableError, left_out: &[LeftOut]) -> TableError {
     let alike = left_out.iter().find(|column| column.header.to_lowercase().contains("time"));
     match (error, alike) {
         (TableError::NoTime { source_name, line, headers, nearest }, Some(column)) if nearest.is_empty() => {
-            let nearest = format!(" '{}' looks like it, but is {}, not numbers.", column.header, column.why);
+            let nearest = format!(" '{}' looks like it, but is {}.", column.header, column.why);
             TableError::NoTime { source_name, line, headers, nearest }
         }
         (error, _) => error,
