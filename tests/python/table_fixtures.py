@@ -8,6 +8,10 @@ import pathlib
 import sys
 
 import numpy as np
+import pyarrow as pa
+import pyarrow.feather
+import pyarrow.ipc
+import pyarrow.parquet
 import scipy.io
 
 ROWS = 40
@@ -45,10 +49,56 @@ def matlab(folder):
     save("version4.mat", {"time_s": table["time_s"]}, format="4")
 
 
+def arrow_table():
+    table = flight()
+    fields, columns = [], []
+    for name, values in table.items():
+        # NaN in pandas' way: missing.
+        columns.append(pa.array(values, from_pandas=True))
+        fields.append(pa.field(name, columns[-1].type, metadata={"unit": "deg/s"} if name == "q" else None))
+    k = range(ROWS)
+    extra = {
+        "mode": pa.array(["cruise" if row % 3 else "climb" for row in k]),
+        "category": pa.array(["a" if row % 2 else "b" for row in k]).dictionary_encode(),
+        "list": pa.array([[1.0, 2.0]] * ROWS),
+        "struct": pa.array([{"x": 1.0, "y": "z"}] * ROWS),
+        "view": pa.array(["a text too long to be kept in place"] * ROWS, type=pa.string_view()),
+        "decimal": pa.array([None] * ROWS, type=pa.decimal128(10, 2)),
+    }
+    for name, column in extra.items():
+        # Between the numbers, so that their buffers have to be passed over.
+        fields.insert(2, pa.field(name, column.type))
+        columns.insert(2, column)
+    return pa.table(columns, schema=pa.schema(fields))
+
+
+def arrow(folder):
+    table = arrow_table()
+    for compression in ["uncompressed", "lz4", "zstd"]:
+        pa.feather.write_feather(table, folder / f"{compression}.feather", compression=compression, chunksize=16)
+    with pa.ipc.new_stream(folder / "stream.arrows", table.schema) as stream:
+        stream.write_table(table, max_chunksize=16)
+    pa.feather.write_feather(table.select(["time_s", "q"]), folder / "version1.feather", version=1)
+
+
+def parquet(folder):
+    # No string views in Parquet.
+    table = arrow_table().drop_columns(["view"])
+    for compression in ["none", "snappy", "zstd", "lz4", "gzip"]:
+        pa.parquet.write_table(table, folder / f"{compression}.parquet", compression=compression, row_group_size=16)
+    pa.parquet.write_table(table, folder / "pages2.parquet", data_page_version="2.0", use_dictionary=False)
+    # Timestamps alone say what the time is.
+    start = 1_714_566_896_000_000_000
+    times = pa.array([start + row * 62_500_000 for row in range(ROWS)], type=pa.timestamp("ns", tz="UTC"))
+    stamped = table.set_column(table.schema.get_field_index("time_s"), "index", times)
+    pa.parquet.write_table(stamped.drop_columns(["mode", "category", "list", "struct"]), folder / "stamped.parquet")
+
+
 def main():
-    folder = pathlib.Path(sys.argv[1])
-    folder.mkdir(parents=True, exist_ok=True)
-    matlab(folder)
+    for write in [matlab, arrow, parquet]:
+        folder = pathlib.Path(sys.argv[1]) / write.__name__
+        folder.mkdir(parents=True, exist_ok=True)
+        write(folder)
 
 
 if __name__ == "__main__":

@@ -15,12 +15,16 @@
 //! # Ok::<(), csv::ReadError>(())
 //! ```
 pub mod align;
+#[cfg(feature = "parquet")]
+pub mod arrow;
 pub mod channels;
 pub mod csv;
 pub mod format;
 pub mod log;
 #[cfg(feature = "matlab")]
 pub mod matlab;
+#[cfg(feature = "parquet")]
+pub mod parquet;
 pub mod plausibility;
 pub mod quality;
 pub mod quantity;
@@ -28,6 +32,8 @@ pub mod record;
 pub mod table;
 pub mod units;
 
+#[cfg(feature = "parquet")]
+mod columnar;
 mod columns;
 mod header;
 mod signals;

@@ -19,6 +19,8 @@ mod write;
 
 pub use error::{ReadError, WriteError};
 pub use read::{read, read_path};
+#[cfg(feature = "parquet")]
+pub(crate) use write::headers;
 pub use write::{write, write_path};
 
 use crate::table::TableOptions;

@@ -35,7 +35,8 @@ pub fn write(record: &Record, writer: impl Write) -> Result<(), WriteError> {
     write_rows(record, &headers, writer, target)
 }
 
-fn headers(record: &Record, target: &str) -> Result<Vec<String>, WriteError> {
+/// The headers under which a record is written, time first.
+pub(crate) fn headers(record: &Record, target: &str) -> Result<Vec<String>, WriteError> {
     let mut headers = vec!["time_s".to_owned()];
     for channel in &record.channels {
         if channel.values.len() != record.time.len() {

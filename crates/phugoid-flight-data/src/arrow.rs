@@ -1,0 +1,34 @@
+//! Reads flight records from Arrow IPC: files (Feather version 2, `.arrow`) and streams.
+//!
+//! Columns are as in [`crate::parquet`]. Batches are read one after the other, in bounded memory; of a file that is cut off or
+//! damaged the batches before that place are kept.
+
+use std::fs::File;
+use std::io::{BufReader, Read};
+use std::path::Path;
+
+pub use crate::columnar::ReadError;
+use crate::columnar::ipc;
+use crate::record::Record;
+use crate::table::TableOptions;
+
+/// Reads an Arrow file or stream from the disk; otherwise as [`read()`].
+///
+/// # Errors
+/// As [`read()`], with the path as the source's name.
+pub fn read_path(path: &Path, options: &TableOptions) -> Result<Record, ReadError> {
+    let source_name = path.display().to_string();
+    match File::open(path) {
+        Ok(file) => read(BufReader::new(file), &source_name, options),
+        Err(error) => Err(ReadError::Io { source_name, error }),
+    }
+}
+
+/// Reads an Arrow file or stream into a record in SI units. `source` is its name in messages and reports. Channels, units and
+/// what is said in `record.quality` are as [`crate::csv::read`] has them, with rows counted from 1.
+///
+/// # Errors
+/// [`ReadError`] if it cannot be read, is no Arrow IPC, holds no batch that could be read, or its columns make no record.
+pub fn read(reader: impl Read, source: &str, options: &TableOptions) -> Result<Record, ReadError> {
+    ipc::read(reader, source, options)
+}

@@ -1,0 +1,278 @@
+//! Arrow IPC: a schema and batches of columns, one message after the other.
+//!
+//! Read as a stream whether it is one or a file (Feather version 2): a file is a stream between `ARROW1` and a footer, which
+//! only serves to find batches out of order. So a file that was cut off gives the batches before the cut.
+
+use std::collections::HashMap;
+use std::io::{self, Read};
+use std::sync::Arc;
+
+use arrow_buffer::Buffer;
+use arrow_ipc::convert::try_fb_to_schema;
+use arrow_ipc::reader::read_record_batch;
+use arrow_ipc::{Endianness, Message, MessageHeader, RecordBatch, root_as_message};
+use arrow_schema::Schema;
+
+use super::{AddError, Columns, ReadError};
+use crate::quality::QualityReport;
+use crate::record::Record;
+use crate::table::TableOptions;
+
+/// The longest description of a message, bytes; that of a schema of thousands of columns has a few million.
+const LONGEST_DESCRIPTION: u64 = 64 << 20;
+const CONTINUATION: [u8; 4] = [0xFF; 4];
+
+/// Reads batches until the end; if one is damaged, those before it are kept.
+pub(crate) fn read(reader: impl Read, source: &str, options: &TableOptions) -> Result<Record, ReadError> {
+    let mut stream = Stream { reader, offset: 0, source, options };
+    let mut report = QualityReport::default();
+    let damaged = |place: u64, problem: String| ReadError::Damaged {
+        source_name: source.to_owned(),
+        place: format!("byte {place}"),
+        problem,
+    };
+    let mut pending = stream.start()?;
+    let mut table: Option<(Arc<Schema>, Columns)> = None;
+    loop {
+        let place = stream.offset;
+        let result = match stream.message(pending.take(), table.as_mut()) {
+            Ok(result) => result,
+            Err(Problem::Stop(error)) => return Err(error),
+            Err(Problem::Damaged(problem)) => match &table {
+                Some((_, columns)) if columns.rows() > 0 => {
+                    let kept = columns.rows();
+                    let message = format!("the file is damaged here ({problem}); the {kept} rows before it are kept");
+                    report.warn(format!("byte {place}"), message);
+                    break;
+                }
+                _ => return Err(damaged(place, problem)),
+            },
+        };
+        match result {
+            Got::Schema(schema) => table = Some((Arc::new(schema.clone()), Columns::of(&schema))),
+            Got::Other => {}
+            Got::End => break,
+        }
+    }
+    match table {
+        Some((_, columns)) => columns.record(source, options, report),
+        None => Err(damaged(0, "there is no schema in it".into())),
+    }
+}
+
+enum Problem {
+    /// From here on nothing can be read.
+    Damaged(String),
+    Stop(ReadError),
+}
+
+fn damaged<T>(problem: impl Into<String>) -> Result<T, Problem> {
+    Err(Problem::Damaged(problem.into()))
+}
+
+enum Got {
+    Schema(Schema),
+    Other,
+    End,
+}
+
+struct Stream<'a, R> {
+    reader: R,
+    offset: u64,
+    source: &'a str,
+    options: &'a TableOptions,
+}
+
+impl<R: Read> Stream<'_, R> {
+    /// The first four bytes of the first message, if they were read in looking what this is.
+    fn start(&mut self) -> Result<Option<[u8; 4]>, ReadError> {
+        let mut first = [0; 4];
+        let not_read = |found: &str, advice| ReadError::NotRead {
+            source_name: self.source.to_owned(),
+            found: found.to_owned(),
+            advice,
+        };
+        match self.reader.read_exact(&mut first) {
+            Err(error) if error.kind() == io::ErrorKind::UnexpectedEof => {
+                return Err(not_read("no Arrow file but one of fewer than four bytes", "Copy or write it again"));
+            }
+            result => result.map_err(|error| ReadError::Io { source_name: self.source.to_owned(), error })?,
+        }
+        self.offset = 4;
+        if &first == b"FEA1" {
+            return Err(not_read("a Feather file of version 1", "Write it with version 2 (pyarrow: version=2)"));
+        }
+        if &first != b"ARRO" {
+            return Ok(Some(first));
+        }
+        let rest = self.bytes(4).map_err(|problem| self.stopped(problem))?;
+        match rest.starts_with(b"W1") {
+            true => Ok(None),
+            false => {
+                Err(not_read("no Arrow file (ARROW1 is expected at its beginning)", "Check that it is the right file"))
+            }
+        }
+    }
+
+    fn stopped(&self, problem: Problem) -> ReadError {
+        match problem {
+            Problem::Stop(error) => error,
+            Problem::Damaged(problem) => ReadError::Damaged {
+                source_name: self.source.to_owned(),
+                place: format!("byte {}", self.offset),
+                problem,
+            },
+        }
+    }
+
+    /// This many bytes. Memory is taken as they come, not as they are announced.
+    fn bytes(&mut self, count: u64) -> Result<Vec<u8>, Problem> {
+        let mut bytes = Vec::new();
+        let read = self
+            .reader
+            .by_ref()
+            .take(count)
+            .read_to_end(&mut bytes)
+            .map_err(|error| Problem::Stop(ReadError::Io { source_name: self.source.to_owned(), error }))?;
+        self.offset += read as u64;
+        if (read as u64) < count {
+            return damaged(format!("{} of {count} bytes are missing at the end", count - read as u64));
+        }
+        Ok(bytes)
+    }
+
+    fn word(&mut self) -> Result<Option<[u8; 4]>, Problem> {
+        let before = self.offset;
+        match self.bytes(4) {
+            Ok(bytes) => Ok(bytes.try_into().ok()),
+            // A stream may end without saying so.
+            Err(Problem::Damaged(_)) if self.offset == before => Ok(None),
+            Err(problem) => Err(problem),
+        }
+    }
+
+    /// Reads one message and adds what it holds to the table.
+    fn message(
+        &mut self,
+        pending: Option<[u8; 4]>,
+        table: Option<&mut (Arc<Schema>, Columns)>,
+    ) -> Result<Got, Problem> {
+        let first = match pending {
+            Some(word) => Some(word),
+            None => self.word()?,
+        };
+        let Some(first) = first else { return Ok(Got::End) };
+        // Before version 0.15 the length stood at once.
+        let length = if first == CONTINUATION { self.word()?.unwrap_or_default() } else { first };
+        let length = u64::from(u32::from_le_bytes(length));
+        if length == 0 {
+            return Ok(Got::End);
+        }
+        if length > LONGEST_DESCRIPTION {
+            return damaged(format!(
+                "a description of {length} bytes, more than the {LONGEST_DESCRIPTION} that are read"
+            ));
+        }
+        let description = self.bytes(length)?;
+        let message = match root_as_message(&description) {
+            Ok(message) => message,
+            Err(error) => return damaged(format!("its description cannot be understood: {error}")),
+        };
+        let body_length = u64::try_from(message.bodyLength()).or_else(|_| damaged("a body of negative length"))?;
+        match (message.header_type(), table) {
+            (MessageHeader::Schema, None) => {
+                self.skip(body_length)?;
+                self.schema(message).map(Got::Schema)
+            }
+            (MessageHeader::Schema, Some(_)) => damaged("a second schema"),
+            (MessageHeader::RecordBatch, Some((schema, columns))) => {
+                let body = self.bytes(body_length)?;
+                self.batch(message, body, schema, columns)?;
+                Ok(Got::Other)
+            }
+            (MessageHeader::RecordBatch, None) => damaged("a batch before the schema"),
+            _ => {
+                self.skip(body_length)?;
+                Ok(Got::Other)
+            }
+        }
+    }
+
+    fn skip(&mut self, count: u64) -> Result<(), Problem> {
+        let copied = io::copy(&mut self.reader.by_ref().take(count), &mut io::sink());
+        let copied =
+            copied.map_err(|error| Problem::Stop(ReadError::Io { source_name: self.source.to_owned(), error }))?;
+        self.offset += copied;
+        if copied < count {
+            damaged(format!("{} of {count} bytes are missing at the end", count - copied))
+        } else {
+            Ok(())
+        }
+    }
+
+    fn schema(&self, message: Message<'_>) -> Result<Schema, Problem> {
+        let Some(schema) = message.header_as_schema() else { return damaged("a schema without content") };
+        if schema.endianness() != Endianness::Little {
+            return Err(Problem::Stop(ReadError::NotRead {
+                source_name: self.source.to_owned(),
+                found: "an Arrow file of big-endian numbers".into(),
+                advice: "Write it on a little-endian machine",
+            }));
+        }
+        try_fb_to_schema(schema).or_else(|error| damaged(format!("its schema cannot be understood: {error}")))
+    }
+
+    fn batch(
+        &self,
+        message: Message<'_>,
+        body: Vec<u8>,
+        schema: &Arc<Schema>,
+        columns: &mut Columns,
+    ) -> Result<(), Problem> {
+        let Some(batch) = message.header_as_record_batch() else { return damaged("a batch without content") };
+        check(batch, &body, self.options.max_values).or_else(damaged)?;
+        if columns.chosen.is_empty() {
+            return Ok(());
+        }
+        let (body, dictionaries) = (Buffer::from_vec(body), HashMap::new());
+        let (schema, chosen) = (Arc::clone(schema), Some(columns.chosen.as_slice()));
+        let batch = read_record_batch(&body, batch, schema, &dictionaries, chosen, &message.version());
+        let batch = batch.or_else(|error| damaged(error.to_string()))?;
+        columns.add(&batch, self.source, self.options).map_err(|error| match error {
+            AddError::Damaged(problem) => Problem::Damaged(problem),
+            AddError::Table(error) => Problem::Stop(error.into()),
+        })
+    }
+}
+
+/// Does everything that the batch announces lie in its body and within the bound on memory?
+fn check(batch: RecordBatch<'_>, body: &[u8], max_values: usize) -> Result<(), String> {
+    let rows = batch.nodes().into_iter().flatten().map(|node| (node.length(), node.null_count()));
+    for (length, missing) in rows {
+        if length < 0 || length > max_values as i64 || missing < 0 || missing > length {
+            return Err(format!("a column of {length} values, {missing} of them missing"));
+        }
+    }
+    // Numbers of eight bytes in every column, and as much again for which values are there and for text.
+    let most = 16 * max_values as u64 + (1 << 20);
+    let mut unpacked = 0_u64;
+    for buffer in batch.buffers().into_iter().flatten() {
+        let (offset, length) = (buffer.offset(), buffer.length());
+        let range = usize::try_from(offset).ok().zip(usize::try_from(length).ok());
+        let bytes = range.and_then(|(offset, length)| body.get(offset..offset.checked_add(length)?));
+        let Some(bytes) = bytes else {
+            return Err(format!("{length} bytes from {offset} in a body of {}", body.len()));
+        };
+        if batch.compression().is_some() && !bytes.is_empty() {
+            let Some(size) = bytes.first_chunk::<8>().map(|size| i64::from_le_bytes(*size)) else {
+                return Err(format!("compressed data of {length} bytes, which have no room for their size"));
+            };
+            // -1: not compressed after all.
+            unpacked = unpacked.saturating_add(u64::try_from(size).unwrap_or(if size == -1 { 0 } else { u64::MAX }));
+            if unpacked > most {
+                return Err(format!("compressed data that want {size} bytes, more than the bound on memory"));
+            }
+        }
+    }
+    Ok(())
+}

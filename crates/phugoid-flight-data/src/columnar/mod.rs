@@ -1,0 +1,100 @@
+//! What Parquet and Arrow files share: which columns are signals, their units, and their values as `f64`.
+
+mod error;
+mod numbers;
+
+pub(crate) mod ipc;
+pub(crate) mod pages;
+pub(crate) mod row_groups;
+pub(crate) mod write;
+
+pub use error::ReadError;
+
+use arrow_array::RecordBatch;
+use arrow_schema::{Field, Schema};
+
+use crate::quality::QualityReport;
+use crate::record::Record;
+use crate::table::{self, Column, LeftOut, TableError, TableOptions};
+
+/// The columns of numbers of a schema, and their values so far.
+pub(crate) struct Columns {
+    /// Places of the columns in the schema.
+    pub(crate) chosen: Vec<usize>,
+    columns: Vec<Column>,
+    left_out: Vec<LeftOut>,
+}
+
+impl Columns {
+    pub(crate) fn of(schema: &Schema) -> Self {
+        let mut columns = Self { chosen: Vec::new(), columns: Vec::new(), left_out: Vec::new() };
+        for (index, field) in schema.fields().iter().enumerate() {
+            match numbers::kind(field.data_type()) {
+                Ok(kind) => {
+                    let unit = kind.unit().map(str::to_owned).or_else(|| unit_of(field));
+                    let header = field.name().clone();
+                    columns.columns.push(Column { header, unit, values: Vec::new(), is_time: kind.is_time() });
+                    columns.chosen.push(index);
+                }
+                Err(why) => columns.left_out.push(LeftOut { header: field.name().clone(), why }),
+            }
+        }
+        columns
+    }
+
+    /// Rows so far.
+    pub(crate) fn rows(&self) -> usize {
+        self.columns.first().map_or(0, |column| column.values.len())
+    }
+
+    /// Appends a batch that holds the chosen columns alone. On an error the rows before it stay.
+    pub(crate) fn add(&mut self, batch: &RecordBatch, source: &str, options: &TableOptions) -> Result<(), AddError> {
+        if batch.num_columns() != self.columns.len() {
+            let (found, expected) = (batch.num_columns(), self.columns.len());
+            return Err(AddError::Damaged(format!("a batch of {found} columns, where {expected} are expected")));
+        }
+        let before = self.rows();
+        // Two more per row: its time and its number.
+        let most = options.max_values / (self.columns.len() + 2);
+        if before + batch.num_rows() > most {
+            return Err(AddError::Table(TableError::TooLarge {
+                source_name: source.to_owned(),
+                place: format!("row {}", most + 1),
+                max_values: options.max_values,
+            }));
+        }
+        for (column, array) in self.columns.iter_mut().zip(batch.columns()) {
+            numbers::append(array, &mut column.values);
+        }
+        let whole = before + batch.num_rows();
+        match self.columns.iter().find(|column| column.values.len() != whole).map(|column| column.header.clone()) {
+            Some(header) => {
+                self.columns.iter_mut().for_each(|column| column.values.truncate(before));
+                Err(AddError::Damaged(format!("column '{header}' is of another type than the schema says")))
+            }
+            None => Ok(()),
+        }
+    }
+
+    pub(crate) fn record(
+        self,
+        source: &str,
+        options: &TableOptions,
+        report: QualityReport,
+    ) -> Result<Record, ReadError> {
+        Ok(table::from_columns(source, self.columns, &self.left_out, options, report)?)
+    }
+}
+
+/// Why a batch could not be added.
+pub(crate) enum AddError {
+    Damaged(String),
+    Table(TableError),
+}
+
+/// The unit in a field's metadata, as our writer and others put it.
+fn unit_of(field: &Field) -> Option<String> {
+    let metadata = field.metadata();
+    let unit = ["unit", "units", "Unit", "Units"].iter().find_map(|key| metadata.get(*key));
+    unit.map(|unit| unit.trim().to_owned()).filter(|unit| !unit.is_empty() && unit.len() <= 40)
+}

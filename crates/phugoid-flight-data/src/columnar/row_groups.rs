@@ -1,0 +1,148 @@
+//! Parquet: groups of rows, each read on its own, in batches.
+
+use std::io;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+
+use ::parquet::arrow::ProjectionMask;
+use ::parquet::arrow::arrow_reader::{ArrowReaderMetadata, ArrowReaderOptions, ParquetRecordBatchReaderBuilder};
+use ::parquet::basic::Compression;
+use ::parquet::file::metadata::ParquetMetaData;
+use ::parquet::file::reader::ChunkReader;
+
+use super::{AddError, Columns, ReadError, pages};
+use crate::quality::QualityReport;
+use crate::record::Record;
+use crate::table::TableOptions;
+
+/// Rows per batch: a few thousand keep what is in flight small and the calls few.
+const BATCH: usize = 8192;
+/// Groups that are named one by one if they are damaged.
+const MOST_FINDINGS: usize = 10;
+
+/// Reads every group of rows; of a damaged one the rows before the damage are kept. `open` gives the file, for each group
+/// anew.
+pub(crate) fn read<R: ChunkReader + 'static>(
+    open: impl Fn() -> io::Result<R>,
+    source: &str,
+    options: &TableOptions,
+) -> Result<Record, ReadError> {
+    let io = |error| ReadError::Io { source_name: source.to_owned(), error };
+    let damaged = |place: &str, problem: String| ReadError::Damaged {
+        source_name: source.to_owned(),
+        place: place.into(),
+        problem,
+    };
+    let file = open().map_err(io)?;
+    let metadata = fenced(|| ArrowReaderMetadata::load(&file, ArrowReaderOptions::new()))
+        .map_err(|problem| damaged("footer", problem))?;
+    let mut columns = Columns::of(metadata.schema());
+    let mut report = QualityReport::default();
+    let mask = ProjectionMask::roots(metadata.parquet_schema(), columns.chosen.iter().copied());
+    let groups = metadata.metadata().num_row_groups();
+    let mut lost = 0;
+    let mut first = None;
+    for group in 0..groups {
+        let problem = match check(&file, metadata.metadata(), group, &mask, options, source)? {
+            Some(problem) => Some(problem),
+            None => one_group(open().map_err(io)?, &metadata, group, &mask, &mut columns, source, options)?,
+        };
+        let Some(problem) = problem else { continue };
+        lost += 1;
+        let place = format!("row group {} of {groups}", group + 1);
+        if lost <= MOST_FINDINGS {
+            report.warn(&place, format!("damaged ({problem}); the rows of it that could not be read are left out"));
+        }
+        first.get_or_insert((place, problem));
+    }
+    match first {
+        Some((place, problem)) if columns.rows() == 0 => Err(damaged(&place, problem)),
+        _ => columns.record(source, options, report),
+    }
+}
+
+/// What is wrong with a group of rows, before anything of it is unpacked.
+fn check(
+    file: &impl ChunkReader,
+    metadata: &Arc<ParquetMetaData>,
+    group: usize,
+    mask: &ProjectionMask,
+    options: &TableOptions,
+    source: &str,
+) -> Result<Option<String>, ReadError> {
+    let group = metadata.row_group(group);
+    // A page may hold a whole column, and a dictionary of it.
+    let most_values = options.max_values as u64;
+    let most_bytes = 8 * most_values + (1 << 16);
+    for (leaf, column) in group.columns().iter().enumerate() {
+        if !mask.leaf_included(leaf) {
+            continue;
+        }
+        // The others are unpacked without a bound by the library, or not at all.
+        let known = [Compression::UNCOMPRESSED, Compression::SNAPPY, Compression::LZ4_RAW];
+        if !known.contains(&column.compression()) && !matches!(column.compression(), Compression::ZSTD(_)) {
+            return Err(ReadError::NotRead {
+                source_name: source.to_owned(),
+                found: format!("a Parquet file compressed by {}, which is not read", column.compression()),
+                advice: "Write it with compression 'zstd', 'snappy' or none",
+            });
+        }
+        let first = column.dictionary_page_offset().unwrap_or_else(|| column.data_page_offset());
+        let from = u64::try_from(first.min(column.data_page_offset()));
+        let (Ok(from), Ok(length)) = (from, u64::try_from(column.compressed_size())) else {
+            let (first, size) = (first, column.compressed_size());
+            return Ok(Some(format!("column '{}' of {size} bytes at byte {first}", column.column_path())));
+        };
+        if let Err(problem) = pages::check(file, from, length, most_bytes, most_values) {
+            return Ok(Some(format!("column '{}', {problem}", column.column_path())));
+        }
+    }
+    Ok(None)
+}
+
+/// Adds the rows of a group; what was wrong, if something was.
+fn one_group<R: ChunkReader + 'static>(
+    file: R,
+    metadata: &ArrowReaderMetadata,
+    group: usize,
+    mask: &ProjectionMask,
+    columns: &mut Columns,
+    source: &str,
+    options: &TableOptions,
+) -> Result<Option<String>, ReadError> {
+    let reader = fenced(|| {
+        ParquetRecordBatchReaderBuilder::new_with_metadata(file, metadata.clone())
+            .with_row_groups(vec![group])
+            .with_projection(mask.clone())
+            .with_batch_size(BATCH)
+            .build()
+    });
+    let mut reader = match reader {
+        Ok(reader) => reader,
+        Err(problem) => return Ok(Some(problem)),
+    };
+    loop {
+        let batch = match fenced(|| reader.next().transpose()) {
+            Ok(Some(batch)) => batch,
+            Ok(None) => return Ok(None),
+            Err(problem) => return Ok(Some(problem)),
+        };
+        match columns.add(&batch, source, options) {
+            Ok(()) => {}
+            Err(AddError::Damaged(problem)) => return Ok(Some(problem)),
+            Err(AddError::Table(error)) => return Err(error.into()),
+        }
+    }
+}
+
+/// What the library gives or says. It panics on some damaged pages (one that refers to a dictionary which is not there), where
+/// it should say so; what it was reading is given up then, as with an error.
+fn fenced<T, E: ToString>(read: impl FnOnce() -> Result<T, E>) -> Result<T, String> {
+    match catch_unwind(AssertUnwindSafe(read)) {
+        Ok(result) => result.map_err(|error| error.to_string()),
+        Err(cause) => {
+            let cause = cause.downcast_ref::<&str>().map(|text| (*text).to_owned());
+            Err(cause.unwrap_or_else(|| "the library that reads Parquet gave up".to_owned()))
+        }
+    }
+}

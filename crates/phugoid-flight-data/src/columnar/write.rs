@@ -1,0 +1,56 @@
+//! From a record to a Parquet file.
+
+use std::collections::HashMap;
+use std::io::Write;
+use std::sync::Arc;
+
+use ::parquet::arrow::ArrowWriter;
+use ::parquet::basic::Compression;
+use ::parquet::errors::ParquetError;
+use ::parquet::file::properties::WriterProperties;
+use arrow_array::{ArrayRef, Float64Array, RecordBatch};
+use arrow_schema::{DataType, Field, Schema};
+
+use crate::csv::WriteError;
+use crate::record::{Quantity, Record};
+
+/// Rows given to the writer at once: it needs them as columns of its own.
+const CHUNK: usize = 1 << 16;
+
+/// Writes a record under the headers of its columns, time first.
+pub(crate) fn write(
+    record: &Record,
+    headers: &[String],
+    writer: impl Write + Send,
+    target: &str,
+) -> Result<(), WriteError> {
+    let failed =
+        |error: ParquetError| WriteError::Io { target: target.to_owned(), error: std::io::Error::other(error) };
+    let quantities = [Quantity::Time].into_iter().chain(record.channels.iter().map(|channel| channel.quantity));
+    let fields: Vec<Field> = headers
+        .iter()
+        .zip(quantities)
+        .enumerate()
+        .map(|(index, (header, quantity))| {
+            let unit = if quantity == Quantity::Number { "1" } else { quantity.si_unit() };
+            let metadata = HashMap::from([("unit".to_owned(), unit.to_owned())]);
+            Field::new(header, DataType::Float64, index > 0).with_metadata(metadata)
+        })
+        .collect();
+    let schema = Arc::new(Schema::new(fields));
+    let properties = WriterProperties::builder().set_compression(Compression::SNAPPY).build();
+    let mut writer = ArrowWriter::try_new(writer, Arc::clone(&schema), Some(properties)).map_err(failed)?;
+    for start in (0..record.time.len()).step_by(CHUNK) {
+        let times = record.time.iter().skip(start).take(CHUNK);
+        let mut columns: Vec<ArrayRef> = vec![Arc::new(times.copied().collect::<Float64Array>())];
+        for channel in &record.channels {
+            let values = channel.values.iter().skip(start).take(CHUNK);
+            // Missing is null, as an empty cell is in CSV.
+            columns.push(Arc::new(values.map(|value| (!value.is_nan()).then_some(*value)).collect::<Float64Array>()));
+        }
+        let batch = RecordBatch::try_new(Arc::clone(&schema), columns);
+        writer.write(&batch.map_err(|error| failed(error.into()))?).map_err(failed)?;
+    }
+    writer.close().map_err(failed)?;
+    Ok(())
+}

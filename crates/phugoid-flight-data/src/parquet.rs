@@ -1,0 +1,55 @@
+//! Reads and writes flight records as Parquet.
+//!
+//! Every flat column of numbers, truth values, timestamps or durations is a channel by its name and unit, exactly as a CSV
+//! column is by its header; the unit may also stand in the field's metadata under `unit`. Timestamps become seconds from 1970.
+//! Text, dictionaries and nested columns are left out and named. Groups of rows are read one after the other, in bounded
+//! memory; of a damaged one what can be read is kept.
+//!
+//! Compression by Snappy, Zstandard, LZ4 (raw) or none is read; the library would unpack gzip, Brotli and Hadoop's LZ4 without
+//! a bound.
+
+use std::fs::File;
+use std::path::Path;
+
+use bytes::Bytes;
+
+pub use crate::columnar::ReadError;
+use crate::columnar::{row_groups, write};
+pub use crate::csv::WriteError;
+use crate::record::Record;
+use crate::table::TableOptions;
+
+/// Reads a Parquet file from the disk into a record in SI units. Channels, units and what is said in `record.quality` are as
+/// [`crate::csv::read`] has them, with rows counted from 1.
+///
+/// # Errors
+/// [`ReadError`] if the file cannot be read, is no Parquet file, holds no group of rows that could be read, or its columns make
+/// no record.
+pub fn read_path(path: &Path, options: &TableOptions) -> Result<Record, ReadError> {
+    row_groups::read(|| File::open(path), &path.display().to_string(), options)
+}
+
+/// Reads a Parquet file in memory; otherwise as [`read_path`]. `source` is its name in messages and reports.
+///
+/// # Errors
+/// As [`read_path`].
+pub fn read(bytes: &[u8], source: &str, options: &TableOptions) -> Result<Record, ReadError> {
+    let bytes = Bytes::copy_from_slice(bytes);
+    row_groups::read(|| Ok(bytes.clone()), source, options)
+}
+
+/// Writes a record as Parquet in SI units: the columns of [`crate::csv::write`] under the same names (`time_s`, `alpha_rad`),
+/// as doubles, each with its unit in the field's metadata (`unit` = `rad`; `1` for a pure number). Missing values are null. The
+/// quality report is not written.
+///
+/// # Errors
+/// [`WriteError`] if a channel has another length than the time, a name that could not be read back, or the file cannot be
+/// written. Names and lengths are checked before the file is created.
+pub fn write_path(record: &Record, path: &Path) -> Result<(), WriteError> {
+    let target = path.display().to_string();
+    let headers = crate::csv::headers(record, &target)?;
+    match File::create(path) {
+        Ok(file) => write::write(record, &headers, file, &target),
+        Err(error) => Err(WriteError::Io { target, error }),
+    }
+}
