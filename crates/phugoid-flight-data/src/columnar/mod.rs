@@ -95,6 +95,6 @@ pub(crate) enum AddError {
 /// The unit in a field's metadata, as our writer and others put it.
 fn unit_of(field: &Field) -> Option<String> {
     let metadata = field.metadata();
-    let unit = ["unit", "units", "Unit", "Units"].iter().find_map(|key| metadata.get(*key));
+    let unit = ["unit", "units", "Unit", "Units"].iter().find_map(|&key| metadata.get(key));
     unit.map(|unit| unit.trim().to_owned()).filter(|unit| !unit.is_empty() && unit.len() <= 40)
 }
