@@ -26,6 +26,7 @@ pub mod matlab;
 #[cfg(feature = "parquet")]
 pub mod parquet;
 pub mod plausibility;
+pub mod profile;
 pub mod quality;
 pub mod quantity;
 pub mod record;

@@ -1,0 +1,391 @@
+//! Profiles: which topics and fields of a log or a stream are which channels. They are data, `data/profiles/*.toml`.
+//!
+//! ```toml
+//! name = "PX4"
+//! time_base = ["vehicle_angular_velocity", "vehicle_attitude"]   # the first that is there gives the times
+//! surfaces = "px4"                                               # how commands of surfaces are found
+//!
+//! [channel.theta]
+//! sources = [{ field = "vehicle_attitude.q", transform = "quaternion_theta", unit = "rad" }]
+//!
+//! [channel.air_density]
+//! held_s = 5.0                                                   # a level: stands until it is this old
+//! sources = [{ field = "vehicle_air_data.rho", unit = "kg/m^3", note = "as PX4 computes it" }]
+//! ```
+//!
+//! `data/profiles/px4.toml` tells every key. The units of a log's own metadata win over those of the profile, and the mappings
+//! of a model file over both.
+
+use std::collections::BTreeMap;
+use std::str::FromStr;
+
+use serde::Deserialize;
+
+use crate::align::Hold;
+use crate::channels;
+use crate::units;
+
+/// Which fields are which channels.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Profile {
+    /// Whose it is, for messages.
+    pub name: String,
+    /// Topics whose times a record takes, in order of preference.
+    pub time_base: Vec<String>,
+    /// How commands of control surfaces are found.
+    pub surfaces: Option<SurfaceRule>,
+    /// Channels, in the order of [`channels::CHANNELS`].
+    pub channels: Vec<ChannelProfile>,
+}
+
+/// Where the commands of control surfaces are said.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SurfaceRule {
+    /// `actuator_servos.control[i]` and the parameters `CA_SV_CSi_TYPE`.
+    Px4,
+    /// `RCOU.Ci` and the parameters `SERVOi_FUNCTION`, `_MIN`, `_TRIM`, `_MAX`, `_REVERSED`.
+    Ardupilot,
+}
+
+/// One channel and where it may come from.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ChannelProfile {
+    /// Canonical name.
+    pub channel: String,
+    /// Does a value appear once or last?
+    pub hold: Hold,
+    /// Fields, in order of preference.
+    pub sources: Vec<Source>,
+}
+
+/// A field that is a channel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Source {
+    /// The field; for a transform of several, their common name.
+    pub field: FieldName,
+    /// Unit where the log does not say it; a pure number without.
+    pub unit: Option<String>,
+    /// Factor before the unit is converted.
+    pub scale: f64,
+    /// What is computed of it.
+    pub transform: Transform,
+    /// What multiplies it.
+    pub factor: Option<Factor>,
+    /// What a user has to know.
+    pub note: Option<String>,
+}
+
+/// `topic.field` or `topic#instance.field`.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct FieldName {
+    /// The log's name of the topic.
+    pub topic: String,
+    /// Which instance; the first that is there if not given.
+    pub instance: Option<u16>,
+    /// Name within the topic, which may have dots of its own.
+    pub field: String,
+}
+
+/// What is computed of a field's numbers.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Transform {
+    /// Nothing.
+    #[default]
+    None,
+    /// Bank angle of `field[0..3]`, a quaternion from north-east-down to body axes, scalar first; rad.
+    QuaternionPhi,
+    /// Pitch attitude of it, rad.
+    QuaternionTheta,
+    /// Heading of it, rad.
+    QuaternionPsi,
+}
+
+/// A slower field that multiplies a channel, with its last value before each sample.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Factor {
+    /// The field itself.
+    Times(FieldName),
+    /// The root of 1.225 kg/m^3 over the field, a density in kg/m^3: from equivalent to true airspeed.
+    Density(FieldName),
+}
+
+/// Density of the standard atmosphere at sea level (ISO 2533), kg/m^3.
+const SEA_LEVEL_DENSITY: f64 = 1.225;
+
+impl Profile {
+    /// PX4, fixed wing.
+    ///
+    /// # Errors
+    /// None in a build that passed its tests; the profile is part of the library.
+    pub fn px4() -> Result<Self, ProfileError> {
+        Self::parse("px4.toml", include_str!("../../../data/profiles/px4.toml"))
+    }
+
+    /// ArduPilot, fixed wing.
+    ///
+    /// # Errors
+    /// As [`Profile::px4`].
+    pub fn ardupilot() -> Result<Self, ProfileError> {
+        Self::parse("ardupilot.toml", include_str!("../../../data/profiles/ardupilot.toml"))
+    }
+
+    /// MAVLink, fixed wing.
+    ///
+    /// # Errors
+    /// As [`Profile::px4`].
+    pub fn mavlink() -> Result<Self, ProfileError> {
+        Self::parse("mavlink.toml", include_str!("../../../data/profiles/mavlink.toml"))
+    }
+
+    /// Reads a profile. `name` is its file's, for messages.
+    ///
+    /// # Errors
+    /// [`ProfileError`] with line and word if it is no profile, names no known channel, or a unit that does not suit one.
+    pub fn parse(name: &str, text: &str) -> Result<Self, ProfileError> {
+        let wrong = |problem: String| ProfileError { file: name.to_owned(), problem };
+        let file: File = toml::from_str(text).map_err(|error| wrong(error.to_string()))?;
+        let mut channels = Vec::with_capacity(file.channel.len());
+        for (channel, entry) in file.channel {
+            let Some(spec) = channels::by_name(&channel) else {
+                let near = channels::nearest(&channel).map(|near| format!("; did you mean '{near}'?"));
+                return Err(wrong(format!("'{channel}' is no channel{}", near.unwrap_or_default())));
+            };
+            let hold = match entry.held_s {
+                None => Hold::Sampled,
+                Some(stale_after_s) if stale_after_s > 0.0 => Hold::Held { stale_after_s },
+                Some(other) => return Err(wrong(format!("channel.{channel}: held_s = {other}; it must be positive"))),
+            };
+            let mut sources = Vec::with_capacity(entry.sources.len());
+            for source in entry.sources {
+                let unit = source.unit.as_deref();
+                if let Some(unit) = unit.filter(|unit| units::find_for(unit, spec.quantity).is_none()) {
+                    let accepted = units::accepted(spec.quantity);
+                    return Err(wrong(format!("channel.{channel}: unit '{unit}' is not one of {accepted}")));
+                }
+                sources.push(source.resolve().map_err(|problem| wrong(format!("channel.{channel}: {problem}")))?);
+            }
+            channels.push(ChannelProfile { channel, hold, sources });
+        }
+        channels.sort_by_key(|entry| channels::CHANNELS.iter().position(|spec| spec.name == entry.channel));
+        Ok(Self { name: file.name, time_base: file.time_base, surfaces: file.surfaces, channels })
+    }
+
+    /// The entry of a channel.
+    pub fn channel(&self, name: &str) -> Option<&ChannelProfile> {
+        self.channels.iter().find(|entry| entry.channel == name)
+    }
+
+    /// Every field that a profile may take something from, those of transforms one by one.
+    pub fn fields(&self) -> impl Iterator<Item = FieldName> {
+        self.channels.iter().flat_map(|entry| &entry.sources).flat_map(Source::inputs)
+    }
+}
+
+impl Source {
+    /// The fields whose numbers [`Source::value`] takes, in its order: those of the transform, all of one topic, and then the
+    /// factor's.
+    pub fn inputs(&self) -> Vec<FieldName> {
+        let mut inputs = match self.transform {
+            Transform::None => vec![self.field.clone()],
+            _ => (0..4)
+                .map(|i| FieldName { field: format!("{}[{i}]", self.field.field), ..self.field.clone() })
+                .collect(),
+        };
+        if let Some(Factor::Times(field) | Factor::Density(field)) = &self.factor {
+            inputs.push(field.clone());
+        }
+        inputs
+    }
+
+    /// The channel's value from the numbers of [`Source::inputs`], in the source's unit, before `scale`; NaN if one is missing.
+    pub fn value(&self, inputs: &[f64]) -> f64 {
+        let (value, rest) = match self.transform {
+            Transform::None => (inputs.first().copied(), inputs.get(1..)),
+            transform => (inputs.first_chunk().map(|q| euler(transform, q)), inputs.get(4..)),
+        };
+        let factor = rest.and_then(|rest| rest.first()).copied();
+        let factor = match &self.factor {
+            None => Some(1.0),
+            Some(Factor::Times(_)) => factor,
+            Some(Factor::Density(_)) => {
+                factor.filter(|density| *density > 0.0).map(|rho| (SEA_LEVEL_DENSITY / rho).sqrt())
+            }
+        };
+        value.zip(factor).map_or(f64::NAN, |(value, factor)| value * factor)
+    }
+}
+
+/// Euler angles (3-2-1: heading, pitch, bank) of a quaternion, scalar first (Stevens and Lewis, Aircraft Control and
+/// Simulation, section 1.8). What is no rotation is none: PX4 writes zeros before its estimator runs.
+fn euler(transform: Transform, [w, x, y, z]: &[f64; 4]) -> f64 {
+    let norm = w * w + x * x + y * y + z * z;
+    // Written as float32, a unit quaternion is one to about 1e-7.
+    if !(0.98..1.02).contains(&norm) {
+        return f64::NAN;
+    }
+    match transform {
+        Transform::QuaternionPhi => (2.0 * (w * x + y * z)).atan2(w * w - x * x - y * y + z * z),
+        Transform::QuaternionTheta => (2.0 * (w * y - z * x) / norm).clamp(-1.0, 1.0).asin(),
+        Transform::QuaternionPsi => (2.0 * (w * z + x * y)).atan2(w * w + x * x - y * y - z * z),
+        Transform::None => f64::NAN,
+    }
+}
+
+impl FromStr for FieldName {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let wrong = || format!("'{text}' is no field of a topic; write topic.field or topic#instance.field");
+        let (topic, field) = text.trim().split_once('.').ok_or_else(wrong)?;
+        let (topic, instance) = match topic.split_once('#') {
+            Some((topic, instance)) => (topic, Some(instance.parse().map_err(|_| wrong())?)),
+            None => (topic, None),
+        };
+        if topic.is_empty() || field.is_empty() {
+            return Err(wrong());
+        }
+        Ok(Self { topic: topic.to_owned(), instance, field: field.to_owned() })
+    }
+}
+
+impl std::fmt::Display for FieldName {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self.instance {
+            Some(instance) => write!(f, "{}#{instance}.{}", self.topic, self.field),
+            None => write!(f, "{}.{}", self.topic, self.field),
+        }
+    }
+}
+
+/// A profile cannot be used.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("profile {file}: {problem}")]
+pub struct ProfileError {
+    /// Its file.
+    pub file: String,
+    /// What was found, and what is accepted.
+    pub problem: String,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    name: String,
+    time_base: Vec<String>,
+    surfaces: Option<SurfaceRule>,
+    channel: BTreeMap<String, Entry>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Entry {
+    held_s: Option<f64>,
+    sources: Vec<SourceEntry>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SourceEntry {
+    field: String,
+    unit: Option<String>,
+    #[serde(default = "one")]
+    scale: f64,
+    #[serde(default)]
+    transform: Transform,
+    times: Option<String>,
+    density: Option<String>,
+    note: Option<String>,
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+impl SourceEntry {
+    fn resolve(self) -> Result<Source, String> {
+        if !self.scale.is_finite() || self.scale == 0.0 {
+            return Err(format!("scale = {} makes no sense; write 1, -1 or another factor", self.scale));
+        }
+        let factor = match (self.times, self.density) {
+            (None, None) => None,
+            (Some(field), None) => Some(Factor::Times(field.parse()?)),
+            (None, Some(field)) => Some(Factor::Density(field.parse()?)),
+            (Some(_), Some(_)) => return Err("'times' and 'density' together; keep one".into()),
+        };
+        Ok(Source {
+            field: self.field.parse()?,
+            unit: self.unit,
+            scale: self.scale,
+            transform: self.transform,
+            factor,
+            note: self.note,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_built_in_profiles_are_right() {
+        for profile in [Profile::px4(), Profile::ardupilot(), Profile::mavlink()] {
+            let profile = profile.unwrap();
+            assert!(!profile.time_base.is_empty() && profile.channel("q").is_some(), "{}", profile.name);
+        }
+        let px4 = Profile::px4().unwrap();
+        assert_eq!(px4.channel("theta").unwrap().sources[0].inputs()[3].to_string(), "vehicle_attitude.q[3]");
+    }
+
+    #[test]
+    fn euler_angles_of_quaternions() {
+        let (phi, theta, psi) = (0.3_f64, -0.2_f64, 2.5_f64);
+        let half = |angle: f64| (0.5 * angle).sin_cos();
+        let ((sf, cf), (st, ct), (sp, cp)) = (half(phi), half(theta), half(psi));
+        // Stevens and Lewis (1.8-18).
+        let q = [
+            cf * ct * cp + sf * st * sp,
+            sf * ct * cp - cf * st * sp,
+            cf * st * cp + sf * ct * sp,
+            cf * ct * sp - sf * st * cp,
+        ];
+        for (transform, angle) in
+            [(Transform::QuaternionPhi, phi), (Transform::QuaternionTheta, theta), (Transform::QuaternionPsi, psi)]
+        {
+            assert!((euler(transform, &q) - angle).abs() < 1e-14, "{transform:?}");
+        }
+        assert!(euler(Transform::QuaternionTheta, &[0.0; 4]).is_nan());
+    }
+
+    #[test]
+    fn wrong_profiles_are_answered_with_the_place() {
+        let head = "name = \"x\"\ntime_base = []\n";
+        let wrong = |text: &str| Profile::parse("my.toml", &format!("{head}{text}")).unwrap_err().to_string();
+        let told = wrong("[channel.aplha]\nsources = []\n");
+        assert!(told.contains("my.toml: 'aplha' is no channel; did you mean 'alpha'?"), "{told}");
+        assert!(
+            wrong("[channel.alpha]\nsources = [{ field = \"a.b\", unit = \"kg\" }]\n").contains("not one of rad, deg")
+        );
+        assert!(wrong("[channel.alpha]\nsources = [{ field = \"ab\" }]\n").contains("write topic.field"));
+        assert!(wrong("[channel.alpha]\nsources = [{ field = \"a.b\", skale = 2 }]\n").contains("line 4"), "line");
+    }
+
+    #[test]
+    fn a_factor_multiplies() {
+        let source = |factor| Source {
+            field: "a.b".parse().unwrap(),
+            unit: None,
+            scale: 1.0,
+            transform: Transform::None,
+            factor: Some(factor),
+            note: None,
+        };
+        let field: FieldName = "c#1.d.e".parse().unwrap();
+        assert_eq!((field.instance, field.field.as_str()), (Some(1), "d.e"));
+        assert_eq!(source(Factor::Times(field.clone())).value(&[20.0, 1.5]), 30.0);
+        assert!((source(Factor::Density(field.clone())).value(&[20.0, 1.225 / 4.0]) - 40.0).abs() < 1e-12);
+        assert!(source(Factor::Density(field)).value(&[20.0, f64::NAN]).is_nan());
+    }
+}
