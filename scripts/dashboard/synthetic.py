@@ -17,10 +17,10 @@ ASSETS = Path(__file__).resolve().parents[2] / "crates/phugoid-live/assets/dashb
 
 # Value, bound at the start, time constant of the bound in s: as of a longitudinal model with 11 parameters.
 PARAMETERS = [
-    ("CD_0", 0.1239, 0.06, 3, "-"), ("CD_V", -0.0654, 0.05, 6, "-"), ("CD_alpha", 0.317, 0.3, 4, "1/rad"),
-    ("CL_0", -0.0939, 0.5, 20, "-"), ("CL_V", 0.1516, 0.4, 30, "-"), ("CL_alpha", 4.308, 2.0, 1.5, "1/rad"),
-    ("Cm_0", 0.1154, 0.2, 5, "-"), ("Cm_V", 0.0034, 0.1, 1e9, "-"), ("Cm_alpha", -0.9976, 0.6, 1, "1/rad"),
-    ("Cm_q", -35.71, 20, 2, "1/rad"), ("Cm_elevator", -1.575, 0.9, 1.2, "1/rad"),
+    ("CD_0", 0.1239, 0.06, 3, "-"), ("CD_V", -0.0654, 0.05, 6, "-"), ("CD_alpha", 0.317, 0.3, 4, "per rad"),
+    ("CL_0", -0.0939, 0.5, 20, "-"), ("CL_V", 0.1516, 0.4, 30, "-"), ("CL_alpha", 4.308, 2.0, 1.5, "per rad"),
+    ("Cm_0", 0.1154, 0.2, 5, "-"), ("Cm_V", 0.0034, 0.1, 1e9, "-"), ("Cm_alpha", -0.9976, 0.6, 1, "per rad"),
+    ("Cm_q", -35.71, 20, 2, "per rad"), ("Cm_elevator", -1.575, 0.9, 1.2, "per rad"),
 ]
 OUTPUTS = [("true_airspeed", "m/s", 0.13), ("alpha", "rad", 0.001), ("theta", "rad", 0.0005), ("q", "rad/s", 0.0006),
            ("ax", "m/s^2", 0.02), ("az", "m/s^2", 0.14), ("qdot", "rad/s^2", 0.006)]
@@ -31,7 +31,7 @@ def hello(session="synthetic"):
     return {
         "type": "hello", "source": "udp:127.0.0.1:14550", "version": "0", "session": session, "model": "hfb320",
         "method": "smpe", "axes": ["longitudinal"],
-        "parameters": [{"name": n, "unit": u} for n, _, _, _, u in PARAMETERS],
+        "parameters": [{"name": n, "unit": u, "initial": v, "prior_std": b / 2, "nuisance": False} for n, v, b, _, u in PARAMETERS],
         "outputs": [{"name": n, "unit": u} for n, u, _ in OUTPUTS],
         "inputs": [{"name": n, "unit": u} for n, u in INPUTS],
     }
@@ -63,19 +63,26 @@ class Synthetic:
             verdict = {"converged": "ready", "improving": "improving", "not_excited": "not_identifiable"}[status]
             if index == 10 and 40 < t < 44:
                 status, verdict = "in_doubt", "doubtful"
-            parameters.append({"value": value + sigma * wander, "std_error": sigma, "status": status, "verdict": verdict})
+            readiness = {
+                "verdict": verdict, "reason": "the bound is %.0f %% of what was known beforehand" % (100 * ratio),
+                "advice": "move the airspeed by 10 m/s" if verdict == "not_identifiable" else None,
+                "ready_since_s": 12.0 if verdict == "ready" else None, "bound_over_prior": ratio, "excitation": ratio / 2,
+                "variance_inflation": 4.0, "correlated_with": [],
+            }
+            parameters.append({"value": value + sigma * wander, "std_error": sigma, "status": status, "readiness": readiness})
         return {
-            "type": "estimate", "time_s": round(t, 6), "phase": "sliding", "change": "none", "parameters": parameters,
+            "type": "estimate", "time_s": round(t, 6), "phase": "sliding", "change": "in_doubt" if 40.1 < t < 43.9 else "steady",
+            "moved": True, "parameters": parameters,
             "outputs": [None if i == 0 and self.k % 5 else b + n * s for i, (b, n, (_, _, s)) in enumerate(zip(base, noise, OUTPUTS))],
             "predicted": base, "residuals": [None if i == 0 and self.k % 5 else n for i, n in enumerate(noise)],
             "inputs": [pulse, 8000 + 300 * math.sin(t / 9)],
         }
 
-    def link(self, stalled=False):
+    def link(self):
         return {
-            "type": "link", "received": self.k * 3, "lost": self.k // 50, "late": self.k // 400, "duplicated": 0,
-            "reordered": self.k // 300, "restarts": 0, "stalled": stalled,
-            "latency_ms": {"p50": 0.21, "p99_9": 1.9}, "recorded_bytes": self.k * 210,
+            "type": "link", "received": self.k * 3, "samples": self.k, "lost": self.k // 50, "late": self.k // 400, "duplicated": 0,
+            "reordered": self.k // 300, "restarts": 0, "stalled": 0, "refused": 0,
+            "latency_ms": {"p50": 0.21, "p99": 0.8, "p99_9": 1.9, "max": 3.2}, "recorded_bytes": self.k * 210,
         }
 
 
@@ -99,7 +106,7 @@ def run(write, mode, speed=1.0, seconds=math.inf):
     write(hello())
     if mode == "waiting":
         for have in range(0, 10**6):
-            write({**stream.link(), "waiting": {"have_s": min(1.2, have / 10), "need_s": 2.0}})
+            write({**stream.link(), "waiting": {"have_s": min(1.2, have / 10), "need_s": 2.0, "reason": None}})
             time.sleep(0.1)
     began, events = time.monotonic(), list(EVENTS)
     backlog = 60.0 if mode in ("backlog", "stale", "ended", "lost") else 0.0
@@ -118,7 +125,7 @@ def run(write, mode, speed=1.0, seconds=math.inf):
             time.sleep(ahead)
         if mode == "stale" and t > backlog + 1:
             while True:
-                write(stream.link(stalled=True))
+                write(stream.link())
                 time.sleep(1)
         if mode == "lost" and t > backlog + 1:
             return

@@ -14,11 +14,12 @@ function readColours() {
 }
 
 class Chart {
-  // `unit`: text at the axis and factor from the store's SI values. `lines`: column, colour, width, and whether a line is
-  // dashed; `band`: columns of its two edges. `marks`: constant lines. `least`: smallest range shown.
+  // `unit`: text at the axis and factor from the store's SI values. `lines`: column, colour, width; `band`:
+  // columns of its two edges. `marks`: constant lines. `least`: smallest range shown.
   constructor({ canvas, unit, lines, band, marks, truth, settled, least }) {
     Object.assign(this, { canvas, unit, lines, band, marks, truth, settled });
     this.least = least || 0;
+    this.points = new Float32Array(4 * 4096);
     this.context = canvas.getContext("2d");
     this.range = new Range();
     this.width = 0;
@@ -148,37 +149,32 @@ class Chart {
     context.setLineDash([]);
   }
 
-  line({ context, store, chosen, until, x, y, bounds }, { column, colour, width, dash }) {
-    const gap = gapOf(bounds, store);
-    let before = -Infinity, last = NaN;
-    context.strokeStyle = colours[colour];
-    context.lineWidth = width;
-    context.lineJoin = "round";
-    context.setLineDash(dash || []);
-    context.beginPath();
-    store.each(chosen, column, Math.min(bounds[1], until), (t, low, high) => {
-      if (low !== low || t > until) return;
-      const at = x(t);
-      // Of a group the nearer end first: a slope stays a slope.
-      const [near, far] = Math.abs(high - last) < Math.abs(low - last) ? [high, low] : [low, high];
-      if (t - before > gap) context.moveTo(at, y(near)); else context.lineTo(at, y(near));
-      if (far !== near) context.lineTo(at, y(far));
-      before = t;
-      last = far;
+  line(draw, { column, colour, width }) {
+    const { context, y } = draw, gap = gapOf(draw.bounds, draw.store);
+    // Per pixel: place, top, bottom, and whether it goes on from the pixel before.
+    const points = this.points;
+    let size = 0, spread = 0, before = -Infinity;
+    byPixel(draw, column, (at, low, high, begin, end) => {
+      const top = y(high), bottom = y(low);
+      points[size] = at;
+      points[size + 1] = top;
+      points[size + 2] = bottom;
+      points[size + 3] = begin - before > gap ? 0 : 1;
+      size = Math.min(size + 4, points.length - 4);
+      spread += bottom - top;
+      before = end;
     });
-    context.stroke();
-    context.setLineDash([]);
+    if (spread > 2 * (size / 4)) bars(context, points, size, colours[colour], width);
+    else stroke(context, points, size, colours[colour], width);
   }
 
-  fill({ context, store, chosen, until, x, y, bounds }) {
-    const places = [], edges = [];
-    const to = Math.min(bounds[1], until);
-    store.each(chosen, this.band[1], to, (t, low, high) => { if (t <= until) places.push(t, high); });
-    store.each(chosen, this.band[0], to, (t, low) => { if (t <= until) edges.push(t, low); });
+  fill(draw) {
+    const { context, y } = draw, edge = [];
     context.fillStyle = colours.band;
     context.beginPath();
-    for (let i = 0; i < places.length; i += 2) if (places[i + 1] === places[i + 1]) context.lineTo(x(places[i]), y(places[i + 1]));
-    for (let i = edges.length - 2; i >= 0; i -= 2) if (edges[i + 1] === edges[i + 1]) context.lineTo(x(edges[i]), y(edges[i + 1]));
+    byPixel(draw, this.band[1], (at, low, high) => context.lineTo(at, y(high)));
+    byPixel(draw, this.band[0], (at, low) => edge.push(at, y(low)));
+    for (let i = edge.length - 2; i >= 0; i -= 2) context.lineTo(edge[i], edge[i + 1]);
     context.fill();
   }
 
@@ -231,6 +227,64 @@ class Chart {
     const widest = Math.max(Math.abs(begin), Math.abs(end));
     return context.measureText(minus((-widest).toFixed(decimals)) + " s").width;
   }
+}
+
+// A smooth line.
+function stroke(context, points, size, colour, width) {
+  let last = NaN;
+  context.strokeStyle = colour;
+  context.lineWidth = width;
+  context.lineJoin = "bevel";
+  context.beginPath();
+  for (let i = 0; i < size; i += 4) {
+    const at = points[i], top = points[i + 1], bottom = points[i + 2];
+    // Of two values at one place the nearer first: a slope stays a slope.
+    const [near, far] = Math.abs(bottom - last) < Math.abs(top - last) ? [bottom, top] : [top, bottom];
+    if (points[i + 3]) context.lineTo(at, near); else context.moveTo(at, near);
+    if (far !== near) context.lineTo(at, far);
+    last = far;
+  }
+  context.stroke();
+}
+
+// Noise, which goes up and down within each pixel: a bar per pixel looks as a line does and is drawn much faster.
+function bars(context, points, size, colour, width) {
+  let above = NaN, below = NaN;
+  context.fillStyle = colour;
+  for (let i = 0; i < size; i += 4) {
+    let top = points[i + 1], bottom = points[i + 2];
+    const [ownTop, ownBottom] = [top, bottom];
+    if (points[i + 3]) {
+      if (top > below) top = below;
+      if (bottom < above) bottom = above;
+    }
+    context.fillRect(Math.floor(points[i]), top - width / 2, 1, bottom - top + width);
+    above = ownTop;
+    below = ownBottom;
+  }
+}
+
+// Calls visit(place, low, high, first time, last time) once for each pixel of the width that has values: drawing more
+// would cost time and show the same.
+function byPixel({ store, chosen, until, x, bounds }, column, visit) {
+  let pixel = NaN, at = NaN, low = NaN, high = NaN, first = NaN, last = NaN;
+  store.each(chosen, column, Math.min(bounds[1], until), (t, l, h) => {
+    if (l !== l || t > until) return;
+    const place = x(t), here = Math.floor(place);
+    if (here === pixel) {
+      if (l < low) low = l;
+      if (h > high) high = h;
+    } else {
+      if (pixel === pixel) visit(at, low, high, first, last);
+      pixel = here;
+      at = place;
+      low = l;
+      high = h;
+      first = t;
+    }
+    last = t;
+  });
+  if (pixel === pixel) visit(at, low, high, first, last);
 }
 
 // Without a sample for so long, s, a line is broken: longer than any ordinary distance of rows at this zoom.

@@ -19,6 +19,7 @@ class Flight {
     this.forgotten = 0;
     this.eventsChanged = true;
     this.link = null;
+    this.silent = false;
     this.linkChanged = true;
     this.ended = null;
     this.trouble = null;
@@ -33,6 +34,8 @@ class Flight {
       case "waiting": this.waiting = document; break;
       case "event": this.event(document); break;
       case "link":
+        // A second without anything received: the sender is silent, not the connection to this page.
+        this.silent = Boolean(this.link) && document.received === this.link.received;
         this.link = document;
         this.linkChanged = true;
         if (document.waiting) this.waiting = document.waiting;
@@ -92,30 +95,18 @@ class Flight {
     this.eventsChanged = true;
   }
 
-  // A finished result: whole columns at once.
+  // A finished result: whole columns at once, in the order of a row.
   load(result) {
-    this.greet({ ...result.hello, rows: Math.max(result.history.time_s.length, 2) });
-    const { history } = result, { places, row } = this;
-    const at = (column, k) => (column && typeof column[k] === "number" ? column[k] : NaN);
-    history.time_s.forEach((time, k) => {
-      history.parameters.forEach((p, i) => {
-        const place = places.parameters + 3 * i, value = at(p.value, k), sigma = at(p.std_error, k);
-        row[place] = value;
-        row[place + 1] = value - 2 * sigma;
-        row[place + 2] = value + 2 * sigma;
-      });
-      places.outputNames.forEach((_, i) => {
-        row[places.outputs + 3 * i] = at(history.outputs[i], k);
-        row[places.outputs + 3 * i + 1] = at(history.predicted[i], k);
-        row[places.outputs + 3 * i + 2] = at(history.residuals[i], k);
-      });
-      for (let i = 0; i < places.inputCount; i += 1) row[places.inputs + i] = at(history.inputs[i], k);
-      this.store.push(time, row);
+    const { time_s: time, columns, samples_per_group: group } = result.history;
+    this.greet({ ...result.hello, rows: Math.max(time.length, 2) });
+    time.forEach((t, k) => {
+      columns.forEach((column, c) => { this.row[c] = typeof column[k] === "number" ? column[k] : NaN; });
+      this.store.push(t, this.row);
     });
     this.newest = { time_s: this.store.last, parameters: result.parameters };
     result.events.forEach((event) => this.event(event));
     this.link = result.link || null;
-    this.ended = result.end || { reason: "result" };
+    this.thinned = group > 1 ? group : 0;
   }
 }
 

@@ -15,7 +15,7 @@ function humanUnit(si) {
   }
 }
 
-// `1/rad` as `per rad`; derivatives stay per radian, as everywhere in Phugoid.
+// `1/rad` as `per rad`, `rad` of a sensor's bias in degrees; derivatives stay per radian, as everywhere in Phugoid.
 function parameterUnit(si) {
   const unit = (si || "").trim();
   if (unit.startsWith("1/")) return { text: "per " + raised(unit.slice(2)), factor: 1 };

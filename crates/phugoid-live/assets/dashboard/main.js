@@ -40,7 +40,7 @@ function picture(now) {
     flight.eventsChanged = false;
   }
   if (flight.linkChanged) {
-    showLink(flight.link);
+    showLink(flight);
     flight.linkChanged = false;
   }
   if (!flight.newest) return;
@@ -83,7 +83,10 @@ function start() {
     rebuild();
     for (const id of ["pause", "follow"]) byId(id).hidden = true;
     byId("link-section").hidden = !flight.link;
-    const sentences = result.verdict || [];
+    const sentences = [...result.verdict];
+    if (flight.thinned) {
+      sentences.push(`Charts show the least and the greatest value of every ${count(flight.thinned)} samples.`);
+    }
     byId("verdict").hidden = sentences.length === 0;
     byId("verdict").querySelector("ul").append(...sentences.map((s) => element("li", "", s)));
   } else {

@@ -38,7 +38,7 @@ class Panels {
       this.sight.unobserve(chart.canvas);
     }
     this.charts = [];
-    for (const id of ["parameters", "inputs", "outputs", "residuals"]) byId(id).replaceChildren();
+    for (const id of ["parameters", "nuisance", "inputs", "outputs", "residuals"]) byId(id).replaceChildren();
     this.cards = layout.parameters.map((p, i) => this.parameter(p, places.parameters + 3 * i));
     const unitOf = (signal) => humanUnit(signal.unit);
     this.readings = [];
@@ -53,15 +53,18 @@ class Panels {
       this.signal("residuals", output.name, { text: "σ", factor: 1 },
         [{ column: column + 2, colour: "blue", width: 1 }], { marks: [-4, -2, 2, 4] });
     });
+    byId("nuisance-part").hidden = !layout.parameters.some((p) => p.nuisance);
     byId("inputs-section").hidden = layout.inputs.length === 0;
     byId("parameters-section").querySelector(".truth-key").hidden = !layout.parameters.some((p) => Number.isFinite(p.truth));
   }
 
   parameter(layout, column) {
     const unit = parameterUnit(layout.unit);
-    const card = this.card("parameters", layout.name, unit, {
+    const card = this.card(layout.nuisance ? "nuisance" : "parameters", layout.name, unit, {
       lines: [{ column, colour: "blue", width: 1.6 }], band: [column + 1, column + 2], settled: true, truth: layout.truth,
     });
+    card.name = layout.name;
+    card.nuisance = layout.nuisance;
     card.verdict = card.head.appendChild(element("span", "verdict"));
     card.symbol = card.verdict.appendChild(element("span", "symbol"));
     card.words = card.verdict.appendChild(element("span"));
@@ -101,15 +104,39 @@ class Panels {
       const factor = card.unit.factor, fixed = p.status === "fixed";
       const sigma = typeof p.std_error === "number" ? p.std_error : NaN;
       setText(card.number, p.value === null ? "–" : valueWithBound(p.value * factor, fixed ? NaN : 2 * sigma * factor));
-      const { symbol, text, kind } = verdictOf(p.status, p.verdict);
+      const { symbol, text, kind } = verdictOf(p.status, p.readiness && p.readiness.verdict);
       setText(card.symbol, symbol);
       setText(card.words, text);
       card.verdict.className = "verdict v-" + kind;
+      if (card.nuisance) return;
       const name = (VERDICTS[p.status] || [0, words(p.status || "")])[1];
       totals.set(name, (totals.get(name) || 0) + 1);
     });
     const told = [...totals].sort((a, b) => b[1] - a[1]).map(([name, n]) => `${n} ${name}`);
-    setText(byId("summary"), `${snapshot.parameters.length} parameters at ${timeText(snapshot.time_s)}: ${told.join(", ")}.`);
+    const all = this.cards.filter((card) => !card.nuisance).length;
+    setText(byId("summary"), snapshot.moved === false
+      ? `At ${timeText(snapshot.time_s)} nothing has moved yet: the ${all} parameters are what was known beforehand.`
+      : `${all} parameters at ${timeText(snapshot.time_s)}: ${told.join(", ")}.`);
+    this.notReady(snapshot);
+  }
+
+  // Why parameters are not ready, and what would help.
+  notReady(snapshot) {
+    const lines = [];
+    snapshot.parameters.forEach((p, i) => {
+      const card = this.cards[i], readiness = p.readiness;
+      if (!card || card.nuisance || !readiness || readiness.verdict === "ready") return;
+      const advice = readiness.advice ? ` What would help: ${readiness.advice}.` : "";
+      lines.push(`${card.name}: ${words(readiness.verdict)}, ${readiness.reason}.${advice}`);
+    });
+    const list = byId("not-ready").querySelector("ul");
+    byId("not-ready").hidden = lines.length === 0;
+    setText(byId("not-ready").querySelector("summary"),
+      `${lines.length} ${lines.length === 1 ? "parameter is" : "parameters are"} not ready: why, and what would help`);
+    if (!byId("not-ready").open && list.childElementCount > 0) return;
+    while (list.childElementCount > lines.length) list.lastChild.remove();
+    while (list.childElementCount < lines.length) list.append(element("li"));
+    lines.forEach((line, i) => setText(list.children[i], line));
   }
 
   // Values of the signals at a time: where the pointer is, or at the end of the window.

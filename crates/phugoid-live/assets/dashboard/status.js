@@ -21,13 +21,14 @@ function statusOf(flight, stream, view) {
   if (stream.state === "connecting") return { kind: "waiting", words: "Connecting" };
   if (!flight.newest) return { kind: "waiting", words: "Waiting" };
   if (stream.isStale()) {
-    const sender = flight.link && flight.link.stalled ? "The sender is silent" : "No new estimates";
+    const sender = flight.silent ? "The sender is silent" : "No new estimates";
     return { kind: "stale", words: "Old data", notice: `${sender} for ${timeText(stream.age(), 0)}. What is shown ends at ${time}.` };
   }
   if (view.paused) {
     return { kind: "paused", words: `Paused at ${timeText(view.until)}; ${timeText(flight.store.last - view.until)} behind` };
   }
-  return { kind: "live", words: `Live ${time}` };
+  const doubt = flight.newest.change === "in_doubt";
+  return { kind: "live", words: `Live ${time}`, notice: doubt ? "A change of the aircraft is suspected: bounds are widened until it is decided." : "" };
 }
 
 // What stands in place of the charts before the first estimate.
@@ -37,11 +38,15 @@ function waitingWords(flight, stream) {
   }
   if (stream.state === "connecting") return { words: "Connecting to phugoid" };
   const waiting = flight.waiting;
+  if (waiting && waiting.have_s >= waiting.need_s && waiting.reason) {
+    return { words: "Waiting for the start", note: sentence(waiting.reason) };
+  }
   if (waiting && Number.isFinite(waiting.need_s)) {
     return {
       words: `Measuring the noise: ${waiting.have_s.toFixed(1)} of ${Number(waiting.need_s.toFixed(1))} s`,
       have: waiting.have_s, need: waiting.need_s,
-      note: "The first samples tell the noise of the sensors and the reference flight condition. Estimates begin after them.",
+      note: (waiting.reason ? sentence(waiting.reason) + " " : "") +
+        "The first samples tell the noise of the sensors and the reference flight condition. Estimates begin after them.",
     };
   }
   const from = flight.hello && flight.hello.source ? ` from ${flight.hello.source}` : "";
@@ -49,6 +54,10 @@ function waitingWords(flight, stream) {
   return flight.ended
     ? { words: "The stream ended before the first estimate", note: words(flight.ended.reason || flight.ended.message || "") }
     : { words: "Waiting for measurements", note: `Connected; nothing to estimate${from} yet.${got}` };
+}
+
+function sentence(text) {
+  return text.charAt(0).toUpperCase() + text.slice(1).replace(/\.?$/, ".");
 }
 
 function showStatus(flight, stream, view) {
