@@ -14,6 +14,9 @@ pub use crate::offer::{Offer, OfferedTerm};
 pub struct ParameterResult {
     /// Name from the model file, e.g. `Cm_alpha` or `dCm_alpha`.
     pub name: String,
+    /// Unit as printed: `per rad`, `-`; that of the sensor for a bias. Empty where an older version wrote the result.
+    #[serde(default)]
+    pub unit: String,
     /// Estimate at the end of the record, per radian where an angle is involved.
     pub value: f64,
     /// One-sigma error claimed by the covariance.

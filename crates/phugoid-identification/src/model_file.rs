@@ -181,6 +181,15 @@ impl Parameter {
     pub fn is_nuisance(&self) -> bool {
         !matches!(self.role, Role::Term(..))
     }
+
+    /// Unit as printed: `per rad`, `-`; that of the sensor for a bias.
+    pub fn unit(&self) -> String {
+        match &self.role {
+            Role::Bias(output) => output.unit().to_owned(),
+            Role::Term(_, term) => term.parameter_unit(),
+            Role::Offset(_) => "-".to_owned(),
+        }
+    }
 }
 
 /// The process noise that stands for gusts and model error.

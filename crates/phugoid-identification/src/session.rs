@@ -26,7 +26,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::EstimateError;
 use crate::estimation::{Event, ParameterReadiness};
-use crate::model_file::{ModelFile, Role};
+use crate::model_file::ModelFile;
 use crate::options::{EstimateOptions, capacity};
 use crate::output::Output;
 use course::Course;
@@ -330,14 +330,9 @@ fn empty_channel(name: &str) -> Channel {
 }
 
 fn parameter_layout(parameter: &crate::model_file::Parameter) -> ParameterLayout {
-    let unit = match &parameter.role {
-        Role::Bias(output) => output.unit().to_owned(),
-        Role::Term(_, term) => term.parameter_unit(),
-        Role::Offset(_) => "-".to_owned(),
-    };
     ParameterLayout {
         name: parameter.name.clone(),
-        unit,
+        unit: parameter.unit(),
         initial: parameter.start,
         prior_std: parameter.prior_std,
         nuisance: parameter.is_nuisance(),

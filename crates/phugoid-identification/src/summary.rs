@@ -120,6 +120,7 @@ fn result(
     let truth = options.truth.get(&parameter.name).copied();
     let mut result = ParameterResult {
         name: parameter.name.clone(),
+        unit: parameter.unit(),
         value: parameter.start,
         std_error: 0.0,
         corrected_std_error: 0.0,

@@ -1,11 +1,15 @@
 //! The command line.
 
+mod view;
+
 use std::path::PathBuf;
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use phugoid_identification::method::Method;
 use phugoid_studies::quantity::{Angle, AngularRate, Frequency, Length, Speed, Time};
+
+pub(crate) use view::View;
 
 const EXIT_CODES: &str = "\
 Exit codes:
@@ -52,6 +56,7 @@ pub(crate) enum Command {
     Tune(Tune),
     Design(Design),
     Compatibility(Compatibility),
+    View(View),
 }
 
 /// The main job.

@@ -43,6 +43,7 @@ fn command() -> ExitCode {
         Some(Command::Tune(arguments)) => commands::tune::run(arguments),
         Some(Command::Design(arguments)) => commands::design::run(arguments),
         Some(Command::Compatibility(arguments)) => commands::compatibility::run(arguments),
+        Some(Command::View(arguments)) => commands::view::run(arguments),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

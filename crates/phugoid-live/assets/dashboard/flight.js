@@ -98,6 +98,7 @@ class Flight {
   // A finished result: whole columns at once, in the order of a row.
   load(result) {
     const { time_s: time, columns, samples_per_group: group } = result.history;
+    result.parameters.forEach((p, i) => { result.hello.parameters[i].truth = p.truth; });
     this.greet({ ...result.hello, rows: Math.max(time.length, 2) });
     time.forEach((t, k) => {
       columns.forEach((column, c) => { this.row[c] = typeof column[k] === "number" ? column[k] : NaN; });

@@ -78,7 +78,7 @@ const VERDICTS = {
   ready: ["✓", "ready", "good"],
   improving: ["↗", "improving", "wait"],
   not_excited: ["○", "not excited", "none"],
-  not_identifiable: ["⊘", "not identifiable with this input", "none"],
+  not_identifiable: ["⊘", "needs another input", "none"],
   at_limit: ["⊣", "at the limit of the model file", "limit"],
   in_doubt: ["?", "in doubt: the model contradicts the flight", "bad"],
   doubtful: ["?", "doubtful", "bad"],

@@ -214,6 +214,7 @@ pub(crate) fn estimation(case: &Case) -> Estimation {
         let (last, sigma) = (history.value[count - 1], history.std_error[count - 1]);
         parameters.push(ParameterResult {
             name: name.clone(),
+            unit: "per rad".to_owned(),
             value: last,
             std_error: 0.8 * sigma,
             corrected_std_error: sigma,

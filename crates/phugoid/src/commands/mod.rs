@@ -16,3 +16,4 @@ pub(crate) mod simulate;
 pub(crate) mod study;
 pub(crate) mod trim;
 pub(crate) mod tune;
+pub(crate) mod view;

@@ -1,0 +1,113 @@
+//! The JSON document of `phugoid estimate --json --history`.
+
+use std::io::Read;
+
+use phugoid_identification::estimation::{Event, ParameterResult};
+use phugoid_identification::session::{Layout, ParameterLayout, SignalLayout};
+use serde::Deserialize;
+
+use super::thinned::Thinned;
+use super::{FinalParameter, Finished, Hello, ViewError};
+
+#[derive(Deserialize)]
+struct Document {
+    source: String,
+    model: String,
+    method: String,
+    parameters: Vec<ParameterResult>,
+    #[serde(default)]
+    verdict: Vec<String>,
+    #[serde(default)]
+    events: Vec<Event>,
+    history: Option<History>,
+}
+
+/// As in [`phugoid_identification::estimation::History`], with what JSON has in place of NaN.
+#[derive(Deserialize)]
+struct History {
+    time_s: Vec<f64>,
+    inputs: Vec<Signal>,
+    measured: Vec<Signal>,
+    predicted: Vec<Signal>,
+    residuals: Vec<Signal>,
+    parameters: Vec<ParameterHistory>,
+}
+
+#[derive(Deserialize)]
+struct Signal {
+    name: String,
+    unit: String,
+    values: Vec<Option<f64>>,
+}
+
+#[derive(Deserialize)]
+struct ParameterHistory {
+    name: String,
+    value: Vec<Option<f64>>,
+    std_error: Vec<Option<f64>>,
+}
+
+pub(super) fn read(file: impl Read) -> Result<Finished, ViewError> {
+    let document: Document = serde_json::from_reader(file).map_err(|error| ViewError::NoResult(error.to_string()))?;
+    let history = document.history.ok_or(ViewError::NoHistory)?;
+    let result = |name: &str| document.parameters.iter().find(|parameter| parameter.name == name);
+    let layout = Layout {
+        model: document.model,
+        method: document.method,
+        axes: Vec::new(),
+        parameters: history.parameters.iter().map(|course| parameter(&course.name, result(&course.name))).collect(),
+        outputs: history.measured.iter().map(signal).collect(),
+        inputs: history.inputs.iter().map(signal).collect(),
+    };
+    let mut columns = Thinned::new(history.parameters.len(), history.measured.len(), history.inputs.len());
+    let mut row = Vec::new();
+    for (k, time_s) in history.time_s.iter().enumerate() {
+        let at = |values: &[Option<f64>]| values.get(k).copied().flatten().unwrap_or(f64::NAN);
+        row.clear();
+        for course in &history.parameters {
+            let (value, bound) = (at(&course.value), 2.0 * at(&course.std_error));
+            row.extend([value, value - bound, value + bound]);
+        }
+        for ((measured, predicted), residual) in history.measured.iter().zip(&history.predicted).zip(&history.residuals)
+        {
+            row.extend([at(&measured.values), at(&predicted.values), at(&residual.values)]);
+        }
+        row.extend(history.inputs.iter().map(|input| at(&input.values)));
+        columns.push(*time_s, &row);
+    }
+    let last = |course: &ParameterHistory| {
+        let known = result(&course.name);
+        FinalParameter {
+            value: known.map(|p| p.value),
+            std_error: known.map(|p| p.corrected_std_error),
+            status: known.map(|p| p.status.clone()).unwrap_or_default(),
+            readiness: known.and_then(|p| p.readiness.clone()),
+            truth: known.and_then(|p| p.truth),
+        }
+    };
+    Ok(Finished {
+        parameters: history.parameters.iter().map(last).collect(),
+        hello: Hello { source: document.source, layout },
+        history: columns.finish(),
+        events: document.events,
+        verdict: document.verdict,
+        link: None,
+    })
+}
+
+fn signal(signal: &Signal) -> SignalLayout {
+    SignalLayout { name: signal.name.clone(), unit: signal.unit.clone() }
+}
+
+fn parameter(name: &str, result: Option<&ParameterResult>) -> ParameterLayout {
+    let Some(result) = result else {
+        return ParameterLayout { name: name.to_owned(), ..ParameterLayout::default() };
+    };
+    ParameterLayout {
+        name: name.to_owned(),
+        unit: result.unit.clone(),
+        initial: result.initial,
+        prior_std: result.prior_std,
+        nuisance: result.nuisance,
+    }
+}

@@ -1,0 +1,131 @@
+//! Columns of bounded size: of more samples than a picture can show, the least and greatest values of groups are kept.
+
+use super::Columns;
+
+/// Rows kept at most: more than the pixels of any screen across, so that some zooming still shows more.
+const MOST_GROUPS: usize = 16_384;
+
+/// What of a group is wanted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    /// The least and the greatest value, one after the other.
+    Line,
+    /// The least.
+    LowerEdge,
+    /// The greatest.
+    UpperEdge,
+}
+
+/// Collects rows; memory does not grow with their number.
+#[derive(Clone, Debug)]
+pub(super) struct Thinned {
+    kinds: Vec<Kind>,
+    /// Samples per group.
+    group: usize,
+    time_s: Vec<f64>,
+    low: Vec<Vec<f32>>,
+    high: Vec<Vec<f32>>,
+    /// Samples in the last group.
+    filled: usize,
+}
+
+impl Thinned {
+    /// For a model with so many parameters, outputs and inputs.
+    pub(super) fn new(parameters: usize, outputs: usize, inputs: usize) -> Self {
+        let mut kinds = [Kind::Line, Kind::LowerEdge, Kind::UpperEdge].repeat(parameters);
+        kinds.extend(std::iter::repeat_n(Kind::Line, 3 * outputs + inputs));
+        let columns = vec![Vec::new(); kinds.len()];
+        Self { kinds, group: 1, time_s: Vec::new(), low: columns.clone(), high: columns, filled: 0 }
+    }
+
+    /// Appends one sample; values in the order of [`Columns`], NaN where missing or not given.
+    pub(super) fn push(&mut self, time_s: f64, row: &[f64]) {
+        if self.filled == self.group || self.time_s.is_empty() {
+            if self.time_s.len() == MOST_GROUPS {
+                self.halve();
+            }
+            self.time_s.push(time_s);
+            self.low.iter_mut().chain(&mut self.high).for_each(|column| column.push(f32::NAN));
+            self.filled = 0;
+        }
+        self.filled += 1;
+        for ((low, high), value) in self.low.iter_mut().zip(&mut self.high).zip(row) {
+            // The smaller of a number and NaN is the number.
+            if let (Some(low), Some(high)) = (low.last_mut(), high.last_mut()) {
+                *low = low.min(*value as f32);
+                *high = high.max(*value as f32);
+            }
+        }
+    }
+
+    /// Joins groups in pairs.
+    fn halve(&mut self) {
+        let firsts = self.time_s.chunks(2).filter_map(|pair| pair.first().copied()).collect();
+        self.time_s = firsts;
+        for column in &mut self.low {
+            *column = column.chunks(2).map(|pair| pair.iter().copied().fold(f32::NAN, f32::min)).collect();
+        }
+        for column in &mut self.high {
+            *column = column.chunks(2).map(|pair| pair.iter().copied().fold(f32::NAN, f32::max)).collect();
+        }
+        self.group *= 2;
+    }
+
+    /// Single samples as they are; of groups two rows each, at a quarter and three quarters of their time.
+    pub(super) fn finish(self) -> Columns {
+        let samples_per_group = self.group;
+        if samples_per_group == 1 {
+            return Columns { time_s: self.time_s, columns: self.low, samples_per_group };
+        }
+        let spans = self.time_s.windows(2).map(|pair| pair[1] - pair[0]);
+        let last = spans.clone().next_back().unwrap_or(0.0) * self.filled as f64 / self.group as f64;
+        let both = |(time, span): (&f64, f64)| [time + 0.25 * span, time + 0.75 * span];
+        let time_s = self.time_s.iter().zip(spans.chain([last])).flat_map(both).collect();
+        let columns = self.kinds.iter().zip(self.low.iter().zip(&self.high)).map(|(kind, (low, high))| {
+            let rows = low.iter().zip(high).flat_map(|(low, high)| match kind {
+                Kind::Line => [*low, *high],
+                Kind::LowerEdge => [*low, *low],
+                Kind::UpperEdge => [*high, *high],
+            });
+            rows.collect()
+        });
+        Columns { time_s, columns: columns.collect(), samples_per_group }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn few_samples_stay_as_they_are() {
+        let mut thinned = Thinned::new(0, 0, 2);
+        for k in 0..100 {
+            thinned.push(f64::from(k), &[f64::from(k), f64::NAN]);
+        }
+        let columns = thinned.finish();
+        assert_eq!(columns.time_s.len(), 100);
+        assert_eq!(columns.columns[0][17], 17.0);
+        assert!(columns.columns[1].iter().all(|value| value.is_nan()));
+    }
+
+    #[test]
+    fn a_single_peak_among_a_million_samples_survives() {
+        let mut thinned = Thinned::new(1, 0, 1);
+        for k in 0..1_000_000_u32 {
+            let peak = if k == 654_321 { 7.5 } else { 0.0 };
+            thinned.push(f64::from(k) * 0.01, &[1.0, 0.5 - peak, 1.5 + peak, -peak]);
+        }
+        let columns = thinned.finish();
+        let rows = columns.time_s.len();
+        assert!(rows <= 2 * MOST_GROUPS && rows > MOST_GROUPS / 2, "{rows}");
+        assert!(columns.time_s.is_sorted_by(|a, b| a < b));
+        assert!(*columns.time_s.last().unwrap() <= 10_000.0);
+        for (column, peak) in columns.columns.iter().zip([1.0, -7.0, 9.0, -7.5]) {
+            assert_eq!(column.len(), rows);
+            let place = column.iter().position(|value| *value == peak).unwrap();
+            let time_s = columns.time_s[if column[0] == peak { 0 } else { place }];
+            assert!(column[0] == peak || (time_s - 6543.21).abs() < 1.0, "{peak} at {time_s}");
+        }
+    }
+}

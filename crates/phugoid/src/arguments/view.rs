@@ -1,0 +1,22 @@
+//! `phugoid view`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::examples_and_exit_codes;
+
+/// Shows a finished result on the page of the live estimation: parameters with their bounds, signals, residuals, events
+#[derive(Debug, Args)]
+#[command(after_help = examples_and_exit_codes(
+    "  phugoid estimate flight.csv --model jet.toml --json --history > result.json
+  phugoid view result.json --html result.html"
+))]
+pub(crate) struct View {
+    /// JSON of `phugoid estimate --json --history`, or the documents that `phugoid live` has published, one per line
+    #[arg(value_name = "RESULT")]
+    pub(crate) result: PathBuf,
+    /// Write the page to this file, with the data inside: it needs no server and no network
+    #[arg(long, value_name = "FILE")]
+    pub(crate) html: PathBuf,
+}
