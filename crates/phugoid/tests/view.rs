@@ -9,7 +9,8 @@ fn a_result_with_histories_becomes_a_page() {
     let folder = Folder::new("view");
     let simulated = phugoid(&folder.0, &["simulate", "f16-calm", "--out", "flight"]);
     assert_eq!(simulated.code, Some(0), "{}", simulated.err);
-    let arguments = ["estimate", "flight/measured.csv", "--model", "f16-model", "--truth", "f16-calm", "--no-report", "--json"];
+    let arguments =
+        ["estimate", "flight/measured.csv", "--model", "f16-model", "--truth", "f16-calm", "--no-report", "--json"];
     let mut with_history = arguments.to_vec();
     with_history.push("--history");
     folder.file("result.json", &phugoid(&folder.0, &with_history).out);
