@@ -10,6 +10,8 @@ pub use expected::Expectation;
 
 use std::collections::BTreeMap;
 
+use phugoid_flight_data::table::ColumnMapping;
+
 use crate::axes::Axes;
 use crate::method::Method;
 use crate::output::{CHANNELS, Output, STATE_CHANNELS};
@@ -337,6 +339,16 @@ impl ModelFile {
             Source::Constant(_) => None,
         }));
         used
+    }
+
+    /// The columns of a record that the file maps to channels by hand.
+    pub fn columns(&self) -> Vec<ColumnMapping> {
+        let mapped = self.channels.iter().map(|(channel, mapping)| ColumnMapping {
+            unit: mapping.unit.clone(),
+            scale: mapping.scale,
+            ..ColumnMapping::new(channel.as_str(), mapping.header.as_str())
+        });
+        mapped.collect()
     }
 
     /// Outputs that are measured, in the order of the motion's output vector.

@@ -15,6 +15,7 @@ pub mod manoeuvre;
 pub mod model_error;
 pub mod monte_carlo;
 mod mounting;
+pub mod named;
 pub mod published;
 pub mod quantity;
 pub mod reproduction;

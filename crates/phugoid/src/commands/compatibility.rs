@@ -10,6 +10,7 @@ use phugoid_identification::compatibility::{
     Compatibility, CompatibilityOptions, Corrections, Group, InputSkew, Reconstructed, SensorVerdict, compatibility,
     input_skew,
 };
+use phugoid_identification::model_file::ModelFile;
 use phugoid_report::{StudyPage, StudySection, chart_figure, study_html, write_named_figures};
 use phugoid_studies::reproduction::result::{Axis, Cell, Chart, Column, Content, Curve, Meaning, Panel, Shape, Table};
 use serde::Serialize;
@@ -32,7 +33,7 @@ struct Document<'a> {
 
 pub(crate) fn run(arguments: &arguments::Compatibility) -> Result<(), Failure> {
     let model = arguments.model.as_deref().map(super::estimate::model).transpose()?;
-    let columns = model.as_ref().map(super::estimate::columns).unwrap_or_default();
+    let columns = model.as_ref().map(ModelFile::columns).unwrap_or_default();
     let record = {
         let _progress = Progress::spinner("reading");
         csv::read_path(&arguments.flight, &CsvOptions { columns, ..CsvOptions::default() }).map_err(Failure::input)?

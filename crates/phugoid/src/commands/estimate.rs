@@ -3,13 +3,13 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use phugoid_flight_data::csv::{self, ColumnMapping, CsvOptions};
+use phugoid_flight_data::csv::{self, CsvOptions};
 use phugoid_flight_data::record::Record;
 use phugoid_identification::estimate::{EstimateOptions, OfferTerms, estimate};
 use phugoid_identification::estimation::Estimation;
 use phugoid_identification::model_file::ModelFile;
 use phugoid_report::HtmlOptions;
-use phugoid_studies::published;
+use phugoid_studies::named;
 use phugoid_studies::scenario::nearest;
 use serde::Serialize;
 
@@ -32,7 +32,7 @@ pub(crate) fn run(arguments: &arguments::Estimate) -> Result<(), Failure> {
     once_each(flight, &arguments.with, arguments.predict.as_deref())?;
     let model = model(wanted)?;
     let truth = truth(&arguments.truth, &model)?;
-    let options = CsvOptions { columns: columns(&model), ..CsvOptions::default() };
+    let options = CsvOptions { columns: model.columns(), ..CsvOptions::default() };
     let read = |path: &PathBuf| csv::read_path(path, &options).map_err(Failure::input);
     let (record, further, predict) = {
         let _progress = Progress::spinner("reading");
@@ -201,33 +201,9 @@ impl Presentation<'_> {
     }
 }
 
-/// The model files that are built in: name and text.
-fn built_in() -> impl Iterator<Item = (&'static str, &'static str)> + Clone {
-    ModelFile::BUILT_IN.into_iter().chain(published::MODELS.iter().copied())
-}
-
 /// A model file, or a built-in one by name.
 pub(crate) fn model(wanted: &str) -> Result<ModelFile, Failure> {
-    let path = Path::new(wanted);
-    if !path.exists()
-        && let Some((name, text)) = built_in().find(|(name, _)| *name == wanted)
-    {
-        return ModelFile::parse(name, text).map_err(Failure::input);
-    }
-    let text = std::fs::read_to_string(path).map_err(|error| unknown_model(wanted, &error))?;
-    ModelFile::parse(wanted, &text).map_err(Failure::input)
-}
-
-fn unknown_model(wanted: &str, error: &std::io::Error) -> Failure {
-    let names = || built_in().map(|(name, _)| name);
-    let hint = match nearest(wanted, names()) {
-        Some(near) => format!("Did you mean the built-in model `{near}`?"),
-        None => format!(
-            "Built-in models: {}. Start your own from one: phugoid estimate --show-model f16 > mine.toml",
-            names().collect::<Vec<_>>().join(", ")
-        ),
-    };
-    Failure::input(format!("cannot read the model file `{wanted}`: {error}\n{hint}"))
+    named::model(wanted).map_err(Failure::input)
 }
 
 /// True values by parameter name; later words win.
@@ -252,19 +228,6 @@ fn truth(words: &[Truth], model: &ModelFile) -> Result<BTreeMap<String, f64>, Fa
     Ok(truth)
 }
 
-/// The model file's mapping of the user's headers.
-pub(crate) fn columns(model: &ModelFile) -> Vec<ColumnMapping> {
-    model
-        .channels
-        .iter()
-        .map(|(channel, mapping)| ColumnMapping {
-            unit: mapping.unit.clone(),
-            scale: mapping.scale,
-            ..ColumnMapping::new(channel.as_str(), mapping.header.as_str())
-        })
-        .collect()
-}
-
 /// The part of a record from one time (s) to another, both included.
 fn between(mut record: Record, from: Option<f64>, to: Option<f64>) -> Result<Record, Failure> {
     if from.is_none() && to.is_none() {
@@ -286,9 +249,12 @@ fn between(mut record: Record, from: Option<f64>, to: Option<f64>) -> Result<Rec
 }
 
 fn show_model(name: &str) -> Result<(), Failure> {
-    match built_in().find(|(n, _)| *n == name) {
+    match named::models().find(|(n, _)| *n == name) {
         Some((_, text)) => print(text),
-        None => Err(unknown_model(name, &std::io::Error::other("there is no built-in model of this name"))),
+        None => {
+            let none = std::io::Error::other("there is no built-in model of this name");
+            Err(Failure::input(named::no_model(name, none)))
+        }
     }
 }
 
@@ -300,7 +266,7 @@ struct Listed {
 
 fn list_models(as_json: bool) -> Result<(), Failure> {
     let mut listed = Vec::new();
-    for (name, text) in built_in() {
+    for (name, text) in named::models() {
         listed.push(Listed { name, description: ModelFile::parse(name, text).map_err(Failure::input)?.name });
     }
     if as_json {

@@ -11,7 +11,7 @@ use phugoid_identification::model_file::{Expectation, ModelFile};
 use phugoid_identification::monitor::monitor;
 use serde::Serialize;
 
-use super::estimate::{columns, model};
+use super::estimate::model;
 use super::result::paragraph;
 use crate::arguments;
 use crate::failure::Failure;
@@ -26,7 +26,7 @@ pub(crate) fn run(arguments: &arguments::Monitor) -> Result<bool, Failure> {
         None => model.expectations(),
     };
     let false_alarms_per_hour = arguments.false_alarms_per_hour.unwrap_or(FALSE_ALARMS_PER_HOUR);
-    let options = CsvOptions { columns: columns(&model), ..CsvOptions::default() };
+    let options = CsvOptions { columns: model.columns(), ..CsvOptions::default() };
     let record = {
         let _progress = Progress::spinner("reading");
         csv::read_path(&arguments.flight, &options).map_err(Failure::input)?

@@ -11,7 +11,8 @@ use phugoid_flight_dynamics::trim::Trim;
 use phugoid_identification::estimation::Signal;
 use phugoid_report::{Figure, TimeHistoryPanel, time_histories, write_named_figures};
 use phugoid_studies::flight::{F16_ALPHA_RANGE_DEG, Flight, FlightError, fly_with_progress};
-use phugoid_studies::scenario::{BUILT_IN, Scenario, ScenarioError, built_in, nearest};
+use phugoid_studies::named;
+use phugoid_studies::scenario::{BUILT_IN, Scenario};
 use serde::Serialize;
 
 use crate::arguments;
@@ -80,27 +81,7 @@ pub(crate) fn run(arguments: &arguments::Simulate) -> Result<(), Failure> {
 
 /// A scenario file, or a built-in scenario by name.
 pub(crate) fn scenario(wanted: &str) -> Result<Scenario, Failure> {
-    let file = Path::new(wanted);
-    match built_in(wanted) {
-        Some(result) if !file.exists() => result.map_err(Failure::input),
-        _ => Scenario::read(file).map_err(|error| unreadable(&error, wanted)),
-    }
-}
-
-fn unreadable(error: &ScenarioError, wanted: &str) -> Failure {
-    let mut message = error.to_string();
-    if matches!(error, ScenarioError::Unreadable { .. }) {
-        let names = BUILT_IN.iter().map(|(name, _)| *name);
-        match nearest(wanted, names.clone()) {
-            Some(near) => {
-                let _ = write!(message, "\nDid you mean the built-in scenario `{near}`?");
-            }
-            None => {
-                let _ = write!(message, "\nBuilt-in scenarios: {}", names.collect::<Vec<_>>().join(", "));
-            }
-        }
-    }
-    Failure::input(message)
+    named::scenario(wanted).map_err(Failure::input)
 }
 
 /// A flight that cannot be flown: the scenario's fault, or the aircraft's.
@@ -112,11 +93,7 @@ pub(crate) fn failure(error: FlightError) -> Failure {
 }
 
 pub(crate) fn text_of(wanted: &str) -> Result<String, Failure> {
-    match BUILT_IN.iter().find(|(name, _)| *name == wanted) {
-        Some((_, text)) => Ok((*text).to_owned()),
-        None => std::fs::read_to_string(wanted)
-            .map_err(|source| unreadable(&ScenarioError::Unreadable { file: wanted.into(), source }, wanted)),
-    }
+    named::scenario_text(wanted).map_err(Failure::input)
 }
 
 #[derive(Serialize)]

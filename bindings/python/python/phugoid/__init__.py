@@ -1,0 +1,372 @@
+"""Aerodynamic coefficients from flight, with bounds that can be believed.
+
+Read a flight, estimate, look::
+
+    import phugoid
+    flight = phugoid.read("flight.csv")              # any format that the command line reads
+    model = phugoid.Model("f16")                      # a model file, or a built-in one
+    result = phugoid.estimate(flight, model, progress=True)
+    result["dCm_alpha"]                               # value and one-sigma error
+
+SI units and radians throughout; body axes x forward, y right, z down.
+"""
+
+from __future__ import annotations
+
+import json
+from typing import Any, Callable, Iterable, Mapping, Optional, Union
+
+import numpy as np
+
+from . import _phugoid
+from ._phugoid import Model, PhugoidError, __version__
+from ._progress import reporter
+
+__all__ = [
+    "Estimation",
+    "Model",
+    "PhugoidError",
+    "Record",
+    "Session",
+    "__version__",
+    "compare",
+    "estimate",
+    "from_columns",
+    "from_frame",
+    "linearize",
+    "methods",
+    "read",
+    "scenarios",
+    "simulate",
+    "trim",
+]
+
+Progress = Union[None, bool, Callable[[float], Any]]
+Columns = Mapping[str, Union[str, Mapping[str, Any]]]
+
+
+def _mappings(columns: Optional[Columns]) -> list:
+    """Channel, header, unit, scale of ``{"elevator": "ELEV_POS"}`` or ``{"elevator": {"header": .., "unit": .., "scale": ..}}``."""
+    mappings = []
+    for channel, source in (columns or {}).items():
+        if isinstance(source, str):
+            source = {"header": source}
+        unknown = set(source) - {"header", "unit", "scale"}
+        if unknown or "header" not in source:
+            raise PhugoidError(f"columns['{channel}']: expected header, and perhaps unit and scale, found {sorted(source)}")
+        mappings.append((channel, source["header"], source.get("unit"), float(source.get("scale", 1.0))))
+    return mappings
+
+
+class Record:
+    """A flight: strictly increasing ``time`` (s) and channels in SI units and radians, NaN where a value is missing.
+
+    ``record["alpha"]`` is a numpy array; ``record.channels`` are the names; ``record.quality`` says what was found,
+    converted, mended and left out.
+    """
+
+    def __init__(self, native: _phugoid.Record) -> None:
+        self._native = native
+
+    @property
+    def source(self) -> str:
+        """Where it came from."""
+        return self._native.source
+
+    @property
+    def time(self) -> np.ndarray:
+        """Time, s."""
+        return self._native.time
+
+    @property
+    def channels(self) -> list[str]:
+        """Canonical names of the channels."""
+        return self._native.channels
+
+    @property
+    def units(self) -> dict[str, str]:
+        """SI unit of each channel, as printed."""
+        return {name: self._native.unit(name) for name in self.channels}
+
+    @property
+    def quality(self) -> str:
+        """What the reader found, converted, mended and left out."""
+        return self._native.quality
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        return self._native[name]
+
+    def __contains__(self, name: str) -> bool:
+        return name in self._native
+
+    def __len__(self) -> int:
+        return len(self._native)
+
+    def __repr__(self) -> str:
+        return repr(self._native)
+
+    def between(self, start: Optional[float] = None, end: Optional[float] = None) -> "Record":
+        """The part from one time (s) to another, both included."""
+        return Record(self._native.between(start, end))
+
+    def write_csv(self, path: Any) -> None:
+        """Writes it as CSV, with units in the headers."""
+        self._native.write_csv(path)
+
+    def to_dict(self) -> dict[str, np.ndarray]:
+        """Arrays under headers that say their units: ``time_s``, ``alpha_rad``, ..."""
+        columns = {"time_s": self.time}
+        columns.update((self._native.header(name), self._native[name]) for name in self.channels)
+        return columns
+
+    def to_pandas(self) -> Any:
+        """A pandas ``DataFrame`` with the headers of :meth:`to_dict`."""
+        import pandas
+
+        return pandas.DataFrame(self.to_dict())
+
+    def to_polars(self) -> Any:
+        """A polars ``DataFrame`` with the headers of :meth:`to_dict`."""
+        import polars
+
+        return polars.DataFrame(self.to_dict())
+
+
+def read(path: Any, model: Optional[Model] = None, columns: Optional[Columns] = None) -> Record:
+    """Reads a flight. What it is, its content says. ``model`` and ``columns`` map headers to channels by hand."""
+    return Record(_phugoid.read(path, model, _mappings(columns)))
+
+
+def from_columns(
+    data: Mapping[str, Any],
+    source: str = "columns",
+    units: Optional[Mapping[str, str]] = None,
+    columns: Optional[Columns] = None,
+) -> Record:
+    """A flight from arrays by header. Headers say their units (``time_s``, ``alpha_deg``), or ``units`` does."""
+    units = units or {}
+    strange = set(units) - set(data)
+    if strange:
+        raise PhugoidError(f"units for columns that are not there: {', '.join(sorted(strange))}; there are {', '.join(data)}")
+    arrays = []
+    for header, values in data.items():
+        try:
+            array = np.ascontiguousarray(values, dtype=np.float64)
+        except (TypeError, ValueError) as error:
+            raise PhugoidError(f"column '{header}': {error}; every column must be numbers, NaN where one is missing") from error
+        if array.ndim != 1:
+            raise PhugoidError(f"column '{header}' has the shape {array.shape}: expected one number per row")
+        arrays.append(array)
+    headers = [str(header) for header in data]
+    native = _phugoid.Record.from_columns(
+        source, headers, [units.get(header) for header in data], arrays, _mappings(columns)
+    )
+    return Record(native)
+
+
+def from_frame(frame: Any, source: str = "frame", columns: Optional[Columns] = None) -> Record:
+    """A flight from a pandas or polars ``DataFrame`` whose headers say their units. Columns that are no numbers are left out."""
+    data = {}
+    for header in frame.columns:
+        values = frame[header].to_numpy()
+        if np.issubdtype(values.dtype, np.number) or values.dtype == bool:
+            data[str(header)] = values
+    return from_columns(data, source=source, columns=columns)
+
+
+class Estimation:
+    """The result of an estimation. ``result["Cm_alpha"]`` is the value and its one-sigma error; bounds are two of them."""
+
+    def __init__(self, native: _phugoid.Estimation) -> None:
+        self._native = native
+
+    @property
+    def method(self) -> str:
+        """Estimator used."""
+        return self._native.method
+
+    @property
+    def names(self) -> list[str]:
+        """Parameters, those that only support the others last."""
+        return self._native.names
+
+    @property
+    def values(self) -> np.ndarray:
+        """Estimates at the end."""
+        return self._native.values
+
+    @property
+    def std_errors(self) -> np.ndarray:
+        """One-sigma errors at the end, corrected for the colour of the residuals."""
+        return self._native.std_errors
+
+    @property
+    def verdict(self) -> list[str]:
+        """What is to be believed, in sentences."""
+        return self._native.verdict
+
+    @property
+    def history(self) -> Record:
+        """Inputs, outputs, predictions, residuals, each parameter and ``<parameter>_std``, by sample."""
+        return Record(self._native.history)
+
+    def __getitem__(self, name: str) -> tuple[float, float]:
+        return self._native[name]
+
+    def __repr__(self) -> str:
+        return repr(self._native)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Everything but the histories, with the names of ``phugoid estimate --json``."""
+        return json.loads(self._native.to_json())
+
+    def _table(self) -> dict[str, list]:
+        columns = ("name", "value", "corrected_std_error", "lower", "upper", "status", "truth")
+        parameters = self.to_dict()["parameters"]
+        return {column: [parameter[column] for parameter in parameters] for column in columns}
+
+    def to_pandas(self) -> Any:
+        """The parameters as a pandas ``DataFrame``."""
+        import pandas
+
+        return pandas.DataFrame(self._table()).set_index("name")
+
+    def to_polars(self) -> Any:
+        """The parameters as a polars ``DataFrame``."""
+        import polars
+
+        return polars.DataFrame(self._table())
+
+
+def estimate(
+    record: Record,
+    model: Model,
+    *,
+    method: Optional[str] = None,
+    change_detection: Optional[bool] = None,
+    offer: str = "reason",
+    truth: Optional[Mapping[str, float]] = None,
+    further: Iterable[Record] = (),
+    predict: Optional[Record] = None,
+    progress: Progress = None,
+) -> Estimation:
+    """Estimates the parameters of ``model`` from ``record``; other threads run meanwhile.
+
+    ``method`` is one of :func:`methods`, without it the model file's. ``offer``: terms that the model lacks are tried for a
+    ``"reason"``, ``"always"`` or ``"never"``. ``further`` records are fitted together with the first, and the result tried on
+    ``predict``, by a batch method. ``progress`` is True for a bar, or a function of the fraction done.
+    """
+    with reporter(progress, "estimating") as report:
+        native = _phugoid.estimate(
+            record._native,
+            model,
+            method,
+            change_detection,
+            offer,
+            dict(truth or {}),
+            [further_record._native for further_record in further],
+            predict._native if predict is not None else None,
+            report,
+        )
+    return Estimation(native)
+
+
+class Session:
+    """A live estimation: one sample in, one estimate out, with the code that runs over records, bit for bit.
+
+    The first two seconds are collected, because noise levels and the reference point come from them::
+
+        session = phugoid.Session(model)
+        sample = np.empty(len(session.channels))       # SI, in the order of session.channels, NaN where missing
+        if session.update(time_s, sample):
+            print(session.values, session.std_errors)  # in the order of session.parameters
+        else:
+            print(session.message)
+    """
+
+    def __init__(self, model: Model, *, method: Optional[str] = None, change_detection: Optional[bool] = None) -> None:
+        self._native = _phugoid.Session(model, method, change_detection)
+        self.update = self._native.update
+
+    @property
+    def channels(self) -> list[str]:
+        """Channels whose values :meth:`update` takes, in order."""
+        return self._native.channels
+
+    @property
+    def parameters(self) -> list[str]:
+        """Parameters, in the order of ``values`` and ``std_errors``."""
+        return self._native.parameters
+
+    @property
+    def values(self) -> Optional[np.ndarray]:
+        """Estimates after the last sample; None before the first."""
+        return self._native.values
+
+    @property
+    def std_errors(self) -> Optional[np.ndarray]:
+        """One-sigma errors after the last sample; None before the first."""
+        return self._native.std_errors
+
+    @property
+    def message(self) -> Optional[str]:
+        """Why the last sample gave no estimate; None if it gave one."""
+        return self._native.message
+
+    def snapshot(self) -> Optional[dict[str, Any]]:
+        """Everything known after the last sample: the document of the live protocol."""
+        text = self._native.snapshot_json()
+        return None if text is None else json.loads(text)
+
+    def layout(self) -> dict[str, Any]:
+        """What the entries of a snapshot are."""
+        return json.loads(self._native.layout_json())
+
+    def take_events(self) -> list[dict[str, Any]]:
+        """What happened since this was asked last: changes, gaps, restarts."""
+        return json.loads(self._native.take_events_json())
+
+    def __repr__(self) -> str:
+        return repr(self._native)
+
+
+def simulate(scenario: str, seed: Optional[int] = None) -> tuple[Record, Record, dict[str, float]]:
+    """Flies a scenario (a file, or one of :func:`scenarios`): what was measured, what was true, the true parameters."""
+    measured, truth, parameters = _phugoid.simulate(scenario, seed)
+    return Record(measured), Record(truth), json.loads(parameters)
+
+
+def trim(
+    altitude_m: float, speed_m_s: float, *, cg: float = 0.35, flight_path_rad: float = 0.0, turn_rate_rad_s: float = 0.0
+) -> dict[str, Any]:
+    """Controls and attitude that hold the F-16 in steady flight."""
+    return json.loads(_phugoid.trim(altitude_m, speed_m_s, cg, flight_path_rad, turn_rate_rad_s))
+
+
+def linearize(
+    altitude_m: float, speed_m_s: float, *, cg: float = 0.35, flight_path_rad: float = 0.0, turn_rate_rad_s: float = 0.0
+) -> dict[str, Any]:
+    """The F-16's linear model about a trim: ``model``, its ``longitudinal`` and ``lateral`` parts with their modes; A, B as arrays."""
+    document = json.loads(_phugoid.linearize(altitude_m, speed_m_s, cg, flight_path_rad, turn_rate_rad_s))
+    for part in ("model", "longitudinal", "lateral"):
+        for matrix in ("a", "b"):
+            document[part][matrix] = np.array(document[part][matrix])
+    return document
+
+
+def compare(
+    scenarios: Iterable[str], methods: Iterable[str] = (), seeds: int = 20, progress: Progress = None
+) -> dict[str, Any]:
+    """Methods on the same samples of the same flights (``phugoid compare``): the document of ``--json``."""
+    with reporter(progress, "comparing") as report:
+        return json.loads(_phugoid.compare(list(scenarios), list(methods), seeds, report))
+
+
+def scenarios() -> list[str]:
+    """Built-in scenarios that :func:`simulate` flies."""
+    return _phugoid.names()[0]
+
+
+def methods() -> list[str]:
+    """Names of the estimators."""
+    return _phugoid.names()[2]

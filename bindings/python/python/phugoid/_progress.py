@@ -1,0 +1,62 @@
+"""Progress in notebooks and terminals."""
+
+from __future__ import annotations
+
+import contextlib
+import sys
+import threading
+from typing import Any, Callable, Iterator, Optional, Union
+
+
+@contextlib.contextmanager
+def reporter(progress: Union[None, bool, Callable[[float], Any]], title: str) -> Iterator[Optional[Callable[[float], Any]]]:
+    """A function that takes the fraction done: the caller's, one that draws a bar, or none."""
+    if progress is None or progress is False:
+        yield None
+    elif callable(progress):
+        yield progress
+    else:
+        bar = _tqdm(title) or _Line(title)
+        try:
+            yield bar.to
+        finally:
+            bar.close()
+
+
+class _Line:
+    """A line on standard error, for where tqdm is not installed."""
+
+    def __init__(self, title: str) -> None:
+        self._title, self._shown, self._lock = title, -1, threading.Lock()
+
+    def to(self, fraction: float) -> None:
+        percent = int(100 * fraction)
+        with self._lock:
+            if percent > self._shown:
+                self._shown = percent
+                print(f"\r{self._title}: {percent:3d} %", end="", file=sys.stderr, flush=True)
+
+    def close(self) -> None:
+        print(file=sys.stderr)
+
+
+def _tqdm(title: str) -> Any:
+    try:
+        from tqdm.auto import tqdm
+    except ImportError:
+        return None
+
+    class Bar:
+        def __init__(self) -> None:
+            self._bar, self._lock = tqdm(total=100, desc=title, unit="%"), threading.Lock()
+
+        def to(self, fraction: float) -> None:
+            with self._lock:
+                step = int(100 * fraction) - self._bar.n
+                if step > 0:
+                    self._bar.update(step)
+
+        def close(self) -> None:
+            self._bar.close()
+
+    return Bar()

@@ -1,0 +1,63 @@
+//! The F-16: trim and linearisation.
+
+use phugoid_flight_dynamics::f16::{F16, F16Options};
+use phugoid_flight_dynamics::linearize as library;
+use phugoid_flight_dynamics::motion::Disturbance;
+use phugoid_flight_dynamics::trim::{self as trimming, Trim, TrimCondition};
+use phugoid_studies::flight::F16_ALPHA_RANGE_DEG;
+use pyo3::prelude::*;
+
+use crate::error::raise;
+
+fn trimmed(
+    altitude_m: f64,
+    speed_m_s: f64,
+    cg: f64,
+    flight_path_rad: f64,
+    turn_rate_rad_s: f64,
+) -> PyResult<(F16, Trim)> {
+    let aircraft = F16::new(F16Options { cg, ..F16Options::default() }).map_err(raise)?;
+    let wanted = TrimCondition {
+        flight_path_angle: flight_path_rad,
+        turn_rate: turn_rate_rad_s,
+        alpha_range: F16_ALPHA_RANGE_DEG.map(f64::to_radians),
+        ..TrimCondition::level(speed_m_s, altitude_m)
+    };
+    let trim = trimming::trim(&aircraft, &wanted).map_err(raise)?;
+    Ok((aircraft, trim))
+}
+
+/// Controls and attitude of steady flight, as a JSON document.
+#[pyfunction]
+#[pyo3(signature = (altitude_m, speed_m_s, cg=0.35, flight_path_rad=0.0, turn_rate_rad_s=0.0))]
+pub(crate) fn trim(
+    altitude_m: f64,
+    speed_m_s: f64,
+    cg: f64,
+    flight_path_rad: f64,
+    turn_rate_rad_s: f64,
+) -> PyResult<String> {
+    let (_, trim) = trimmed(altitude_m, speed_m_s, cg, flight_path_rad, turn_rate_rad_s)?;
+    serde_json::to_string(&trim).map_err(raise)
+}
+
+/// The linear model about a trim, with its longitudinal and lateral parts and their modes, as a JSON document.
+#[pyfunction]
+#[pyo3(signature = (altitude_m, speed_m_s, cg=0.35, flight_path_rad=0.0, turn_rate_rad_s=0.0))]
+pub(crate) fn linearize(
+    altitude_m: f64,
+    speed_m_s: f64,
+    cg: f64,
+    flight_path_rad: f64,
+    turn_rate_rad_s: f64,
+) -> PyResult<String> {
+    let (aircraft, trim) = trimmed(altitude_m, speed_m_s, cg, flight_path_rad, turn_rate_rad_s)?;
+    let model = library::linearize(&aircraft, &trim.state(), &trim.controls(), &Disturbance::default());
+    let document = serde_json::json!({
+        "trim": trim,
+        "longitudinal": model.longitudinal().map_err(raise)?,
+        "lateral": model.lateral().map_err(raise)?,
+        "model": model,
+    });
+    Ok(document.to_string())
+}

@@ -1,0 +1,148 @@
+//! Estimation over records.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use numpy::PyArray1;
+use phugoid_flight_data::record as flight;
+use phugoid_identification::estimate::{self as library, EstimateOptions, OfferTerms};
+use phugoid_identification::estimation as results;
+use phugoid_identification::method::Method;
+use pyo3::exceptions::PyKeyError;
+use pyo3::prelude::*;
+
+use crate::error::raise;
+use crate::model::Model;
+use crate::record::Record;
+
+/// The result of an estimation.
+#[pyclass(module = "phugoid", frozen)]
+pub(crate) struct Estimation {
+    inner: results::Estimation,
+    /// Inputs, measured and predicted outputs, residuals, parameters and their errors by sample.
+    history: Arc<flight::Record>,
+}
+
+#[pymethods]
+impl Estimation {
+    /// Everything but the histories as a JSON document, with the names of `phugoid estimate --json`.
+    fn to_json(&self) -> PyResult<String> {
+        let without = results::Estimation { history: results::History::default(), ..self.inner.clone() };
+        serde_json::to_string(&without).map_err(raise)
+    }
+
+    /// Names of the parameters, nuisance columns last.
+    #[getter]
+    fn names(&self) -> Vec<&str> {
+        self.inner.parameters.iter().map(|p| p.name.as_str()).collect()
+    }
+
+    /// Estimates at the end, in the order of `names`.
+    #[getter]
+    fn values<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_iter(py, self.inner.parameters.iter().map(|p| p.value))
+    }
+
+    /// One-sigma errors at the end, corrected for the colour of the residuals; bounds are two of them.
+    #[getter]
+    fn std_errors<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_iter(py, self.inner.parameters.iter().map(|p| p.corrected_std_error))
+    }
+
+    /// Value and one-sigma error of a parameter.
+    fn __getitem__(&self, name: &str) -> PyResult<(f64, f64)> {
+        let found = self.inner.parameters.iter().find(|p| p.name == name);
+        let none = || PyKeyError::new_err(format!("no parameter `{name}`; there are {}", self.names().join(", ")));
+        found.map(|p| (p.value, p.corrected_std_error)).ok_or_else(none)
+    }
+
+    /// The verdict in sentences.
+    #[getter]
+    fn verdict(&self) -> Vec<String> {
+        self.inner.verdict.clone()
+    }
+
+    /// Histories as a record: inputs, outputs, `<output>_predicted`, `<output>_residual`, each parameter and `<parameter>_std`.
+    #[getter]
+    fn history(&self) -> Record {
+        Record { inner: Arc::clone(&self.history) }
+    }
+
+    /// Estimator used.
+    #[getter]
+    fn method(&self) -> &str {
+        &self.inner.method
+    }
+
+    fn __repr__(&self) -> String {
+        let estimation = &self.inner;
+        let width = estimation.parameters.iter().map(|p| p.name.len()).max().unwrap_or(0);
+        let mut text = format!("<Estimation of '{}' by {}", estimation.source, estimation.method);
+        for p in &estimation.parameters {
+            text.push_str(&format!(
+                "\n  {:<width$}  {:>12.5} +- {:<10.3} {}",
+                p.name,
+                p.value,
+                2.0 * p.corrected_std_error,
+                p.status
+            ));
+        }
+        text.push('>');
+        text
+    }
+}
+
+/// Estimates the parameters of `model` from `record`.
+#[pyfunction]
+#[pyo3(signature = (record, model, method=None, change_detection=None, offer="reason", truth=BTreeMap::new(), further=Vec::new(),
+                    predict=None, progress=None))]
+#[allow(clippy::too_many_arguments)] // one per keyword of the Python function
+pub(crate) fn estimate(
+    py: Python<'_>,
+    record: &Record,
+    model: &Model,
+    method: Option<&str>,
+    change_detection: Option<bool>,
+    offer: &str,
+    truth: BTreeMap<String, f64>,
+    further: Vec<Record>,
+    predict: Option<Record>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Estimation> {
+    let whole = |record: &Record| (*record.inner).clone();
+    let options = EstimateOptions {
+        method: method.map(str::parse::<Method>).transpose().map_err(raise)?,
+        re_reaching: change_detection,
+        truth,
+        offer: offer_terms(offer)?,
+        further: further.iter().map(whole).collect(),
+        predict: predict.as_ref().map(whole),
+        ..EstimateOptions::default()
+    };
+    // A failure of the callback must not be lost; it is raised when the estimation is done.
+    let mut failed: Option<PyErr> = None;
+    let result = py.detach(|| {
+        library::estimate(&record.inner, &model.inner, &options, &mut |done| {
+            if let (Some(progress), None) = (&progress, &failed) {
+                failed = Python::attach(|py| progress.call1(py, (done,)).err());
+            }
+        })
+    });
+    match failed {
+        Some(error) => Err(error),
+        None => {
+            let inner = result.map_err(raise)?;
+            let history = Arc::new(inner.history.record(&inner.source));
+            Ok(Estimation { inner, history })
+        }
+    }
+}
+
+fn offer_terms(word: &str) -> PyResult<OfferTerms> {
+    match word {
+        "reason" => Ok(OfferTerms::WithReason),
+        "always" => Ok(OfferTerms::Always),
+        "never" => Ok(OfferTerms::Never),
+        other => Err(raise(format!("offer = '{other}': expected 'reason', 'always' or 'never'"))),
+    }
+}

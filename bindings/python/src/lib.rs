@@ -1,0 +1,31 @@
+//! The native part of the Python package `phugoid`: thin classes around the library; frames, progress bars and documents are
+//! Python (`python/phugoid`).
+
+mod aircraft;
+mod error;
+mod estimation;
+mod model;
+mod record;
+mod session;
+mod stack;
+mod studies;
+
+use pyo3::prelude::*;
+
+#[pymodule]
+fn _phugoid(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add("PhugoidError", module.py().get_type::<error::PhugoidError>())?;
+    module.add_class::<record::Record>()?;
+    module.add_class::<model::Model>()?;
+    module.add_class::<estimation::Estimation>()?;
+    module.add_class::<session::Session>()?;
+    module.add_function(wrap_pyfunction!(record::read, module)?)?;
+    module.add_function(wrap_pyfunction!(estimation::estimate, module)?)?;
+    module.add_function(wrap_pyfunction!(aircraft::trim, module)?)?;
+    module.add_function(wrap_pyfunction!(aircraft::linearize, module)?)?;
+    module.add_function(wrap_pyfunction!(studies::simulate, module)?)?;
+    module.add_function(wrap_pyfunction!(studies::compare, module)?)?;
+    module.add_function(wrap_pyfunction!(studies::names, module)?)?;
+    Ok(())
+}

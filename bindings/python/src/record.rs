@@ -1,0 +1,160 @@
+//! Flight records.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use numpy::{PyArray1, PyReadonlyArray1};
+use phugoid_flight_data::csv;
+use phugoid_flight_data::quality::QualityReport;
+use phugoid_flight_data::record as library;
+use phugoid_flight_data::table::{Column, ColumnMapping, TableOptions, from_columns};
+use pyo3::exceptions::PyKeyError;
+use pyo3::prelude::*;
+
+use crate::error::raise;
+use crate::model::Model;
+
+/// A flight record: strictly increasing time and channels in SI units and radians.
+#[pyclass(module = "phugoid", frozen, from_py_object)]
+#[derive(Clone)]
+pub(crate) struct Record {
+    pub(crate) inner: Arc<library::Record>,
+}
+
+impl From<library::Record> for Record {
+    fn from(record: library::Record) -> Self {
+        Self { inner: Arc::new(record) }
+    }
+}
+
+#[pymethods]
+impl Record {
+    /// From columns: headers that say their units (`time_s`, `alpha_deg`), units where the headers do not, arrays of equal length.
+    #[staticmethod]
+    fn from_columns(
+        py: Python<'_>,
+        source: &str,
+        headers: Vec<String>,
+        units: Vec<Option<String>>,
+        values: Vec<PyReadonlyArray1<'_, f64>>,
+        mappings: Vec<(String, String, Option<String>, f64)>,
+    ) -> PyResult<Self> {
+        let columns: Vec<Column> = headers
+            .into_iter()
+            .zip(units)
+            .zip(values)
+            .map(|((header, unit), values)| Column { header, unit, values: values.as_array().to_vec(), is_time: false })
+            .collect();
+        let options = TableOptions { columns: to_mappings(mappings), ..TableOptions::default() };
+        let record = py.detach(|| from_columns(source, columns, &[], &options, QualityReport::default()));
+        Ok(record.map_err(raise)?.into())
+    }
+
+    /// Where it came from.
+    #[getter]
+    fn source(&self) -> &str {
+        &self.inner.source
+    }
+
+    /// Time, s.
+    #[getter]
+    fn time<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, &self.inner.time)
+    }
+
+    /// Canonical names of the channels.
+    #[getter]
+    fn channels(&self) -> Vec<&str> {
+        self.inner.channels.iter().map(|channel| channel.name.as_str()).collect()
+    }
+
+    /// The SI unit of a channel, as printed.
+    fn unit(&self, name: &str) -> PyResult<&'static str> {
+        Ok(self.channel(name)?.quantity.si_unit())
+    }
+
+    /// The header under which a channel is written and read back: `alpha_rad`.
+    fn header(&self, name: &str) -> PyResult<String> {
+        let channel = self.channel(name)?;
+        Ok(match channel.quantity.si_suffix() {
+            "" => channel.name.clone(),
+            suffix => format!("{}_{suffix}", channel.name),
+        })
+    }
+
+    /// The values of a channel, SI; NaN where one is missing.
+    fn __getitem__<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        Ok(PyArray1::from_slice(py, &self.channel(name)?.values))
+    }
+
+    fn __contains__(&self, name: &str) -> bool {
+        self.inner.channel(name).is_some()
+    }
+
+    fn __len__(&self) -> usize {
+        self.inner.len()
+    }
+
+    /// What the reader found, converted, mended and left out, in words.
+    #[getter]
+    fn quality(&self) -> String {
+        self.inner.quality.to_string()
+    }
+
+    /// The part from one time (s) to another, both included.
+    #[pyo3(signature = (start=None, end=None))]
+    fn between(&self, start: Option<f64>, end: Option<f64>) -> PyResult<Self> {
+        let (low, high) = (start.unwrap_or(f64::NEG_INFINITY), end.unwrap_or(f64::INFINITY));
+        let mut record = (*self.inner).clone();
+        let first = record.time.partition_point(|t| *t < low - 1e-9);
+        let end = record.time.partition_point(|t| *t <= high + 1e-9).max(first);
+        if first == end {
+            return Err(raise(format!("no sample lies between {low} s and {high} s: {}", self.__repr__())));
+        }
+        record.time = record.time[first..end].to_vec();
+        for channel in &mut record.channels {
+            channel.values = channel.values[first..end].to_vec();
+        }
+        Ok(record.into())
+    }
+
+    /// Writes it as CSV with units in the headers.
+    fn write_csv(&self, path: PathBuf) -> PyResult<()> {
+        csv::write_path(&self.inner, &path).map_err(raise)
+    }
+
+    fn __repr__(&self) -> String {
+        let record = &self.inner;
+        let span = record.time.first().zip(record.time.last()).map_or_else(String::new, |(a, b)| {
+            format!(" from {a:.2} s to {b:.2} s, one per {:.4} s", record.sample_time_s())
+        });
+        format!("<Record '{}': {} samples{span}; {}>", record.source, record.len(), self.channels().join(", "))
+    }
+}
+
+impl Record {
+    fn channel(&self, name: &str) -> PyResult<&library::Channel> {
+        self.inner.require(name).map_err(|error| PyKeyError::new_err(error.to_string()))
+    }
+}
+
+/// Channel, header, unit, scale.
+fn to_mappings(mappings: Vec<(String, String, Option<String>, f64)>) -> Vec<ColumnMapping> {
+    let mapping = |(channel, header, unit, scale)| ColumnMapping { channel, header, unit, scale };
+    mappings.into_iter().map(mapping).collect()
+}
+
+/// Reads a flight from a file.
+#[pyfunction]
+#[pyo3(signature = (path, model=None, mappings=Vec::new()))]
+pub(crate) fn read(
+    py: Python<'_>,
+    path: PathBuf,
+    model: Option<&Model>,
+    mappings: Vec<(String, String, Option<String>, f64)>,
+) -> PyResult<Record> {
+    let mut columns = model.map(|model| model.inner.columns()).unwrap_or_default();
+    columns.extend(to_mappings(mappings));
+    let options = csv::CsvOptions { columns, ..csv::CsvOptions::default() };
+    py.detach(|| csv::read_path(&path, &options)).map(Record::from).map_err(raise)
+}
