@@ -79,13 +79,7 @@ impl Estimation {
         let width = estimation.parameters.iter().map(|p| p.name.len()).max().unwrap_or(0);
         let mut text = format!("<Estimation of '{}' by {}", estimation.source, estimation.method);
         for p in &estimation.parameters {
-            text.push_str(&format!(
-                "\n  {:<width$}  {:>12.5} +- {:<10.3} {}",
-                p.name,
-                p.value,
-                2.0 * p.corrected_std_error,
-                p.status
-            ));
+            text.push_str(&line(&p.name, width, p.value, p.corrected_std_error, &p.status));
         }
         text.push('>');
         text
@@ -145,4 +139,16 @@ fn offer_terms(word: &str) -> PyResult<OfferTerms> {
         "never" => Ok(OfferTerms::Never),
         other => Err(raise(format!("offer = '{other}': expected 'reason', 'always' or 'never'"))),
     }
+}
+
+/// A parameter in a `repr`: name, estimate, two-sigma bound, status.
+pub(crate) fn line(name: &str, width: usize, value: f64, std_error: f64, status: &str) -> String {
+    format!("\n  {name:<width$}  {} +- {}  {status}", significant(value, 5), significant(2.0 * std_error, 3))
+}
+
+/// `digits` significant digits, aligned.
+fn significant(value: f64, digits: usize) -> String {
+    let exponent = if value == 0.0 || !value.is_finite() { 0 } else { value.abs().log10().floor() as i32 };
+    let decimals = (digits as i32 - 1 - exponent).clamp(0, 12) as usize;
+    format!("{value:>12.decimals$}")
 }

@@ -105,17 +105,8 @@ impl Record {
     #[pyo3(signature = (start=None, end=None))]
     fn between(&self, start: Option<f64>, end: Option<f64>) -> PyResult<Self> {
         let (low, high) = (start.unwrap_or(f64::NEG_INFINITY), end.unwrap_or(f64::INFINITY));
-        let mut record = (*self.inner).clone();
-        let first = record.time.partition_point(|t| *t < low - 1e-9);
-        let end = record.time.partition_point(|t| *t <= high + 1e-9).max(first);
-        if first == end {
-            return Err(raise(format!("no sample lies between {low} s and {high} s: {}", self.__repr__())));
-        }
-        record.time = record.time[first..end].to_vec();
-        for channel in &mut record.channels {
-            channel.values = channel.values[first..end].to_vec();
-        }
-        Ok(record.into())
+        let none = || raise(format!("no sample lies between {low} s and {high} s: {}", self.__repr__()));
+        self.inner.between(low, high).map(Self::from).ok_or_else(none)
     }
 
     /// Writes it as CSV with units in the headers.

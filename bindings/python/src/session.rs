@@ -10,6 +10,7 @@ use phugoid_identification::session::{self as library, Step};
 use pyo3::prelude::*;
 
 use crate::error::raise;
+use crate::estimation::line;
 use crate::model::Model;
 use crate::stack::with_stack;
 
@@ -113,14 +114,9 @@ impl Session {
             Some(snapshot) => {
                 let mut text =
                     format!("<Session of '{}' by {} at {:.2} s", layout.model, layout.method, snapshot.time_s);
+                let width = layout.parameters.iter().map(|p| p.name.len()).max().unwrap_or(0);
                 for (name, p) in layout.parameters.iter().zip(&snapshot.parameters) {
-                    text.push_str(&format!(
-                        "\n  {:<16} {:>12.5} +- {:<10.3} {}",
-                        name.name,
-                        p.value,
-                        2.0 * p.std_error,
-                        p.status
-                    ));
+                    text.push_str(&line(&name.name, width, p.value, p.std_error, &p.status));
                 }
                 text.push('>');
                 text

@@ -174,6 +174,21 @@ impl Record {
         self.time.is_empty()
     }
 
+    /// The part from one time (s) to another, both included; none if no time lies between them.
+    pub fn between(&self, from_s: f64, to_s: f64) -> Option<Self> {
+        // Times written with few digits: a bound that is meant to be one of them is.
+        let first = self.time.partition_point(|time| *time < from_s - 1e-9);
+        let end = self.time.partition_point(|time| *time <= to_s + 1e-9);
+        let time = self.time.get(first..end).filter(|time| !time.is_empty())?.to_vec();
+        let part = |channel: &Channel| Channel {
+            name: channel.name.clone(),
+            quantity: channel.quantity,
+            values: channel.values.get(first..end).unwrap_or_default().to_vec(),
+        };
+        let channels = self.channels.iter().map(part).collect();
+        Some(Self { source: self.source.clone(), time, channels, quality: self.quality.clone() })
+    }
+
     /// Median of the time steps, s; zero if there are fewer than two times.
     pub fn sample_time_s(&self) -> f64 {
         let mut steps: Vec<f64> = self.time.windows(2).map(|pair| pair[1] - pair[0]).collect();

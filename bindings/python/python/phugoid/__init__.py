@@ -349,7 +349,7 @@ def linearize(
     """The F-16's linear model about a trim: ``model``, its ``longitudinal`` and ``lateral`` parts with their modes; A, B as arrays."""
     document = json.loads(_phugoid.linearize(altitude_m, speed_m_s, cg, flight_path_rad, turn_rate_rad_s))
     for part in ("model", "longitudinal", "lateral"):
-        for matrix in ("a", "b"):
+        for matrix in {"A", "B", "C", "D"} & set(document[part]):
             document[part][matrix] = np.array(document[part][matrix])
     return document
 

@@ -229,23 +229,15 @@ fn truth(words: &[Truth], model: &ModelFile) -> Result<BTreeMap<String, f64>, Fa
 }
 
 /// The part of a record from one time (s) to another, both included.
-fn between(mut record: Record, from: Option<f64>, to: Option<f64>) -> Result<Record, Failure> {
+fn between(record: Record, from: Option<f64>, to: Option<f64>) -> Result<Record, Failure> {
     if from.is_none() && to.is_none() {
         return Ok(record);
     }
-    let (low, high) = (from.unwrap_or(f64::NEG_INFINITY), to.unwrap_or(f64::INFINITY));
-    let first = record.time.partition_point(|t| *t < low - 1e-9);
-    let end = record.time.partition_point(|t| *t <= high + 1e-9).max(first);
-    if first == end {
+    record.between(from.unwrap_or(f64::NEG_INFINITY), to.unwrap_or(f64::INFINITY)).ok_or_else(|| {
         let ends = record.time.first().zip(record.time.last());
         let span = ends.map_or_else(String::new, |(a, b)| format!(": the record runs from {a} s to {b} s"));
-        return Err(Failure::input(format!("no sample lies between --from and --to{span}")));
-    }
-    record.time = record.time[first..end].to_vec();
-    for channel in &mut record.channels {
-        channel.values = channel.values[first..end].to_vec();
-    }
-    Ok(record)
+        Failure::input(format!("no sample lies between --from and --to{span}"))
+    })
 }
 
 fn show_model(name: &str) -> Result<(), Failure> {
