@@ -145,7 +145,7 @@ def mouse(browser):
 def states():
     print("waiting")
     with Page("waiting", "waiting.png", width=900, height=500) as browser:
-        browser.until("document.getElementById('waiting-words')?.textContent?.includes('1.2 of 2 s')")
+        browser.until("document.getElementById('waiting-note')?.textContent?.includes('1.2 s of 2.0 s')")
         check("it says what it waits for", True)
     print("a silent sender")
     with Page("stale", "stale.png", width=1000, height=700, dark=True) as browser:
@@ -155,7 +155,7 @@ def states():
     print("an ended stream")
     with Page("ended", "ended.png", width=1000, height=700) as browser:
         browser.until("document.getElementById('status')?.className === 'ended'")
-        check("it says why", "the sender closed the connection" in notice(browser), notice(browser))
+        check("it says why", "the source has ended" in notice(browser), notice(browser))
     print("a lost connection")
     with Page("lost", "lost.png", width=1000, height=700) as browser:
         browser.until("document.getElementById('status')?.className === 'error'")

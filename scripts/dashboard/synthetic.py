@@ -27,13 +27,16 @@ OUTPUTS = [("true_airspeed", "m/s", 0.13), ("alpha", "rad", 0.001), ("theta", "r
 INPUTS = [("elevator", "rad"), ("thrust", "N")]
 
 
-def hello(session="synthetic"):
+def hello():
     return {
-        "type": "hello", "source": "udp:127.0.0.1:14550", "version": "0", "session": session, "model": "hfb320",
-        "method": "smpe", "axes": ["longitudinal"],
-        "parameters": [{"name": n, "unit": u, "initial": v, "prior_std": b / 2, "nuisance": False} for n, v, b, _, u in PARAMETERS],
-        "outputs": [{"name": n, "unit": u} for n, u, _ in OUTPUTS],
-        "inputs": [{"name": n, "unit": u} for n, u in INPUTS],
+        "type": "hello", "source": "udp:127.0.0.1:14550", "version": "0", "flight": 0,
+        "layout": {
+            "model": "hfb320", "method": "smpe", "axes": ["longitudinal"],
+            "parameters": [
+                {"name": n, "unit": u, "initial": v, "prior_std": b / 2, "nuisance": False} for n, v, b, _, u in PARAMETERS],
+            "outputs": [{"name": n, "unit": u} for n, u, _ in OUTPUTS],
+            "inputs": [{"name": n, "unit": u} for n, u in INPUTS],
+        },
     }
 
 
@@ -82,7 +85,7 @@ class Synthetic:
         return {
             "type": "link", "received": self.k * 3, "samples": self.k, "lost": self.k // 50, "late": self.k // 400, "duplicated": 0,
             "reordered": self.k // 300, "restarts": 0, "stalled": 0, "refused": 0,
-            "latency_ms": {"p50": 0.21, "p99": 0.8, "p99_9": 1.9, "max": 3.2}, "recorded_bytes": self.k * 210,
+            "latency_ms": {"p50": 0.21, "p99": 0.8, "p99_9": 1.9, "max": 3.2}, "recorded_bytes": self.k * 210, "waiting": None,
         }
 
 
@@ -106,7 +109,7 @@ def run(write, mode, speed=1.0, seconds=math.inf):
     write(hello())
     if mode == "waiting":
         for have in range(0, 10**6):
-            write({**stream.link(), "waiting": {"have_s": min(1.2, have / 10), "need_s": 2.0, "reason": None}})
+            write({**stream.link(), "waiting": "%.1f s of 2.0 s collected" % min(1.2, have / 10)})
             time.sleep(0.1)
     began, events = time.monotonic(), list(EVENTS)
     backlog = 60.0 if mode in ("backlog", "stale", "ended", "lost") else 0.0
@@ -131,7 +134,7 @@ def run(write, mode, speed=1.0, seconds=math.inf):
             return
         if mode == "ended" and t > backlog + 1:
             break
-    write({"type": "end", "reason": "the sender closed the connection"})
+    write({"type": "end", "reason": "the source has ended"})
     time.sleep(2)
 
 

@@ -4,4 +4,6 @@
 #![cfg_attr(not(test), deny(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
 pub mod page;
+#[cfg(feature = "tui")]
+pub mod tui;
 pub mod view;

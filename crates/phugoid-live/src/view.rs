@@ -9,9 +9,9 @@ use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read, Seek};
 use std::path::Path;
 
-use phugoid_identification::estimation::{Event, ParameterReadiness};
+use phugoid_identification::estimation::ParameterReadiness;
 use phugoid_identification::session::Layout;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use crate::page;
@@ -54,7 +54,6 @@ pub struct Finished {
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 struct Hello {
     source: String,
-    #[serde(flatten)]
     layout: Layout,
 }
 
@@ -66,6 +65,14 @@ struct Columns {
     columns: Vec<Vec<f32>>,
     /// How many samples stand behind two rows, where there were too many to keep each: their least and greatest values.
     samples_per_group: usize,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct Event {
+    /// Time of the sender, s; none if it is about the link.
+    time_s: Option<f64>,
+    kind: String,
+    message: String,
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize)]

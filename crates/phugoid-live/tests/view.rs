@@ -36,10 +36,9 @@ fn data_of(finished: &Finished) -> Value {
 }
 
 fn hello() -> Value {
-    json!({"type": "hello", "source": "udp:127.0.0.1:14550", "version": "0.1.0", "model": "m", "method": "smpe",
-        "axes": ["longitudinal"],
-        "parameters": [{"name": "Cm_q", "unit": "per rad", "initial": 0.0, "prior_std": 1.0, "nuisance": false}],
-        "outputs": [{"name": "alpha", "unit": "rad"}], "inputs": [{"name": "elevator", "unit": "rad"}]})
+    json!({"type": "hello", "source": "udp:127.0.0.1:14550", "version": "0.1.0", "flight": 0,
+        "layout": {"model": "m", "method": "smpe", "axes": ["longitudinal"], "parameters": [{"name": "Cm_q", "unit": "per rad", "initial": 0.0, "prior_std": 1.0, "nuisance": false}],
+        "outputs": [{"name": "alpha", "unit": "rad"}], "inputs": [{"name": "elevator", "unit": "rad"}]}})
 }
 
 fn estimate(k: u32) -> Value {
@@ -59,11 +58,11 @@ fn stream(estimates: u32) -> String {
 
 #[test]
 fn documents_of_a_stream_become_columns() {
-    let event = json!({"type": "event", "time_s": 0.05, "kind": "gap", "message": "a gap"});
+    let event = json!({"type": "event", "time_s": null, "arrival_s": 0.05, "kind": "gap", "message": "a gap"});
     let link = json!({"type": "link", "received": 30, "lost": 1});
     let file = Scratch::new("stream", &format!("{}{event}\n{link}\n", stream(10)));
     let data = data_of(&file.read().unwrap());
-    assert_eq!(data["hello"]["parameters"][0]["unit"], "per rad");
+    assert_eq!(data["hello"]["layout"]["parameters"][0]["unit"], "per rad");
     assert_eq!(data["history"]["time_s"].as_array().unwrap().len(), 10);
     // Value, lower and upper edge; measured, predicted, residual; input.
     for (column, value) in [json!(-7.0), json!(-8.0), json!(-6.0), json!(0.25), json!(0.5), json!(1.5), json!(-0.125)]

@@ -31,14 +31,13 @@ class Flight {
     switch (document.type) {
       case "hello": return this.greet(document);
       case "estimate": this.estimate(document); break;
-      case "waiting": this.waiting = document; break;
       case "event": this.event(document); break;
       case "link":
         // A second without anything received: the sender is silent, not the connection to this page.
         this.silent = Boolean(this.link) && document.received === this.link.received;
         this.link = document;
         this.linkChanged = true;
-        if (document.waiting) this.waiting = document.waiting;
+        this.waiting = document.waiting;
         break;
       case "end": this.ended = document; break;
       default: break; // Later versions may add documents.
@@ -47,18 +46,23 @@ class Flight {
   }
 
   greet(hello) {
-    const layout = hello.layout || hello;
-    const shape = JSON.stringify([hello.session, hello.source, layout.model, layout.parameters, layout.outputs, layout.inputs]);
+    const { layout } = hello;
+    const shape = JSON.stringify([hello.started, hello.flight, hello.source, layout]);
     this.hello = hello;
     this.ended = null;
+    this.greeted = true;
     if (shape === this.shape) return false; // The same stream after a break: what was received stays.
     this.shape = shape;
     this.layout = layout;
     this.places = placesOf(layout);
-    this.store = new Store(this.places.columns, hello.rows);
     this.row = new Float64Array(this.places.columns);
-    this.begin();
+    this.forget();
     return true;
+  }
+
+  forget() {
+    this.store = new Store(this.places.columns, this.hello.rows);
+    this.begin();
   }
 
   estimate(snapshot) {
@@ -77,6 +81,9 @@ class Flight {
       row[places.outputs + 3 * i + 2] = number(snapshot.residuals[i]);
     });
     for (let i = 0; i < places.inputCount; i += 1) row[places.inputs + i] = number(snapshot.inputs[i]);
+    // Another start of the same source: its clock has begun anew.
+    if (this.greeted && snapshot.time_s < this.store.last - 1) this.forget();
+    this.greeted = false;
     // What was sent again after a break is known already.
     if (!this.store.push(snapshot.time_s, row)) return;
     this.newest = snapshot;
@@ -98,7 +105,7 @@ class Flight {
   // A finished result: whole columns at once, in the order of a row.
   load(result) {
     const { time_s: time, columns, samples_per_group: group } = result.history;
-    result.parameters.forEach((p, i) => { result.hello.parameters[i].truth = p.truth; });
+    result.parameters.forEach((p, i) => { result.hello.layout.parameters[i].truth = p.truth; });
     this.greet({ ...result.hello, rows: Math.max(time.length, 2) });
     time.forEach((t, k) => {
       columns.forEach((column, c) => { this.row[c] = typeof column[k] === "number" ? column[k] : NaN; });

@@ -44,6 +44,7 @@ function picture(now) {
     flight.linkChanged = false;
   }
   if (!flight.newest) return;
+  if (view.store !== flight.store) view.reset(flight.store);
   const rows = flight.store.received;
   const moved = controls.changed || panels.stale || (rows !== drawnRows && !view.paused);
   const untold = now - valuesAt > 100 && toldRows !== rows && !view.paused;

@@ -150,7 +150,7 @@ class Panels {
     const shown = flight.events.slice(-200).reverse();
     byId("events").replaceChildren(...shown.map((event) => {
       const item = element("li");
-      item.append(element("time", "", timeText(event.time_s, 2)));
+      item.append(element("time", "", typeof event.time_s === "number" ? timeText(event.time_s, 2) : "link"));
       const text = item.appendChild(element("span"));
       text.append(element("span", "kind", words(event.kind)), ": " + event.message);
       return item;

@@ -8,8 +8,7 @@ function statusOf(flight, stream, view) {
   const time = timeText(flight.store.last);
   if (!stream) return { kind: "ended", words: "Result", notice: "" };
   if (flight.ended) {
-    const why = flight.ended.reason || flight.ended.message;
-    return { kind: "ended", words: `Ended at ${time}`, notice: `The stream has ended${why ? ": " + words(why) : ""}. What came in stays on this page.` };
+    return { kind: "ended", words: `Ended at ${time}`, notice: `The stream has ended: ${flight.ended.reason}. What came in stays on this page.` };
   }
   if (stream.state === "broken") {
     const since = (performance.now() - stream.brokenAt) / 1000;
@@ -37,22 +36,16 @@ function waitingWords(flight, stream) {
     return { words: "No connection", note: "phugoid does not answer at this address. This page goes on trying; is `phugoid live` still running?" };
   }
   if (stream.state === "connecting") return { words: "Connecting to phugoid" };
-  const waiting = flight.waiting;
-  if (waiting && waiting.have_s >= waiting.need_s && waiting.reason) {
-    return { words: "Waiting for the start", note: sentence(waiting.reason) };
-  }
-  if (waiting && Number.isFinite(waiting.need_s)) {
+  if (flight.waiting) {
     return {
-      words: `Measuring the noise: ${waiting.have_s.toFixed(1)} of ${Number(waiting.need_s.toFixed(1))} s`,
-      have: waiting.have_s, need: waiting.need_s,
-      note: (waiting.reason ? sentence(waiting.reason) + " " : "") +
-        "The first samples tell the noise of the sensors and the reference flight condition. Estimates begin after them.",
+      words: "Preparing the estimation", note: sentence(flight.waiting) +
+        " The first samples tell the noise of the sensors and the reference flight condition; estimates begin after them.",
     };
   }
   const from = flight.hello && flight.hello.source ? ` from ${flight.hello.source}` : "";
   const got = flight.link && flight.link.received > 0 ? ` ${count(flight.link.received)} messages received so far.` : "";
   return flight.ended
-    ? { words: "The stream ended before the first estimate", note: words(flight.ended.reason || flight.ended.message || "") }
+    ? { words: "The stream ended before the first estimate", note: sentence(flight.ended.reason) }
     : { words: "Waiting for measurements", note: `Connected; nothing to estimate${from} yet.${got}` };
 }
 
@@ -79,13 +72,7 @@ function showStatus(flight, stream, view) {
   byId("panels").hidden = empty;
   byId("waiting").hidden = !empty;
   if (!empty || !stream) return;
-  const { words: text, note, have, need } = waitingWords(flight, stream);
+  const { words: text, note } = waitingWords(flight, stream);
   setText(byId("waiting-words"), text);
   setText(byId("waiting-note"), note || "");
-  const progress = byId("waiting-progress");
-  progress.hidden = need === undefined;
-  if (need !== undefined) {
-    progress.max = need;
-    progress.value = have;
-  }
 }

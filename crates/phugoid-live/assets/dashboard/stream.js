@@ -36,9 +36,6 @@ class Stream {
       }
     };
     source.onmessage = (message) => this.message(message.data);
-    for (const type of ["hello", "estimate", "waiting", "event", "link", "end"]) {
-      source.addEventListener(type, (message) => this.message(message.data));
-    }
   }
 
   message(data) {

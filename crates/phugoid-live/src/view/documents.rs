@@ -2,13 +2,13 @@
 
 use std::io::{BufRead, Read};
 
-use phugoid_identification::estimation::{Event, ParameterReadiness};
+use phugoid_identification::estimation::ParameterReadiness;
 use phugoid_identification::session::Layout;
 use serde::Deserialize;
 use serde_json::Value;
 
 use super::thinned::Thinned;
-use super::{FinalParameter, Finished, Hello, ViewError};
+use super::{Event, FinalParameter, Finished, Hello, ViewError};
 
 /// Longest line that is taken for a document; an estimate of 48 parameters has some twenty thousand characters.
 const LINE_BYTES: u64 = 1 << 24;
@@ -93,7 +93,7 @@ impl Reading {
     /// A later `hello` is that of another start: what came before it is another result.
     fn hello(&mut self, document: Value) -> Result<(), serde_json::Error> {
         let source = document.get("source").and_then(Value::as_str).unwrap_or_default().to_owned();
-        let layout = document.get("layout").cloned().unwrap_or(document);
+        let layout = document.get("layout").cloned().unwrap_or_default();
         let layout: Layout = serde_json::from_value(layout)?;
         if self.estimates > 0 {
             let earlier = format!("The {} estimates before the last start are left out.", self.estimates);

@@ -2,12 +2,12 @@
 
 use std::io::Read;
 
-use phugoid_identification::estimation::{Event, ParameterResult};
+use phugoid_identification::estimation::ParameterResult;
 use phugoid_identification::session::{Layout, ParameterLayout, SignalLayout};
 use serde::Deserialize;
 
 use super::thinned::Thinned;
-use super::{FinalParameter, Finished, Hello, ViewError};
+use super::{Event, FinalParameter, Finished, Hello, ViewError};
 
 #[derive(Deserialize)]
 struct Document {
