@@ -3,7 +3,19 @@
 //! `docs/live.md` describes the sources, the documents that are published and the recording.
 #![cfg_attr(not(test), deny(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
+pub mod arrival;
+pub mod document;
+pub mod engine;
+pub mod link;
+pub mod mavlink;
 pub mod page;
 #[cfg(feature = "tui")]
 pub mod tui;
+pub mod publish;
+pub mod receiver;
+pub mod recording;
+pub mod run;
+pub mod source;
+mod text;
+mod timing;
 pub mod view;

@@ -46,14 +46,23 @@ pub fn models() -> impl Iterator<Item = (&'static str, &'static str)> + Clone {
 /// # Errors
 /// [`NamedError`] with the nearest name.
 pub fn model(wanted: &str) -> Result<ModelFile, NamedError> {
+    let (name, text) = model_text(wanted)?;
+    Ok(ModelFile::parse(&name, &text)?)
+}
+
+/// Name and text of a model file, or of a built-in one by name.
+///
+/// # Errors
+/// [`NamedError::NoModel`].
+pub fn model_text(wanted: &str) -> Result<(String, String), NamedError> {
     let path = Path::new(wanted);
     if !path.exists()
         && let Some((name, text)) = models().find(|(name, _)| *name == wanted)
     {
-        return Ok(ModelFile::parse(name, text)?);
+        return Ok((name.to_owned(), text.to_owned()));
     }
     let text = std::fs::read_to_string(path).map_err(|error| no_model(wanted, error))?;
-    Ok(ModelFile::parse(wanted, &text)?)
+    Ok((wanted.to_owned(), text))
 }
 
 /// What is said where there is no model of this name.

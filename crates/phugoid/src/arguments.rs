@@ -1,5 +1,6 @@
 //! The command line.
 
+pub(crate) mod live;
 mod view;
 
 use std::path::PathBuf;
@@ -57,6 +58,7 @@ pub(crate) enum Command {
     Design(Design),
     Compatibility(Compatibility),
     View(View),
+    Live(live::Live),
 }
 
 /// The main job.

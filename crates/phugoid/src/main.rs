@@ -44,6 +44,7 @@ fn command() -> ExitCode {
         Some(Command::Design(arguments)) => commands::design::run(arguments),
         Some(Command::Compatibility(arguments)) => commands::compatibility::run(arguments),
         Some(Command::View(arguments)) => commands::view::run(arguments),
+        Some(Command::Live(arguments)) => commands::live::run(arguments),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

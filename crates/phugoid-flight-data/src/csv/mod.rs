@@ -14,11 +14,13 @@ mod error;
 mod format;
 mod read;
 mod rows;
+mod stream;
 mod text_file;
 mod write;
 
 pub use error::{ReadError, WriteError};
 pub use read::{read, read_path};
+pub use stream::{BadRow, RowReader, StreamColumns};
 #[cfg(feature = "parquet")]
 pub(crate) use write::headers;
 pub use write::{write, write_path};
@@ -51,7 +53,7 @@ impl Default for CsvOptions {
 
 impl CsvOptions {
     /// What is not about text.
-    pub(crate) fn table(&self) -> TableOptions {
+    pub fn table(&self) -> TableOptions {
         TableOptions {
             columns: self.columns.clone(),
             sample_time_s: self.sample_time_s,

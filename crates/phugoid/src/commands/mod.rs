@@ -8,6 +8,7 @@ pub(crate) mod design;
 mod detection;
 pub(crate) mod estimate;
 pub(crate) mod linearize;
+pub(crate) mod live;
 pub(crate) mod monitor;
 mod offer;
 pub(crate) mod reproduce;

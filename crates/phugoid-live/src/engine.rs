@@ -1,0 +1,255 @@
+//! From arrivals to documents: reception and estimation, without threads, files or clocks of their own.
+
+use phugoid_identification::estimate::{EstimateError, EstimateOptions};
+use phugoid_identification::model_file::ModelFile;
+use phugoid_identification::session::{Session, Step};
+
+use crate::arrival::Arrival;
+use crate::document::{Document, Kind};
+use crate::link::{Counts, Latency};
+use crate::receiver::{Receiver, ReceiverOptions, Reception};
+
+/// Between two estimates for pages, s: at most fifty a second.
+const SHOWN_S: f64 = 0.02;
+/// Between two documents about the link, ns.
+const LINK_NS: u64 = 1_000_000_000;
+
+/// What the link document says beside what the engine knows.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Beside {
+    /// Bytes of the recording.
+    pub recorded_bytes: u64,
+    /// Arrivals that could not be recorded.
+    pub recording_dropped: u64,
+    /// Estimates that a reader was too slow for.
+    pub published_dropped: u64,
+}
+
+/// Reception and estimation.
+pub struct Engine {
+    receiver: Receiver,
+    estimation: Estimation,
+    /// Stamp of the last thing done, ns: nothing happens before it any more.
+    now_ns: u64,
+    link_ns: u64,
+}
+
+/// Gives every document to whoever publishes it.
+pub type Publish<'a> = &'a mut dyn FnMut(Kind, &str);
+
+impl Engine {
+    /// An engine that has received nothing. `source` is said to readers.
+    ///
+    /// # Errors
+    /// [`EstimateError`]: the model or the options do not make a live estimation; a mapping of the model file that cannot be.
+    pub fn new(
+        model: &ModelFile,
+        options: &EstimateOptions,
+        receiver: &ReceiverOptions,
+        source: &str,
+    ) -> Result<Self, EstimateError> {
+        let session = Session::new(model, options)?;
+        Ok(Self {
+            receiver: Receiver::new(session.channels(), receiver).map_err(EstimateError::Model)?,
+            estimation: Estimation {
+                model: model.clone(),
+                options: options.clone(),
+                source: source.to_owned(),
+                session,
+                flight: 0,
+                estimates: 0,
+                shown_s: f64::NEG_INFINITY,
+                latency: Latency::default(),
+                waiting: None,
+                refused: 0,
+                broken: false,
+            },
+            now_ns: 0,
+            link_ns: 0,
+        })
+    }
+
+    /// The first document.
+    pub fn begin(&self, publish: Publish<'_>) {
+        self.estimation.hello(publish);
+    }
+
+    /// Counts so far.
+    pub fn counts(&self) -> Counts {
+        *self.receiver.counts()
+    }
+
+    /// Estimates so far.
+    pub fn estimates(&self) -> u64 {
+        self.estimation.estimates
+    }
+
+    /// Gives an arrival a stamp that is not before what has been done, so that a recording of it is in order.
+    pub fn stamp(&self, arrival: &mut Arrival) {
+        arrival.arrival_ns = arrival.arrival_ns.max(self.now_ns);
+    }
+
+    /// Takes what arrived. `finished_ns` gives the time at which an estimate is made, for the latency.
+    pub fn take(&mut self, arrival: &Arrival, finished_ns: &dyn Fn() -> u64, publish: Publish<'_>) {
+        self.now_ns = self.now_ns.max(arrival.arrival_ns);
+        let (estimation, now_ns) = (&mut self.estimation, self.now_ns);
+        self.receiver.take(arrival, &mut |reception| estimation.take(reception, now_ns, finished_ns, publish));
+    }
+
+    /// When [`Engine::advance`] is due if nothing arrives before, ns.
+    pub fn deadline_ns(&self) -> Option<u64> {
+        self.receiver.deadline_ns()
+    }
+
+    /// Does what was due at this time, ns.
+    pub fn advance(&mut self, now_ns: u64, finished_ns: &dyn Fn() -> u64, publish: Publish<'_>) {
+        // What is due is done as of its time: a replay, where no clock runs, does it then too.
+        while let Some(due_ns) = self.receiver.deadline_ns().filter(|due| *due <= now_ns) {
+            self.now_ns = self.now_ns.max(due_ns);
+            let (estimation, at_ns) = (&mut self.estimation, self.now_ns);
+            self.receiver.advance(due_ns, &mut |reception| estimation.take(reception, at_ns, finished_ns, publish));
+        }
+    }
+
+    /// Tells about the link, once a second of arrivals.
+    pub fn tell_link(&mut self, now_ns: u64, beside: Beside, publish: Publish<'_>) {
+        if now_ns < self.link_ns {
+            return;
+        }
+        self.link_ns = now_ns.saturating_add(LINK_NS);
+        let document = Document::Link {
+            arrival_s: seconds(now_ns),
+            counts: self.counts(),
+            latency_ms: self.estimation.latency.told(),
+            recorded_bytes: beside.recorded_bytes,
+            recording_dropped: beside.recording_dropped,
+            published_dropped: beside.published_dropped,
+            waiting: self.estimation.waiting.as_deref(),
+        };
+        publish(Kind::Link, &document.text());
+    }
+
+    /// Something to be said about the reception itself.
+    pub fn tell(&self, now_ns: u64, kind: &str, message: &str, publish: Publish<'_>) {
+        let document = Document::Event { time_s: None, arrival_s: seconds(now_ns), kind, message };
+        publish(Kind::Event, &document.text());
+    }
+
+    /// Does what still waits and says that it is over.
+    pub fn end(&mut self, reason: &str, finished_ns: &dyn Fn() -> u64, publish: Publish<'_>) {
+        let (estimation, now_ns) = (&mut self.estimation, self.now_ns);
+        self.receiver.finish(&mut |reception| estimation.take(reception, now_ns, finished_ns, publish));
+        if let Some(waiting) = self.estimation.waiting.take() {
+            self.tell(now_ns, "waiting", &format!("it ended before an estimation could begin: {waiting}"), publish);
+        }
+        let document = Document::End {
+            reason,
+            counts: self.counts(),
+            estimates: self.estimation.estimates,
+            latency_ms: self.estimation.latency.told(),
+        };
+        publish(Kind::End, &document.text());
+    }
+}
+
+/// One session after the other, as often as the sender begins anew.
+struct Estimation {
+    model: ModelFile,
+    options: EstimateOptions,
+    source: String,
+    session: Session,
+    flight: u64,
+    estimates: u64,
+    shown_s: f64,
+    latency: Latency,
+    waiting: Option<String>,
+    refused: u64,
+    /// An estimation is impossible with what came: said, and tried again with the next flight.
+    broken: bool,
+}
+
+impl Estimation {
+    fn hello(&self, publish: Publish<'_>) {
+        let document = Document::Hello {
+            version: env!("CARGO_PKG_VERSION"),
+            source: &self.source,
+            flight: self.flight,
+            layout: self.session.layout(),
+        };
+        publish(Kind::Hello, &document.text());
+    }
+
+    fn take(&mut self, reception: Reception<'_>, now_ns: u64, finished_ns: &dyn Fn() -> u64, publish: Publish<'_>) {
+        match reception {
+            Reception::Sample { time_s, arrival_ns, values } => {
+                self.sample(time_s, values, now_ns, publish);
+                if let Some(latency_ns) = finished_ns().checked_sub(arrival_ns) {
+                    self.latency.add(latency_ns);
+                }
+            }
+            Reception::Restart { from_s, to_s } => self.restart(from_s, to_s, now_ns, publish),
+            Reception::Event { kind, message } => say(None, now_ns, kind, &message, publish),
+        }
+    }
+
+    fn sample(&mut self, time_s: f64, values: &[f64], now_ns: u64, publish: Publish<'_>) {
+        if self.broken {
+            return;
+        }
+        match self.session.update(time_s, values) {
+            Ok(Step::Estimated) => {
+                self.waiting = None;
+                self.estimates += 1;
+                if let Some(snapshot) = self.session.snapshot() {
+                    // A hair less than the step, so that rounding does not halve a rate of exactly fifty a second.
+                    let shown = snapshot.time_s - self.shown_s >= SHOWN_S - 1e-6;
+                    if shown {
+                        self.shown_s = snapshot.time_s;
+                    }
+                    let document = Document::Estimate { flight: self.flight, snapshot };
+                    publish(Kind::Estimate { shown }, &document.text());
+                }
+            }
+            Ok(Step::Waiting { have_s, need_s, reason }) => {
+                let collected = || format!("{have_s:.1} s of {need_s:.1} s collected");
+                self.waiting = Some(reason.unwrap_or_else(collected));
+            }
+            Ok(Step::Refused(reason)) => {
+                self.refused += 1;
+                if self.refused <= 5 {
+                    say(Some(time_s), now_ns, "refused", &reason, publish);
+                }
+            }
+            Err(error) => {
+                self.broken = true;
+                say(Some(time_s), now_ns, "impossible", &format!("no estimation of this flight: {error}"), publish);
+            }
+        }
+        for event in self.session.take_events() {
+            say(Some(event.time_s), now_ns, &event.kind, &event.message, publish);
+        }
+    }
+
+    fn restart(&mut self, from_s: f64, to_s: f64, now_ns: u64, publish: Publish<'_>) {
+        let message = format!(
+            "the sender's clock went from {from_s:.3} s to {to_s:.3} s: it was restarted; the estimation begins anew"
+        );
+        say(Some(to_s), now_ns, "restart", &message, publish);
+        match Session::new(&self.model, &self.options) {
+            Ok(session) => self.session = session,
+            // It could be made at the start, so that it can be made now.
+            Err(error) => say(None, now_ns, "impossible", &error.to_string(), publish),
+        }
+        self.flight += 1;
+        (self.broken, self.shown_s, self.waiting) = (false, f64::NEG_INFINITY, None);
+        self.hello(publish);
+    }
+}
+
+fn say(time_s: Option<f64>, now_ns: u64, kind: &str, message: &str, publish: Publish<'_>) {
+    publish(Kind::Event, &Document::Event { time_s, arrival_s: seconds(now_ns), kind, message }.text());
+}
+
+fn seconds(ns: u64) -> f64 {
+    ns as f64 / 1e9
+}

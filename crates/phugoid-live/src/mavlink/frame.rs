@@ -1,0 +1,130 @@
+//! Frames in a stream of bytes (<https://mavlink.io/en/guide/serialization.html>).
+
+use super::definitions;
+
+const START_1: u8 = 0xFE;
+const START_2: u8 = 0xFD;
+/// Incompatibility flag of MAVLink 2: a signature of 13 bytes follows the checksum.
+const SIGNED: u8 = 0x01;
+const SIGNATURE: usize = 13;
+
+/// A frame whose checksum holds, or whose message is not known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Frame<'a> {
+    /// Number of the message.
+    pub id: u32,
+    /// Counts the frames of this component.
+    pub sequence: u8,
+    /// Vehicle.
+    pub system: u8,
+    /// Part of the vehicle.
+    pub component: u8,
+    /// Content.
+    pub payload: &'a [u8],
+    /// False if the message is not in the dialect: its checksum cannot be verified.
+    pub known: bool,
+}
+
+/// What stands at the beginning of a buffer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Found<'a> {
+    /// A frame of this many bytes.
+    Frame(Frame<'a>, usize),
+    /// A known message of this many bytes whose checksum does not hold. The next frame may begin within.
+    BadChecksum(usize),
+    /// This many bytes that belong to no frame.
+    Garbage(usize),
+    /// Perhaps the beginning of a frame: more bytes are needed.
+    Incomplete,
+}
+
+/// Looks at the beginning of a buffer. Never answers with zero bytes.
+pub fn next(bytes: &[u8]) -> Found<'_> {
+    let (header, trailer) = match bytes {
+        [] => return Found::Incomplete,
+        [START_1, ..] => (6, 2),
+        [START_2] => return Found::Incomplete,
+        [START_2, _] => return Found::Incomplete,
+        // Flags that are not understood forbid to go on (the specification's word for them).
+        [START_2, _, flags, ..] if flags & !SIGNED != 0 => return Found::Garbage(1),
+        [START_2, _, flags, ..] => (10, if flags & SIGNED == 0 { 2 } else { 2 + SIGNATURE }),
+        _ => {
+            let garbage = bytes.iter().position(|byte| [START_1, START_2].contains(byte)).unwrap_or(bytes.len());
+            return Found::Garbage(garbage);
+        }
+    };
+    let length = bytes.get(1).copied().map_or(255, usize::from);
+    let whole = header + length + trailer;
+    let Some(frame) = bytes.get(..whole) else { return Found::Incomplete };
+    let at = |index: usize| frame.get(index).copied().unwrap_or_default();
+    let (sequence, system, component, id) = match header {
+        6 => (at(2), at(3), at(4), u32::from(at(5))),
+        _ => (at(4), at(5), at(6), u32::from_le_bytes([at(7), at(8), at(9), 0])),
+    };
+    let payload = frame.get(header..header + length).unwrap_or_default();
+    let Some(message) = definitions::messages().get(&id) else {
+        // Without the seed of its checksum a frame is believed only where the next one follows it, or nothing does.
+        let followed = bytes.get(whole).is_none_or(|byte| [START_1, START_2].contains(byte));
+        let frame = Frame { id, sequence, system, component, payload, known: false };
+        return if followed { Found::Frame(frame, whole) } else { Found::Garbage(1) };
+    };
+    let covered = frame.get(1..header + length).unwrap_or_default();
+    let sent = u16::from_le_bytes([at(header + length), at(header + length + 1)]);
+    if checksum(covered, message.crc_extra) != sent {
+        return Found::BadChecksum(whole);
+    }
+    Found::Frame(Frame { id, sequence, system, component, payload, known: true }, whole)
+}
+
+/// CRC-16/MCRF4XX over a frame without its start and the seed of its message.
+pub fn checksum(bytes: &[u8], extra: u8) -> u16 {
+    bytes.iter().chain(std::iter::once(&extra)).fold(0xFFFF_u16, |crc, byte| {
+        let mixed = byte ^ (crc as u8);
+        let mixed = u16::from(mixed ^ (mixed << 4));
+        (crc >> 8) ^ (mixed << 8) ^ (mixed << 3) ^ (mixed >> 4)
+    })
+}
+
+/// A MAVLink 2 frame of a known message, without signature; zeros at the end of the payload are cut off as the protocol wants
+/// it. None if the message is not known or the payload longer than 255 bytes.
+pub fn encode(id: u32, sequence: u8, system: u8, component: u8, payload: &[u8]) -> Option<Vec<u8>> {
+    let message = definitions::messages().get(&id)?;
+    let used = payload.iter().rposition(|byte| *byte != 0).map_or(1, |last| last + 1).min(payload.len());
+    let payload = payload.get(..used)?;
+    let length = u8::try_from(payload.len()).ok()?;
+    let [low, middle, high, _] = id.to_le_bytes();
+    let mut frame = vec![START_2, length, 0, 0, sequence, system, component, low, middle, high];
+    frame.extend_from_slice(payload);
+    let crc = checksum(frame.get(1..)?, message.crc_extra);
+    frame.extend_from_slice(&crc.to_le_bytes());
+    Some(frame)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The check value of CRC-16/MCRF4XX over `123456789` is 0x6F91 (the catalogue of parametrised CRC algorithms).
+    #[test]
+    fn the_checksum_is_the_published_one() {
+        assert_eq!(checksum(b"12345678", b'9'), 0x6F91);
+    }
+
+    #[test]
+    fn what_is_written_is_read_and_damage_is_seen() {
+        let payload = [7, 0, 0, 0, 0, 0, 192, 63, b'q', 0, 0, 0];
+        let bytes = encode(251, 9, 1, 2, &payload).unwrap();
+        let Found::Frame(frame, length) = next(&bytes) else { panic!() };
+        assert_eq!((frame.id, frame.sequence, frame.system, frame.component), (251, 9, 1, 2));
+        assert_eq!((frame.payload, length), (&payload[..9], bytes.len()));
+        for index in 1..bytes.len() {
+            let mut damaged = bytes.clone();
+            damaged[index] ^= 0x10;
+            let found = next(&damaged);
+            assert!(!matches!(found, Found::Frame(Frame { known: true, .. }, _)), "byte {index}: {found:?}");
+            assert_eq!(next(&bytes[..index]), Found::Incomplete);
+        }
+        assert_eq!(next(b"\0garbage\xFE"), Found::Garbage(8));
+        assert_eq!(next(&[START_2, 9, 2, 0]), Found::Garbage(1));
+    }
+}

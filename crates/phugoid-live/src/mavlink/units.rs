@@ -1,0 +1,53 @@
+//! Units as MAVLink's definitions write them.
+
+use phugoid_flight_data::units;
+
+/// SI units per unit, and the SI value of zero; none for a unit that is not understood.
+pub(super) fn to_si(unit: &str) -> Option<(f64, f64)> {
+    const DEGREE: f64 = std::f64::consts::PI / 180.0;
+    // Those that MAVLink alone writes (https://mavlink.io/en/messages/common.html#enums, "Unit").
+    Some(match unit {
+        "" => (1.0, 0.0),
+        "degE7" => (1e-7 * DEGREE, 0.0),
+        "degE5" => (1e-5 * DEGREE, 0.0),
+        "cdeg" => (1e-2 * DEGREE, 0.0),
+        "ddeg" => (1e-1 * DEGREE, 0.0),
+        "ddeg/s" => (1e-1 * DEGREE, 0.0),
+        "cm/s" => (1e-2, 0.0),
+        "dm/s" => (1e-1, 0.0),
+        "mm/s" => (1e-3, 0.0),
+        "dm" => (1e-1, 0.0),
+        "dam" => (10.0, 0.0),
+        "cdegC" => (1e-2, 273.15),
+        "%" => (1e-2, 0.0),
+        "d%" => (1e-3, 0.0),
+        "c%" => (1e-4, 0.0),
+        // Standard gravity: MAVLink's mG is a thousandth of it.
+        "mG" => (9.806_65e-3, 0.0),
+        other => {
+            let unit = units::find(other).first().copied()?;
+            (unit.scale, unit.offset)
+        }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_unit_of_motion_is_understood() {
+        for (unit, scale) in [
+            ("m/s/s", 1.0),
+            ("m/s", 1.0),
+            ("rad/s", 1.0),
+            ("mrad/s", 1e-3),
+            ("deg", 0.017_453_292_519_943_295),
+            ("hPa", 100.0),
+        ] {
+            assert_eq!(to_si(unit), Some((scale, 0.0)), "{unit}");
+        }
+        assert_eq!(to_si("degC"), Some((1.0, 273.15)));
+        assert_eq!(to_si("gauss"), None);
+    }
+}

@@ -1,0 +1,120 @@
+//! The blocks of a recording.
+
+use crate::arrival::{Arrival, Content};
+
+/// Every block begins with it.
+pub(super) const MARK: [u8; 4] = *b"PHGL";
+/// Mark, length and checksum, bytes.
+pub(super) const HEAD: usize = 12;
+/// The largest body: a datagram has at most 65535 bytes, a header a model file.
+pub(super) const LARGEST: usize = 4 << 20;
+/// Kind, arrival, wall clock and origin, bytes.
+const STAMPS: usize = 19;
+
+/// What a block is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BlockKind {
+    /// [`super::Header`] as JSON.
+    Header,
+    /// A peer appeared: its name.
+    Opened,
+    /// A datagram.
+    Datagram,
+    /// A piece of a stream.
+    Piece,
+    /// A peer has gone: the reason.
+    Closed,
+    /// The reception was ended in order.
+    End,
+}
+
+impl BlockKind {
+    const ALL: [Self; 6] = [Self::Header, Self::Opened, Self::Datagram, Self::Piece, Self::Closed, Self::End];
+
+    /// The number in the file.
+    pub fn code(self) -> u8 {
+        match self {
+            Self::Header => 0,
+            Self::Opened => 1,
+            Self::Datagram => 2,
+            Self::Piece => 3,
+            Self::Closed => 4,
+            Self::End => 5,
+        }
+    }
+
+    fn from_code(code: u8) -> Option<Self> {
+        Self::ALL.into_iter().find(|kind| kind.code() == code)
+    }
+}
+
+/// A block as it stands in the file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Block {
+    pub(super) kind: BlockKind,
+    pub(super) arrival_ns: u64,
+    pub(super) wall_ns: u64,
+    pub(super) origin: u16,
+    pub(super) content: Vec<u8>,
+}
+
+impl Block {
+    pub(super) fn of(arrival: &Arrival) -> (BlockKind, &[u8]) {
+        match &arrival.content {
+            Content::Opened(peer) => (BlockKind::Opened, peer.as_bytes()),
+            Content::Datagram(bytes) => (BlockKind::Datagram, bytes),
+            Content::Piece(bytes) => (BlockKind::Piece, bytes),
+            Content::Closed(reason) => (BlockKind::Closed, reason.as_bytes()),
+        }
+    }
+
+    /// What arrived; none for the header and the end.
+    pub(super) fn arrival(self) -> Option<Arrival> {
+        let text = |bytes: Vec<u8>| String::from_utf8_lossy(&bytes).into_owned();
+        let content = match self.kind {
+            BlockKind::Opened => Content::Opened(text(self.content)),
+            BlockKind::Datagram => Content::Datagram(self.content),
+            BlockKind::Piece => Content::Piece(self.content),
+            BlockKind::Closed => Content::Closed(text(self.content)),
+            BlockKind::Header | BlockKind::End => return None,
+        };
+        Some(Arrival { arrival_ns: self.arrival_ns, wall_ns: self.wall_ns, origin: self.origin, content })
+    }
+
+    /// Reads a body.
+    pub(super) fn parse(body: &[u8]) -> Option<Self> {
+        let (stamps, content) = body.split_at_checked(STAMPS)?;
+        let number = |from: usize| stamps.get(from..from + 8)?.try_into().ok().map(u64::from_le_bytes);
+        Some(Self {
+            kind: BlockKind::from_code(*stamps.first()?)?,
+            arrival_ns: number(1)?,
+            wall_ns: number(9)?,
+            origin: u16::from_le_bytes(stamps.get(17..19)?.try_into().ok()?),
+            content: content.to_vec(),
+        })
+    }
+}
+
+/// Appends a block to a buffer.
+pub(super) fn append(
+    buffer: &mut Vec<u8>,
+    kind: BlockKind,
+    [arrival_ns, wall_ns]: [u64; 2],
+    origin: u16,
+    content: &[u8],
+) {
+    let content = content.get(..content.len().min(LARGEST - STAMPS)).unwrap_or_default();
+    let start = buffer.len();
+    buffer.extend_from_slice(&MARK);
+    buffer.extend_from_slice(&((STAMPS + content.len()) as u32).to_le_bytes());
+    buffer.extend_from_slice(&[0; 4]);
+    buffer.push(kind.code());
+    buffer.extend_from_slice(&arrival_ns.to_le_bytes());
+    buffer.extend_from_slice(&wall_ns.to_le_bytes());
+    buffer.extend_from_slice(&origin.to_le_bytes());
+    buffer.extend_from_slice(content);
+    let checksum = crc32fast::hash(buffer.get(start + HEAD..).unwrap_or_default()).to_le_bytes();
+    if let Some(place) = buffer.get_mut(start + 8..start + HEAD) {
+        place.copy_from_slice(&checksum);
+    }
+}

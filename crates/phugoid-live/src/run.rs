@@ -1,0 +1,207 @@
+//! A live estimation with its threads: a source that receives, the estimation, and those who record and publish.
+
+use std::io::{self, Write};
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::time::Duration;
+
+use phugoid_identification::estimate::{EstimateError, EstimateOptions};
+use phugoid_identification::model_file::ModelFile;
+
+use crate::arrival::Clock;
+use crate::document::Kind;
+use crate::engine::{Beside, Engine};
+use crate::publish::{Lines, WhenSlow};
+use crate::receiver::ReceiverOptions;
+use crate::recording::{Header, Recorder, VERSION};
+use crate::source::{Outlet, Source};
+
+/// Arrivals that wait for the estimation; beyond it the operating system's buffers hold what comes.
+const WAITING: usize = 8192;
+/// How often it is looked whether to stop, and told about the link.
+const LOOK_NS: u64 = 100_000_000;
+/// Stack of the thread that estimates: models of all axes need 4 MB.
+const STACK_BYTES: usize = 16 << 20;
+
+/// What a live estimation is made of.
+pub struct Live<'a> {
+    /// The aircraft.
+    pub model: &'a ModelFile,
+    /// Text of the model file, for the recording.
+    pub model_text: &'a str,
+    /// Choices of the estimation.
+    pub options: &'a EstimateOptions,
+    /// How what arrives is to be understood.
+    pub receiver: &'a ReceiverOptions,
+    /// Where the recording goes, if anywhere.
+    pub record: Option<PathBuf>,
+    /// Every estimate on the lines, not only those for pages.
+    pub all: bool,
+    /// What happens where the reader of the lines is slow.
+    pub when_slow: WhenSlow,
+    /// What arrives has stamps of another time: only they count, no clock.
+    pub replayed: bool,
+}
+
+/// Who gets the documents beside the lines.
+pub trait Audience: Send {
+    /// A document; it has to return at once.
+    fn hear(&mut self, kind: Kind, document: &str);
+}
+
+/// How it ended.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Summary {
+    /// Samples handed to the estimation.
+    pub samples: u64,
+    /// Estimates made.
+    pub estimates: u64,
+}
+
+/// Why a live estimation could not begin, or could not be written.
+#[derive(Debug, thiserror::Error)]
+pub enum LiveError {
+    /// The model or the options.
+    #[error(transparent)]
+    Estimate(#[from] EstimateError),
+    /// The recording.
+    #[error("the recording `{}` cannot be written: {error}", file.display())]
+    Recording {
+        /// File.
+        file: PathBuf,
+        /// What the system says.
+        error: io::Error,
+    },
+    /// The documents.
+    #[error("the documents cannot be written: {0}")]
+    Documents(io::Error),
+    /// A thread.
+    #[error("the system gives no further thread: {0}")]
+    Thread(io::Error),
+}
+
+impl Live<'_> {
+    /// Receives from `source` until it ends or `stop` is set; lines go to `out`, documents to the audience too.
+    ///
+    /// # Errors
+    /// [`LiveError`]. What was received is recorded all the same.
+    pub fn run(
+        &self,
+        source: Source,
+        out: impl Write + Send + 'static,
+        audience: &mut [Box<dyn Audience>],
+        stop: &Arc<AtomicBool>,
+    ) -> Result<Summary, LiveError> {
+        std::thread::scope(|scope| {
+            let here = std::thread::Builder::new().name("estimation".to_owned()).stack_size(STACK_BYTES);
+            let thread =
+                here.spawn_scoped(scope, || self.estimate(source, out, audience, stop)).map_err(LiveError::Thread)?;
+            thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+        })
+    }
+
+    fn estimate(
+        &self,
+        source: Source,
+        out: impl Write + Send + 'static,
+        audience: &mut [Box<dyn Audience>],
+        stop: &Arc<AtomicBool>,
+    ) -> Result<Summary, LiveError> {
+        let mut engine = Engine::new(self.model, self.options, self.receiver, &source.name)?;
+        let recorder = self.recorder(&source.name)?;
+        let recorded = recorder.as_ref().map(Recorder::recorded).unwrap_or_default();
+        let lines = Lines::new(out, self.when_slow).map_err(LiveError::Thread)?;
+        let mut publish = |kind: Kind, document: &str| {
+            if self.all || kind != (Kind::Estimate { shown: false }) {
+                lines.send(document);
+            }
+            audience.iter_mut().for_each(|listener| listener.hear(kind, document));
+        };
+        let clock = Clock::start();
+        let (queue, arrivals) = mpsc::sync_channel(WAITING);
+        let outlet = Outlet::new(queue, Arc::clone(stop), clock);
+        // Standard input cannot be asked to stop: the thread is left behind at the end.
+        std::thread::Builder::new()
+            .name("source".to_owned())
+            .spawn(move || source.run(&outlet))
+            .map_err(LiveError::Thread)?;
+        engine.begin(&mut publish);
+        // A replay has no latency: its stamps are of another time.
+        let finished = || if self.replayed { 0 } else { clock.now_ns() };
+        let mut recording_failed = false;
+        let reason = loop {
+            if stop.load(Ordering::Relaxed) {
+                break "stopped";
+            }
+            if lines.is_gone() {
+                break "nobody reads any more";
+            }
+            let now_ns = clock.now_ns();
+            let deadline_ns = engine.deadline_ns().filter(|_| !self.replayed).unwrap_or(u64::MAX);
+            let due_ns = deadline_ns.min(now_ns.saturating_add(LOOK_NS));
+            match arrivals.recv_timeout(Duration::from_nanos(due_ns.saturating_sub(now_ns))) {
+                Ok(mut arrival) => {
+                    engine.stamp(&mut arrival);
+                    engine.take(&arrival, &finished, &mut publish);
+                    if let Some(recorder) = &recorder {
+                        recorder.record(arrival);
+                    }
+                }
+                Err(RecvTimeoutError::Timeout) => {}
+                Err(RecvTimeoutError::Disconnected) => break "the source has ended",
+            }
+            let now_ns = clock.now_ns();
+            if !self.replayed {
+                engine.advance(now_ns, &finished, &mut publish);
+            }
+            let beside = Beside {
+                recorded_bytes: recorded.bytes(),
+                recording_dropped: recorded.dropped(),
+                published_dropped: lines.dropped(),
+            };
+            if recorded.failed() && !recording_failed {
+                recording_failed = true;
+                engine.tell(
+                    now_ns,
+                    "recording",
+                    "the recording cannot be written any more; the estimation goes on",
+                    &mut publish,
+                );
+            }
+            engine.tell_link(now_ns, beside, &mut publish);
+        };
+        engine.end(reason, &finished, &mut publish);
+        stop.store(true, Ordering::Relaxed);
+        let summary = Summary { samples: engine.counts().samples, estimates: engine.estimates() };
+        let written = lines.finish();
+        if let (Some(recorder), Some(file)) = (recorder, &self.record) {
+            recorder.finish().map_err(|error| LiveError::Recording { file: file.clone(), error })?;
+        }
+        match written {
+            // `head` has seen enough.
+            Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(summary),
+            other => other.map(|()| summary).map_err(LiveError::Documents),
+        }
+    }
+
+    fn recorder(&self, source: &str) -> Result<Option<Recorder>, LiveError> {
+        let Some(file) = &self.record else { return Ok(None) };
+        let header = Header {
+            version: VERSION,
+            program: env!("CARGO_PKG_VERSION").to_owned(),
+            source: source.to_owned(),
+            started_wall_ns: crate::arrival::wall_ns(),
+            model_name: self.model.source.clone(),
+            model_text: self.model_text.to_owned(),
+            method: self.options.method.map(|method| method.name().to_owned()),
+            change_detection: self.options.re_reaching,
+            reorder_ns: self.receiver.mavlink.reorder_ns,
+            system: self.receiver.mavlink.system,
+            base: self.receiver.mavlink.base.clone(),
+        };
+        let recorder = Recorder::create(file, &header);
+        recorder.map(Some).map_err(|error| LiveError::Recording { file: file.clone(), error })
+    }
+}
