@@ -29,6 +29,7 @@ pub mod plausibility;
 pub mod profile;
 pub mod quality;
 pub mod quantity;
+pub mod reader;
 pub mod record;
 pub mod table;
 pub mod units;

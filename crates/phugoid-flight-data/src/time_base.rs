@@ -156,7 +156,7 @@ fn merge_equal_times(table: &mut Table, rows: &mut Vec<usize>, report: &mut Qual
 }
 
 /// The longest strictly rising sequence of times among these rows; of two swapped rows the later in the file goes.
-fn longest_rising(time: &[f64], rows: &[usize]) -> Vec<usize> {
+pub(crate) fn longest_rising(time: &[f64], rows: &[usize]) -> Vec<usize> {
     let at = |position: usize| rows.get(position).and_then(|&row| time.get(row)).copied().unwrap_or(f64::NAN);
     if (1..rows.len()).all(|position| at(position - 1) < at(position)) {
         return rows.to_vec();

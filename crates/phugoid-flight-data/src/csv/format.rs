@@ -49,9 +49,9 @@ impl Format {
 pub(super) fn refuse_binary(source: &str, start: &[u8]) -> Result<(), ReadError> {
     let (found, advice) = match start {
         [b'U', b'L', b'o', b'g', 0x01, 0x12, 0x35, ..] => {
-            ("a PX4 ULog", "convert it, for instance with ulog2csv of the pyulog tools")
+            ("a PX4 ULog", "read it with reader::read_path, as every command does")
         }
-        [0xA3, 0x95, ..] => ("an ArduPilot DataFlash log", "convert it, for instance with mavlogdump.py --format csv"),
+        [0xA3, 0x95, ..] => ("an ArduPilot DataFlash log", "read it with reader::read_path, as every command does"),
         [0xFF, 0xFE, ..] | [0xFE, 0xFF, ..] => ("UTF-16 text", "save it as UTF-8"),
         [b'P', b'K', 3, 4, ..] => ("a zip archive or a spreadsheet", "unpack it, or export the sheet as CSV"),
         [0x1F, 0x8B, ..] => ("compressed by gzip", "unpack it first (gunzip)"),

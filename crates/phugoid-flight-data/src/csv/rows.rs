@@ -167,7 +167,11 @@ impl Rows {
             time.unit_assumed = false;
         }
         let Self { plan, table, text, seen, header_line, .. } = self;
-        Ok(table::record(Read { source, header_line: Some(header_line), seen, plan, table, text }, options, report)?)
+        Ok(table::record(
+            Read { source, header_line: Some(header_line), seen, plan, table, text, sparse: false },
+            options,
+            report,
+        )?)
     }
 
     fn why_no_rows(&self) -> String {

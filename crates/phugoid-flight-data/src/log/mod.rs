@@ -36,6 +36,8 @@ pub struct Log {
     pub messages: Vec<Message>,
     /// Topics in the order of their first appearance.
     pub topics: Vec<Topic>,
+    /// Names of the topics that are in the log but were not asked for.
+    pub others: Vec<String>,
     /// What the reader found, skipped and left out.
     pub quality: QualityReport,
 }

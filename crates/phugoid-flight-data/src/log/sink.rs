@@ -147,6 +147,7 @@ pub(super) struct Tables<'s> {
     selection: &'s Selection,
     layout: Layout,
     topics: Vec<Table>,
+    others: Vec<String>,
     values: usize,
 }
 
@@ -162,7 +163,7 @@ struct Table {
 
 impl<'s> Tables<'s> {
     pub(super) fn new(selection: &'s Selection) -> Self {
-        Self { selection, layout: Layout::default(), topics: Vec::new(), values: 0 }
+        Self { selection, layout: Layout::default(), topics: Vec::new(), others: Vec::new(), values: 0 }
     }
 
     pub(super) fn too_large(&self, source: &str) -> LogError {
@@ -186,6 +187,7 @@ impl<'s> Tables<'s> {
             parameters: head.parameters,
             messages: head.messages,
             topics: topics.collect(),
+            others: self.others,
             quality: head.quality,
         }
     }
@@ -194,6 +196,9 @@ impl<'s> Tables<'s> {
 impl Sink for Tables<'_> {
     fn open(&mut self, topic: &str, instance: u16, fields: &[String]) -> Option<Stream> {
         if !self.selection.has_topic(topic, instance) {
+            if self.others.len() < MOST_TOPICS && !self.others.iter().any(|other| other == topic) {
+                self.others.push(topic.to_owned());
+            }
             return None;
         }
         let wanted = |field: &str| self.selection.has_field(topic, instance, field);

@@ -19,11 +19,13 @@ pub(crate) struct Read<'a> {
     pub(crate) table: Table,
     /// Cells per channel that are text, and the first of them.
     pub(crate) text: Vec<(Lines, String)>,
+    /// Have the signals rates of their own, so that most values are missing and that is no finding?
+    pub(crate) sparse: bool,
 }
 
 /// Puts the rows in the order of time and says everything that there is to say about them.
 pub(crate) fn record(read: Read<'_>, options: &TableOptions, mut report: QualityReport) -> Result<Record, TableError> {
-    let Read { source, header_line, seen, plan, mut table, text } = read;
+    let Read { source, header_line, seen, plan, mut table, text, sparse } = read;
     let time_header = plan.time.as_ref().map_or("(row number)", |column| column.header.as_str()).to_owned();
     if let Some(column) = plan.time.as_ref().filter(|column| column.unit_assumed) {
         columns::say_assumed(column, &mut report);
@@ -56,12 +58,12 @@ pub(crate) fn record(read: Read<'_>, options: &TableOptions, mut report: Quality
     });
     let mut holes = Vec::new();
     for ((column, values), (text, example)) in plan.channels.into_iter().zip(table.columns).zip(text) {
-        if let Some(channel) = keep(&column, values, &text, &example, &mut holes, &mut report) {
+        if let Some(channel) = keep(&column, values, &text, &example, sparse, &mut holes, &mut report) {
             report.channels.push(quality_of(&column, channel.values.iter().filter(|value| value.is_nan()).count()));
             record.channels.push(channel);
         }
     }
-    if !holes.is_empty() {
+    if !holes.is_empty() && !sparse {
         report.note(
             "",
             format!("values missing in {} rows: {}; nothing is filled in", report.rows_kept, holes.join(", ")),
@@ -93,6 +95,7 @@ fn keep(
     values: Vec<f64>,
     text: &Lines,
     example: &str,
+    sparse: bool,
     holes: &mut Vec<String>,
     report: &mut QualityReport,
 ) -> Option<Channel> {
@@ -115,7 +118,7 @@ fn keep(
     }
     if !any {
         report.warn(place, format!("{} has no value at all", column.name));
-    } else if missing > 0 {
+    } else if missing > 0 && !sparse {
         let percent = 100.0 * missing as f64 / values.len() as f64;
         match percent > 10.0 {
             true => report.warn(

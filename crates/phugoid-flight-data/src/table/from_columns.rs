@@ -41,7 +41,28 @@ pub fn from_columns(
     columns: Vec<Column>,
     left_out: &[LeftOut],
     options: &TableOptions,
+    report: QualityReport,
+) -> Result<Record, TableError> {
+    make(source, columns, left_out, options, report, false)
+}
+
+/// The same for columns whose signals have rates of their own, so that most of their values are missing and none is missed.
+pub(crate) fn from_sparse_columns(
+    source: &str,
+    columns: Vec<Column>,
+    options: &TableOptions,
+    report: QualityReport,
+) -> Result<Record, TableError> {
+    make(source, columns, &[], options, report, true)
+}
+
+fn make(
+    source: &str,
+    columns: Vec<Column>,
+    left_out: &[LeftOut],
+    options: &TableOptions,
     mut report: QualityReport,
+    sparse: bool,
 ) -> Result<Record, TableError> {
     options.check()?;
     let rows = same_length(source, &columns)?;
@@ -73,7 +94,7 @@ pub fn from_columns(
         return Err(TableError::NoRows { source_name: source.to_owned(), line: None, reason });
     }
     let text = vec![(Lines::of(Counted::Rows), String::new()); plan.channels.len()];
-    record(Read { source, header_line: None, seen: rows, plan, table, text }, &options, report)
+    record(Read { source, header_line: None, seen: rows, plan, table, text, sparse }, &options, report)
 }
 
 fn same_length(source: &str, columns: &[Column]) -> Result<usize, TableError> {

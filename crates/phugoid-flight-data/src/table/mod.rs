@@ -7,6 +7,7 @@ mod from_columns;
 
 pub(crate) use assemble::{Read, record};
 pub use error::TableError;
+pub(crate) use from_columns::from_sparse_columns;
 pub use from_columns::{Column, LeftOut, from_columns};
 
 use serde::{Deserialize, Serialize};

@@ -4,7 +4,8 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use phugoid_flight_data::csv::{self, CsvOptions};
+use phugoid_flight_data::csv;
+use phugoid_flight_data::reader::{self, ReadOptions};
 use phugoid_flight_data::record::Record;
 use phugoid_identification::compatibility::{
     Compatibility, CompatibilityOptions, Corrections, Group, InputSkew, Reconstructed, SensorVerdict, compatibility,
@@ -36,7 +37,7 @@ pub(crate) fn run(arguments: &arguments::Compatibility) -> Result<(), Failure> {
     let columns = model.as_ref().map(ModelFile::columns).unwrap_or_default();
     let record = {
         let _progress = Progress::spinner("reading");
-        csv::read_path(&arguments.flight, &CsvOptions { columns, ..CsvOptions::default() }).map_err(Failure::input)?
+        reader::read_path(&arguments.flight, &ReadOptions::with_columns(columns)).map_err(Failure::input)?
     };
     let mut groups = CompatibilityOptions::default().groups;
     groups.extend(arguments.estimate.iter().map(|name| match name {

@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use phugoid_flight_data::csv::{self, CsvOptions};
+use phugoid_flight_data::csv;
+use phugoid_flight_data::reader::{self, ReadOptions};
 use phugoid_flight_data::record::Record;
 use phugoid_identification::estimate::{EstimateOptions, OfferTerms, estimate};
 use phugoid_identification::estimation::Estimation;
@@ -32,8 +33,8 @@ pub(crate) fn run(arguments: &arguments::Estimate) -> Result<(), Failure> {
     once_each(flight, &arguments.with, arguments.predict.as_deref())?;
     let model = model(wanted)?;
     let truth = truth(&arguments.truth, &model)?;
-    let options = CsvOptions { columns: model.columns(), ..CsvOptions::default() };
-    let read = |path: &PathBuf| csv::read_path(path, &options).map_err(Failure::input);
+    let options = ReadOptions::with_columns(model.columns());
+    let read = |path: &PathBuf| reader::read_path(path, &options).map_err(Failure::input);
     let (record, further, predict) = {
         let _progress = Progress::spinner("reading");
         let further = arguments.with.iter().map(read).collect::<Result<Vec<_>, _>>()?;

@@ -1,0 +1,376 @@
+//! From a log with many rates to a record with one.
+
+use super::signals::{self, Signal};
+use super::{ReadError, ReadOptions, surfaces};
+use crate::align::{Aligner, Hold, Statistics};
+use crate::channels;
+use crate::log::{Log, Selection, Topic, Wanted};
+use crate::profile::{Factor, FieldName, Profile, Source, Transform};
+use crate::quality::{QualityReport, Short, plural};
+use crate::record::Record;
+use crate::table::{self, Column, ColumnMapping, TableError, TableOptions};
+use crate::units;
+
+/// A source is passed over for a later one with so many times its samples.
+const MANY_TIMES: usize = 10;
+/// Channels that are levels of something that is set, not measurements.
+const LEVELS: &[&str] = &[
+    "elevator",
+    "aileron",
+    "rudder",
+    "flaps",
+    "leading_edge_flap",
+    "speed_brake",
+    "throttle",
+    "thrust",
+    "mass",
+    "ixx",
+    "iyy",
+    "izz",
+    "ixz",
+    "cg",
+    "fuel",
+    "air_density",
+    "temperature",
+    "static_pressure",
+];
+/// Channels whose absence is worth a word of its own.
+const EXPECTED: &[&str] =
+    &["phi", "theta", "p", "q", "r", "ax", "ay", "az", "true_airspeed", "alpha", "beta", "air_density"];
+
+/// What has to be read of a log to make a record of it.
+pub fn selection(profile: &Profile, options: &ReadOptions) -> Selection {
+    let mut topics: Vec<Wanted> = Vec::new();
+    for FieldName { topic, instance, field } in profile.fields() {
+        topics.push(Wanted { topic, instance, fields: Some(vec![field]) });
+    }
+    let base = profile.time_base.iter().chain(&options.time_base);
+    topics.extend(base.map(|topic| Wanted { topic: topic.clone(), instance: None, fields: Some(Vec::new()) }));
+    let commands = profile.surfaces.map(surfaces::topics).unwrap_or_default();
+    topics.extend(commands.iter().map(|topic| Wanted { topic: (*topic).to_owned(), instance: None, fields: None }));
+    let mapped = options.table.columns.iter().filter_map(|mapping| mapping.header.parse::<FieldName>().ok());
+    topics.extend(mapped.map(|FieldName { topic, instance, .. }| Wanted { topic, instance, fields: None }));
+    Selection { topics: Some(topics), max_values: options.table.max_values }
+}
+
+/// Makes a record of a log by a profile: every channel at the times of one topic, causally, without inventing data; its quality
+/// report says which topic that is, the rate of each, and the delays that this costs.
+///
+/// # Errors
+/// [`ReadError`] if a mapping names what is not there, no topic can give the times, or nothing is a channel.
+pub fn record(log: &Log, profile: &Profile, options: &ReadOptions) -> Result<Record, ReadError> {
+    let mut quality = log.quality.clone();
+    let commands = profile.surfaces.map(|rule| surfaces::commands(log, rule)).unwrap_or_default();
+    let mut signals = Vec::new();
+    for mapping in &options.table.columns {
+        signals.push(mapped(log, profile, mapping, &commands)?);
+    }
+    let by_hand: Vec<String> = signals.iter().map(|signal| signal.channel.clone()).collect();
+    for entry in profile.channels.iter().filter(|entry| !by_hand.contains(&entry.channel)) {
+        match choose(log, &entry.sources, &entry.channel, &mut quality) {
+            Some(source) => {
+                if let Some(mut signal) = signals::signal(log, source, &entry.channel, entry.hold) {
+                    check_unit(&mut signal, source, &mut quality);
+                    signals.push(signal);
+                }
+            }
+            None if EXPECTED.contains(&entry.channel.as_str()) => {
+                quality.note(entry.channel.as_str(), absent(log, &entry.channel, &entry.sources));
+            }
+            None => {}
+        }
+    }
+    if signals.is_empty() {
+        return Err(ReadError::NothingUsable {
+            source_name: log.source.clone(),
+            profile: profile.name.clone(),
+            present: present(log),
+        });
+    }
+    if let Some(rule) = profile.surfaces {
+        surfaces::report(log, &commands, &by_hand, rule, &mut quality);
+    }
+    signals.extend(commands);
+    let base = base(log, profile, options)?;
+    align(log, base, signals, options, quality)
+}
+
+/// Why a channel is not in the record.
+fn absent(log: &Log, channel: &str, sources: &[Source]) -> String {
+    let asked = |source: &Source| match &source.factor {
+        Some(Factor::Times(factor) | Factor::Density(factor)) => format!("{} with {factor}", source.field),
+        None => source.field.to_string(),
+    };
+    let fields: Vec<String> = sources.iter().map(asked).collect();
+    let mut text = format!("not in the log (looked for {}), and nothing stands in for it", fields.join(", "));
+    let indicated = |source: &Source| {
+        source.factor.is_some() && signals::samples(log, &Source { factor: None, ..source.clone() }).is_some()
+    };
+    if let Some(source) = sources.iter().find(|source| indicated(source)) {
+        text += &format!(
+            ". {} is there, but it is indicated: it becomes {channel} only with the density of the air, which the log does not \
+             give. Log it, or, where the error does not matter, map it: [channels] {channel} = {{ header = \"{}\" }}",
+            source.field, source.field
+        );
+    }
+    text
+}
+
+/// The topics of a log, for messages.
+fn present(log: &Log) -> String {
+    const SHOWN: usize = 30;
+    let mut names: Vec<&str> =
+        log.topics.iter().map(|topic| topic.name.as_str()).chain(log.others.iter().map(String::as_str)).collect();
+    names.sort_unstable();
+    names.dedup();
+    let more = names.len().saturating_sub(SHOWN);
+    names.truncate(SHOWN);
+    if more > 0 { format!("{}, ... and {more} more", names.join(", ")) } else { names.join(", ") }
+}
+
+/// The first source that is there, unless a later one has many times its samples.
+fn choose<'a>(log: &Log, sources: &'a [Source], channel: &str, quality: &mut QualityReport) -> Option<&'a Source> {
+    let there: Vec<(&Source, usize)> =
+        sources.iter().filter_map(|source| Some((source, signals::samples(log, source)?))).collect();
+    let (first, samples) = *there.first()?;
+    match there.iter().find(|(_, others)| *others > MANY_TIMES * samples) {
+        Some((better, others)) => {
+            quality.note(
+                channel,
+                format!("taken from {} ({others} samples) rather than {} ({samples})", better.field, first.field),
+            );
+            Some(better)
+        }
+        None => Some(first),
+    }
+}
+
+/// The log's unit wins over the profile's, if it is one of the channel.
+fn check_unit(signal: &mut Signal, source: &Source, quality: &mut QualityReport) {
+    let Some(quantity) = channels::by_name(&signal.channel).map(|spec| spec.quantity) else { return };
+    let Some(unit) = signal.unit.clone().filter(|unit| units::find_for(unit, quantity).is_none()) else { return };
+    signal.unit = source.unit.clone();
+    let taken = source.unit.as_deref().unwrap_or("a pure number");
+    quality.warn(
+        signal.channel.as_str(),
+        format!(
+            "the log gives {} in '{unit}', which is no unit of {}; taken as {taken}",
+            signal.header,
+            quantity.in_words()
+        ),
+    );
+}
+
+/// A mapping of the caller.
+fn mapped(log: &Log, profile: &Profile, mapping: &ColumnMapping, commands: &[Signal]) -> Result<Signal, ReadError> {
+    let fail = |problem: String| ReadError::NoSuchField {
+        source_name: log.source.clone(),
+        channel: mapping.channel.clone(),
+        header: mapping.header.clone(),
+        problem,
+    };
+    let hold = match profile.channel(&mapping.channel) {
+        Some(entry) => entry.hold,
+        None if LEVELS.contains(&mapping.channel.as_str()) => Hold::Held { stale_after_s: surfaces::STALE_AFTER_S },
+        None => Hold::Sampled,
+    };
+    if let Some(command) = commands.iter().find(|command| command.channel == mapping.header.trim()) {
+        let own = Signal {
+            channel: mapping.channel.clone(),
+            unit: mapping.unit.clone(),
+            scale: mapping.scale,
+            ..command.clone()
+        };
+        return Ok(own);
+    }
+    let field: FieldName = mapping.header.parse().map_err(|problem: String| match commands.is_empty() {
+        true => fail(problem),
+        false => {
+            let names: Vec<&str> = commands.iter().map(|command| command.channel.as_str()).collect();
+            fail(format!("{problem}, or one of the commands {}", names.join(", ")))
+        }
+    })?;
+    let Some(topic) = signals::topic(log, &field.topic, field.instance) else {
+        let names = log.topics.iter().map(|topic| topic.name.as_str()).chain(log.others.iter().map(String::as_str));
+        let near = nearest(&field.topic, names).map(|near| format!(" (did you mean '{near}'?)")).unwrap_or_default();
+        let instances: Vec<String> =
+            log.topics.iter().filter(|t| t.name == field.topic).map(|topic| topic.instance.to_string()).collect();
+        return Err(fail(match instances.is_empty() {
+            true => format!("the log has no topic '{}'{near}. It has: {}", field.topic, present(log)),
+            false => format!("the topic has the instances {} only", instances.join(", ")),
+        }));
+    };
+    if topic.field(&field.field).is_none() {
+        let names: Vec<&str> = topic.fields.iter().map(|field| field.name.as_str()).collect();
+        let near = nearest(&field.field, names.iter().copied());
+        let near = near.map(|near| format!(" (did you mean '{near}'?)")).unwrap_or_default();
+        return Err(fail(format!("the topic '{}' has no such field{near}. It has: {}", topic.name, names.join(", "))));
+    }
+    let source =
+        Source { field, unit: mapping.unit.clone(), scale: 1.0, transform: Transform::None, factor: None, note: None };
+    let signal = signals::signal(log, &source, &mapping.channel, hold);
+    let signal = signal.ok_or_else(|| fail("it has no samples".into()))?;
+    // What the caller says comes before what the log says.
+    Ok(Signal { unit: mapping.unit.clone().or(signal.unit), scale: mapping.scale, ..signal })
+}
+
+fn nearest<'a>(wanted: &str, names: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+    names
+        .map(|name| (name, strsim::normalized_damerau_levenshtein(wanted, name)))
+        .filter(|&(_, likeness)| likeness >= 0.6)
+        .max_by(|a, b| a.1.total_cmp(&b.1))
+        .map(|(name, _)| name)
+}
+
+/// The topic whose times the record takes.
+fn base<'a>(log: &'a Log, profile: &Profile, options: &ReadOptions) -> Result<&'a Topic, ReadError> {
+    let wanted = match &options.time_base {
+        Some(topic) => std::slice::from_ref(topic),
+        None => &profile.time_base,
+    };
+    let there = wanted.iter().filter_map(|name| signals::topic(log, name, None)).find(|topic| topic.time_s.len() >= 2);
+    there.ok_or_else(|| ReadError::NoTimeBase {
+        source_name: log.source.clone(),
+        wanted: format!("none of {} has two samples", wanted.join(", ")),
+        present: present(log),
+    })
+}
+
+/// Puts all signals on the times of the base.
+fn align(
+    log: &Log,
+    base: &Topic,
+    signals: Vec<Signal>,
+    options: &ReadOptions,
+    mut quality: QualityReport,
+) -> Result<Record, ReadError> {
+    let kept = signals::rising(&base.time_s);
+    let times: Vec<f64> = kept.iter().filter_map(|&sample| base.time_s.get(sample).copied()).collect();
+    let max_values = options.table.max_values;
+    if times.len().saturating_mul(signals.len() + 3) > max_values {
+        let place = base.name.clone();
+        return Err(TableError::TooLarge { source_name: log.source.clone(), place, max_values }.into());
+    }
+    let mut steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let middle = steps.len() / 2;
+    let step_s = if steps.is_empty() { 0.0 } else { *steps.select_nth_unstable_by(middle, f64::total_cmp).1 };
+    let label = signals::label(log, base);
+    quality.note(
+        "time",
+        format!(
+            "times are those of {label}: {}, median step {} s ({} Hz). Other topics are shown at the first of these times not \
+             before their own stamp; nothing is interpolated",
+            plural(times.len(), "sample"),
+            Short(step_s),
+            Short(hertz(step_s))
+        ),
+    );
+    if kept.len() < base.time_s.len() {
+        let count = base.time_s.len() - kept.len();
+        quality.warn(
+            label.as_str(),
+            format!("{} left out: their stamps stand against the order of time", plural(count, "sample")),
+        );
+    }
+    let holds: Vec<Hold> = signals.iter().map(|signal| signal.hold).collect();
+    // The base steps on at least every other median step, except in a gap, across which nothing is carried.
+    let mut aligner = Aligner::new(&holds).with_longest_delay(2.0 * step_s);
+    let mut columns: Vec<Vec<f64>> = signals.iter().map(|_| Vec::with_capacity(times.len())).collect();
+    let mut next = vec![0_usize; signals.len()];
+    let mut frame = vec![f64::NAN; signals.len()];
+    for &time in &times {
+        for (channel, (signal, next)) in signals.iter().zip(&mut next).enumerate() {
+            while let (Some(&stamp), Some(&value)) = (signal.time_s.get(*next), signal.values.get(*next))
+                && stamp <= time
+            {
+                aligner.put(channel, stamp, value);
+                *next += 1;
+            }
+        }
+        aligner.frame(time, &mut frame);
+        columns.iter_mut().zip(&frame).for_each(|(column, value)| column.push(*value));
+    }
+    say_delays(&signals, &aligner, &label, &mut quality);
+
+    let mut table = vec![Column { header: "time".into(), unit: Some("s".into()), values: times, is_time: true }];
+    let mut mappings = vec![ColumnMapping::new("time", "time").with_unit("s")];
+    for (signal, values) in signals.into_iter().zip(columns) {
+        // Two channels of one field are one column, or, if they are held differently, two.
+        let mut header = signal.header;
+        if let Some(other) = table.iter().find(|column| column.header == header)
+            && !same(&other.values, &values)
+        {
+            header = format!("{header} (for {})", signal.channel);
+        }
+        if !table.iter().any(|column| column.header == header) {
+            table.push(Column { header: header.clone(), values, ..Column::default() });
+        }
+        mappings.push(ColumnMapping {
+            unit: signal.unit,
+            scale: signal.scale,
+            ..ColumnMapping::new(signal.channel, header)
+        });
+    }
+    let options = TableOptions { columns: mappings, sample_time_s: None, ..options.table.clone() };
+    Ok(table::from_sparse_columns(&log.source, table, &options, quality)?)
+}
+
+fn same(a: &[f64], b: &[f64]) -> bool {
+    a.iter().zip(b).all(|(a, b)| a == b || a.is_nan() && b.is_nan())
+}
+
+fn hertz(step_s: f64) -> f64 {
+    if step_s > 0.0 { (10.0 / step_s).round() / 10.0 } else { 0.0 }
+}
+
+/// One line per topic: its channels, rate and delays.
+fn say_delays(signals: &[Signal], aligner: &Aligner, base: &str, quality: &mut QualityReport) {
+    let mut topics: Vec<&str> = Vec::new();
+    for signal in signals {
+        if !topics.contains(&signal.topic.as_str()) {
+            topics.push(&signal.topic);
+        }
+    }
+    for topic in topics {
+        let of_topic: Vec<(&Signal, Statistics)> = signals
+            .iter()
+            .enumerate()
+            .filter(|(_, signal)| signal.topic == topic)
+            .map(|(channel, signal)| (signal, aligner.statistics(channel).copied().unwrap_or_default()))
+            .collect();
+        let names: Vec<&str> = of_topic.iter().map(|(signal, _)| signal.channel.as_str()).collect();
+        let Some((signal, first)) = of_topic.first() else { continue };
+        let span = signal.time_s.last().zip(signal.time_s.first()).map_or(0.0, |(last, first)| last - first);
+        let rate = if span > 0.0 { (signal.time_s.len() - 1) as f64 / span } else { 0.0 };
+        let mut message = format!(
+            "{}: {} at {} Hz",
+            names.join(", "),
+            plural(signal.time_s.len(), "sample"),
+            Short((10.0 * rate).round() / 10.0)
+        );
+        if topic != base {
+            let largest = of_topic.iter().map(|(_, s)| s.largest_delay_s).fold(0.0, f64::max);
+            let mean = first.total_delay_s / first.shown.max(1) as f64;
+            message += &format!(
+                "; shown at most {} ms after their stamp, {} ms in the mean",
+                Short((1e5 * largest).round() / 100.0),
+                Short((1e5 * mean).round() / 100.0)
+            );
+            if first.passed_over > 0 {
+                message += &format!("; {} passed over for newer ones of the same step", first.passed_over);
+            }
+            if first.too_old > 0 {
+                message += &format!("; {} too old when the next time came, and left out", first.too_old);
+            }
+        }
+        if signal.out_of_order > 0 {
+            message += &format!("; {} with stamps against the order of time left out", signal.out_of_order);
+        }
+        let mut notes: Vec<&str> = of_topic.iter().filter_map(|(signal, _)| signal.note.as_deref()).collect();
+        notes.dedup();
+        if !notes.is_empty() {
+            message += &format!("; {}", notes.join("; "));
+        }
+        quality.note(topic, message);
+    }
+}

@@ -1,0 +1,141 @@
+//! One channel out of a log: times of its own, values in the log's unit.
+
+use crate::align::Hold;
+use crate::log::{Field, Log, Topic};
+use crate::profile::{FieldName, Source, Transform};
+use crate::time_base;
+
+/// A channel on times of its own.
+#[derive(Clone, Debug)]
+pub(super) struct Signal {
+    /// Name of the channel.
+    pub(super) channel: String,
+    /// What it was made of, for the user.
+    pub(super) header: String,
+    /// Unit of the values; none for the caller to say.
+    pub(super) unit: Option<String>,
+    /// Factor before the unit is converted.
+    pub(super) scale: f64,
+    pub(super) hold: Hold,
+    /// The topic it came from, with the instance where there are several.
+    pub(super) topic: String,
+    /// Rising.
+    pub(super) time_s: Vec<f64>,
+    pub(super) values: Vec<f64>,
+    pub(super) note: Option<String>,
+    /// Samples of the topic that stand against the order of time.
+    pub(super) out_of_order: usize,
+}
+
+/// Greatest age of the last value of a field that multiplies another, s.
+const FACTOR_STALE_S: f64 = 5.0;
+
+/// A topic by name; without an instance the first that is there.
+pub(super) fn topic<'a>(log: &'a Log, name: &str, instance: Option<u16>) -> Option<&'a Topic> {
+    let same = log.topics.iter().filter(|topic| topic.name == name && instance.is_none_or(|one| one == topic.instance));
+    same.min_by_key(|topic| topic.instance)
+}
+
+/// `IMU`, or `IMU#1` where there are several.
+pub(super) fn label(log: &Log, topic: &Topic) -> String {
+    let several = log.topics.iter().filter(|other| other.name == topic.name).count() > 1;
+    if several { format!("{}#{}", topic.name, topic.instance) } else { topic.name.clone() }
+}
+
+fn field<'a>(log: &'a Log, name: &FieldName) -> Option<(&'a Topic, &'a Field)> {
+    let topic = topic(log, &name.topic, name.instance)?;
+    Some((topic, topic.field(&name.field)?))
+}
+
+/// How many samples a source would give; none if it is not in the log.
+pub(super) fn samples(log: &Log, source: &Source) -> Option<usize> {
+    let inputs: Option<Vec<_>> = source.inputs().iter().map(|name| field(log, name)).collect();
+    let inputs = inputs?;
+    let all_have = inputs.iter().all(|(_, field)| field.values.iter().any(|value| value.is_finite()));
+    let first = inputs.first().filter(|_| all_have)?;
+    Some(first.1.values.iter().filter(|value| value.is_finite()).count()).filter(|&count| count >= 2)
+}
+
+/// The channel that a source gives, its factor applied.
+pub(super) fn signal(log: &Log, source: &Source, channel: &str, hold: Hold) -> Option<Signal> {
+    let inputs: Option<Vec<_>> = source.inputs().iter().map(|name| field(log, name)).collect();
+    let inputs = inputs?;
+    let (topic, first) = *inputs.first()?;
+    let kept = rising(&topic.time_s);
+    let mut factors = vec![Held::default(); inputs.len()];
+    let mut row = vec![f64::NAN; inputs.len()];
+    let (mut time_s, mut values) = (Vec::with_capacity(kept.len()), Vec::with_capacity(kept.len()));
+    for &sample in &kept {
+        let Some(&time) = topic.time_s.get(sample) else { continue };
+        for ((value, (other, field)), held) in row.iter_mut().zip(&inputs).zip(&mut factors) {
+            *value = match std::ptr::eq(*other, topic) {
+                true => field.values.get(sample).copied().unwrap_or(f64::NAN),
+                false => held.at(time, &other.time_s, &field.values),
+            };
+        }
+        time_s.push(time);
+        values.push(source.scale * source.value(&row));
+    }
+    let mut header = source.field.to_string();
+    match source.transform {
+        Transform::None => {}
+        Transform::QuaternionPhi => header = format!("bank angle of {header}"),
+        Transform::QuaternionTheta => header = format!("pitch attitude of {header}"),
+        Transform::QuaternionPsi => header = format!("heading of {header}"),
+    }
+    if let Some(factor) = &source.factor {
+        header = match factor {
+            crate::profile::Factor::Times(field) => format!("{header} times {field}"),
+            crate::profile::Factor::Density(field) => format!("{header} at the density {field}"),
+        };
+    }
+    let own_unit = first.unit.as_deref().filter(|_| source.transform == Transform::None).map(plain_unit);
+    Some(Signal {
+        channel: channel.to_owned(),
+        header,
+        unit: own_unit.map(str::to_owned).or_else(|| source.unit.clone()),
+        scale: 1.0,
+        hold,
+        topic: label(log, topic),
+        out_of_order: topic.time_s.len() - kept.len(),
+        time_s,
+        values,
+        note: source.note.clone(),
+    })
+}
+
+/// The last value at or before a time, for times that rise.
+#[derive(Clone, Debug, Default)]
+struct Held {
+    next: usize,
+    last: Option<(f64, f64)>,
+}
+
+impl Held {
+    fn at(&mut self, time_s: f64, times: &[f64], values: &[f64]) -> f64 {
+        while let (Some(&stamp), Some(&value)) = (times.get(self.next), values.get(self.next))
+            && stamp <= time_s
+        {
+            if value.is_finite() {
+                self.last = Some((stamp, value));
+            }
+            self.next += 1;
+        }
+        self.last.filter(|(stamp, _)| time_s - stamp <= FACTOR_STALE_S).map_or(f64::NAN, |(_, value)| value)
+    }
+}
+
+/// Which samples rise in time, without those that stand against the order.
+pub(super) fn rising(time_s: &[f64]) -> Vec<usize> {
+    let rows: Vec<usize> =
+        (0..time_s.len()).filter(|&row| time_s.get(row).is_some_and(|time| time.is_finite())).collect();
+    time_base::longest_rising(time_s, &rows)
+}
+
+/// Units of ArduPilot's `UNIT` table that say more than the unit.
+pub(super) fn plain_unit(unit: &str) -> &str {
+    match unit {
+        "degheading" | "deglatitude" | "deglongitude" => "deg",
+        other => other,
+    }
+}

@@ -1,0 +1,251 @@
+//! Commands of control surfaces. An autopilot logs what it asks of a servo, not the angle of the surface: the angle is for the
+//! user to say, and none is invented.
+
+use super::signals::{Signal, label, rising, topic};
+use crate::align::Hold;
+use crate::log::Log;
+use crate::profile::SurfaceRule;
+use crate::quality::QualityReport;
+
+/// A command stands until it is this old, s.
+pub(super) const STALE_AFTER_S: f64 = 0.5;
+
+/// Topics that commands are taken from.
+pub(super) fn topics(rule: SurfaceRule) -> &'static [&'static str] {
+    match rule {
+        SurfaceRule::Px4 => &["actuator_servos"],
+        SurfaceRule::Ardupilot => &["RCOU"],
+    }
+}
+
+/// One servo and its surface.
+struct Servo {
+    /// `elevator`, `left_elevon`.
+    surface: &'static str,
+    /// Field of the topic.
+    field: String,
+    /// The log's words for why it is this surface.
+    reason: String,
+    pulse: Option<Pulse>,
+}
+
+/// Pulse widths of a servo, us.
+#[derive(Clone, Copy)]
+struct Pulse {
+    min: f64,
+    trim: f64,
+    max: f64,
+    reversed: bool,
+}
+
+impl Pulse {
+    /// -1 to 1; NaN while there is no pulse.
+    fn normalised(self, width: f64) -> f64 {
+        if width <= 0.0 {
+            return f64::NAN;
+        }
+        let span = if width >= self.trim { self.max - self.trim } else { self.trim - self.min };
+        let command = if span > 0.0 { (width - self.trim) / span } else { f64::NAN };
+        if self.reversed { -command } else { command }
+    }
+}
+
+/// Commands, -1 to 1, under the names `elevator_command`, `aileron_command` and so on.
+pub(super) fn commands(log: &Log, rule: SurfaceRule) -> Vec<Signal> {
+    let servos = match rule {
+        SurfaceRule::Px4 => px4(log),
+        SurfaceRule::Ardupilot => ardupilot(log),
+    };
+    let mut signals: Vec<Signal> = Vec::new();
+    for servo in servos {
+        let channel = format!("{}_command", servo.surface);
+        if signals.iter().any(|signal| signal.channel == channel) {
+            continue;
+        }
+        let Some(topic) = topics(rule).iter().find_map(|name| topic(log, name, None)) else { continue };
+        let Some(field) = topic.field(&servo.field) else { continue };
+        let kept = rising(&topic.time_s);
+        let value = |&sample: &usize| {
+            let raw = field.values.get(sample).copied().unwrap_or(f64::NAN);
+            servo.pulse.map_or(raw, |pulse| pulse.normalised(raw))
+        };
+        let header = format!("{}.{}", label(log, topic), servo.field);
+        signals.push(Signal {
+            channel,
+            header: if servo.pulse.is_some() { format!("{header} from -1 to 1") } else { header },
+            unit: Some("-".into()),
+            scale: 1.0,
+            hold: Hold::Held { stale_after_s: STALE_AFTER_S },
+            topic: label(log, topic),
+            time_s: kept.iter().filter_map(|&sample| topic.time_s.get(sample).copied()).collect(),
+            values: kept.iter().map(value).collect(),
+            note: Some(servo.reason),
+            out_of_order: topic.time_s.len() - kept.len(),
+        });
+    }
+    signals
+}
+
+/// Says of every surface that the log knows only as a command what to write into the model file.
+pub(super) fn report(
+    log: &Log,
+    commands: &[Signal],
+    mapped: &[String],
+    rule: SurfaceRule,
+    quality: &mut QualityReport,
+) {
+    for surface in ["elevator", "aileron", "rudder"] {
+        if mapped.iter().any(|channel| channel == surface) {
+            continue;
+        }
+        let command = format!("{surface}_command");
+        if !commands.iter().any(|signal| signal.channel == command) {
+            quality.note(surface, unknown(log, surface, rule));
+        }
+        if let Some(signal) = commands.iter().find(|signal| signal.channel == command) {
+            let sign = match rule {
+                SurfaceRule::Px4 => "positive commands of PX4 raise the trailing edge (of a rudder: move it right)",
+                SurfaceRule::Ardupilot => "find out which way a positive command moves it",
+            };
+            quality.warn(
+                surface,
+                format!(
+                    "the log has its command ({}, {}), but not its angle, and none is invented. Measure the deflection at full \
+                     command and write into the model file\n    [channels]\n    {surface} = {{ header = \"{command}\", scale = \
+                     DEFLECTION, unit = \"deg\" }}\nwith the degrees at command 1 for DEFLECTION, negative where that moves the \
+                     {} ({sign})",
+                    signal.header,
+                    signal.note.as_deref().unwrap_or_default(),
+                    if surface == "rudder" { "trailing edge right" } else { "(right) trailing edge up" },
+                ),
+            );
+        }
+    }
+    let mixed: Vec<&str> = commands
+        .iter()
+        .map(|signal| signal.channel.as_str())
+        .filter(|name| name.contains("elevon") || name.contains("tail"))
+        .collect();
+    if !mixed.is_empty() {
+        quality.warn(
+            "elevator",
+            format!(
+                "the surfaces are mixed: {} are in the record, and what is elevator, aileron or rudder of them is not worked out. \
+                 Write their mean or half difference into a column of a CSV file",
+                mixed.join(", ")
+            ),
+        );
+    }
+}
+
+/// Why there is not even a command.
+fn unknown(log: &Log, surface: &str, rule: SurfaceRule) -> String {
+    let has = |name: &str| log.others.iter().any(|other| other == name) || topic(log, name, None).is_some();
+    match rule {
+        SurfaceRule::Px4 if !has("actuator_servos") && has("actuator_controls_0") => {
+            let control = match surface {
+                "aileron" => 0,
+                "elevator" => 1,
+                _ => 2,
+            };
+            format!(
+                "not in the log: this version of PX4 logs commands of its controllers, not which servo moves what. If one servo \
+                 follows actuator_controls_0.control[{control}] (of a VTOL aircraft in forward flight actuator_controls_1), map it: \
+                 [channels] {surface} = {{ header = \"actuator_controls_0.control[{control}]\", scale = DEFLECTION, unit = \"deg\" }}"
+            )
+        }
+        SurfaceRule::Px4 => format!(
+            "not in the log: no parameter CA_SV_CSi_TYPE says that a servo moves the {surface}, or actuator_servos is not logged. \
+             If you know the field, map it: [channels] {surface} = {{ header = \"topic.field\", scale = DEFLECTION, unit = \"deg\" }}"
+        ),
+        SurfaceRule::Ardupilot => format!(
+            "not in the log: no parameter SERVOn_FUNCTION says that a servo moves the {surface}, or RCOU is not logged"
+        ),
+    }
+}
+
+fn parameter(log: &Log, name: &str) -> Option<f64> {
+    log.parameters.iter().find(|(other, _)| other == name).map(|(_, value)| *value)
+}
+
+/// Control surfaces of PX4's control allocation (parameter `CA_SV_CSi_TYPE`, PX4 1.13 and later).
+fn px4(log: &Log) -> Vec<Servo> {
+    let servo = |index: usize| {
+        let name = format!("CA_SV_CS{index}_TYPE");
+        let surface = match parameter(log, &name)? as i64 {
+            1 => "left_aileron",
+            2 => "right_aileron",
+            3 => "elevator",
+            4 => "rudder",
+            5 => "left_elevon",
+            6 => "right_elevon",
+            7 => "left_v_tail",
+            8 => "right_v_tail",
+            9 => "left_flap",
+            10 => "right_flap",
+            11 => "airbrake",
+            13 => "left_a_tail",
+            14 => "right_a_tail",
+            15 => "aileron",
+            _ => return None,
+        };
+        let reason = format!("by {name} = {}", parameter(log, &name)?);
+        Some(Servo { surface, field: format!("control[{index}]"), reason, pulse: None })
+    };
+    (0..8).filter_map(servo).map(right_for_both).collect()
+}
+
+/// Of two ailerons the right one stands for both, as the sign of the channel is told by it.
+fn right_for_both(servo: Servo) -> Servo {
+    match servo.surface {
+        "right_aileron" => Servo { surface: "aileron", ..servo },
+        _ => servo,
+    }
+}
+
+/// Servos of ArduPilot (parameters `SERVOn_FUNCTION` and so on; ArduPlane, "Servo Functions").
+fn ardupilot(log: &Log) -> Vec<Servo> {
+    let servo = |number: usize| {
+        let function = format!("SERVO{number}_FUNCTION");
+        let surface = match parameter(log, &function)? as i64 {
+            2 | 3 => "flaps",
+            4 => "aileron",
+            16 | 17 => return None,
+            19 => "elevator",
+            21 => "rudder",
+            24 => "left_flaperon",
+            25 => "right_flaperon",
+            77 => "left_elevon",
+            78 => "right_elevon",
+            79 => "left_v_tail",
+            80 => "right_v_tail",
+            _ => return None,
+        };
+        let of = |what: &str, otherwise: f64| parameter(log, &format!("SERVO{number}_{what}")).unwrap_or(otherwise);
+        // ArduPilot's own defaults.
+        let pulse = Pulse {
+            min: of("MIN", 1100.0),
+            trim: of("TRIM", 1500.0),
+            max: of("MAX", 1900.0),
+            reversed: of("REVERSED", 0.0) != 0.0,
+        };
+        let reason = format!("by {function} = {}", parameter(log, &function)?);
+        Some(Servo { surface, field: format!("C{number}"), reason, pulse: Some(pulse) })
+    };
+    (1..=16).filter_map(servo).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pulses_are_normalised_on_both_sides_of_the_trim() {
+        let pulse = Pulse { min: 1000.0, trim: 1400.0, max: 2000.0, reversed: false };
+        assert_eq!(pulse.normalised(2000.0), 1.0);
+        assert_eq!(pulse.normalised(1700.0), 0.5);
+        assert_eq!(pulse.normalised(1200.0), -0.5);
+        assert!(pulse.normalised(0.0).is_nan());
+        assert_eq!(Pulse { reversed: true, ..pulse }.normalised(2000.0), -1.0);
+    }
+}
