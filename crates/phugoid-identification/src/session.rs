@@ -252,48 +252,55 @@ impl Session {
     }
 
     fn collect(&mut self, time_s: f64, values: &[f64]) -> Result<Step, EstimateError> {
+        if let Some(reason) = self.not_flying(values) {
+            // What was measured on the ground tells nothing of the flight.
+            self.slide(f64::INFINITY, 0);
+            return Ok(Step::Waiting { have_s: 0.0, need_s: START_S, reason: Some(reason) });
+        }
         self.start.time.push(time_s);
         for (channel, value) in self.start.channels.iter_mut().zip(values) {
             channel.values.push(*value);
         }
-        let first = self.start.time.first().copied().unwrap_or(time_s);
+        let have_s = time_s - self.start.time.first().copied().unwrap_or(time_s);
         // A hair less than two seconds is what rounding makes of two seconds.
-        let have_s = time_s - first;
-        let long_enough = have_s >= START_S - 1e-6 && self.start.time.len() >= START_SAMPLES;
-        let reason = self.not_ready(values);
-        if long_enough && reason.is_none() {
-            return self.begin();
+        if have_s < START_S - 1e-6 || self.start.time.len() < START_SAMPLES {
+            return Ok(Step::Waiting { have_s, need_s: START_S, reason: None });
         }
-        if long_enough || reason.is_some() {
-            self.slide(time_s);
+        match self.missing() {
+            None => self.begin(),
+            Some(reason) => Ok(self.wait_on(reason)),
         }
-        Ok(Step::Waiting { have_s: have_s.min(START_S), need_s: START_S, reason })
     }
 
-    /// Why an estimation cannot begin with what is there.
-    fn not_ready(&self, now: &[f64]) -> Option<String> {
-        let known = |name: &str| self.file.measured().all(|output| output.name() != name);
-        let value = |name: &str| self.channels.iter().position(|n| n == name).and_then(|i| now.get(i)).copied();
-        if let (Some(speed), Some(reference)) = (value("true_airspeed"), self.file.aircraft.reference_speed)
-            && speed < FLYING * reference
-        {
-            return Some(format!(
-                "not flying yet: airspeed {speed:.1} m/s, the model is of a flight at {reference:.1} m/s"
-            ));
-        }
+    fn not_flying(&self, now: &[f64]) -> Option<String> {
+        let reference = self.file.aircraft.reference_speed?;
+        let speed = self.channels.iter().position(|name| name == "true_airspeed").and_then(|i| now.get(i))?;
+        (*speed < FLYING * reference)
+            .then(|| format!("not flying yet: airspeed {speed:.1} m/s, the model is of a flight at {reference:.1} m/s"))
+    }
+
+    /// Channels with too few values for a start, in words.
+    fn missing(&self) -> Option<String> {
+        let measured = |name: &str| self.file.measured().any(|output| output.name() == name);
         let lacking = |channel: &&Channel| {
             let present = channel.values.iter().filter(|value| value.is_finite()).count();
-            present < if known(&channel.name) { 1 } else { START_VALUES }
+            present < if measured(&channel.name) { START_VALUES } else { 1 }
         };
-        let missing: Vec<&str> =
+        let names: Vec<&str> =
             self.start.channels.iter().filter(lacking).map(|channel| channel.name.as_str()).collect();
-        (!missing.is_empty()).then(|| format!("too few values of {} yet", missing.join(", ")))
+        (!names.is_empty()).then(|| format!("too few values of {} in the last {START_S} s", names.join(", ")))
     }
 
-    /// Keeps no more than the start needs.
-    fn slide(&mut self, now_s: f64) {
-        let old = self.start.time.partition_point(|time| *time < now_s - START_S - 1e-6);
-        let out = old.min(self.start.time.len().saturating_sub(START_SAMPLES));
+    /// Goes on collecting with what is still of use.
+    fn wait_on(&mut self, reason: String) -> Step {
+        self.slide(self.last_s - START_S - 1e-6, START_SAMPLES);
+        Step::Waiting { have_s: START_S, need_s: START_S, reason: Some(reason) }
+    }
+
+    /// Drops samples from before `from_s`, but keeps `at_least` so many.
+    fn slide(&mut self, from_s: f64, at_least: usize) {
+        let old = self.start.time.partition_point(|time| *time < from_s);
+        let out = old.min(self.start.time.len().saturating_sub(at_least));
         self.start.time.drain(..out);
         for channel in &mut self.start.channels {
             channel.values.drain(..out);
@@ -307,9 +314,7 @@ impl Session {
             Err(
                 error @ (EstimateError::Noise(_) | EstimateError::EmptyChannel(_) | EstimateError::TooShort { .. }),
             ) => {
-                let now_s = self.last_s;
-                self.slide(now_s);
-                return Ok(Step::Waiting { have_s: START_S, need_s: START_S, reason: Some(error.to_string()) });
+                return Ok(self.wait_on(error.to_string()));
             }
             Err(error) => return Err(error),
         };

@@ -1,0 +1,156 @@
+"""The package as a user meets it. Run by scripts/check-python.sh, which installs the wheel first."""
+
+import threading
+from pathlib import Path
+
+import numpy as np
+import pandas
+import phugoid
+import polars
+import pytest
+
+
+@pytest.fixture(scope="module")
+def flight():
+    return phugoid.simulate("f16-calm", seed=3)
+
+
+@pytest.fixture(scope="module")
+def model():
+    return phugoid.Model("f16-model")
+
+
+@pytest.fixture(scope="module")
+def result(flight, model):
+    measured, _, truth = flight
+    return phugoid.estimate(measured, model, truth=truth)
+
+
+def test_the_truth_lies_within_four_sigma(flight, result):
+    # Four parameters of one seed: beyond four sigma by chance once in 4000 seeds.
+    for parameter in result.to_dict()["parameters"]:
+        assert abs(parameter["value"] - flight[2][parameter["name"]]) < 4 * parameter["corrected_std_error"]
+    assert result["dCm_q"] == (result.values[result.names.index("dCm_q")], result.std_errors[result.names.index("dCm_q")])
+    with pytest.raises(KeyError, match="dCm_alpha"):
+        result["Cm_alpha"]
+
+
+def test_sample_by_sample_gives_the_same_bits(flight, model, result):
+    measured = flight[0]
+    session = phugoid.Session(model)
+    samples = np.column_stack([measured[name] for name in session.channels])
+    assert not session.update(measured.time[0], samples[0]) and "noise" in session.message
+    assert not session.update(measured.time[0], samples[0]) and "does not come after" in session.message
+    for time_s, sample in zip(measured.time[1:], samples[1:]):
+        session.update(time_s, sample)
+    assert session.message is None
+    assert [value.hex() for value in session.values] == [result[name][0].hex() for name in session.parameters]
+    snapshot = session.snapshot()
+    assert snapshot["parameters"][0]["readiness"]["verdict"] == "ready"
+    assert [p["name"] for p in session.layout()["parameters"]] == session.parameters
+    assert session.take_events() == []
+
+
+def test_a_session_of_all_axes_runs_on_a_small_stack(model):
+    measured, _, _ = phugoid.simulate("f16-six")
+    six = phugoid.Model("f16-six")
+    reached = []
+
+    def fly():
+        session = phugoid.Session(six)
+        samples = np.column_stack([measured[name] for name in session.channels])
+        for time_s, sample in zip(measured.time[:400], samples):
+            session.update(time_s, sample)
+        reached.append(session.values)
+
+    threading.stack_size(512 * 1024)
+    thread = threading.Thread(target=fly)
+    thread.start()
+    thread.join()
+    threading.stack_size(0)
+    assert len(reached[0]) == len(six.parameters)
+
+
+@pytest.mark.parametrize("to_frame", ["to_pandas", "to_polars"])
+def test_frames_go_in_and_out(flight, model, result, to_frame):
+    frame = getattr(flight[0], to_frame)()
+    again = phugoid.from_frame(frame)
+    assert np.array_equal(phugoid.estimate(again, model).values, result.values)
+    table = getattr(result, to_frame)()
+    assert isinstance(table, (pandas.DataFrame, polars.DataFrame)) and len(table) == len(result.names)
+
+
+def test_a_file_and_mapped_columns(tmp_path, flight):
+    measured = flight[0]
+    path = tmp_path / "flight.csv"
+    measured.write_csv(path)
+    again = phugoid.read(path)
+    assert again.channels == measured.channels and np.array_equal(again["alpha"], measured["alpha"])
+    degrees = {"t_s": measured.time, "ELEV": np.degrees(measured["elevator"])}
+    mapped = phugoid.from_columns(degrees, columns={"elevator": {"header": "ELEV", "unit": "deg", "scale": -1}})
+    np.testing.assert_allclose(mapped["elevator"], -measured["elevator"], rtol=1e-15)
+    assert mapped.units["elevator"] == "rad"
+    assert len(mapped.between(1, 2)) == 101
+
+
+def test_errors_have_the_texts_of_the_command_line(tmp_path, flight, model):
+    with pytest.raises(phugoid.PhugoidError, match="built-in model `f16`|Built-in models"):
+        phugoid.Model("f61")
+    with pytest.raises(phugoid.PhugoidError, match=r"mine:1:\d+"):
+        phugoid.Model.parse("nmae = 'x'", name="mine")
+    with pytest.raises(phugoid.PhugoidError, match="`altitude` is missing"):
+        phugoid.estimate(phugoid.from_columns({"time_s": np.arange(50.0), "alpha_rad": np.zeros(50)}), model)
+    with pytest.raises(phugoid.PhugoidError, match="smpe"):
+        phugoid.estimate(flight[0], model, method="smqe")
+    with pytest.raises(phugoid.PhugoidError, match="whole"):
+        phugoid.Session(model, method="output-error")
+    with pytest.raises(phugoid.PhugoidError, match="cannot be read|No such file"):
+        phugoid.read(tmp_path / "none.csv")
+    with pytest.raises(phugoid.PhugoidError, match="shape"):
+        phugoid.from_columns({"time_s": np.zeros((3, 2))})
+    with pytest.raises(KeyError, match="alpha"):
+        flight[0]["alhpa"]
+
+
+def test_an_error_in_the_progress_function_is_not_lost(flight, model):
+    def fail(fraction):
+        raise RuntimeError("stop")
+
+    with pytest.raises(RuntimeError, match="stop"):
+        phugoid.estimate(flight[0], model, progress=fail)
+    seen = []
+    phugoid.estimate(flight[0], model, progress=seen.append)
+    assert seen[-1] == 1.0 and seen == sorted(seen)
+
+
+def test_the_gil_is_released(flight, model):
+    turns = 0
+    finished = threading.Event()
+
+    def work():
+        phugoid.compare(["calm"], ["smpe"], seeds=4)
+        finished.set()
+
+    thread = threading.Thread(target=work)
+    thread.start()
+    # Were the GIL held, this loop would not turn before the work is done.
+    while not finished.is_set():
+        turns += 1
+    thread.join()
+    assert turns > 100
+
+
+def test_trim_and_linear_model():
+    # Stevens & Lewis: a trim at 20,000 ft and 675 ft/s with the centre of gravity at 0.30 (docs/theory.md).
+    trim = phugoid.trim(6096.0, 205.74, cg=0.30)
+    assert trim["alpha_rad"] == pytest.approx(0.0417018499, abs=1e-9)
+    linear = phugoid.linearize(6096.0, 205.74, cg=0.30)
+    eigenvalues = np.linalg.eigvals(linear["longitudinal"]["A"])
+    modes = linear["longitudinal"]["modes"]
+    assert min(abs(eigenvalues.real - modes[0]["eigenvalue_real"])) < 1e-9
+
+
+def test_every_object_says_what_it_is(flight, model, result):
+    assert "2001 samples" in repr(flight[0]) and "needs elevator" in repr(model)
+    assert "dCm_q" in repr(result) and "no estimate yet" in repr(phugoid.Session(model))
+    assert Path(phugoid.__file__).with_name("py.typed").exists()
