@@ -6,6 +6,7 @@ use std::sync::Arc;
 use numpy::{PyArray1, PyReadonlyArray1};
 use phugoid_flight_data::csv;
 use phugoid_flight_data::quality::QualityReport;
+use phugoid_flight_data::reader::{self, ReadOptions};
 use phugoid_flight_data::record as library;
 use phugoid_flight_data::table::{Column, ColumnMapping, TableOptions, from_columns};
 use pyo3::exceptions::PyKeyError;
@@ -146,6 +147,6 @@ pub(crate) fn read(
 ) -> PyResult<Record> {
     let mut columns = model.map(|model| model.inner.columns()).unwrap_or_default();
     columns.extend(to_mappings(mappings));
-    let options = csv::CsvOptions { columns, ..csv::CsvOptions::default() };
-    py.detach(|| csv::read_path(&path, &options)).map(Record::from).map_err(raise)
+    let options = ReadOptions::with_columns(columns);
+    py.detach(|| reader::read_path(&path, &options).map(Record::from).map_err(raise))
 }

@@ -45,7 +45,7 @@ Progress = Union[None, bool, Callable[[float], Any]]
 Columns = Mapping[str, Union[str, Mapping[str, Any]]]
 
 
-def _mappings(columns: Optional[Columns]) -> list:
+def _mappings(columns: Optional[Columns]) -> list[tuple[str, str, Optional[str], float]]:
     """Channel, header, unit, scale of ``{"elevator": "ELEV_POS"}`` or ``{"elevator": {"header": .., "unit": .., "scale": ..}}``."""
     mappings = []
     for channel, source in (columns or {}).items():
@@ -218,9 +218,10 @@ class Estimation:
 
     def to_dict(self) -> dict[str, Any]:
         """Everything but the histories, with the names of ``phugoid estimate --json``."""
-        return json.loads(self._native.to_json())
+        document: dict[str, Any] = json.loads(self._native.to_json())
+        return document
 
-    def _table(self) -> dict[str, list]:
+    def _table(self) -> dict[str, list[Any]]:
         columns = ("name", "value", "corrected_std_error", "lower", "upper", "status", "truth")
         parameters = self.to_dict()["parameters"]
         return {column: [parameter[column] for parameter in parameters] for column in columns}
@@ -316,15 +317,18 @@ class Session:
     def snapshot(self) -> Optional[dict[str, Any]]:
         """Everything known after the last sample: the document of the live protocol."""
         text = self._native.snapshot_json()
-        return None if text is None else json.loads(text)
+        document: Optional[dict[str, Any]] = None if text is None else json.loads(text)
+        return document
 
     def layout(self) -> dict[str, Any]:
         """What the entries of a snapshot are."""
-        return json.loads(self._native.layout_json())
+        layout: dict[str, Any] = json.loads(self._native.layout_json())
+        return layout
 
     def take_events(self) -> list[dict[str, Any]]:
         """What happened since this was asked last: changes, gaps, restarts."""
-        return json.loads(self._native.take_events_json())
+        events: list[dict[str, Any]] = json.loads(self._native.take_events_json())
+        return events
 
     def __repr__(self) -> str:
         return repr(self._native)
@@ -340,14 +344,15 @@ def trim(
     altitude_m: float, speed_m_s: float, *, cg: float = 0.35, flight_path_rad: float = 0.0, turn_rate_rad_s: float = 0.0
 ) -> dict[str, Any]:
     """Controls and attitude that hold the F-16 in steady flight."""
-    return json.loads(_phugoid.trim(altitude_m, speed_m_s, cg, flight_path_rad, turn_rate_rad_s))
+    document: dict[str, Any] = json.loads(_phugoid.trim(altitude_m, speed_m_s, cg, flight_path_rad, turn_rate_rad_s))
+    return document
 
 
 def linearize(
     altitude_m: float, speed_m_s: float, *, cg: float = 0.35, flight_path_rad: float = 0.0, turn_rate_rad_s: float = 0.0
 ) -> dict[str, Any]:
     """The F-16's linear model about a trim: ``model``, its ``longitudinal`` and ``lateral`` parts with their modes; A, B as arrays."""
-    document = json.loads(_phugoid.linearize(altitude_m, speed_m_s, cg, flight_path_rad, turn_rate_rad_s))
+    document: dict[str, Any] = json.loads(_phugoid.linearize(altitude_m, speed_m_s, cg, flight_path_rad, turn_rate_rad_s))
     for part in ("model", "longitudinal", "lateral"):
         for matrix in {"A", "B", "C", "D"} & set(document[part]):
             document[part][matrix] = np.array(document[part][matrix])
@@ -359,7 +364,8 @@ def compare(
 ) -> dict[str, Any]:
     """Methods on the same samples of the same flights (``phugoid compare``): the document of ``--json``."""
     with reporter(progress, "comparing") as report:
-        return json.loads(_phugoid.compare(list(scenarios), list(methods), seeds, report))
+        document: dict[str, Any] = json.loads(_phugoid.compare(list(scenarios), list(methods), seeds, report))
+    return document
 
 
 def scenarios() -> list[str]:

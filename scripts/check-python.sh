@@ -1,0 +1,23 @@
+#!/bin/sh
+# Builds the Python package as a wheel, installs it into the environment of scripts/python-tools.sh, and runs its tests, its
+# example and its type check.
+set -eu
+cd "$(dirname "$0")/.."
+
+scripts/python-tools.sh
+python=$(pwd)/target/python/bin/python
+
+# Built faster than it runs: what is checked is the package, not the speed. A release wheel is `maturin build --release`.
+CARGO_TARGET_DIR=${CARGO_TARGET_DIR:-$(pwd)/target}/python-wheel
+CARGO_PROFILE_DEV_OPT_LEVEL=1
+CARGO_PROFILE_DEV_DEBUG=0
+CARGO_INCREMENTAL=0
+export CARGO_TARGET_DIR CARGO_PROFILE_DEV_OPT_LEVEL CARGO_PROFILE_DEV_DEBUG CARGO_INCREMENTAL
+
+rm -rf target/wheels
+"$python" -m maturin build --quiet --locked --manifest-path bindings/python/Cargo.toml --interpreter "$python" --out target/wheels
+"$python" -m pip install --quiet --disable-pip-version-check --force-reinstall --no-deps target/wheels/phugoid-*.whl
+"$python" -m pytest -q -p no:cacheprovider bindings/python/tests
+echo "the example:"
+"$python" bindings/python/examples/estimate_f16.py
+"$python" -m mypy --config-file bindings/python/pyproject.toml --cache-dir target/mypy bindings/python/python/phugoid
