@@ -8,7 +8,7 @@ cd "$(dirname "$0")/.."
 scripts/python-tools.sh
 
 target=${CARGO_TARGET_DIR:-target}
-cargo build --quiet --locked -p phugoid-flight-data --example dump_log
+cargo build --quiet --locked -p phugoid-flight-data --features matlab,mcap,parquet --example dump_log --example read_table
 
 PHUGOID_EXAMPLES=$(cd "$target/debug/examples" && pwd)
 PHUGOID_SHARED_DATA=${PHUGOID_SHARED_DATA:-$(pwd)/../shared/data}

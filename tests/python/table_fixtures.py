@@ -4,6 +4,7 @@ Usage: table_fixtures.py FOLDER   (crates/phugoid-flight-data/tests/data)
 Every number is a small fraction of two, so that the tests can state it exactly.
 """
 
+import json
 import pathlib
 import sys
 
@@ -13,6 +14,7 @@ import pyarrow.feather
 import pyarrow.ipc
 import pyarrow.parquet
 import scipy.io
+from mcap.writer import CompressionType, Writer
 
 ROWS = 40
 
@@ -94,8 +96,38 @@ def parquet(folder):
     pa.parquet.write_table(stamped.drop_columns(["mode", "category", "list", "struct"]), folder / "stamped.parquet")
 
 
+def mcap(folder):
+    start = 1_714_566_896_000_000_000
+    kinds = {
+        "none": {"compression": CompressionType.NONE},
+        "lz4": {"compression": CompressionType.LZ4},
+        "zstd": {"compression": CompressionType.ZSTD},
+        "unchunked": {"use_chunking": False},
+    }
+    for name, options in kinds.items():
+        with open(folder / f"{name}.mcap", "wb") as file:
+            writer = Writer(file, chunk_size=1500, **options)
+            writer.start(profile="", library="table_fixtures.py")
+            schema = writer.register_schema("Attitude", "jsonschema", b'{"type": "object"}')
+            imu = writer.register_schema("sensor_msgs/msg/Imu", "ros2msg", b"float64 x")
+            attitude = writer.register_channel("attitude", "json", schema)
+            air = [writer.register_channel("air", "json", schema) for _ in range(2)]
+            other = writer.register_channel("/imu", "cdr", imu)
+            for k in range(ROWS):
+                stamp = start + k * 20_000_000
+                message = {"q": [k / 8, -k / 16], "pose": {"x": k * k / 1024 - 0.5, "ok": k % 2 == 1}, "mode": "cruise"}
+                if k == 3:
+                    message["pose"]["x"] = None
+                if k >= 20:
+                    message["late"] = k
+                writer.add_message(attitude, stamp, json.dumps(message).encode(), stamp)
+                writer.add_message(air[k % 2], stamp + 1_000_000, json.dumps({"tas": k}).encode(), stamp)
+                writer.add_message(other, stamp, bytes(12), stamp)
+            writer.finish()
+
+
 def main():
-    for write in [matlab, arrow, parquet]:
+    for write in [matlab, arrow, parquet, mcap]:
         folder = pathlib.Path(sys.argv[1]) / write.__name__
         folder.mkdir(parents=True, exist_ok=True)
         write(folder)

@@ -21,7 +21,7 @@ pub enum Format {
     Mcap,
     /// Apache Parquet, a table.
     Parquet,
-    /// Apache Arrow IPC file or Feather version 2, a table.
+    /// Apache Arrow IPC file or stream, or Feather, a table.
     Arrow,
     /// MATLAB level 5 file.
     Mat5,
@@ -45,13 +45,24 @@ impl Format {
             _ if is(b"FMT, 128,") => Format::DataFlashText,
             _ if is(b"\x89MCAP0\r\n") => Format::Mcap,
             _ if is(b"PAR1") => Format::Parquet,
-            _ if is(b"ARROW1") => Format::Arrow,
+            // The mark of a message: a stream of Arrow IPC has no name of its own. Text has no such bytes.
+            _ if is(b"ARROW1") || is(b"FEA1") || is(&[0xFF; 4]) => Format::Arrow,
             _ if is(b"MATLAB 5.0") => Format::Mat5,
             _ if is(b"\x89HDF") || is(b"MATLAB 7.3") => Format::Hdf5,
             _ if is(&[0x1F, 0x8B]) => Format::Gzip,
             _ if is(b"PK\x03\x04") => Format::Zip,
             _ if is(&[0xFF, 0xFE]) || is(&[0xFE, 0xFF]) => Format::Utf16,
             _ => Format::Csv,
+        }
+    }
+
+    /// The feature of this crate (and of the command line) that reads it, if it is one that may be switched off.
+    pub fn feature(self) -> Option<&'static str> {
+        match self {
+            Format::Mat5 => Some("matlab"),
+            Format::Mcap => Some("mcap"),
+            Format::Parquet | Format::Arrow => Some("parquet"),
+            _ => None,
         }
     }
 
@@ -74,6 +85,11 @@ impl Format {
     }
 }
 
+/// What to do where a format's feature is off.
+pub(crate) fn build_with(feature: &str) -> String {
+    format!("build it with this format: cargo install --path crates/phugoid --features {feature} (or all-formats)")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -87,6 +103,7 @@ mod tests {
             (b"time_s,alpha_deg\n", Format::Csv),
             (b"", Format::Csv),
             (b"MATLAB 5.0 MAT-file", Format::Mat5),
+            (b"\xFF\xFF\xFF\xFF\x10\x01\x00\x00", Format::Arrow),
         ] {
             assert_eq!(Format::sniff(start), format);
         }

@@ -9,8 +9,6 @@ pub mod engine;
 pub mod link;
 pub mod mavlink;
 pub mod page;
-#[cfg(feature = "tui")]
-pub mod tui;
 pub mod publish;
 pub mod receiver;
 pub mod recording;
@@ -18,4 +16,6 @@ pub mod run;
 pub mod source;
 mod text;
 mod timing;
+#[cfg(feature = "tui")]
+pub mod tui;
 pub mod view;

@@ -299,7 +299,8 @@ pub(crate) struct Estimate {
     /// Print one JSON document instead of text
     #[arg(long)]
     pub(crate) json: bool,
-    /// Write the histories of all signals and parameters to this file; without a name they go into the JSON document
+    /// Write the histories of all signals and parameters to this file (CSV, or Parquet if its name ends so); without a name they
+    /// go into the JSON document
     #[arg(long, value_name = "FILE.csv", num_args = 0..=1)]
     pub(crate) history: Option<Option<PathBuf>>,
     /// List the built-in model files

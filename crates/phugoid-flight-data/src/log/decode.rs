@@ -128,7 +128,8 @@ mod tests {
     #[test]
     fn hundredths_are_the_nearest_numbers() {
         let scale = Scale::new(0.01);
-        (-40_000..40_000_i32).for_each(|n| assert_eq!(scale.apply(f64::from(n)), format!("{n}e-2").parse().unwrap()));
+        (-40_000..40_000_i32)
+            .for_each(|n| assert_eq!(scale.apply(f64::from(n)), format!("{n}e-2").parse::<f64>().unwrap()));
         assert_eq!(Scale::new(1e-7).apply(-353_632_621.0), -35.363_262_1);
         assert_eq!(Scale::new(3.6).apply(10.0), 36.0);
         assert_eq!(Scale::new(0.0).apply(10.0), 10.0);

@@ -6,6 +6,8 @@
 pub mod dataflash;
 mod decode;
 mod error;
+#[cfg(feature = "mcap")]
+pub mod mcap;
 mod read;
 mod selection;
 mod sink;

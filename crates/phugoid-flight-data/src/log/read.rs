@@ -4,6 +4,8 @@ use std::fs::File;
 use std::io::{Cursor, Read};
 use std::path::Path;
 
+#[cfg(feature = "mcap")]
+use super::mcap;
 use super::survey::Survey;
 use super::{Log, LogError, Selection, dataflash, ulog};
 use crate::format::{Format, SNIFFED};
@@ -35,6 +37,8 @@ pub fn read(reader: impl Read, source: &str, selection: &Selection) -> Result<Lo
     match format {
         Format::Ulog => ulog::read(reader, source, selection),
         Format::DataFlash => dataflash::read(reader, source, selection),
+        #[cfg(feature = "mcap")]
+        Format::Mcap => mcap::read(reader, source, selection),
         other => Err(no_log(source, other)),
     }
 }
@@ -48,6 +52,8 @@ pub fn survey(reader: impl Read, source: &str) -> Result<Survey, LogError> {
     match format {
         Format::Ulog => ulog::survey(reader, source),
         Format::DataFlash => dataflash::survey(reader, source),
+        #[cfg(feature = "mcap")]
+        Format::Mcap => mcap::survey(reader, source),
         other => Err(no_log(source, other)),
     }
 }
@@ -68,7 +74,12 @@ fn sniff<R: Read>(mut reader: R, source: &str) -> Result<(Format, impl Read), Lo
 }
 
 fn no_log(source: &str, format: Format) -> LogError {
-    let problem =
-        format!("it is {}; logs that are read are PX4 ULog and ArduPilot DataFlash (.BIN)", format.in_words());
+    let (words, feature) = (format.in_words(), format.feature());
+    let problem = match feature.filter(|_| format == Format::Mcap) {
+        Some(feature) => {
+            format!("it is {words}, which this build does not read; {}", crate::format::build_with(feature))
+        }
+        None => format!("it is {words}; logs that are read are PX4 ULog, ArduPilot DataFlash (.BIN) and MCAP"),
+    };
     LogError::NotThisFormat { source_name: source.to_owned(), format: "log of an autopilot", problem }
 }

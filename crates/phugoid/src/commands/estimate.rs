@@ -127,7 +127,7 @@ pub(crate) enum History {
     None,
     /// Into the JSON document.
     Document,
-    /// Into a CSV file.
+    /// Into a CSV file, or a Parquet file if its name ends so.
     File(PathBuf),
 }
 
@@ -145,9 +145,31 @@ impl History {
                 "--history {} would overwrite the flight: name another file",
                 file.display()
             ))),
+            Some(Some(file)) if is_parquet(file) && cfg!(not(feature = "parquet")) => Err(Failure::input(format!(
+                "--history {}: this build does not write Parquet; name a .csv file, or build it with \
+                 cargo install --path crates/phugoid --features parquet",
+                file.display()
+            ))),
             Some(Some(file)) => Ok(Self::File(file.clone())),
         }
     }
+}
+
+fn is_parquet(file: &Path) -> bool {
+    file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("parquet"))
+}
+
+#[cfg(feature = "parquet")]
+fn write_history(record: &Record, file: &Path) -> Result<(), csv::WriteError> {
+    match is_parquet(file) {
+        true => phugoid_flight_data::parquet::write_path(record, file),
+        false => csv::write_path(record, file),
+    }
+}
+
+#[cfg(not(feature = "parquet"))]
+fn write_history(record: &Record, file: &Path) -> Result<(), csv::WriteError> {
+    csv::write_path(record, file)
 }
 
 /// Where and how a result is shown.
@@ -178,7 +200,7 @@ impl Presentation<'_> {
         };
         if let History::File(file) = self.history {
             let record = estimation.history.record(&estimation.source);
-            csv::write_path(&record, file).map_err(|e| Failure::writing_of("--history", file, e))?;
+            write_history(&record, file).map_err(|e| Failure::writing_of("--history", file, e))?;
         }
         drop(progress);
         if self.json {

@@ -1,0 +1,44 @@
+//! Reads MCAP files (mcap.dev, "MCAP Format Specification") whose messages are JSON.
+//!
+//! A topic's fields are the numbers and truth values in its messages, nested ones by their path: `pose.position.x`,
+//! `motors[2]`. Time is `log_time`, in seconds from that of the first message. Messages in other encodings (ROS 2, Protobuf,
+//! FlatBuffers) are counted and left out with a word on what to do. JSON has no units; the profiles or the model file say them.
+//!
+//! Records and chunks are read one after the other, in bounded memory, without the index at the end, so that a file that was cut
+//! off is read up to the cut. A damaged chunk is left out as a whole: its check sum is verified before anything of it is taken.
+
+mod chunk;
+mod flatten;
+mod records;
+
+use std::io::Read;
+
+use super::sink::Tables;
+use super::survey::{Counts, Survey};
+use super::{Log, LogError, Selection};
+
+/// How an MCAP file begins.
+pub const MAGIC: [u8; 8] = *b"\x89MCAP0\r\n";
+
+/// Reads the messages in JSON. `source` is the file's name in messages and reports.
+///
+/// # Errors
+/// [`LogError`] if it cannot be read, does not begin as an MCAP file, has no message that could be read, or holds more than
+/// `selection.max_values`. Damage within it is no error; `quality` says what was skipped.
+pub fn read(reader: impl Read, source: &str, selection: &Selection) -> Result<Log, LogError> {
+    let mut tables = Tables::new(selection);
+    match records::run(reader, source, &mut tables)? {
+        Some(head) => Ok(tables.finish(head)),
+        None => Err(tables.too_large(source)),
+    }
+}
+
+/// What is in a file, in memory that does not grow with it.
+///
+/// # Errors
+/// As [`read()`]; there is no bound on its length.
+pub fn survey(reader: impl Read, source: &str) -> Result<Survey, LogError> {
+    let mut counts = Counts::default();
+    let head = records::run(reader, source, &mut counts)?.unwrap_or_default();
+    Ok(counts.finish(head))
+}

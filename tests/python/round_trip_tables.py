@@ -1,0 +1,101 @@
+"""Tables: what scipy and pyarrow write gives the same numbers here, and pyarrow reads ours."""
+
+import csv
+import math
+import pathlib
+import subprocess
+import tempfile
+
+import numpy
+import pyarrow
+import pyarrow.feather
+import pyarrow.ipc
+import pyarrow.parquet
+import scipy.io
+
+from common import EXAMPLES
+
+ROWS = 20_000
+
+
+def flight():
+    """Doubles of every size, singles, integers and missing values; SI, so that no conversion rounds."""
+    random = numpy.random.default_rng(3)
+    wild = random.normal(size=ROWS) * 10.0 ** random.integers(-200, 200, ROWS)
+    wild[::97] = numpy.nan
+    return {
+        "time_s": numpy.cumsum(random.uniform(0.001, 0.02, ROWS)),
+        "alpha_rad": random.normal(size=ROWS),
+        "q_rad_s": random.normal(size=ROWS).astype(numpy.float32),
+        "wild": wild,
+        "steps": random.integers(-(2**31), 2**31, ROWS).astype(numpy.int32),
+        "big": random.integers(-(2**53), 2**53, ROWS),
+        "flag": random.integers(0, 2, ROWS).astype(bool),
+        "short": random.integers(0, 2**16, ROWS).astype(numpy.uint16),
+    }
+
+
+def ours(path, folder):
+    target = folder / "ours.csv"
+    subprocess.run([EXAMPLES / "read_table", path, target], check=True, capture_output=True)
+    with open(target, newline="") as file:
+        rows = csv.reader(file)
+        names = next(rows)
+        columns = list(zip(*rows))
+    return {name: [float(cell) if cell else math.nan for cell in column] for name, column in zip(names, columns)}
+
+
+def compare(place, found, expected):
+    assert list(found) == list(expected), f"{place}: {list(found)}"
+    for name, values in expected.items():
+        theirs = numpy.asarray(values, dtype=float)
+        same = numpy.array_equal(numpy.asarray(found[name]), theirs, equal_nan=True)
+        assert same, f"{place}: {name} differs"
+    print(f"  {place}: {len(expected)} columns of {ROWS} rows are the same")
+
+
+def main():
+    table = flight()
+    with tempfile.TemporaryDirectory() as folder:
+        folder = pathlib.Path(folder)
+        for compressed in (False, True):
+            for orientation in ("row", "column"):
+                path = folder / "flight.mat"
+                scipy.io.savemat(path, table, do_compression=compressed, oned_as=orientation)
+                compare(f"savemat, compressed {compressed}, {orientation}s", ours(path, folder), table)
+            scipy.io.savemat(path, {"log": table, "note": "x"}, do_compression=compressed)
+            compare(f"savemat, struct, compressed {compressed}", ours(path, folder), table)
+
+        arrow = pyarrow.table({name: pyarrow.array(values, from_pandas=True) for name, values in table.items()})
+        path = folder / "flight.parquet"
+        for compression in ("none", "snappy", "zstd", "lz4"):
+            for version in ("1.0", "2.0"):
+                pyarrow.parquet.write_table(
+                    arrow, path, compression=compression, data_page_version=version, row_group_size=7000
+                )
+                compare(f"Parquet, {compression}, pages {version}", ours(path, folder), table)
+        pyarrow.parquet.write_table(
+            arrow, path, use_dictionary=False, column_encoding={"time_s": "BYTE_STREAM_SPLIT", "big": "DELTA_BINARY_PACKED"}
+        )
+        compare("Parquet, byte streams split, deltas", ours(path, folder), table)
+        for compression in ("uncompressed", "lz4", "zstd"):
+            path = folder / "flight.feather"
+            pyarrow.feather.write_feather(arrow, path, compression=compression, chunksize=3000)
+            compare(f"Feather, {compression}", ours(path, folder), table)
+        path = folder / "flight.arrows"
+        with pyarrow.ipc.new_stream(path, arrow.schema) as stream:
+            stream.write_table(arrow, max_chunksize=1234)
+        compare("Arrow stream", ours(path, folder), table)
+
+        # Our Parquet, as pyarrow reads it.
+        target = folder / "ours.parquet"
+        subprocess.run([EXAMPLES / "read_table", path, target], check=True, capture_output=True)
+        back = pyarrow.parquet.read_table(target)
+        found = {name: back[name].to_numpy(zero_copy_only=False) for name in back.column_names}
+        compare("our Parquet in pyarrow", found, table)
+        units = {field.name: field.metadata[b"unit"].decode() for field in back.schema}
+        assert units["alpha_rad"] == "rad" and units["q_rad_s"] == "rad/s" and units["flag"] == "1", units
+        assert back["wild"].null_count == numpy.isnan(table["wild"]).sum()
+
+
+main()
