@@ -12,6 +12,8 @@ use std::time::{Duration, Instant};
 
 use ratatui::crossterm::event::{self, Event, KeyCode, KeyEvent, KeyEventKind, KeyModifiers};
 
+use crate::document::Kind;
+use crate::run::Audience;
 pub use state::State;
 
 /// Documents that wait for the screen.
@@ -22,10 +24,12 @@ const PICTURE: Duration = Duration::from_millis(100);
 /// Gets the documents for the screen.
 pub struct Listener(SyncSender<String>);
 
-impl Listener {
-    /// Takes a document and returns at once. Where the screen is slow, or closed, it is left out: the flight waits for neither.
-    pub fn hear(&mut self, document: &str) {
-        let _ = self.0.try_send(document.to_owned());
+impl Audience for Listener {
+    fn hear(&mut self, kind: Kind, document: &str) {
+        if kind != (Kind::Estimate { shown: false }) {
+            // Where the screen is slow, or closed, a document is left out: the flight waits for neither.
+            let _ = self.0.try_send(document.to_owned());
+        }
     }
 }
 

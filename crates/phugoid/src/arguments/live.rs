@@ -43,6 +43,9 @@ pub(crate) struct Live {
     /// Write the JSON lines to this file instead of standard output
     #[arg(long, value_name = "FILE")]
     pub(crate) out: Option<PathBuf>,
+    /// Show the estimates in the terminal; the JSON lines then go to --out alone
+    #[arg(long)]
+    pub(crate) tui: bool,
     /// Write every estimate, not fifty a second
     #[arg(long)]
     pub(crate) all: bool,

@@ -15,10 +15,11 @@ use phugoid_live::mavlink::MavlinkOptions;
 use phugoid_live::publish::WhenSlow;
 use phugoid_live::receiver::ReceiverOptions;
 use phugoid_live::recording::Reader;
-use phugoid_live::run::{Live, LiveError};
+use phugoid_live::run::{Audience, Live, LiveError};
 use phugoid_live::source::{Pace, Replay, Source, SourceSpec};
 use phugoid_studies::named;
 
+use super::screen;
 use crate::arguments::live::{Live as Arguments, Speed};
 use crate::failure::Failure;
 
@@ -56,9 +57,19 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     };
     let out: Box<dyn Write + Send> = match &arguments.out {
         Some(file) => Box::new(File::create(file).map_err(|e| Failure::writing(file, e))?),
+        None if arguments.tui => Box::new(io::sink()),
         None => Box::new(io::stdout()),
     };
-    let summary = live.run(source, out, &mut Vec::new(), &stop).map_err(failure)?;
+    let mut audience: Vec<Box<dyn Audience>> = Vec::new();
+    let estimate = |shown: Option<Box<dyn Audience>>| {
+        audience.extend(shown);
+        live.run(source, out, &mut audience, &stop)
+    };
+    let summary = match arguments.tui {
+        true => screen::run(|listener| estimate(Some(listener)), &stop)?,
+        false => estimate(None),
+    };
+    let summary = summary.map_err(failure)?;
     say(&format!("{} samples, {} estimates", summary.samples, summary.estimates));
     Ok(())
 }

@@ -13,6 +13,7 @@ pub(crate) mod monitor;
 mod offer;
 pub(crate) mod reproduce;
 pub(crate) mod result;
+mod screen;
 pub(crate) mod simulate;
 pub(crate) mod study;
 pub(crate) mod trim;
