@@ -11,6 +11,7 @@ use std::path::{Path, PathBuf};
 
 use phugoid_flight_data::csv::{self, CsvOptions};
 use phugoid_flight_data::parquet::ReadError;
+use phugoid_flight_data::reader::{self, ReadOptions};
 use phugoid_flight_data::record::Record;
 use phugoid_flight_data::table::TableOptions;
 use phugoid_flight_data::{arrow, parquet};
@@ -37,12 +38,7 @@ fn read_bytes(name: &str, bytes: &[u8], options: &TableOptions) -> Result<Record
 }
 
 fn good(name: &str) -> Record {
-    let options = TableOptions::default();
-    let record = match name.starts_with("arrow/") {
-        true => arrow::read_path(&file(name), &options),
-        false => parquet::read_path(&file(name), &options),
-    };
-    record.unwrap_or_else(|error| panic!("{error}"))
+    reader::read_path(&file(name), &ReadOptions::default()).unwrap_or_else(|error| panic!("{error}"))
 }
 
 #[test]

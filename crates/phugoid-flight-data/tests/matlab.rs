@@ -8,6 +8,7 @@ mod damage;
 mod flight;
 
 use phugoid_flight_data::matlab::{ReadError, read, read_path};
+use phugoid_flight_data::reader::{self, ReadOptions};
 use phugoid_flight_data::record::Record;
 use phugoid_flight_data::table::{ColumnMapping, TableOptions};
 
@@ -16,7 +17,7 @@ fn file(name: &str) -> std::path::PathBuf {
 }
 
 fn good(name: &str) -> Record {
-    read_path(&file(name), &TableOptions::default()).unwrap_or_else(|error| panic!("{error}"))
+    reader::read_path(&file(name), &ReadOptions::default()).unwrap_or_else(|error| panic!("{error}"))
 }
 
 #[test]

@@ -5,7 +5,9 @@
 #[path = "common/damage.rs"]
 mod damage;
 
+use phugoid_flight_data::csv::ColumnMapping;
 use phugoid_flight_data::log::{Log, LogError, Selection, Wanted, mcap};
+use phugoid_flight_data::reader::{self, ReadOptions};
 
 const FILES: [&str; 4] = ["none.mcap", "lz4.mcap", "zstd.mcap", "unchunked.mcap"];
 
@@ -118,4 +120,21 @@ fn damage_anywhere_is_a_log_or_an_error() {
             Err(error) => assert!(error.to_string().starts_with("x.mcap"), "{error}"),
         });
     }
+}
+
+/// Fields whose names say what they are need no profile; others are mapped.
+#[test]
+fn a_record_by_the_names_of_the_fields() {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/mcap/zstd.mcap");
+    let record = reader::read_path(&path, &ReadOptions::default()).unwrap();
+    assert_eq!(record.len(), 20);
+    let speed = record.channel("true_airspeed").unwrap();
+    assert_eq!(speed.values[..3], [0.0, 2.0, 4.0]);
+    let said = record.quality.to_string();
+    assert!(said.contains("no unit is written; taken as m/s (SI)"), "{said}");
+    let mapping = ColumnMapping::new("alpha", "attitude.pose.x").with_unit("deg");
+    let options = ReadOptions { time_base: Some("attitude".into()), ..ReadOptions::with_columns(vec![mapping]) };
+    let record = reader::read_path(&path, &options).unwrap();
+    assert_eq!(record.len(), 40);
+    assert_eq!(record.channel("alpha").unwrap().values[32], 0.5_f64.to_radians());
 }

@@ -1,7 +1,7 @@
 //! Why a flight could not be read.
 
 use crate::csv;
-use crate::format::Format;
+use crate::format::{Format, build_with};
 use crate::log::LogError;
 use crate::profile::ProfileError;
 use crate::table::TableError;
@@ -83,15 +83,14 @@ pub enum ReadError {
     },
 }
 
-fn advice(format: Format) -> &'static str {
-    match format {
-        Format::Mcap => "this build does not read it. Build with --features mcap, or convert it to CSV",
-        Format::Parquet | Format::Arrow => {
-            "this build does not read it. Build with --features parquet, or save it as CSV"
-        }
-        Format::Mat5 => "this build does not read it. Build with --features matlab, or save it as CSV with writetable",
+fn advice(format: Format) -> String {
+    if let Some(feature) = format.feature() {
+        return format!("this build does not read it; {}. Or save it as CSV", build_with(feature));
+    }
+    let advice = match format {
         Format::Hdf5 => "it is not read. In MATLAB, save it with -v7, or write a table as CSV with writetable",
         Format::DataFlashText => "give the binary log (.BIN) that it was made of",
         _ => "it is not read. Save it as CSV",
-    }
+    };
+    advice.to_owned()
 }

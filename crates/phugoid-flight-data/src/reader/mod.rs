@@ -1,13 +1,15 @@
 //! One way to a flight record from a file of any format, which is known by its content.
 //!
 //! Tables (CSV, and under features Parquet, Arrow and MATLAB) become a record by their headers; logs of autopilots by a
-//! [`Profile`] and on one time base, by [`crate::align::Aligner`]. In both, mappings of the caller come first: their `header` is a
+//! [`Profile`] (MCAP: by the names of its fields) and on one time base, by [`crate::align::Aligner`]. In both, mappings of the caller come first: their `header` is a
 //! column of the table, or `topic.field` or `topic#instance.field` of the log.
 //!
 //! To add a format: its place in [`Format`], an arm in [`read_path`], and, if it is a log, one in [`crate::log::read()`].
 
 mod error;
 mod from_log;
+#[cfg(feature = "mcap")]
+mod self_explained;
 mod signals;
 mod surfaces;
 
@@ -66,6 +68,13 @@ pub fn read_path(path: &Path, options: &ReadOptions) -> Result<Record, ReadError
         Format::DataFlash => {
             from_log(Profile::ardupilot, options, |selection| dataflash::read(reader, &source, selection))
         }
+        #[cfg(feature = "mcap")]
+        Format::Mcap => {
+            use crate::log::mcap;
+            // Twice through the file: what is in it has to be known before it is known what to keep.
+            let names = || crate::log::survey_path(path).map(|survey| self_explained::profile(&survey));
+            from_log(names, options, |selection| mcap::read(reader, &source, selection))
+        }
         #[cfg(feature = "parquet")]
         Format::Parquet => Ok(crate::parquet::read_path(path, &options.table)?),
         #[cfg(feature = "parquet")]
@@ -82,14 +91,14 @@ fn csv_options(options: &ReadOptions) -> CsvOptions {
 }
 
 /// Reads a log as far as it is needed, and makes a record of it.
-fn from_log(
-    built_in: impl Fn() -> Result<Profile, crate::profile::ProfileError>,
+fn from_log<E: Into<ReadError>>(
+    built_in: impl Fn() -> Result<Profile, E>,
     options: &ReadOptions,
     read: impl FnOnce(&crate::log::Selection) -> Result<Log, LogError>,
 ) -> Result<Record, ReadError> {
     let built_in = match &options.profile {
         Some(profile) => profile.clone(),
-        None => built_in()?,
+        None => built_in().map_err(Into::into)?,
     };
     let log = read(&selection(&built_in, options))?;
     record(&log, &built_in, options)
