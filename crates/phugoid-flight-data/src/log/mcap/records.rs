@@ -13,6 +13,8 @@ use crate::columns::cut;
 use crate::log::sink::{Full, Head, Sink, Stream};
 use crate::quality::{QualityReport, plural};
 
+/// The longest message read, bytes: a document in memory is many times its text.
+const LONGEST_MESSAGE: usize = 4 << 20;
 /// Damaged chunks that are named one by one.
 const MOST_FINDINGS: usize = 10;
 
@@ -201,7 +203,8 @@ impl<'s> State<'s> {
         if !wanted {
             return Ok(());
         }
-        let Ok(document) = serde_json::from_slice(data) else {
+        let text = Some(data).filter(|text| text.len() <= LONGEST_MESSAGE);
+        let Some(document) = text.and_then(|text| serde_json::from_slice(text).ok()) else {
             self.unreadable += 1;
             return Ok(());
         };
@@ -235,7 +238,7 @@ impl<'s> State<'s> {
         let quality: &mut QualityReport = &mut self.head.quality;
         said.into_iter().for_each(|said| quality.warn("", said));
         for (count, what) in [
-            (self.unreadable, "left out: their content is not what their encoding says"),
+            (self.unreadable, "left out: their content is not what their encoding says, or longer than 4 MiB"),
             (self.orphans, "left out: it is not said which topic they belong to"),
         ] {
             if count > 0 {
