@@ -49,6 +49,7 @@ pub(crate) enum Command {
     Trim(Trim),
     Linearize(Linearize),
     Simulate(Simulate),
+    Inspect(Inspect),
     Estimate(Estimate),
     Monitor(Monitor),
     Study(Study),
@@ -209,6 +210,27 @@ pub(crate) struct Simulate {
     pub(crate) json: bool,
 }
 
+/// Says what a flight holds: channels, gaps, doubts, manoeuvres, and which derivatives they could tell
+///
+/// Nothing is estimated and no model is needed. Manoeuvres are numbered for `phugoid estimate --segment`. Where nothing can be estimated
+/// it says why; that is a result, and the exit code stays 0.
+#[derive(Debug, Args)]
+#[command(after_help = examples_and_exit_codes(
+    "  phugoid inspect flight.csv
+  phugoid inspect flight.csv --model jet.toml      what the flight lacks for this model, read with its column names
+  phugoid inspect flight.csv --json --out flight.json"
+))]
+pub(crate) struct Inspect {
+    /// The flight, a CSV file with units in its headers
+    #[arg(value_name = "FLIGHT.csv")]
+    pub(crate) flight: PathBuf,
+    /// The aircraft: a model file, or the name of a built-in one; without it, all built-in ones are gone through
+    #[arg(long, value_name = "AIRCRAFT.toml")]
+    pub(crate) model: Option<String>,
+    #[command(flatten)]
+    pub(crate) delivery: Delivery,
+}
+
 /// The names of the estimators, with a line each in the help.
 fn method() -> impl TypedValueParser<Value = Method> {
     let named = Method::ALL.iter().map(|method| PossibleValue::new(method.name()).help(method.description()));
@@ -278,6 +300,9 @@ pub(crate) struct Estimate {
     /// End at this time of the record
     #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
     pub(crate) to: Option<Time>,
+    /// Take this manoeuvre of `phugoid inspect` alone; several, as in 1,3, with a batch method, which fits them together
+    #[arg(long, value_name = "NUMBER", value_delimiter = ',', conflicts_with_all = ["from", "to"])]
+    pub(crate) segment: Vec<usize>,
     /// The truth to compare with, where the flight was simulated: the scenario (a file, or the name of a built-in one), or
     /// values one by one, as in `--truth dCm_alpha=-0.2 --truth dCm_q=-2`. The estimator does not see it
     #[arg(long, value_name = "SCENARIO|NAME=VALUE", value_parser = truth)]

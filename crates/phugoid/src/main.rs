@@ -32,6 +32,7 @@ fn command() -> ExitCode {
         Some(Command::Trim(arguments)) => commands::trim::run(arguments),
         Some(Command::Linearize(arguments)) => commands::linearize::run(arguments),
         Some(Command::Simulate(arguments)) => commands::simulate::run(arguments),
+        Some(Command::Inspect(arguments)) => commands::inspect::run(arguments),
         Some(Command::Estimate(arguments)) => commands::estimate::run(arguments),
         Some(Command::Monitor(arguments)) => match commands::monitor::run(arguments) {
             Ok(true) => return ExitCode::from(failure::DIVERGED),

@@ -11,8 +11,8 @@
 //! A [`Manoeuvre`] is a flight's samples with the model of that flight, a [`Structure`] says what is unknown, and a
 //! [`BatchFit`] holds the estimates with their covariance and the fit. Equations and sources are in docs/methods.md.
 
-mod colour;
-mod differentiate;
+pub(crate) mod colour;
+pub(crate) mod differentiate;
 mod equation_error;
 mod error;
 mod filter;
@@ -27,7 +27,7 @@ mod prediction;
 mod problem;
 mod regression;
 mod relaxation;
-mod response;
+pub(crate) mod response;
 mod result;
 mod start;
 mod summary;

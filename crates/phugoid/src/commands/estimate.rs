@@ -8,6 +8,8 @@ use phugoid_flight_data::reader::{self, ReadOptions};
 use phugoid_flight_data::record::Record;
 use phugoid_identification::estimate::{EstimateOptions, OfferTerms, estimate};
 use phugoid_identification::estimation::Estimation;
+use phugoid_identification::inspect::segment;
+use phugoid_identification::manoeuvres::{Settings, find};
 use phugoid_identification::model_file::ModelFile;
 use phugoid_report::HtmlOptions;
 use phugoid_studies::named;
@@ -46,7 +48,12 @@ pub(crate) fn run(arguments: &arguments::Estimate) -> Result<(), Failure> {
         Some(file) => super::compatibility::corrections(file)?.apply(&record),
         None => record,
     };
-    let record = between(record, arguments.from.map(|t| t.si()), arguments.to.map(|t| t.si()))?;
+    let (record, segments) = if arguments.segment.is_empty() {
+        (between(record, arguments.from.map(|t| t.si()), arguments.to.map(|t| t.si()))?, Vec::new())
+    } else {
+        segments(&record, &arguments.segment)?
+    };
+    let further: Vec<Record> = segments.into_iter().chain(further).collect();
     let re_reaching = match (arguments.change_detection, arguments.no_change_detection) {
         (true, _) => Some(true),
         (_, true) => Some(false),
@@ -249,6 +256,24 @@ fn truth(words: &[Truth], model: &ModelFile) -> Result<BTreeMap<String, f64>, Fa
         }
     }
     Ok(truth)
+}
+
+/// The manoeuvres of these numbers, each a record: the first, and the further ones.
+fn segments(record: &Record, numbers: &[usize]) -> Result<(Record, Vec<Record>), Failure> {
+    let found = find(record, &Settings::default());
+    let mut parts = Vec::with_capacity(numbers.len());
+    for (index, number) in numbers.iter().enumerate() {
+        if numbers[..index].contains(number) {
+            return Err(Failure::input(format!("--segment names manoeuvre {number} twice: name each once")));
+        }
+        let [from, to] = segment(&found, *number).map_err(|why| Failure::input(format!("--segment: {why}")))?;
+        let mut part = between(record.clone(), Some(from), Some(to))?;
+        part.source = format!("{}, manoeuvre {number}", record.source);
+        parts.push(part);
+    }
+    let mut parts = parts.into_iter();
+    let first = parts.next().ok_or_else(|| Failure::input("--segment needs the number of a manoeuvre"))?;
+    Ok((first, parts.collect()))
 }
 
 /// The part of a record from one time (s) to another, both included.

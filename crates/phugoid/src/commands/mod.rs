@@ -7,6 +7,7 @@ pub(crate) mod demonstrate;
 pub(crate) mod design;
 mod detection;
 pub(crate) mod estimate;
+pub(crate) mod inspect;
 pub(crate) mod linearize;
 pub(crate) mod live;
 pub(crate) mod monitor;

@@ -1,0 +1,276 @@
+//! Manoeuvres in a flight: where a control surface was moved, whether the aircraft answered, and what that can tell.
+//!
+//! A surface's motion is measured against its own noise ([`crate::noise`]) and against what it does all the time, so that the
+//! work of an autopilot or of a pilot in rough air is not taken for an input. Motions of surfaces that are less than a settling time
+//! apart are one manoeuvre. Each is classified in words, asked whether the aircraft was flying and answered, and put into
+//! regressions of the coefficients ([`Manoeuvre::coefficients`]), which say in advance how well each derivative can be told and
+//! what stands in its way. Mass, inertia and size cancel in this: no model of the aircraft is needed.
+//!
+//! ```
+//! use phugoid_flight_data::csv::{self, CsvOptions};
+//! use phugoid_identification::manoeuvres::{Settings, find};
+//! let rows: String = (0..1000).map(|k| {
+//!     let t = 0.02 * f64::from(k);
+//!     let elevator = if (5.0..6.0).contains(&t) { 2.0 } else if (6.0..7.0).contains(&t) { -2.0 } else { 0.0 };
+//!     format!("{t},{elevator},30\n")
+//! }).collect();
+//! let text = format!("time_s,elevator_deg,true_airspeed_m_s\n{rows}");
+//! let record = csv::read(text.as_bytes(), "doublet.csv", &CsvOptions::default())?;
+//! let found = find(&record, &Settings::default());
+//! assert_eq!(found.manoeuvres.len(), 1);
+//! assert_eq!(found.manoeuvres[0].inputs[0].kind.words(), "doublet");
+//! // Nothing that could have answered was recorded.
+//! assert!(!found.manoeuvres[0].useful);
+//! # Ok::<(), csv::ReadError>(())
+//! ```
+
+mod activity;
+mod answer;
+mod equation;
+mod flying;
+mod record;
+mod shape;
+mod short_period;
+mod support;
+mod unforced;
+
+use phugoid_flight_data::record::Record;
+use serde::{Deserialize, Serialize};
+
+pub use answer::Response;
+pub use equation::Inflation;
+pub use shape::Kind;
+pub use short_period::ShortPeriod;
+pub use support::{CoefficientSupport, Support};
+pub use unforced::Unforced;
+
+use crate::axes::{Axes, Group};
+use record::Signals;
+
+/// Choices of the search. The defaults suit aircraft from small drones to airliners.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// Quiet time wanted before an input, s: the reference that departures are counted from.
+    pub lead_s: f64,
+    /// Time that the aircraft is given to settle after an input, s; inputs less than this apart are one manoeuvre.
+    pub settling_s: f64,
+    /// A surface that comes back to where it was within this time, s, was held: a long pulse, not two steps.
+    pub held_s: f64,
+    /// A surface moves where it travels by this many sigmas of its noise within [`Self::window_s`].
+    pub sigmas: f64,
+    /// Window of the travel, s; at least three samples.
+    pub window_s: f64,
+    /// The aircraft answered where an angle or a rate has at least this rms over its noise.
+    pub signal_to_noise: f64,
+    /// Lowest airspeed that counts as flight, m/s.
+    pub slowest_m_s: f64,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            lead_s: 1.0,
+            settling_s: 2.0,
+            held_s: 20.0,
+            sigmas: 10.0,
+            window_s: 0.4,
+            signal_to_noise: 5.0,
+            slowest_m_s: 5.0,
+        }
+    }
+}
+
+/// What a record holds.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Found {
+    /// Manoeuvres in the order of time; useful or not.
+    pub manoeuvres: Vec<Manoeuvre>,
+    /// Where the aircraft moved and no surface did: turbulence, or a free response.
+    pub unforced: Vec<Unforced>,
+    /// Why nothing can be found or told, and what is missing, one sentence each.
+    pub reasons: Vec<String>,
+}
+
+/// One manoeuvre.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Manoeuvre {
+    /// Number, from 1: `phugoid estimate --segment`.
+    pub number: usize,
+    /// First time of the segment, s: the quiet lead before the first input, as far as there is one.
+    pub from_s: f64,
+    /// Last time of the segment, s, with the time to settle.
+    pub to_s: f64,
+    /// Quiet time before the first input, s, at most [`Settings::lead_s`].
+    pub lead_s: f64,
+    /// What each surface did, in the order in which they began.
+    pub inputs: Vec<SurfaceInput>,
+    /// How the aircraft answered, by channel.
+    pub responses: Vec<Response>,
+    /// The short period as the segment shows it, if it does.
+    pub short_period: Option<ShortPeriod>,
+    /// Whether it is worth estimating from.
+    pub useful: bool,
+    /// Why not, and what is in the way.
+    pub remarks: Vec<String>,
+    /// What it could tell.
+    pub coefficients: Vec<CoefficientSupport>,
+}
+
+/// What one surface did in a manoeuvre.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SurfaceInput {
+    /// Channel: `elevator`, `aileron`, `rudder`.
+    pub surface: String,
+    /// First motion, s.
+    pub onset_s: f64,
+    /// Last motion, s.
+    pub end_s: f64,
+    /// Largest departure from where it was before, rad, with its sign.
+    pub peak_rad: f64,
+    /// What it was.
+    pub kind: Kind,
+    /// Frequency at which it has most power per octave, Hz.
+    pub frequency_hz: Option<f64>,
+}
+
+impl Manoeuvre {
+    /// What was done, in words: `elevator 3-2-1-1`, `rudder doublet and aileron pulse`.
+    pub fn words(&self) -> String {
+        let each: Vec<String> = self.inputs.iter().map(|i| format!("{} {}", i.surface, i.kind.words())).collect();
+        each.join(", ")
+    }
+
+    /// Whether a surface of this group was moved.
+    pub fn moves(&self, group: Group) -> bool {
+        self.inputs.iter().any(|input| Group::of_surface(&input.surface) == group)
+    }
+}
+
+/// Looks for manoeuvres in a record.
+pub fn find(record: &Record, settings: &Settings) -> Found {
+    let signals = Signals::of(record);
+    let mut reasons = signals.missing();
+    let mut inputs: Vec<SurfaceInput> =
+        Axes::SURFACES.iter().flat_map(|surface| activity::inputs(&signals, surface, settings)).collect();
+    inputs.sort_by(|a, b| a.onset_s.total_cmp(&b.onset_s));
+    let inputs = without_corrections(&signals, together(inputs, settings.settling_s), settings);
+    let groups = together(inputs, settings.settling_s);
+    let ends: Vec<(f64, f64)> = groups.iter().map(|inputs| span(inputs)).collect();
+    let (first, last) = (record.time.first().copied().unwrap_or(0.0), record.time.last().copied().unwrap_or(0.0));
+    let mut manoeuvres = Vec::with_capacity(groups.len());
+    for (index, inputs) in groups.into_iter().enumerate() {
+        let (onset, end) = ends[index];
+        let before = index.checked_sub(1).and_then(|i| ends.get(i)).map_or(first, |e| e.1);
+        let after = ends.get(index + 1).map_or(last, |e| e.0);
+        let lead_s = (onset - before.max(first)).clamp(0.0, settings.lead_s);
+        let (from_s, to_s) = (onset - lead_s, (end + settings.settling_s).min(after).min(last));
+        let number = index + 1;
+        manoeuvres.push(judge(&signals, settings, inputs, Segment { number, from_s, to_s, lead_s }));
+    }
+    let unforced = unforced::unforced(&signals, &ends, settings);
+    if manoeuvres.is_empty() && signals.has_surface() {
+        reasons.push("no surface moved visibly above its own noise".to_owned());
+    }
+    Found { manoeuvres, unforced, reasons }
+}
+
+#[derive(Clone, Copy)]
+struct Segment {
+    number: usize,
+    from_s: f64,
+    to_s: f64,
+    lead_s: f64,
+}
+
+fn judge(signals: &Signals<'_>, settings: &Settings, inputs: Vec<SurfaceInput>, segment: Segment) -> Manoeuvre {
+    let Segment { number, from_s, to_s, lead_s } = segment;
+    let groups: Vec<Group> = [Group::Longitudinal, Group::Lateral]
+        .into_iter()
+        .filter(|group| inputs.iter().any(|i| Group::of_surface(&i.surface) == *group))
+        .collect();
+    let onset = inputs.first().map_or(from_s, |i| i.onset_s);
+    let responses: Vec<Response> =
+        groups.iter().flat_map(|group| answer::responses(signals, *group, onset, to_s)).collect();
+    let mut remarks = Vec::new();
+    let flying = flying::check(signals, from_s, to_s, settings.slowest_m_s);
+    let mut useful = true;
+    if let Err(reason) = &flying {
+        remarks.push(reason.clone());
+        useful = false;
+    }
+    let loudest = responses.iter().map(|r| r.signal_to_noise).fold(0.0, f64::max);
+    if responses.is_empty() {
+        remarks.push("no rate and no angle that could show an answer was recorded".to_owned());
+        useful = false;
+    } else if loudest < settings.signal_to_noise {
+        remarks.push(format!(
+            "the aircraft hardly answered: its largest motion is {loudest:.1} times the noise, wanted {}",
+            settings.signal_to_noise
+        ));
+        useful = false;
+    }
+    if lead_s < 0.5 * settings.lead_s {
+        remarks.push(format!("only {lead_s:.1} s quiet before it: the reference point is uncertain"));
+    }
+    let mut coefficients = Vec::new();
+    let mut short = None;
+    if flying.is_ok() {
+        let window = signals.window(from_s, to_s);
+        if window.shortened {
+            remarks.push(format!("what it can tell is judged by its first {:.0} s", record::LONGEST_S));
+        }
+        for group in &groups {
+            let told = support::support(&window, *group);
+            if *group == Group::Longitudinal {
+                short = short_period::of(&told);
+            }
+            coefficients.extend(told.into_iter().map(|t| t.coefficient));
+        }
+        if useful && !coefficients.iter().any(|c| matches!(c.support, Support::Told | Support::Roughly)) {
+            let why = coefficients.first().map_or_else(String::new, |c| format!(": {}", c.reason));
+            remarks.push(format!("no derivative can be told from it{why}"));
+            useful = false;
+        }
+    }
+    if let Some(short) = &short {
+        remarks.extend(inputs.iter().filter(|i| i.surface == "elevator").filter_map(|i| short.remark(i)));
+    }
+    Manoeuvre { number, from_s, to_s, lead_s, inputs, responses, short_period: short, useful, remarks, coefficients }
+}
+
+/// Leaves out what a pilot corrected on the side: a surface that moved beside another and whose answer does not show in the moment
+/// that it makes. It belongs to the motion, but is no input to learn from.
+fn without_corrections(
+    signals: &Signals<'_>,
+    groups: Vec<Vec<SurfaceInput>>,
+    settings: &Settings,
+) -> Vec<SurfaceInput> {
+    let mut kept = Vec::new();
+    for group in groups {
+        let shows = |input: &SurfaceInput| {
+            let window = signals.window(input.onset_s - settings.lead_s, input.end_s + settings.settling_s);
+            support::answers(&window, &input.surface)
+        };
+        let shown: Vec<bool> =
+            if group.len() > 1 { group.iter().map(shows).collect() } else { vec![true; group.len()] };
+        let any = shown.contains(&true);
+        kept.extend(group.into_iter().zip(shown).filter(|(_, shown)| *shown || !any).map(|(input, _)| input));
+    }
+    kept
+}
+
+/// Inputs that overlap or are less than a settling time apart.
+fn together(inputs: Vec<SurfaceInput>, settling_s: f64) -> Vec<Vec<SurfaceInput>> {
+    let mut groups: Vec<Vec<SurfaceInput>> = Vec::new();
+    for input in inputs {
+        match groups.last_mut() {
+            Some(group) if input.onset_s - span(group).1 < settling_s => group.push(input),
+            _ => groups.push(vec![input]),
+        }
+    }
+    groups
+}
+
+fn span(inputs: &[SurfaceInput]) -> (f64, f64) {
+    inputs.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), i| (low.min(i.onset_s), high.max(i.end_s)))
+}

@@ -1,0 +1,172 @@
+//! `phugoid inspect`.
+
+use std::fmt::Write as _;
+
+use phugoid_flight_data::csv::{self, CsvOptions};
+use phugoid_flight_data::quality::Severity;
+use phugoid_identification::inspect::{Inspection, inspect};
+use phugoid_identification::manoeuvres::{Manoeuvre, Settings, Support};
+use phugoid_identification::model_file::ModelFile;
+
+use super::estimate::{built_in, columns, model};
+use super::result::paragraph;
+use crate::arguments;
+use crate::failure::Failure;
+use crate::output::{Table, deliver, fixed, significant};
+use crate::progress::Progress;
+
+pub(crate) fn run(arguments: &arguments::Inspect) -> Result<(), Failure> {
+    let wanted = arguments.model.as_deref().map(model).transpose()?;
+    let options = CsvOptions { columns: wanted.as_ref().map(columns).unwrap_or_default(), ..CsvOptions::default() };
+    let models: Vec<ModelFile> = match wanted {
+        Some(model) => vec![model],
+        None => built_in()
+            .map(|(name, text)| ModelFile::parse(name, text).map_err(Failure::input))
+            .collect::<Result<_, _>>()?,
+    };
+    let inspection = {
+        let _progress = Progress::spinner("reading");
+        let record = csv::read_path(&arguments.flight, &options).map_err(Failure::input)?;
+        inspect(&record, &models, &Settings::default())
+    };
+    let delivery = &arguments.delivery;
+    deliver(&inspection, delivery.json, delivery.out.as_deref(), || text(&inspection, arguments.model.is_some()))
+}
+
+fn text(inspection: &Inspection, one_model: bool) -> String {
+    let mut text = String::new();
+    let span = inspection.span_s.map_or_else(String::new, |[from, to]| {
+        format!(" from {} s to {} s, {} Hz", fixed(from, 2), fixed(to, 2), rate(1.0 / inspection.sample_time_s))
+    });
+    // Writing to a string cannot fail.
+    let _ = writeln!(text, "{}\n{} samples{span}", inspection.source, inspection.samples);
+    let _ = writeln!(text, "\nChannels");
+    text.push_str(&channels(inspection));
+    let gap = |g: &[f64; 2]| format!("no sample from {} s to {} s", fixed(g[0], 2), fixed(g[1], 2));
+    paragraph(&mut text, "Gaps", inspection.gaps_s.iter().map(gap));
+    let findings = inspection.quality.findings.iter().chain(&inspection.doubts).map(|f| {
+        let kind = if f.severity == Severity::Warning { "warning: " } else { "" };
+        if f.place.is_empty() { format!("{kind}{}", f.message) } else { format!("{kind}{}: {}", f.place, f.message) }
+    });
+    paragraph(&mut text, "Data quality", findings);
+    let found = &inspection.found;
+    if !found.manoeuvres.is_empty() {
+        let _ = writeln!(text, "\nManoeuvres");
+        text.push_str(&manoeuvres(&found.manoeuvres));
+        let remarks = found.manoeuvres.iter().flat_map(|m| m.remarks.iter().map(move |r| format!("{}: {r}", m.number)));
+        paragraph(&mut text, "Remarks", remarks);
+    }
+    let motion = |u: &phugoid_identification::manoeuvres::Unforced| {
+        format!(
+            "{} s to {} s: {}; rates {} times their noise",
+            fixed(u.from_s, 2),
+            fixed(u.to_s, 2),
+            u.words,
+            significant(u.signal_to_noise, 2)
+        )
+    };
+    paragraph(&mut text, "Motion without input", found.unforced.iter().map(motion));
+    text.push_str(&derivatives(inspection));
+    paragraph(&mut text, "What stands in the way", found.reasons.iter().cloned());
+    paragraph(&mut text, if one_model { "Model" } else { "Built-in models" }, models(inspection));
+    text
+}
+
+fn channels(inspection: &Inspection) -> String {
+    let mut table = Table::with_words(
+        &["channel", "from", "given in", "values", "Hz", "longest gap", "min", "median", "max", "noise", "unit"],
+        &[0, 1, 2, 10],
+    );
+    let number = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |v| significant(v, 4));
+    for channel in &inspection.channels {
+        let given = match (channel.unit_given.as_str(), channel.unit_assumed) {
+            ("", _) => "-".to_owned(),
+            (unit, true) => format!("{unit}, assumed"),
+            (unit, false) => unit.to_owned(),
+        };
+        let noise = channel.noise.map_or_else(
+            || "still".to_owned(),
+            |n| format!("{}{}", significant(n, 2), if channel.quantised { " (step)" } else { "" }),
+        );
+        table.row([
+            channel.name.clone(),
+            if channel.header.is_empty() { "-".to_owned() } else { channel.header.clone() },
+            given,
+            channel.values.to_string(),
+            channel.rate_hz.map_or_else(|| "-".to_owned(), rate),
+            channel.longest_gap_s.map_or_else(|| "-".to_owned(), |g| format!("{} s", significant(g, 2))),
+            number(channel.minimum),
+            number(channel.median),
+            number(channel.maximum),
+            noise,
+            channel.unit.clone(),
+        ]);
+    }
+    table.render()
+}
+
+fn rate(hz: f64) -> String {
+    significant(hz, 3)
+}
+
+fn manoeuvres(list: &[Manoeuvre]) -> String {
+    let mut table =
+        Table::with_words(&["no.", "from", "to", "input", "peak", "loudest answer", "useful", "tells"], &[3, 5, 6, 7]);
+    for manoeuvre in list {
+        let loudest = manoeuvre.responses.iter().max_by(|a, b| a.signal_to_noise.total_cmp(&b.signal_to_noise));
+        let peak = manoeuvre.inputs.iter().map(|i| format!("{} deg", significant(i.peak_rad.to_degrees(), 2)));
+        let told = manoeuvre.coefficients.iter().filter(|c| c.support == Support::Told).count();
+        let roughly = manoeuvre.coefficients.iter().filter(|c| c.support == Support::Roughly).count();
+        table.row([
+            manoeuvre.number.to_string(),
+            format!("{} s", fixed(manoeuvre.from_s, 2)),
+            format!("{} s", fixed(manoeuvre.to_s, 2)),
+            manoeuvre.words(),
+            peak.collect::<Vec<_>>().join(", "),
+            loudest.map_or_else(
+                || "-".to_owned(),
+                |r| format!("{} {}x noise", r.channel, significant(r.signal_to_noise, 2)),
+            ),
+            if manoeuvre.useful { "yes" } else { "no" }.to_owned(),
+            format!("{told}, {roughly} more roughly"),
+        ]);
+    }
+    table.render() + "  Estimate from one of them with `phugoid estimate ... --segment N`.\n"
+}
+
+fn derivatives(inspection: &Inspection) -> String {
+    if inspection.derivatives.is_empty() {
+        return String::new();
+    }
+    let mut table = Table::with_words(&["derivative", "can be told", "best in", "why"], &[0, 1, 2, 3]);
+    for derivative in &inspection.derivatives {
+        let word = match derivative.coefficient.support {
+            Support::Told => "yes",
+            Support::Roughly => "roughly",
+            Support::Small => "near zero",
+            Support::No => "no",
+        };
+        table.row([
+            derivative.coefficient.name.clone(),
+            word.to_owned(),
+            format!("manoeuvre {}", derivative.manoeuvre),
+            derivative.coefficient.reason.clone(),
+        ]);
+    }
+    format!(
+        "\nDerivatives that the record could support, by regression on the measured signals; an estimation may do better\n{}",
+        table.render()
+    )
+}
+
+fn models(inspection: &Inspection) -> impl Iterator<Item = String> {
+    inspection.models.iter().map(|needs| {
+        let mut lacks: Vec<String> = needs.missing.clone();
+        lacks.extend(needs.empty.iter().map(|name| format!("{name} (there, but empty)")));
+        if lacks.is_empty() {
+            format!("{} ({}): every channel is there", needs.model, needs.aircraft)
+        } else {
+            format!("{} ({}): lacks {}", needs.model, needs.aircraft, lacks.join(", "))
+        }
+    })
+}
