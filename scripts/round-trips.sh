@@ -9,6 +9,7 @@ scripts/python-tools.sh
 
 target=${CARGO_TARGET_DIR:-target}
 cargo build --quiet --locked -p phugoid-flight-data --features matlab,mcap,parquet --example dump_log --example read_table
+cargo build --quiet --locked -p phugoid-identification --example export_model
 
 PHUGOID_EXAMPLES=$(cd "$target/debug/examples" && pwd)
 PHUGOID_SHARED_DATA=${PHUGOID_SHARED_DATA:-$(pwd)/../shared/data}

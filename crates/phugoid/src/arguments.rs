@@ -254,6 +254,37 @@ fn truth(text: &str) -> Result<Truth, String> {
     }
 }
 
+/// Forms that a result is exported in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum ExportForm {
+    Csv,
+    Json,
+    Jsbsim,
+    Gazebo,
+}
+
+/// A form and the file for it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Export {
+    pub(crate) form: ExportForm,
+    pub(crate) file: PathBuf,
+}
+
+fn export(text: &str) -> Result<Export, String> {
+    let (form, file) = text.split_once('=').unwrap_or((text, ""));
+    let form = match form {
+        "csv" => ExportForm::Csv,
+        "json" => ExportForm::Json,
+        "jsbsim" => ExportForm::Jsbsim,
+        "gazebo" | "px4" => ExportForm::Gazebo,
+        other => return Err(format!("`{other}` is no form: write csv=, json=, jsbsim= or gazebo= and a file")),
+    };
+    if file.is_empty() {
+        return Err("write a form and a file, as in jsbsim=aero.xml".to_owned());
+    }
+    Ok(Export { form, file: PathBuf::from(file) })
+}
+
 /// Estimates the coefficients of an aircraft from a recorded flight
 #[derive(Debug, Args)]
 #[command(after_help = examples_and_exit_codes(
@@ -261,6 +292,8 @@ fn truth(text: &str) -> Result<Truth, String> {
   phugoid estimate hfb320.csv --model hfb320 --out report --figures figures
   phugoid estimate flight.csv --model jet.toml --from 12s --to 40s --json > result.json
   phugoid estimate flight.csv --model f16 --truth f16-damage       a simulated flight beside its truth
+  phugoid estimate flight.csv --model jet.toml --segment 2         one manoeuvre of `phugoid inspect flight.csv`
+  phugoid estimate flight.csv --model jet.toml --export jsbsim=aero.xml --export csv=estimates.csv
   phugoid estimate --list-models                   the model files that are built in"
 ))]
 pub(crate) struct Estimate {
@@ -324,6 +357,10 @@ pub(crate) struct Estimate {
     /// Print one JSON document instead of text
     #[arg(long)]
     pub(crate) json: bool,
+    /// Write the result in another form too, may be repeated: `csv=FILE` or `json=FILE` the estimates, `jsbsim=FILE` the model as a JSBSim
+    /// <aerodynamics> section, `gazebo=FILE` as parameters of the advanced lift-drag plugin that PX4's simulations use
+    #[arg(long, value_name = "FORM=FILE", value_parser = export)]
+    pub(crate) export: Vec<Export>,
     /// Write the histories of all signals and parameters to this file (CSV, or Parquet if its name ends so); without a name they
     /// go into the JSON document
     #[arg(long, value_name = "FILE.csv", num_args = 0..=1)]

@@ -17,6 +17,7 @@ use phugoid_studies::scenario::nearest;
 use serde::Serialize;
 
 use super::axes_form::Turned;
+use super::export;
 use super::result::{self, Document};
 use super::simulate::scenario;
 use crate::arguments::{self, Truth};
@@ -34,6 +35,7 @@ pub(crate) fn run(arguments: &arguments::Estimate) -> Result<(), Failure> {
     let history = History::new(arguments, flight)?;
     once_each(flight, &arguments.with, arguments.predict.as_deref())?;
     let model = model(wanted)?;
+    export::check(&arguments.export, &model)?;
     let truth = truth(&arguments.truth, &model)?;
     let options = ReadOptions::with_columns(model.columns());
     let read = |path: &PathBuf| reader::read_path(path, &options).map_err(Failure::input);
@@ -94,7 +96,8 @@ pub(crate) fn run(arguments: &arguments::Estimate) -> Result<(), Failure> {
         json: arguments.json,
         turned: arguments.axes_form.map(|form| Turned::of(&estimation, &model, form)),
     };
-    presentation.present(&estimation)
+    presentation.present(&estimation)?;
+    export::write(&arguments.export, &estimation, &model, arguments.json)
 }
 
 /// # Errors

@@ -153,10 +153,7 @@ fn derivatives(inspection: &Inspection) -> String {
             derivative.coefficient.reason.clone(),
         ]);
     }
-    format!(
-        "\nDerivatives that the record could support, by regression on the measured signals; an estimation may do better\n{}",
-        table.render()
-    )
+    format!("\nDerivatives that the record could support, by regression with these terms alone\n{}", table.render())
 }
 
 fn models(inspection: &Inspection) -> impl Iterator<Item = String> {

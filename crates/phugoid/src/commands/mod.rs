@@ -7,6 +7,7 @@ pub(crate) mod demonstrate;
 pub(crate) mod design;
 mod detection;
 pub(crate) mod estimate;
+mod export;
 pub(crate) mod inspect;
 pub(crate) mod linearize;
 pub(crate) mod live;
