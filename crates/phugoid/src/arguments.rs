@@ -218,11 +218,12 @@ pub(crate) struct Simulate {
 #[command(after_help = examples_and_exit_codes(
     "  phugoid inspect flight.csv
   phugoid inspect flight.csv --model jet.toml      what the flight lacks for this model, read with its column names
+  phugoid inspect yesterday.ulg                    topics and rates first, then the flight that they make
   phugoid inspect flight.csv --json --out flight.json"
 ))]
 pub(crate) struct Inspect {
-    /// The flight, a CSV file with units in its headers
-    #[arg(value_name = "FLIGHT.csv")]
+    /// The flight: a table (CSV with units in its headers), or a log of PX4 (ULog) or ArduPilot (DataFlash)
+    #[arg(value_name = "FLIGHT")]
     pub(crate) flight: PathBuf,
     /// The aircraft: a model file, or the name of a built-in one; without it, all built-in ones are gone through
     #[arg(long, value_name = "AIRCRAFT.toml")]

@@ -2,35 +2,104 @@
 
 use std::fmt::Write as _;
 
-use phugoid_flight_data::csv::{self, CsvOptions};
+use phugoid_flight_data::log::survey::{Survey, TopicSurvey};
+use phugoid_flight_data::log::{self, LogError};
 use phugoid_flight_data::quality::Severity;
+use phugoid_flight_data::reader::{self, ReadOptions};
 use phugoid_identification::inspect::{Inspection, inspect};
 use phugoid_identification::manoeuvres::{Manoeuvre, Settings, Support};
 use phugoid_identification::model_file::ModelFile;
+use phugoid_studies::named;
+use serde::Serialize;
 
-use super::estimate::{built_in, columns, model};
+use super::estimate::model;
 use super::result::paragraph;
 use crate::arguments;
 use crate::failure::Failure;
 use crate::output::{Table, deliver, fixed, significant};
 use crate::progress::Progress;
 
+/// What a file holds, as a JSON document. SI.
+#[derive(Serialize)]
+struct Document<'a> {
+    /// Of a log: what is in it, topic by topic, as it was written.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    log: Option<&'a Survey>,
+    /// Why the log makes no flight, where it does not.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    no_flight: Option<&'a str>,
+    #[serde(flatten)]
+    inspection: Option<&'a Inspection>,
+}
+
 pub(crate) fn run(arguments: &arguments::Inspect) -> Result<(), Failure> {
     let wanted = arguments.model.as_deref().map(model).transpose()?;
-    let options = CsvOptions { columns: wanted.as_ref().map(columns).unwrap_or_default(), ..CsvOptions::default() };
+    let columns = wanted.as_ref().map(ModelFile::columns).unwrap_or_default();
     let models: Vec<ModelFile> = match wanted {
         Some(model) => vec![model],
-        None => built_in()
+        None => named::models()
             .map(|(name, text)| ModelFile::parse(name, text).map_err(Failure::input))
             .collect::<Result<_, _>>()?,
     };
-    let inspection = {
+    let (survey, inspection, no_flight) = {
         let _progress = Progress::spinner("reading");
-        let record = csv::read_path(&arguments.flight, &options).map_err(Failure::input)?;
-        inspect(&record, &models, &Settings::default())
+        let survey = survey(arguments)?;
+        match (reader::read_path(&arguments.flight, &ReadOptions::with_columns(columns)), &survey) {
+            (Ok(record), _) => (survey, Some(inspect(&record, &models, &Settings::default())), None),
+            // A log without a flight in it is a result too.
+            (Err(why), Some(_)) => (survey, None, Some(why.to_string())),
+            (Err(why), None) => return Err(Failure::input(why)),
+        }
     };
+    let document = Document { log: survey.as_ref(), no_flight: no_flight.as_deref(), inspection: inspection.as_ref() };
     let delivery = &arguments.delivery;
-    deliver(&inspection, delivery.json, delivery.out.as_deref(), || text(&inspection, arguments.model.is_some()))
+    deliver(&document, delivery.json, delivery.out.as_deref(), || {
+        let mut told = survey.as_ref().map(log_text).unwrap_or_default();
+        paragraph(&mut told, "What stands in the way", no_flight.iter().cloned());
+        if let Some(inspection) = &inspection {
+            if !told.is_empty() {
+                told.push_str("\nAs a flight: ");
+            }
+            told.push_str(&text(inspection, arguments.model.is_some()));
+        }
+        told
+    })
+}
+
+/// What is in a log; none of a table.
+fn survey(arguments: &arguments::Inspect) -> Result<Option<Survey>, Failure> {
+    match log::survey_path(&arguments.flight) {
+        Ok(survey) => Ok(Some(survey)),
+        Err(LogError::NotThisFormat { .. } | LogError::Io { .. }) => Ok(None),
+        Err(error) => Err(Failure::input(error)),
+    }
+}
+
+fn log_text(survey: &Survey) -> String {
+    let mut table = Table::with_words(&["topic", "samples", "from", "to", "Hz", "gaps", "longest", "fields"], &[0]);
+    let row = |topic: &TopicSurvey| {
+        let instance = if topic.instance == 0 { String::new() } else { format!("#{}", topic.instance) };
+        [
+            format!("{}{instance}", topic.name),
+            topic.samples.to_string(),
+            format!("{} s", fixed(topic.first_s, 2)),
+            format!("{} s", fixed(topic.last_s, 2)),
+            if topic.step_s > 0.0 { rate(1.0 / topic.step_s) } else { "-".to_owned() },
+            topic.gaps.to_string(),
+            format!("{} s", significant(topic.longest_step_s, 2)),
+            topic.fields.len().to_string(),
+        ]
+    };
+    for topic in &survey.topics {
+        table.row(row(topic));
+    }
+    let mut text = format!("{}\n{} topics\n\nTopics\n{}", survey.source, survey.topics.len(), table.render());
+    let finding = |f: &phugoid_flight_data::quality::Finding| match f.place.as_str() {
+        "" => f.message.clone(),
+        place => format!("{place}: {}", f.message),
+    };
+    paragraph(&mut text, "Reading the log", survey.quality.findings.iter().map(finding));
+    text
 }
 
 fn text(inspection: &Inspection, one_model: bool) -> String {
