@@ -79,6 +79,7 @@ def running():
         check("the link is told", "lost" in link and "latency" in link and "99.9 %" in link)
         keys(browser)
         mouse(browser)
+        restarts(browser)
 
 
 # Pixels of the first chart that are not empty.
@@ -140,6 +141,16 @@ def mouse(browser):
     check("a double click resets", browser.evaluate("phugoid.view.following && phugoid.view.span === 60"))
     browser.mouse("mouseMoved", 5, 5)
     browser.wait(0.3)
+
+
+def restarts(browser):
+    """What a server says to a page that comes back: all of the past again, or that of another start."""
+    browser.evaluate("phugoid.stream.source.close()")
+    again = "var f = phugoid.flight; f.take({ ...f.hello }); f.take({ ...f.newest, type: 'estimate', time_s: %s });"
+    kept = browser.evaluate(again % "f.store.first" + " f.estimates > 5900")
+    check("after a break of the connection what was received stays", kept)
+    dropped = browser.evaluate(again % "f.store.first + 0.5" + "f.estimates === 1 && f.store.received === 1")
+    check("another start of the server begins anew", dropped)
 
 
 def states():

@@ -150,22 +150,24 @@ class Chart {
   }
 
   line(draw, { column, colour, width }) {
-    const { context, y } = draw, gap = gapOf(draw.bounds, draw.store);
+    const { y } = draw, gap = gapOf(draw.bounds);
     // Per pixel: place, top, bottom, and whether it goes on from the pixel before.
     const points = this.points;
-    let size = 0, spread = 0, before = -Infinity;
+    let size = 0, spread = 0, before = NaN, usual = Infinity;
     byPixel(draw, column, (at, low, high, begin, end) => {
       const top = y(high), bottom = y(low);
       points[size] = at;
       points[size + 1] = top;
       points[size + 2] = bottom;
-      points[size + 3] = begin - before > gap ? 0 : 1;
+      const step = begin - before;
+      points[size + 3] = size > 0 && step <= Math.max(gap, 4 * usual) ? 1 : 0;
+      if (step === step) usual = step;
       size = Math.min(size + 4, points.length - 4);
       spread += bottom - top;
       before = end;
     });
-    if (spread > 2 * (size / 4)) bars(context, points, size, colours[colour], width);
-    else stroke(context, points, size, colours[colour], width);
+    if (spread > 2 * (size / 4)) bars(draw.context, points, size, colours[colour], width);
+    else stroke(draw.context, points, size, colours[colour], width);
   }
 
   fill(draw) {
@@ -287,8 +289,7 @@ function byPixel({ store, chosen, until, x, bounds }, column, visit) {
   if (pixel === pixel) visit(at, low, high, first, last);
 }
 
-// Without a sample for so long, s, a line is broken: longer than any ordinary distance of rows at this zoom.
-function gapOf([begin, end], store) {
-  const usual = store.received > 1 ? (store.last - store.first) / (store.received - 1) : 0;
-  return Math.max(1.5, 3 * usual, (end - begin) / 50);
+// Without a sample for so long, s, a line is broken, unless samples are as far from each other before.
+function gapOf([begin, end]) {
+  return Math.max(1.5, (end - begin) / 50);
 }

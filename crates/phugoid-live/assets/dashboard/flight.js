@@ -81,8 +81,9 @@ class Flight {
       row[places.outputs + 3 * i + 2] = number(snapshot.residuals[i]);
     });
     for (let i = 0; i < places.inputCount; i += 1) row[places.inputs + i] = number(snapshot.inputs[i]);
-    // Another start of the same source: its clock has begun anew.
-    if (this.greeted && snapshot.time_s < this.store.last - 1) this.forget();
+    // Another start of the same source, whose clock has begun anew: a server that goes on begins its past with the
+    // first estimate of the flight.
+    if (this.greeted && snapshot.time_s < this.store.last && snapshot.time_s !== this.store.first) this.forget();
     this.greeted = false;
     // What was sent again after a break is known already.
     if (!this.store.push(snapshot.time_s, row)) return;

@@ -93,6 +93,7 @@ function start() {
   } else {
     stream = new Stream((document) => { if (flight.take(document)) rebuild(); },
       (what) => { flight.trouble = what; });
+    window.phugoid.stream = stream;
     stream.open("events");
   }
   requestAnimationFrame(picture);
