@@ -8,7 +8,7 @@ use crate::batch::BatchError;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum EstimateError {
     /// A channel that the model needs is not in the record.
-    #[error("{}", missing_channel(record, channel, present, nearest.as_deref()))]
+    #[error("{}", missing_channel(record, channel, present, nearest.as_deref(), lacking))]
     MissingChannel {
         /// Source of the record.
         record: String,
@@ -18,6 +18,8 @@ pub enum EstimateError {
         present: Vec<String>,
         /// The one among them with the most similar name.
         nearest: Option<String>,
+        /// What else there is to say.
+        lacking: Box<Lacking>,
     },
     /// A channel is there but has no value.
     #[error("channel `{0}` has no finite value in the whole record: check the column in the file")]
@@ -59,17 +61,39 @@ pub enum EstimateError {
     },
 }
 
-fn missing_channel(record: &str, channel: &str, present: &[String], nearest: Option<&str>) -> String {
+/// What a record lacks beside one channel, and why.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Lacking {
+    /// Other channels that the model needs and the record has not.
+    pub also: Vec<String>,
+    /// What the reader of the record said of those that are not there, and of the vehicle.
+    pub told: Vec<String>,
+}
+
+fn missing_channel(
+    record: &str,
+    channel: &str,
+    present: &[String],
+    nearest: Option<&str>,
+    Lacking { also, told }: &Lacking,
+) -> String {
     let mut text = format!("{record}: channel `{channel}` is missing");
     if let Some(near) = nearest {
         text.push_str(&format!("; the nearest one there is `{near}`"));
     }
+    if !also.is_empty() {
+        text.push_str(&format!("; the model also needs `{}`, not there either", also.join("`, `")));
+    }
+    let present = present.join(", ");
+    if !told.is_empty() {
+        text.push_str(&format!(".\n  {}\nChannels in the record: {present}", told.join("\n  ")));
+        return text;
+    }
     let synonyms = by_name(channel).map_or(&[][..], |spec| spec.synonyms);
-    let also = if synonyms.is_empty() { String::new() } else { format!(" (or {})", synonyms.join(", ")) };
+    let or = if synonyms.is_empty() { String::new() } else { format!(" (or {})", synonyms.join(", ")) };
     text.push_str(&format!(
-        ". Name a column `{channel}`{also} with its unit, or map one in the model file: [channels] {channel} = \"your \
-         header\". Channels in the record: {}",
-        present.join(", ")
+        ". Name a column `{channel}`{or} with its unit, or map one in the model file: [channels] {channel} = \"your \
+         header\". Channels in the record: {present}"
     ));
     text
 }

@@ -5,7 +5,7 @@ use phugoid_flight_dynamics::atmosphere::Atmosphere;
 use phugoid_flight_dynamics::f16::{F16, F16Options};
 
 use crate::axes::Axes;
-use crate::error::EstimateError;
+use crate::error::{EstimateError, Lacking};
 use crate::estimation::Signal;
 use crate::intake::{KnownInput, Origin, known_inputs, model_input};
 use crate::longitudinal::{Database, LongitudinalModel};
@@ -83,6 +83,11 @@ pub fn prepare<M: Motion<N, R>, const N: usize, const R: usize>(
         let (found, expected) = (file.axes.name(), M::AXES.name());
         let message = format!("{}: the file is of the {found} motion, expected the {expected} one", file.source);
         return Err(EstimateError::Model(message));
+    }
+    let lacking = file.channels_used().into_iter().filter(|name| record.channel(name).is_none());
+    let lacking: Vec<&str> = lacking.collect();
+    if let Some((first, rest)) = lacking.split_first() {
+        return Err(missing(record, first, rest));
     }
     let mut notes = Vec::new();
     let database = database(file)?;
@@ -220,16 +225,25 @@ pub(crate) fn channel<'a>(record: &'a Record, name: &str) -> Result<&'a [f64], E
             channel.values.len(),
             record.time.len()
         ))),
-        None => Err(missing(record, name)),
+        None => Err(missing(record, name, &[])),
     }
 }
 
-fn missing(record: &Record, name: &str) -> EstimateError {
+fn missing(record: &Record, name: &str, others: &[&str]) -> EstimateError {
+    let mut also: Vec<String> =
+        others.iter().filter(|other| **other != name).map(|other| (*other).to_owned()).collect();
+    also.dedup();
+    // A log says of a channel that it lacks where it was looked for, and what to do.
+    let about = |place: &str| place == name || place == "vehicle" || also.iter().any(|other| other == place);
+    let findings = record.quality.findings.iter().filter(|finding| about(&finding.place));
+    let told =
+        findings.map(|finding| format!("{}: {}", finding.place, finding.message.replace('\n', "\n  "))).collect();
     EstimateError::MissingChannel {
         record: record.source.clone(),
         channel: name.to_owned(),
         present: record.channels.iter().map(|c| c.name.clone()).collect(),
         nearest: nearest(name, record.channels.iter().map(|c| c.name.as_str())).map(str::to_owned),
+        lacking: Box::new(Lacking { also, told }),
     }
 }
 

@@ -1,7 +1,7 @@
 //! From a log with many rates to a record with one.
 
 use super::signals::{self, Signal};
-use super::{ReadError, ReadOptions, surfaces};
+use super::{ReadError, ReadOptions, surfaces, vehicle};
 use crate::align::{Aligner, Hold, Statistics};
 use crate::channels;
 use crate::log::{Log, Selection, Topic, Wanted};
@@ -60,6 +60,7 @@ pub fn selection(profile: &Profile, options: &ReadOptions) -> Selection {
 /// [`ReadError`] if a mapping names what is not there, no topic can give the times, or nothing is a channel.
 pub fn record(log: &Log, profile: &Profile, options: &ReadOptions) -> Result<Record, ReadError> {
     let mut quality = log.quality.clone();
+    vehicle::report(log, &mut quality);
     let commands = profile.surfaces.map(|rule| surfaces::commands(log, rule)).unwrap_or_default();
     let mut signals = Vec::new();
     for mapping in &options.table.columns {

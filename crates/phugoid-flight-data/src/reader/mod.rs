@@ -12,6 +12,7 @@ mod from_log;
 mod self_explained;
 mod signals;
 mod surfaces;
+mod vehicle;
 
 use std::fs::File;
 use std::io::{Cursor, Read};

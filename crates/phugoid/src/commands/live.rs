@@ -7,7 +7,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use phugoid_flight_data::csv::{self, CsvOptions};
+use phugoid_flight_data::reader::{self, ReadOptions};
 use phugoid_identification::estimate::EstimateOptions;
 use phugoid_identification::method::Method;
 use phugoid_identification::model_file::ModelFile;
@@ -119,8 +119,8 @@ fn source(arguments: &Arguments, recording: Option<Reader>, model: &ModelFile) -
         }
         (None, Some(path), Some(reader)) => Ok(Replay::recording(reader, &path.display().to_string(), pace).into()),
         (None, Some(path), None) => {
-            let options = CsvOptions { columns: model.columns(), ..CsvOptions::default() };
-            let record = csv::read_path(path, &options).map_err(Failure::input)?;
+            let options = ReadOptions::with_columns(model.columns());
+            let record = reader::read_path(path, &options).map_err(Failure::input)?;
             Ok(Replay::flight(record, pace).map_err(Failure::input)?.into())
         }
         (None, None, _) => Err(Failure::input("a source is needed, as in udp://14550, or --replay FILE")),
