@@ -123,3 +123,33 @@ fn replaced(bytes: &[u8], from: &[u8], to: &[u8]) -> Vec<u8> {
     bytes[at..at + to.len()].copy_from_slice(to);
     bytes
 }
+
+/// scipy writes in the order of the machine alone, so this file is made by hand, after the format's description.
+#[test]
+fn either_byte_order() {
+    let element = |kind: u32, content: &[u8]| {
+        let mut bytes = [kind.to_be_bytes(), (content.len() as u32).to_be_bytes()].concat();
+        bytes.extend(content);
+        bytes.resize(bytes.len().next_multiple_of(8), 0);
+        bytes
+    };
+    let vector = |name: &str, values: &[f64]| {
+        let words = |words: &[u32]| words.iter().flat_map(|word| word.to_be_bytes()).collect::<Vec<u8>>();
+        let numbers: Vec<u8> = values.iter().flat_map(|value| value.to_be_bytes()).collect();
+        // A name of four bytes or fewer stands in its tag, the size in the upper half of the first word.
+        let mut short = ((name.len() as u32) << 16 | 1).to_be_bytes().to_vec();
+        short.extend(name.as_bytes());
+        short.resize(8, 0);
+        let parts =
+            [element(6, &words(&[6, 0])), element(5, &words(&[values.len() as u32, 1])), short, element(9, &numbers)];
+        element(14, &parts.concat())
+    };
+    let mut bytes = b"MATLAB 5.0 MAT-file, Platform: made by hand".to_vec();
+    bytes.resize(124, b' ');
+    bytes.extend([1, 0, b'M', b'I']);
+    bytes.extend(vector("t", &[0.0, 0.5, 1.0]));
+    bytes.extend(vector("q", &[1.0, -2.5, 1e-300]));
+    let record = read(bytes.as_slice(), "x.mat", &TableOptions::default()).unwrap();
+    assert_eq!(record.time, [0.0, 0.5, 1.0]);
+    assert_eq!(record.channel("q").unwrap().values, [1.0, -2.5, 1e-300]);
+}
