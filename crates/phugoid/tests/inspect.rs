@@ -17,7 +17,8 @@ fn a_flight_is_told_with_its_manoeuvres_and_a_segment_is_estimated() {
     let folder = flown("f16-calm", "segments");
     let run = phugoid(&folder.0, &["inspect", "measured.csv"]);
     assert_eq!(run.code, Some(0), "{}", run.err);
-    for word in ["20.00 s, 100 Hz", "elevator 3-2-1-1", "9.50 s", "--segment N", "Cm_alpha_dot  no", "Built-in models"] {
+    for word in ["20.00 s, 100 Hz", "elevator 3-2-1-1", "9.50 s", "--segment N", "Cm_alpha_dot  no", "Built-in models"]
+    {
         assert!(run.out.contains(word), "{word}: {}", run.out);
     }
     let json = phugoid(&folder.0, &["inspect", "measured.csv", "--model", "f16-model", "--json"]).json();

@@ -37,5 +37,9 @@ fn a_cut_log_is_named_and_a_text_with_its_name_is_read_as_text() {
     let folder = Folder::new("log-cut");
     std::fs::write(folder.0.join("cut.csv"), b"ULog\x01\x12\x35\x01").unwrap();
     let run = phugoid(&folder.0, &["estimate", "cut.csv", "--model", "f16"]);
-    assert!(run.fails(3).contains("cut.csv: this is no ULog: the file ends within its head of 16 bytes"), "{}", run.err);
+    assert!(
+        run.fails(3).contains("cut.csv: this is no ULog: the file ends within its head of 16 bytes"),
+        "{}",
+        run.err
+    );
 }

@@ -1,4 +1,5 @@
-//! Damage to files, the same in every run.
+//! Damage to files, the same in every run: 600 rounds, or as many as `PHUGOID_DAMAGE_ROUNDS` says, which is how the readers are
+//! hammered where no nightly compiler fuzzes them (`scripts/fuzz.sh`).
 
 /// Gives `read` the file cut off at many places, and with bytes turned, zeroed, set, repeated and left out.
 pub(crate) fn try_all(bytes: &[u8], mut read: impl FnMut(&[u8])) {
@@ -12,7 +13,8 @@ pub(crate) fn try_all(bytes: &[u8], mut read: impl FnMut(&[u8])) {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         ((state >> 33) as usize) % below.max(1)
     };
-    for round in 0..600 {
+    let rounds = std::env::var("PHUGOID_DAMAGE_ROUNDS").ok().and_then(|rounds| rounds.parse().ok()).unwrap_or(600);
+    for round in 0..rounds {
         let mut damaged = bytes.to_vec();
         for _ in 0..=next(3) {
             let at = next(damaged.len());
