@@ -2,7 +2,8 @@
 //!
 //!     cargo run --release -p phugoid-flight-data --example log_speed -- flight.ulg TOPIC [MEGABYTES]
 //!
-//! The file lies in the folder for temporary files and is removed afterwards. Megabytes are of 10^6 bytes.
+//! Speeds are by the clock on the wall and, where Linux tells it, by the time that this program had a processor: on a machine that
+//! others use too only the second says what the reader costs. The file lies in the folder for temporary files and is removed afterwards. Megabytes are of 10^6 bytes.
 
 use std::error::Error;
 use std::fs::File;
@@ -32,34 +33,55 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("{name} repeated to {:.0} MB", bytes as f64 / 1e6);
 
     // Twice: the first time brings it into the cache, if it fits.
-    let cold = plain(&file.0)?;
-    let plain_s = plain(&file.0)?;
-    say("plain reading, the first time", bytes, cold, "");
-    say("plain reading", bytes, plain_s, "");
+    for what in ["plain reading, the first time", "plain reading"] {
+        let clock = Clock::start();
+        plain(&file.0)?;
+        say(what, bytes, &clock, "");
+    }
 
     forget_peak();
-    let start = Instant::now();
+    let clock = Clock::start();
     let survey = log::survey_path(&file.0)?;
     let samples: usize = survey.topics.iter().map(|topic| topic.samples).sum();
     let detail = format!("{samples} samples, peak {} MiB", peak_mib());
-    say("survey: counts, times, ranges of every field", bytes, start.elapsed().as_secs_f64(), &detail);
+    say("survey: counts, times, ranges of every field", bytes, &clock, &detail);
     drop(survey);
 
     forget_peak();
-    let start = Instant::now();
+    let clock = Clock::start();
     let log = log::read_path(&file.0, &Selection { max_values: usize::MAX, ..Selection::topics([topic.as_str()]) })?;
     let values: usize = log.topics.iter().map(|topic| topic.time_s.len() * (topic.fields.len() + 1)).sum();
     let detail = format!("{values} values kept are {} MiB, peak {} MiB", values * 8 / (1 << 20), peak_mib());
-    say(&format!("topic {topic}"), bytes, start.elapsed().as_secs_f64(), &detail);
+    say(&format!("topic {topic}"), bytes, &clock, &detail);
     Ok(())
 }
 
-fn say(what: &str, bytes: usize, seconds: f64, detail: &str) {
-    println!(
-        "{what}: {seconds:.2} s, {:.0} MB/s{}{detail}",
-        bytes as f64 / 1e6 / seconds,
-        if detail.is_empty() { "" } else { "; " }
-    );
+/// Time on the wall and on a processor.
+struct Clock {
+    wall: Instant,
+    processor_s: Option<f64>,
+}
+
+impl Clock {
+    fn start() -> Self {
+        Self { wall: Instant::now(), processor_s: processor_s() }
+    }
+}
+
+/// Seconds that this program ran on a processor (Linux).
+fn processor_s() -> Option<f64> {
+    let text = std::fs::read_to_string("/proc/self/schedstat").ok()?;
+    Some(text.split_whitespace().next()?.parse::<f64>().ok()? * 1e-9)
+}
+
+fn say(what: &str, bytes: usize, clock: &Clock, detail: &str) {
+    let megabytes = bytes as f64 / 1e6;
+    let wall_s = clock.wall.elapsed().as_secs_f64();
+    print!("{what}: {wall_s:.2} s, {:.0} MB/s", megabytes / wall_s);
+    if let Some((before, now)) = clock.processor_s.zip(processor_s()) {
+        print!("; {:.2} s on a processor, {:.0} MB/s", now - before, megabytes / (now - before));
+    }
+    println!("{}{detail}", if detail.is_empty() { "" } else { "; " });
 }
 
 /// Repeats what comes after the definitions; gives the length of the file.
@@ -88,12 +110,11 @@ fn write(log: &[u8], path: &Path, bytes: usize) -> Result<usize, Box<dyn Error>>
     Ok(written)
 }
 
-fn plain(path: &Path) -> Result<f64, Box<dyn Error>> {
+fn plain(path: &Path) -> Result<(), Box<dyn Error>> {
     let mut file = File::open(path)?;
     let mut buffer = vec![0; 1 << 20];
-    let start = Instant::now();
     while file.read(&mut buffer)? > 0 {}
-    Ok(start.elapsed().as_secs_f64())
+    Ok(())
 }
 
 /// Begins a new peak of the resident memory (Linux).

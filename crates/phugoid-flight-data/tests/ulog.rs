@@ -50,7 +50,7 @@ fn a_survey_counts_the_same_and_keeps_nothing() {
     let survey = survey(&ulog(100)[..], "test.ulg").unwrap();
     let imu = survey.topic("imu", 0).unwrap();
     assert_eq!((imu.samples, imu.gaps), (100, 0));
-    assert!((imu.step_s / 0.01 - 1.0).abs() < 1.0 / 12.0);
+    assert!((imu.step_s / 0.01 - 1.0).abs() < 1.0 / 16.0);
     assert_eq!((imu.fields[0].min, imu.fields[0].max), (Some(0.0), Some(99.0)));
     assert!((imu.last_s - 0.99).abs() < 1e-12);
 }

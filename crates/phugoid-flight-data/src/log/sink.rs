@@ -49,6 +49,7 @@ pub(super) struct Stream {
     pub(super) kept: Vec<usize>,
     /// Where each of them goes in the topic.
     columns: Vec<usize>,
+    in_order: bool,
 }
 
 /// Takes samples.
@@ -99,7 +100,7 @@ impl Layout {
                 return None;
             }
         };
-        let mut stream = Stream { topic: index, kept: Vec::new(), columns: Vec::new() };
+        let mut stream = Stream { topic: index, kept: Vec::new(), columns: Vec::new(), in_order: true };
         let columns = self.columns.get_mut(index)?;
         let mut left_out = 0;
         for (field, name) in fields.iter().enumerate().filter(|(_, name)| wanted(name)) {
@@ -125,6 +126,7 @@ impl Layout {
         if left_out > 0 && self.left_out.len() < 100 {
             self.left_out.push((topic.to_owned(), left_out));
         }
+        stream.in_order = stream.columns.iter().enumerate().all(|(index, &column)| index == column);
         Some(stream)
     }
 
@@ -266,6 +268,12 @@ pub(super) fn open_all(layout: &mut Layout, topic: &str, instance: u16, fields: 
 impl Stream {
     pub(super) fn topic(&self) -> usize {
         self.topic
+    }
+
+    /// Are the columns 0, 1, 2, ...?
+    #[inline]
+    pub(super) fn in_order(&self) -> bool {
+        self.in_order
     }
 
     pub(super) fn columns(&self) -> &[usize] {

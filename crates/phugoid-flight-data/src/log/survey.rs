@@ -9,8 +9,8 @@ use crate::quality::QualityReport;
 
 /// A step in time longer than this many median steps is a gap, as for records.
 const GAP_FACTOR: f64 = 3.5;
-/// Classes per doubling of the step, for its median: the median is known to a twelfth part.
-const CLASSES_PER_OCTAVE: f64 = 8.0;
+/// Classes per doubling of the step, for its median: the median is known to a sixteenth part.
+const CLASSES_PER_OCTAVE: usize = 8;
 /// Classes of steps, from one microsecond to 2^36 (nineteen hours).
 const CLASSES: usize = 36 * 8;
 
@@ -44,7 +44,7 @@ pub struct TopicSurvey {
     pub first_s: f64,
     /// Time of the last one, s.
     pub last_s: f64,
-    /// Median step from sample to sample, s, to a twelfth part; zero if there are fewer than two samples.
+    /// Median step from sample to sample, s, to a sixteenth part; zero if there are fewer than two samples.
     pub step_s: f64,
     /// Steps longer than 3.5 median ones.
     pub gaps: usize,
@@ -129,15 +129,16 @@ struct TopicCount {
     /// How many steps are how long, in classes of equal ratio.
     steps: Vec<u32>,
     fields: Vec<FieldCount>,
+    /// Smallest and largest value and how many there are, by field; apart from the names, so that a row is one pass over numbers.
+    min: Vec<f64>,
+    max: Vec<f64>,
+    present: Vec<u64>,
 }
 
 #[derive(Clone, Debug)]
 struct FieldCount {
     name: String,
     unit: Option<String>,
-    min: f64,
-    max: f64,
-    present: usize,
 }
 
 impl TopicCount {
@@ -153,16 +154,36 @@ impl TopicCount {
             backwards: 0,
             steps: Vec::new(),
             fields: Vec::new(),
+            min: Vec::new(),
+            max: Vec::new(),
+            present: Vec::new(),
         }
     }
 
     fn clear(&mut self) {
         let mut empty = Self::new(&self.name, self.instance);
-        std::mem::swap(&mut empty.fields, &mut self.fields);
-        for field in &mut empty.fields {
-            (field.min, field.max, field.present) = (f64::INFINITY, f64::NEG_INFINITY, 0);
-        }
+        let fields = std::mem::take(&mut self.fields);
+        fields.into_iter().for_each(|field| empty.add(field));
         *self = empty;
+    }
+
+    fn add(&mut self, field: FieldCount) {
+        self.fields.push(field);
+        self.min.push(f64::INFINITY);
+        self.max.push(f64::NEG_INFINITY);
+        self.present.push(0);
+    }
+
+    /// The finite ones of these values, field by field.
+    #[inline]
+    fn values(&mut self, values: &[f64]) {
+        let ranges = self.min.iter_mut().zip(&mut self.max).zip(&mut self.present);
+        for (((min, max), present), &value) in ranges.zip(values) {
+            let finite = value.abs() < f64::INFINITY;
+            *min = if finite && value < *min { value } else { *min };
+            *max = if finite && value > *max { value } else { *max };
+            *present += u64::from(finite);
+        }
     }
 
     #[inline]
@@ -197,18 +218,18 @@ impl TopicCount {
             below += u64::from(count);
             2 * below >= all && all > 0
         });
-        let step_us = median.map_or(0.0, |class| 2_f64.powf((class as f64 + 0.5) / CLASSES_PER_OCTAVE));
-        let longer =
-            |class: usize| median.is_some() && 2_f64.powf(class as f64 / CLASSES_PER_OCTAVE) > GAP_FACTOR * step_us;
+        let step_us = median.map_or(0.0, |class| 0.5 * (class_begin(class) + class_begin(class + 1)));
+        let longer = |class: usize| median.is_some() && class_begin(class) > GAP_FACTOR * step_us;
         let gaps = self.steps.iter().enumerate().filter(|(class, _)| longer(*class)).map(|(_, &count)| count as usize);
         let samples = self.samples;
-        let field = |field: FieldCount| FieldSurvey {
-            min: (field.present > 0).then_some(field.min),
-            max: (field.present > 0).then_some(field.max),
-            missing: samples.saturating_sub(field.present),
+        let ranges = self.min.iter().zip(&self.max).zip(&self.present);
+        let fields = self.fields.into_iter().zip(ranges).map(|(field, ((min, max), &present))| FieldSurvey {
+            min: (present > 0).then_some(*min),
+            max: (present > 0).then_some(*max),
+            missing: samples.saturating_sub(present as usize),
             name: field.name,
             unit: field.unit,
-        };
+        });
         TopicSurvey {
             samples,
             first_s: seconds(self.first_us),
@@ -218,15 +239,23 @@ impl TopicCount {
             longest_step_s: self.longest_us * 1e-6,
             longest_step_at_s: if self.longest_us > 0.0 { seconds(self.longest_at_us) } else { 0.0 },
             backwards: self.backwards,
-            fields: self.fields.into_iter().map(field).collect(),
+            fields: fields.collect(),
             name: self.name,
             instance: self.instance,
         }
     }
 }
 
+/// Equal parts of each octave: exponent and first three bits of the fraction, so that no logarithm is taken per sample.
 fn class_of(step_us: f64) -> usize {
-    ((step_us.max(1.0).log2() * CLASSES_PER_OCTAVE) as usize).min(CLASSES - 1)
+    let bits = step_us.max(1.0).to_bits() >> (52 - 3);
+    ((bits - (1023 << 3)) as usize).min(CLASSES - 1)
+}
+
+/// Where a class begins, us.
+fn class_begin(class: usize) -> f64 {
+    let (octave, part) = (class / CLASSES_PER_OCTAVE, class % CLASSES_PER_OCTAVE);
+    2_f64.powi(octave as i32) * (1.0 + part as f64 / CLASSES_PER_OCTAVE as f64)
 }
 
 impl Counts {
@@ -258,13 +287,7 @@ impl Sink for Counts {
         for (&field, &column) in stream.kept.iter().zip(stream.columns()) {
             if column == count.fields.len() {
                 let name = fields.get(field).cloned().unwrap_or_default();
-                count.fields.push(FieldCount {
-                    name,
-                    unit: None,
-                    min: f64::INFINITY,
-                    max: f64::NEG_INFINITY,
-                    present: 0,
-                });
+                count.add(FieldCount { name, unit: None });
             }
         }
         Some(stream)
@@ -274,13 +297,15 @@ impl Sink for Counts {
     fn row(&mut self, stream: &Stream, time_us: f64, values: &[f64]) -> Result<(), Full> {
         let Some(topic) = self.topics.get_mut(stream.topic()) else { return Ok(()) };
         topic.step(time_us);
+        if stream.in_order() {
+            topic.values(values);
+            return Ok(());
+        }
         for (&column, &value) in stream.columns().iter().zip(values) {
-            if let Some(field) = topic.fields.get_mut(column)
-                && value.is_finite()
-            {
-                field.min = field.min.min(value);
-                field.max = field.max.max(value);
-                field.present += 1;
+            let range = topic.min.get_mut(column).zip(topic.max.get_mut(column)).zip(topic.present.get_mut(column));
+            if let Some(((min, max), present)) = range.filter(|_| value.is_finite()) {
+                (*min, *max) = (min.min(value), max.max(value));
+                *present += 1;
             }
         }
         Ok(())
@@ -288,13 +313,14 @@ impl Sink for Counts {
 
     fn describe(&mut self, stream: &Stream, kept: usize, unit: Option<&str>, factor: Scale) {
         let Some(topic) = self.topics.get_mut(stream.topic()) else { return };
-        let field = stream.columns().get(kept).and_then(|&column| topic.fields.get_mut(column));
-        if let Some(field) = field {
+        let Some(&column) = stream.columns().get(kept) else { return };
+        if let Some(field) = topic.fields.get_mut(column) {
             field.unit = unit.map(str::to_owned);
-            if factor != Scale::ONE && field.present > 0 {
-                let (a, b) = (factor.apply(field.min), factor.apply(field.max));
-                (field.min, field.max) = (a.min(b), a.max(b));
-            }
+        }
+        let range = topic.min.get_mut(column).zip(topic.max.get_mut(column));
+        if let Some((min, max)) = range.filter(|(min, max)| factor != Scale::ONE && min <= max) {
+            let (a, b) = (factor.apply(*min), factor.apply(*max));
+            (*min, *max) = (a.min(b), a.max(b));
         }
     }
 
@@ -323,7 +349,7 @@ mod tests {
         let survey = Survey::of(&Log { topics: vec![topic], ..Log::default() });
         let topic = survey.topic("T", 2).unwrap();
         assert_eq!((topic.samples, topic.gaps, topic.backwards), (201, 1, 1));
-        assert!((topic.step_s / 0.01 - 1.0).abs() < 1.0 / 12.0, "{}", topic.step_s);
+        assert!((topic.step_s / 0.01 - 1.0).abs() < 1.0 / 16.0, "{}", topic.step_s);
         assert!((topic.longest_step_s - 2.01).abs() < 1e-9 && (topic.longest_step_at_s - 0.99).abs() < 1e-9);
         let field = &topic.fields[0];
         assert_eq!((field.min, field.max, field.missing), (Some(0.0), Some(200.0), 1));
