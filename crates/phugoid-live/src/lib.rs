@@ -13,6 +13,8 @@ pub mod publish;
 pub mod receiver;
 pub mod recording;
 pub mod run;
+#[cfg(feature = "server")]
+pub mod server;
 pub mod source;
 mod text;
 mod timing;
