@@ -33,7 +33,10 @@ impl Access {
             let host = header(header::HOST).map(host_of);
             return match host {
                 Some("localhost" | "127.0.0.1" | "[::1]") => Ok(()),
-                _ => Err((StatusCode::FORBIDDEN, "without a token, only this machine is served, as localhost or 127.0.0.1\n")),
+                _ => Err((
+                    StatusCode::FORBIDDEN,
+                    "without a token, only this machine is served, as localhost or 127.0.0.1\n",
+                )),
             };
         };
         let in_header = header(header::AUTHORIZATION).and_then(|value| value.strip_prefix("Bearer "));
@@ -44,7 +47,10 @@ impl Access {
         };
         match in_header.or_else(in_address) {
             Some(given) if same(given, token) => Ok(()),
-            _ => Err((StatusCode::UNAUTHORIZED, "a token is needed: add ?token=... to the address, as `phugoid live` prints it\n")),
+            _ => Err((
+                StatusCode::UNAUTHORIZED,
+                "a token is needed: add ?token=... to the address, as `phugoid live` prints it\n",
+            )),
         }
     }
 }

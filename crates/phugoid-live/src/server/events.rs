@@ -34,7 +34,8 @@ impl Events {
 }
 
 async fn pump(hub: &Hub, client: &mpsc::Sender<Bytes>) -> Option<()> {
-    let send = |text: String| async move { tokio::time::timeout(STUCK, client.send(Bytes::from(text))).await.ok()?.ok() };
+    let send =
+        |text: String| async move { tokio::time::timeout(STUCK, client.send(Bytes::from(text))).await.ok()?.ok() };
     let mut changes = hub.watch();
     let (past, mut place) = hub.newcomer();
     for document in past {

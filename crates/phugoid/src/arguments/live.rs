@@ -64,6 +64,48 @@ pub(crate) struct Live {
     /// The MAVLink message whose times the samples have, such as ATTITUDE
     #[arg(long, value_name = "MESSAGE")]
     pub(crate) base: Option<String>,
+    /// Send the estimates on as MAVLink debug messages, five times a second, as in udp://127.0.0.1:14551
+    #[arg(long, value_name = "udp://HOST:PORT")]
+    pub(crate) mavlink_out: Option<String>,
+    /// Show the estimates on the terminal, in place of the JSON lines
+    #[cfg(feature = "tui")]
+    #[arg(long)]
+    pub(crate) tui: bool,
+    #[cfg(feature = "live")]
+    #[command(flatten)]
+    pub(crate) page: Page,
+}
+
+/// Where the page is served.
+#[cfg(feature = "live")]
+#[derive(Debug, Args)]
+pub(crate) struct Page {
+    /// Serve the page at this address; one that other machines reach asks for a token
+    #[arg(long, value_name = "[HOST:]PORT", value_parser = address, default_value = "127.0.0.1:8360")]
+    pub(crate) listen: std::net::SocketAddr,
+    /// The token, in place of a random one
+    #[arg(long, value_name = "TOKEN", value_parser = token)]
+    pub(crate) token: Option<String>,
+    /// Serve no page
+    #[arg(long)]
+    pub(crate) no_page: bool,
+}
+
+#[cfg(feature = "live")]
+fn address(text: &str) -> Result<std::net::SocketAddr, String> {
+    if let Ok(port) = text.parse::<u16>() {
+        return Ok(([127, 0, 0, 1], port).into());
+    }
+    text.parse().map_err(|_| "write an address and a port, as in 127.0.0.1:8360 or 0.0.0.0:8360".to_owned())
+}
+
+#[cfg(feature = "live")]
+fn token(text: &str) -> Result<String, String> {
+    let plain = text.bytes().all(|byte| byte.is_ascii_alphanumeric() || b"-_.~".contains(&byte));
+    match plain && text.len() >= 8 {
+        true => Ok(text.to_owned()),
+        false => Err("a token has at least eight letters, digits or -_.~".to_owned()),
+    }
 }
 
 /// How fast a replay goes.

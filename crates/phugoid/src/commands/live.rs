@@ -4,14 +4,14 @@ use std::fs::File;
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use phugoid_flight_data::reader::{self, ReadOptions};
 use phugoid_identification::estimate::EstimateOptions;
 use phugoid_identification::method::Method;
 use phugoid_identification::model_file::ModelFile;
-use phugoid_live::mavlink::MavlinkOptions;
+use phugoid_live::mavlink::{DebugMessages, MavlinkOptions};
 use phugoid_live::publish::WhenSlow;
 use phugoid_live::receiver::ReceiverOptions;
 use phugoid_live::recording::Reader;
@@ -57,10 +57,15 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     };
     let out: Box<dyn Write + Send> = match &arguments.out {
         Some(file) => Box::new(File::create(file).map_err(|e| Failure::writing(file, e))?),
+<<<<<<< HEAD
+=======
+        #[cfg(feature = "tui")]
+>>>>>>> 014930c (phugoid live serves the page, sends MAVLink debug messages, shows a terminal view)
         None if arguments.tui => Box::new(io::sink()),
         None => Box::new(io::stdout()),
     };
     let mut audience: Vec<Box<dyn Audience>> = Vec::new();
+<<<<<<< HEAD
     let estimate = |shown: Option<Box<dyn Audience>>| {
         audience.extend(shown);
         live.run(source, out, &mut audience, &stop)
@@ -70,8 +75,81 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         false => estimate(None),
     };
     let summary = summary.map_err(failure)?;
+=======
+    if let Some(address) = &arguments.mavlink_out {
+        audience.push(Box::new(DebugMessages::to(address).map_err(Failure::input)?));
+    }
+    #[cfg(feature = "live")]
+    audience.extend(page(&arguments.page)?);
+    // A second Ctrl-C, or a system without signals: the recording survives it.
+    let ended = Arc::clone(&stop);
+    let _ = ctrlc::set_handler(move || {
+        if ended.swap(true, Ordering::Relaxed) {
+            std::process::exit(130);
+        }
+    });
+    #[cfg(feature = "tui")]
+    let screen = arguments.tui.then(|| screen(&mut audience, &stop));
+    let result = live.run(source, out, &mut audience, &stop);
+    #[cfg(feature = "tui")]
+    {
+        drop(audience);
+        if let Some(Ok(screen)) = screen.map(std::thread::JoinHandle::join) {
+            screen.map_err(|error| Failure::standard_output(&error))?;
+        }
+    }
+    let summary = result.map_err(failure)?;
+>>>>>>> 014930c (phugoid live serves the page, sends MAVLink debug messages, shows a terminal view)
     say(&format!("{} samples, {} estimates", summary.samples, summary.estimates));
     Ok(())
+}
+
+/// Starts the server of the page and says where it is.
+#[cfg(feature = "live")]
+fn page(page: &crate::arguments::live::Page) -> Result<Option<Box<dyn Audience>>, Failure> {
+    use phugoid_live::server::{Hub, Server, random_token};
+
+    if page.no_page {
+        return Ok(None);
+    }
+    let no_page = |error: io::Error| Failure::input(format!("cannot serve a page at {}: {error}", page.listen));
+    let token = match &page.token {
+        None if !page.listen.ip().is_loopback() => Some(random_token().map_err(no_page)?),
+        given => given.clone(),
+    };
+    let mut server = Server::listen(page.listen, token.clone());
+    // Another one runs already: the next free port is as good, for it is said.
+    if server.as_ref().is_err_and(|error| error.kind() == io::ErrorKind::AddrInUse) {
+        say(&format!("{} is in use; another port is taken", page.listen));
+        server = Server::listen((page.listen.ip(), 0).into(), token.clone());
+    }
+    let server = server.map_err(no_page)?;
+    let address = server.address().map_err(no_page)?;
+    let query = token.map(|token| format!("?token={token}")).unwrap_or_default();
+    say(&format!("page: http://{address}/{query}"));
+    let hub = Hub::default();
+    server.spawn(hub.clone()).map_err(no_page)?;
+    Ok(Some(Box::new(hub)))
+}
+
+/// Shows the documents on the terminal until it is left.
+#[cfg(feature = "tui")]
+fn screen(audience: &mut Vec<Box<dyn Audience>>, stop: &Arc<AtomicBool>) -> std::thread::JoinHandle<io::Result<()>> {
+    use phugoid_live::document::Kind;
+    use phugoid_live::tui::{self, Listener};
+
+    struct Screen(Listener);
+    impl Audience for Screen {
+        fn hear(&mut self, kind: Kind, document: &str) {
+            if kind != (Kind::Estimate { shown: false }) {
+                self.0.hear(document);
+            }
+        }
+    }
+    let (listener, documents) = tui::channel();
+    audience.push(Box::new(Screen(listener)));
+    let stop = Arc::clone(stop);
+    std::thread::spawn(move || tui::run(&documents, &stop))
 }
 
 /// A recording of this command, if the file is one.

@@ -1,0 +1,110 @@
+//! Estimates as MAVLink debug messages, for ground stations that show such values.
+
+use std::io;
+use std::net::{ToSocketAddrs, UdpSocket};
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+
+use super::{definitions, frame};
+use crate::document::Kind;
+use crate::run::Audience;
+
+/// Between two estimates that are sent.
+const BETWEEN: Duration = Duration::from_millis(200);
+/// System and component of the sender: MAV_COMP_ID_ONBOARD_COMPUTER of a system that is no vehicle of the link.
+const SENDER: (u8, u8) = (254, 191);
+
+/// Sends, five times a second, one `NAMED_VALUE_FLOAT` per parameter (its name cut to ten characters), and all of them with
+/// their errors in one `DEBUG_FLOAT_ARRAY` named `phugoid`: value, standard error, value, standard error, ... of the first 29.
+pub struct DebugMessages {
+    socket: UdpSocket,
+    names: Vec<String>,
+    sequence: u8,
+    sent: Option<Instant>,
+}
+
+impl DebugMessages {
+    /// Sends to `udp://host:port`.
+    ///
+    /// # Errors
+    /// Another form of address, or what the system says.
+    pub fn to(address: &str) -> io::Result<Self> {
+        let wrong = |problem: &str| {
+            let message =
+                format!("--mavlink-out {address}: {problem}; write udp://host:port, as in udp://127.0.0.1:14551");
+            io::Error::new(io::ErrorKind::InvalidInput, message)
+        };
+        let target = address.strip_prefix("udp://").ok_or_else(|| wrong("only UDP is sent"))?;
+        let mut found = target.to_socket_addrs().map_err(|error| wrong(&error.to_string()))?;
+        let target = found.next().ok_or_else(|| wrong("there is no such host"))?;
+        let socket = UdpSocket::bind(if target.is_ipv4() { "0.0.0.0:0" } else { "[::]:0" })?;
+        socket.connect(target)?;
+        socket.set_nonblocking(true)?;
+        Ok(Self { socket, names: Vec::new(), sequence: 0, sent: None })
+    }
+
+    fn send(&mut self, name: &str, fill: impl Fn(&str, usize) -> Option<Vec<u8>>) {
+        let Some(message) = definitions::by_name(name) else { return };
+        let mut payload = vec![0; message.length()];
+        for field in &message.fields {
+            for element in 0..field.count.max(1) {
+                let start = field.offset + element * field.kind.size();
+                if let (Some(bytes), Some(place)) =
+                    (fill(field.name, element), payload.get_mut(start..start + field.kind.size()))
+                {
+                    place.iter_mut().zip(bytes).for_each(|(to, from)| *to = from);
+                }
+            }
+        }
+        if let Some(bytes) = frame::encode(message.id, self.sequence, SENDER.0, SENDER.1, &payload) {
+            // A ground station that is not there is no trouble of the estimation's.
+            let _ = self.socket.send(&bytes);
+            self.sequence = self.sequence.wrapping_add(1);
+        }
+    }
+
+    fn estimate(&mut self, document: &Value) {
+        let time_s = document["time_s"].as_f64().unwrap_or_default();
+        let (time_ms, time_us) = ((time_s * 1e3) as u32, (time_s * 1e6) as u64);
+        let number = |value: &Value| value.as_f64().unwrap_or(f64::NAN) as f32;
+        let parameters: Vec<[f32; 2]> = document["parameters"]
+            .as_array()
+            .map(|all| all.iter().map(|one| [number(&one["value"]), number(&one["std_error"])]).collect())
+            .unwrap_or_default();
+        let letter = |text: &str, at: usize| text.as_bytes().get(at).map(|byte| vec![*byte]);
+        for (name, [value, _]) in std::mem::take(&mut self.names).into_iter().zip(&parameters) {
+            self.send("NAMED_VALUE_FLOAT", |field, at| match field {
+                "time_boot_ms" => Some(time_ms.to_le_bytes().to_vec()),
+                "value" => Some(value.to_le_bytes().to_vec()),
+                "name" => letter(&name, at),
+                _ => None,
+            });
+            self.names.push(name);
+        }
+        let flat: Vec<f32> = parameters.into_iter().flatten().collect();
+        self.send("DEBUG_FLOAT_ARRAY", |field, at| match field {
+            "time_usec" => Some(time_us.to_le_bytes().to_vec()),
+            "name" => letter("phugoid", at),
+            "data" => flat.get(at).map(|value| value.to_le_bytes().to_vec()),
+            _ => None,
+        });
+    }
+}
+
+impl Audience for DebugMessages {
+    fn hear(&mut self, kind: Kind, document: &str) {
+        let due = self.sent.is_none_or(|sent| sent.elapsed() >= BETWEEN);
+        if !matches!(kind, Kind::Hello) && !(matches!(kind, Kind::Estimate { .. }) && due) {
+            return;
+        }
+        let Ok(document) = serde_json::from_str::<Value>(document) else { return };
+        if kind == Kind::Hello {
+            let names = document["layout"]["parameters"].as_array().into_iter().flatten();
+            self.names = names.filter_map(|parameter| parameter["name"].as_str().map(str::to_owned)).collect();
+        } else {
+            self.sent = Some(Instant::now());
+            self.estimate(&document);
+        }
+    }
+}
