@@ -67,10 +67,6 @@ pub(crate) struct Live {
     /// Send the estimates on as MAVLink debug messages, five times a second, as in udp://127.0.0.1:14551
     #[arg(long, value_name = "udp://HOST:PORT")]
     pub(crate) mavlink_out: Option<String>,
-    /// Show the estimates on the terminal, in place of the JSON lines
-    #[cfg(feature = "tui")]
-    #[arg(long)]
-    pub(crate) tui: bool,
     #[cfg(feature = "live")]
     #[command(flatten)]
     pub(crate) page: Page,

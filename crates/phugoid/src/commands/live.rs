@@ -57,25 +57,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     };
     let out: Box<dyn Write + Send> = match &arguments.out {
         Some(file) => Box::new(File::create(file).map_err(|e| Failure::writing(file, e))?),
-<<<<<<< HEAD
-=======
-        #[cfg(feature = "tui")]
->>>>>>> 014930c (phugoid live serves the page, sends MAVLink debug messages, shows a terminal view)
         None if arguments.tui => Box::new(io::sink()),
         None => Box::new(io::stdout()),
     };
     let mut audience: Vec<Box<dyn Audience>> = Vec::new();
-<<<<<<< HEAD
-    let estimate = |shown: Option<Box<dyn Audience>>| {
-        audience.extend(shown);
-        live.run(source, out, &mut audience, &stop)
-    };
-    let summary = match arguments.tui {
-        true => screen::run(|listener| estimate(Some(listener)), &stop)?,
-        false => estimate(None),
-    };
-    let summary = summary.map_err(failure)?;
-=======
     if let Some(address) = &arguments.mavlink_out {
         audience.push(Box::new(DebugMessages::to(address).map_err(Failure::input)?));
     }
@@ -88,18 +73,15 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
             std::process::exit(130);
         }
     });
-    #[cfg(feature = "tui")]
-    let screen = arguments.tui.then(|| screen(&mut audience, &stop));
-    let result = live.run(source, out, &mut audience, &stop);
-    #[cfg(feature = "tui")]
-    {
-        drop(audience);
-        if let Some(Ok(screen)) = screen.map(std::thread::JoinHandle::join) {
-            screen.map_err(|error| Failure::standard_output(&error))?;
-        }
-    }
-    let summary = result.map_err(failure)?;
->>>>>>> 014930c (phugoid live serves the page, sends MAVLink debug messages, shows a terminal view)
+    let estimate = |shown: Option<Box<dyn Audience>>| {
+        audience.extend(shown);
+        live.run(source, out, &mut audience, &stop)
+    };
+    let summary = match arguments.tui {
+        true => screen::run(|listener| estimate(Some(listener)), &stop)?,
+        false => estimate(None),
+    };
+    let summary = summary.map_err(failure)?;
     say(&format!("{} samples, {} estimates", summary.samples, summary.estimates));
     Ok(())
 }
@@ -130,26 +112,6 @@ fn page(page: &crate::arguments::live::Page) -> Result<Option<Box<dyn Audience>>
     let hub = Hub::default();
     server.spawn(hub.clone()).map_err(no_page)?;
     Ok(Some(Box::new(hub)))
-}
-
-/// Shows the documents on the terminal until it is left.
-#[cfg(feature = "tui")]
-fn screen(audience: &mut Vec<Box<dyn Audience>>, stop: &Arc<AtomicBool>) -> std::thread::JoinHandle<io::Result<()>> {
-    use phugoid_live::document::Kind;
-    use phugoid_live::tui::{self, Listener};
-
-    struct Screen(Listener);
-    impl Audience for Screen {
-        fn hear(&mut self, kind: Kind, document: &str) {
-            if kind != (Kind::Estimate { shown: false }) {
-                self.0.hear(document);
-            }
-        }
-    }
-    let (listener, documents) = tui::channel();
-    audience.push(Box::new(Screen(listener)));
-    let stop = Arc::clone(stop);
-    std::thread::spawn(move || tui::run(&documents, &stop))
 }
 
 /// A recording of this command, if the file is one.
