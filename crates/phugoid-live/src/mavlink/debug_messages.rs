@@ -95,7 +95,12 @@ impl DebugMessages {
 impl Audience for DebugMessages {
     fn hear(&mut self, kind: Kind, document: &str) {
         let due = self.sent.is_none_or(|sent| sent.elapsed() >= BETWEEN);
-        if !matches!(kind, Kind::Hello) && !(matches!(kind, Kind::Estimate { .. }) && due) {
+        let wanted = match kind {
+            Kind::Hello => true,
+            Kind::Estimate { .. } => due,
+            Kind::Event | Kind::Link | Kind::End => false,
+        };
+        if !wanted {
             return;
         }
         let Ok(document) = serde_json::from_str::<Value>(document) else { return };
