@@ -1,5 +1,7 @@
 //! The command line.
 
+#[cfg(feature = "live")]
+pub(crate) mod address;
 pub(crate) mod live;
 mod view;
 

@@ -28,6 +28,15 @@ const CONNECTIONS: usize = 64;
 /// A client that has not said what it wants after this long is let go.
 const TO_ASK: Duration = Duration::from_secs(10);
 
+/// What is served.
+#[derive(Clone)]
+enum Content {
+    /// A flight: the page, and its documents as they come.
+    Flight(Hub),
+    /// A page with its data inside.
+    Page(Bytes),
+}
+
 type Body = Either<Full<Bytes>, Events>;
 
 /// A server that listens.
@@ -70,13 +79,22 @@ impl Server {
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
         let serve = move || {
             // Said by the estimation where it matters; without a listener there is nobody to tell.
-            let _ = runtime.block_on(serve(self, hub));
+            let _ = runtime.block_on(serve(self, Content::Flight(hub)));
         };
         std::thread::Builder::new().name("server".to_owned()).spawn(serve).map(|_| ())
     }
+
+    /// Serves one page, such as a result with its data inside, on this thread, until the program ends.
+    ///
+    /// # Errors
+    /// The system gives no way to wait for connections.
+    pub fn serve_page(self, page: String) -> io::Result<()> {
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
+        runtime.block_on(serve(self, Content::Page(page.into())))
+    }
 }
 
-async fn serve(server: Server, hub: Hub) -> io::Result<()> {
+async fn serve(server: Server, content: Content) -> io::Result<()> {
     let listener = tokio::net::TcpListener::from_std(server.listener)?;
     let access = Arc::new(server.access);
     let places = Arc::new(Semaphore::new(CONNECTIONS));
@@ -90,10 +108,10 @@ async fn serve(server: Server, hub: Hub) -> io::Result<()> {
                 continue;
             }
         };
-        let (hub, access) = (hub.clone(), Arc::clone(&access));
+        let (content, access) = (content.clone(), Arc::clone(&access));
         tokio::spawn(async move {
             let answer = service_fn(move |request| {
-                let response = answer(&request, &hub, &access);
+                let response = answer(&request, &content, &access);
                 async move { Ok::<_, Infallible>(response) }
             });
             let mut http = hyper::server::conn::http1::Builder::new();
@@ -105,24 +123,27 @@ async fn serve(server: Server, hub: Hub) -> io::Result<()> {
     }
 }
 
-fn answer(request: &Request<Incoming>, hub: &Hub, access: &Access) -> Response<Body> {
+fn answer(request: &Request<Incoming>, content: &Content, access: &Access) -> Response<Body> {
     if let Err((status, why)) = access.check(request) {
         return text(status, "text/plain; charset=utf-8", why.into());
     }
     if ![Method::GET, Method::HEAD].contains(request.method()) {
         return text(StatusCode::METHOD_NOT_ALLOWED, "text/plain; charset=utf-8", "only GET and HEAD\n".into());
     }
-    match request.uri().path() {
-        "/events" => {
+    const NONE: &str = "there is no such page\n";
+    match (content, request.uri().path()) {
+        (Content::Flight(hub), "/events") => {
             let mut response = Response::new(Either::Right(Events::new(hub.clone())));
             set(&mut response, "text/event-stream");
             response
         }
-        "/result.json" => text(StatusCode::OK, "application/json", hub.snapshot().into()),
-        path => match ASSETS.iter().find(|asset| asset.path == path) {
+        (Content::Flight(hub), "/result.json") => text(StatusCode::OK, "application/json", hub.snapshot().into()),
+        (Content::Flight(_), path) => match ASSETS.iter().find(|asset| asset.path == path) {
             Some(asset) => text(StatusCode::OK, asset.content_type, Bytes::from_static(asset.body)),
-            None => text(StatusCode::NOT_FOUND, "text/plain; charset=utf-8", "there is no such page\n".into()),
+            None => text(StatusCode::NOT_FOUND, "text/plain; charset=utf-8", NONE.into()),
         },
+        (Content::Page(page), "/") => text(StatusCode::OK, "text/html; charset=utf-8", page.clone()),
+        (Content::Page(_), _) => text(StatusCode::NOT_FOUND, "text/plain; charset=utf-8", NONE.into()),
     }
 }
 

@@ -76,32 +76,11 @@ pub(crate) struct Live {
 #[cfg(feature = "live")]
 #[derive(Debug, Args)]
 pub(crate) struct Page {
-    /// Serve the page at this address; one that other machines reach asks for a token
-    #[arg(long, value_name = "[HOST:]PORT", value_parser = address, default_value = "127.0.0.1:8360")]
-    pub(crate) listen: std::net::SocketAddr,
-    /// The token, in place of a random one
-    #[arg(long, value_name = "TOKEN", value_parser = token)]
-    pub(crate) token: Option<String>,
+    #[command(flatten)]
+    pub(crate) address: super::address::Address,
     /// Serve no page
     #[arg(long)]
     pub(crate) no_page: bool,
-}
-
-#[cfg(feature = "live")]
-fn address(text: &str) -> Result<std::net::SocketAddr, String> {
-    if let Ok(port) = text.parse::<u16>() {
-        return Ok(([127, 0, 0, 1], port).into());
-    }
-    text.parse().map_err(|_| "write an address and a port, as in 127.0.0.1:8360 or 0.0.0.0:8360".to_owned())
-}
-
-#[cfg(feature = "live")]
-fn token(text: &str) -> Result<String, String> {
-    let plain = text.bytes().all(|byte| byte.is_ascii_alphanumeric() || b"-_.~".contains(&byte));
-    match plain && text.len() >= 8 {
-        true => Ok(text.to_owned()),
-        false => Err("a token has at least eight letters, digits or -_.~".to_owned()),
-    }
 }
 
 /// How fast a replay goes.

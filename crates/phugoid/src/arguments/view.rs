@@ -10,13 +10,17 @@ use super::examples_and_exit_codes;
 #[derive(Debug, Args)]
 #[command(after_help = examples_and_exit_codes(
     "  phugoid estimate flight.csv --model jet.toml --json --history > result.json
-  phugoid view result.json --html result.html"
+  phugoid view result.json                         serve the page and say where
+  phugoid view result.json --html result.html      write it to a file"
 ))]
 pub(crate) struct View {
     /// JSON of `phugoid estimate --json --history`, or the documents that `phugoid live` has published, one per line
     #[arg(value_name = "RESULT")]
     pub(crate) result: PathBuf,
-    /// Write the page to this file, with the data inside: it needs no server and no network
-    #[arg(long, value_name = "FILE")]
-    pub(crate) html: PathBuf,
+    /// Write the page to this file, with the data inside, and serve nothing: it needs no server and no network
+    #[arg(long, value_name = "FILE", required = cfg!(not(feature = "live")))]
+    pub(crate) html: Option<PathBuf>,
+    #[cfg(feature = "live")]
+    #[command(flatten)]
+    pub(crate) address: super::address::Address,
 }

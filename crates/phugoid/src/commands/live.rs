@@ -89,28 +89,14 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
 /// Starts the server of the page and says where it is.
 #[cfg(feature = "live")]
 fn page(page: &crate::arguments::live::Page) -> Result<Option<Box<dyn Audience>>, Failure> {
-    use phugoid_live::server::{Hub, Server, random_token};
+    use phugoid_live::server::Hub;
 
     if page.no_page {
         return Ok(None);
     }
-    let no_page = |error: io::Error| Failure::input(format!("cannot serve a page at {}: {error}", page.listen));
-    let token = match &page.token {
-        None if !page.listen.ip().is_loopback() => Some(random_token().map_err(no_page)?),
-        given => given.clone(),
-    };
-    let mut server = Server::listen(page.listen, token.clone());
-    // Another one runs already: the next free port is as good, for it is said.
-    if server.as_ref().is_err_and(|error| error.kind() == io::ErrorKind::AddrInUse) {
-        say(&format!("{} is in use; another port is taken", page.listen));
-        server = Server::listen((page.listen.ip(), 0).into(), token.clone());
-    }
-    let server = server.map_err(no_page)?;
-    let address = server.address().map_err(no_page)?;
-    let query = token.map(|token| format!("?token={token}")).unwrap_or_default();
-    say(&format!("page: http://{address}/{query}"));
+    let server = super::server::listen(&page.address)?;
     let hub = Hub::default();
-    server.spawn(hub.clone()).map_err(no_page)?;
+    server.spawn(hub.clone()).map_err(|error| super::server::no_page(&page.address, &error))?;
     Ok(Some(Box::new(hub)))
 }
 
@@ -188,7 +174,7 @@ fn failure(error: LiveError) -> Failure {
 }
 
 /// A sentence for people, beside the documents.
-fn say(text: &str) {
+pub(super) fn say(text: &str) {
     // Nobody is left to tell when standard error is closed.
     let _ = writeln!(io::stderr(), "{text}");
 }

@@ -16,6 +16,8 @@ mod offer;
 pub(crate) mod reproduce;
 pub(crate) mod result;
 mod screen;
+#[cfg(feature = "live")]
+mod server;
 pub(crate) mod simulate;
 pub(crate) mod study;
 pub(crate) mod trim;
