@@ -1,4 +1,6 @@
 //! `phugoid view`: results as pages.
+// What goes wrong in a helper fails the test.
+#![allow(clippy::unwrap_used)]
 
 mod common;
 
@@ -24,9 +26,37 @@ fn a_result_with_histories_becomes_a_page() {
     for outside in ["src=\"http", "href=\"http", "@import", "<script src"] {
         assert!(!page.contains(outside), "{outside}");
     }
+    #[cfg(feature = "live")]
+    // Served: the page says where it is, and answers there.
+    assert!(served(&folder).contains("dCm_alpha"));
     folder.file("bare.json", &phugoid(&folder.0, &arguments).out);
     let run = phugoid(&folder.0, &["view", "bare.json", "--html", "bare.html"]);
     assert!(run.fails(3).contains("--json --history"), "{}", run.err);
     let run = phugoid(&folder.0, &["view", "flight/measured.csv", "--html", "bare.html"]);
     assert!(run.fails(3).contains("flight/measured.csv"), "{}", run.err);
+}
+
+/// The page that `phugoid view` serves.
+#[cfg(feature = "live")]
+fn served(folder: &Folder) -> String {
+    use std::io::{BufRead, BufReader, Read, Write};
+    use std::process::{Command, Stdio};
+
+    let mut program = Command::new(env!("CARGO_BIN_EXE_phugoid"))
+        .args(["view", "result.json", "--listen", "127.0.0.1:0"])
+        .current_dir(&folder.0)
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut said = String::new();
+    BufReader::new(program.stderr.take().unwrap()).read_line(&mut said).unwrap();
+    let address = said.trim().strip_prefix("page: http://").and_then(|rest| rest.strip_suffix('/')).unwrap().to_owned();
+    let mut connection = std::net::TcpStream::connect(&address).unwrap();
+    write!(connection, "GET / HTTP/1.1\r\nHost: {address}\r\nConnection: close\r\n\r\n").unwrap();
+    let mut answer = String::new();
+    connection.read_to_string(&mut answer).unwrap();
+    program.kill().unwrap();
+    program.wait().unwrap();
+    assert!(answer.starts_with("HTTP/1.1 200"), "{answer}");
+    answer
 }
