@@ -220,6 +220,26 @@ fn a_recording_gives_the_same_estimates() {
 }
 
 #[test]
+fn a_restarted_sender_begins_another_flight() {
+    let mut both = arrivals(100.0, 1);
+    let pause_ns = both.last().unwrap().arrival_ns + 1_000_000_000;
+    both.extend(arrivals(0.0, pause_ns));
+    let documents = published(&both, Some(1_000_000));
+    let end = last(&documents);
+    assert_eq!(end["restarts"], 1, "{end}");
+    assert_eq!(count(&documents, "hello"), 2);
+    let flights: Vec<u64> = documents
+        .iter()
+        .map(|text| serde_json::from_str::<Value>(text).unwrap())
+        .filter(|document| document["type"] == "estimate")
+        .filter_map(|document| document["flight"].as_u64())
+        .collect();
+    let events: Vec<&String> = documents.iter().filter(|text| text.contains("\"type\":\"event\"")).collect();
+    let of = |wanted: u64| flights.iter().filter(|flight| **flight == wanted).count();
+    assert!(of(0) > 100 && of(1) > 100, "{} {} {events:#?}", of(0), of(1));
+}
+
+#[test]
 fn a_clock_that_stands_still_is_said() {
     let mut all = arrivals(0.0, 1);
     let end_ns = all.last().unwrap().arrival_ns;

@@ -140,8 +140,7 @@ impl Assembler {
         if !self.is_heard(frame.system) {
             return;
         }
-        let stamp_s =
-            rules::time_field(message).and_then(|field| Some(field.value(frame.payload, 0)? * rules::seconds(field)?));
+        let stamp_s = rules::stamp_s(message, frame.payload);
         if base && let Some(time_s) = stamp_s {
             self.newest_s = Some(time_s);
             self.queue(Waiting { component, index: place.index, ready: Ready { time_s, arrival_ns } });

@@ -271,9 +271,12 @@ pub(super) fn time_field(message: &Message) -> Option<&Field> {
     ["time_usec", "time_boot_ms"].iter().find_map(|name| message.field(name))
 }
 
-/// Seconds per unit of a time.
-pub(super) fn seconds(field: &Field) -> Option<f64> {
-    units::find_for(field.unit, Quantity::Time).map(|unit| unit.scale)
+/// When a message was sampled, s, by its own clock.
+pub(super) fn stamp_s(message: &Message, payload: &[u8]) -> Option<f64> {
+    let field = time_field(message)?;
+    let unit = units::find_for(field.unit, Quantity::Time)?;
+    // Divided, not multiplied: so that 100010 ms and 100010000 us are the same number of seconds.
+    Some(field.value(payload, 0)? / (1.0 / unit.scale).round())
 }
 
 /// Roll, pitch and yaw, rad, of the quaternion (w, x, y, z) from the ground's axes to the body's.
