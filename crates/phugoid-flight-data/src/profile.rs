@@ -131,14 +131,6 @@ impl Profile {
         Self::parse("ardupilot.toml", include_str!("../../../data/profiles/ardupilot.toml"))
     }
 
-    /// MAVLink, fixed wing.
-    ///
-    /// # Errors
-    /// As [`Profile::px4`].
-    pub fn mavlink() -> Result<Self, ProfileError> {
-        Self::parse("mavlink.toml", include_str!("../../../data/profiles/mavlink.toml"))
-    }
-
     /// Reads a profile. `name` is its file's, for messages.
     ///
     /// # Errors
@@ -331,7 +323,7 @@ mod tests {
 
     #[test]
     fn the_built_in_profiles_are_right() {
-        for profile in [Profile::px4(), Profile::ardupilot(), Profile::mavlink()] {
+        for profile in [Profile::px4(), Profile::ardupilot()] {
             let profile = profile.unwrap();
             assert!(!profile.time_base.is_empty() && profile.channel("q").is_some(), "{}", profile.name);
         }
