@@ -12,13 +12,16 @@ const TRUTH: [(&str, f64); 4] = [("dCm_alpha", -0.2), ("dCm_q", -2.0), ("dCL_alp
 /// Deflection at full command, deg: up, so that pulling is positive.
 const FULL_COMMAND_DEG: f64 = -25.0;
 
+/// A channel's value at one sample, by name.
+type Values<'a> = dyn Fn(&str) -> f64 + 'a;
+
 /// What PX4 writes (docs.px4.io, ULog file format): each topic with the fields that are made of a record's channels.
 struct Topic {
     name: &'static str,
     format: &'static str,
     /// Written at every so many samples.
     every: usize,
-    payload: fn(&dyn Fn(&str) -> f64) -> Vec<u8>,
+    payload: fn(&Values) -> Vec<u8>,
 }
 
 fn floats(values: &[f64]) -> Vec<u8> {
@@ -26,7 +29,7 @@ fn floats(values: &[f64]) -> Vec<u8> {
 }
 
 /// Rotation from north-east-down to body axes, scalar first.
-fn quaternion(at: &dyn Fn(&str) -> f64) -> Vec<u8> {
+fn quaternion(at: &Values) -> Vec<u8> {
     let [(sp, cp), (st, ct), (sy, cy)] = ["phi", "theta", "psi"].map(|name| (0.5 * at(name)).sin_cos());
     let (w, x) = (cp * ct * cy + sp * st * sy, sp * ct * cy - cp * st * sy);
     floats(&[w, x, cp * st * cy + sp * ct * sy, cp * ct * sy - sp * st * cy])
