@@ -361,7 +361,7 @@ pub(crate) struct Estimate {
     #[arg(long)]
     pub(crate) json: bool,
     /// Write the result in another form too, may be repeated: `csv=FILE` or `json=FILE` the estimates, `jsbsim=FILE` the model as a JSBSim
-    /// <aerodynamics> section, `gazebo=FILE` as parameters of the advanced lift-drag plugin that PX4's simulations use
+    /// `<aerodynamics>` section, `gazebo=FILE` as parameters of the advanced lift-drag plugin that PX4's simulations use
     #[arg(long, value_name = "FORM=FILE", value_parser = export)]
     pub(crate) export: Vec<Export>,
     /// Write the histories of all signals and parameters to this file (CSV, or Parquet if its name ends so); without a name they

@@ -18,7 +18,7 @@ use super::{examples_and_exit_codes, method};
   phugoid live --replay flight.phugoid-live --speed max    a recording of `phugoid live`: the same estimates again"
 ))]
 pub(crate) struct Live {
-    /// Where the data come from: udp://[host:]port, tcp://host:port, tcp-listen://[host:]port, serial:device[:baud], or -
+    /// Where the data come from: udp://HOST:PORT or udp://PORT, tcp://HOST:PORT, tcp-listen://PORT, serial:DEVICE:BAUD, or -
     /// (standard input)
     #[arg(value_name = "SOURCE", required_unless_present = "replay", conflicts_with = "replay")]
     pub(crate) source: Option<SourceSpec>,
@@ -49,7 +49,7 @@ pub(crate) struct Live {
     /// Write every estimate, not fifty a second
     #[arg(long)]
     pub(crate) all: bool,
-    /// Record everything that is received to this file [default: phugoid-<time>.phugoid-live; nothing in a replay]
+    /// Record everything that is received to this file [default: phugoid-TIME.phugoid-live; nothing in a replay]
     #[arg(long, value_name = "FILE", conflicts_with = "no_record")]
     pub(crate) record: Option<PathBuf>,
     /// Record nothing
