@@ -76,6 +76,22 @@ pub fn next(bytes: &[u8]) -> Found<'_> {
     Found::Frame(Frame { id, sequence, system, component, payload, known: true }, whole)
 }
 
+/// Gives everything in a buffer in turn, up to what may be the beginning of a frame; the number of bytes that were used up, after
+/// which the next call goes on with more. Of a frame whose checksum does not hold one byte is used up: another may begin within it.
+pub fn split<'a>(bytes: &'a [u8], out: &mut dyn FnMut(Found<'a>)) -> usize {
+    let mut at = 0;
+    while let Some(rest) = bytes.get(at..) {
+        let found = next(rest);
+        at += match found {
+            Found::Frame(_, length) | Found::Garbage(length) => length,
+            Found::BadChecksum(_) => 1,
+            Found::Incomplete => break,
+        };
+        out(found);
+    }
+    at
+}
+
 /// CRC-16/MCRF4XX over a frame without its start and the seed of its message.
 pub fn checksum(bytes: &[u8], extra: u8) -> u16 {
     bytes.iter().chain(std::iter::once(&extra)).fold(0xFFFF_u16, |crc, byte| {

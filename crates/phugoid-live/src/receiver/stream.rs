@@ -133,26 +133,13 @@ impl Stream {
 }
 
 fn read_frames(buffer: &mut Vec<u8>, out: &mut dyn FnMut(Piece<'_>)) {
-    let mut at = 0;
-    while let Some(rest) = buffer.get(at..) {
-        match frame::next(rest) {
-            Found::Frame(frame, length) => {
-                at += length;
-                out(Piece::Frame(frame));
-            }
-            Found::BadChecksum(_) => {
-                // A frame may begin within what looked like one.
-                at += 1;
-                out(Piece::BadChecksum);
-            }
-            Found::Garbage(bytes) => {
-                at += bytes;
-                out(Piece::Garbage(bytes));
-            }
-            Found::Incomplete => break,
-        }
-    }
-    buffer.drain(..at);
+    let used = frame::split(buffer, &mut |found| match found {
+        Found::Frame(frame, _) => out(Piece::Frame(frame)),
+        Found::BadChecksum(_) => out(Piece::BadChecksum),
+        Found::Garbage(bytes) => out(Piece::Garbage(bytes)),
+        Found::Incomplete => {}
+    });
+    buffer.drain(..used);
 }
 
 fn read_text(
