@@ -1,0 +1,149 @@
+//! What is measured, where it stands in the record, and how well: `[channels]`, `outputs`, `[noise]`, `[process_noise]`.
+
+use std::collections::BTreeMap;
+
+use phugoid_flight_data::quantity::Dimension;
+use toml::Spanned;
+use toml::de::DeValue;
+
+use super::other_axes;
+use crate::axes::Axes;
+use crate::model_file::section::Section;
+use crate::model_file::{ChannelMapping, ModelFileError, ProcessNoise};
+use crate::output::{CHANNELS as OUTPUT_CHANNELS, Output, STATE_CHANNELS};
+
+/// Light Dryden turbulence (1.1 m/s) at the speed and altitude of the F-16 study, and a share of the angular rates' own, by
+/// [`Output::index`]. Side gusts are as strong as vertical ones at that altitude.
+const LIGHT_TURBULENCE: [f64; STATE_CHANNELS] = [10.0 * 0.3048 * 0.3048, 3.4e-5, 3.4e-5, 0.0, 0.0, 1e-6, 1e-6, 1e-6];
+
+/// Channels that a model can use; only these can be mapped.
+const MAPPABLE: [&str; 28] = [
+    "time",
+    "true_airspeed",
+    "alpha",
+    "beta",
+    "phi",
+    "theta",
+    "p",
+    "q",
+    "r",
+    "ax",
+    "ay",
+    "az",
+    "pdot",
+    "qdot",
+    "rdot",
+    "elevator",
+    "aileron",
+    "rudder",
+    "thrust",
+    "altitude",
+    "air_density",
+    "mass",
+    "ixx",
+    "iyy",
+    "izz",
+    "ixz",
+    "dynamic_pressure",
+    "throttle",
+];
+
+pub(super) fn channels(top: &Section, extra: &[String]) -> Result<BTreeMap<String, ChannelMapping>, ModelFileError> {
+    let Some(section) = top.section("channels")? else { return Ok(BTreeMap::new()) };
+    section.allow("channel", MAPPABLE.iter().copied().chain(extra.iter().map(String::as_str)))?;
+    let mut channels = BTreeMap::new();
+    for (key, _) in section.keys() {
+        let mapping = match section.get(key).map(Spanned::get_ref) {
+            Some(DeValue::Table(_)) => {
+                let Some(inner) = section.section(key)? else { continue };
+                inner.allow("key", ["header", "unit", "scale"].into_iter())?;
+                let header =
+                    inner.string("header")?.ok_or_else(|| inner.missing("header", "the header in your file"))?;
+                ChannelMapping {
+                    header: header.to_owned(),
+                    unit: inner.string("unit")?.map(str::to_owned),
+                    scale: inner.number("scale", Dimension::NUMBER)?.unwrap_or(1.0),
+                }
+            }
+            _ => {
+                let header = section.string(key)?.unwrap_or_default();
+                ChannelMapping { header: header.to_owned(), unit: None, scale: 1.0 }
+            }
+        };
+        channels.insert(key.to_owned(), mapping);
+    }
+    Ok(channels)
+}
+
+pub(super) fn outputs(top: &Section, axes: Axes) -> Result<[bool; OUTPUT_CHANNELS], ModelFileError> {
+    let mut outputs = [false; OUTPUT_CHANNELS];
+    let Some(list) = top.strings("outputs")? else {
+        // What the motion is usually measured by; angular accelerations only on request.
+        for output in axes.outputs().iter().filter(|o| !o.is_angular_acceleration()) {
+            outputs[output.index()] = true;
+        }
+        return Ok(outputs);
+    };
+    let names: Vec<&'static str> = axes.outputs().iter().map(|o| o.name()).collect();
+    for (name, span) in list {
+        if let Some(other) = Output::from_name(name)
+            && axes.row(other).is_none()
+        {
+            let message = format!("`{name}` is no output of the {} motion: {}", axes.name(), other_axes(axes));
+            return Err(top.source.error(span, "outputs", message));
+        }
+        let name = top.choose("outputs", name, span, &names)?;
+        if let Some(output) = Output::from_name(name) {
+            outputs[output.index()] = true;
+        }
+    }
+    // The state is started from its own measurements; a flow angle, for which many aircraft have no vane, from nearly straight
+    // and level flight.
+    for state in axes.states() {
+        let dispensable = matches!(state, Output::Alpha | Output::Beta);
+        if !dispensable && !outputs[state.index()] {
+            return Err(
+                top.error("outputs", format!("`{}` must be measured: the model is started from it", state.name()))
+            );
+        }
+    }
+    Ok(outputs)
+}
+
+pub(super) fn noise(
+    top: &Section,
+    outputs: &[bool; OUTPUT_CHANNELS],
+) -> Result<[Option<f64>; OUTPUT_CHANNELS], ModelFileError> {
+    let mut noise = [None; OUTPUT_CHANNELS];
+    let Some(section) = top.section("noise")? else { return Ok(noise) };
+    let measured: Vec<&str> = Output::ALL.iter().filter(|o| outputs[o.index()]).map(|o| o.name()).collect();
+    section.allow("output", measured.iter().copied())?;
+    for output in Output::ALL {
+        let name = output.name();
+        if section.get(name).and_then(|v| v.get_ref().as_str()) == Some("measured") {
+            continue;
+        }
+        noise[output.index()] = section.positive(name, output.dimension())?;
+    }
+    Ok(noise)
+}
+
+pub(super) fn process_noise(top: &Section, axes: Axes) -> Result<ProcessNoise, ModelFileError> {
+    let Some(section) = top.section("process_noise")? else {
+        return Ok(ProcessNoise { density: LIGHT_TURBULENCE, adaptive: true });
+    };
+    section.allow("key", axes.states().iter().map(|o| o.name()).chain(["adaptive"]))?;
+    let mut density = [0.0; STATE_CHANNELS];
+    for (slot, output) in density.iter_mut().zip(Output::ALL) {
+        let dimension = match output {
+            Output::TrueAirspeed => Dimension::SPEED_NOISE,
+            Output::RollRate | Output::PitchRate | Output::YawRate => Dimension::ANGULAR_RATE_NOISE,
+            _ => Dimension::ANGLE_NOISE,
+        };
+        *slot = section.number(output.name(), dimension)?.unwrap_or(0.0);
+        if *slot < 0.0 {
+            return Err(section.error(output.name(), format!("`{}` is negative", output.name())));
+        }
+    }
+    Ok(ProcessNoise { density, adaptive: section.boolean("adaptive")?.unwrap_or(false) })
+}
