@@ -1,22 +1,14 @@
-//! Any bytes as an ArduPilot DataFlash log: a log whose topics are tables, or an error.
+//! Any bytes as an ArduPilot DataFlash log, and the record that is made of it.
 #![no_main]
 
-use libfuzzer_sys::fuzz_target;
-use phugoid_flight_data::log::{Selection, dataflash};
+use std::sync::LazyLock;
 
-fuzz_target!(|bytes: &[u8]| {
-    let selection = Selection { max_values: 1 << 16, ..Selection::default() };
-    match dataflash::read(bytes, "fuzz", &selection) {
-        Ok(log) => {
-            for topic in &log.topics {
-                assert!(!topic.time_s.is_empty());
-                assert!(topic.fields.iter().all(|field| field.values.len() == topic.time_s.len()), "{}", topic.name);
-            }
-            let _ = log.quality.to_string();
-        }
-        Err(error) => assert!(error.to_string().len() < 8000, "an error fits on a screen"),
-    }
-    if let Ok(survey) = dataflash::survey(bytes, "fuzz") {
-        assert!(survey.topics.iter().all(|topic| topic.samples > 0));
-    }
-});
+use libfuzzer_sys::fuzz_target;
+use phugoid_flight_data::log::dataflash::{read, survey};
+use phugoid_flight_data::profile::Profile;
+
+mod common;
+
+static PROFILE: LazyLock<Profile> = LazyLock::new(|| Profile::ardupilot().expect("the built-in profile is one"));
+
+fuzz_target!(|bytes: &[u8]| common::log(bytes, read, survey, &PROFILE));

@@ -12,7 +12,11 @@ fuzz_target!(|bytes: &[u8]| {
             assert!(estimated <= 10_000);
         }
         Err(error) => {
-            assert!(error.line >= 1 && error.line <= text.split('\n').count() + 1, "line {} is in the file", error.line);
+            assert!(
+                error.line >= 1 && error.line <= text.split('\n').count() + 1,
+                "line {} is in the file",
+                error.line
+            );
             assert!(error.column >= 1);
             let _ = error.to_string();
         }
