@@ -7,14 +7,13 @@ import random
 import struct
 import subprocess
 import tempfile
+import tomllib
 
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from common import EXAMPLES, same
 
-# What live estimation takes its channels from.
-CHANNELS = ["ACTUATOR_OUTPUT_STATUS", "AIRSPEED", "AOA_SSA", "ATTITUDE", "ATTITUDE_QUATERNION", "GLOBAL_POSITION_INT", "HIGHRES_IMU",
-            "NAMED_VALUE_FLOAT", "RAW_IMU", "SCALED_IMU", "SCALED_PRESSURE", "SERVO_OUTPUT_RAW", "VFR_HUD"]
+PROFILE = pathlib.Path(__file__).parents[2] / "data/profiles/mavlink.toml"
 MARKERS = {0xFD, 0xFE}
 WHOLE = {"uint8_t": (0, 2**8), "int8_t": (-(2**7), 2**7), "uint16_t": (0, 2**16), "int16_t": (-(2**15), 2**15), "uint32_t": (0, 2**32),
          "int32_t": (-(2**31), 2**31), "uint64_t": (0, 2**64), "int64_t": (-(2**63), 2**63)}
@@ -163,9 +162,17 @@ def check(title, stream, folder, exactly):
     return known
 
 
+def mapped():
+    """Messages that the profile maps to channels, and those that a model file may."""
+    profile = tomllib.loads(PROFILE.read_text())
+    names = {source["field"].split(".")[0] for channel in profile["channel"].values() for source in channel["sources"]}
+    return sorted(names | set(profile["time_base"]) | {"NAMED_VALUE_FLOAT", "SERVO_OUTPUT_RAW", "ACTUATOR_OUTPUT_STATUS"})
+
+
 def main():
     kinds = list(mavlink.mavlink_map.values())
     by_name = {kind.msgname: kind for kind in kinds}
+    names = mapped()
     with tempfile.TemporaryDirectory() as folder:
         folder = pathlib.Path(folder)
         every = Stream(1, noise=False)
@@ -175,16 +182,16 @@ def main():
         check("every message", every, folder, exactly=True)
         channels = Stream(2, noise=False)
         for _ in range(200):
-            for name in CHANNELS:
+            for name in names:
                 channels.add(by_name[name])
         check("messages of channels", channels, folder, exactly=True)
         dirty = Stream(3, noise=True)
         for _ in range(200):
-            for name in CHANNELS:
+            for name in names:
                 dirty.add(by_name[name])
         known = check("noise that looks like frames", dirty, folder, exactly=False)
         # No frame that was sent whole is lost to it.
-        sent = 200 * len(CHANNELS) - dirty.damaged
+        sent = 200 * len(names) - dirty.damaged
         assert len(known) == sent, f"noise: {len(known)} frames, {sent} were sent whole"
 
 

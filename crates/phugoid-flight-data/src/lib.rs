@@ -14,6 +14,7 @@
 //! assert!(record.channel("true_airspeed").expect("so is the airspeed").values[1].is_nan());
 //! # Ok::<(), csv::ReadError>(())
 //! ```
+pub mod airspeed;
 pub mod align;
 #[cfg(feature = "parquet")]
 pub mod arrow;

@@ -21,6 +21,7 @@ use std::str::FromStr;
 
 use serde::Deserialize;
 
+use crate::airspeed;
 use crate::align::Hold;
 use crate::channels;
 use crate::units;
@@ -62,7 +63,7 @@ pub struct ChannelProfile {
 /// A field that is a channel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Source {
-    /// The field; for a transform of several, their common name.
+    /// The field; for a transform of several, their common name, or the first and the last of them (`q1..q4`).
     pub field: FieldName,
     /// Unit where the log does not say it; a pure number without.
     pub unit: Option<String>,
@@ -94,7 +95,7 @@ pub enum Transform {
     /// Nothing.
     #[default]
     None,
-    /// Bank angle of `field[0..3]`, a quaternion from north-east-down to body axes, scalar first; rad.
+    /// Bank angle of `field[0]` to `field[3]`, a quaternion from north-east-down to body axes, scalar first; rad.
     QuaternionPhi,
     /// Pitch attitude of it, rad.
     QuaternionTheta,
@@ -111,9 +112,6 @@ pub enum Factor {
     Density(FieldName),
 }
 
-/// Density of the standard atmosphere at sea level (ISO 2533), kg/m^3.
-const SEA_LEVEL_DENSITY: f64 = 1.225;
-
 impl Profile {
     /// PX4, fixed wing.
     ///
@@ -129,6 +127,14 @@ impl Profile {
     /// As [`Profile::px4`].
     pub fn ardupilot() -> Result<Self, ProfileError> {
         Self::parse("ardupilot.toml", include_str!("../../../data/profiles/ardupilot.toml"))
+    }
+
+    /// MAVLink, where a topic is a message and units are those of the protocol's definitions.
+    ///
+    /// # Errors
+    /// As [`Profile::px4`].
+    pub fn mavlink() -> Result<Self, ProfileError> {
+        Self::parse("mavlink.toml", include_str!("../../../data/profiles/mavlink.toml"))
     }
 
     /// Reads a profile. `name` is its file's, for messages.
@@ -181,9 +187,11 @@ impl Source {
     pub fn inputs(&self) -> Vec<FieldName> {
         let mut inputs = match self.transform {
             Transform::None => vec![self.field.clone()],
-            _ => (0..4)
-                .map(|i| FieldName { field: format!("{}[{i}]", self.field.field), ..self.field.clone() })
-                .collect(),
+            _ => {
+                let named = numbered(&self.field.field)
+                    .unwrap_or_else(|| (0..4).map(|i| format!("{}[{i}]", self.field.field)).collect());
+                named.into_iter().map(|field| FieldName { field, ..self.field.clone() }).collect()
+            }
         };
         if let Some(Factor::Times(field) | Factor::Density(field)) = &self.factor {
             inputs.push(field.clone());
@@ -201,12 +209,19 @@ impl Source {
         let factor = match &self.factor {
             None => Some(1.0),
             Some(Factor::Times(_)) => factor,
-            Some(Factor::Density(_)) => {
-                factor.filter(|density| *density > 0.0).map(|rho| (SEA_LEVEL_DENSITY / rho).sqrt())
-            }
+            Some(Factor::Density(_)) => factor.map(airspeed::true_over_equivalent),
         };
         value.zip(factor).map_or(f64::NAN, |(value, factor)| value * factor)
     }
+}
+
+/// `q1..q4`: the four fields `q1`, `q2`, `q3`, `q4`.
+fn numbered(field: &str) -> Option<Vec<String>> {
+    let (first, last) = field.split_once("..")?;
+    let name = first.trim_end_matches(|c: char| c.is_ascii_digit());
+    let number = |text: &str| text.strip_prefix(name)?.parse::<u32>().ok();
+    let (first, last) = (number(first)?, number(last)?);
+    (last.checked_sub(first)? == 3).then(|| (first..=last).map(|i| format!("{name}{i}")).collect())
 }
 
 /// Euler angles (3-2-1: heading, pitch, bank) of a quaternion, scalar first (Stevens and Lewis, Aircraft Control and
@@ -323,12 +338,14 @@ mod tests {
 
     #[test]
     fn the_built_in_profiles_are_right() {
-        for profile in [Profile::px4(), Profile::ardupilot()] {
+        for profile in [Profile::px4(), Profile::ardupilot(), Profile::mavlink()] {
             let profile = profile.unwrap();
             assert!(!profile.time_base.is_empty() && profile.channel("q").is_some(), "{}", profile.name);
         }
         let px4 = Profile::px4().unwrap();
         assert_eq!(px4.channel("theta").unwrap().sources[0].inputs()[3].to_string(), "vehicle_attitude.q[3]");
+        let mavlink = Profile::mavlink().unwrap();
+        assert_eq!(mavlink.channel("theta").unwrap().sources[1].inputs()[3].to_string(), "ATTITUDE_QUATERNION.q4");
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! From what arrives to samples on one time base. Nothing here depends on anything but arrivals and their stamps, so that a
 //! recording gives the same samples as the flight.
 
+mod airspeed;
 mod stream;
 
 use std::collections::{BTreeMap, HashMap};
@@ -11,6 +12,8 @@ use crate::arrival::{Arrival, Content};
 use crate::link::Counts;
 use crate::mavlink::map::{Assembler, MavlinkOptions};
 use crate::timing::{Judgement, SenderClock};
+pub(crate) use airspeed::COST as AIRSPEED_COST;
+use airspeed::TrueAirspeed;
 use stream::{Piece, Stream};
 
 /// How what arrives is to be understood.
@@ -43,7 +46,7 @@ pub enum Reception<'a> {
     },
     /// Something worth a sentence.
     Event {
-        /// One word: `origin`, `payload`, `columns`, `refused`, `late`, `stalled`, `silent`.
+        /// One word: `origin`, `payload`, `columns`, `airspeed`, `refused`, `late`, `stalled`, `silent`.
         kind: &'static str,
         /// The sentence.
         message: String,
@@ -59,7 +62,10 @@ const SILENCE_NS: u64 = 2_000_000_000;
 
 /// Understands what arrives.
 pub struct Receiver {
+    /// Those that were asked for, then those of which others are computed.
     channels: Vec<String>,
+    asked: usize,
+    airspeed: Option<TrueAirspeed>,
     csv: CsvOptions,
     streams: HashMap<u16, Stream>,
     clock: SenderClock,
@@ -80,10 +86,17 @@ impl Receiver {
     /// # Errors
     /// A mapping of the model file that no stream could fulfil, in words.
     pub fn new(channels: &[String], options: &ReceiverOptions) -> Result<Self, String> {
+        let asked = channels.len();
+        let mut channels = channels.to_vec();
+        if channels.iter().any(|channel| channel == "true_airspeed") {
+            let more: Vec<String> = airspeed::NEEDED.map(str::to_owned).into_iter().collect();
+            channels.extend(more.into_iter().filter(|name| !channels.contains(name)).collect::<Vec<_>>());
+        }
         Ok(Self {
-            channels: channels.to_vec(),
+            asked,
+            airspeed: TrueAirspeed::new(&channels),
             csv: CsvOptions { columns: options.columns.clone(), ..CsvOptions::default() },
-            mavlink: Assembler::new(channels, &options.columns, &options.mavlink)?,
+            mavlink: Assembler::new(&channels, asked, &options.columns, &options.mavlink)?,
             streams: HashMap::new(),
             clock: SenderClock::default(),
             counts: Counts::default(),
@@ -91,14 +104,26 @@ impl Receiver {
             heard: None,
             row: Vec::new(),
             values: vec![f64::NAN; channels.len()],
+            channels,
             newest_ns: 0,
             silence_said: false,
         })
     }
 
+    /// With the density of the air that the model states, kg/m^3, if it does: with it another airspeed becomes the true one.
+    pub fn with_air_density(mut self, stated: Option<f64>) -> Self {
+        self.airspeed = self.airspeed.map(|airspeed| airspeed.with_density(stated));
+        self
+    }
+
     /// Counts so far.
     pub fn counts(&self) -> &Counts {
         &self.counts
+    }
+
+    /// What is missing for a sample to be of use although something like it comes, in words.
+    pub fn lacking(&self) -> Option<String> {
+        self.airspeed.as_ref().and_then(TrueAirspeed::lacking)
     }
 
     /// When [`Receiver::advance`] has to be called if nothing arrives before, ns.
@@ -181,6 +206,9 @@ impl Receiver {
                 self.counts.received += 1;
                 let mut events = Vec::new();
                 self.mavlink.take(&frame, arrival.origin, arrival.arrival_ns, &mut self.counts, &mut events);
+                if self.counts.received == 1 {
+                    self.mavlink.doubts().into_iter().for_each(|message| out(event("airspeed", message)));
+                }
                 events.into_iter().for_each(|(kind, message)| self.say(kind, message, out));
                 self.emit_mavlink(arrival.arrival_ns, out);
             }
@@ -195,8 +223,7 @@ impl Receiver {
                 continue;
             }
             self.mavlink.frame(base.time_s, &mut self.values);
-            self.counts.samples += 1;
-            out(Reception::Sample { time_s: base.time_s, arrival_ns: base.arrival_ns, values: &self.values });
+            self.sample(base.time_s, base.arrival_ns, out);
         }
     }
 
@@ -226,8 +253,16 @@ impl Receiver {
             let column = names.iter().position(|name| name == channel);
             *value = column.and_then(|column| row.get(column)).copied().unwrap_or(f64::NAN);
         }
+        self.sample(time_s, arrival.arrival_ns, out);
+    }
+
+    /// Completes the values of a sample and hands it over.
+    fn sample(&mut self, time_s: f64, arrival_ns: u64, out: &mut dyn FnMut(Reception<'_>)) {
+        if let Some(airspeed) = &mut self.airspeed {
+            airspeed.fill(time_s, &mut self.values, &mut |message| out(event("airspeed", message)));
+        }
         self.counts.samples += 1;
-        out(Reception::Sample { time_s, arrival_ns: arrival.arrival_ns, values: &self.values });
+        out(Reception::Sample { time_s, arrival_ns, values: self.values.get(..self.asked).unwrap_or_default() });
     }
 
     /// Is a sample of this time to be used?
@@ -251,6 +286,7 @@ impl Receiver {
             Judgement::Restarted { from_s } => {
                 self.counts.restarts += 1;
                 self.mavlink.restart(&mut self.counts);
+                self.airspeed.iter_mut().for_each(TrueAirspeed::restart);
                 out(Reception::Restart { from_s, to_s: time_s });
                 return true;
             }

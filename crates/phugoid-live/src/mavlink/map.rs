@@ -1,11 +1,13 @@
 //! From messages to samples: which message is the time base, and which field is which channel.
 
+mod conversion;
 mod rules;
 
 use std::collections::{HashMap, VecDeque};
 
 use phugoid_flight_data::align::{Aligner, Hold};
 use phugoid_flight_data::csv::ColumnMapping;
+use phugoid_flight_data::profile::Profile;
 
 use super::definitions::{self, Message};
 use super::frame::Frame;
@@ -30,8 +32,6 @@ impl Default for MavlinkOptions {
     }
 }
 
-/// Messages that can be the time base, the best first: those that carry what changes fastest.
-const BASES: [&str; 5] = ["HIGHRES_IMU", "SCALED_IMU", "RAW_IMU", "ATTITUDE", "ATTITUDE_QUATERNION"];
 /// A better base is waited for this long, ns, and a base that is silent for this long is given up.
 const CHOICE_NS: u64 = 1_000_000_000;
 /// A stamp this far, s, from the base's is of another clock: the message counts as sampled when it came.
@@ -59,6 +59,8 @@ struct Waiting {
 /// Puts messages together to samples.
 pub(crate) struct Assembler {
     options: MavlinkOptions,
+    /// Messages that can be the time base, the best first.
+    bases: Vec<String>,
     rules: Rules,
     aligner: Aligner,
     sequences: HashMap<(u16, u8, u8), Sequence>,
@@ -82,10 +84,13 @@ struct Base {
 }
 
 impl Assembler {
+    /// The first `asked` of the channels are those of the samples; others are computed of the rest.
+    ///
     /// # Errors
     /// A field that the message does not have, a unit that does not suit, a base that is no message.
     pub(crate) fn new(
         channels: &[String],
+        asked: usize,
         columns: &[ColumnMapping],
         options: &MavlinkOptions,
     ) -> Result<Self, String> {
@@ -94,9 +99,11 @@ impl Assembler {
         {
             return Err(format!("`{base}` cannot be the time base: it is no MAVLink message with a time of its own"));
         }
+        let profile = Profile::mavlink().map_err(|error| error.to_string())?;
         Ok(Self {
             options: options.clone(),
-            rules: Rules::new(channels, columns)?,
+            rules: Rules::new(channels, asked, columns, &profile)?,
+            bases: profile.time_base,
             aligner: Aligner::new(&vec![Hold::Sampled; channels.len()]),
             sequences: HashMap::new(),
             waiting: VecDeque::new(),
@@ -104,6 +111,11 @@ impl Assembler {
             newest_s: None,
             provisional: 0,
         })
+    }
+
+    /// What a user has to know of the mappings of the model file.
+    pub(crate) fn doubts(&self) -> Vec<String> {
+        self.rules.doubts.clone()
     }
 
     /// Takes a frame; what is worth saying goes to `events`.
@@ -222,7 +234,7 @@ impl Assembler {
     ) -> bool {
         let rank = match &self.options.base {
             Some(base) => (message.name == base).then_some(0),
-            None => BASES.iter().position(|base| *base == message.name),
+            None => self.bases.iter().position(|base| base == message.name),
         };
         let Some(rank) = rank.filter(|_| self.options.system.is_none_or(|system| system == frame.system)) else {
             return false;

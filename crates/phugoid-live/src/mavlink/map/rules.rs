@@ -1,69 +1,25 @@
-//! Which field is which channel.
+//! Which field is which channel: by the model file, by name, and by the profile `data/profiles/mavlink.toml`.
 
 use std::collections::BTreeMap;
 
 use phugoid_flight_data::channels;
 use phugoid_flight_data::csv::ColumnMapping;
+use phugoid_flight_data::profile::{FieldName, Profile, Source};
 use phugoid_flight_data::record::Quantity;
 use phugoid_flight_data::units;
 
+use super::conversion::{Conversion, by_hand};
 use crate::mavlink::definitions::{self, Field, Message};
-use crate::mavlink::units::to_si;
+use crate::receiver::AIRSPEED_COST;
 
-/// Which field is which channel where the model file does not say: message, field, channel. Of several messages that give a
-/// channel the first in this table is used. The unit is the definition's.
-const PROFILE: &[(&str, &str, &str)] = &[
-    ("HIGHRES_IMU", "xacc", "ax"),
-    ("HIGHRES_IMU", "yacc", "ay"),
-    ("HIGHRES_IMU", "zacc", "az"),
-    ("HIGHRES_IMU", "xgyro", "p"),
-    ("HIGHRES_IMU", "ygyro", "q"),
-    ("HIGHRES_IMU", "zgyro", "r"),
-    ("SCALED_IMU", "xacc", "ax"),
-    ("SCALED_IMU", "yacc", "ay"),
-    ("SCALED_IMU", "zacc", "az"),
-    ("SCALED_IMU", "xgyro", "p"),
-    ("SCALED_IMU", "ygyro", "q"),
-    ("SCALED_IMU", "zgyro", "r"),
-    ("RAW_IMU", "xacc", "ax"),
-    ("RAW_IMU", "yacc", "ay"),
-    ("RAW_IMU", "zacc", "az"),
-    ("RAW_IMU", "xgyro", "p"),
-    ("RAW_IMU", "ygyro", "q"),
-    ("RAW_IMU", "zgyro", "r"),
-    ("ATTITUDE", "roll", "phi"),
-    ("ATTITUDE", "pitch", "theta"),
-    ("ATTITUDE", "yaw", "psi"),
-    ("ATTITUDE", "rollspeed", "p"),
-    ("ATTITUDE", "pitchspeed", "q"),
-    ("ATTITUDE", "yawspeed", "r"),
-    ("ATTITUDE_QUATERNION", "roll", "phi"),
-    ("ATTITUDE_QUATERNION", "pitch", "theta"),
-    ("ATTITUDE_QUATERNION", "yaw", "psi"),
-    ("ATTITUDE_QUATERNION", "rollspeed", "p"),
-    ("ATTITUDE_QUATERNION", "pitchspeed", "q"),
-    ("ATTITUDE_QUATERNION", "yawspeed", "r"),
-    ("AOA_SSA", "AOA", "alpha"),
-    ("AOA_SSA", "SSA", "beta"),
-    ("AIRSPEED", "airspeed", "calibrated_airspeed"),
-    ("VFR_HUD", "airspeed", "calibrated_airspeed"),
-    ("VFR_HUD", "groundspeed", "ground_speed"),
-    ("VFR_HUD", "climb", "vertical_speed"),
-    ("VFR_HUD", "throttle", "throttle"),
-    ("GLOBAL_POSITION_INT", "alt", "altitude"),
-    ("VFR_HUD", "alt", "altitude"),
-    ("GLOBAL_POSITION_INT", "lat", "latitude"),
-    ("GLOBAL_POSITION_INT", "lon", "longitude"),
-    ("HIGHRES_IMU", "abs_pressure", "static_pressure"),
-    ("SCALED_PRESSURE", "press_abs", "static_pressure"),
-    ("HIGHRES_IMU", "diff_pressure", "impact_pressure"),
-    ("SCALED_PRESSURE", "press_diff", "impact_pressure"),
-];
-
-/// Widths of servo pulses count from here, us: the neutral position of every servo.
-const NEUTRAL_US: f64 = 1500.0;
 /// A message that gave a channel and has been silent for this long, s, leaves it to the next.
 const GIVEN_UP_S: f64 = 1.0;
+/// Names of values that are kept; a sender has some dozens.
+const MOST_NAMES: usize = 1024;
+/// Ranks of what gives a channel, the best first: the model file, a value under the channel's name, then the profile's sources.
+const BY_HAND: usize = 0;
+const BY_NAME: usize = 1;
+const BY_PROFILE: usize = 2;
 
 /// A value of a channel.
 pub(super) struct Reading {
@@ -74,10 +30,14 @@ pub(super) struct Reading {
 /// The fields that are read, by message.
 pub(super) struct Rules {
     by_message: BTreeMap<u32, Vec<Rule>>,
-    /// Channels by the names that `NAMED_VALUE_FLOAT` may give them.
-    named: BTreeMap<String, (usize, Conversion)>,
+    /// What the names of `NAMED_VALUE_FLOAT` mean: those of the model file, and those that came, for to find one takes time.
+    named: BTreeMap<String, Option<(usize, Conversion)>>,
     channels: Vec<String>,
-    /// Per channel: rank of the message that gives it, and when it did last, s.
+    /// How many of them are in the samples.
+    asked: usize,
+    /// What a user has to know of the mappings.
+    pub(super) doubts: Vec<String>,
+    /// Per channel: rank of what gives it, and when it did last, s.
     given_by: Vec<(usize, f64)>,
 }
 
@@ -92,71 +52,68 @@ struct Rule {
 
 #[derive(Clone, Debug)]
 enum What {
+    /// A field and which of its elements.
     Element(Field, usize),
-    /// Roll, pitch or yaw (0, 1, 2) of the quaternion.
-    Euler(usize),
-}
-
-/// `SI value = scale * (raw - zero) + offset`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Conversion {
-    zero: f64,
-    scale: f64,
-    offset: f64,
-}
-
-impl Conversion {
-    const NONE: Self = Self { zero: 0.0, scale: 1.0, offset: 0.0 };
+    /// What a source of the profile computes of four fields.
+    Computed([Field; 4], Box<Source>),
 }
 
 impl Rules {
     /// # Errors
-    /// A mapping to a message that exists with a field that it does not have, or a unit that does not suit the channel.
-    pub(super) fn new(channels: &[String], columns: &[ColumnMapping]) -> Result<Self, String> {
+    /// A mapping to a message that exists with a field that it does not have, or a unit that does not suit the channel; a profile
+    /// that the messages do not fit.
+    pub(super) fn new(
+        channels: &[String],
+        asked: usize,
+        columns: &[ColumnMapping],
+        profile: &Profile,
+    ) -> Result<Self, String> {
         let mut rules = Self {
             by_message: BTreeMap::new(),
             named: BTreeMap::new(),
             channels: channels.to_vec(),
+            asked,
+            doubts: columns.iter().filter_map(|mapping| doubt(mapping, profile)).collect(),
             given_by: vec![(usize::MAX, f64::NEG_INFINITY); channels.len()],
         };
-        let position = |name: &str| channels.iter().position(|channel| channel == name);
         for mapping in columns {
-            let Some((message, field)) = mapping.header.trim().split_once('.') else { continue };
-            let (Some(message), Some(channel)) = (definitions::by_name(message), position(&mapping.channel)) else {
-                continue;
-            };
-            if message.name == "NAMED_VALUE_FLOAT" {
-                let conversion = by_hand(mapping, "")?;
-                rules.named.insert(field.to_owned(), (channel, conversion));
-                continue;
-            }
-            let (name, element) = element(field);
-            let Some(found) = message.field(name).filter(|found| element < found.count.max(1)) else {
-                let fields: Vec<String> = message.fields.iter().map(written).collect();
-                return Err(format!(
-                    "[channels] {}: the MAVLink message {} has no field `{field}`. It has {}",
-                    mapping.channel,
-                    message.name,
-                    fields.join(", ")
-                ));
-            };
-            let conversion = by_hand(mapping, found.unit)?;
-            let rule = Rule { what: What::Element(found.clone(), element), channel, rank: 0, conversion };
-            rules.by_message.entry(message.id).or_default().push(rule);
+            rules.map(mapping)?;
         }
-        for (rank, (message, field, channel)) in PROFILE.iter().enumerate() {
-            let (Some(message), Some(channel)) = (definitions::by_name(message), position(channel)) else { continue };
-            let euler = ["roll", "pitch", "yaw"].iter().position(|angle| angle == field);
-            let (what, unit) = match (message.field(field), euler) {
-                (Some(found), _) => (What::Element(found.clone(), 0), found.unit),
-                (None, Some(angle)) => (What::Euler(angle), "rad"),
-                (None, None) => continue,
-            };
-            let Some((scale, offset)) = to_si(unit) else { continue };
-            let conversion = Conversion { zero: 0.0, scale, offset };
-            rules.by_message.entry(message.id).or_default().push(Rule { what, channel, rank: rank + 2, conversion });
+        for (channel, name) in channels.iter().enumerate() {
+            let sources = profile.channel(name).into_iter().flat_map(|entry| &entry.sources);
+            for (rank, source) in sources.enumerate() {
+                let wrong = |problem: String| format!("profile {}, {name}, {}: {problem}", profile.name, source.field);
+                let (message, what, conversion) = of_source(source).map_err(wrong)?;
+                let rule = Rule { what, channel, rank: BY_PROFILE + rank, conversion };
+                rules.by_message.entry(message.id).or_default().push(rule);
+            }
         }
         Ok(rules)
+    }
+
+    /// Takes a mapping of the model file, if it is of a channel that is wanted and names a message.
+    fn map(&mut self, mapping: &ColumnMapping) -> Result<(), String> {
+        let Some((message, field)) = mapping.header.trim().split_once('.') else { return Ok(()) };
+        let channel = self.channels.iter().position(|channel| *channel == mapping.channel);
+        let (Some(message), Some(channel)) = (definitions::by_name(message), channel) else { return Ok(()) };
+        if message.name == "NAMED_VALUE_FLOAT" {
+            let conversion = by_hand(mapping, "")?;
+            self.named.insert(field.to_owned(), Some((channel, conversion)));
+            return Ok(());
+        }
+        let Some((found, element)) = element_of(message, field) else {
+            let fields: Vec<String> = message.fields.iter().map(written).collect();
+            return Err(format!(
+                "[channels] {}: the MAVLink message {} has no field `{field}`. It has {}",
+                mapping.channel,
+                message.name,
+                fields.join(", ")
+            ));
+        };
+        let conversion = by_hand(mapping, found.unit)?;
+        let rule = Rule { what: What::Element(found.clone(), element), channel, rank: BY_HAND, conversion };
+        self.by_message.entry(message.id).or_default().push(rule);
+        Ok(())
     }
 
     /// Gives the values of a message, SI.
@@ -172,12 +129,23 @@ impl Rules {
             }
             let raw = match &rule.what {
                 What::Element(field, element) => field.value(payload, *element),
-                What::Euler(angle) => euler(message, payload).and_then(|angles| angles.get(*angle).copied()),
+                What::Computed(fields, source) => {
+                    let inputs = fields.each_ref().map(|field| field.value(payload, 0).unwrap_or(f64::NAN));
+                    Some(source.value(&inputs))
+                }
             };
             let Some(raw) = raw else { continue };
-            let Conversion { zero, scale, offset } = rule.conversion;
-            out(Reading { channel: rule.channel, value: scale * (raw - zero) + offset });
+            out(Reading { channel: rule.channel, value: rule.conversion.si(raw) });
         }
+    }
+
+    /// The channel that a name, or a synonym, means: of those in the samples any, of the others the likeliest meaning alone (`p` is no
+    /// pressure where no roll rate is asked for).
+    fn by_name(&self, name: &str) -> Option<usize> {
+        let position = |name: &str| self.channels.iter().position(|channel| channel == name);
+        let known = channels::by_any_name(name);
+        let in_samples = known.iter().filter_map(|spec| position(spec.name)).find(|place| *place < self.asked);
+        position(name).or(in_samples).or_else(|| known.first().and_then(|spec| position(spec.name)))
     }
 
     /// A value under the name of a channel, SI (`elevator` in rad), or under a name of the model file.
@@ -185,23 +153,54 @@ impl Rules {
         let name = message.field("name").and_then(|field| field.text(payload));
         let value = message.field("value").and_then(|field| field.value(payload, 0));
         let (Some(name), Some(value)) = (name, value) else { return };
-        let (channel, conversion) = match self.named.get(&name) {
+        let known = match self.named.get(&name) {
             Some(known) => *known,
             None => {
-                let known = channels::by_any_name(&name);
-                let position = |name: &str| self.channels.iter().position(|channel| channel == name);
-                let Some(channel) = position(&name).or_else(|| known.iter().find_map(|spec| position(spec.name)))
-                else {
-                    return;
-                };
-                (channel, Conversion::NONE)
+                let known = self.by_name(&name).map(|channel| (channel, Conversion::NONE));
+                if self.named.len() < MOST_NAMES {
+                    self.named.insert(name, known);
+                }
+                known
             }
         };
+        let Some((channel, conversion)) = known else { return };
         let Some(given_by) = self.given_by.get_mut(channel) else { return };
-        if gives(given_by, 1, stamp_s) {
-            out(Reading { channel, value: conversion.scale * value + conversion.offset });
+        if gives(given_by, BY_NAME, stamp_s) {
+            out(Reading { channel, value: conversion.si(value) });
         }
     }
+}
+
+/// A mapping that takes another airspeed for the true one, as a user may: said, with what it costs.
+fn doubt(mapping: &ColumnMapping, profile: &Profile) -> Option<String> {
+    let header = mapping.header.trim();
+    let speeds = ["equivalent_airspeed", "calibrated_airspeed", "indicated_airspeed"];
+    let mut others = speeds.iter().filter_map(|name| profile.channel(name)).flat_map(|entry| &entry.sources);
+    let is_other = mapping.channel == "true_airspeed" && others.any(|source| source.field.to_string() == header);
+    is_other.then(|| format!("[channels] takes {header} for the true airspeed V, which it is not: {AIRSPEED_COST}"))
+}
+
+/// The message of a profile's source, what is read of it, and how it becomes SI: units of the definitions win over the profile's.
+fn of_source(source: &Source) -> Result<(&'static Message, What, Conversion), String> {
+    let missing = |name: &FieldName| format!("MAVLink has no {name}");
+    let found = |name: &FieldName| {
+        let message = definitions::by_name(&name.topic).filter(|_| name.instance.is_none())?;
+        element_of(message, &name.field).map(|(field, element)| (message, field, element))
+    };
+    let fields: Result<Vec<_>, String> =
+        source.inputs().iter().map(|name| found(name).ok_or_else(|| missing(name))).collect();
+    let fields = fields?;
+    let (message, what, unit) = match fields.as_slice() {
+        [(message, field, element)] => (*message, What::Element((*field).clone(), *element), Some(field.unit)),
+        [(message, a, _), (_, b, _), (_, c, _), (_, d, _)] if source.factor.is_none() => {
+            (*message, What::Computed([*a, *b, *c, *d].map(Field::clone), Box::new(source.clone())), None)
+        }
+        _ => return Err("a stream of messages has no factors: leave out `times` and `density`".to_owned()),
+    };
+    let unit = unit.filter(|unit| !unit.is_empty()).or(source.unit.as_deref()).unwrap_or_default();
+    let conversion =
+        Conversion::of_unit(unit, source.scale).ok_or_else(|| format!("the unit `{unit}` is not understood"))?;
+    Ok((message, what, conversion))
 }
 
 /// May a source of this rank give the channel now?
@@ -215,51 +214,11 @@ fn gives(given_by: &mut (usize, f64), rank: usize, stamp_s: f64) -> bool {
     false
 }
 
-/// How a mapping of the model file converts.
-fn by_hand(mapping: &ColumnMapping, unit_of_field: &str) -> Result<Conversion, String> {
-    let quantity = channels::by_name(&mapping.channel).map_or(Quantity::Number, |spec| spec.quantity);
-    if let Some(text) = &mapping.unit {
-        let Some(unit) = units::find_for(text, quantity) else {
-            let accepted = units::accepted(quantity);
-            return Err(format!(
-                "[channels] {}: the unit `{text}` is not understood for {}; accepted are {accepted}",
-                mapping.channel,
-                quantity.in_words()
-            ));
-        };
-        return Ok(Conversion { zero: 0.0, scale: mapping.scale * unit.scale, offset: unit.offset });
-    }
-    let suits = quantity == Quantity::Number
-        || units::find_for(unit_of_field, quantity).is_some()
-        || (unit_of_field == "mG" && quantity == Quantity::Acceleration)
-        || (to_si(unit_of_field).is_some() && units::find(unit_of_field).is_empty() && !unit_of_field.is_empty());
-    if suits && let Some((scale, offset)) = to_si(unit_of_field) {
-        return Ok(Conversion { zero: 0.0, scale: mapping.scale * scale, offset });
-    }
-    if unit_of_field.is_empty() && mapping.header.starts_with("NAMED_VALUE_FLOAT") {
-        return Ok(Conversion { zero: 0.0, scale: mapping.scale, offset: 0.0 });
-    }
-    if mapping.scale == 1.0 {
-        return Err(format!(
-            "[channels] {}: `{}` is a command {}, not {} in a unit. Give what one of its units is in {}: \
-             {} = {{ header = \"{}\", scale = ... }}. Servo pulses count from 1500 us",
-            mapping.channel,
-            mapping.header,
-            if unit_of_field.is_empty() { "without a unit".to_owned() } else { format!("in {unit_of_field}") },
-            quantity.in_words(),
-            quantity.si_unit(),
-            mapping.channel,
-            mapping.header
-        ));
-    }
-    let zero = if unit_of_field == "us" { NEUTRAL_US } else { 0.0 };
-    Ok(Conversion { zero, scale: mapping.scale, offset: 0.0 })
-}
-
-/// `actuator[3]`: name and element.
-fn element(field: &str) -> (&str, usize) {
-    let parts = field.strip_suffix(']').and_then(|inner| inner.rsplit_once('['));
-    parts.and_then(|(name, index)| Some((name, index.parse().ok()?))).unwrap_or((field, 0))
+/// A field, or an element of one, by its name: `actuator[3]`.
+fn element_of<'a>(message: &'a Message, name: &str) -> Option<(&'a Field, usize)> {
+    let parts = name.strip_suffix(']').and_then(|inner| inner.rsplit_once('['));
+    let (name, element) = parts.and_then(|(name, index)| Some((name, index.parse().ok()?))).unwrap_or((name, 0));
+    message.field(name).filter(|found| element < found.count.max(1)).map(|found| (found, element))
 }
 
 fn written(field: &Field) -> String {
@@ -279,31 +238,64 @@ pub(super) fn stamp_s(message: &Message, payload: &[u8]) -> Option<f64> {
     Some(field.value(payload, 0)? / (1.0 / unit.scale).round())
 }
 
-/// Roll, pitch and yaw, rad, of the quaternion (w, x, y, z) from the ground's axes to the body's.
-fn euler(message: &Message, payload: &[u8]) -> Option<[f64; 3]> {
-    let q = |name: &str| message.field(name).and_then(|field| field.value(payload, 0));
-    let (w, x, y, z) = (q("q1")?, q("q2")?, q("q3")?, q("q4")?);
-    // Stevens & Lewis, Aircraft Control and Simulation, 3rd edition, (1.3-32).
-    Some([
-        (2.0 * (w * x + y * z)).atan2(w * w - x * x - y * y + z * z),
-        (2.0 * (w * y - x * z)).clamp(-1.0, 1.0).asin(),
-        (2.0 * (w * z + x * y)).atan2(w * w + x * x - y * y - z * z),
-    ])
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    fn profile() -> Profile {
+        Profile::mavlink().unwrap()
+    }
+
     #[test]
-    fn every_line_of_the_profile_exists() {
-        for (message, field, channel) in PROFILE {
-            let found = definitions::by_name(message).unwrap();
-            let quaternion = *message == "ATTITUDE_QUATERNION";
-            let field = found.field(field).map(|field| field.unit).or(quaternion.then_some("rad"));
-            let spec = channels::by_name(channel).unwrap();
-            assert!(to_si(field.unwrap()).is_some(), "{message}");
-            assert!(spec.name == *channel);
+    fn every_source_of_the_profile_exists_in_its_unit() {
+        let profile = profile();
+        let channels: Vec<String> = profile.channels.iter().map(|entry| entry.channel.clone()).collect();
+        Rules::new(&channels, channels.len(), &[], &profile).unwrap();
+        for entry in &profile.channels {
+            let quantity = channels::by_name(&entry.channel).unwrap().quantity;
+            for source in &entry.sources {
+                let unit = match of_source(source).unwrap().1 {
+                    What::Element(field, _) => field.unit,
+                    What::Computed(..) => source.unit.as_deref().unwrap(),
+                };
+                // Units that MAVLink alone writes are not in the common table.
+                let suits = units::find(unit).is_empty() || units::find_for(unit, quantity).is_some();
+                assert!(suits, "{}: {} in {unit}", entry.channel, source.field);
+            }
+        }
+        for base in &profile.time_base {
+            assert!(definitions::by_name(base).and_then(time_field).is_some(), "{base}");
+        }
+    }
+
+    #[test]
+    fn a_profile_that_does_not_fit_is_refused() {
+        let wrong = |source: &str| {
+            let text = format!("name = \"x\"\ntime_base = []\n[channel.q]\nsources = [{source}]\n");
+            let profile = Profile::parse("x.toml", &text).unwrap();
+            Rules::new(&["q".to_owned()], 1, &[], &profile).err().unwrap()
+        };
+        assert!(wrong("{ field = \"ATTITUDE.pitch_rate\" }").contains("no ATTITUDE.pitch_rate"));
+        assert!(wrong("{ field = \"ATTITUDE.pitchspeed\", times = \"VFR_HUD.alt\" }").contains("no factors"));
+    }
+
+    /// Half a turn about the vertical, then 30 degrees nose up.
+    #[test]
+    fn attitude_from_a_quaternion() {
+        let channels = ["theta", "psi", "q"].map(str::to_owned);
+        let mut rules = Rules::new(&channels, channels.len(), &[], &profile()).unwrap();
+        let message = definitions::by_name("ATTITUDE_QUATERNION").unwrap();
+        let (sin, cos) = 15_f64.to_radians().sin_cos();
+        let mut payload = vec![0; message.length()];
+        for (name, value) in [("q1", 0.0), ("q2", -sin), ("q3", 0.0), ("q4", cos), ("pitchspeed", 0.5)] {
+            let at = message.field(name).unwrap().offset;
+            payload[at..at + 4].copy_from_slice(&(value as f32).to_le_bytes());
+        }
+        let mut values = [f64::NAN; 3];
+        rules.read(message, &payload, 0.0, &mut |reading| values[reading.channel] = reading.value);
+        for (value, expected) in values.iter().zip([30_f64.to_radians(), std::f64::consts::PI, 0.5]) {
+            // Of numbers in single precision.
+            assert!((value.abs() - expected).abs() < 1e-6, "{values:?}");
         }
     }
 
@@ -311,9 +303,9 @@ mod tests {
     fn commands_need_a_scale() {
         let channels = ["elevator".to_owned()];
         let mapping = ColumnMapping::new("elevator", "SERVO_OUTPUT_RAW.servo2_raw");
-        let refused = Rules::new(&channels, std::slice::from_ref(&mapping)).err().unwrap();
+        let refused = Rules::new(&channels, 1, std::slice::from_ref(&mapping), &profile()).err().unwrap();
         assert!(refused.contains("scale") && refused.contains("1500"), "{refused}");
-        let mut rules = Rules::new(&channels, &[mapping.with_scale(0.001)]).unwrap();
+        let mut rules = Rules::new(&channels, 1, &[mapping.with_scale(0.001)], &profile()).unwrap();
         let message = definitions::by_name("SERVO_OUTPUT_RAW").unwrap();
         let mut payload = vec![0; message.length()];
         let at = message.field("servo2_raw").unwrap().offset;
@@ -321,15 +313,36 @@ mod tests {
         let mut values = Vec::new();
         rules.read(message, &payload, 0.0, &mut |reading| values.push(reading.value));
         assert_eq!(values, [0.1]);
-        let refused =
-            Rules::new(&channels, &[ColumnMapping::new("elevator", "SERVO_OUTPUT_RAW.servo2")]).err().unwrap();
+        let wrong = ColumnMapping::new("elevator", "SERVO_OUTPUT_RAW.servo2");
+        let refused = Rules::new(&channels, 1, &[wrong], &profile()).err().unwrap();
         assert!(refused.contains("servo2_raw"), "{refused}");
+    }
+
+    #[test]
+    fn names_mean_what_is_likeliest() {
+        let channels = ["thrust", "static_pressure", "temperature"].map(str::to_owned);
+        let rules = Rules::new(&channels, 1, &[], &profile()).unwrap();
+        let by_name = |name: &str| rules.by_name(name).map(|place| channels[place].as_str());
+        assert_eq!(by_name("t"), Some("thrust"), "of the samples");
+        assert_eq!((by_name("oat"), by_name("static_pressure")), (Some("temperature"), Some("static_pressure")));
+        assert_eq!(by_name("p"), None, "a roll rate");
+    }
+
+    #[test]
+    fn another_airspeed_by_hand_is_said() {
+        let channels = ["true_airspeed".to_owned()];
+        let doubts = |header: &str| {
+            let mapping = ColumnMapping::new("true_airspeed", header);
+            Rules::new(&channels, 1, &[mapping], &profile()).unwrap().doubts
+        };
+        assert!(doubts("VFR_HUD.airspeed")[0].contains("35 %"));
+        assert!(doubts("NAMED_VALUE_FLOAT.v_true").is_empty());
     }
 
     #[test]
     fn a_better_message_takes_a_channel_over() {
         let channels = ["q".to_owned()];
-        let mut rules = Rules::new(&channels, &[]).unwrap();
+        let mut rules = Rules::new(&channels, channels.len(), &[], &profile()).unwrap();
         let mut read = |name: &str, stamp_s: f64| {
             let message = definitions::by_name(name).unwrap();
             let mut count = 0;
