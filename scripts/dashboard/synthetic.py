@@ -72,7 +72,10 @@ class Synthetic:
                 "ready_since_s": 12.0 if verdict == "ready" else None, "bound_over_prior": ratio, "excitation": ratio / 2,
                 "variance_inflation": 4.0, "correlated_with": [],
             }
-            parameters.append({"value": value + sigma * wander, "std_error": sigma, "status": status, "readiness": readiness})
+            parameters.append({"value": value + sigma * wander, "std_error": sigma, "status": status})
+            # As in flight: told where it was renewed, ten times a second.
+            if self.k % 10 == 1:
+                parameters[-1]["readiness"] = readiness
         return {
             "type": "estimate", "time_s": round(t, 6), "phase": "sliding", "change": "in_doubt" if 40.1 < t < 43.9 else "steady",
             "moved": True, "parameters": parameters,

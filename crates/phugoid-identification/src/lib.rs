@@ -32,7 +32,7 @@ pub mod rigid;
 mod run;
 pub mod session;
 pub mod six;
-mod stack;
+pub mod stack;
 mod summary;
 pub mod term;
 pub mod trim;

@@ -127,6 +127,9 @@ pub struct Snapshot {
     pub change: Cow<'static, str>,
     /// Whether anything has moved yet; before, the parameters are what was known beforehand.
     pub moved: bool,
+    /// When the readiness of the parameters was renewed last, s; none before the first motion.
+    #[serde(default)]
+    pub readiness_s: Option<f64>,
     /// Parameters.
     pub parameters: Vec<LiveParameter>,
     /// Measured outputs, SI; NaN (in JSON `null`) where missing.

@@ -1,7 +1,8 @@
 //! The documents that are published, one JSON object each (`docs/live.md`).
 
-use phugoid_identification::session::{Layout, Snapshot};
-use serde::Serialize;
+use phugoid_identification::estimation::ParameterReadiness;
+use phugoid_identification::session::{Layout, LiveParameter, Snapshot};
+use serde::{Serialize, Serializer};
 
 use crate::link::{Counts, LatencyMs};
 
@@ -15,6 +16,8 @@ pub enum Document<'a> {
         version: &'static str,
         /// Where the data come from.
         source: &'a str,
+        /// Start of the reception, UTC, ISO 8601; none if the clock of this machine was not set.
+        started: Option<&'a str>,
         /// Counts the starts of the sender's clock, from 0.
         flight: u64,
         /// Names and units.
@@ -24,9 +27,24 @@ pub enum Document<'a> {
     Estimate {
         /// As in the last `hello`.
         flight: u64,
-        /// The estimate.
-        #[serde(flatten)]
-        snapshot: &'a Snapshot,
+        /// As in [`Snapshot`].
+        time_s: f64,
+        /// As in [`Snapshot`].
+        phase: &'a str,
+        /// As in [`Snapshot`].
+        change: &'a str,
+        /// As in [`Snapshot`].
+        moved: bool,
+        /// Parameters.
+        parameters: Parameters<'a>,
+        /// As in [`Snapshot`].
+        outputs: &'a [f64],
+        /// As in [`Snapshot`].
+        predicted: &'a [f64],
+        /// As in [`Snapshot`].
+        residuals: &'a [f64],
+        /// As in [`Snapshot`].
+        inputs: &'a [f64],
     },
     /// Something that happened.
     Event {
@@ -71,6 +89,34 @@ pub enum Document<'a> {
     },
 }
 
+/// Parameters of an estimate. Their readiness is a text that changes seldom: it is written where it was renewed, and stands until the
+/// next.
+#[derive(Clone, Copy, Debug)]
+pub struct Parameters<'a> {
+    parameters: &'a [LiveParameter],
+    readiness: bool,
+}
+
+#[derive(Serialize)]
+struct Parameter<'a> {
+    value: f64,
+    std_error: f64,
+    status: &'a str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    readiness: Option<&'a ParameterReadiness>,
+}
+
+impl Serialize for Parameters<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_seq(self.parameters.iter().map(|parameter| Parameter {
+            value: parameter.value,
+            std_error: parameter.std_error,
+            status: &parameter.status,
+            readiness: parameter.readiness.as_ref().filter(|_| self.readiness),
+        }))
+    }
+}
+
 /// What kind of document a text is, for those who pass it on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
@@ -80,6 +126,8 @@ pub enum Kind {
     Estimate {
         /// One of the at most fifty a second for pages.
         shown: bool,
+        /// It has the readiness of the parameters.
+        readiness: bool,
     },
     /// Is never left out.
     Event,
@@ -89,7 +137,30 @@ pub enum Kind {
     End,
 }
 
-impl Document<'_> {
+impl Kind {
+    /// False for estimates beyond those for pages.
+    pub fn is_shown(self) -> bool {
+        !matches!(self, Self::Estimate { shown: false, .. })
+    }
+}
+
+impl<'a> Document<'a> {
+    /// The document of a snapshot, with the readiness of the parameters or without.
+    pub fn estimate(flight: u64, snapshot: &'a Snapshot, readiness: bool) -> Self {
+        Self::Estimate {
+            flight,
+            time_s: snapshot.time_s,
+            phase: &snapshot.phase,
+            change: &snapshot.change,
+            moved: snapshot.moved,
+            parameters: Parameters { parameters: &snapshot.parameters, readiness },
+            outputs: &snapshot.outputs,
+            predicted: &snapshot.predicted,
+            residuals: &snapshot.residuals,
+            inputs: &snapshot.inputs,
+        }
+    }
+
     /// The document as one line of JSON, without a line end. Numbers that are not finite become `null`.
     pub fn text(&self) -> String {
         // Plain data: nothing in it can fail to be written.

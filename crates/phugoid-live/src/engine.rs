@@ -1,7 +1,8 @@
 //! From arrivals to documents: reception and estimation, without threads, files or clocks of their own.
 
+use phugoid_flight_data::log::utc;
 use phugoid_identification::estimate::{EstimateError, EstimateOptions};
-use phugoid_identification::model_file::ModelFile;
+use phugoid_identification::model_file::{AirDensity, ModelFile, Source};
 use phugoid_identification::session::{Session, Step};
 
 use crate::arrival::Arrival;
@@ -38,7 +39,8 @@ pub struct Engine {
 pub type Publish<'a> = &'a mut dyn FnMut(Kind, &str);
 
 impl Engine {
-    /// An engine that has received nothing. `source` is said to readers.
+    /// An engine that has received nothing. `source` is said to readers. Of the estimates it gives at most fifty a second, those for
+    /// pages; see [`Engine::with_every_estimate`].
     ///
     /// # Errors
     /// [`EstimateError`]: the model or the options do not make a live estimation; a mapping of the model file that cannot be.
@@ -50,15 +52,20 @@ impl Engine {
     ) -> Result<Self, EstimateError> {
         let session = Session::new(model, options)?;
         Ok(Self {
-            receiver: Receiver::new(session.channels(), receiver).map_err(EstimateError::Model)?,
+            receiver: Receiver::new(session.channels(), receiver)
+                .map_err(EstimateError::Model)?
+                .with_air_density(stated_density(model)),
             estimation: Estimation {
                 model: model.clone(),
                 options: options.clone(),
                 source: source.to_owned(),
+                started: None,
+                every: false,
                 session,
                 flight: 0,
                 estimates: 0,
                 shown_s: f64::NEG_INFINITY,
+                told: Told::default(),
                 latency: Latency::default(),
                 waiting: None,
                 refused: 0,
@@ -67,6 +74,18 @@ impl Engine {
             now_ns: 0,
             link_ns: 0,
         })
+    }
+
+    /// Gives every estimate.
+    pub fn with_every_estimate(mut self) -> Self {
+        self.estimation.every = true;
+        self
+    }
+
+    /// Says when the reception began, ns since 1970-01-01 UTC.
+    pub fn with_start(mut self, wall_ns: u64) -> Self {
+        self.estimation.started = utc::text(wall_ns as f64 / 1e9);
+        self
     }
 
     /// The first document.
@@ -117,6 +136,7 @@ impl Engine {
             return;
         }
         self.link_ns = now_ns.saturating_add(LINK_NS);
+        let waiting = self.waiting();
         let document = Document::Link {
             arrival_s: seconds(now_ns),
             counts: self.counts(),
@@ -124,9 +144,15 @@ impl Engine {
             recorded_bytes: beside.recorded_bytes,
             recording_dropped: beside.recording_dropped,
             published_dropped: beside.published_dropped,
-            waiting: self.estimation.waiting.as_deref(),
+            waiting: waiting.as_deref(),
         };
         publish(Kind::Link, &document.text());
+    }
+
+    /// What the estimation waits for, if it has not begun.
+    fn waiting(&self) -> Option<String> {
+        let waiting = self.estimation.waiting.clone()?;
+        Some(self.receiver.lacking().map_or_else(|| waiting.clone(), |lacking| format!("{waiting}; {lacking}")))
     }
 
     /// Something to be said about the reception itself.
@@ -139,7 +165,7 @@ impl Engine {
     pub fn end(&mut self, reason: &str, finished_ns: &dyn Fn() -> u64, publish: Publish<'_>) {
         let (estimation, now_ns) = (&mut self.estimation, self.now_ns);
         self.receiver.finish(&mut |reception| estimation.take(reception, now_ns, finished_ns, publish));
-        if let Some(waiting) = self.estimation.waiting.take() {
+        if let Some(waiting) = self.waiting() {
             self.tell(now_ns, "waiting", &format!("it ended before an estimation could begin: {waiting}"), publish);
         }
         let document = Document::End {
@@ -157,10 +183,14 @@ struct Estimation {
     model: ModelFile,
     options: EstimateOptions,
     source: String,
+    started: Option<String>,
+    /// Give every estimate, not those for pages alone.
+    every: bool,
     session: Session,
     flight: u64,
     estimates: u64,
     shown_s: f64,
+    told: Told,
     latency: Latency,
     waiting: Option<String>,
     refused: u64,
@@ -168,11 +198,31 @@ struct Estimation {
     broken: bool,
 }
 
+/// When the readiness that was told last was renewed, s: in any document, and in one for pages.
+#[derive(Clone, Copy, Debug, Default)]
+struct Told {
+    any_s: Option<f64>,
+    shown_s: Option<f64>,
+}
+
+impl Told {
+    /// Is the readiness to be told in a document, so that those who get every one have it and those who get those for pages too?
+    fn is_due(&mut self, renewed_s: Option<f64>, shown: bool) -> bool {
+        let due = renewed_s != self.any_s || (shown && renewed_s != self.shown_s);
+        self.any_s = renewed_s;
+        if shown {
+            self.shown_s = renewed_s;
+        }
+        due
+    }
+}
+
 impl Estimation {
     fn hello(&self, publish: Publish<'_>) {
         let document = Document::Hello {
             version: env!("CARGO_PKG_VERSION"),
             source: &self.source,
+            started: self.started.as_deref(),
             flight: self.flight,
             layout: self.session.layout(),
         };
@@ -206,8 +256,11 @@ impl Estimation {
                     if shown {
                         self.shown_s = snapshot.time_s;
                     }
-                    let document = Document::Estimate { flight: self.flight, snapshot };
-                    publish(Kind::Estimate { shown }, &document.text());
+                    if shown || self.every {
+                        let readiness = self.told.is_due(snapshot.readiness_s, shown);
+                        let document = Document::estimate(self.flight, snapshot, readiness);
+                        publish(Kind::Estimate { shown, readiness }, &document.text());
+                    }
                 }
             }
             Ok(Step::Waiting { have_s, need_s, reason }) => {
@@ -241,8 +294,16 @@ impl Estimation {
             Err(error) => say(None, now_ns, "impossible", &error.to_string(), publish),
         }
         self.flight += 1;
-        (self.broken, self.shown_s, self.waiting) = (false, f64::NEG_INFINITY, None);
+        (self.broken, self.shown_s, self.waiting, self.told) = (false, f64::NEG_INFINITY, None, Told::default());
         self.hello(publish);
+    }
+}
+
+/// The density of the air where the model file states a constant, kg/m^3.
+fn stated_density(model: &ModelFile) -> Option<f64> {
+    match model.aircraft.air_density {
+        AirDensity::Known(Source::Constant(density)) => Some(density),
+        _ => None,
     }
 }
 

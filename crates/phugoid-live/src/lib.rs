@@ -16,6 +16,7 @@ pub mod run;
 #[cfg(feature = "server")]
 pub mod server;
 pub mod source;
+pub mod stop;
 mod text;
 mod timing;
 #[cfg(feature = "tui")]

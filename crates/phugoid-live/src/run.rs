@@ -3,27 +3,26 @@
 use std::io::{self, Write};
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::time::Duration;
 
 use phugoid_identification::estimate::{EstimateError, EstimateOptions};
 use phugoid_identification::model_file::ModelFile;
+use phugoid_identification::stack::STACK_BYTES;
 
-use crate::arrival::Clock;
+use crate::arrival::{Clock, wall_ns};
 use crate::document::Kind;
 use crate::engine::{Beside, Engine};
 use crate::publish::{Lines, WhenSlow};
 use crate::receiver::ReceiverOptions;
 use crate::recording::{Header, Recorder, VERSION};
 use crate::source::{Outlet, Source};
+use crate::stop::{Stop, Why};
 
 /// Arrivals that wait for the estimation; beyond it the operating system's buffers hold what comes.
 const WAITING: usize = 8192;
 /// How often it is looked whether to stop, and told about the link.
 const LOOK_NS: u64 = 100_000_000;
-/// Stack of the thread that estimates: models of all axes need 4 MB.
-const STACK_BYTES: usize = 16 << 20;
 
 /// What a live estimation is made of.
 pub struct Live<'a> {
@@ -43,6 +42,8 @@ pub struct Live<'a> {
     pub when_slow: WhenSlow,
     /// What arrives has stamps of another time: only they count, no clock.
     pub replayed: bool,
+    /// When what is replayed was received, ns since 1970-01-01 UTC; none for what is received now.
+    pub started_wall_ns: Option<u64>,
 }
 
 /// Who gets the documents beside the lines.
@@ -83,7 +84,7 @@ pub enum LiveError {
 }
 
 impl Live<'_> {
-    /// Receives from `source` until it ends or `stop` is set; lines go to `out`, documents to the audience too.
+    /// Receives from `source` until it ends or `stop` is asked for; lines go to `out`, documents to the audience too.
     ///
     /// # Errors
     /// [`LiveError`]. What was received is recorded all the same.
@@ -91,8 +92,8 @@ impl Live<'_> {
         &self,
         source: Source,
         out: impl Write + Send + 'static,
-        audience: &mut [Box<dyn Audience>],
-        stop: &Arc<AtomicBool>,
+        audience: &mut [&mut dyn Audience],
+        stop: &Arc<Stop>,
     ) -> Result<Summary, LiveError> {
         std::thread::scope(|scope| {
             let here = std::thread::Builder::new().name("estimation".to_owned()).stack_size(STACK_BYTES);
@@ -106,17 +107,20 @@ impl Live<'_> {
         &self,
         source: Source,
         out: impl Write + Send + 'static,
-        audience: &mut [Box<dyn Audience>],
-        stop: &Arc<AtomicBool>,
+        audience: &mut [&mut dyn Audience],
+        stop: &Arc<Stop>,
     ) -> Result<Summary, LiveError> {
-        let mut engine = Engine::new(self.model, self.options, self.receiver, &source.name)?;
-        let recorder = self.recorder(&source.name)?;
+        let started_wall_ns = self.started_wall_ns.unwrap_or_else(wall_ns);
+        let mut engine =
+            Engine::new(self.model, self.options, self.receiver, &source.name)?.with_start(started_wall_ns);
+        if self.all {
+            engine = engine.with_every_estimate();
+        }
+        let recorder = self.recorder(&source.name, started_wall_ns)?;
         let recorded = recorder.as_ref().map(Recorder::recorded).unwrap_or_default();
         let lines = Lines::new(out, self.when_slow).map_err(LiveError::Thread)?;
         let mut publish = |kind: Kind, document: &str| {
-            if self.all || kind != (Kind::Estimate { shown: false }) {
-                lines.send(document);
-            }
+            lines.send(document);
             audience.iter_mut().for_each(|listener| listener.hear(kind, document));
         };
         let clock = Clock::start();
@@ -132,8 +136,8 @@ impl Live<'_> {
         let finished = || if self.replayed { 0 } else { clock.now_ns() };
         let mut recording_failed = false;
         let reason = loop {
-            if stop.load(Ordering::Relaxed) {
-                break "stopped";
+            if let Some(why) = stop.asked() {
+                break why.words();
             }
             if lines.is_gone() {
                 break "nobody reads any more";
@@ -173,7 +177,7 @@ impl Live<'_> {
             engine.tell_link(now_ns, beside, &mut publish);
         };
         engine.end(reason, &finished, &mut publish);
-        stop.store(true, Ordering::Relaxed);
+        stop.ask(Why::Over);
         let summary = Summary { samples: engine.counts().samples, estimates: engine.estimates() };
         let written = lines.finish();
         if let (Some(recorder), Some(file)) = (recorder, &self.record) {
@@ -186,13 +190,13 @@ impl Live<'_> {
         }
     }
 
-    fn recorder(&self, source: &str) -> Result<Option<Recorder>, LiveError> {
+    fn recorder(&self, source: &str, started_wall_ns: u64) -> Result<Option<Recorder>, LiveError> {
         let Some(file) = &self.record else { return Ok(None) };
         let header = Header {
             version: VERSION,
             program: env!("CARGO_PKG_VERSION").to_owned(),
             source: source.to_owned(),
-            started_wall_ns: crate::arrival::wall_ns(),
+            started_wall_ns,
             model_name: self.model.source.clone(),
             model_text: self.model_text.to_owned(),
             method: self.options.method.map(|method| method.name().to_owned()),

@@ -6,7 +6,6 @@ mod number;
 mod state;
 
 use std::io;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError, SyncSender};
 use std::time::{Duration, Instant};
 
@@ -14,6 +13,7 @@ use ratatui::crossterm::event::{self, Event, KeyCode, KeyEvent, KeyEventKind, Ke
 
 use crate::document::Kind;
 use crate::run::Audience;
+use crate::stop::{Stop, Why};
 pub use state::State;
 
 /// Documents that wait for the screen.
@@ -26,7 +26,7 @@ pub struct Listener(SyncSender<String>);
 
 impl Audience for Listener {
     fn hear(&mut self, kind: Kind, document: &str) {
-        if kind != (Kind::Estimate { shown: false }) {
+        if kind.is_shown() {
             // Where the screen is slow, or closed, a document is left out: the flight waits for neither.
             let _ = self.0.try_send(document.to_owned());
         }
@@ -44,15 +44,15 @@ pub fn channel() -> (Listener, Receiver<String>) {
 ///
 /// # Errors
 /// The terminal cannot be read or written.
-pub fn run(documents: &Receiver<String>, stop: &AtomicBool) -> io::Result<()> {
+pub fn run(documents: &Receiver<String>, stop: &Stop) -> io::Result<()> {
     let mut terminal = ratatui::try_init()?;
     let result = show(&mut terminal, documents, stop);
     ratatui::try_restore()?;
-    stop.store(true, Ordering::Relaxed);
+    stop.ask(Why::ViewLeft);
     result
 }
 
-fn show(terminal: &mut ratatui::DefaultTerminal, documents: &Receiver<String>, stop: &AtomicBool) -> io::Result<()> {
+fn show(terminal: &mut ratatui::DefaultTerminal, documents: &Receiver<String>, stop: &Stop) -> io::Result<()> {
     let mut state = State::default();
     loop {
         let now = Instant::now();
@@ -67,7 +67,7 @@ fn show(terminal: &mut ratatui::DefaultTerminal, documents: &Receiver<String>, s
         }
         if !open {
             // What was told last stays on the screen until a key is pressed, unless the program is to stop.
-            if stop.load(Ordering::Relaxed) && !state.has_ended() {
+            if stop.asked().is_some() && !state.has_ended() {
                 return Ok(());
             }
             std::thread::sleep(PICTURE);

@@ -1,9 +1,11 @@
 //! A finished result, made ready for the page: the JSON of `phugoid estimate --json --history`, or the documents that
-//! `phugoid live` has published.
+//! `phugoid live` has published, or publishes of a recording.
 
 mod documents;
 mod estimation;
 mod thinned;
+
+pub use documents::Collector;
 
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read, Seek};
@@ -25,7 +27,7 @@ pub enum ViewError {
     /// It is no result.
     #[error(
         "this is no result that can be shown: {0}. Make one with `phugoid estimate FLIGHT --model MODEL --json --history > \
-         result.json`, or keep what `phugoid live` publishes"
+         result.json`, or keep what `phugoid live` publishes or records"
     )]
     NoResult(String),
     /// It is a result without the course over time.

@@ -14,7 +14,7 @@ mod sink;
 mod skipped;
 pub mod survey;
 pub mod ulog;
-mod utc;
+pub mod utc;
 mod window;
 
 pub use error::LogError;

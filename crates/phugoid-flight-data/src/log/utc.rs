@@ -1,4 +1,4 @@
-//! When a log began, by the clock of the satellites.
+//! Points in time, in words and by the clock of the satellites.
 
 /// GPS time began at 1980-01-06T00:00:00 UTC.
 const GPS_EPOCH_S: f64 = 315_964_800.0;
@@ -19,8 +19,9 @@ pub(super) fn from_gps(week: f64, time_of_week_s: f64) -> f64 {
     gps - leap
 }
 
-/// `2024-05-01T12:34:56.789Z`; none outside the years 1980 to 2200, which no log has.
-pub(super) fn text(unix_s: f64) -> Option<String> {
+/// Seconds from 1970-01-01T00:00:00 UTC as `2024-05-01T12:34:56.789Z` (ISO 8601); none outside the years 1980 to 2200, which no log
+/// has.
+pub fn text(unix_s: f64) -> Option<String> {
     if !(GPS_EPOCH_S..7_258_118_400.0).contains(&unix_s) {
         return None;
     }

@@ -198,6 +198,7 @@ where
             return;
         }
         self.told_s = renewed_s;
+        snapshot.readiness_s = Some(renewed_s);
         let estimated: Vec<_> = self.file.estimated().collect();
         for (j, (parameter, verdict)) in snapshot.parameters.iter_mut().zip(verdicts).enumerate() {
             parameter.readiness = Some(readiness(j, verdict, &estimated, &self.file.extra_inputs));

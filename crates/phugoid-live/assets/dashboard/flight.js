@@ -14,6 +14,7 @@ class Flight {
 
   begin() {
     this.newest = null;
+    this.readiness = [];
     this.waiting = null;
     this.events = [];
     this.forgotten = 0;
@@ -67,6 +68,11 @@ class Flight {
 
   estimate(snapshot) {
     if (!this.layout) return;
+    // Readiness is told where it was renewed, and stands until the next.
+    snapshot.parameters.forEach((p, i) => {
+      if (p.readiness === undefined) p.readiness = this.readiness[i] || null;
+      else this.readiness[i] = p.readiness;
+    });
     const { row, places } = this;
     const number = (value) => (typeof value === "number" ? value : NaN);
     snapshot.parameters.forEach((p, i) => {

@@ -3,6 +3,7 @@
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, MutexGuard};
 
+use serde_json::Value;
 use tokio::sync::watch;
 
 use crate::document::Kind;
@@ -27,17 +28,22 @@ pub struct Hub {
 struct Documents {
     /// Number of the next document.
     next: u64,
-    recent: VecDeque<(u64, Arc<str>)>,
+    recent: VecDeque<Numbered>,
     hello: Option<Arc<str>>,
     link: Option<Arc<str>>,
     end: Option<Arc<str>>,
     events: VecDeque<Arc<str>>,
-    past: Vec<Arc<str>>,
+    past: Vec<Numbered>,
     /// Every how many estimates one is kept for the past, and how many came since the last.
     stride: usize,
     since: usize,
-    estimate: Option<Arc<str>>,
+    estimate: Option<Numbered>,
+    /// The newest estimate that has the readiness of the parameters: it stands for those after it.
+    readiness: Option<Numbered>,
 }
+
+/// A document with its number.
+type Numbered = (u64, Arc<str>);
 
 impl Default for Hub {
     fn default() -> Self {
@@ -48,7 +54,7 @@ impl Default for Hub {
 impl Hub {
     /// Takes a document.
     pub fn publish(&self, kind: Kind, document: &str) {
-        if kind == (Kind::Estimate { shown: false }) {
+        if !kind.is_shown() {
             return;
         }
         let mut documents = self.lock();
@@ -61,9 +67,14 @@ impl Hub {
     /// What a newcomer gets, and the place from which it goes on.
     pub(super) fn newcomer(&self) -> (Vec<Arc<str>>, u64) {
         let documents = self.lock();
-        let past = documents.hello.iter().chain(&documents.events).chain(&documents.past);
-        let newest = documents.estimate.iter().chain(&documents.link).chain(&documents.end);
-        (past.chain(newest).cloned().collect(), documents.next)
+        let mut estimates: Vec<Numbered> = documents.past.clone();
+        estimates.extend(documents.readiness.iter().chain(&documents.estimate).cloned());
+        estimates.sort_by_key(|(number, _)| *number);
+        estimates.dedup_by_key(|(number, _)| *number);
+        let before = documents.hello.iter().chain(&documents.events).cloned();
+        let after = documents.link.iter().chain(&documents.end).cloned();
+        let all = before.chain(estimates.into_iter().map(|(_, estimate)| estimate)).chain(after);
+        (all.collect(), documents.next)
     }
 
     /// What came since a place, and how many documents are lost to a client that was too slow; moves the place on.
@@ -77,9 +88,11 @@ impl Hub {
             from = documents.next.saturating_sub(1);
             lost = from.saturating_sub(*place);
         }
+        let readiness = documents.readiness.iter().filter(|(number, _)| (*place..from).contains(number));
+        let news = readiness.chain(documents.recent.iter().filter(|(number, _)| *number >= from));
+        let news = news.map(|(_, text)| Arc::clone(text)).collect();
         *place = documents.next;
-        let news = documents.recent.iter().filter(|(number, _)| *number >= from).map(|(_, text)| Arc::clone(text));
-        (news.collect(), lost)
+        (news, lost)
     }
 
     pub(super) fn watch(&self) -> watch::Receiver<u64> {
@@ -93,7 +106,7 @@ impl Hub {
         format!(
             "{{{},{},{},{}}}",
             part("hello", &documents.hello),
-            part("estimate", &documents.estimate),
+            part("estimate", &documents.whole_estimate()),
             part("link", &documents.link),
             part("end", &documents.end)
         )
@@ -112,18 +125,41 @@ impl Audience for Hub {
 }
 
 impl Documents {
+    /// The newest estimate, with the readiness of the parameters that stands.
+    fn whole_estimate(&self) -> Option<Arc<str>> {
+        let (number, estimate) = self.estimate.as_ref()?;
+        let Some((_, readiness)) = self.readiness.as_ref().filter(|(told, _)| told != number) else {
+            return Some(Arc::clone(estimate));
+        };
+        let (Ok(mut whole), Ok(readiness)) =
+            (serde_json::from_str::<Value>(estimate), serde_json::from_str::<Value>(readiness))
+        else {
+            return Some(Arc::clone(estimate));
+        };
+        let parameters = whole.get_mut("parameters").and_then(Value::as_array_mut).into_iter().flatten();
+        let told = readiness.get("parameters").and_then(Value::as_array).into_iter().flatten();
+        for (parameter, told) in parameters.zip(told) {
+            if let (Some(parameter), Some(readiness)) = (parameter.as_object_mut(), told.get("readiness")) {
+                parameter.insert("readiness".to_owned(), readiness.clone());
+            }
+        }
+        Some(whole.to_string().into())
+    }
+
     fn add(&mut self, kind: Kind, document: Arc<str>) {
         match kind {
             Kind::Hello => {
                 // Another flight: its estimates have nothing to do with those before.
-                (self.past, self.stride, self.since, self.estimate) = (Vec::new(), 1, 0, None);
+                (self.past, self.stride, self.since) = (Vec::new(), 1, 0);
+                (self.estimate, self.readiness) = (None, None);
                 self.hello = Some(Arc::clone(&document));
             }
-            Kind::Estimate { .. } => {
+            Kind::Estimate { readiness, .. } => {
+                let numbered = (self.next, Arc::clone(&document));
                 self.since += 1;
                 if self.since >= self.stride {
                     self.since = 0;
-                    self.past.push(Arc::clone(&document));
+                    self.past.push(numbered.clone());
                 }
                 if self.past.len() > PAST {
                     let mut keep = false;
@@ -133,7 +169,10 @@ impl Documents {
                     });
                     self.stride *= 2;
                 }
-                self.estimate = Some(Arc::clone(&document));
+                if readiness {
+                    self.readiness = Some(numbered.clone());
+                }
+                self.estimate = Some(numbered);
             }
             Kind::Event => {
                 self.events.push_back(Arc::clone(&document));
@@ -161,8 +200,8 @@ mod tests {
         let hub = Hub::default();
         hub.publish(Kind::Hello, "hello");
         for k in 0..360_000 {
-            hub.publish(Kind::Estimate { shown: true }, &k.to_string());
-            hub.publish(Kind::Estimate { shown: false }, "not for pages");
+            hub.publish(Kind::Estimate { shown: true, readiness: false }, &k.to_string());
+            hub.publish(Kind::Estimate { shown: false, readiness: true }, "not for pages");
         }
         let (past, _) = hub.newcomer();
         assert!(past.len() <= PAST + 3, "{}", past.len());
@@ -184,5 +223,30 @@ mod tests {
         let (news, lost) = hub.since(&mut place);
         assert_eq!((news.iter().map(|text| &**text).collect::<Vec<_>>(), lost), (vec!["2009"], 1999));
         assert_eq!(hub.since(&mut place), (vec![], 0));
+    }
+
+    /// Estimates whose readiness was told before: a newcomer, a slow client and `result.json` have it all the same.
+    #[test]
+    fn readiness_is_not_lost() {
+        let hub = Hub::default();
+        hub.publish(Kind::Hello, "{}");
+        let (_, mut place) = hub.newcomer();
+        let estimate = |time_s: u32, readiness: bool| {
+            let told = if readiness { r#","readiness":{"verdict":"ready"}"# } else { "" };
+            let text = format!(r#"{{"time_s":{time_s},"parameters":[{{"value":{time_s}.5{told}}}]}}"#);
+            hub.publish(Kind::Estimate { shown: true, readiness }, &text);
+        };
+        (0..2000).for_each(|k| estimate(k, k % 100 == 50));
+        let (past, _) = hub.newcomer();
+        let last_told = past.iter().rposition(|text| text.contains("readiness")).unwrap();
+        assert!(past[last_told].contains(r#""time_s":1950,"#) && past.len() - last_told > 1, "{last_told}");
+        let times: Vec<u64> =
+            past.iter().filter_map(|text| serde_json::from_str::<Value>(text).ok()?["time_s"].as_u64()).collect();
+        assert!(times.is_sorted_by(|a, b| a < b));
+        let (news, lost) = hub.since(&mut place);
+        assert!(lost > 0 && news.len() == 2 && news[0].contains(r#""time_s":1950,"#), "{news:?}");
+        let whole: Value = serde_json::from_str(&hub.snapshot()).unwrap();
+        let parameter = &whole["estimate"]["parameters"][0];
+        assert_eq!((&parameter["value"], &parameter["readiness"]["verdict"]), (&1999.5.into(), &"ready".into()));
     }
 }

@@ -7,11 +7,11 @@ mod spec;
 
 use std::io::{self, Read};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::SyncSender;
 use std::time::Duration;
 
 use crate::arrival::{Arrival, Clock, Content};
+use crate::stop::Stop;
 pub use replay::{Pace, Replay, ReplayError};
 pub use spec::{SourceSpec, SpecError};
 
@@ -26,18 +26,18 @@ const PEERS: u16 = 64;
 #[derive(Clone)]
 pub struct Outlet {
     queue: SyncSender<Arrival>,
-    stop: Arc<AtomicBool>,
+    stop: Arc<Stop>,
     clock: Clock,
 }
 
 impl Outlet {
     /// An outlet into a queue.
-    pub fn new(queue: SyncSender<Arrival>, stop: Arc<AtomicBool>, clock: Clock) -> Self {
+    pub fn new(queue: SyncSender<Arrival>, stop: Arc<Stop>, clock: Clock) -> Self {
         Self { queue, stop, clock }
     }
 
     fn stopped(&self) -> bool {
-        self.stop.load(Ordering::Relaxed)
+        self.stop.asked().is_some()
     }
 
     /// Puts what has just arrived; false when nobody wants more. It waits where the estimation is behind: then the operating
@@ -51,32 +51,41 @@ impl Outlet {
     }
 }
 
+/// Receives until its source ends or is stopped.
+type Run = Box<dyn FnOnce(&Outlet) + Send>;
+
 /// A source that has been opened.
 pub struct Source {
-    run: Box<dyn FnOnce(&Outlet) + Send>,
+    run: Run,
     /// What it is, as people call it: an address, a device.
     pub name: String,
 }
 
 impl Source {
-    /// Opens a source.
+    /// Opens a source. Its name has the address at which it listens: the port is the system's choice if 0 was asked for.
     ///
     /// # Errors
     /// What the operating system says, with what to do.
     pub fn open(spec: &SourceSpec) -> io::Result<Self> {
-        let name = spec.to_string();
-        let run: Box<dyn FnOnce(&Outlet) + Send> = match spec {
-            SourceSpec::Udp(address) => network::udp(address)?,
-            SourceSpec::TcpListen(address) => network::tcp_listen(address)?,
-            SourceSpec::Tcp(address) => network::tcp_connect(address.clone()),
-            SourceSpec::Serial { device, baud } => {
-                let port = serial::open(device, *baud)?;
-                let peer = name.clone();
-                Box::new(move |outlet| read_all(port, &peer, outlet))
+        let (run, spec): (Run, SourceSpec) = match spec {
+            SourceSpec::Udp(address) => {
+                let (run, here) = network::udp(address)?;
+                (run, SourceSpec::Udp(here))
             }
-            SourceSpec::StandardInput => Box::new(|outlet| read_all(io::stdin().lock(), "standard input", outlet)),
+            SourceSpec::TcpListen(address) => {
+                let (run, here) = network::tcp_listen(address)?;
+                (run, SourceSpec::TcpListen(here))
+            }
+            SourceSpec::Tcp(address) => (network::tcp_connect(address.clone()), spec.clone()),
+            SourceSpec::Serial { device, baud } => {
+                let (port, peer) = (serial::open(device, *baud)?, spec.to_string());
+                (Box::new(move |outlet| read_all(port, &peer, outlet)), spec.clone())
+            }
+            SourceSpec::StandardInput => {
+                (Box::new(|outlet| read_all(io::stdin().lock(), "standard input", outlet)), spec.clone())
+            }
         };
-        Ok(Self { run, name })
+        Ok(Self { run, name: spec.to_string() })
     }
 
     /// Receives until the source ends or is stopped.

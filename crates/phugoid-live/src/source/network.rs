@@ -4,19 +4,18 @@ use std::io;
 use std::net::{SocketAddr, TcpListener, TcpStream, UdpSocket};
 use std::time::Duration;
 
-use super::{DATAGRAM, LOOK, Outlet, PEERS, pieces, waits};
+use super::{DATAGRAM, LOOK, PEERS, Run, pieces, waits};
 use crate::arrival::Content;
 
 /// Before a lost connection is tried again.
 const AGAIN: Duration = Duration::from_secs(1);
 
-type Run = Box<dyn FnOnce(&Outlet) + Send>;
-
-/// Datagrams to an address.
-pub(super) fn udp(address: &SocketAddr) -> io::Result<Run> {
+/// Datagrams to an address; the second is where it listens: the port is the system's choice if 0 was asked for.
+pub(super) fn udp(address: &SocketAddr) -> io::Result<(Run, SocketAddr)> {
     let socket = UdpSocket::bind(address)?;
     socket.set_read_timeout(Some(LOOK))?;
-    Ok(Box::new(move |outlet| {
+    let here = socket.local_addr()?;
+    let run: Run = Box::new(move |outlet| {
         let mut bytes = vec![0; DATAGRAM];
         let mut peers: Vec<SocketAddr> = Vec::new();
         let mut next = 0;
@@ -53,7 +52,8 @@ pub(super) fn udp(address: &SocketAddr) -> io::Result<Run> {
                 }
             }
         }
-    }))
+    });
+    Ok((run, here))
 }
 
 /// A connection to a server, again and again.
@@ -84,11 +84,12 @@ pub(super) fn tcp_connect(address: String) -> Run {
     })
 }
 
-/// Connections of senders, each a peer of its own.
-pub(super) fn tcp_listen(address: &SocketAddr) -> io::Result<Run> {
+/// Connections of senders, each a peer of its own; the second is where it listens.
+pub(super) fn tcp_listen(address: &SocketAddr) -> io::Result<(Run, SocketAddr)> {
     let listener = TcpListener::bind(address)?;
     listener.set_nonblocking(true)?;
-    Ok(Box::new(move |outlet| {
+    let here = listener.local_addr()?;
+    let run: Run = Box::new(move |outlet| {
         let mut threads: Vec<Option<std::thread::JoinHandle<()>>> = Vec::new();
         threads.resize_with(usize::from(PEERS), || None);
         while !outlet.stopped() {
@@ -123,5 +124,6 @@ pub(super) fn tcp_listen(address: &SocketAddr) -> io::Result<Run> {
                 *slot = Some(thread);
             }
         }
-    }))
+    });
+    Ok((run, here))
 }

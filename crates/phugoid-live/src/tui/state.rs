@@ -44,6 +44,7 @@ pub(super) struct Parameter {
     pub(super) value: Option<f64>,
     pub(super) std_error: Option<f64>,
     pub(super) status: String,
+    /// Told where it was renewed; it stands until the next.
     pub(super) readiness: Option<Readiness>,
 }
 
@@ -104,7 +105,11 @@ impl State {
                 (self.estimate, self.estimate_at, self.end) = (None, None, None);
             }
             Some("estimate") => {
-                let estimate: Estimate = serde_json::from_value(document)?;
+                let mut estimate: Estimate = serde_json::from_value(document)?;
+                let before = self.estimate.take().map(|estimate| estimate.parameters).unwrap_or_default();
+                for (parameter, before) in estimate.parameters.iter_mut().zip(before) {
+                    parameter.readiness = parameter.readiness.take().or(before.readiness);
+                }
                 for (course, parameter) in self.courses.iter_mut().zip(&estimate.parameters) {
                     course.push(estimate.time_s, parameter.value.unwrap_or(f64::NAN));
                 }

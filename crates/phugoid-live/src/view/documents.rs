@@ -7,8 +7,10 @@ use phugoid_identification::session::Layout;
 use serde::Deserialize;
 use serde_json::Value;
 
-use super::thinned::Thinned;
+use super::thinned::{Row, Thinned};
 use super::{Event, FinalParameter, Finished, Hello, ViewError};
+use crate::document::Kind;
+use crate::run::Audience;
 
 /// Longest line that is taken for a document; an estimate of 48 parameters has some twenty thousand characters.
 const LINE_BYTES: u64 = 1 << 24;
@@ -34,9 +36,9 @@ struct Parameter {
     readiness: Option<ParameterReadiness>,
 }
 
-/// What has been read.
+/// Gathers documents: those of a file, or of a recording that is estimated again.
 #[derive(Default)]
-struct Reading {
+pub struct Collector {
     begun: Option<(Hello, Thinned)>,
     last: Option<Estimate>,
     events: Vec<Event>,
@@ -47,7 +49,7 @@ struct Reading {
 }
 
 pub(super) fn read(mut file: impl BufRead) -> Result<Finished, ViewError> {
-    let mut reading = Reading::default();
+    let mut reading = Collector::default();
     let mut line = Vec::new();
     for number in 1_usize.. {
         line.clear();
@@ -69,13 +71,27 @@ pub(super) fn read(mut file: impl BufRead) -> Result<Finished, ViewError> {
     reading.finish()
 }
 
-impl Reading {
+impl Audience for Collector {
+    fn hear(&mut self, _: Kind, document: &str) {
+        if let Err(error) = self.document(document.as_bytes()) {
+            self.bad += 1;
+            self.notes.push(format!("A document is left out: {error}."));
+        }
+    }
+}
+
+impl Collector {
     fn document(&mut self, line: &[u8]) -> Result<(), serde_json::Error> {
         // Estimates are most of the documents: they are not read twice.
         if let Some((_, columns)) = &mut self.begun
-            && let Ok(Tagged { kind: Kind::Estimate, estimate }) = serde_json::from_slice(line)
+            && let Ok(Tagged { kind: Type::Estimate, mut estimate }) = serde_json::from_slice(line)
         {
             columns.push(estimate.time_s, &row(&estimate));
+            // Told where it was renewed; it stands until the next.
+            let before = self.last.take().map(|last| last.parameters).unwrap_or_default();
+            for (parameter, before) in estimate.parameters.iter_mut().zip(before) {
+                parameter.readiness = parameter.readiness.take().or(before.readiness);
+            }
             self.estimates += 1;
             self.last = Some(estimate);
             return Ok(());
@@ -104,12 +120,18 @@ impl Reading {
         Ok(())
     }
 
-    fn finish(mut self) -> Result<Finished, ViewError> {
+    /// The result.
+    ///
+    /// # Errors
+    /// [`ViewError::NoResult`] where there is no estimate, with what was said about it.
+    pub fn finish(mut self) -> Result<Finished, ViewError> {
         let Some((hello, columns)) = self.begun else {
             return Err(ViewError::NoResult("there is no document of type `hello` in it".to_owned()));
         };
         let Some(last) = self.last else {
-            return Err(ViewError::NoResult("there is no estimate in it".to_owned()));
+            let why = self.events.iter().rfind(|event| ["waiting", "impossible"].contains(&event.kind.as_str()));
+            let why = why.map(|event| format!(": {}", event.message)).unwrap_or_default();
+            return Err(ViewError::NoResult(format!("there is no estimate in it{why}")));
         };
         if self.bad > 1 {
             self.notes.push(format!("{} lines in all are left out.", self.bad));
@@ -135,27 +157,23 @@ impl Reading {
 #[derive(Deserialize)]
 struct Tagged {
     #[serde(rename = "type")]
-    kind: Kind,
+    kind: Type,
     #[serde(flatten)]
     estimate: Estimate,
 }
 
 #[derive(Deserialize)]
 #[serde(rename_all = "snake_case")]
-enum Kind {
+enum Type {
     Estimate,
 }
 
-fn row(estimate: &Estimate) -> Vec<f64> {
-    let number = |value: Option<f64>| value.unwrap_or(f64::NAN);
-    let mut row = Vec::with_capacity(3 * (estimate.parameters.len() + estimate.outputs.len()) + estimate.inputs.len());
-    for parameter in &estimate.parameters {
-        let (value, bound) = (number(parameter.value), 2.0 * number(parameter.std_error));
-        row.extend([value, value - bound, value + bound]);
-    }
-    for ((measured, predicted), residual) in estimate.outputs.iter().zip(&estimate.predicted).zip(&estimate.residuals) {
-        row.extend([number(*measured), number(*predicted), number(*residual)]);
-    }
-    row.extend(estimate.inputs.iter().copied().map(number));
-    row
+fn row(estimate: &Estimate) -> Row {
+    let number = |value: &Option<f64>| value.unwrap_or(f64::NAN);
+    let outputs = estimate.outputs.iter().zip(&estimate.predicted).zip(&estimate.residuals);
+    Row::new(
+        estimate.parameters.iter().map(|parameter| [number(&parameter.value), number(&parameter.std_error)]),
+        outputs.map(|((measured, predicted), residual)| [measured, predicted, residual].map(number)),
+        estimate.inputs.iter().map(number),
+    )
 }

@@ -6,7 +6,7 @@ use phugoid_identification::estimation::ParameterResult;
 use phugoid_identification::session::{Layout, ParameterLayout, SignalLayout};
 use serde::Deserialize;
 
-use super::thinned::Thinned;
+use super::thinned::{Row, Thinned};
 use super::{Event, FinalParameter, Finished, Hello, ViewError};
 
 #[derive(Deserialize)]
@@ -60,19 +60,14 @@ pub(super) fn read(file: impl Read) -> Result<Finished, ViewError> {
         inputs: history.inputs.iter().map(signal).collect(),
     };
     let mut columns = Thinned::new(history.parameters.len(), history.measured.len(), history.inputs.len());
-    let mut row = Vec::new();
     for (k, time_s) in history.time_s.iter().enumerate() {
         let at = |values: &[Option<f64>]| values.get(k).copied().flatten().unwrap_or(f64::NAN);
-        row.clear();
-        for course in &history.parameters {
-            let (value, bound) = (at(&course.value), 2.0 * at(&course.std_error));
-            row.extend([value, value - bound, value + bound]);
-        }
-        for ((measured, predicted), residual) in history.measured.iter().zip(&history.predicted).zip(&history.residuals)
-        {
-            row.extend([at(&measured.values), at(&predicted.values), at(&residual.values)]);
-        }
-        row.extend(history.inputs.iter().map(|input| at(&input.values)));
+        let outputs = history.measured.iter().zip(&history.predicted).zip(&history.residuals);
+        let row = Row::new(
+            history.parameters.iter().map(|course| [at(&course.value), at(&course.std_error)]),
+            outputs.map(|((measured, predicted), residual)| [measured, predicted, residual].map(|s| at(&s.values))),
+            history.inputs.iter().map(|input| at(&input.values)),
+        );
         columns.push(*time_s, &row);
     }
     let last = |course: &ParameterHistory| {

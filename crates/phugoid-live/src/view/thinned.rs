@@ -16,6 +16,23 @@ enum Kind {
     UpperEdge,
 }
 
+/// One sample, in the order of [`Columns`].
+#[derive(Clone, Debug)]
+pub(super) struct Row(Vec<f64>);
+
+impl Row {
+    /// Of value and standard error of each parameter; of what was measured and predicted and the residual of each output; of inputs.
+    /// NaN where missing or not given.
+    pub(super) fn new(
+        parameters: impl Iterator<Item = [f64; 2]>,
+        outputs: impl Iterator<Item = [f64; 3]>,
+        inputs: impl Iterator<Item = f64>,
+    ) -> Self {
+        let bands = parameters.flat_map(|[value, sigma]| [value, value - 2.0 * sigma, value + 2.0 * sigma]);
+        Self(bands.chain(outputs.flatten()).chain(inputs).collect())
+    }
+}
+
 /// Collects rows; memory does not grow with their number.
 #[derive(Clone, Debug)]
 pub(super) struct Thinned {
@@ -38,8 +55,8 @@ impl Thinned {
         Self { kinds, group: 1, time_s: Vec::new(), low: columns.clone(), high: columns, filled: 0 }
     }
 
-    /// Appends one sample; values in the order of [`Columns`], NaN where missing or not given.
-    pub(super) fn push(&mut self, time_s: f64, row: &[f64]) {
+    /// Appends one sample.
+    pub(super) fn push(&mut self, time_s: f64, Row(row): &Row) {
         if self.filled == self.group || self.time_s.is_empty() {
             if self.time_s.len() == MOST_GROUPS {
                 self.halve();
@@ -101,7 +118,7 @@ mod tests {
     fn few_samples_stay_as_they_are() {
         let mut thinned = Thinned::new(0, 0, 2);
         for k in 0..100 {
-            thinned.push(f64::from(k), &[f64::from(k), f64::NAN]);
+            thinned.push(f64::from(k), &Row(vec![f64::from(k), f64::NAN]));
         }
         let columns = thinned.finish();
         assert_eq!(columns.time_s.len(), 100);
@@ -114,7 +131,7 @@ mod tests {
         let mut thinned = Thinned::new(1, 0, 1);
         for k in 0..1_000_000_u32 {
             let peak = if k == 654_321 { 7.5 } else { 0.0 };
-            thinned.push(f64::from(k) * 0.01, &[1.0, 0.5 - peak, 1.5 + peak, -peak]);
+            thinned.push(f64::from(k) * 0.01, &Row(vec![1.0, 0.5 - peak, 1.5 + peak, -peak]));
         }
         let columns = thinned.finish();
         let rows = columns.time_s.len();

@@ -1,43 +1,32 @@
 //! `phugoid live`.
 
 use std::fs::File;
-use std::io::{self, Read, Write};
-use std::path::{Path, PathBuf};
+use std::io::{self, Write};
+use std::path::PathBuf;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use phugoid_flight_data::reader::{self, ReadOptions};
-use phugoid_identification::estimate::EstimateOptions;
-use phugoid_identification::method::Method;
 use phugoid_identification::model_file::ModelFile;
-use phugoid_live::mavlink::{DebugMessages, MavlinkOptions};
+use phugoid_live::mavlink::DebugMessages;
 use phugoid_live::publish::WhenSlow;
-use phugoid_live::receiver::ReceiverOptions;
-use phugoid_live::recording::Reader;
+use phugoid_live::recording::{Header, Reader};
 use phugoid_live::run::{Audience, Live, LiveError};
 use phugoid_live::source::{Pace, Replay, Source, SourceSpec};
+use phugoid_live::stop::{Stop, Why};
 use phugoid_studies::named;
 
+use super::flight::{Flight, recording};
 use super::screen;
 use crate::arguments::live::{Live as Arguments, Speed};
 use crate::failure::Failure;
 
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let recording = arguments.replay.as_deref().map(recording).transpose()?.flatten();
-    let (name, text) = match (&arguments.model, &recording) {
-        (Some(wanted), _) => named::model_text(wanted).map_err(Failure::input)?,
-        (None, Some(recording)) => (recording.header().model_name.clone(), recording.header().model_text.clone()),
-        (None, None) => {
-            let message = "--replay of a flight needs --model: only a recording of `phugoid live` has a model in it";
-            return Err(Failure::input(message));
-        }
-    };
-    let model = ModelFile::parse(&name, &text).map_err(Failure::input)?;
-    let options = options(arguments, recording.as_ref())?;
-    let receiver = ReceiverOptions { columns: model.columns(), mavlink: mavlink(arguments, recording.as_ref()) };
-    let stop = Arc::new(AtomicBool::new(false));
-    let source = source(arguments, recording, &model)?;
+    let flight = Flight::of(&settings(arguments, recording.as_ref().map(Reader::header))?)?;
+    let started_wall_ns = recording.as_ref().map(|recording| recording.header().started_wall_ns);
+    let stop = Arc::new(Stop::default());
+    let source = source(arguments, recording, &flight.model)?;
     let record = record(arguments);
     if let Some(file) = &record {
         say(&format!("recording to {}", file.display()));
@@ -46,14 +35,15 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let piped = arguments.source == Some(SourceSpec::StandardInput);
     let waits = piped || (arguments.replay.is_some() && arguments.speed == Speed::Max);
     let live = Live {
-        model: &model,
-        model_text: &text,
-        options: &options,
-        receiver: &receiver,
+        model: &flight.model,
+        model_text: &flight.text,
+        options: &flight.options,
+        receiver: &flight.receiver,
         record,
         all: arguments.all,
         when_slow: if waits { WhenSlow::Wait } else { WhenSlow::LeaveOut },
         replayed: arguments.replay.is_some(),
+        started_wall_ns,
     };
     let out: Box<dyn Write + Send> = match &arguments.out {
         Some(file) => Box::new(File::create(file).map_err(|e| Failure::writing(file, e))?),
@@ -69,13 +59,15 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     // A second Ctrl-C, or a system without signals: the recording survives it.
     let ended = Arc::clone(&stop);
     let _ = ctrlc::set_handler(move || {
-        if ended.swap(true, Ordering::Relaxed) {
+        if !ended.ask(Why::Signal) {
             std::process::exit(130);
         }
     });
     let estimate = |shown: Option<Box<dyn Audience>>| {
         audience.extend(shown);
-        live.run(source, out, &mut audience, &stop)
+        let mut listeners: Vec<&mut dyn Audience> = Vec::new();
+        listeners.extend(audience.iter_mut().map(|listener| &mut **listener as &mut dyn Audience));
+        live.run(source, out, &mut listeners, &stop)
     };
     let summary = match arguments.tui {
         true => screen::run(|listener| estimate(Some(listener)), &stop)?,
@@ -100,38 +92,33 @@ fn page(page: &crate::arguments::live::Page) -> Result<Option<Box<dyn Audience>>
     Ok(Some(Box::new(hub)))
 }
 
-/// A recording of this command, if the file is one.
-fn recording(path: &Path) -> Result<Option<Reader>, Failure> {
-    let mut start = [0; 4];
-    let read = File::open(path).and_then(|file| file.take(4).read(&mut start));
-    let read = read.map_err(|error| Failure::input(format!("cannot read `{}`: {error}", path.display())))?;
-    match Reader::is_recording(start.get(..read).unwrap_or_default()) {
-        true => Reader::open(path).map(Some).map_err(Failure::input),
-        false => Ok(None),
-    }
-}
-
-/// The choices of the command line, else those with which it was recorded.
-fn options(arguments: &Arguments, recording: Option<&Reader>) -> Result<EstimateOptions, Failure> {
-    let header = recording.map(Reader::header);
-    let recorded = header.and_then(|header| header.method.as_deref()).map(str::parse::<Method>).transpose();
-    let re_reaching = match (arguments.change_detection, arguments.no_change_detection) {
+/// What the command line says, else what a recording was made with.
+fn settings(arguments: &Arguments, recorded: Option<&Header>) -> Result<Header, Failure> {
+    let (model_name, model_text) = match (&arguments.model, recorded) {
+        (Some(wanted), _) => named::model_text(wanted).map_err(Failure::input)?,
+        (None, Some(recorded)) => (recorded.model_name.clone(), recorded.model_text.clone()),
+        (None, None) => {
+            let message = "--replay of a flight needs --model: only a recording of `phugoid live` has a model in it";
+            return Err(Failure::input(message));
+        }
+    };
+    let change_detection = match (arguments.change_detection, arguments.no_change_detection) {
         (true, _) => Some(true),
         (_, true) => Some(false),
-        _ => header.and_then(|header| header.change_detection),
+        _ => recorded.and_then(|recorded| recorded.change_detection),
     };
-    let method = arguments.method.or(recorded.map_err(Failure::input)?);
-    Ok(EstimateOptions { method, re_reaching, ..EstimateOptions::default() })
-}
-
-fn mavlink(arguments: &Arguments, recording: Option<&Reader>) -> MavlinkOptions {
-    // The same samples again: the window with which it was recorded.
-    let reorder_ns = recording.map(|recording| recording.header().reorder_ns);
-    MavlinkOptions {
-        reorder_ns: reorder_ns.unwrap_or((arguments.reorder_ms * 1e6) as u64),
-        system: arguments.system.or(recording.and_then(|recording| recording.header().system)),
-        base: arguments.base.clone().or(recording.and_then(|recording| recording.header().base.clone())),
-    }
+    let method = arguments.method.map(|method| method.name().to_owned());
+    Ok(Header {
+        model_name,
+        model_text,
+        method: method.or(recorded.and_then(|recorded| recorded.method.clone())),
+        change_detection,
+        // The same samples again: the window with which it was recorded.
+        reorder_ns: recorded.map_or((arguments.reorder_ms * 1e6) as u64, |recorded| recorded.reorder_ns),
+        system: arguments.system.or(recorded.and_then(|recorded| recorded.system)),
+        base: arguments.base.clone().or(recorded.and_then(|recorded| recorded.base.clone())),
+        ..Header::default()
+    })
 }
 
 fn source(arguments: &Arguments, recording: Option<Reader>, model: &ModelFile) -> Result<Source, Failure> {
@@ -160,12 +147,15 @@ fn record(arguments: &Arguments) -> Option<PathBuf> {
     }
     let named = || {
         let seconds = SystemTime::now().duration_since(UNIX_EPOCH).map(|since| since.as_secs()).unwrap_or_default();
-        PathBuf::from(format!("phugoid-{seconds}.phugoid-live"))
+        // Another one may have begun in this second.
+        let names = std::iter::once(String::new()).chain((2..1000).map(|number| format!("-{number}")));
+        let mut files = names.map(|more| PathBuf::from(format!("phugoid-{seconds}{more}.phugoid-live")));
+        files.find(|file| !file.exists()).unwrap_or_else(|| PathBuf::from("phugoid.phugoid-live"))
     };
     arguments.record.clone().or_else(|| arguments.source.as_ref().map(|_| named()))
 }
 
-fn failure(error: LiveError) -> Failure {
+pub(super) fn failure(error: LiveError) -> Failure {
     match error {
         LiveError::Recording { file, error } => Failure::writing_of("--record", &file, error),
         LiveError::Documents(error) => Failure::standard_output(&error),

@@ -1,8 +1,7 @@
 //! The terminal view of `phugoid live --tui`.
 
-use std::sync::atomic::AtomicBool;
-
 use phugoid_live::run::{Audience, LiveError, Summary};
+use phugoid_live::stop::Stop;
 
 use crate::failure::Failure;
 
@@ -10,7 +9,7 @@ use crate::failure::Failure;
 #[cfg(feature = "tui")]
 pub(crate) fn run(
     estimate: impl FnOnce(Box<dyn Audience>) -> Result<Summary, LiveError> + Send,
-    stop: &AtomicBool,
+    stop: &Stop,
 ) -> Result<Result<Summary, LiveError>, Failure> {
     let (listener, documents) = phugoid_live::tui::channel();
     std::thread::scope(|scope| {
@@ -27,7 +26,7 @@ pub(crate) fn run(
 #[cfg(not(feature = "tui"))]
 pub(crate) fn run(
     _: impl FnOnce(Box<dyn Audience>) -> Result<Summary, LiveError> + Send,
-    _: &AtomicBool,
+    _: &Stop,
 ) -> Result<Result<Summary, LiveError>, Failure> {
     Err(Failure::input(
         "this program was built without the terminal view: build it with `--features tui`, or open the page of the dashboard",

@@ -39,7 +39,12 @@ impl Told {
     fn flying() -> Self {
         let mut told = Self::new(&[serde_json::from_str(HELLO).unwrap()]);
         for second in 2..=20 {
-            told.0.take(&estimate(f64::from(second)).to_string(), told.1);
+            let mut estimate = estimate(f64::from(second));
+            // Readiness is told where it was renewed.
+            for parameter in estimate["parameters"].as_array_mut().into_iter().flatten().filter(|_| second > 4) {
+                parameter.as_object_mut().unwrap().remove("readiness");
+            }
+            told.0.take(&estimate.to_string(), told.1);
         }
         let event = json!({"type": "event", "time_s": 12.4, "kind": "gap", "message": "nothing for 0.31 s"});
         let link = json!({"type": "link", "received": 12_345, "lost": 7, "late": 1, "reordered": 4, "restarts": 0,

@@ -1,0 +1,49 @@
+//! What a live estimation takes: a flight that is received, or a recording of one.
+
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+use phugoid_identification::estimate::EstimateOptions;
+use phugoid_identification::method::Method;
+use phugoid_identification::model_file::ModelFile;
+use phugoid_live::mavlink::MavlinkOptions;
+use phugoid_live::receiver::ReceiverOptions;
+use phugoid_live::recording::{Header, Reader};
+
+use crate::failure::Failure;
+
+/// The aircraft and how its samples are understood and estimated.
+pub(super) struct Flight {
+    pub(super) model: ModelFile,
+    pub(super) text: String,
+    pub(super) options: EstimateOptions,
+    pub(super) receiver: ReceiverOptions,
+}
+
+impl Flight {
+    /// As the header of a recording says, or would say.
+    pub(super) fn of(header: &Header) -> Result<Self, Failure> {
+        let model = ModelFile::parse(&header.model_name, &header.model_text).map_err(Failure::input)?;
+        let method = header.method.as_deref().map(str::parse::<Method>).transpose().map_err(Failure::input)?;
+        let mavlink =
+            MavlinkOptions { reorder_ns: header.reorder_ns, system: header.system, base: header.base.clone() };
+        Ok(Self {
+            options: EstimateOptions { method, re_reaching: header.change_detection, ..EstimateOptions::default() },
+            receiver: ReceiverOptions { columns: model.columns(), mavlink },
+            text: header.model_text.clone(),
+            model,
+        })
+    }
+}
+
+/// A recording of `phugoid live`, if the file is one.
+pub(super) fn recording(path: &Path) -> Result<Option<Reader>, Failure> {
+    let mut start = [0; 4];
+    let read = File::open(path).and_then(|file| file.take(4).read(&mut start));
+    let read = read.map_err(|error| Failure::input(format!("cannot read `{}`: {error}", path.display())))?;
+    match Reader::is_recording(start.get(..read).unwrap_or_default()) {
+        true => Reader::open(path).map(Some).map_err(Failure::input),
+        false => Ok(None),
+    }
+}
