@@ -33,8 +33,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 fn described(frame: &Frame<'_>) -> Value {
     let message = definitions::messages().get(&frame.id);
     let fields = message.into_iter().flat_map(|message| &message.fields);
-    let fields: Map<String, Value> =
-        fields.map(|field| (field.name.to_owned(), value(field, frame.payload))).collect();
+    let fields: Map<String, Value> = fields.map(|field| (field.name.to_owned(), value(field, frame.payload))).collect();
     json!({
         "id": frame.id, "name": message.map(|message| message.name), "sequence": frame.sequence, "system": frame.system,
         "component": frame.component, "fields": fields,

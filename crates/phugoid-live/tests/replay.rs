@@ -3,6 +3,9 @@
 // What goes wrong in a helper fails the test.
 #![allow(clippy::unwrap_used)]
 
+#[path = "../../../tests/telemetry.rs"]
+mod telemetry;
+
 use std::path::PathBuf;
 
 use phugoid_identification::estimate::EstimateOptions;
@@ -10,47 +13,13 @@ use phugoid_identification::model_file::ModelFile;
 use phugoid_live::arrival::{Arrival, Content};
 use phugoid_live::document::Kind;
 use phugoid_live::engine::Engine;
-use phugoid_live::mavlink::definitions::{self, Kind as FieldKind};
-use phugoid_live::mavlink::frame;
 use phugoid_live::receiver::ReceiverOptions;
 use phugoid_live::recording::{Header, Reader, Recorder, VERSION};
 use serde_json::Value;
+use telemetry::{message, signals};
 
-/// A flight of 4 s at 100 Hz whose numbers move as in flight; nothing here asks what is estimated from them.
+/// A flight of 4 s.
 const SAMPLES: u32 = 400;
-
-fn signals(t: f64) -> Vec<(&'static str, f64)> {
-    let wiggle =
-        |size: f64, rate: f64, phase: f64| size * (rate * t + phase).sin() + 0.02 * size * (977.0 * t + phase).sin();
-    vec![
-        ("tas", 205.9 + wiggle(0.5, 1.1, 0.0)),
-        ("alpha", 0.041 + wiggle(0.01, 2.0, 0.3)),
-        ("theta", 0.042 + wiggle(0.01, 2.0, 1.0)),
-        ("q", wiggle(0.02, 2.0, 1.5)),
-        ("ax", 0.29 + wiggle(0.1, 2.0, 0.4)),
-        ("elevator", -0.034 + wiggle(0.01, 2.0, 2.0)),
-        ("thrust", 9909.0),
-        ("altitude", 6096.0),
-        ("az", -9.7 + wiggle(0.6, 2.0, 0.2)),
-    ]
-}
-
-fn message(name: &str, sequence: u8, numbers: &[(&str, f64)], text: &str) -> Vec<u8> {
-    let message = definitions::by_name(name).unwrap();
-    let mut payload = vec![0; message.length()];
-    for (field, value) in numbers {
-        let field = message.field(field).unwrap();
-        let bytes = match field.kind {
-            FieldKind::Float => (*value as f32).to_le_bytes().to_vec(),
-            _ => (*value as u64).to_le_bytes()[..field.kind.size()].to_vec(),
-        };
-        payload[field.offset..field.offset + bytes.len()].copy_from_slice(&bytes);
-    }
-    if let Some(field) = message.field("name") {
-        payload[field.offset..field.offset + text.len()].copy_from_slice(text.as_bytes());
-    }
-    frame::encode(message.id, sequence, 1, 1, &payload).unwrap()
-}
 
 /// The arrivals of a flight with losses, duplicates, another order, garbage and damage, its time counted from `from_s`.
 fn arrivals(from_s: f64, first_ns: u64) -> Vec<Arrival> {
@@ -107,7 +76,9 @@ fn model() -> ModelFile {
 }
 
 fn engine() -> Engine {
-    Engine::new(&model(), &EstimateOptions::default(), &ReceiverOptions::default(), "test").unwrap()
+    Engine::new(&model(), &EstimateOptions::default(), &ReceiverOptions::default(), "test")
+        .unwrap()
+        .with_every_estimate()
 }
 
 /// Everything that is published of arrivals; timers run every `timer_ns` as in flight, or not at all as in a replay.
@@ -257,20 +228,8 @@ fn a_clock_that_stands_still_is_said() {
 /// The same flight as text, in pieces that end anywhere, gives an estimate per row.
 #[test]
 fn csv_and_json_give_the_same_estimates() {
-    let header = "time_s,tas_m_s,alpha_rad,theta_rad,q_rad_s,ax_m_s2,elevator_rad,thrust_n,altitude_m,az_m_s2";
-    let names: Vec<&str> = header.split(',').collect();
-    let rows: Vec<Vec<f64>> = (0..SAMPLES)
-        .map(|k| 0.01 * f64::from(k))
-        .map(|t| std::iter::once(t).chain(signals(t).into_iter().map(|(_, value)| value)).collect())
-        .collect();
-    let line = |row: &Vec<f64>| row.iter().map(f64::to_string).collect::<Vec<_>>().join(",");
-    let csv = format!("{header}\n{}\n", rows.iter().map(line).collect::<Vec<_>>().join("\n"));
-    let object = |row: &Vec<f64>| {
-        let object: serde_json::Map<String, Value> =
-            names.iter().zip(row).map(|(name, value)| ((*name).to_owned(), (*value).into())).collect();
-        Value::Object(object).to_string()
-    };
-    let json = rows.iter().map(object).collect::<Vec<_>>().join("\n") + "\n";
+    let csv = telemetry::csv_header() + &telemetry::csv_rows(0..SAMPLES);
+    let json = telemetry::json_lines(0..SAMPLES);
     let estimates = |text: &str| {
         let pieces = text.as_bytes().chunks(777).enumerate().map(|(k, bytes)| Arrival {
             arrival_ns: 1 + k as u64 * 1_000_000,
