@@ -1,9 +1,11 @@
 //! Which format a file is in, by what it begins with and not by its name.
 
+use std::io::{self, Cursor, Read};
+
 use crate::log::{dataflash, ulog};
 
 /// As many bytes of the beginning as tell every format.
-pub const SNIFFED: usize = 64;
+const SNIFFED: usize = 64;
 
 /// A format that is known by its beginning; not all of them can be read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,6 +56,21 @@ impl Format {
             _ if is(&[0xFF, 0xFE]) || is(&[0xFE, 0xFF]) => Format::Utf16,
             _ => Format::Csv,
         }
+    }
+
+    /// The format of what a reader gives, and a reader that gives the same from its beginning.
+    ///
+    /// # Errors
+    /// The reader's own.
+    pub fn of<R: Read>(mut reader: R) -> io::Result<(Self, impl Read)> {
+        let mut start = Vec::with_capacity(SNIFFED);
+        reader.by_ref().take(SNIFFED as u64).read_to_end(&mut start)?;
+        Ok((Self::sniff(&start), Cursor::new(start).chain(reader)))
+    }
+
+    /// Is it a log of an autopilot or a recorder, and no table, that this build reads?
+    pub(crate) fn is_log(self) -> bool {
+        matches!(self, Format::Ulog | Format::DataFlash) || (cfg!(feature = "mcap") && self == Format::Mcap)
     }
 
     /// The feature of this crate (and of the command line) that reads it, if it is one that may be switched off.

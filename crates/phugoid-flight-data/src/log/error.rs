@@ -33,7 +33,9 @@ pub enum LogError {
         feature: String,
     },
     /// There is nothing in it that could be read.
-    #[error("{source_name}: the log holds no data{reason}")]
+    #[error(
+        "{source_name}: the log holds no data{reason}. No sample of it could be read; if it was cut off or damaged, copy it again"
+    )]
     NoData {
         /// File or stream.
         source_name: String,

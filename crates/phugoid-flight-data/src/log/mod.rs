@@ -13,12 +13,14 @@ mod selection;
 mod sink;
 mod skipped;
 pub mod survey;
+mod surveyed;
 pub mod ulog;
 pub mod utc;
 mod window;
 
 pub use error::LogError;
 pub use read::{read, read_path, survey, survey_path};
+pub(crate) use read::{read_as, survey_and_read_as, survey_as};
 pub use selection::{Selection, Wanted};
 
 use serde::Serialize;

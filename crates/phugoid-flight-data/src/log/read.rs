@@ -1,14 +1,16 @@
 //! Reads a log of any format, by content.
 
 use std::fs::File;
-use std::io::{Cursor, Read};
+use std::io::Read;
 use std::path::Path;
 
 #[cfg(feature = "mcap")]
 use super::mcap;
-use super::survey::Survey;
+use super::sink::{Head, Sink, Tables};
+use super::survey::{Counts, Survey};
+use super::surveyed::Surveyed;
 use super::{Log, LogError, Selection, dataflash, ulog};
-use crate::format::{Format, SNIFFED};
+use crate::format::Format;
 
 /// Reads a log from the disk; otherwise as [`read()`].
 ///
@@ -34,13 +36,7 @@ pub fn survey_path(path: &Path) -> Result<Survey, LogError> {
 /// [`LogError`] if it is no log of a known format, or as the reader of its format says.
 pub fn read(reader: impl Read, source: &str, selection: &Selection) -> Result<Log, LogError> {
     let (format, reader) = sniff(reader, source)?;
-    match format {
-        Format::Ulog => ulog::read(reader, source, selection),
-        Format::DataFlash => dataflash::read(reader, source, selection),
-        #[cfg(feature = "mcap")]
-        Format::Mcap => mcap::read(reader, source, selection),
-        other => Err(no_log(source, other)),
-    }
+    read_as(format, reader, source, selection)
 }
 
 /// What is in a log of whatever format, in memory that does not grow with it.
@@ -49,11 +45,59 @@ pub fn read(reader: impl Read, source: &str, selection: &Selection) -> Result<Lo
 /// As [`read()`].
 pub fn survey(reader: impl Read, source: &str) -> Result<Survey, LogError> {
     let (format, reader) = sniff(reader, source)?;
+    survey_as(format, reader, source)
+}
+
+/// As [`read()`], of a format that is known.
+pub(crate) fn read_as(format: Format, reader: impl Read, source: &str, selection: &Selection) -> Result<Log, LogError> {
+    into_log(source, selection, |sink| run(format, reader, source, sink))
+}
+
+/// As [`survey()`], of a format that is known.
+pub(crate) fn survey_as(format: Format, reader: impl Read, source: &str) -> Result<Survey, LogError> {
+    into_survey(|sink| run(format, reader, source, sink))
+}
+
+/// A survey of the whole log and the part of it that is selected, in one pass; that part is an error of its own where it is more
+/// than the selection's bound.
+pub(crate) fn survey_and_read_as(
+    format: Format,
+    reader: impl Read,
+    source: &str,
+    selection: &Selection,
+) -> Result<(Survey, Result<Log, LogError>), LogError> {
+    let mut sink = Surveyed::new(selection);
+    let head = run(format, reader, source, &mut sink)?.unwrap_or_default();
+    Ok(sink.finish(head, source))
+}
+
+/// The log that the run of a format's reader gives; an error if it is more than the selection's bound.
+pub(super) fn into_log<'s>(
+    source: &str,
+    selection: &'s Selection,
+    run: impl FnOnce(&mut Tables<'s>) -> Result<Option<Head>, LogError>,
+) -> Result<Log, LogError> {
+    let mut tables = Tables::new(selection);
+    match run(&mut tables)? {
+        Some(head) => Ok(tables.finish(head)),
+        None => Err(tables.too_large(source)),
+    }
+}
+
+/// The survey of what the run of a format's reader gives. It is never full.
+pub(super) fn into_survey(run: impl FnOnce(&mut Counts) -> Result<Option<Head>, LogError>) -> Result<Survey, LogError> {
+    let mut counts = Counts::default();
+    let head = run(&mut counts)?.unwrap_or_default();
+    Ok(counts.finish(head))
+}
+
+/// Reads a log of this format into a sink; none if the sink is full.
+fn run<S: Sink>(format: Format, reader: impl Read, source: &str, sink: &mut S) -> Result<Option<Head>, LogError> {
     match format {
-        Format::Ulog => ulog::survey(reader, source),
-        Format::DataFlash => dataflash::survey(reader, source),
+        Format::Ulog => ulog::run(reader, source, sink),
+        Format::DataFlash => dataflash::run(reader, source, sink),
         #[cfg(feature = "mcap")]
-        Format::Mcap => mcap::survey(reader, source),
+        Format::Mcap => mcap::run(reader, source, sink),
         other => Err(no_log(source, other)),
     }
 }
@@ -66,11 +110,8 @@ fn open(path: &Path) -> Result<(File, String), LogError> {
     }
 }
 
-fn sniff<R: Read>(mut reader: R, source: &str) -> Result<(Format, impl Read), LogError> {
-    let mut start = Vec::with_capacity(SNIFFED);
-    let read = reader.by_ref().take(SNIFFED as u64).read_to_end(&mut start);
-    read.map_err(|error| LogError::Io { source_name: source.to_owned(), error })?;
-    Ok((Format::sniff(&start), Cursor::new(start).chain(reader)))
+fn sniff<R: Read>(reader: R, source: &str) -> Result<(Format, impl Read), LogError> {
+    Format::of(reader).map_err(|error| LogError::Io { source_name: source.to_owned(), error })
 }
 
 fn no_log(source: &str, format: Format) -> LogError {

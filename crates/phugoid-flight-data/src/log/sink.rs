@@ -14,7 +14,7 @@ const MOST_FIELDS_IN_ALL: usize = 200_000;
 const MOST_TOPICS: usize = 4096;
 
 /// What a reader knows of a log beside its samples.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Head {
     pub(super) source: String,
     pub(super) information: Vec<(String, String)>,
@@ -50,6 +50,8 @@ pub(super) struct Stream {
     /// Where each of them goes in the topic.
     columns: Vec<usize>,
     in_order: bool,
+    /// Where a second sink takes a part of them: its stream, and which of the values kept here it takes.
+    selected: Option<Box<(Stream, Vec<usize>)>>,
 }
 
 /// Takes samples.
@@ -100,7 +102,7 @@ impl Layout {
                 return None;
             }
         };
-        let mut stream = Stream { topic: index, kept: Vec::new(), columns: Vec::new(), in_order: true };
+        let mut stream = Stream { topic: index, kept: Vec::new(), columns: Vec::new(), in_order: true, selected: None };
         let columns = self.columns.get_mut(index)?;
         let mut left_out = 0;
         for (field, name) in fields.iter().enumerate().filter(|(_, name)| wanted(name)) {
@@ -170,6 +172,11 @@ impl<'s> Tables<'s> {
 
     pub(super) fn too_large(&self, source: &str) -> LogError {
         LogError::TooLarge { source_name: source.to_owned(), max_values: self.selection.max_values }
+    }
+
+    /// Frees the memory of all samples.
+    pub(super) fn clear(&mut self) {
+        self.topics = Vec::new();
     }
 
     pub(super) fn finish(self, mut head: Head) -> Log {
@@ -278,5 +285,22 @@ impl Stream {
 
     pub(super) fn columns(&self) -> &[usize] {
         &self.columns
+    }
+
+    /// The same samples, a part of whose values a second sink takes as `selected`.
+    pub(super) fn with_selected(self, selected: Option<Stream>) -> Self {
+        // A field that is not kept here, of a topic with too many, is missing there.
+        let place = |field: &usize| self.kept.iter().position(|own| own == field).unwrap_or(usize::MAX);
+        let selected = selected.map(|stream| {
+            let places = stream.kept.iter().map(place).collect();
+            Box::new((stream, places))
+        });
+        Self { selected, ..self }
+    }
+
+    /// The stream of the second sink, and which of the values kept here are its.
+    #[inline]
+    pub(super) fn selected(&self) -> Option<(&Stream, &[usize])> {
+        self.selected.as_deref().map(|(stream, places)| (stream, places.as_slice()))
     }
 }

@@ -24,7 +24,7 @@ const SHOWN: usize = 5;
 const MOST_PASSES: usize = 2000;
 
 /// Reads all messages into the sink; none if the sink is full.
-pub(super) fn run<R: Read, S: Sink>(reader: R, source: &str, sink: &mut S) -> Result<Option<Head>, LogError> {
+pub(in crate::log) fn run<R: Read, S: Sink>(reader: R, source: &str, sink: &mut S) -> Result<Option<Head>, LogError> {
     let io = |error| LogError::Io { source_name: source.to_owned(), error };
     let mut window = Window::new(reader);
     window.fill(HEADER).map_err(io)?;

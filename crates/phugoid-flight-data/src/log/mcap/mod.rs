@@ -13,9 +13,10 @@ mod records;
 
 use std::io::Read;
 
-use super::sink::Tables;
-use super::survey::{Counts, Survey};
+use super::read::{into_log, into_survey};
+use super::survey::Survey;
 use super::{Log, LogError, Selection};
+pub(super) use records::run;
 
 /// How an MCAP file begins.
 pub const MAGIC: [u8; 8] = *b"\x89MCAP0\r\n";
@@ -26,11 +27,7 @@ pub const MAGIC: [u8; 8] = *b"\x89MCAP0\r\n";
 /// [`LogError`] if it cannot be read, does not begin as an MCAP file, has no message that could be read, or holds more than
 /// `selection.max_values`. Damage within it is no error; `quality` says what was skipped.
 pub fn read(reader: impl Read, source: &str, selection: &Selection) -> Result<Log, LogError> {
-    let mut tables = Tables::new(selection);
-    match records::run(reader, source, &mut tables)? {
-        Some(head) => Ok(tables.finish(head)),
-        None => Err(tables.too_large(source)),
-    }
+    into_log(source, selection, |sink| run(reader, source, sink))
 }
 
 /// What is in a file, in memory that does not grow with it.
@@ -38,7 +35,5 @@ pub fn read(reader: impl Read, source: &str, selection: &Selection) -> Result<Lo
 /// # Errors
 /// As [`read()`]; there is no bound on its length.
 pub fn survey(reader: impl Read, source: &str) -> Result<Survey, LogError> {
-    let mut counts = Counts::default();
-    let head = records::run(reader, source, &mut counts)?.unwrap_or_default();
-    Ok(counts.finish(head))
+    into_survey(|sink| run(reader, source, sink))
 }

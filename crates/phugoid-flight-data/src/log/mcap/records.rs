@@ -19,7 +19,7 @@ const LONGEST_MESSAGE: usize = 4 << 20;
 const MOST_FINDINGS: usize = 10;
 
 /// Reads a file into a sink; none if the sink is full.
-pub(super) fn run(reader: impl Read, source: &str, sink: &mut dyn Sink) -> Result<Option<Head>, LogError> {
+pub(in crate::log) fn run(reader: impl Read, source: &str, sink: &mut dyn Sink) -> Result<Option<Head>, LogError> {
     let io = |error| LogError::Io { source_name: source.to_owned(), error };
     let mut reader = BufReader::with_capacity(1 << 16, reader);
     let mut start = [0; MAGIC.len()];

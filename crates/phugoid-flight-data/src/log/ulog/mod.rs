@@ -13,9 +13,10 @@ mod reader;
 use std::io::Read;
 
 use self::format::Formats;
-use super::sink::Tables;
-use super::survey::{Counts, Survey};
+use super::read::{into_log, into_survey};
+use super::survey::Survey;
 use super::{Log, LogError, Selection};
+pub(super) use reader::run;
 
 /// How a ULog file begins.
 pub const MAGIC: [u8; 7] = [b'U', b'L', b'o', b'g', 0x01, 0x12, 0x35];
@@ -26,11 +27,7 @@ pub const MAGIC: [u8; 7] = [b'U', b'L', b'o', b'g', 0x01, 0x12, 0x35];
 /// [`LogError`] if it cannot be read, does not begin as a ULog file, needs a newer reader, has no samples at all, or holds
 /// more than `selection.max_values`. Damage within it is no error; `quality` says what was skipped.
 pub fn read(reader: impl Read, source: &str, selection: &Selection) -> Result<Log, LogError> {
-    let mut tables = Tables::new(selection);
-    match reader::run(reader, source, &mut tables)? {
-        Some(head) => Ok(tables.finish(head)),
-        None => Err(tables.too_large(source)),
-    }
+    into_log(source, selection, |sink| run(reader, source, sink))
 }
 
 /// What is in a log, in memory that does not grow with it.
@@ -38,9 +35,7 @@ pub fn read(reader: impl Read, source: &str, selection: &Selection) -> Result<Lo
 /// # Errors
 /// As [`read()`]; there is no bound on its length.
 pub fn survey(reader: impl Read, source: &str) -> Result<Survey, LogError> {
-    let mut counts = Counts::default();
-    let head = reader::run(reader, source, &mut counts)?.unwrap_or_default();
-    Ok(counts.finish(head))
+    into_survey(|sink| run(reader, source, sink))
 }
 
 /// What was defined so far.

@@ -45,7 +45,7 @@ enum State {
 }
 
 /// Reads all messages into the sink; none if the sink is full.
-pub(super) fn run<R: Read, S: Sink>(reader: R, source: &str, sink: &mut S) -> Result<Option<Head>, LogError> {
+pub(in crate::log) fn run<R: Read, S: Sink>(reader: R, source: &str, sink: &mut S) -> Result<Option<Head>, LogError> {
     let io = |error| LogError::Io { source_name: source.to_owned(), error };
     let mut window = Window::new(reader);
     window.fill(16).map_err(io)?;

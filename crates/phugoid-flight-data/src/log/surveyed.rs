@@ -1,0 +1,68 @@
+//! A survey of a whole log and the tables of a selection, in one pass over it.
+
+use super::decode::Scale;
+use super::sink::{Full, Head, Sink, Stream, Tables};
+use super::survey::{Counts, Survey};
+use super::{Log, LogError, Selection};
+
+/// Counts everything, and keeps what is selected until that is too much.
+#[derive(Debug)]
+pub(super) struct Surveyed<'s> {
+    counts: Counts,
+    tables: Tables<'s>,
+    full: Option<Full>,
+    /// The selected values of one sample.
+    row: Vec<f64>,
+}
+
+impl<'s> Surveyed<'s> {
+    pub(super) fn new(selection: &'s Selection) -> Self {
+        Self { counts: Counts::default(), tables: Tables::new(selection), full: None, row: Vec::new() }
+    }
+
+    pub(super) fn finish(self, head: Head, source: &str) -> (Survey, Result<Log, LogError>) {
+        let log = match self.full {
+            Some(Full) => Err(self.tables.too_large(source)),
+            None => Ok(self.tables.finish(head.clone())),
+        };
+        (self.counts.finish(head), log)
+    }
+}
+
+impl Sink for Surveyed<'_> {
+    fn open(&mut self, topic: &str, instance: u16, fields: &[String]) -> Option<Stream> {
+        let counted = self.counts.open(topic, instance, fields)?;
+        let selected = self.tables.open(topic, instance, fields);
+        Some(counted.with_selected(selected))
+    }
+
+    fn row(&mut self, stream: &Stream, time_us: f64, values: &[f64]) -> Result<(), Full> {
+        self.counts.row(stream, time_us, values)?;
+        if let (Some((selected, places)), None) = (stream.selected(), self.full) {
+            self.row.clear();
+            self.row.extend(places.iter().map(|&place| values.get(place).copied().unwrap_or(f64::NAN)));
+            if self.tables.row(selected, time_us, &self.row) == Err(Full) {
+                self.full = Some(Full);
+                // What is no use any more frees its memory; the survey goes on.
+                self.tables.clear();
+            }
+        }
+        Ok(())
+    }
+
+    fn describe(&mut self, stream: &Stream, kept: usize, unit: Option<&str>, factor: Scale) {
+        self.counts.describe(stream, kept, unit, factor);
+        if let Some((selected, places)) = stream.selected()
+            && let Some(own) = places.iter().position(|&place| place == kept)
+        {
+            self.tables.describe(selected, own, unit, factor);
+        }
+    }
+
+    fn forget(&mut self, stream: &Stream) -> usize {
+        if let Some((selected, _)) = stream.selected() {
+            self.tables.forget(selected);
+        }
+        self.counts.forget(stream)
+    }
+}
