@@ -132,7 +132,11 @@ impl Record {
 
 /// Channel, header, unit, scale.
 fn to_mappings(mappings: Vec<(String, String, Option<String>, f64)>) -> Vec<ColumnMapping> {
-    let mapping = |(channel, header, unit, scale)| ColumnMapping { channel, header, unit, scale };
+    let mapping = |(channel, header, unit, scale): (String, String, _, _)| ColumnMapping {
+        unit,
+        scale,
+        ..ColumnMapping::new(channel, header)
+    };
     mappings.into_iter().map(mapping).collect()
 }
 

@@ -81,11 +81,23 @@ pub(crate) struct ColumnUse {
     pub(crate) unit: Unit,
     pub(crate) unit_assumed: bool,
     pub(crate) scale: f64,
+    /// Further columns that are added, and their factors.
+    pub(crate) plus: Vec<(usize, f64)>,
 }
 
 impl ColumnUse {
-    pub(crate) fn to_si(&self, value: f64) -> f64 {
-        self.unit.to_si(self.scale * value)
+    /// The value in SI from the numbers that stand in its columns; NaN if one is missing.
+    pub(crate) fn value(&self, mut number: impl FnMut(usize) -> f64) -> f64 {
+        let first = self.scale * number(self.column);
+        let sum = self.plus.iter().fold(first, |sum, (column, scale)| sum + scale * number(*column));
+        let si = self.unit.to_si(sum);
+        // A finite number may overflow in the conversion.
+        if si.is_finite() { si } else { f64::NAN }
+    }
+
+    /// Its columns.
+    pub(crate) fn columns(&self) -> impl Iterator<Item = usize> {
+        [self.column].into_iter().chain(self.plus.iter().map(|(column, _)| *column))
     }
 }
 
@@ -113,7 +125,7 @@ pub(crate) fn plan(head: &Head<'_>, options: &TableOptions, report: &mut Quality
         return Err(two_columns(head, first, second));
     }
     let meanings = Meanings::of(head);
-    let mapped_columns: Vec<usize> = uses.iter().map(|column| column.column).collect();
+    let mapped_columns: Vec<usize> = uses.iter().flat_map(ColumnUse::columns).collect();
     let mapped_names: Vec<String> = uses.iter().map(|column| column.name.clone()).collect();
     for column in 0..head.headers.len() {
         if !mapped_columns.contains(&column)
@@ -173,8 +185,9 @@ fn mapped(head: &Head<'_>, mapping: &ColumnMapping, report: &mut QualityReport) 
     if mapping.channel.trim().is_empty() {
         return Err(bad("the channel has no name".into()));
     }
-    if !mapping.scale.is_finite() || mapping.scale == 0.0 {
-        return Err(bad(format!("scale = {} makes no sense; write 1, -1 or another factor", mapping.scale)));
+    if let Some((header, scale)) = mapping.terms().find(|(_, scale)| !scale.is_finite() || *scale == 0.0) {
+        let of = if mapping.plus.is_empty() { String::new() } else { format!(" of '{header}'") };
+        return Err(bad(format!("scale = {scale}{of} makes no sense; write 1, -1 or another factor")));
     }
     let spec = channels::by_name(&mapping.channel);
     if spec.is_none() {
@@ -183,8 +196,12 @@ fn mapped(head: &Head<'_>, mapping: &ColumnMapping, report: &mut QualityReport) 
             return Err(bad(format!("'{}' is no channel name; did you mean '{name}'?", mapping.channel)));
         }
     }
-    let column = find_column(head, mapping)?;
+    let column = find_column(head, mapping, &mapping.header)?;
     let header = head.headers.get(column).cloned().unwrap_or_default();
+    let mut plus = Vec::with_capacity(mapping.plus.len());
+    for addend in &mapping.plus {
+        plus.push((find_column(head, mapping, &addend.header)?, addend.scale));
+    }
     let below = unit_below(head, column);
     let quantity = spec.map(|spec| spec.quantity);
     let mut unit_assumed = false;
@@ -205,17 +222,21 @@ fn mapped(head: &Head<'_>, mapping: &ColumnMapping, report: &mut QualityReport) 
             _ => si(Quantity::Number),
         },
     };
-    if mapping.scale != 1.0 {
-        report.note(
-            format!("column '{header}'"),
-            format!("multiplied by {} to become {}, as the mapping asks", mapping.scale, mapping.channel),
-        );
+    let place = format!("column '{header}'");
+    if !plus.is_empty() {
+        let sum: Vec<String> = mapping.terms().map(|(header, scale)| format!("{scale} times '{header}'")).collect();
+        report.note(place, format!("{} is {}, as the mapping asks", mapping.channel, sum.join(" plus ")));
+    } else if mapping.scale != 1.0 {
+        let message = format!("multiplied by {} to become {}, as the mapping asks", mapping.scale, mapping.channel);
+        report.note(place, message);
     }
-    Ok(ColumnUse { column, header, name: mapping.channel.clone(), spec, unit, unit_assumed, scale: mapping.scale })
+    let (name, scale) = (mapping.channel.clone(), mapping.scale);
+    Ok(ColumnUse { column, header, name, spec, unit, unit_assumed, scale, plus })
 }
 
-fn find_column(head: &Head<'_>, mapping: &ColumnMapping) -> Result<usize, TableError> {
-    let wanted = mapping.header.trim();
+/// The column of one of the headers of a mapping.
+fn find_column(head: &Head<'_>, mapping: &ColumnMapping, header: &str) -> Result<usize, TableError> {
+    let wanted = header.trim();
     let alike = |loose: bool| -> Vec<usize> {
         let same = |header: &String| match loose {
             true => header.trim().to_lowercase() == wanted.to_lowercase(),
@@ -248,7 +269,7 @@ fn find_column(head: &Head<'_>, mapping: &ColumnMapping) -> Result<usize, TableE
             Err(TableError::MappedColumnMissing {
                 source_name: head.source.to_owned(),
                 line: head.line,
-                mapping: Box::new(mapping.clone()),
+                mapping: Box::new(ColumnMapping::new(&mapping.channel, header)),
                 nearest: nearest.map(|(header, _)| format!("; did you mean '{header}'?")).unwrap_or_default(),
                 headers: list(head.headers),
             })
@@ -290,6 +311,7 @@ fn automatic(
                 unit: unit.unwrap_or_else(|| si(spec.quantity)),
                 unit_assumed: unit.is_none() && spec.quantity != Quantity::Number,
                 scale: 1.0,
+                plus: Vec::new(),
             };
             match uses.iter().find(|other| other.name == spec.name) {
                 Some(other) => Err(two_columns(head, other, &used)),
@@ -309,7 +331,8 @@ fn automatic(
                 name = format!("{name}?");
             }
             let unit = unit.unwrap_or_else(|| si(Quantity::Number));
-            Ok(Some(ColumnUse { column, header, name, spec: None, unit, unit_assumed: false, scale: 1.0 }))
+            let plus = Vec::new();
+            Ok(Some(ColumnUse { column, header, name, spec: None, unit, unit_assumed: false, scale: 1.0, plus }))
         }
     }
 }

@@ -5,6 +5,9 @@
 //! time_base = ["vehicle_angular_velocity", "vehicle_attitude"]   # the first that is there gives the times
 //! surfaces = "px4"                                               # how commands of surfaces are found
 //!
+//! [mixed]                                                        # commands that several surfaces make together, and their factors
+//! elevator_command = [{ left_elevon_command = 0.5, right_elevon_command = 0.5 }]
+//!
 //! [channel.theta]
 //! sources = [{ field = "vehicle_attitude.q", transform = "quaternion_theta", unit = "rad" }]
 //!
@@ -35,6 +38,8 @@ pub struct Profile {
     pub time_base: Vec<String>,
     /// How commands of control surfaces are found.
     pub surfaces: Option<SurfaceRule>,
+    /// Commands that several surfaces make together.
+    pub mixed: Vec<Mixture>,
     /// Channels, in the order of [`channels::CHANNELS`].
     pub channels: Vec<ChannelProfile>,
 }
@@ -47,6 +52,15 @@ pub enum SurfaceRule {
     Px4,
     /// `RCOU.Ci` and the parameters `SERVOi_FUNCTION`, `_MIN`, `_TRIM`, `_MAX`, `_REVERSED`.
     Ardupilot,
+}
+
+/// The command of a surface that is no surface of its own: the elevator of an aircraft with elevons.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mixture {
+    /// Name of the command, `elevator_command`.
+    pub command: String,
+    /// The commands of the surfaces that make it, and their factors.
+    pub of: Vec<(String, f64)>,
 }
 
 /// One channel and where it may come from.
@@ -166,8 +180,19 @@ impl Profile {
             }
             channels.push(ChannelProfile { channel, hold, sources });
         }
+        let mut mixed = Vec::new();
+        for (command, mixtures) in file.mixed {
+            for of in mixtures {
+                if of.is_empty() || of.values().any(|factor| !factor.is_finite() || *factor == 0.0) {
+                    return Err(wrong(format!(
+                        "mixed.{command}: a factor, not zero, for each of its surfaces is expected"
+                    )));
+                }
+                mixed.push(Mixture { command: command.clone(), of: of.into_iter().collect() });
+            }
+        }
         channels.sort_by_key(|entry| channels::CHANNELS.iter().position(|spec| spec.name == entry.channel));
-        Ok(Self { name: file.name, time_base: file.time_base, surfaces: file.surfaces, channels })
+        Ok(Self { name: file.name, time_base: file.time_base, surfaces: file.surfaces, mixed, channels })
     }
 
     /// The entry of a channel.
@@ -282,6 +307,8 @@ struct File {
     name: String,
     time_base: Vec<String>,
     surfaces: Option<SurfaceRule>,
+    #[serde(default)]
+    mixed: BTreeMap<String, Vec<BTreeMap<String, f64>>>,
     channel: BTreeMap<String, Entry>,
 }
 
@@ -378,6 +405,7 @@ mod tests {
             wrong("[channel.alpha]\nsources = [{ field = \"a.b\", unit = \"kg\" }]\n").contains("not one of rad, deg")
         );
         assert!(wrong("[channel.alpha]\nsources = [{ field = \"ab\" }]\n").contains("write topic.field"));
+        assert!(wrong("[mixed]\ne = [{ a = 0 }]\n[channel.alpha]\nsources = []\n").contains("mixed.e: a factor"));
         assert!(wrong("[channel.alpha]\nsources = [{ field = \"a.b\", skale = 2 }]\n").contains("line 4"), "line");
     }
 

@@ -15,6 +15,9 @@ pub(crate) struct Table {
 /// Rows that a clock must run on both sides of a jump back before the jump counts as a new start of the clock.
 const RESTART_ROWS: usize = 10;
 
+/// What to do where a column is no time.
+const OTHER_TIME: &str = "If another column is the time, map the channel 'time' to it";
+
 /// Makes the time strictly increasing: takes the longest part between starts of the clock, merges rows of equal time
 /// and leaves out the fewest rows that stand against the order.
 pub(crate) fn put_in_order(
@@ -27,11 +30,16 @@ pub(crate) fn put_in_order(
     merge_equal_times(table, &mut rows, report);
     let rising = longest_rising(&table.time, &rows);
     if 2 * rising.len() < rows.len() {
+        // Of the whole table: where the clock seems to start again and again, a part says nothing.
+        let all: Vec<usize> = (0..table.time.len()).collect();
+        let back: Vec<usize> = all.iter().rev().copied().collect();
+        let falls = longest_rising(&table.time, &back).len() == all.len();
         return Err(TableError::TimeDoesNotRise {
             source_name: source.to_owned(),
             header: time_header.to_owned(),
-            rising: rising.len(),
-            rows: rows.len(),
+            rising: longest_rising(&table.time, &all).len(),
+            rows: all.len(),
+            hint: if falls { "It falls from row to row: turn the order of the rows round" } else { OTHER_TIME },
         });
     }
     let mut left_out = Lines::of(table.counted);

@@ -400,6 +400,10 @@ fn a_column_that_falls_is_no_time() {
     (0..9).for_each(|row| writeln!(text, "{},1", 100 - row).unwrap());
     let message = refused(&text);
     assert!(message.contains("column 't_s' does not work as the time: it rises in only 1 of 9 rows"), "{message}");
+    assert!(message.contains("turn the order of the rows round"), "{message}");
+    // Of the whole table, though every row seems to start the clock again.
+    let falling: String = (0..60).map(|row| format!("{},1\n", 100 - row)).collect();
+    assert!(refused(&format!("t_s,a1\n{falling}")).contains("rises in only 1 of 60 rows"));
 }
 
 #[test]

@@ -8,9 +8,10 @@ mod shared_data;
 use std::path::PathBuf;
 
 use logs::{dataflash_define, dataflash_head, dataflash_message, dataflash_units, ulog_key, ulog_message};
-use phugoid_flight_data::reader::{ReadOptions, read_path};
+use phugoid_flight_data::log;
+use phugoid_flight_data::reader::{ReadOptions, Surveyed, read_path, survey_path};
 use phugoid_flight_data::record::Record;
-use phugoid_flight_data::table::ColumnMapping;
+use phugoid_flight_data::table::{ColumnMapping, TableOptions};
 
 /// A file that is removed when it goes out of scope.
 struct Temporary(PathBuf);
@@ -29,8 +30,17 @@ impl Drop for Temporary {
     }
 }
 
-/// Topics as (name, fields, seconds between samples), with values by time and field, as a PX4 log of 4 s.
+/// Topics as (name, fields, seconds between samples), with values by time and field, as a PX4 log of 4 s with an elevator.
 fn px4(topics: &[(&str, &str, f64)], value: impl Fn(&str, usize, f64) -> f64) -> Vec<u8> {
+    px4_with(&[("CA_SV_CS2_TYPE", 3)], topics, value)
+}
+
+/// The same with these parameters.
+fn px4_with(
+    parameters: &[(&str, i32)],
+    topics: &[(&str, &str, f64)],
+    value: impl Fn(&str, usize, f64) -> f64,
+) -> Vec<u8> {
     let mut log = b"ULog\x01\x12\x35\x01".to_vec();
     log.extend(1_000_000_u64.to_le_bytes());
     log.extend(ulog_message(b'B', &[0; 40]));
@@ -42,7 +52,9 @@ fn px4(topics: &[(&str, &str, f64)], value: impl Fn(&str, usize, f64) -> f64) ->
             .replace("float control;", "float[8] control;");
         log.extend(ulog_message(b'F', format!("{name}:uint64_t timestamp;{fields}").as_bytes()));
     }
-    log.extend(ulog_key(b'P', "int32_t CA_SV_CS2_TYPE", &3_i32.to_le_bytes()));
+    for (name, parameter) in parameters {
+        log.extend(ulog_key(b'P', &format!("int32_t {name}"), &parameter.to_le_bytes()));
+    }
     for (id, (name, ..)) in topics.iter().enumerate() {
         let mut add = vec![0];
         add.extend((id as u16).to_le_bytes());
@@ -140,6 +152,112 @@ fn a_surface_needs_the_users_angle_and_says_how_to_give_it() {
         assert!((elevator.values[203] - expected).abs() < 1e-3, "{header}: {} {expected}", elevator.values[203]);
         assert!(elevator.values[2..].iter().all(|value| value.is_finite()), "a command stands until the next");
     }
+}
+
+/// The commands of two surfaces that make two others together.
+fn commands(time: f64) -> (f64, f64) {
+    (0.3 * time.sin(), 0.2 * (3.0 * time).cos())
+}
+
+/// A flight with elevons (types 5 and 6: left and right) or a V-tail (7 and 8).
+fn mixed(types: [i32; 2], values: fn(f64) -> [f64; 2]) -> Vec<u8> {
+    px4_with(&[("CA_SV_CS0_TYPE", types[0]), ("CA_SV_CS1_TYPE", types[1])], TOPICS, |name, field, time| {
+        match (name, field) {
+            ("actuator_servos", side @ 0..=1) => values(time)[side],
+            ("actuator_servos", _) => f64::NAN,
+            _ => flight(name, field, time),
+        }
+    })
+}
+
+#[test]
+fn elevons_and_v_tails_are_the_surfaces_that_they_make() {
+    // PX4: positive commands move both trailing edges up. Up on both sides pitches up, up on the right rolls right, up on the left
+    // side of a V-tail moves the trailing edge right.
+    let elevons = mixed([5, 6], |time| {
+        let (pitch, roll) = commands(time);
+        [pitch - roll, pitch + roll]
+    });
+    let tail = mixed([7, 8], |time| {
+        let (pitch, yaw) = commands(time);
+        [pitch + yaw, pitch - yaw]
+    });
+    for (name, log, second) in [("elevons.ulg", elevons, "aileron"), ("tail.ulg", tail, "rudder")] {
+        let file = Temporary::new(name, &log);
+        let map = |surface: &str| {
+            ColumnMapping::new(surface, format!("{surface}_command")).with_scale(-20.0).with_unit("deg")
+        };
+        let record = read(&file, vec![map("elevator"), map(second)]);
+        let value = |channel: &str| record.channel(channel).unwrap().values[203];
+        // The commands of 2.0009 s, held; single precision.
+        let (pitch, other) = commands(2.0);
+        assert!((value("elevator") + (20.0 * pitch).to_radians()).abs() < 1e-3, "{}", value("elevator"));
+        assert!((value(second) + (20.0 * other).to_radians()).abs() < 1e-3, "{}", value(second));
+        assert!(record.channel("left_elevon_command").or(record.channel("left_v_tail_command")).is_some());
+        let told = read(&file, Vec::new()).quality.to_string();
+        assert!(told.contains(&format!("{second} = {{ header = \"{second}_command\", scale = DEFLECTION")), "{told}");
+        assert!(
+            told.contains("0.5 times actuator_servos.control[0] plus 0.5 times actuator_servos.control[1]"),
+            "{told}"
+        );
+        assert!(!told.contains("not worked out"), "{told}");
+    }
+}
+
+#[test]
+fn a_surface_is_a_sum_of_what_the_log_has_with_the_callers_factors() {
+    let log = mixed([5, 6], |time| {
+        let (pitch, roll) = commands(time);
+        [pitch - roll, pitch + roll]
+    });
+    let file = Temporary::new("sum.ulg", &log);
+    // Elevons of 24 degrees: half of it each; an aileron is positive with its right trailing edge down.
+    let sums = vec![
+        ColumnMapping::new("elevator", "left_elevon_command")
+            .with_scale(-12.0)
+            .plus("right_elevon_command", -12.0)
+            .with_unit("deg"),
+        ColumnMapping::new("aileron", "actuator_servos.control[0]")
+            .with_scale(12.0)
+            .plus("actuator_servos#0.control[1]", -12.0)
+            .with_unit("deg"),
+    ];
+    let record = read(&file, sums.clone());
+    let value = |channel: &str| record.channel(channel).unwrap().values[203];
+    let (pitch, roll) = commands(2.0);
+    assert!((value("elevator") + (24.0 * pitch).to_radians()).abs() < 1e-3, "{}", value("elevator"));
+    assert!((value("aileron") + (24.0 * roll).to_radians()).abs() < 1e-3, "{}", value("aileron"));
+    // A wrong name in a sum is answered as any other.
+    let wrong = vec![sums[0].clone().plus("actuator_servos.controls[3]", 1.0)];
+    let told = read_path(&file.0, &ReadOptions::with_columns(wrong)).unwrap_err().to_string();
+    assert!(
+        told.contains("'actuator_servos.controls[3]', but the topic 'actuator_servos' has no such field"),
+        "{told}"
+    );
+}
+
+#[test]
+fn a_log_is_surveyed_and_read_in_one_pass() {
+    let file = Temporary::new("surveyed.ulg", &px4(TOPICS, flight));
+    let options = ReadOptions::default();
+    let Surveyed { survey, record } = survey_path(&file.0, &options).unwrap();
+    assert_eq!(survey.unwrap(), log::survey_path(&file.0).unwrap());
+    let (record, alone) = (record.unwrap(), read_path(&file.0, &options).unwrap());
+    assert_eq!((&record.source, &record.quality), (&alone.source, &alone.quality));
+    assert_eq!(record.channels.len(), alone.channels.len());
+    for (channel, other) in record.channels.iter().zip(&alone.channels) {
+        let bits = |values: &[f64]| values.iter().map(|v| v.to_bits()).collect::<Vec<u64>>();
+        assert_eq!((&channel.name, bits(&channel.values)), (&other.name, bits(&other.values)));
+    }
+    // Too much for a record is not too much for a survey.
+    let table = TableOptions { max_values: 100, ..TableOptions::default() };
+    let Surveyed { survey, record } = survey_path(&file.0, &ReadOptions { table, ..options }).unwrap();
+    assert_eq!(survey.unwrap(), log::survey_path(&file.0).unwrap());
+    assert!(record.unwrap_err().to_string().contains("more than 100 values"));
+    // A table has no topics.
+    let table = Temporary::new("surveyed.csv", b"time_s,alpha_deg\n0,1\n1,2\n");
+    let Surveyed { survey, record } = survey_path(&table.0, &ReadOptions::default()).unwrap();
+    assert!(survey.is_none() && record.unwrap().channel("alpha").is_some());
 }
 
 #[test]

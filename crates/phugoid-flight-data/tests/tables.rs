@@ -106,3 +106,29 @@ fn one_column_for_two_channels() {
     assert_eq!(record.channel("other").unwrap().values, [180.0, 90.0]);
     assert_eq!(record.channel("elevator").unwrap().values[0], std::f64::consts::PI);
 }
+
+#[test]
+fn columns_are_added_with_their_factors() {
+    let read = |mappings: Vec<ColumnMapping>| {
+        let columns = vec![
+            column("time_s", None, &[0.0, 1.0, 2.0]),
+            column("left", None, &[10.0, 4.0, f64::NAN]),
+            column("right", None, &[-2.0, 8.0, 1.0]),
+        ];
+        read(columns, &TableOptions { columns: mappings, ..TableOptions::default() })
+    };
+    let record = read(vec![
+        ColumnMapping::new("elevator", "left").with_scale(0.5).plus("right", 0.5).with_unit("deg"),
+        ColumnMapping::new("aileron", "right").with_scale(0.5).plus("left", -0.5).with_unit("deg"),
+    ])
+    .unwrap();
+    let degrees = |name: &str, row: usize| record.channel(name).unwrap().values[row].to_degrees();
+    assert!((degrees("elevator", 0) - 4.0).abs() < 1e-12 && (degrees("aileron", 0) + 6.0).abs() < 1e-12);
+    assert!((degrees("elevator", 1) - 6.0).abs() < 1e-12 && (degrees("aileron", 1) - 2.0).abs() < 1e-12);
+    assert!(degrees("elevator", 2).is_nan() && degrees("aileron", 2).is_nan(), "half a sum is no angle");
+    let told = record.quality.to_string();
+    assert!(told.contains("elevator is 0.5 times 'left' plus 0.5 times 'right'"), "{told}");
+    let wrong = |mapping: ColumnMapping| read(vec![mapping]).unwrap_err().to_string();
+    assert!(wrong(ColumnMapping::new("elevator", "left").plus("rigth", 1.0)).contains("did you mean 'right'?"));
+    assert!(wrong(ColumnMapping::new("elevator", "left").plus("right", 0.0)).contains("scale = 0 of 'right'"));
+}

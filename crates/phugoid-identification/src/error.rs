@@ -22,7 +22,10 @@ pub enum EstimateError {
         lacking: Box<Lacking>,
     },
     /// A channel is there but has no value.
-    #[error("channel `{0}` has no finite value in the whole record: check the column in the file")]
+    #[error(
+        "channel `{0}` has no finite value in the whole record: check the column in the file, or, if the model can do without it, leave \
+         it out of `outputs` in the model file"
+    )]
     EmptyChannel(String),
     /// Too few samples for anything.
     #[error("the record has {samples} usable samples: at least 20 are needed")]

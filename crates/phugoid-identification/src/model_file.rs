@@ -238,17 +238,6 @@ impl Default for EstimatorSettings {
     }
 }
 
-/// How a channel is called in the user's file.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ChannelMapping {
-    /// Header in the file, exactly.
-    pub header: String,
-    /// Unit of its values, if the header does not say it.
-    pub unit: Option<String>,
-    /// Factor on its values, such as -1 for a sign.
-    pub scale: f64,
-}
-
 /// How the input runs between two samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum InputHold {
@@ -276,7 +265,7 @@ pub struct ModelFile {
     /// Names of the extra input channels that terms may use.
     pub extra_inputs: Vec<String>,
     /// Headers of the user's file, by canonical channel name.
-    pub channels: BTreeMap<String, ChannelMapping>,
+    pub channels: BTreeMap<String, ColumnMapping>,
     /// Which outputs are measured, by [`Output::index`]; only outputs of the axes are.
     pub outputs: [bool; CHANNELS],
     /// Measurement noise by [`Output::index`], one sigma, SI; none: measured from the record.
@@ -343,12 +332,7 @@ impl ModelFile {
 
     /// The columns of a record that the file maps to channels by hand.
     pub fn columns(&self) -> Vec<ColumnMapping> {
-        let mapped = self.channels.iter().map(|(channel, mapping)| ColumnMapping {
-            unit: mapping.unit.clone(),
-            scale: mapping.scale,
-            ..ColumnMapping::new(channel.as_str(), mapping.header.as_str())
-        });
-        mapped.collect()
+        self.channels.values().cloned().collect()
     }
 
     /// Outputs that are measured, in the order of the motion's output vector.

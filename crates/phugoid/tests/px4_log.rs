@@ -15,6 +15,37 @@ const FULL_COMMAND_DEG: f64 = -25.0;
 /// A channel's value at one sample, by name.
 type Values<'a> = dyn Fn(&str) -> f64 + 'a;
 
+/// What moves the aircraft: the surface, and PX4's type of each servo (`CA_SV_CSi_TYPE`).
+#[derive(Clone, Copy, PartialEq)]
+enum Surfaces {
+    /// An elevator, type 3, on the second servo.
+    Plain,
+    /// A left and a right elevon, types 5 and 6, which roll besides.
+    Elevons,
+}
+
+impl Surfaces {
+    fn types(self) -> &'static [(usize, i32)] {
+        match self {
+            Self::Plain => &[(1, 3)],
+            Self::Elevons => &[(0, 5), (1, 6)],
+        }
+    }
+
+    /// The commands that hold this elevator, deg.
+    fn control(self, elevator_deg: f64, time_s: f64) -> [f64; 8] {
+        let mut control = [f64::NAN; 8];
+        let pitch = elevator_deg / FULL_COMMAND_DEG;
+        // Much more than the elevator does, and nothing that the motion shows: it has to drop out.
+        let roll = 0.2 * (1.3 * time_s).sin();
+        match self {
+            Self::Plain => control[1] = pitch,
+            Self::Elevons => (control[0], control[1]) = (pitch - roll, pitch + roll),
+        }
+        control
+    }
+}
+
 /// What PX4 writes (docs.px4.io, ULog file format): each topic with the fields that are made of a record's channels.
 struct Topic {
     name: &'static str,
@@ -66,11 +97,8 @@ const TOPICS: [Topic; 7] = [
         name: "actuator_servos",
         format: "float[8] control;",
         every: 1,
-        payload: |at| {
-            let mut control = [f64::NAN; 8];
-            control[1] = at("elevator").to_degrees() / FULL_COMMAND_DEG;
-            floats(&control)
-        },
+        // Another payload for elevons.
+        payload: |at| floats(&Surfaces::Plain.control(at("elevator").to_degrees(), 0.0)),
     },
 ];
 
@@ -78,7 +106,7 @@ fn message(kind: u8, payload: &[u8]) -> Vec<u8> {
     [&u16::try_from(payload.len()).unwrap().to_le_bytes()[..], &[kind], payload].concat()
 }
 
-fn ulog(record: &Record) -> Vec<u8> {
+fn ulog(record: &Record, surfaces: Surfaces) -> Vec<u8> {
     const START_US: u64 = 12_345_678;
     let mut log = b"ULog\x01\x12\x35\x01".to_vec();
     log.extend(START_US.to_le_bytes());
@@ -86,8 +114,11 @@ fn ulog(record: &Record) -> Vec<u8> {
     for topic in &TOPICS {
         log.extend(message(b'F', format!("{}:uint64_t timestamp;{}", topic.name, topic.format).as_bytes()));
     }
-    let parameter = b"int32_t CA_SV_CS1_TYPE";
-    log.extend(message(b'P', &[&[parameter.len() as u8], &parameter[..], &3_i32.to_le_bytes()].concat()));
+    for (servo, kind) in surfaces.types() {
+        let parameter = format!("int32_t CA_SV_CS{servo}_TYPE");
+        let payload = [&[parameter.len() as u8], parameter.as_bytes(), &kind.to_le_bytes()].concat();
+        log.extend(message(b'P', &payload));
+    }
     for (id, topic) in TOPICS.iter().enumerate() {
         log.extend(message(b'A', &[&[0, id as u8, 0], topic.name.as_bytes()].concat()));
     }
@@ -95,7 +126,13 @@ fn ulog(record: &Record) -> Vec<u8> {
         let at = |name: &str| record.channel(name).map_or(f64::NAN, |channel| channel.values[k]);
         let stamp = START_US + (record.time[k] * 1e6).round() as u64;
         for (id, topic) in TOPICS.iter().enumerate().filter(|(_, topic)| k % topic.every == 0) {
-            log.extend(message(b'D', &[&[id as u8, 0], &stamp.to_le_bytes()[..], &(topic.payload)(&at)].concat()));
+            let payload = match (surfaces, topic.name) {
+                (Surfaces::Elevons, "actuator_servos") => {
+                    floats(&surfaces.control(at("elevator").to_degrees(), record.time[k]))
+                }
+                _ => (topic.payload)(&at),
+            };
+            log.extend(message(b'D', &[&[id as u8, 0], &stamp.to_le_bytes()[..], &payload].concat()));
         }
     }
     log
@@ -107,7 +144,7 @@ fn a_log_of_a_fixed_wing_flight_gives_its_derivatives() {
     assert_eq!(phugoid(&folder.0, &["simulate", "f16-calm", "--out", "."]).code, Some(0));
     let record = csv::read_path(&folder.0.join("measured.csv"), &CsvOptions::default()).unwrap();
     // The name says nothing: the content does.
-    std::fs::write(folder.0.join("flight.log"), ulog(&record)).unwrap();
+    std::fs::write(folder.0.join("flight.log"), ulog(&record, Surfaces::Plain)).unwrap();
 
     // Without the elevator's angle there is no estimate, but the lines that are missing in the model file.
     let model = phugoid(&folder.0, &["estimate", "--show-model", "f16-model"]).out;
@@ -139,4 +176,43 @@ fn a_log_of_a_fixed_wing_flight_gives_its_derivatives() {
         // The same samples but for single precision and an altitude five times a second: far below the noise.
         assert!((value - number(&from_csv, "value")).abs() < 0.1 * sigma, "{name}: {value}, from CSV {from_csv}");
     }
+}
+
+#[test]
+fn elevons_give_the_estimates_of_the_elevator_that_they_make() {
+    let folder = Folder::new("px4-elevons");
+    assert_eq!(phugoid(&folder.0, &["simulate", "f16-calm", "--out", "."]).code, Some(0));
+    let record = csv::read_path(&folder.0.join("measured.csv"), &CsvOptions::default()).unwrap();
+    std::fs::write(folder.0.join("plain.ulg"), ulog(&record, Surfaces::Plain)).unwrap();
+    std::fs::write(folder.0.join("elevons.ulg"), ulog(&record, Surfaces::Elevons)).unwrap();
+    let model = phugoid(&folder.0, &["estimate", "--show-model", "f16-model"]).out;
+    let mapped = |name: &str, elevator: &str| {
+        folder.file(name, &format!("{model}\n[channels]\nelevator = {{ {elevator}, unit = \"deg\" }}\n"));
+    };
+    mapped("command.toml", &format!("header = \"elevator_command\", scale = {FULL_COMMAND_DEG}"));
+    let half = 0.5 * FULL_COMMAND_DEG;
+    mapped("sum.toml", &format!("sum = {{ left_elevon_command = {half}, right_elevon_command = {half} }}"));
+    mapped(
+        "fields.toml",
+        &format!("sum = {{ \"actuator_servos.control[0]\" = {half}, \"actuator_servos.control[1]\" = {half} }}"),
+    );
+    let values = |log: &str, model: &str| -> Vec<(f64, f64)> {
+        let result = phugoid(&folder.0, &["estimate", log, "--model", model, "--no-report", "--json"]).json();
+        let number = |value: &serde_json::Value| value.as_f64().unwrap_or(f64::NAN);
+        let parameters = result["parameters"].as_array().unwrap();
+        parameters.iter().map(|p| (number(&p["value"]), number(&p["corrected_std_error"]))).collect()
+    };
+    let plain = values("plain.ulg", "command.toml");
+    for model in ["command.toml", "sum.toml", "fields.toml"] {
+        let elevons = values("elevons.ulg", model);
+        assert_eq!(elevons.len(), plain.len());
+        for ((value, _), (expected, sigma)) in elevons.iter().zip(&plain) {
+            // Half the sum of two numbers in single precision, of the size of 0.2: a millionth of a degree.
+            assert!((value - expected).abs() < 1e-3 * sigma, "{model}: {value} {expected} +- {sigma}");
+        }
+    }
+    let wrong = format!("{model}\n[channels]\nelevator = {{ sum = {{ left_elevon_command = 0 }} }}\n");
+    folder.file("wrong.toml", &wrong);
+    let run = phugoid(&folder.0, &["estimate", "elevons.ulg", "--model", "wrong.toml", "--no-report"]);
+    assert!(run.fails(3).contains("the factor is zero"), "{}", run.err);
 }

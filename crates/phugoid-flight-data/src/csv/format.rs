@@ -58,7 +58,11 @@ pub(super) fn refuse_binary(source: &str, start: &[u8]) -> Result<(), ReadError>
         [b'P', b'A', b'R', b'1', ..] => ("a Parquet file", "export it as CSV"),
         [0x89, b'H', b'D', b'F', ..] => ("an HDF5 or MATLAB 7.3 file", "export it as CSV"),
         _ if start.starts_with(b"MATLAB 5.0") => ("a MATLAB file", "export it as CSV, e.g. with writetable"),
-        _ if start.contains(&0) => ("binary data (there are zero bytes in it)", "check that it is the right file"),
+        _ if start.contains(&0) => (
+            "binary data (there are zero bytes in it)",
+            "check that it is the right file. It begins neither as a ULog (`ULog`) nor as a DataFlash log (bytes A3 95), nor as \
+             another format that is read",
+        ),
         _ => return Ok(()),
     };
     Err(ReadError::NotText { source_name: source.to_owned(), found, advice })

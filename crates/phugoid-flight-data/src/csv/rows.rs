@@ -111,24 +111,23 @@ impl Rows {
         self.table.time.push(time);
         self.table.lines.push(row.line);
         for ((channel, values), text) in self.plan.channels.iter().zip(&mut self.table.columns).zip(&mut self.text) {
-            let cell = match half && channel.column == last {
-                true => "",
-                false => cells.get(channel.column).copied().unwrap_or_default(),
-            };
-            let value = match cells::parse(cell, self.format.decimal_comma) {
-                Cell::Value(value) => channel.to_si(value),
-                Cell::Missing => f64::NAN,
-                Cell::Text => {
-                    if text.0.count() == 0 {
-                        text.1 = columns::cut(cell, 20);
+            values.push(channel.value(|column| {
+                let cell = match half && column == last {
+                    true => "",
+                    false => cells.get(column).copied().unwrap_or_default(),
+                };
+                match cells::parse(cell, self.format.decimal_comma) {
+                    Cell::Value(value) => value,
+                    Cell::Missing => f64::NAN,
+                    Cell::Text => {
+                        if text.0.count() == 0 {
+                            text.1 = columns::cut(cell, 20);
+                        }
+                        text.0.add(row.line);
+                        f64::NAN
                     }
-                    text.0.add(row.line);
-                    f64::NAN
                 }
-            };
-            // A finite number may overflow in the conversion.
-            let value = if value.is_finite() { value } else { f64::NAN };
-            values.push(value);
+            }));
         }
         Ok(())
     }
@@ -140,7 +139,7 @@ impl Rows {
         let column = self.plan.time.as_ref()?;
         let cell = cells.get(column.column).copied().unwrap_or_default();
         if let Cell::Value(value) = cells::parse(cell, self.format.decimal_comma) {
-            return Some(column.to_si(value)).filter(|time| time.is_finite());
+            return Some(column.value(|_| value)).filter(|time| time.is_finite());
         }
         let (seconds, dated) = cells::clock(cell)?;
         self.clock = true;

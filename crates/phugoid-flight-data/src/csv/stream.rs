@@ -39,12 +39,10 @@ impl StreamColumns {
     /// `values` becomes one value per channel, SI, NaN where there is none; the answer is the time, s, if there is one.
     pub fn row(&self, number: impl Fn(usize) -> Option<f64>, values: &mut Vec<f64>) -> Option<f64> {
         values.clear();
-        values.extend(self.plan.channels.iter().map(|column| {
-            let value = number(column.column).map_or(f64::NAN, |raw| column.to_si(raw));
-            if value.is_finite() { value } else { f64::NAN }
-        }));
+        let number = |column| number(column).unwrap_or(f64::NAN);
+        values.extend(self.plan.channels.iter().map(|column| column.value(number)));
         let time = self.plan.time.as_ref()?;
-        number(time.column).map(|raw| time.to_si(raw)).filter(|time| time.is_finite())
+        Some(time.value(number)).filter(|time| time.is_finite())
     }
 }
 

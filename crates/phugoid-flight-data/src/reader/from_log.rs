@@ -48,7 +48,8 @@ pub fn selection(profile: &Profile, options: &ReadOptions) -> Selection {
     topics.extend(base.map(|topic| Wanted { topic: topic.clone(), instance: None, fields: Some(Vec::new()) }));
     let commands = profile.surfaces.map(surfaces::topics).unwrap_or_default();
     topics.extend(commands.iter().map(|topic| Wanted { topic: (*topic).to_owned(), instance: None, fields: None }));
-    let mapped = options.table.columns.iter().filter_map(|mapping| mapping.header.parse::<FieldName>().ok());
+    let headers = options.table.columns.iter().flat_map(ColumnMapping::terms);
+    let mapped = headers.filter_map(|(header, _)| header.parse::<FieldName>().ok());
     topics.extend(mapped.map(|FieldName { topic, instance, .. }| Wanted { topic, instance, fields: None }));
     Selection { topics: Some(topics), max_values: options.table.max_values }
 }
@@ -61,7 +62,7 @@ pub fn selection(profile: &Profile, options: &ReadOptions) -> Selection {
 pub fn record(log: &Log, profile: &Profile, options: &ReadOptions) -> Result<Record, ReadError> {
     let mut quality = log.quality.clone();
     vehicle::report(log, &mut quality);
-    let commands = profile.surfaces.map(|rule| surfaces::commands(log, rule)).unwrap_or_default();
+    let commands = profile.surfaces.map(|rule| surfaces::commands(log, rule, &profile.mixed)).unwrap_or_default();
     let mut signals = Vec::new();
     for mapping in &options.table.columns {
         signals.push(mapped(log, profile, mapping, &commands)?);
@@ -89,7 +90,7 @@ pub fn record(log: &Log, profile: &Profile, options: &ReadOptions) -> Result<Rec
         });
     }
     if let Some(rule) = profile.surfaces {
-        surfaces::report(log, &commands, &by_hand, rule, &mut quality);
+        surfaces::report(log, &commands, &by_hand, rule, &profile.mixed, &mut quality);
     }
     signals.extend(commands);
     let base = base(log, profile, options)?;
@@ -164,31 +165,59 @@ fn check_unit(signal: &mut Signal, source: &Source, quality: &mut QualityReport)
 
 /// A mapping of the caller.
 fn mapped(log: &Log, profile: &Profile, mapping: &ColumnMapping, commands: &[Signal]) -> Result<Signal, ReadError> {
-    let fail = |problem: String| ReadError::NoSuchField {
-        source_name: log.source.clone(),
-        channel: mapping.channel.clone(),
-        header: mapping.header.clone(),
-        problem,
-    };
     let hold = match profile.channel(&mapping.channel) {
         Some(entry) => entry.hold,
         None if LEVELS.contains(&mapping.channel.as_str()) => Hold::Held { stale_after_s: surfaces::STALE_AFTER_S },
         None => Hold::Sampled,
     };
-    if let Some(command) = commands.iter().find(|command| command.channel == mapping.header.trim()) {
-        let own = Signal {
+    let mut found = Vec::with_capacity(1 + mapping.plus.len());
+    for (header, scale) in mapping.terms() {
+        let fail = |problem: String| ReadError::NoSuchField {
+            source_name: log.source.clone(),
             channel: mapping.channel.clone(),
-            unit: mapping.unit.clone(),
-            scale: mapping.scale,
-            ..command.clone()
+            header: header.to_owned(),
+            problem,
         };
-        return Ok(own);
+        let signal = named(log, header, &mapping.channel, hold, commands).map_err(&fail)?;
+        // What the caller says comes before what the log says.
+        let signal = Signal { unit: mapping.unit.clone().or(signal.unit), ..signal };
+        if let Some((first, _)) = found.first().filter(|(first, _): &&(Signal, f64)| first.unit != signal.unit) {
+            let unit = |signal: &Signal| signal.unit.clone().unwrap_or_else(|| "no unit".to_owned());
+            return Err(fail(format!(
+                "it is in {}, and what it is added to, {}, in {}: say with `unit` what the sum is in",
+                unit(&signal),
+                first.header,
+                unit(first)
+            )));
+        }
+        found.push((signal, scale));
     }
-    let field: FieldName = mapping.header.parse().map_err(|problem: String| match commands.is_empty() {
-        true => fail(problem),
+    let terms: Vec<(&Signal, f64)> = found.iter().map(|(signal, scale)| (signal, *scale)).collect();
+    let sum = match terms.as_slice() {
+        [(only, scale)] => Some(Signal { scale: *scale, ..(*only).clone() }),
+        several => signals::sum(several, surfaces::STALE_AFTER_S),
+    };
+    sum.ok_or_else(|| ReadError::NoSuchField {
+        source_name: log.source.clone(),
+        channel: mapping.channel.clone(),
+        header: mapping.header.clone(),
+        problem: "it names no field".into(),
+    })
+}
+
+/// What a caller calls by a field of the log, or by the command of a surface.
+///
+/// # Errors
+/// What is wrong with the name.
+fn named(log: &Log, header: &str, channel: &str, hold: Hold, commands: &[Signal]) -> Result<Signal, String> {
+    if let Some(command) = commands.iter().find(|command| command.channel == header.trim()) {
+        return Ok(Signal { channel: channel.to_owned(), unit: None, ..command.clone() });
+    }
+    let field: FieldName = header.parse().map_err(|problem: String| match commands.is_empty() {
+        true => problem,
         false => {
             let names: Vec<&str> = commands.iter().map(|command| command.channel.as_str()).collect();
-            fail(format!("{problem}, or one of the commands {}", names.join(", ")))
+            format!("{problem}, or one of the commands {}", names.join(", "))
         }
     })?;
     let Some(topic) = signals::topic(log, &field.topic, field.instance) else {
@@ -196,23 +225,19 @@ fn mapped(log: &Log, profile: &Profile, mapping: &ColumnMapping, commands: &[Sig
         let near = nearest(&field.topic, names).map(|near| format!(" (did you mean '{near}'?)")).unwrap_or_default();
         let instances: Vec<String> =
             log.topics.iter().filter(|t| t.name == field.topic).map(|topic| topic.instance.to_string()).collect();
-        return Err(fail(match instances.is_empty() {
+        return Err(match instances.is_empty() {
             true => format!("the log has no topic '{}'{near}. It has: {}", field.topic, present(log)),
             false => format!("the topic has the instances {} only", instances.join(", ")),
-        }));
+        });
     };
     if topic.field(&field.field).is_none() {
         let names: Vec<&str> = topic.fields.iter().map(|field| field.name.as_str()).collect();
         let near = nearest(&field.field, names.iter().copied());
         let near = near.map(|near| format!(" (did you mean '{near}'?)")).unwrap_or_default();
-        return Err(fail(format!("the topic '{}' has no such field{near}. It has: {}", topic.name, names.join(", "))));
+        return Err(format!("the topic '{}' has no such field{near}. It has: {}", topic.name, names.join(", ")));
     }
-    let source =
-        Source { field, unit: mapping.unit.clone(), scale: 1.0, transform: Transform::None, factor: None, note: None };
-    let signal = signals::signal(log, &source, &mapping.channel, hold);
-    let signal = signal.ok_or_else(|| fail("it has no samples".into()))?;
-    // What the caller says comes before what the log says.
-    Ok(Signal { unit: mapping.unit.clone().or(signal.unit), scale: mapping.scale, ..signal })
+    let source = Source { field, unit: None, scale: 1.0, transform: Transform::None, factor: None, note: None };
+    signals::signal(log, &source, channel, hold).ok_or_else(|| "it has no samples".into())
 }
 
 fn nearest<'a>(wanted: &str, names: impl Iterator<Item = &'a str>) -> Option<&'a str> {

@@ -47,5 +47,5 @@ pub(super) fn profile(survey: &Survey) -> Profile {
     }
     bases.sort_by(|a, b| b.cmp(a));
     let time_base = bases.into_iter().map(|(.., name)| name.to_owned()).collect();
-    Profile { name: "names of the fields".into(), time_base, surfaces: None, channels }
+    Profile { name: "names of the fields".into(), time_base, surfaces: None, mixed: Vec::new(), channels }
 }

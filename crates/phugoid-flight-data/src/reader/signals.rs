@@ -70,7 +70,7 @@ pub(super) fn signal(log: &Log, source: &Source, channel: &str, hold: Hold) -> O
         for ((value, (other, field)), held) in row.iter_mut().zip(&inputs).zip(&mut factors) {
             *value = match std::ptr::eq(*other, topic) {
                 true => field.values.get(sample).copied().unwrap_or(f64::NAN),
-                false => held.at(time, &other.time_s, &field.values),
+                false => held.at(time, &other.time_s, &field.values, FACTOR_STALE_S),
             };
         }
         time_s.push(time);
@@ -104,6 +104,30 @@ pub(super) fn signal(log: &Log, source: &Source, channel: &str, hold: Hold) -> O
     })
 }
 
+/// Signals times their factors, added, at the times of the first; what has other times counts with its last value before, as long as
+/// that is not older than `stale_after_s`. Channel, unit and hold are those of the first; none without a signal.
+pub(super) fn sum(terms: &[(&Signal, f64)], stale_after_s: f64) -> Option<Signal> {
+    let (first, _) = *terms.first()?;
+    let mut values = vec![0.0; first.time_s.len()];
+    for (signal, factor) in terms {
+        let mut held = Held::default();
+        for (sum, &time) in values.iter_mut().zip(&first.time_s) {
+            *sum += factor * signal.scale * held.at(time, &signal.time_s, &signal.values, stale_after_s);
+        }
+    }
+    let header: Vec<String> =
+        terms.iter().map(|(signal, factor)| format!("{factor} times {}", signal.header)).collect();
+    let mut notes: Vec<&str> = terms.iter().filter_map(|(signal, _)| signal.note.as_deref()).collect();
+    notes.dedup();
+    Some(Signal {
+        header: header.join(" plus "),
+        scale: 1.0,
+        values,
+        note: (!notes.is_empty()).then(|| notes.join(", ")),
+        ..first.clone()
+    })
+}
+
 /// The last value at or before a time, for times that rise.
 #[derive(Clone, Debug, Default)]
 struct Held {
@@ -112,7 +136,7 @@ struct Held {
 }
 
 impl Held {
-    fn at(&mut self, time_s: f64, times: &[f64], values: &[f64]) -> f64 {
+    fn at(&mut self, time_s: f64, times: &[f64], values: &[f64], stale_after_s: f64) -> f64 {
         while let (Some(&stamp), Some(&value)) = (times.get(self.next), values.get(self.next))
             && stamp <= time_s
         {
@@ -121,7 +145,7 @@ impl Held {
             }
             self.next += 1;
         }
-        self.last.filter(|(stamp, _)| time_s - stamp <= FACTOR_STALE_S).map_or(f64::NAN, |(_, value)| value)
+        self.last.filter(|(stamp, _)| time_s - stamp <= stale_after_s).map_or(f64::NAN, |(_, value)| value)
     }
 }
 

@@ -1,10 +1,10 @@
 //! Commands of control surfaces. An autopilot logs what it asks of a servo, not the angle of the surface: the angle is for the
 //! user to say, and none is invented.
 
-use super::signals::{Signal, label, rising, topic};
+use super::signals::{self, Signal, label, rising, topic};
 use crate::align::Hold;
 use crate::log::Log;
-use crate::profile::SurfaceRule;
+use crate::profile::{Mixture, SurfaceRule};
 use crate::quality::QualityReport;
 
 /// A command stands until it is this old, s.
@@ -50,8 +50,8 @@ impl Pulse {
     }
 }
 
-/// Commands, -1 to 1, under the names `elevator_command`, `aileron_command` and so on.
-pub(super) fn commands(log: &Log, rule: SurfaceRule) -> Vec<Signal> {
+/// Commands, -1 to 1, under the names `elevator_command`, `aileron_command` and so on, and those that several make together.
+pub(super) fn commands(log: &Log, rule: SurfaceRule, mixed: &[Mixture]) -> Vec<Signal> {
     let servos = match rule {
         SurfaceRule::Px4 => px4(log),
         SurfaceRule::Ardupilot => ardupilot(log),
@@ -83,6 +83,15 @@ pub(super) fn commands(log: &Log, rule: SurfaceRule) -> Vec<Signal> {
             out_of_order: topic.time_s.len() - kept.len(),
         });
     }
+    for Mixture { command, of } in mixed {
+        let known = |name: &str| signals.iter().find(|signal| signal.channel == name);
+        let parts: Option<Vec<(&Signal, f64)>> =
+            of.iter().map(|(name, factor)| Some((known(name)?, *factor))).collect();
+        // A surface of its own comes first.
+        if let (None, Some(sum)) = (known(command), parts.and_then(|parts| signals::sum(&parts, STALE_AFTER_S))) {
+            signals.push(Signal { channel: command.clone(), ..sum });
+        }
+    }
     signals
 }
 
@@ -92,6 +101,7 @@ pub(super) fn report(
     commands: &[Signal],
     mapped: &[String],
     rule: SurfaceRule,
+    mixed: &[Mixture],
     quality: &mut QualityReport,
 ) {
     for surface in ["elevator", "aileron", "rudder"] {
@@ -121,18 +131,25 @@ pub(super) fn report(
             );
         }
     }
-    let mixed: Vec<&str> = commands
+    let in_a_pair = |name: &str| ["elevon", "tail", "flaperon"].iter().any(|kind| name.contains(kind));
+    let used: Vec<&str> = mixed
         .iter()
-        .map(|signal| signal.channel.as_str())
-        .filter(|name| name.contains("elevon") || name.contains("tail"))
+        .filter(|mixture| mixture.of.iter().all(|(name, _)| commands.iter().any(|signal| &signal.channel == name)))
+        .flat_map(|mixture| mixture.of.iter().map(|(name, _)| name.as_str()))
         .collect();
-    if !mixed.is_empty() {
+    let names = commands.iter().map(|signal| signal.channel.as_str());
+    let alone: Vec<&str> = names.filter(|name| in_a_pair(name) && !used.contains(name)).collect();
+    let said = mapped.iter().any(|channel| ["elevator", "aileron", "rudder"].contains(&channel.as_str()));
+    if let Some(first) = alone.first().filter(|_| !said) {
+        let example: Vec<String> = alone.iter().map(|name| format!("{name} = FACTOR")).collect();
         quality.warn(
-            "elevator",
+            first.trim_end_matches("_command"),
             format!(
-                "the surfaces are mixed: {} are in the record, and what is elevator, aileron or rudder of them is not worked out. \
-                 Write their mean or half difference into a column of a CSV file",
-                mixed.join(", ")
+                "{}: what is elevator, aileron or rudder of that is not worked out. Say it in the model file, for each surface \
+                 that they make\n    [channels]\n    aileron = {{ sum = {{ {} }}, unit = \"deg\" }}\nwith their shares of \
+                 the degrees at command 1 for FACTOR, and their signs",
+                alone.join(", "),
+                example.join(", ")
             ),
         );
     }

@@ -115,7 +115,7 @@ pub enum TableError {
     /// The time column is no time.
     #[error(
         "{source_name}: column '{header}' does not work as the time: it rises in only {rising} of {rows} rows. Expected \
-         are times that increase from row to row. If another column is the time, map the channel 'time' to it"
+         are times that increase from row to row. {hint}"
     )]
     TimeDoesNotRise {
         /// File or stream.
@@ -126,6 +126,8 @@ pub enum TableError {
         rising: usize,
         /// Rows with a time.
         rows: usize,
+        /// What to do.
+        hint: &'static str,
     },
     /// More than fits into the set bound.
     #[error(

@@ -2,7 +2,7 @@
 
 use super::assemble::{Read, record};
 use super::{ColumnMapping, TableError, TableOptions};
-use crate::columns::{self, Head, Plan};
+use crate::columns::{self, ColumnUse, Head, Plan};
 use crate::header::{self, Meaning};
 use crate::quality::{Counted, Lines, QualityReport, plural};
 use crate::record::Record;
@@ -112,13 +112,14 @@ fn same_length(source: &str, columns: &[Column]) -> Result<usize, TableError> {
 
 /// A mapping to a column of text is answered with what the column is.
 fn refuse_left_out(headers: &[String], left_out: &[LeftOut], options: &TableOptions) -> Result<(), TableError> {
-    let same = |mapping: &ColumnMapping, header: &str| mapping.header.trim().eq_ignore_ascii_case(header.trim());
-    for mapping in &options.columns {
-        let text = left_out.iter().find(|column| same(mapping, &column.header));
-        if let Some(column) = text.filter(|_| !headers.iter().any(|header| same(mapping, header))) {
+    let same = |wanted: &str, header: &str| wanted.trim().eq_ignore_ascii_case(header.trim());
+    let terms = options.columns.iter().flat_map(|mapping| mapping.terms().map(move |(wanted, _)| (mapping, wanted)));
+    for (mapping, wanted) in terms {
+        let text = left_out.iter().find(|column| same(wanted, &column.header));
+        if let Some(column) = text.filter(|_| !headers.iter().any(|header| same(wanted, header))) {
             return Err(TableError::BadMapping {
                 channel: mapping.channel.clone(),
-                header: mapping.header.clone(),
+                header: wanted.to_owned(),
                 problem: format!("this column is {}; map a column of numbers", column.why),
             });
         }
@@ -159,27 +160,29 @@ fn table(plan: &Plan, columns: Vec<Column>, rows: usize, options: &TableOptions)
     let mut columns: Vec<Vec<f64>> = columns.into_iter().map(|column| column.values).collect();
     // Two mappings may take one column.
     let mut uses = vec![0_usize; columns.len()];
-    let used = plan.time.iter().chain(&plan.channels);
-    used.for_each(|used| uses.get_mut(used.column).into_iter().for_each(|count| *count += 1));
-    let mut take = |column: usize| match (columns.get_mut(column), uses.get(column)) {
-        (Some(values), Some(1)) => std::mem::take(values),
-        (Some(values), _) => values.clone(),
-        (None, _) => Vec::new(),
+    let used = plan.time.iter().chain(&plan.channels).flat_map(ColumnUse::columns);
+    used.for_each(|column| uses.get_mut(column).into_iter().for_each(|count| *count += 1));
+    // A column that nothing else needs is converted where it stands.
+    let mut si = |used: &ColumnUse| -> Vec<f64> {
+        let mut own = match (columns.get_mut(used.column), uses.get(used.column)) {
+            (Some(values), Some(1)) => std::mem::take(values),
+            (Some(values), _) => values.clone(),
+            (None, _) => Vec::new(),
+        };
+        for (row, value) in own.iter_mut().enumerate() {
+            let first = *value;
+            *value = used.value(|column| match column == used.column {
+                true => first,
+                false => columns.get(column).and_then(|values| values.get(row)).copied().unwrap_or(f64::NAN),
+            });
+        }
+        own
     };
     let mut time = match (&plan.time, options.sample_time_s) {
-        (Some(used), None) => take(used.column).into_iter().map(|value| used.to_si(value)).collect(),
+        (Some(used), None) => si(used),
         (_, step) => (0..rows).map(|row| step.unwrap_or(f64::NAN) * row as f64).collect::<Vec<f64>>(),
     };
-    let mut values: Vec<Vec<f64>> = Vec::with_capacity(plan.channels.len());
-    for used in &plan.channels {
-        let mut column = take(used.column);
-        for value in &mut column {
-            let si = used.to_si(*value);
-            // A finite number may overflow in the conversion.
-            *value = if si.is_finite() { si } else { f64::NAN };
-        }
-        values.push(column);
-    }
+    let mut values: Vec<Vec<f64>> = plan.channels.iter().map(si).collect();
     let mut untimed = Lines::of(Counted::Rows);
     let mut lines: Vec<usize> = (1..=rows).collect();
     if time.iter().any(|time| !time.is_finite()) {

@@ -12,7 +12,7 @@ pub use from_columns::{Column, LeftOut, from_columns};
 
 use serde::{Deserialize, Serialize};
 
-/// Maps one column to a channel by hand, where the header does not say it or says it wrongly.
+/// Maps a column to a channel by hand, where the header does not say it or says it wrongly; or several columns that make it together.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ColumnMapping {
@@ -26,6 +26,21 @@ pub struct ColumnMapping {
     /// Multiplies the column's values before the unit is converted; -1 turns the sign. Finite, not zero.
     #[serde(default = "one")]
     pub scale: f64,
+    /// Further columns, each times a factor of its own, that are added before the unit is converted: two elevons make an elevator
+    /// together. They are in the unit of the first; where one has no value, the sum has none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub plus: Vec<Addend>,
+}
+
+/// A column that is added to another.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Addend {
+    /// The column's header as it stands in the file.
+    pub header: String,
+    /// Multiplies its values. Finite, not zero.
+    #[serde(default = "one")]
+    pub scale: f64,
 }
 
 fn one() -> f64 {
@@ -35,7 +50,7 @@ fn one() -> f64 {
 impl ColumnMapping {
     /// A mapping with the unit of the header and no change of sign.
     pub fn new(channel: impl Into<String>, header: impl Into<String>) -> Self {
-        Self { channel: channel.into(), header: header.into(), unit: None, scale: 1.0 }
+        Self { channel: channel.into(), header: header.into(), unit: None, scale: 1.0, plus: Vec::new() }
     }
 
     /// The same with the unit given.
@@ -50,6 +65,19 @@ impl ColumnMapping {
     pub fn with_scale(mut self, scale: f64) -> Self {
         self.scale = scale;
         self
+    }
+
+    /// The same with a further column added, times a factor.
+    #[must_use]
+    pub fn plus(mut self, header: impl Into<String>, scale: f64) -> Self {
+        self.plus.push(Addend { header: header.into(), scale });
+        self
+    }
+
+    /// All its columns: header and factor.
+    pub fn terms(&self) -> impl Iterator<Item = (&str, f64)> {
+        let further = self.plus.iter().map(|addend| (addend.header.as_str(), addend.scale));
+        [(self.header.as_str(), self.scale)].into_iter().chain(further)
     }
 }
 

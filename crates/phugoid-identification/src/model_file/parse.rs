@@ -1,6 +1,7 @@
 //! From TOML text to a checked [`ModelFile`]: the file as a whole; what has many lines of its own is beside.
 
 mod aircraft;
+mod channels;
 mod measurements;
 mod parameters;
 
@@ -8,7 +9,8 @@ use phugoid_flight_data::quantity::Dimension;
 use toml::de::DeTable;
 
 use self::aircraft::aircraft;
-use self::measurements::{channels, noise, outputs, process_noise};
+use self::channels::channels;
+use self::measurements::{noise, outputs, process_noise};
 use self::parameters::parameters;
 use super::expected::expected;
 use super::section::{Section, Source as Text};

@@ -1,79 +1,16 @@
-//! What is measured, where it stands in the record, and how well: `[channels]`, `outputs`, `[noise]`, `[process_noise]`.
-
-use std::collections::BTreeMap;
+//! What is measured, and how well: `outputs`, `[noise]`, `[process_noise]`.
 
 use phugoid_flight_data::quantity::Dimension;
-use toml::Spanned;
-use toml::de::DeValue;
 
 use super::other_axes;
 use crate::axes::Axes;
 use crate::model_file::section::Section;
-use crate::model_file::{ChannelMapping, ModelFileError, ProcessNoise};
+use crate::model_file::{ModelFileError, ProcessNoise};
 use crate::output::{CHANNELS as OUTPUT_CHANNELS, Output, STATE_CHANNELS};
 
 /// Light Dryden turbulence (1.1 m/s) at the speed and altitude of the F-16 study, and a share of the angular rates' own, by
 /// [`Output::index`]. Side gusts are as strong as vertical ones at that altitude.
 const LIGHT_TURBULENCE: [f64; STATE_CHANNELS] = [10.0 * 0.3048 * 0.3048, 3.4e-5, 3.4e-5, 0.0, 0.0, 1e-6, 1e-6, 1e-6];
-
-/// Channels that a model can use; only these can be mapped.
-const MAPPABLE: [&str; 28] = [
-    "time",
-    "true_airspeed",
-    "alpha",
-    "beta",
-    "phi",
-    "theta",
-    "p",
-    "q",
-    "r",
-    "ax",
-    "ay",
-    "az",
-    "pdot",
-    "qdot",
-    "rdot",
-    "elevator",
-    "aileron",
-    "rudder",
-    "thrust",
-    "altitude",
-    "air_density",
-    "mass",
-    "ixx",
-    "iyy",
-    "izz",
-    "ixz",
-    "dynamic_pressure",
-    "throttle",
-];
-
-pub(super) fn channels(top: &Section, extra: &[String]) -> Result<BTreeMap<String, ChannelMapping>, ModelFileError> {
-    let Some(section) = top.section("channels")? else { return Ok(BTreeMap::new()) };
-    section.allow("channel", MAPPABLE.iter().copied().chain(extra.iter().map(String::as_str)))?;
-    let mut channels = BTreeMap::new();
-    for (key, _) in section.keys() {
-        let mapping = match section.get(key).map(Spanned::get_ref) {
-            Some(DeValue::Table(_)) => {
-                let Some(inner) = section.section(key)? else { continue };
-                inner.allow("key", ["header", "unit", "scale"].into_iter())?;
-                let header =
-                    inner.string("header")?.ok_or_else(|| inner.missing("header", "the header in your file"))?;
-                ChannelMapping {
-                    header: header.to_owned(),
-                    unit: inner.string("unit")?.map(str::to_owned),
-                    scale: inner.number("scale", Dimension::NUMBER)?.unwrap_or(1.0),
-                }
-            }
-            _ => {
-                let header = section.string(key)?.unwrap_or_default();
-                ChannelMapping { header: header.to_owned(), unit: None, scale: 1.0 }
-            }
-        };
-        channels.insert(key.to_owned(), mapping);
-    }
-    Ok(channels)
-}
 
 pub(super) fn outputs(top: &Section, axes: Axes) -> Result<[bool; OUTPUT_CHANNELS], ModelFileError> {
     let mut outputs = [false; OUTPUT_CHANNELS];

@@ -93,6 +93,16 @@ impl Rules {
 
     /// Takes a mapping of the model file, if it is of a channel that is wanted and names a message.
     fn map(&mut self, mapping: &ColumnMapping) -> Result<(), String> {
+        let of_mavlink = |(header, _): (&str, f64)| {
+            header.trim().split_once('.').is_some_and(|(message, _)| definitions::by_name(message).is_some())
+        };
+        if !mapping.plus.is_empty() && mapping.terms().any(of_mavlink) {
+            return Err(format!(
+                "[channels] {}: a sum of several fields is not taken from MAVLink, whose messages come one by one. Send the surface \
+                 itself (NAMED_VALUE_FLOAT), or as CSV or JSON lines",
+                mapping.channel
+            ));
+        }
         let Some((message, field)) = mapping.header.trim().split_once('.') else { return Ok(()) };
         let channel = self.channels.iter().position(|channel| *channel == mapping.channel);
         let (Some(message), Some(channel)) = (definitions::by_name(message), channel) else { return Ok(()) };
