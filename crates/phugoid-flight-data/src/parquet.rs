@@ -14,6 +14,7 @@ use std::path::Path;
 use bytes::Bytes;
 
 pub use crate::columnar::ReadError;
+pub use crate::columnar::write::Values;
 use crate::columnar::{row_groups, write};
 pub use crate::csv::WriteError;
 use crate::record::Record;
@@ -50,6 +51,18 @@ pub fn write_path(record: &Record, path: &Path) -> Result<(), WriteError> {
     let headers = crate::csv::headers(record, &target)?;
     match File::create(path) {
         Ok(file) => write::write(record, &headers, file, &target),
+        Err(error) => Err(WriteError::Io { target, error }),
+    }
+}
+
+/// Writes a table that is no flight: named columns of one length.
+///
+/// # Errors
+/// [`WriteError::Io`]: the file cannot be written, or the columns differ in length.
+pub fn write_columns(columns: &[(&str, Values)], path: &Path) -> Result<(), WriteError> {
+    let target = path.display().to_string();
+    match File::create(path) {
+        Ok(file) => write::write_columns(columns, file, &target),
         Err(error) => Err(WriteError::Io { target, error }),
     }
 }

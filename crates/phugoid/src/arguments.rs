@@ -262,6 +262,7 @@ fn truth(text: &str) -> Result<Truth, String> {
 pub(crate) enum ExportForm {
     Csv,
     Json,
+    Parquet,
     Jsbsim,
     Gazebo,
 }
@@ -278,9 +279,12 @@ fn export(text: &str) -> Result<Export, String> {
     let form = match form {
         "csv" => ExportForm::Csv,
         "json" => ExportForm::Json,
+        "parquet" => ExportForm::Parquet,
         "jsbsim" => ExportForm::Jsbsim,
         "gazebo" | "px4" => ExportForm::Gazebo,
-        other => return Err(format!("`{other}` is no form: write csv=, json=, jsbsim= or gazebo= and a file")),
+        other => {
+            return Err(format!("`{other}` is no form: write csv=, json=, parquet=, jsbsim= or gazebo= and a file"));
+        }
     };
     if file.is_empty() {
         return Err("write a form and a file, as in jsbsim=aero.xml".to_owned());
@@ -360,8 +364,8 @@ pub(crate) struct Estimate {
     /// Print one JSON document instead of text
     #[arg(long)]
     pub(crate) json: bool,
-    /// Write the result in another form too, may be repeated: `csv=FILE` or `json=FILE` the estimates, `jsbsim=FILE` the model as a JSBSim
-    /// `<aerodynamics>` section, `gazebo=FILE` as parameters of the advanced lift-drag plugin that PX4's simulations use
+    /// Write the result in another form too, may be repeated: `csv=FILE`, `parquet=FILE` or `json=FILE` the estimates, `jsbsim=FILE` the model as a
+    /// JSBSim `<aerodynamics>` section, `gazebo=FILE` as parameters of the advanced lift-drag plugin that PX4's simulations use
     #[arg(long, value_name = "FORM=FILE", value_parser = export)]
     pub(crate) export: Vec<Export>,
     /// Write the histories of all signals and parameters to this file (CSV, or Parquet if its name ends so); without a name they

@@ -35,6 +35,15 @@ impl Failure {
         Self::writing_of("--out", path, error)
     }
 
+    /// An option asks for Parquet, which this build does not write.
+    pub(crate) fn no_parquet(option: &str, path: &Path, instead: &str) -> Self {
+        Self::Input(format!(
+            "{option} {}: this build does not write Parquet; {instead}, or build it with \
+             cargo install --path crates/phugoid --features parquet",
+            path.display()
+        ))
+    }
+
     /// Writing to the file or folder that an option names failed.
     pub(crate) fn writing_of(option: &str, path: &Path, error: impl Display) -> Self {
         let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty() && !folder.exists());

@@ -1,4 +1,4 @@
-//! From a record to a Parquet file.
+//! From a record, or columns of any kind, to a Parquet file.
 
 use std::collections::HashMap;
 use std::io::Write;
@@ -8,7 +8,7 @@ use ::parquet::arrow::ArrowWriter;
 use ::parquet::basic::Compression;
 use ::parquet::errors::ParquetError;
 use ::parquet::file::properties::WriterProperties;
-use arrow_array::{ArrayRef, Float64Array, RecordBatch};
+use arrow_array::{ArrayRef, BooleanArray, Float64Array, RecordBatch, StringArray};
 use arrow_schema::{DataType, Field, Schema};
 
 use crate::csv::WriteError;
@@ -38,8 +38,7 @@ pub(crate) fn write(
         })
         .collect();
     let schema = Arc::new(Schema::new(fields));
-    let properties = WriterProperties::builder().set_compression(Compression::SNAPPY).build();
-    let mut writer = ArrowWriter::try_new(writer, Arc::clone(&schema), Some(properties)).map_err(failed)?;
+    let mut writer = ArrowWriter::try_new(writer, Arc::clone(&schema), Some(properties())).map_err(failed)?;
     for start in (0..record.time.len()).step_by(CHUNK) {
         let times = record.time.iter().skip(start).take(CHUNK);
         let mut columns: Vec<ArrayRef> = vec![Arc::new(times.copied().collect::<Float64Array>())];
@@ -51,6 +50,49 @@ pub(crate) fn write(
         let batch = RecordBatch::try_new(Arc::clone(&schema), columns);
         writer.write(&batch.map_err(|error| failed(error.into()))?).map_err(failed)?;
     }
+    writer.close().map_err(failed)?;
+    Ok(())
+}
+
+fn properties() -> WriterProperties {
+    WriterProperties::builder().set_compression(Compression::SNAPPY).build()
+}
+
+/// The values of a column of a table that is no flight.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Values {
+    /// Text.
+    Words(Vec<String>),
+    /// Numbers, null where there is none.
+    Numbers(Vec<Option<f64>>),
+    /// Yes or no.
+    Flags(Vec<bool>),
+}
+
+/// Writes named columns of one length.
+pub(crate) fn write_columns(
+    columns: &[(&str, Values)],
+    writer: impl Write + Send,
+    target: &str,
+) -> Result<(), WriteError> {
+    let failed =
+        |error: ParquetError| WriteError::Io { target: target.to_owned(), error: std::io::Error::other(error) };
+    let (mut fields, mut arrays): (Vec<Field>, Vec<ArrayRef>) = (Vec::new(), Vec::new());
+    for (name, values) in columns {
+        let (kind, array): (DataType, ArrayRef) = match values {
+            Values::Words(words) => (DataType::Utf8, Arc::new(StringArray::from_iter_values(words))),
+            Values::Numbers(numbers) => {
+                (DataType::Float64, Arc::new(numbers.iter().copied().collect::<Float64Array>()))
+            }
+            Values::Flags(flags) => (DataType::Boolean, Arc::new(BooleanArray::from(flags.clone()))),
+        };
+        fields.push(Field::new(*name, kind, matches!(values, Values::Numbers(_))));
+        arrays.push(array);
+    }
+    let schema = Arc::new(Schema::new(fields));
+    let mut writer = ArrowWriter::try_new(writer, Arc::clone(&schema), Some(properties())).map_err(failed)?;
+    let batch = RecordBatch::try_new(schema, arrays).map_err(|error| failed(error.into()))?;
+    writer.write(&batch).map_err(failed)?;
     writer.close().map_err(failed)?;
     Ok(())
 }

@@ -8,7 +8,8 @@
 //! ```
 //!
 //! in place of terms in the angle of attack: `CD0` and `eff` are made to give value and slope of the identified drag at the angle of attack
-//! of the flight.
+//! and the elevator of the flight. Moments are about body axes, lift and drag along and across the velocity in the plane of symmetry, the
+//! side force along body y: as here. What differs is said in the notes, and in docs/inspect.md.
 
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
@@ -32,6 +33,8 @@ const fn symbol(coefficient: Coefficient) -> &'static str {
 
 /// Oswald's efficiency where the identified drag does not determine one.
 const USUAL_EFFICIENCY: f64 = 0.8;
+/// Angle of attack of the stall where none was identified, rad.
+const STALL: f64 = 0.35;
 const SURFACES: [(Variable, &str); 3] =
     [(Variable::Elevator, "elevator"), (Variable::Aileron, "aileron"), (Variable::Rudder, "rudder")];
 
@@ -100,7 +103,12 @@ pub fn gazebo(identified: &Identified<'_>) -> Result<Exported, ExportError> {
         notes.push("CD_beta: the plugin has no such term".to_owned());
     }
     let surfaces = surfaces(&linear);
-    notes.push(format!("num_ctrl_surfaces is {}: the names are those of joints; put in your model's", surfaces.1));
+    notes.push(format!(
+        "num_ctrl_surfaces is {}: the names are those of joints; put in your model's. direction is 1 where a positive joint angle is \
+         trailing edge down (of the right aileron; of a rudder: left), else -1. One element stands for both ailerons: of two \
+         joints each has half of it, the left one with the other sign",
+        surfaces.1
+    ));
     if identified.model.rate_speed == RateSpeed::Reference {
         notes.push(
             "rates are made dimensionless by the reference speed in the model file and by the airspeed in the plugin: \
@@ -108,10 +116,13 @@ pub fn gazebo(identified: &Identified<'_>) -> Result<Exported, ExportError> {
                 .to_owned(),
         );
     }
-    notes.push(
-        "no stall was identified: alpha_stall is set to 0.35 rad, Cema_stall to zero; put in your aircraft's"
-            .to_owned(),
-    );
+    let lift = constant(Coefficient::Lift) + slope(Coefficient::Lift, Variable::Alpha) * identified.alpha_typical;
+    notes.push(format!(
+        "no stall was identified: alpha_stall is set to {STALL} rad, Cema_stall to zero; put in your aircraft's. The plugin blends its \
+         stalled wing in long before: at {:.4} rad it changes CL by {:+.1} %",
+        identified.alpha_typical,
+        100.0 * (blended(lift, identified.alpha_typical) / lift - 1.0)
+    ));
     notes.push(
         "some versions of the plugin assign the term Cemb times beta in place of adding it, and lose Cem0 and Cema: \
                 look at `Cem =` in AdvancedLiftDrag.cc of yours"
@@ -126,15 +137,25 @@ pub fn gazebo(identified: &Identified<'_>) -> Result<Exported, ExportError> {
         words(&identified.origin)
     );
     text.push_str(&elements.0);
+    // Writing to a string cannot fail.
+    let _ = writeln!(text, "  <alpha_stall>{STALL}</alpha_stall>");
     text.push_str(
-        "  <alpha_stall>0.35</alpha_stall>\n  <Cema_stall>0</Cema_stall>\n  <air_density>1.2041</air_density>\n  \
+        "  <Cema_stall>0</Cema_stall>\n  <air_density>1.2041</air_density>\n  \
          <forward>1 0 0</forward>\n  <upward>0 0 1</upward>\n  <link_name>base_link</link_name>\n  <cp>0 0 0</cp>\n",
     );
-    // Writing to a string cannot fail.
     let _ = writeln!(text, "  <num_ctrl_surfaces>{}</num_ctrl_surfaces>", surfaces.1);
     text.push_str(&surfaces.0);
     text.push_str("</plugin>\n");
     Ok(Exported { text, notes })
+}
+
+/// The plugin's lift coefficient before its surfaces: a flat plate, `2 sgn(alpha) sin^2 alpha cos alpha`, is blended in by a sigmoid of
+/// steepness 15 per radian about the stall.
+fn blended(lift: f64, alpha: f64) -> f64 {
+    const STEEPNESS: f64 = 15.0;
+    let (below, above) = ((-STEEPNESS * (alpha - STALL)).exp(), (STEEPNESS * (alpha + STALL)).exp());
+    let share = (1.0 + below + above) / ((1.0 + below) * (1.0 + above));
+    (1.0 - share) * lift + share * 2.0 * alpha.signum() * alpha.sin().powi(2) * alpha.cos()
 }
 
 #[derive(Default)]
@@ -200,9 +221,14 @@ fn drag(
     notes: &mut Vec<String>,
 ) -> (f64, f64) {
     let at = |c: Coefficient| {
-        let slope = linear.get(&c).map_or(0.0, |l| l.slope(Variable::Alpha));
-        (linear.get(&c).map_or(0.0, |l| l.constant) + slope * identified.alpha_typical, slope)
+        let Some(l) = linear.get(&c) else { return (0.0, 0.0) };
+        let slope = l.slope(Variable::Alpha);
+        let value =
+            l.constant + slope * identified.alpha_typical + l.slope(Variable::Elevator) * identified.elevator_typical;
+        (value, slope)
     };
+    // The plugin adds what the elevator does to the drag by itself.
+    let own = linear.get(&Coefficient::Drag).map_or(0.0, |l| l.slope(Variable::Elevator)) * identified.elevator_typical;
     let ((lift, lift_slope), (drag, drag_slope)) = (at(Coefficient::Lift), at(Coefficient::Drag));
     let induced = drag_slope / (2.0 * lift * lift_slope);
     let alpha = identified.alpha_typical;
@@ -210,14 +236,14 @@ fn drag(
         notes.push(format!(
             "the drag's term in the angle of attack became induced drag, CL^2/(pi AR eff): equal in value and slope at {alpha:.4} rad"
         ));
-        return (drag - induced * lift * lift, 1.0 / (PI * aspect_ratio * induced));
+        return (drag - own - induced * lift * lift, 1.0 / (PI * aspect_ratio * induced));
     }
     let induced = 1.0 / (PI * aspect_ratio * USUAL_EFFICIENCY);
     notes.push(format!(
         "the identified drag does not determine an efficiency: eff is {USUAL_EFFICIENCY}, and CD0 such that the drag at {alpha:.4} rad is \
          the identified one"
     ));
-    (drag - induced * lift * lift, USUAL_EFFICIENCY)
+    (drag - own - induced * lift * lift, USUAL_EFFICIENCY)
 }
 
 /// The elements of the surfaces that have an effect, and their number.

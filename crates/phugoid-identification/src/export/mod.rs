@@ -3,19 +3,22 @@
 //! | form | function | what fits |
 //! |---|---|---|
 //! | table of the estimates, CSV | [`csv()`] | everything |
+//! | the same as Parquet (feature `parquet`) | `parquet` | everything |
 //! | `<aerodynamics>` section of JSBSim | [`jsbsim()`] | every term of a model in absolute form |
 //! | parameters of Gazebo's advanced lift-drag plugin, as PX4 simulates with | [`gazebo()`] | terms of first order; the rest is said |
 //!
 //! Increments to a database are no model by themselves: what they are added to is not in the result, and these forms have no
 //! place for it. They are refused.
 
-mod csv;
+mod estimates;
 mod gazebo;
 mod jsbsim;
 
 use std::collections::BTreeMap;
 
-pub use csv::csv;
+pub use estimates::csv;
+#[cfg(feature = "parquet")]
+pub use estimates::parquet;
 pub use gazebo::gazebo;
 pub use jsbsim::jsbsim;
 
@@ -48,6 +51,8 @@ pub struct Identified<'a> {
     pub alpha_reference: f64,
     /// Angle of attack in the middle of the flight, rad: where what does not fit is approximated.
     pub alpha_typical: f64,
+    /// Elevator in the middle of the flight, rad; that of the reference where there was none.
+    pub elevator_typical: f64,
     /// Where the values are from, for the head of the file.
     pub origin: String,
 }
@@ -71,29 +76,30 @@ struct Valued {
 impl<'a> Identified<'a> {
     /// From an estimation with this model file.
     pub fn new(model: &'a ModelFile, estimation: &Estimation) -> Self {
-        let alpha = estimation.history.measured.iter().chain(&estimation.history.inputs).find(|s| s.name == "alpha");
-        let mut angles: Vec<f64> =
-            alpha.map(|s| s.values.iter().copied().filter(|v| v.is_finite()).collect()).unwrap_or_default();
+        let middle = |name: &str| {
+            let signal =
+                estimation.history.measured.iter().chain(&estimation.history.inputs).find(|s| s.name == name)?;
+            crate::noise::median(&mut signal.values.iter().copied().filter(|v| v.is_finite()).collect::<Vec<f64>>())
+        };
         Self {
             model,
             values: estimation.parameters.iter().map(|p| (p.name.clone(), p.value)).collect(),
             alpha_reference: estimation.alpha_reference,
-            alpha_typical: crate::noise::median(&mut angles).unwrap_or(estimation.alpha_reference),
+            alpha_typical: middle("alpha").unwrap_or(estimation.alpha_reference),
+            elevator_typical: middle("elevator").unwrap_or_else(|| given(model.reference.elevator)),
             origin: format!("{}, model {}, estimator {}", estimation.source, estimation.model, estimation.method),
         }
     }
 
     /// With the start values of the model file.
     pub fn start(model: &'a ModelFile) -> Self {
-        let alpha = match model.reference.alpha {
-            ReferenceValue::Given(value) => value,
-            ReferenceValue::Trim | ReferenceValue::FirstSample => 0.0,
-        };
+        let alpha = given(model.reference.alpha);
         Self {
             model,
             values: BTreeMap::new(),
             alpha_reference: alpha,
             alpha_typical: alpha,
+            elevator_typical: given(model.reference.elevator),
             origin: format!("start values of {}", model.source),
         }
     }
@@ -133,5 +139,13 @@ impl<'a> Identified<'a> {
                  a value under [reference] in the model file"
             ))),
         }
+    }
+}
+
+/// A reference that the model file gives, rad; zero where it is of a flight.
+fn given(reference: ReferenceValue) -> f64 {
+    match reference {
+        ReferenceValue::Given(value) => value,
+        ReferenceValue::Trim | ReferenceValue::FirstSample => 0.0,
     }
 }

@@ -155,11 +155,9 @@ impl History {
                 "--history {} would overwrite the flight: name another file",
                 file.display()
             ))),
-            Some(Some(file)) if is_parquet(file) && cfg!(not(feature = "parquet")) => Err(Failure::input(format!(
-                "--history {}: this build does not write Parquet; name a .csv file, or build it with \
-                 cargo install --path crates/phugoid --features parquet",
-                file.display()
-            ))),
+            Some(Some(file)) if is_parquet(file) && cfg!(not(feature = "parquet")) => {
+                Err(Failure::no_parquet("--history", file, "name a .csv file"))
+            }
             Some(Some(file)) => Ok(Self::File(file.clone())),
         }
     }

@@ -1,5 +1,7 @@
 //! `phugoid estimate --export`.
 
+use std::path::Path;
+
 use phugoid_identification::estimation::Estimation;
 use phugoid_identification::export::{ExportError, Exported, Identified, csv, gazebo, jsbsim};
 use phugoid_identification::model_file::ModelFile;
@@ -14,17 +16,22 @@ type Writer = fn(&Identified<'_>) -> Result<Exported, ExportError>;
 /// The forms that a model is written in, not the estimates alone.
 fn writer(form: ExportForm) -> Option<Writer> {
     match form {
-        ExportForm::Csv | ExportForm::Json => None,
+        ExportForm::Csv | ExportForm::Json | ExportForm::Parquet => None,
         ExportForm::Jsbsim => Some(jsbsim),
         ExportForm::Gazebo => Some(gazebo),
     }
 }
 
 /// # Errors
-/// A model that does not fit a form, told before it is estimated.
+/// A model that does not fit a form, or a form that this build does not write, told before anything is estimated.
 pub(crate) fn check(exports: &[Export], model: &ModelFile) -> Result<(), Failure> {
-    for write in exports.iter().filter_map(|export| writer(export.form)) {
-        write(&Identified::start(model)).map_err(|e| Failure::input(format!("--export: {e}")))?;
+    for Export { form, file } in exports {
+        if *form == ExportForm::Parquet && cfg!(not(feature = "parquet")) {
+            return Err(Failure::no_parquet("--export", file, "take csv= in place of parquet="));
+        }
+        if let Some(write) = writer(*form) {
+            write(&Identified::start(model)).map_err(|e| Failure::input(format!("--export: {e}")))?;
+        }
     }
     Ok(())
 }
@@ -38,16 +45,19 @@ pub(crate) fn write(
 ) -> Result<(), Failure> {
     let mut told = String::new();
     for Export { form, file } in exports {
-        let (text, notes) = match writer(*form) {
-            Some(write) => {
+        let as_text = |text: String| std::fs::write(file, text).map_err(|e| Failure::writing_of("--export", file, e));
+        let mut notes = Vec::new();
+        match (form, writer(*form)) {
+            (_, Some(write)) => {
                 let exported =
                     write(&Identified::new(model, estimation)).map_err(|e| Failure::input(format!("--export: {e}")))?;
-                (exported.text, exported.notes)
+                as_text(exported.text)?;
+                notes = exported.notes;
             }
-            None if *form == ExportForm::Csv => (csv(estimation), Vec::new()),
-            None => (json(&Document::new(estimation, None, Vec::new()))?, Vec::new()),
-        };
-        std::fs::write(file, text).map_err(|e| Failure::writing_of("--export", file, e))?;
+            (ExportForm::Csv, None) => as_text(csv(estimation))?,
+            (ExportForm::Parquet, None) => write_parquet(estimation, file)?,
+            _ => as_text(json(&Document::new(estimation, None, Vec::new()))?)?,
+        }
         let title = format!("Written: {}", file.display());
         if notes.is_empty() {
             told.push_str(&format!("\n{title}\n"));
@@ -56,4 +66,15 @@ pub(crate) fn write(
         }
     }
     if as_json || told.is_empty() { Ok(()) } else { print(&told) }
+}
+
+#[cfg(feature = "parquet")]
+fn write_parquet(estimation: &Estimation, file: &Path) -> Result<(), Failure> {
+    phugoid_identification::export::parquet(estimation, file).map_err(|e| Failure::writing_of("--export", file, e))
+}
+
+/// Refused by [`check`] before anything was estimated.
+#[cfg(not(feature = "parquet"))]
+fn write_parquet(_: &Estimation, file: &Path) -> Result<(), Failure> {
+    Err(Failure::no_parquet("--export", file, "take csv= in place of parquet="))
 }
