@@ -1,11 +1,16 @@
 //! What a record holds, before anything is estimated from it: channels, gaps, doubts, manoeuvres, and what they could tell.
 
+mod model;
+
 use std::collections::BTreeMap;
 
 use phugoid_flight_data::plausibility;
 use phugoid_flight_data::quality::{Finding, QualityReport};
 use phugoid_flight_data::record::{Channel, Record};
 use serde::{Deserialize, Serialize};
+
+pub use crate::run::{Predicted, PredictedParameter};
+pub use model::{ModelSupport, ParameterSupport, SegmentSupport, model_support};
 
 use crate::manoeuvres::{CoefficientSupport, Found, Settings, Support, find};
 use crate::model_file::ModelFile;
@@ -36,6 +41,9 @@ pub struct Inspection {
     pub derivatives: Vec<Derivative>,
     /// The model files that were asked about, and what the record lacks for each.
     pub models: Vec<ModelNeeds>,
+    /// What the record could tell of the parameters of one model, where that was asked ([`model_support`]).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub support: Option<ModelSupport>,
 }
 
 /// What one channel holds. Values in SI.
@@ -94,7 +102,7 @@ pub struct ModelNeeds {
     pub empty: Vec<String>,
 }
 
-/// Looks at a record, and at what it lacks for some model files.
+/// Looks at a record, and at what it lacks for some model files. What it could tell of their parameters is [`model_support`].
 pub fn inspect(record: &Record, models: &[ModelFile], settings: &Settings) -> Inspection {
     let found = find(record, settings);
     let ends = record.time.first().zip(record.time.last());
@@ -110,6 +118,7 @@ pub fn inspect(record: &Record, models: &[ModelFile], settings: &Settings) -> In
         derivatives: derivatives(&found),
         found,
         models: models.iter().map(|model| needs(record, model)).collect(),
+        support: None,
     }
 }
 

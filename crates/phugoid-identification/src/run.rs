@@ -4,6 +4,7 @@ mod batch;
 mod causal;
 mod gate;
 mod kalman;
+mod predict;
 mod readiness;
 mod regression;
 mod settings;
@@ -26,6 +27,8 @@ use crate::options::{CAPACITY, EstimateOptions};
 use crate::prepare::Prepared;
 pub(crate) use causal::Causal;
 use causal::run_causal;
+pub(crate) use predict::predict;
+pub use predict::{Predicted, PredictedParameter};
 pub(crate) use readiness::ColumnVerdict;
 pub(crate) use stepper::Stepper;
 

@@ -22,6 +22,11 @@ fn a_flight_is_told_with_its_manoeuvres_and_a_segment_is_estimated() {
         assert!(run.out.contains(word), "{word}: {}", run.out);
     }
     let json = phugoid(&folder.0, &["inspect", "measured.csv", "--model", "f16-model", "--json"]).json();
+    let told = phugoid(&folder.0, &["inspect", "measured.csv", "--model", "f16-model"]).out;
+    assert!(told.contains("Parameters of f16-model that the record could support, by its Cramer-Rao bound"), "{told}");
+    let support = &json["support"]["segments"];
+    assert_eq!(support[2]["manoeuvres"], serde_json::json!([1, 2]), "{support}");
+    assert_eq!(support[2]["parameters"][0]["support"], "told", "{support}");
     let manoeuvres = json["found"]["manoeuvres"].as_array().unwrap();
     assert_eq!(manoeuvres.len(), 2);
     assert_eq!(manoeuvres[1]["inputs"][0]["kind"], "3-2-1-1");
@@ -133,4 +138,51 @@ fn a_result_is_exported_in_every_form() {
     assert!(!folder.0.join("no.xml").exists());
     let unknown = phugoid(&folder.0, &["estimate", "measured.csv", "--model", "f16-model", "--export", "xml=a"]);
     assert!(unknown.fails(2).contains("is no form"));
+}
+
+#[cfg(feature = "parquet")]
+#[test]
+fn estimates_and_their_history_are_read_back_from_parquet() {
+    use phugoid_flight_data::parquet;
+    use phugoid_flight_data::reader::{ReadOptions, read_path};
+    use phugoid_flight_data::table::TableOptions;
+    let folder = flown("f16-calm", "parquet");
+    let base = ["estimate", "measured.csv", "--model", "f16-model", "--no-report", "--json"];
+    let more = ["--export", "parquet=estimates.parquet", "--history", "history.parquet"];
+    let result = phugoid(&folder.0, &[&base[..], &more].concat()).json();
+    assert_eq!(phugoid(&folder.0, &[&base[..], &["--history", "history.csv"]].concat()).code, Some(0));
+    // One row per parameter; names and statuses are text, which is no signal and is named as left out.
+    let options = TableOptions { sample_time_s: Some(1.0), ..TableOptions::default() };
+    let table = parquet::read_path(&folder.0.join("estimates.parquet"), &options).unwrap();
+    let parameters = result["parameters"].as_array().unwrap();
+    for (column, key) in [("value", "value"), ("corrected_std_error", "corrected_std_error"), ("lower", "lower")] {
+        let values = &table.channel(column).unwrap().values;
+        assert_eq!(values.len(), parameters.len());
+        for (value, parameter) in values.iter().zip(parameters) {
+            assert_eq!(Some(*value), parameter[key].as_f64(), "{column}");
+        }
+    }
+    assert!(table.quality.to_string().contains("column 'name': left out: it is text"), "{}", table.quality);
+    // The same history, to the last bit, as from CSV.
+    let history = |name: &str| read_path(&folder.0.join(name), &ReadOptions::default()).unwrap();
+    let (ours, text) = (history("history.parquet"), history("history.csv"));
+    assert_eq!(ours.time, text.time);
+    assert_eq!(ours.channels.len(), text.channels.len());
+    for (a, b) in ours.channels.iter().zip(&text.channels) {
+        let bits = |values: &[f64]| values.iter().map(|v| v.to_bits()).collect::<Vec<u64>>();
+        assert_eq!((&a.name, bits(&a.values)), (&b.name, bits(&b.values)));
+    }
+}
+
+#[cfg(not(feature = "parquet"))]
+#[test]
+fn a_build_without_parquet_says_how_to_get_it_before_it_estimates() {
+    let folder = flown("f16-calm", "no-parquet");
+    let base = ["estimate", "measured.csv", "--model", "f16-model", "--no-report"];
+    for more in [["--export", "parquet=estimates.parquet"], ["--history", "history.parquet"]] {
+        let run = phugoid(&folder.0, &[&base[..], &more].concat());
+        let told = run.fails(3);
+        assert!(told.contains("this build does not write Parquet") && told.contains("--features parquet"), "{told}");
+        assert!(told.contains(more[0]), "{told}");
+    }
 }

@@ -11,6 +11,7 @@
 //! A [`Manoeuvre`] is a flight's samples with the model of that flight, a [`Structure`] says what is unknown, and a
 //! [`BatchFit`] holds the estimates with their covariance and the fit. Equations and sources are in docs/methods.md.
 
+mod bound;
 pub(crate) mod colour;
 pub(crate) mod differentiate;
 mod equation_error;
@@ -32,6 +33,7 @@ mod result;
 mod start;
 mod summary;
 
+pub use bound::{Bounded, bound};
 pub use equation_error::{EquationErrorFit, EquationErrorSettings, equation_error};
 pub use error::BatchError;
 pub use filter_error::{ProcessNoise, filter_error};

@@ -79,4 +79,4 @@ where
 }
 
 /// Growth of an error of the initial state from which an unstable model is spoken of.
-const GROWTH: f64 = 100.0;
+pub(crate) const GROWTH: f64 = 100.0;

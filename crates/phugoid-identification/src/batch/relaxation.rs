@@ -48,7 +48,7 @@ pub(crate) fn noise_floor<M, I, const N: usize, const R: usize>(manoeuvres: &[Ma
 }
 
 /// One sigma of each output, NaN where it has no values, and the cost of the residuals.
-fn levels<const R: usize>(noise: &[Noise; R], rows: &[Rows<R>], floor: &[f64; R]) -> ([f64; R], f64) {
+pub(crate) fn levels<const R: usize>(noise: &[Noise; R], rows: &[Rows<R>], floor: &[f64; R]) -> ([f64; R], f64) {
     let mut cost = 0.0;
     let noise_sd = std::array::from_fn(|i| {
         let errors = rows.iter().flat_map(|r| r.residuals.iter().map(move |e| e[i])).filter(|e| e.is_finite());

@@ -87,7 +87,7 @@ fn prepare_all<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P:
     records.iter().map(|record| prepare(record, task.file)).collect()
 }
 
-fn manoeuvre<'a, M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize>(
+pub(super) fn manoeuvre<'a, M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize>(
     name: &'a str,
     prepared: &'a Prepared<M, N, R>,
 ) -> Manoeuvre<'a, M, M::KnownInput, N, R> {
@@ -108,7 +108,7 @@ fn manoeuvre<'a, M: MotionModel<N, R, P>, const N: usize, const R: usize, const 
 ///
 /// Output error and equation error estimate the noise, as their residuals hold turbulence and model error too. Filter error
 /// has the process noise for those, and takes the file's noise levels where it gives any: both together are hardly told apart.
-fn structure<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize>(
+pub(super) fn structure<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize>(
     task: &Task<M, N, R>,
 ) -> Result<Structure<N, R>, EstimateError> {
     let Task { prepared, file, options, noise, .. } = *task;

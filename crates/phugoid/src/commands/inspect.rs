@@ -3,10 +3,10 @@
 use std::fmt::Write as _;
 
 use phugoid_flight_data::log::survey::{Survey, TopicSurvey};
-use phugoid_flight_data::log::{self, LogError};
 use phugoid_flight_data::quality::Severity;
-use phugoid_flight_data::reader::{self, ReadOptions};
-use phugoid_identification::inspect::{Inspection, inspect};
+use phugoid_flight_data::reader::{self, ReadOptions, Surveyed};
+use phugoid_flight_data::record::Record;
+use phugoid_identification::inspect::{Inspection, ModelSupport, inspect, model_support};
 use phugoid_identification::manoeuvres::{Manoeuvre, Settings, Support};
 use phugoid_identification::model_file::ModelFile;
 use phugoid_studies::named;
@@ -35,20 +35,14 @@ struct Document<'a> {
 pub(crate) fn run(arguments: &arguments::Inspect) -> Result<(), Failure> {
     let wanted = arguments.model.as_deref().map(model).transpose()?;
     let columns = wanted.as_ref().map(ModelFile::columns).unwrap_or_default();
-    let models: Vec<ModelFile> = match wanted {
-        Some(model) => vec![model],
-        None => named::models()
-            .map(|(name, text)| ModelFile::parse(name, text).map_err(Failure::input))
-            .collect::<Result<_, _>>()?,
-    };
     let (survey, inspection, no_flight) = {
         let _progress = Progress::spinner("reading");
-        let survey = survey(arguments)?;
-        match (reader::read_path(&arguments.flight, &ReadOptions::with_columns(columns)), &survey) {
-            (Ok(record), _) => (survey, Some(inspect(&record, &models, &Settings::default())), None),
+        let Surveyed { survey, record } =
+            reader::survey_path(&arguments.flight, &ReadOptions::with_columns(columns)).map_err(Failure::input)?;
+        match record {
+            Ok(record) => (survey, Some(inspected(&record, wanted)?), None),
             // A log without a flight in it is a result too.
-            (Err(why), Some(_)) => (survey, None, Some(why.to_string())),
-            (Err(why), None) => return Err(Failure::input(why)),
+            Err(why) => (survey, None, Some(why.to_string())),
         }
     };
     let document = Document { log: survey.as_ref(), no_flight: no_flight.as_deref(), inspection: inspection.as_ref() };
@@ -66,13 +60,16 @@ pub(crate) fn run(arguments: &arguments::Inspect) -> Result<(), Failure> {
     })
 }
 
-/// What is in a log; none of a table.
-fn survey(arguments: &arguments::Inspect) -> Result<Option<Survey>, Failure> {
-    match log::survey_path(&arguments.flight) {
-        Ok(survey) => Ok(Some(survey)),
-        Err(LogError::NotThisFormat { .. } | LogError::Io { .. }) => Ok(None),
-        Err(error) => Err(Failure::input(error)),
-    }
+/// What is in a flight, and what it could tell of the model asked about; without one, what it lacks for those that are built in.
+fn inspected(record: &Record, wanted: Option<ModelFile>) -> Result<Inspection, Failure> {
+    let settings = Settings::default();
+    let Some(model) = wanted else {
+        let built_in = named::models().map(|(name, text)| ModelFile::parse(name, text).map_err(Failure::input));
+        return Ok(inspect(record, &built_in.collect::<Result<Vec<_>, _>>()?, &settings));
+    };
+    let mut inspection = inspect(record, std::slice::from_ref(&model), &settings);
+    inspection.support = Some(model_support(record, &inspection.found, &model));
+    Ok(inspection)
 }
 
 fn log_text(survey: &Survey) -> String {
@@ -135,9 +132,12 @@ fn text(inspection: &Inspection, one_model: bool) -> String {
         )
     };
     paragraph(&mut text, "Motion without input", found.unforced.iter().map(motion));
-    text.push_str(&derivatives(inspection));
+    match &inspection.support {
+        Some(support) => text.push_str(&parameters(support)),
+        None => text.push_str(&derivatives(inspection)),
+    }
     paragraph(&mut text, "What stands in the way", found.reasons.iter().cloned());
-    paragraph(&mut text, if one_model { "Model" } else { "Built-in models" }, models(inspection));
+    paragraph(&mut text, if one_model { "Model" } else { "Built-in models" }, needs(inspection));
     text
 }
 
@@ -209,15 +209,9 @@ fn derivatives(inspection: &Inspection) -> String {
     }
     let mut table = Table::with_words(&["derivative", "can be told", "best in", "why"], &[0, 1, 2, 3]);
     for derivative in &inspection.derivatives {
-        let word = match derivative.coefficient.support {
-            Support::Told => "yes",
-            Support::Roughly => "roughly",
-            Support::Small => "near zero",
-            Support::No => "no",
-        };
         table.row([
             derivative.coefficient.name.clone(),
-            word.to_owned(),
+            word(derivative.coefficient.support).to_owned(),
             format!("manoeuvre {}", derivative.manoeuvre),
             derivative.coefficient.reason.clone(),
         ]);
@@ -225,7 +219,56 @@ fn derivatives(inspection: &Inspection) -> String {
     format!("\nDerivatives that the record could support, by regression with these terms alone\n{}", table.render())
 }
 
-fn models(inspection: &Inspection) -> impl Iterator<Item = String> {
+fn word(support: Support) -> &'static str {
+    match support {
+        Support::Told => "yes",
+        Support::Roughly => "roughly",
+        Support::Small => "near zero",
+        Support::No => "no",
+    }
+}
+
+/// What the record could tell of the parameters of the model asked about.
+fn parameters(support: &ModelSupport) -> String {
+    let mut names: Vec<&str> = Vec::new();
+    for parameter in support.segments.iter().flat_map(|segment| &segment.parameters) {
+        if !names.contains(&parameter.bound.name.as_str()) {
+            names.push(&parameter.bound.name);
+        }
+    }
+    let mut table =
+        Table::with_words(&["parameter", "can be told", "best in", "2 sigma", "at best", "why"], &[0, 1, 2, 5]);
+    let percent =
+        |share: f64| if share < 100.0 { format!("{} %", significant(100.0 * share, 2)) } else { "-".to_owned() };
+    for (segment, parameter) in names.iter().filter_map(|name| support.best(name)) {
+        let numbers: Vec<String> = segment.manoeuvres.iter().map(usize::to_string).collect();
+        table.row([
+            parameter.bound.name.clone(),
+            word(parameter.support).to_owned(),
+            numbers.join(","),
+            percent(parameter.expected),
+            percent(parameter.at_best),
+            parameter.reason.clone(),
+        ]);
+    }
+    let mut text = String::new();
+    if !names.is_empty() {
+        text = format!(
+            "\nParameters of {} that the record could support, by its Cramer-Rao bound\n{}  2 sigma: with the residuals that the \
+             model leaves; at best: with the noise of the sensors alone.\n",
+            support.model,
+            table.render()
+        );
+    }
+    let notes = support.segments.iter().flat_map(|segment| {
+        let numbers: Vec<String> = segment.manoeuvres.iter().map(usize::to_string).collect();
+        segment.notes.iter().map(move |note| format!("{}: {note}", numbers.join(",")))
+    });
+    paragraph(&mut text, "How the bounds were had", notes.chain(support.reasons.iter().cloned()));
+    text
+}
+
+fn needs(inspection: &Inspection) -> impl Iterator<Item = String> {
     inspection.models.iter().map(|needs| {
         let mut lacks: Vec<String> = needs.missing.clone();
         lacks.extend(needs.empty.iter().map(|name| format!("{name} (there, but empty)")));

@@ -1,0 +1,126 @@
+//! What a record could tell of the parameters of one model: its Cramer-Rao bound, manoeuvre by manoeuvre.
+
+use phugoid_flight_data::record::Record;
+use serde::{Deserialize, Serialize};
+
+use crate::axes::Group;
+use crate::manoeuvres::{Found, Manoeuvre, Support};
+use crate::model_file::{Base, ModelFile};
+use crate::run::{Predicted, PredictedParameter, predict};
+
+/// Manoeuvres that are looked at, the useful ones from the first on.
+const MOST_MANOEUVRES: usize = 20;
+/// Two sigma of a parameter that is told, over its value, and of one that is told roughly.
+const TOLD: f64 = 0.25;
+const ROUGHLY: f64 = 1.0;
+/// A standard error above this part of what was known beforehand: the data add nothing.
+const NOTHING_NEW: f64 = 0.95;
+/// Correlation of errors from which two parameters are read together only.
+const TOGETHER: f64 = 0.9;
+
+/// What a record could tell of the parameters of a model.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ModelSupport {
+    /// File or built-in name of the model.
+    pub model: String,
+    /// One entry per useful manoeuvre, and one for all of them together where there are several.
+    pub segments: Vec<SegmentSupport>,
+    /// Why nothing was looked at.
+    pub reasons: Vec<String>,
+}
+
+/// What one manoeuvre, or several that are fitted together, could tell.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SegmentSupport {
+    /// Numbers of the manoeuvres, as for `--segment`.
+    pub manoeuvres: Vec<usize>,
+    /// Parameters in the order of the model file, offsets and sensor biases left out.
+    pub parameters: Vec<ParameterSupport>,
+    /// How the bounds were had, or why there are none.
+    pub notes: Vec<String>,
+}
+
+/// How well a parameter could be told.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ParameterSupport {
+    /// How well, by the expected error.
+    pub support: Support,
+    /// Two sigma as they are expected, over the value (over one sigma of what was known beforehand for an increment to a database).
+    pub expected: f64,
+    /// Two sigma of the Cramer-Rao bound with the noise of the sensors alone, over the same.
+    pub at_best: f64,
+    /// Why, in words.
+    pub reason: String,
+    /// The bound.
+    #[serde(flatten)]
+    pub bound: PredictedParameter,
+}
+
+impl ModelSupport {
+    /// The manoeuvres, or all together, that tell most of a parameter.
+    pub fn best(&self, parameter: &str) -> Option<(&SegmentSupport, &ParameterSupport)> {
+        let of = |segment: &'_ SegmentSupport| segment.parameters.iter().position(|p| p.bound.name == parameter);
+        let all = self.segments.iter().filter_map(|segment| Some((segment, segment.parameters.get(of(segment)?)?)));
+        all.min_by(|a, b| a.1.expected.total_cmp(&b.1.expected))
+    }
+}
+
+/// Bounds of the parameters of a model on the useful manoeuvres of a record.
+pub fn model_support(record: &Record, found: &Found, model: &ModelFile) -> ModelSupport {
+    let axes = model.axes;
+    let of_model = |m: &Manoeuvre| {
+        (axes.has_longitudinal() && m.moves(Group::Longitudinal)) || (axes.has_lateral() && m.moves(Group::Lateral))
+    };
+    let suits = |m: &&Manoeuvre| m.useful && of_model(m);
+    let useful: Vec<&Manoeuvre> = found.manoeuvres.iter().filter(suits).collect();
+    let mut support = ModelSupport { model: model.source.clone(), segments: Vec::new(), reasons: Vec::new() };
+    if useful.is_empty() {
+        support.reasons.push(format!("no useful manoeuvre moves what {} is about", model.name));
+    }
+    if useful.len() > MOST_MANOEUVRES {
+        support.reasons.push(format!("looked at are the first {MOST_MANOEUVRES} of {} manoeuvres", useful.len()));
+    }
+    let cut = |m: &&Manoeuvre| {
+        let part = record.between(m.from_s, m.to_s)?;
+        Some((m.number, Record { source: format!("manoeuvre {}", m.number), ..part }))
+    };
+    let parts: Vec<(usize, Record)> = useful.iter().take(MOST_MANOEUVRES).filter_map(cut).collect();
+    let (numbers, records): (Vec<usize>, Vec<Record>) = parts.into_iter().unzip();
+    for (number, record) in numbers.iter().zip(&records) {
+        support.segments.push(segment(vec![*number], std::slice::from_ref(record), model));
+    }
+    if records.len() > 1 {
+        support.segments.push(segment(numbers, &records, model));
+    }
+    support
+}
+
+fn segment(manoeuvres: Vec<usize>, records: &[Record], model: &ModelFile) -> SegmentSupport {
+    match predict(records, model) {
+        Ok(Predicted { parameters, notes }) => {
+            let parameters = parameters.into_iter().filter(|p| !p.nuisance).map(|p| judge(p, model.base)).collect();
+            SegmentSupport { manoeuvres, parameters, notes }
+        }
+        Err(why) => SegmentSupport { manoeuvres, parameters: Vec::new(), notes: vec![why.to_string()] },
+    }
+}
+
+fn judge(bound: PredictedParameter, base: Base) -> ParameterSupport {
+    let scale = match base {
+        Base::None => bound.value.abs(),
+        Base::F16 => bound.prior_std,
+    };
+    let (expected, at_best) = (2.0 * bound.expected_std_error / scale, 2.0 * bound.std_error / scale);
+    let together = bound.closest.as_ref().filter(|(_, correlation)| correlation.abs() > TOGETHER);
+    let with = together.map(|(name, correlation)| format!("goes with {name} (correlation {correlation:+.2})"));
+    let (support, reason) = if bound.expected_std_error > NOTHING_NEW * bound.prior_std {
+        (Support::No, "the data add nothing to what was known beforehand".to_owned())
+    } else if expected <= TOLD {
+        (Support::Told, String::new())
+    } else if expected <= ROUGHLY {
+        (Support::Roughly, with.unwrap_or_default())
+    } else {
+        (Support::No, with.unwrap_or_else(|| "not told from zero".to_owned()))
+    };
+    ParameterSupport { support, expected, at_best, reason, bound }
+}
