@@ -6,4 +6,5 @@ cd "$(dirname "$0")/.."
 
 cargo clippy -p phugoid --all-features --locked -- -D warnings
 cargo test -p phugoid-flight-data --features matlab,mcap,parquet --locked
+cargo test -p phugoid --features parquet --locked --test inspect
 scripts/round-trips.sh all

@@ -18,7 +18,7 @@ case ${1:-all} in
         ;;
     all)
         cargo build --quiet --locked -p phugoid-flight-data --features matlab,mcap,parquet --example dump_log --example read_table
-        cargo build --quiet --locked -p phugoid-identification --example export_model
+        cargo build --quiet --locked -p phugoid-identification --features parquet --example export_model --example export_estimates
         cargo build --quiet --locked -p phugoid-live --example dump_mavlink
         formats="ulog dataflash mavlink jsbsim tables mcap"
         ;;

@@ -13,7 +13,7 @@ import pyarrow.ipc
 import pyarrow.parquet
 import scipy.io
 
-from common import EXAMPLES
+from common import EXAMPLES, shared
 
 ROWS = 20_000
 
@@ -96,6 +96,25 @@ def main():
         units = {field.name: field.metadata[b"unit"].decode() for field in back.schema}
         assert units["alpha_rad"] == "rad" and units["q_rad_s"] == "rad/s" and units["flag"] == "1", units
         assert back["wild"].null_count == numpy.isnan(table["wild"]).sum()
+        estimates(folder)
+
+
+def estimates(folder):
+    """Estimates as Parquet, in pyarrow, against the same as CSV: text, numbers with null where there is none, truth values."""
+    path = shared("flight/hfb320.csv")
+    if path is None:
+        return
+    text, columns = folder / "estimates.csv", folder / "estimates.parquet"
+    subprocess.run([EXAMPLES / "export_estimates", path, "hfb320", text, columns], check=True, capture_output=True)
+    with open(text, newline="") as file:
+        rows = list(csv.DictReader(file))
+    found = pyarrow.parquet.read_table(columns)
+    assert found.column_names == list(rows[0]) and found.num_rows == len(rows) == 11, found.schema
+    number = lambda cell: float(cell) if cell else None
+    of = {pyarrow.string(): str, pyarrow.float64(): number, pyarrow.bool_(): lambda cell: cell == "true"}
+    for name in found.column_names:
+        assert found[name].to_pylist() == [of[found.schema.field(name).type](row[name]) for row in rows], name
+    print(f"  our estimates in pyarrow: {found.num_columns} columns of {found.num_rows} parameters are those of the CSV")
 
 
 main()

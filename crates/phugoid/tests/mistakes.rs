@@ -287,3 +287,30 @@ fn a_time_outside_the_flight_is_refused() {
         assert!(run.fails(3).contains("which lasts 20 s"));
     }
 }
+
+#[test]
+fn what_is_no_flight_is_answered_with_what_it_is() {
+    let folder = Folder::new("no-flight");
+    std::fs::create_dir(folder.0.join("folder")).unwrap();
+    std::fs::write(folder.0.join("photo.bin"), [b'J', 0, 1, 2, 0xFF, 0xFE, 0]).unwrap();
+    std::fs::write(folder.0.join("noise.bin"), [&[0xA3, 0x95, 0x80][..], &[7; 400]].concat()).unwrap();
+    let falling: String = (0..50).map(|row| format!("{},1\n", 60 - row)).collect();
+    folder.file("falling.csv", &format!("time_s,alpha_deg\n{falling}"));
+    folder.file("one.csv", "time_s,alpha_deg\n0,1\n");
+    folder.file("empty.bin", "");
+    for (file, parts) in [
+        ("folder", &["it is a folder; name a file in it"][..]),
+        ("photo.bin", &["binary data", "neither as a ULog (`ULog`) nor as a DataFlash log (bytes A3 95)"]),
+        ("noise.bin", &["the log holds no data", "if it was cut off or damaged, copy it again"]),
+        ("falling.csv", &["rises in only 1 of 50 rows", "turn the order of the rows round"]),
+        ("one.csv", &["only one time is left; a record needs at least two"]),
+        ("empty.bin", &["the file is empty", "time_s,alpha_deg,q_deg_s"]),
+    ] {
+        for command in [&["inspect", file][..], &["estimate", file, "--model", "f16", "--no-report"]] {
+            let run = phugoid(&folder.0, command);
+            let told = run.fails(3);
+            assert!(told.starts_with(&format!("error: {file}")), "{told}");
+            assert!(parts.iter().all(|part| told.contains(part)), "{parts:?}: {told}");
+        }
+    }
+}

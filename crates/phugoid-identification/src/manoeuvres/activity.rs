@@ -15,8 +15,6 @@ const CONTRAST: f64 = 6.0;
 const WANDER: f64 = 4.0;
 /// ... or makes up this part of the record itself.
 const LARGE_PART: f64 = 0.25;
-/// A level this part of the largest departure away from where the surface was before is a held one.
-const HELD: f64 = 0.35;
 
 /// The motions of one surface.
 pub(crate) fn inputs(signals: &Signals<'_>, surface: &str, settings: &Settings) -> Vec<SurfaceInput> {
@@ -128,7 +126,7 @@ impl View<'_> {
             let gap = next.map_or(f64::INFINITY, |next| self.gap(stretches[index], *next));
             let until = next.map_or(f64::INFINITY, |next| self.time(next.0) - 1e-6);
             let level = self.level(self.time(end), until.min(self.time(end) + self.settings.lead_s), end) - base;
-            let back = level.abs() <= HELD * self.peak(onset, end, base).abs();
+            let back = level.abs() <= shape::BACK * self.peak(onset, end, base).abs();
             if back && gap >= self.settings.settling_s {
                 return Some(index + 1);
             }

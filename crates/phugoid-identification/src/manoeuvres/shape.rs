@@ -43,8 +43,8 @@ impl Kind {
     }
 }
 
-/// Below this part of the largest departure a surface counts as back where it was.
-const BACK: f64 = 0.35;
+/// Below this part of the largest departure a surface counts as back where it was; above it, as held.
+pub(crate) const BACK: f64 = 0.35;
 /// Least part of the time near the level of its run that makes a run a step: a sine has a third.
 const FLAT: f64 = 0.55;
 

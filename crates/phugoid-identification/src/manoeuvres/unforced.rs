@@ -15,7 +15,7 @@ pub struct Unforced {
     pub to_s: f64,
     /// Largest rms over noise of the rates in it.
     pub signal_to_noise: f64,
-    /// What it looks like: `free response after an input`, `turbulence or free motion`.
+    /// What it may be: after an input a free response, or turbulence; before the first one turbulence, or free motion.
     pub words: String,
 }
 
