@@ -121,13 +121,16 @@ def main():
         cpu_s = (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
         process.send_signal(signal.SIGINT)
         process.wait(timeout=30)
-        documents = [json.loads(line) for line in open(out)]
+        lines = open(out).read().splitlines()
+        documents = [json.loads(line) for line in lines]
         end = documents[-1]
         share = cpu_s / arguments.seconds
         estimates = [d for d in documents if d["type"] == "estimate"]
         print(f"sent {sent} frames ({dropped} more lost on purpose), {sent_base} of the time base; received {end['received']}, "
               f"counted lost {end['lost']}, reordered {end['reordered']}, duplicated {end['duplicated']}, late {end['late']}")
         print(f"samples {end['samples']}, estimates {end['estimates']}, published {len(estimates)}; latency ms {end['latency_ms']}")
+        lengths = [len(line) for line, d in zip(lines, documents) if d["type"] == "estimate"]
+        print(f"an estimate has {sum(lengths) / len(lengths):.0f} bytes in the mean, {max(lengths)} at most")
         print(f"processor time {cpu_s:.2f} s of {arguments.seconds:.0f} s: {100 * share:.1f} % of a core; recording {os.path.getsize(recording)} bytes")
         if end["received"] != sent:
             failures.append(f"{sent - end['received']} frames that were sent were not received")

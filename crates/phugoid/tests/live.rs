@@ -62,6 +62,7 @@ fn text_gives_the_same_estimates_from_every_source() {
         live.interrupt();
         let end = json(live.rest().last().unwrap());
         assert_eq!(end["packets"], lines.chunks(10).count(), "{end}");
+        assert!(end["reason"].as_str().unwrap().contains("Ctrl-C"), "{end}");
     }
 
     // TCP, in pieces that end anywhere: a sender that connects, and one that is connected to.
