@@ -2,7 +2,8 @@
 
 use serde::Serialize;
 
-use super::{Problem, TrimCondition, TrimError, UNKNOWNS, check};
+use super::problem::{Problem, UNKNOWNS};
+use super::{TrimCondition, TrimError, check};
 use crate::aircraft::Aircraft;
 
 /// Where the solver starts. Any finite numbers.

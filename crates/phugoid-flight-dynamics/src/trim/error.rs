@@ -1,0 +1,99 @@
+//! Why there is no steady flight.
+
+/// Why there is no steady flight. Numbers are those of the equilibrium that was found without the limit.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum TrimError {
+    /// A number of the condition makes no sense.
+    #[error("trim: {field} is {value}, expected {expected}")]
+    Condition {
+        /// Name of the field.
+        field: &'static str,
+        /// What was given.
+        value: f64,
+        /// What is allowed.
+        expected: &'static str,
+    },
+    /// More thrust is needed than the engine has at full throttle.
+    #[error(
+        "trim: not enough thrust: {needed_n:.0} N needed, {available_n:.0} N available at full throttle (angle of attack \
+         {:.2} deg); fly lower, less steeply, or nearer to the speed of least drag", alpha_rad.to_degrees()
+    )]
+    NotEnoughThrust {
+        /// Thrust needed, N.
+        needed_n: f64,
+        /// Thrust at full throttle, N.
+        available_n: f64,
+        /// Angle of attack of the equilibrium, rad.
+        alpha_rad: f64,
+    },
+    /// Less thrust is needed than the engine gives at idle.
+    #[error(
+        "trim: too much thrust: {needed_n:.0} N needed, {idle_n:.0} N at idle (angle of attack {:.2} deg); descend less \
+         steeply, or at a speed with more drag", alpha_rad.to_degrees()
+    )]
+    TooMuchThrust {
+        /// Thrust needed, N.
+        needed_n: f64,
+        /// Thrust at idle, N.
+        idle_n: f64,
+        /// Angle of attack of the equilibrium, rad.
+        alpha_rad: f64,
+    },
+    /// A surface would have to go beyond its stop.
+    #[error(
+        "trim: {surface} at its limit: {:.2} deg needed, {:.2} deg available (angle of attack {:.2} deg)",
+        needed_rad.to_degrees(), limit_rad.to_degrees(), alpha_rad.to_degrees()
+    )]
+    SurfaceLimit {
+        /// Name of the surface.
+        surface: &'static str,
+        /// Deflection needed, rad.
+        needed_rad: f64,
+        /// Largest deflection to either side, rad.
+        limit_rad: f64,
+        /// Angle of attack of the equilibrium, rad.
+        alpha_rad: f64,
+    },
+    /// The equilibrium lies where the aircraft has no data.
+    #[error(
+        "trim: the only equilibrium found is at an angle of attack of {:.2} deg, the data are good from {:.2} to {:.2} deg",
+        alpha_rad.to_degrees(), lowest_rad.to_degrees(), highest_rad.to_degrees()
+    )]
+    OutsideData {
+        /// Angle of attack of the equilibrium, rad.
+        alpha_rad: f64,
+        /// Lowest angle of attack allowed, rad.
+        lowest_rad: f64,
+        /// Highest angle of attack allowed, rad.
+        highest_rad: f64,
+    },
+    /// Too slow for the flight path: not even the best angle of attack carries the aircraft.
+    #[error(
+        "trim: not enough lift: the flight path needs a load factor of {needed:.2}, the most there is at this speed and \
+         altitude up to the highest angle of attack allowed is {available:.2} (at {:.1} deg with full thrust and neutral \
+         surfaces); fly faster, lower, or turn less", alpha_rad.to_degrees()
+    )]
+    NotEnoughLift {
+        /// Load factor across the flight path that is needed.
+        needed: f64,
+        /// Largest load factor across the flight path in the range of angle of attack, thrust included.
+        available: f64,
+        /// Angle of attack of the largest load factor, rad.
+        alpha_rad: f64,
+    },
+    /// No equilibrium was found from any start.
+    #[error(
+        "trim: no equilibrium found: the best of {starts} starts leaves {equation} = {residual:.3e} at an angle of attack \
+         of {:.2} deg", alpha_rad.to_degrees()
+    )]
+    NoConvergence {
+        /// Number of starting points.
+        starts: usize,
+        /// The equation with the largest residual.
+        equation: &'static str,
+        /// Its residual: accelerations over gravity, the others in rad/s, rad/s^2, or sine of an angle.
+        residual: f64,
+        /// Angle of attack reached, rad.
+        alpha_rad: f64,
+    },
+}
