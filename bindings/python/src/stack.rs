@@ -2,8 +2,7 @@
 
 use std::thread;
 
-/// An estimator with room for 48 columns takes some 4 MB while it is set up.
-const STACK_BYTES: usize = 16 << 20;
+use phugoid_identification::stack::STACK_BYTES;
 
 /// Does `work` on a thread with stack enough where it is `large`, else here.
 pub(crate) fn with_stack<T: Send>(large: bool, work: impl FnOnce() -> T + Send) -> T {

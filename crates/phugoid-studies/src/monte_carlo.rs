@@ -2,6 +2,7 @@
 
 use std::sync::OnceLock;
 
+use phugoid_identification::stack::STACK_BYTES;
 use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
@@ -33,10 +34,6 @@ where
     };
     results.into_iter().collect()
 }
-
-/// Stack of a worker. An estimator of the whole motion with room for 48 parameters takes between 3 and 4 MB of it, more than
-/// the 2 MB of a common thread.
-const STACK_BYTES: usize = 16 << 20;
 
 /// Threads of their own, one per core.
 fn workers() -> Option<&'static ThreadPool> {
