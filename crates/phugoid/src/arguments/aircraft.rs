@@ -1,0 +1,54 @@
+//! Aircraft and flight condition.
+
+use clap::{Args, ValueEnum};
+use phugoid_studies::quantity::{Angle, AngularRate, Length, Speed};
+
+/// Aircraft that are built in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum AircraftName {
+    /// F-16 of Stevens & Lewis
+    F16,
+}
+
+/// Aerodynamic tables of the F-16.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum TablesName {
+    /// Stevens, Lewis & Johnson, 3rd edition
+    Book,
+    /// Morelli's digitisation, as in NASA's DAVE-ML model
+    Morelli,
+}
+
+/// A condition to trim in.
+#[derive(Debug, Args)]
+pub(crate) struct FlightCondition {
+    /// Aircraft
+    #[arg(long, value_enum, default_value = "f16")]
+    pub(crate) aircraft: AircraftName,
+    /// Aerodynamic tables
+    #[arg(long, value_enum, default_value = "book")]
+    pub(crate) tables: TablesName,
+    /// Centre of gravity, fraction of the mean aerodynamic chord
+    #[arg(long, default_value_t = 0.35, value_parser = fraction, allow_negative_numbers = true)]
+    pub(crate) cg: f64,
+    /// Altitude above sea level, as in 20000ft or 6096m
+    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
+    pub(crate) altitude: Length,
+    /// True airspeed, as in 675ft/s, 400kt or 205.74m/s
+    #[arg(long, value_name = "SPEED", allow_hyphen_values = true)]
+    pub(crate) speed: Speed,
+    /// Angle of climb, as in 3deg
+    #[arg(long, value_name = "ANGLE", default_value = "0deg", allow_hyphen_values = true)]
+    pub(crate) flight_path: Angle,
+    /// Rate of turn about the vertical, positive to the right, as in 3deg/s
+    #[arg(long, value_name = "RATE", default_value = "0deg/s", allow_hyphen_values = true)]
+    pub(crate) turn_rate: AngularRate,
+}
+
+fn fraction(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if (0.0..=1.0).contains(&value) => Ok(value),
+        Ok(_) => Err("a fraction of the mean chord lies between 0 and 1, as in 0.30".to_owned()),
+        Err(_) => Err("write a fraction of the mean chord, as in 0.30".to_owned()),
+    }
+}

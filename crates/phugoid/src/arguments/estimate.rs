@@ -1,0 +1,158 @@
+//! `phugoid estimate`.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use phugoid_identification::method::Method;
+use phugoid_studies::quantity::Time;
+
+use super::{examples_and_exit_codes, method};
+
+/// Estimates the coefficients of an aircraft from a recorded flight
+#[derive(Debug, Args)]
+#[command(after_help = examples_and_exit_codes(
+    "  phugoid estimate flight.csv --model jet.toml
+  phugoid estimate hfb320.csv --model hfb320 --out report --figures figures
+  phugoid estimate flight.csv --model jet.toml --from 12s --to 40s --json > result.json
+  phugoid estimate flight.csv --model f16 --truth f16-damage       a simulated flight beside its truth
+  phugoid estimate flight.csv --model jet.toml --segment 2         one manoeuvre of `phugoid inspect flight.csv`
+  phugoid estimate flight.csv --model jet.toml --export jsbsim=aero.xml --export csv=estimates.csv
+  phugoid estimate --list-models                   the model files that are built in"
+))]
+pub(crate) struct Estimate {
+    /// The flight, a CSV file with units in its headers (alpha_deg, tas_kt, ...)
+    #[arg(value_name = "FLIGHT.csv", required_unless_present_any = ["list_models", "show_model"])]
+    pub(crate) flight: Option<PathBuf>,
+    /// The aircraft: a model file, or the name of a built-in one
+    #[arg(long, value_name = "AIRCRAFT.toml", required_unless_present_any = ["list_models", "show_model"])]
+    pub(crate) model: Option<String>,
+    /// Estimator; without it the model file's, or smpe
+    #[arg(long, value_parser = method())]
+    pub(crate) method: Option<Method>,
+    /// Another flight of the same aircraft, fitted together with the first by a batch method; may be repeated
+    #[arg(long, value_name = "FLIGHT.csv")]
+    pub(crate) with: Vec<PathBuf>,
+    /// A flight to try the result on: the parameters of a batch method are held, and its outputs predicted
+    #[arg(long, value_name = "FLIGHT.csv")]
+    pub(crate) predict: Option<PathBuf>,
+    /// Do not look for sudden changes of the coefficients
+    #[arg(long)]
+    pub(crate) no_change_detection: bool,
+    /// Look for sudden changes even where the model file says not to
+    #[arg(long, conflicts_with = "no_change_detection")]
+    pub(crate) change_detection: bool,
+    /// Do not try terms that the model file lacks where residuals or adopted changes give a reason to
+    #[arg(long)]
+    pub(crate) no_offer: bool,
+    /// Try them without a reason too
+    #[arg(long, conflicts_with = "no_offer")]
+    pub(crate) offer: bool,
+    /// Take these errors of the sensors out of the flight first: a file that `phugoid compatibility` has written
+    #[arg(long, value_name = "CORRECTIONS.json")]
+    pub(crate) correct: Option<PathBuf>,
+    /// Begin at this time of the record
+    #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
+    pub(crate) from: Option<Time>,
+    /// End at this time of the record
+    #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
+    pub(crate) to: Option<Time>,
+    /// Take this manoeuvre of `phugoid inspect` alone; several, as in 1,3, with a batch method, which fits them together
+    #[arg(long, value_name = "NUMBER", value_delimiter = ',', conflicts_with_all = ["from", "to"])]
+    pub(crate) segment: Vec<usize>,
+    /// The truth to compare with, where the flight was simulated: the scenario (a file, or the name of a built-in one), or
+    /// values one by one, as in `--truth dCm_alpha=-0.2 --truth dCm_q=-2`. The estimator does not see it
+    #[arg(long, value_name = "SCENARIO|NAME=VALUE", value_parser = truth)]
+    pub(crate) truth: Vec<Truth>,
+    /// Give the derivatives in these axes too, with their covariance: `stability` (CL, CD; moments, p and r about the
+    /// stability axes) or `body` (CX, CZ; moments and rates about the body axes). A model file has CL and CD in stability
+    /// axes and all else in body axes
+    #[arg(long, value_enum, value_name = "AXES")]
+    pub(crate) axes_form: Option<AxesForm>,
+    /// Folder for the report
+    #[arg(long, value_name = "DIR", default_value = "phugoid-report")]
+    pub(crate) out: PathBuf,
+    /// Write no report
+    #[arg(long)]
+    pub(crate) no_report: bool,
+    /// Write the figures to this folder too, as SVG and PNG
+    #[arg(long, value_name = "DIR")]
+    pub(crate) figures: Option<PathBuf>,
+    /// Print one JSON document instead of text
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// Write the result in another form too, may be repeated: `csv=FILE`, `parquet=FILE` or `json=FILE` the estimates, `jsbsim=FILE` the model as a
+    /// JSBSim `<aerodynamics>` section, `gazebo=FILE` as parameters of the advanced lift-drag plugin that PX4's simulations use
+    #[arg(long, value_name = "FORM=FILE", value_parser = export)]
+    pub(crate) export: Vec<Export>,
+    /// Write the histories of all signals and parameters to this file (CSV, or Parquet if its name ends so); without a name they
+    /// go into the JSON document
+    #[arg(long, value_name = "FILE.csv", num_args = 0..=1)]
+    pub(crate) history: Option<Option<PathBuf>>,
+    /// List the built-in model files
+    #[arg(long)]
+    pub(crate) list_models: bool,
+    /// Print a built-in model file, to start your own from
+    #[arg(long, value_name = "NAME", conflicts_with = "list_models")]
+    pub(crate) show_model: Option<String>,
+}
+
+/// Axes that derivatives are turned into.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum AxesForm {
+    /// CL, CD; moments, p and r about the stability axes
+    Stability,
+    /// CX, CZ; moments and rates about the body axes
+    Body,
+}
+
+/// What is known to be true of a simulated flight.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Truth {
+    /// The scenario that was flown.
+    Scenario(String),
+    /// One parameter by its name in the model file.
+    Value(String, f64),
+}
+
+fn truth(text: &str) -> Result<Truth, String> {
+    let Some((name, value)) = text.split_once('=') else { return Ok(Truth::Scenario(text.to_owned())) };
+    match value.trim().parse::<f64>() {
+        Ok(value) if value.is_finite() => Ok(Truth::Value(name.trim().to_owned(), value)),
+        _ => Err(format!("`{}` is no number: write a value per radian (SI), as in dCm_alpha=-0.2", value.trim())),
+    }
+}
+
+/// Forms that a result is exported in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum ExportForm {
+    Csv,
+    Json,
+    Parquet,
+    Jsbsim,
+    Gazebo,
+}
+
+/// A form and the file for it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Export {
+    pub(crate) form: ExportForm,
+    pub(crate) file: PathBuf,
+}
+
+fn export(text: &str) -> Result<Export, String> {
+    let (form, file) = text.split_once('=').unwrap_or((text, ""));
+    let form = match form {
+        "csv" => ExportForm::Csv,
+        "json" => ExportForm::Json,
+        "parquet" => ExportForm::Parquet,
+        "jsbsim" => ExportForm::Jsbsim,
+        "gazebo" | "px4" => ExportForm::Gazebo,
+        other => {
+            return Err(format!("`{other}` is no form: write csv=, json=, parquet=, jsbsim= or gazebo= and a file"));
+        }
+    };
+    if file.is_empty() {
+        return Err("write a form and a file, as in jsbsim=aero.xml".to_owned());
+    }
+    Ok(Export { form, file: PathBuf::from(file) })
+}

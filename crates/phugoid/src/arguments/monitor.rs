@@ -1,0 +1,49 @@
+//! `phugoid monitor`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::examples_and_exit_codes;
+
+/// Watches a recorded flight for a divergence from the expected coefficients: a flag with a stated false-alarm rate, the onset
+/// of the failure, and which coefficient
+#[derive(Debug, Args)]
+#[command(after_help = examples_and_exit_codes(
+    "  phugoid simulate f16-failure --out flight
+  phugoid monitor flight/measured.csv --model f16-health-model
+  phugoid monitor flight.csv --model jet.toml --expected jet-expected.toml --false-alarms-per-hour 0.001
+  phugoid monitor flight.csv --model jet.toml --json --out health"
+))]
+pub(crate) struct Monitor {
+    /// The flight, a CSV file with units in its headers (alpha_deg, tas_kt, ...)
+    #[arg(value_name = "FLIGHT.csv")]
+    pub(crate) flight: PathBuf,
+    /// The aircraft: a model file, or the name of a built-in one. Its table `expected` says what is healthy; without one its start
+    /// values do, within a tenth
+    #[arg(long, value_name = "AIRCRAFT.toml")]
+    pub(crate) model: String,
+    /// A file with the table `expected`, in place of the model file's
+    #[arg(long, value_name = "EXPECTED.toml")]
+    pub(crate) expected: Option<PathBuf>,
+    /// False alarms per flight hour that are accepted [default: 0.01]
+    #[arg(long, value_name = "NUMBER", value_parser = rate)]
+    pub(crate) false_alarms_per_hour: Option<f64>,
+    /// Folder for health.json, with all histories, and the report of the estimation
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Print one JSON document instead of text
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// Put the history of every sample into the JSON document
+    #[arg(long, requires = "json")]
+    pub(crate) history: bool,
+}
+
+fn rate(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if (1e-9..60.0).contains(&value) => Ok(value),
+        Ok(_) => Err("a rate per flight hour lies between 1e-9 and 60, as in 0.01: one in a hundred hours".to_owned()),
+        Err(_) => Err("write false alarms per flight hour, as in 0.01: one in a hundred hours".to_owned()),
+    }
+}

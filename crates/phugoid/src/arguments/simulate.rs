@@ -1,0 +1,38 @@
+//! `phugoid simulate`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::examples_and_exit_codes;
+
+/// Flies a scenario and writes what the sensors measured and what was true
+#[derive(Debug, Args)]
+#[command(after_help = examples_and_exit_codes(
+    "  phugoid simulate f16-damage                      a built-in scenario (see `phugoid simulate --list`)
+  phugoid simulate my-flight.toml --out flights    writes flights/measured.csv and flights/truth.csv
+  phugoid simulate f16-calm --show > mine.toml     a scenario to start from"
+))]
+pub(crate) struct Simulate {
+    /// Scenario file, or the name of a built-in one
+    #[arg(value_name = "SCENARIO", required_unless_present = "list")]
+    pub(crate) scenario: Option<String>,
+    /// List the built-in scenarios
+    #[arg(long)]
+    pub(crate) list: bool,
+    /// Print the text of the scenario instead of flying it
+    #[arg(long, conflicts_with = "list")]
+    pub(crate) show: bool,
+    /// Seed of everything random, in place of the scenario's
+    #[arg(long, value_name = "NUMBER")]
+    pub(crate) seed: Option<u64>,
+    /// Folder for measured.csv and truth.csv
+    #[arg(long, value_name = "DIR", default_value = "phugoid-flight")]
+    pub(crate) out: PathBuf,
+    /// Write figures to this folder, as SVG and PNG
+    #[arg(long, value_name = "DIR")]
+    pub(crate) figures: Option<PathBuf>,
+    /// Print one JSON document instead of text
+    #[arg(long)]
+    pub(crate) json: bool,
+}
