@@ -100,11 +100,13 @@ impl Assembler {
             return Err(format!("`{base}` cannot be the time base: it is no MAVLink message with a time of its own"));
         }
         let profile = Profile::mavlink().map_err(|error| error.to_string())?;
+        let hold = |channel: &String| profile.channel(channel).map_or(Hold::Sampled, |entry| entry.hold);
+        let holds: Vec<Hold> = channels.iter().map(hold).collect();
         Ok(Self {
             options: options.clone(),
             rules: Rules::new(channels, asked, columns, &profile)?,
             bases: profile.time_base,
-            aligner: Aligner::new(&vec![Hold::Sampled; channels.len()]),
+            aligner: Aligner::new(&holds),
             sequences: HashMap::new(),
             waiting: VecDeque::new(),
             base: Base::default(),
