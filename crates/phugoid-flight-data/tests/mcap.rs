@@ -70,20 +70,26 @@ fn only_what_is_asked_for_is_kept() {
     assert!(matches!(error, LogError::TooLarge { max_values: 79, .. }), "{error}");
 }
 
+/// Where the chunks begin, and their lengths.
+fn chunks(bytes: &[u8]) -> Vec<(usize, usize)> {
+    let mut offset = mcap::MAGIC.len();
+    let mut chunks = Vec::new();
+    while offset + 9 < bytes.len() {
+        let length = u64::from_le_bytes(bytes[offset + 1..offset + 9].try_into().unwrap()) as usize;
+        if bytes[offset] == 6 {
+            chunks.push((offset, length));
+        }
+        offset += 9 + length;
+    }
+    chunks
+}
+
 #[test]
 fn a_damaged_chunk_is_left_out_and_the_rest_is_read() {
     for name in ["none.mcap", "lz4.mcap", "zstd.mcap"] {
         let mut bytes = bytes(name);
         // The first chunk begins after the header record, with schemas and channels; a byte in the middle of it is turned.
-        let mut offset = 8;
-        let mut chunks = Vec::new();
-        while offset + 9 < bytes.len() {
-            let length = u64::from_le_bytes(bytes[offset + 1..offset + 9].try_into().unwrap()) as usize;
-            if bytes[offset] == 6 {
-                chunks.push((offset, length));
-            }
-            offset += 9 + length;
-        }
+        let chunks = chunks(&bytes);
         assert!(chunks.len() >= 3, "{name}: {chunks:?}");
         let (second, length) = chunks[1];
         bytes[second + 9 + length / 2] ^= 0x10;
@@ -93,6 +99,20 @@ fn a_damaged_chunk_is_left_out_and_the_rest_is_read() {
         let said = log.quality.to_string();
         assert!(said.contains(&format!("byte {second}: the record that begins here is left out")), "{name}: {said}");
     }
+}
+
+/// Found by fuzzing: the library takes no notice of a record that is longer than its chunk, where nothing is packed and no check sum
+/// is given.
+#[test]
+fn a_record_longer_than_its_chunk_is_damage() {
+    let mut bytes = bytes("none.mcap");
+    let (at, _) = chunks(&bytes)[1];
+    // Start, end, size; check sum; name of the compression, here empty; size; the first record.
+    let (checksum, first) = (at + 9 + 24, at + 9 + 24 + 4 + 4 + 8);
+    bytes[checksum..checksum + 4].fill(0);
+    bytes[first + 1 + 4] = 1;
+    let said = read(&bytes).unwrap().quality.to_string();
+    assert!(said.contains("its records do not end where it ends"), "{said}");
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! The records in a chunk, unpacked and checked against its check sum before the first of them is given out.
 
-use ::mcap::records::op;
+use ::mcap::parse_record;
+use ::mcap::records::{Record, op};
 use ::mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
 /// The longest chunk, packed or unpacked, and the longest record, bytes. Recorders close a chunk at a few million.
@@ -10,6 +11,13 @@ const STEP: usize = 1 << 20;
 
 /// Gives every record of a chunk to `take`, until it says no; what is wrong with the chunk.
 pub(super) fn each_record(chunk: &[u8], mut take: impl FnMut(u8, &[u8]) -> bool) -> Result<(), String> {
+    // Of records that are not packed the library (0.26.0) does not ask whether they end with the chunk, and counts below zero.
+    if let Ok(Record::Chunk { header, data }) = parse_record(op::CHUNK, chunk)
+        && header.compression.is_empty()
+        && !is_filled(&data)
+    {
+        return Err("its records do not end where it ends".to_owned());
+    }
     let options = LinearReaderOptions::default()
         .with_skip_start_magic(true)
         .with_skip_end_magic(true)
@@ -39,4 +47,15 @@ pub(super) fn each_record(chunk: &[u8], mut take: impl FnMut(u8, &[u8]) -> bool)
         }
     }
     Ok(())
+}
+
+/// Does the last of these records end with them?
+fn is_filled(mut records: &[u8]) -> bool {
+    while let [_, rest @ ..] = records {
+        let Some((length, rest)) = rest.split_first_chunk() else { return false };
+        let length = usize::try_from(u64::from_le_bytes(*length)).unwrap_or(usize::MAX);
+        let Some(rest) = rest.get(length..) else { return false };
+        records = rest;
+    }
+    true
 }
