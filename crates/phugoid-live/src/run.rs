@@ -154,7 +154,8 @@ impl Live<'_> {
                     }
                 }
                 Err(RecvTimeoutError::Timeout) => {}
-                Err(RecvTimeoutError::Disconnected) => break "the source has ended",
+                // A source that was asked to end may have done so first.
+                Err(RecvTimeoutError::Disconnected) => break stop.asked().map_or("the source has ended", Why::words),
             }
             let now_ns = clock.now_ns();
             if !self.replayed {
