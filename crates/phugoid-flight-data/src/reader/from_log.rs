@@ -1,11 +1,12 @@
 //! From a log with many rates to a record with one.
 
+use super::mapped::{mapped, present};
 use super::signals::{self, Signal};
 use super::{ReadError, ReadOptions, surfaces, vehicle};
 use crate::align::{Aligner, Hold, Statistics};
 use crate::channels;
 use crate::log::{Log, Selection, Topic, Wanted};
-use crate::profile::{Factor, FieldName, Profile, Source, Transform};
+use crate::profile::{Factor, FieldName, Profile, Source};
 use crate::quality::{QualityReport, Short, plural};
 use crate::record::Record;
 use crate::table::{self, Column, ColumnMapping, TableError, TableOptions};
@@ -13,27 +14,6 @@ use crate::units;
 
 /// A source is passed over for a later one with so many times its samples.
 const MANY_TIMES: usize = 10;
-/// Channels that are levels of something that is set, not measurements.
-const LEVELS: &[&str] = &[
-    "elevator",
-    "aileron",
-    "rudder",
-    "flaps",
-    "leading_edge_flap",
-    "speed_brake",
-    "throttle",
-    "thrust",
-    "mass",
-    "ixx",
-    "iyy",
-    "izz",
-    "ixz",
-    "cg",
-    "fuel",
-    "air_density",
-    "temperature",
-    "static_pressure",
-];
 /// Channels whose absence is worth a word of its own.
 const EXPECTED: &[&str] =
     &["phi", "theta", "p", "q", "r", "ax", "ay", "az", "true_airspeed", "alpha", "beta", "air_density"];
@@ -118,18 +98,6 @@ fn absent(log: &Log, channel: &str, sources: &[Source]) -> String {
     text
 }
 
-/// The topics of a log, for messages.
-fn present(log: &Log) -> String {
-    const SHOWN: usize = 30;
-    let mut names: Vec<&str> =
-        log.topics.iter().map(|topic| topic.name.as_str()).chain(log.others.iter().map(String::as_str)).collect();
-    names.sort_unstable();
-    names.dedup();
-    let more = names.len().saturating_sub(SHOWN);
-    names.truncate(SHOWN);
-    if more > 0 { format!("{}, ... and {more} more", names.join(", ")) } else { names.join(", ") }
-}
-
 /// The first source that is there, unless a later one has many times its samples.
 fn choose<'a>(log: &Log, sources: &'a [Source], channel: &str, quality: &mut QualityReport) -> Option<&'a Source> {
     let there: Vec<(&Source, usize)> =
@@ -161,91 +129,6 @@ fn check_unit(signal: &mut Signal, source: &Source, quality: &mut QualityReport)
             quantity.in_words()
         ),
     );
-}
-
-/// A mapping of the caller.
-fn mapped(log: &Log, profile: &Profile, mapping: &ColumnMapping, commands: &[Signal]) -> Result<Signal, ReadError> {
-    let hold = match profile.channel(&mapping.channel) {
-        Some(entry) => entry.hold,
-        None if LEVELS.contains(&mapping.channel.as_str()) => Hold::Held { stale_after_s: surfaces::STALE_AFTER_S },
-        None => Hold::Sampled,
-    };
-    let mut found = Vec::with_capacity(1 + mapping.plus.len());
-    for (header, scale) in mapping.terms() {
-        let fail = |problem: String| ReadError::NoSuchField {
-            source_name: log.source.clone(),
-            channel: mapping.channel.clone(),
-            header: header.to_owned(),
-            problem,
-        };
-        let signal = named(log, header, &mapping.channel, hold, commands).map_err(&fail)?;
-        // What the caller says comes before what the log says.
-        let signal = Signal { unit: mapping.unit.clone().or(signal.unit), ..signal };
-        if let Some((first, _)) = found.first().filter(|(first, _): &&(Signal, f64)| first.unit != signal.unit) {
-            let unit = |signal: &Signal| signal.unit.clone().unwrap_or_else(|| "no unit".to_owned());
-            return Err(fail(format!(
-                "it is in {}, and what it is added to, {}, in {}: say with `unit` what the sum is in",
-                unit(&signal),
-                first.header,
-                unit(first)
-            )));
-        }
-        found.push((signal, scale));
-    }
-    let terms: Vec<(&Signal, f64)> = found.iter().map(|(signal, scale)| (signal, *scale)).collect();
-    let sum = match terms.as_slice() {
-        [(only, scale)] => Some(Signal { scale: *scale, ..(*only).clone() }),
-        several => signals::sum(several, surfaces::STALE_AFTER_S),
-    };
-    sum.ok_or_else(|| ReadError::NoSuchField {
-        source_name: log.source.clone(),
-        channel: mapping.channel.clone(),
-        header: mapping.header.clone(),
-        problem: "it names no field".into(),
-    })
-}
-
-/// What a caller calls by a field of the log, or by the command of a surface.
-///
-/// # Errors
-/// What is wrong with the name.
-fn named(log: &Log, header: &str, channel: &str, hold: Hold, commands: &[Signal]) -> Result<Signal, String> {
-    if let Some(command) = commands.iter().find(|command| command.channel == header.trim()) {
-        return Ok(Signal { channel: channel.to_owned(), unit: None, ..command.clone() });
-    }
-    let field: FieldName = header.parse().map_err(|problem: String| match commands.is_empty() {
-        true => problem,
-        false => {
-            let names: Vec<&str> = commands.iter().map(|command| command.channel.as_str()).collect();
-            format!("{problem}, or one of the commands {}", names.join(", "))
-        }
-    })?;
-    let Some(topic) = signals::topic(log, &field.topic, field.instance) else {
-        let names = log.topics.iter().map(|topic| topic.name.as_str()).chain(log.others.iter().map(String::as_str));
-        let near = nearest(&field.topic, names).map(|near| format!(" (did you mean '{near}'?)")).unwrap_or_default();
-        let instances: Vec<String> =
-            log.topics.iter().filter(|t| t.name == field.topic).map(|topic| topic.instance.to_string()).collect();
-        return Err(match instances.is_empty() {
-            true => format!("the log has no topic '{}'{near}. It has: {}", field.topic, present(log)),
-            false => format!("the topic has the instances {} only", instances.join(", ")),
-        });
-    };
-    if topic.field(&field.field).is_none() {
-        let names: Vec<&str> = topic.fields.iter().map(|field| field.name.as_str()).collect();
-        let near = nearest(&field.field, names.iter().copied());
-        let near = near.map(|near| format!(" (did you mean '{near}'?)")).unwrap_or_default();
-        return Err(format!("the topic '{}' has no such field{near}. It has: {}", topic.name, names.join(", ")));
-    }
-    let source = Source { field, unit: None, scale: 1.0, transform: Transform::None, factor: None, note: None };
-    signals::signal(log, &source, channel, hold).ok_or_else(|| "it has no samples".into())
-}
-
-fn nearest<'a>(wanted: &str, names: impl Iterator<Item = &'a str>) -> Option<&'a str> {
-    names
-        .map(|name| (name, strsim::normalized_damerau_levenshtein(wanted, name)))
-        .filter(|&(_, likeness)| likeness >= 0.6)
-        .max_by(|a, b| a.1.total_cmp(&b.1))
-        .map(|(name, _)| name)
 }
 
 /// The topic whose times the record takes.

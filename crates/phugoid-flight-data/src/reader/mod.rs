@@ -9,6 +9,7 @@
 
 mod error;
 mod from_log;
+mod mapped;
 mod self_explained;
 mod signals;
 mod surfaces;

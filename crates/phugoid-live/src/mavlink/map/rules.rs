@@ -326,6 +326,10 @@ mod tests {
         let wrong = ColumnMapping::new("elevator", "SERVO_OUTPUT_RAW.servo2");
         let refused = Rules::new(&channels, 1, &[wrong], &profile()).err().unwrap();
         assert!(refused.contains("servo2_raw"), "{refused}");
+        let sum =
+            ColumnMapping::new("elevator", "SERVO_OUTPUT_RAW.servo1_raw").plus("SERVO_OUTPUT_RAW.servo2_raw", 1.0);
+        let refused = Rules::new(&channels, 1, &[sum], &profile()).err().unwrap();
+        assert!(refused.contains("a sum of several fields is not taken from MAVLink"), "{refused}");
     }
 
     #[test]
