@@ -183,12 +183,9 @@ impl Profile {
         let mut mixed = Vec::new();
         for (command, mixtures) in file.mixed {
             for of in mixtures {
-                if of.is_empty() || of.values().any(|factor| !factor.is_finite() || *factor == 0.0) {
-                    return Err(wrong(format!(
-                        "mixed.{command}: a factor, not zero, for each of its surfaces is expected"
-                    )));
-                }
-                mixed.push(Mixture { command: command.clone(), of: of.into_iter().collect() });
+                let mixture = Mixture { command: command.clone(), of: of.into_iter().collect() };
+                mixture.check().map_err(|problem| wrong(format!("mixed.{command}: {problem}")))?;
+                mixed.push(mixture);
             }
         }
         channels.sort_by_key(|entry| channels::CHANNELS.iter().position(|spec| spec.name == entry.channel));
@@ -203,6 +200,19 @@ impl Profile {
     /// Every field that a profile may take something from, those of transforms one by one.
     pub fn fields(&self) -> impl Iterator<Item = FieldName> {
         self.channels.iter().flat_map(|entry| &entry.sources).flat_map(Source::inputs)
+    }
+}
+
+impl Mixture {
+    fn check(&self) -> Result<(), String> {
+        let names = || std::iter::once(&self.command).chain(self.of.iter().map(|(name, _)| name));
+        if let Some(name) = names().find(|name| !name.ends_with("_command")) {
+            return Err(format!("'{name}' is no command of a surface; write for instance left_elevon_command"));
+        }
+        match self.of.iter().all(|(_, factor)| factor.is_finite() && *factor != 0.0) && !self.of.is_empty() {
+            true => Ok(()),
+            false => Err("a factor, not zero, for each of its surfaces is expected".to_owned()),
+        }
     }
 }
 
@@ -405,7 +415,9 @@ mod tests {
             wrong("[channel.alpha]\nsources = [{ field = \"a.b\", unit = \"kg\" }]\n").contains("not one of rad, deg")
         );
         assert!(wrong("[channel.alpha]\nsources = [{ field = \"ab\" }]\n").contains("write topic.field"));
-        assert!(wrong("[mixed]\ne = [{ a = 0 }]\n[channel.alpha]\nsources = []\n").contains("mixed.e: a factor"));
+        let mixed = |text: &str| wrong(&format!("[mixed]\n{text}\n[channel.alpha]\nsources = []\n"));
+        assert!(mixed("e_command = [{ a_command = 0 }]").contains("mixed.e_command: a factor"));
+        assert!(mixed("e_command = [{ elevon = 1 }]").contains("'elevon' is no command of a surface"));
         assert!(wrong("[channel.alpha]\nsources = [{ field = \"a.b\", skale = 2 }]\n").contains("line 4"), "line");
     }
 
