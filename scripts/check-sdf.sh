@@ -21,4 +21,4 @@ model=data/models/hfb320.toml
     echo '</model></sdf>'
 } > "$folder/aircraft.sdf"
 "$folder/read_plugin" "$folder/aircraft.sdf" > "$folder/read.txt"
-echo "SDF: $model: $(wc -l < "$folder/read.txt") parameters read by libsdformat"
+echo "SDF: $model: $(wc -l < "$folder/read.txt") values read by libsdformat"

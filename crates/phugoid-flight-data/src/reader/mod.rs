@@ -5,7 +5,7 @@
 //! column of the table, or `topic.field` or `topic#instance.field` of the log.
 //!
 //! To add a format: its place in [`Format`]; of a log, its reader in [`crate::log`] and, unless its fields say themselves what they
-//! are, its profile in [`built_in`]; of a table, an arm in [`table`].
+//! are, its profile in `built_in`; of a table, an arm in `table`.
 
 mod error;
 mod from_log;
