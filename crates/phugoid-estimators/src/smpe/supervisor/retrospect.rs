@@ -1,12 +1,12 @@
 //! Going back to a change: the challenger starts from before it, is opened where it has begun, and catches up.
 
-use super::columns::Columns;
-use super::history::FRAMES;
-use super::reopen::STATE_ALLOWANCE;
-use super::slot::{Faults, Slot, output_input};
 use super::{ADAPTATION_START_S, Supervisor};
 use crate::discretization::IntervalInput;
 use crate::model::Model;
+use crate::smpe::columns::Columns;
+use crate::smpe::history::FRAMES;
+use crate::smpe::reopen::STATE_ALLOWANCE;
+use crate::smpe::slot::{Faults, Slot, output_input};
 
 /// Frames that a challenger that has gone back works off per update: bounded work. At 100 Hz it is up to date after 0.1 s.
 const CATCH_UP: usize = 8;
