@@ -139,3 +139,20 @@ fn a_real_log_says_what_pymavlink_says() {
         assert_eq!(log.topic(name, 0).unwrap().time_s.len(), samples, "{name}");
     }
 }
+
+/// Else a manoeuvre that a survey shows would be elsewhere in the record.
+#[test]
+fn time_begins_at_the_same_stamp_whatever_is_kept() {
+    let mut log = dataflash(30);
+    log.extend(dataflash_define(183, 3 + 8 + 4, "ATT", "Qf", "TimeUS,Roll"));
+    for sample in 0..3_u64 {
+        let mut attitude = (2_500_000 + 10_000 * sample).to_le_bytes().to_vec();
+        attitude.extend(0.25_f32.to_le_bytes());
+        log.extend(dataflash_message(183, &attitude));
+    }
+    let selection = Selection::topics(["ATT"]);
+    let kept = read(log.as_slice(), "x.bin", &selection).unwrap();
+    let survey = survey(log.as_slice(), "x.bin").unwrap();
+    assert_eq!(kept.topic("ATT", 0).unwrap().time_s, [0.5, 0.51, 0.52]);
+    assert_eq!(survey.topic("ATT", 0).unwrap().first_s, 0.5);
+}

@@ -197,6 +197,8 @@ impl Reading {
             }
         }
         let Some(time_us) = time_us else { return Ok(()) };
+        // Whether it is kept or not, so that a survey and every selection of the log have one time.
+        self.head.start_us.get_or_insert(time_us);
         self.samples += 1;
         if self.head.utc_offset_s.is_none() && format.name == "GPS" {
             self.head.utc_offset_s = satellite_clock(format, payload, time_us);
