@@ -52,6 +52,7 @@ mod change;
 pub(crate) mod colour;
 pub(crate) mod columns;
 pub(crate) mod common;
+mod faults;
 mod history;
 pub(crate) mod reopen;
 mod separated;

@@ -10,9 +10,10 @@ mod retrospect;
 use super::challenge::Challenge;
 use super::change::ChangeDetector;
 use super::columns::Columns;
+use super::faults::Faults;
 use super::history::History;
 use super::settings::{ReReaching, SmpeError, SmpeSettings};
-use super::slot::{Faults, Innovations, RowPhase, Slot, output_input};
+use super::slot::{Innovations, RowPhase, Slot, output_input};
 use super::start::Start;
 use super::trial::Trial;
 use crate::discretization::IntervalInput;
@@ -199,6 +200,8 @@ where
             challenger.correct(model, settings, columns, &input, &sample.outputs, adapt, &mut unused, |_| {})
         });
         self.phase = phase_of(&self.innovations);
+        let merit = faults.merit(&self.innovations, limit);
+        self.history.judge(merit);
 
         let block = self.shared().colour_block(since_start_s);
         if block != self.colour_block {
@@ -224,7 +227,7 @@ where
             self.history.note(&self.champion);
         }
         if let Some(innovations) = challenged {
-            self.contest(&innovations, sample.time_s);
+            self.contest(&merit, &innovations, sample.time_s);
             self.faults[1].note(&innovations, limit, nominal_s);
         } else if self.in_doubt {
             self.catch_up();

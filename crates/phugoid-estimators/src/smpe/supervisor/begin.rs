@@ -3,7 +3,8 @@
 use super::{Stage, Supervisor};
 use crate::estimate::Phase;
 use crate::model::{Model, Sample};
-use crate::smpe::slot::{Faults, Innovations, RowPhase, Slot};
+use crate::smpe::faults::Faults;
+use crate::smpe::slot::{Innovations, RowPhase, Slot};
 use crate::smpe::start::Start;
 
 /// When more than half of the rows have been rejected in every frame for this long, s, the estimated state is lost (an
