@@ -112,7 +112,8 @@ impl Challenge {
         self.dropped = self.dropped.saturating_add(1);
         // A NaN score is a failed challenger: it counts as lost.
         if self.score >= 0.0 {
-            return 1.0;
+            // Better all along, and yet no change: that is what wander is.
+            return if self.score > self.settings.adoption { 2.0 } else { 1.0 };
         }
         self.grow_caution();
         2.0
