@@ -46,6 +46,12 @@
 //!     let time_s = 0.01 * f64::from(k);
 //!     let y = (1.0 - (-3.0 * time_s).exp()) / 3.0;
 //!     estimate = estimator.update(&Sample { time_s, input: [1.0], outputs: [y] });
+//! }
+//! let error = (estimate.parameters[0] - 3.0).abs();
+//! assert!(error < 2.0 * estimate.corrected_std_error[0]);
+//! assert!(estimate.corrected_std_error[0] < 0.02);
+//! # Ok::<(), phugoid_estimators::smpe::SmpeError>(())
+//! ```
 
 mod challenge;
 mod change;
