@@ -209,7 +209,7 @@ impl Default for ChangeDetection {
     fn default() -> Self {
         Self {
             window_s: 1.0,
-            trigger: 6.0,
+            trigger: 12.0,
             adoption: 10.0,
             adoption_at_limit: f64::INFINITY,
             dropping: -30.0,
