@@ -98,7 +98,7 @@ def test_errors_have_the_texts_of_the_command_line(tmp_path, flight, model):
         phugoid.Model("f61")
     with pytest.raises(phugoid.PhugoidError, match=r"mine:1:\d+"):
         phugoid.Model.parse("nmae = 'x'", name="mine")
-    with pytest.raises(phugoid.PhugoidError, match="`altitude` is missing"):
+    with pytest.raises(phugoid.PhugoidError, match="channel `elevator` is missing"):
         phugoid.estimate(phugoid.from_columns({"time_s": np.arange(50.0), "alpha_rad": np.zeros(50)}), model)
     with pytest.raises(phugoid.PhugoidError, match="smpe"):
         phugoid.estimate(flight[0], model, method="smqe")
