@@ -15,20 +15,7 @@ fi
 command -v python3 >/dev/null 2>&1 || { echo "python-tools: python3 is not found; install Python 3.11 or newer" >&2; exit 1; }
 
 # Debian keeps ensurepip, which venv needs, in a package of its own.
-if ! python3 -c 'import ensurepip, venv' >/dev/null 2>&1; then
-    command -v apt-get >/dev/null 2>&1 || { echo "python-tools: Python's venv is missing; install it" >&2; exit 1; }
-    if [ "$(id -u)" -eq 0 ]; then
-        sudo=
-    elif command -v sudo >/dev/null 2>&1; then
-        sudo="sudo env DEBIAN_FRONTEND=noninteractive"
-    else
-        echo "python-tools: python3-venv is missing; installing it needs root: run as root, or install sudo." >&2
-        exit 1
-    fi
-    export DEBIAN_FRONTEND=noninteractive
-    $sudo apt-get update -qq
-    $sudo apt-get install -y -qq --no-install-recommends python3-venv
-fi
+python3 -c 'import ensurepip, venv' >/dev/null 2>&1 || scripts/debian-install.sh python3-venv
 
 rm -rf "$folder"
 python3 -m venv "$folder"
