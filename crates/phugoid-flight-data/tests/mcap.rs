@@ -70,6 +70,16 @@ fn only_what_is_asked_for_is_kept() {
     assert!(matches!(error, LogError::TooLarge { max_values: 79, .. }), "{error}");
 }
 
+/// From the first message of the file, whatever is kept: else a survey and a record had different times.
+#[test]
+fn time_begins_at_the_first_message() {
+    let selection = Selection::topics(["air"]);
+    let part = mcap::read(bytes("zstd.mcap").as_slice(), "x.mcap", &selection).unwrap();
+    let whole = read(&bytes("zstd.mcap")).unwrap();
+    assert_eq!(part.topic("air", 1).unwrap().time_s, whole.topic("air", 1).unwrap().time_s);
+    assert_eq!(part.information, whole.information);
+}
+
 /// Where the chunks begin, and their lengths.
 fn chunks(bytes: &[u8]) -> Vec<(usize, usize)> {
     let mut offset = mcap::MAGIC.len();

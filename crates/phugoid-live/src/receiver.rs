@@ -81,16 +81,16 @@ pub struct Receiver {
 }
 
 impl Receiver {
-    /// `channels`: canonical names of what the samples hold, in this order.
+    /// `asked_for`: canonical names of what the samples hold, in this order.
     ///
     /// # Errors
     /// A mapping of the model file that no stream could fulfil, in words.
-    pub fn new(channels: &[String], options: &ReceiverOptions) -> Result<Self, String> {
-        let asked = channels.len();
-        let mut channels = channels.to_vec();
+    pub fn new(asked_for: &[String], options: &ReceiverOptions) -> Result<Self, String> {
+        let asked = asked_for.len();
+        let mut channels = asked_for.to_vec();
         if channels.iter().any(|channel| channel == "true_airspeed") {
-            let more: Vec<String> = airspeed::NEEDED.map(str::to_owned).into_iter().collect();
-            channels.extend(more.into_iter().filter(|name| !channels.contains(name)).collect::<Vec<_>>());
+            let is_new = |name: &&str| !asked_for.iter().any(|channel| channel == name);
+            channels.extend(airspeed::NEEDED.into_iter().filter(is_new).map(str::to_owned));
         }
         Ok(Self {
             asked,

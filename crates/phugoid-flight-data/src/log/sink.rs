@@ -22,15 +22,16 @@ pub(super) struct Head {
     /// Times in microseconds of the autopilot's clock.
     pub(super) messages: Vec<Message>,
     pub(super) quality: QualityReport,
-    /// Time zero, microseconds of the autopilot's clock; the earliest stamp if the log does not say.
+    /// Time zero, microseconds of the autopilot's clock, whatever of the log is kept; none in a log without samples.
     pub(super) start_us: Option<f64>,
     /// What is added to the autopilot's clock to give seconds from 1970, if a satellite said so.
     pub(super) utc_offset_s: Option<f64>,
 }
 
 impl Head {
-    /// Puts the texts on the log's time, and says when it began.
-    pub(super) fn settle(&mut self, start_us: f64) {
+    /// Puts the texts on the log's time, and says when it began; gives time zero, microseconds.
+    pub(super) fn settle(&mut self) -> f64 {
+        let start_us = self.start_us.unwrap_or_default();
         for message in &mut self.messages {
             // What was said before the first stamp was said at the start.
             message.time_s = if message.time_s.is_nan() { 0.0 } else { (message.time_s - start_us) * 1e-6 };
@@ -38,6 +39,7 @@ impl Head {
         if let Some(offset_s) = self.utc_offset_s {
             self.information.extend(super::utc::information(offset_s + start_us * 1e-6));
         }
+        start_us
     }
 }
 
@@ -181,12 +183,8 @@ impl<'s> Tables<'s> {
 
     pub(super) fn finish(self, mut head: Head) -> Log {
         self.layout.report(&mut head.quality);
-        let topics = self.topics.into_iter().filter(|table| !table.time_us.is_empty());
-        let topics: Vec<Table> = topics.collect();
-        let earliest = topics.iter().filter_map(|table| table.time_us.first()).copied().fold(f64::INFINITY, f64::min);
-        let start_us = head.start_us.unwrap_or(if earliest.is_finite() { earliest } else { 0.0 });
-        head.settle(start_us);
-        let topics = topics.into_iter().map(|table| {
+        let start_us = head.settle();
+        let topics = self.topics.into_iter().filter(|table| !table.time_us.is_empty()).map(|table| {
             let time_s = table.time_us.iter().map(|time_us| (time_us - start_us) * 1e-6).collect();
             Topic { name: table.name, instance: table.instance, time_s, fields: table.columns }
         });

@@ -261,17 +261,14 @@ fn class_begin(class: usize) -> f64 {
 impl Counts {
     pub(super) fn finish(self, mut head: Head) -> Survey {
         self.layout.report(&mut head.quality);
+        let start_us = head.settle();
         let topics = self.topics.into_iter().filter(|topic| topic.samples > 0);
-        let topics: Vec<TopicCount> = topics.collect();
-        let earliest = topics.iter().map(|topic| topic.first_us).fold(f64::INFINITY, f64::min);
-        let start_us = head.start_us.unwrap_or(if earliest.is_finite() { earliest } else { 0.0 });
-        head.settle(start_us);
         Survey {
             source: head.source,
             information: head.information,
             parameters: head.parameters,
             messages: head.messages,
-            topics: topics.into_iter().map(|topic| topic.finish(start_us)).collect(),
+            topics: topics.map(|topic| topic.finish(start_us)).collect(),
             quality: head.quality,
         }
     }

@@ -246,6 +246,8 @@ impl<'s> State<'s> {
                 quality.warn("", format!("{count} {what}"));
             }
         }
+        // Stamps are counted from the first message already.
+        self.head.start_us = Some(0.0);
         // A recorder without a clock counts from its start.
         self.head.utc_offset_s = self.start_ns.map(|start_ns| start_ns as f64 * 1e-9);
         Ok(self.head)
