@@ -61,6 +61,7 @@ struct FailedParameter {
 }
 
 impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> Monitoring<M, N, R, P> {
+    #[inline(never)] // the copies on the stack live only here
     pub(crate) fn new(
         model: &M,
         file: &ModelFile,

@@ -2,7 +2,9 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // tests may
 
 use phugoid_identification::estimate::{EstimateOptions, Method, estimate};
+use phugoid_identification::health::HealthOptions;
 use phugoid_identification::model_file::ModelFile;
+use phugoid_identification::monitor::monitor;
 use phugoid_studies::flight::fly;
 use phugoid_studies::scenario::built_in;
 
@@ -27,4 +29,26 @@ fn every_method_runs_on_a_common_thread() {
         assert_eq!(parameters, 24);
         assert!(seen.is_sorted() && seen.last() == Some(&1.0), "{method}: {seen:?}");
     }
+}
+
+/// A monitor beside the estimator takes more than all of it; twelve columns, so that there is room for 24 in both.
+#[test]
+fn the_monitor_runs_on_a_common_thread() {
+    let text = ModelFile::BUILT_IN.iter().find(|(name, _)| *name == "f16").unwrap().1;
+    let text = text
+        .replace("CD = [\"alpha\"]", "CD = [\"alpha\", \"elevator\"]")
+        .replace("[parameters]", "[parameters]\ndCD_elevator = { bounds = [-0.4, 0.4] }\n#");
+    let model = ModelFile::parse("f16", &text).unwrap();
+    assert_eq!(model.estimated().count(), 12);
+    let mut scenario = built_in("f16-calm").unwrap().unwrap();
+    scenario.duration = "6 s".parse().unwrap();
+    let record = fly(&scenario).unwrap().measured;
+    let run = move || {
+        let options = HealthOptions { expected: model.expectations(), false_alarms_per_hour: 0.1 };
+        let (estimation, report) =
+            monitor(&record, &model, &EstimateOptions::default(), &options, &mut |_| {}).unwrap();
+        (estimation.parameters.len(), report.parameters.len())
+    };
+    let found = std::thread::Builder::new().stack_size(1 << 20).spawn(run).unwrap().join().unwrap();
+    assert_eq!(found, (12, 6));
 }

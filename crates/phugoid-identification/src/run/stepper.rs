@@ -49,7 +49,7 @@ impl<C: Causal, M: MotionModel<N, R, P>, const N: usize, const R: usize, const P
         let Task { prepared, file, options, noise, health } = *task;
         let settings = shared_settings::<M, N, R, P>(prepared, file, options, noise)?;
         let gated = Gated::new(prepared.model.clone(), file);
-        let estimator = Box::new(C::set_up(gated.clone(), &settings, file)?);
+        let estimator = set_up::<C, M, N, R, P>(&gated, &settings, file)?;
         let monitoring = match health {
             Some(health) => Some(Monitoring::new(&prepared.model, file, &settings, health)?),
             None => None,
@@ -97,7 +97,7 @@ impl<C: Causal, M: MotionModel<N, R, P>, const N: usize, const R: usize, const P
             let (lead, is_a_part) = self.lead.take();
             if is_a_part {
                 // Forget what was taken for excitation before there was any.
-                self.set_up_again()?;
+                self.estimator = set_up::<C, M, N, R, P>(&self.gated, &self.settings, &self.file)?;
                 for sample in &lead {
                     estimate = self.estimator.update(&gate(sample, open));
                 }
@@ -165,12 +165,16 @@ impl<C: Causal, M: MotionModel<N, R, P>, const N: usize, const R: usize, const P
         }
         covariance[..columns].iter().map(|row| row[..columns].to_vec()).collect()
     }
+}
 
-    #[inline(never)] // the copy on the stack lives only here
-    fn set_up_again(&mut self) -> Result<(), EstimateError> {
-        *self.estimator = C::set_up(self.gated.clone(), &self.settings, &self.file)?;
-        Ok(())
-    }
+/// The estimator of a method, on the heap.
+#[inline(never)] // the copies on the stack live only here
+fn set_up<C: Causal, M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize>(
+    gated: &Gated<M>,
+    settings: &SmpeSettings<N, R, P>,
+    file: &ModelFile,
+) -> Result<Box<C::Estimator<Gated<M>, N, R, P>>, EstimateError> {
+    C::set_up(gated.clone(), settings, file).map(Box::new)
 }
 
 /// The samples of the last [`LEAD_S`] before the first motion.
