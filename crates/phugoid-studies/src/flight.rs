@@ -35,6 +35,9 @@ pub struct Flight {
     pub error_increments: BTreeMap<String, f64>,
 }
 
+/// Pitch attitude of a flight that is looked at, rad.
+const ATTITUDE: f64 = 1.0;
+
 impl Flight {
     /// As [`true_parameters`](Self::true_parameters), at a time (s).
     pub fn true_parameters_at(&self, time: f64) -> BTreeMap<String, f64> {
@@ -43,6 +46,16 @@ impl Flight {
             truth.entry(name.clone()).and_modify(|value| *value += error);
         }
         truth
+    }
+
+    /// Time of the last sample before the true pitch attitude first leaves +-1 rad, s; infinite if it never does: nobody holds a
+    /// failed aircraft, and what comes then is no longer looked at.
+    pub(crate) fn held_until_s(&self) -> f64 {
+        let theta = self.truth.channel("theta").map(|channel| channel.values.as_slice()).unwrap_or_default();
+        match theta.iter().position(|theta| theta.abs() > ATTITUDE) {
+            Some(k) => k.checked_sub(1).map_or(f64::NEG_INFINITY, |k| self.truth.time[k]),
+            None => f64::INFINITY,
+        }
     }
 }
 

@@ -175,23 +175,16 @@ pub fn failures(
     })
 }
 
-/// A flight is over, as far as it is looked at here, when the attitude leaves this, rad: nobody holds a failed aircraft.
-const ATTITUDE: f64 = 1.0;
-
 /// Flies a scenario and monitors it, until the attitude leaves what a longitudinal flight is.
 ///
 /// # Errors
 /// As [`healthy`].
 pub fn watch(scenario: &Scenario, model: &ModelFile, false_alarms_per_hour: f64) -> Result<HealthReport, StudyError> {
-    let mut flight = fly(scenario)?;
-    let theta = flight.truth.channel("theta").map(|channel| channel.values.as_slice()).unwrap_or_default();
-    let end = theta.iter().position(|theta| theta.abs() > ATTITUDE).unwrap_or(flight.measured.time.len());
-    flight.measured.time.truncate(end);
-    for channel in &mut flight.measured.channels {
-        channel.values.truncate(end);
-    }
+    let flight = fly(scenario)?;
+    let held = flight.measured.between(f64::NEG_INFINITY, flight.held_until_s());
+    let held = held.ok_or_else(|| StudyError::unsuitable("the flight begins with an attitude that nobody holds"))?;
     let options = HealthOptions { expected: model.expectations(), false_alarms_per_hour };
-    let (_, report) = monitor(&flight.measured, model, &EstimateOptions::default(), &options, &mut |_| {})?;
+    let (_, report) = monitor(&held, model, &EstimateOptions::default(), &options, &mut |_| {})?;
     Ok(report)
 }
 

@@ -6,6 +6,7 @@ use phugoid_identification::compatibility::{
     Compatibility, CompatibilityOptions, Group, SensorVerdict, compatibility, input_skew,
 };
 use phugoid_identification::estimate::{EstimateOptions, estimate};
+use phugoid_identification::method::Method;
 use phugoid_identification::model_file::ModelFile;
 use phugoid_studies::design::fit::{Limits, fitted};
 use phugoid_studies::design::modes::ModeFrequencies;
@@ -224,25 +225,29 @@ fn an_elevator_skew_is_found_and_its_bias_removed() {
     let designed = fitted(&shape(Kind::Multisine, &request, &modes).unwrap(), &calm, &Limits::default()).unwrap();
     let straight = designed.flight.measured.clone();
     let mut scenario = designed.scenario;
-    scenario.sensors.elevator.delay = "15 ms".parse().unwrap();
+    scenario.sensors.elevator.delay = "25 ms".parse().unwrap();
     let skewed = fly(&scenario).unwrap().measured;
     let skew = input_skew(&skewed, &model, "elevator").unwrap();
-    assert!((skew.delay_s - 0.015).abs() < 4.0 * skew.std_error_s, "{} +- {}", skew.delay_s, skew.std_error_s);
+    assert!((skew.delay_s - 0.025).abs() < 4.0 * skew.std_error_s, "{} +- {}", skew.delay_s, skew.std_error_s);
+    // Output error fits the record as it is; a causal estimator may take part of the skew for process noise or for a change.
+    let options = EstimateOptions { method: Some(Method::OutputError), ..EstimateOptions::default() };
     let cm_q = |record: &Record| {
-        let estimation = estimate(record, &model, &EstimateOptions::default(), &mut |_| ()).unwrap();
-        estimation.parameters.iter().find(|p| p.name == "dCm_q").unwrap().value
+        let estimation = estimate(record, &model, &options, &mut |_| ()).unwrap();
+        let parameter = estimation.parameters.iter().find(|p| p.name == "dCm_q").unwrap();
+        (parameter.value, parameter.std_error)
     };
     let mut corrections = phugoid_identification::compatibility::Corrections::default();
     corrections.channels.entry("elevator".to_owned()).or_default().delay_s = skew.delay_s;
     let corrected = corrections.apply(&skewed);
-    // The same noise in all three, so that it cancels.
-    let [truth, with, without] = [&straight, &skewed, &corrected].map(cm_q);
+    // The same noise in all three; only the elevator's is interpolated in the third.
+    let [(truth, sigma), (with, _), (without, _)] = [&straight, &skewed, &corrected].map(cm_q);
     println!(
-        "skew {:.2} +- {:.2} ms; dCm_q {truth:.4} without skew, {with:.4} with, {without:.4} corrected",
+        "skew {:.2} +- {:.2} ms; dCm_q {truth:.4} +- {sigma:.4} without skew, {with:.4} with, {without:.4} corrected",
         1e3 * skew.delay_s,
         1e3 * skew.std_error_s
     );
-    assert!((without - truth).abs() < 0.1 * (with - truth).abs(), "{truth} {with} {without}");
+    assert!((with - truth).abs() > 2.0 * sigma, "the skew does no harm: {truth} +- {sigma} {with}");
+    assert!((without - truth).abs() < sigma, "{truth} +- {sigma} {without}");
 }
 
 /// Where no sensor has an error none is to be found. The noise of the inertial sensors is integrated, and the bounds know of it:

@@ -2,7 +2,6 @@
 //! fresh data better.
 
 use super::settings::ChangeDetection;
-use super::slot::{Faults, Innovations};
 use crate::dense::Cholesky;
 
 /// Time constant with which the caution after a false alarm decays, s.
@@ -10,6 +9,17 @@ const CAUTION_DECAY_S: f64 = 60.0;
 const LARGEST_CAUTION: f64 = 15.0;
 /// Adoptions closer than this look like a chain, s.
 const CHAIN_S: f64 = 30.0;
+
+/// How much more mature a change has to be for each unit by which the colour of the residuals inflates the variances: where the
+/// residuals are white it is 1.0 to 1.3 before a change, where the tables are wrong 2.5 to 70 (docs/methods.md).
+const COLOUR: f64 = 0.5;
+
+/// Up to this inflation residuals are white: a model that is right so far has nothing to wander.
+const WHITE: f64 = 1.1;
+/// Then this many times the nats that an adoption asks for, held until the doubt runs out, ...
+const DECISIVE: f64 = 10.0;
+/// ... need this part of the maturity only: small damage, soon after little has been learnt of the wander (docs/methods.md).
+const WHITE_MATURE: f64 = 0.3;
 
 /// What is to be done with a challenger.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,8 +33,13 @@ pub(crate) enum Verdict {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Challenge {
     pub(crate) settings: ChangeDetection,
-    /// `D`, nats in favour of the challenger.
+    /// `D`, nats in favour of the challenger on fresh data.
     pub(crate) score: f64,
+    /// The same on the data that it has caught up with: those that raised the suspicion.
+    pub(crate) past: f64,
+    /// Variance that the residuals' colour claims for the tested parameters over what white ones would, before the change: how far
+    /// the model is known to be wrong.
+    colour: f64,
     opened_at_s: f64,
     /// `pen`: thresholds are `1 + pen` times the settings'.
     pub(crate) caution: f64,
@@ -33,19 +48,25 @@ pub(crate) struct Challenge {
     last_adoption_s: f64,
     /// The model itself is wrong: changes are no longer believed.
     pub(crate) model_error: bool,
+    /// Rows that are measured in the longest doubt.
+    rows: f64,
 }
 
 impl Challenge {
-    pub(crate) fn new(settings: ChangeDetection) -> Self {
+    /// `rows_per_s`: rows that are measured in a second.
+    pub(crate) fn new(settings: ChangeDetection, rows_per_s: f64) -> Self {
         Self {
             settings,
             score: 0.0,
+            past: 0.0,
+            colour: 1.0,
             opened_at_s: 0.0,
             caution: 0.0,
             adoptions: 0,
             dropped: 0,
             last_adoption_s: f64::NEG_INFINITY,
             model_error: false,
+            rows: rows_per_s * settings.doubt_limit_s,
         }
     }
 
@@ -61,41 +82,31 @@ impl Challenge {
             && bayes_factor > self.settings.trigger * (1.0 + self.caution)
     }
 
-    pub(crate) fn open(&mut self, time_s: f64) {
+    pub(crate) fn open(&mut self, time_s: f64, colour: f64) {
         self.score = 0.0;
+        self.past = 0.0;
+        self.colour = colour.max(1.0);
         self.opened_at_s = time_s;
     }
 
-    /// Adds one frame: `D += sum 1/2 [(f_A min(xi_A^2, 9) - f_B min(xi_B^2, 9))/lev + ln(s_A (1+v_A)) - ln(s_B (1+v_B))]`, with the
-    /// weights `f` of champion and challenger ([`Faults::weight`]). One outlier moves it by at most 4.5.
-    pub(crate) fn add_frame<const R: usize>(
-        &mut self,
-        [champion, challenger]: [&Innovations<R>; 2],
-        faults: &[Faults<R>; 2],
-        rejection_limit: f64,
-        leverage: f64,
-    ) {
-        let mut squares = 0.0;
-        let mut ratio = 1.0;
-        for i in 0..R {
-            if champion.normalised[i].is_finite() && challenger.normalised[i].is_finite() {
-                squares +=
-                    faults[0].misfit(champion, i, rejection_limit) - faults[1].misfit(challenger, i, rejection_limit);
-                ratio *= champion.variance[i] / challenger.variance[i];
-            }
-        }
-        self.score += 0.5 * (squares / leverage + libm::log(ratio));
-    }
-
-    /// Decides. `maturity` is `T`; `sound` whether the challenger is still finite with positive variances.
+    /// Decides. `maturity` is `T`, what is needed of it holds for white residuals; `sound` whether the challenger is still finite
+    /// with positive variances.
     pub(crate) fn decide(&self, time_s: f64, maturity: f64, needed_maturity: f64, sound: bool) -> Verdict {
         let expired = time_s - self.opened_at_s >= self.settings.doubt_limit_s;
         let caution = 1.0 + self.caution;
-        let mature = self.score > self.settings.adoption * caution && maturity > needed_maturity;
-        let overwhelming = expired && self.score > self.settings.adoption_at_limit * caution;
+        let needed_nats = self.settings.adoption * caution;
+        // The past raised the suspicion and cannot confirm it, but it can refute it: a burst of outliers draws the challenger away.
+        let better = self.score > needed_nats && self.score + self.past > needed_nats;
+        let asked = if expired && self.colour < WHITE && self.score > DECISIVE * needed_nats {
+            WHITE_MATURE
+        } else {
+            1.0 + COLOUR * (self.colour - 1.0)
+        };
+        // The running estimate predicts next to nothing: no error of a model that has served until now does this.
+        let overwhelming = self.score > self.settings.overwhelming * self.rows;
         if !sound || !self.score.is_finite() || self.model_error {
             Verdict::Drop
-        } else if mature || overwhelming {
+        } else if better && (overwhelming || maturity > needed_maturity * asked) {
             Verdict::Adopt
         } else if self.score < self.settings.dropping || expired {
             Verdict::Drop
@@ -118,7 +129,8 @@ impl Challenge {
         self.dropped = self.dropped.saturating_add(1);
         // A NaN score is a failed challenger: it counts as lost.
         if self.score >= 0.0 {
-            return 1.0;
+            // Better all along, and yet no change: that is what wander is.
+            return if self.score > self.settings.adoption { 2.0 } else { 1.0 };
         }
         self.grow_caution();
         2.0
@@ -170,40 +182,15 @@ pub(crate) fn needed_maturity(settings: &ChangeDetection, tested: usize) -> f64 
 #[cfg(test)]
 mod tests {
     use super::super::settings::ChangeDetection;
-    use super::super::slot::{Faults, Innovations};
     use super::{Challenge, Verdict, maturity, needed_maturity};
-
-    fn rows(normalised: [f64; 3], variance: [f64; 3]) -> Innovations<3> {
-        Innovations { normalised, variance, ..Innovations::EMPTY }
-    }
-
-    /// Against the formula, row by row; a row that one of the two has not got does not count, a rejected one little.
-    #[test]
-    fn the_score_is_the_bounded_difference_of_the_log_likelihoods() {
-        let mut challenge = Challenge::new(ChangeDetection::default());
-        let champion = rows([2.0, 50.0, 1.0], [4.0, 2.0, 3.0]);
-        let challenger = rows([0.5, 1.0, f64::NAN], [5.0, 2.5, f64::NAN]);
-        let faults = [Faults::NONE; 2];
-        challenge.add_frame([&champion, &challenger], &faults, 30.0, 2.0);
-        let expected = 0.5 * ((4.0 - 0.25 + 0.05 * 9.0 - 1.0) / 2.0 + (4.0_f64 / 5.0).ln() + (2.0_f64 / 2.5).ln());
-        assert!((challenge.score - expected).abs() < 1e-12, "{}", challenge.score);
-        // The other way round takes it back.
-        challenge.add_frame([&challenger, &champion], &faults, 30.0, 2.0);
-        assert!(challenge.score.abs() < 1e-12);
-        // What goes on for longer than a burst counts fully.
-        let mut faults = faults;
-        (0..51).for_each(|_| faults[0].note(&champion, 30.0, 0.01));
-        challenge.add_frame([&champion, &challenger], &faults, 30.0, 2.0);
-        assert!((challenge.score - expected - 0.5 * 0.95 * 9.0 / 2.0).abs() < 1e-12, "{}", challenge.score);
-    }
 
     #[test]
     fn the_verdict_needs_score_and_maturity_in_time() {
-        let settings = ChangeDetection { adoption_at_limit: 300.0, ..ChangeDetection::default() };
-        let mut challenge = Challenge::new(settings);
-        assert!(!challenge.is_triggered(12.1, 2.0) && challenge.is_triggered(12.1, 2.1));
-        assert!(!challenge.is_triggered(11.9, 60.0));
-        challenge.open(100.0);
+        // Four rows at 100 Hz, in six seconds 2400.
+        let mut challenge = Challenge::new(ChangeDetection::default(), 400.0);
+        assert!(!challenge.is_triggered(6.1, 2.0) && challenge.is_triggered(6.1, 2.1));
+        assert!(!challenge.is_triggered(5.9, 60.0));
+        challenge.open(100.0, 1.0);
         let verdict = |score: f64, time_s: f64, matured: f64, caution: f64| {
             Challenge { score, caution, ..challenge }.decide(time_s, matured, 25.0, true)
         };
@@ -214,17 +201,32 @@ mod tests {
         assert_eq!(verdict(19.9, 101.0, 25.1, 1.0), Verdict::Undecided);
         assert_eq!(verdict(20.1, 101.0, 25.1, 1.0), Verdict::Adopt);
         assert_eq!(verdict(-30.1, 101.0, 25.1, 0.0), Verdict::Drop);
-        // At the time limit an overwhelming score is enough, and anything less is not.
-        assert_eq!(verdict(1000.0, 105.9, 0.0, 0.0), Verdict::Undecided);
-        assert_eq!(verdict(301.0, 106.0, 0.0, 0.0), Verdict::Adopt);
-        assert_eq!(verdict(299.0, 106.0, 0.0, 0.0), Verdict::Drop);
+        // What is known of before can refute it, not confirm it.
+        let past = |past: f64, score: f64| Challenge { score, past, ..challenge }.decide(101.0, 25.1, 25.0, true);
+        assert_eq!((past(-5.0, 15.1), past(-5.0, 14.9)), (Verdict::Adopt, Verdict::Undecided));
+        assert_eq!(past(1000.0, 9.9), Verdict::Undecided);
+        // Coloured residuals ask for a larger change.
+        let coloured = |colour: f64, matured: f64| {
+            Challenge { score: 11.0, colour, ..challenge }.decide(101.0, matured, 25.0, true)
+        };
+        assert_eq!((coloured(5.0, 74.9), coloured(5.0, 75.1)), (Verdict::Undecided, Verdict::Adopt));
+        // Unless the running estimate predicts next to nothing, by 0.6 nats a row.
+        let lost = |score: f64| Challenge { score, colour: 50.0, ..challenge }.decide(103.0, 0.0, 25.0, true);
+        assert_eq!((lost(1439.0), lost(1441.0)), (Verdict::Undecided, Verdict::Adopt));
+        // At the time limit what is not adopted is dropped, if the residuals were not white or the gain is small.
+        assert_eq!(verdict(1000.0, 105.9, 24.9, 0.0), Verdict::Undecided);
+        let at_limit = |score: f64, colour: f64, matured: f64| {
+            Challenge { score, colour, ..challenge }.decide(106.0, matured, 25.0, true)
+        };
+        assert_eq!((at_limit(101.0, 1.0, 7.6), at_limit(99.0, 1.0, 7.6)), (Verdict::Adopt, Verdict::Drop));
+        assert_eq!((at_limit(101.0, 1.0, 7.4), at_limit(101.0, 1.2, 7.6)), (Verdict::Drop, Verdict::Drop));
         assert_eq!(verdict(f64::NAN, 101.0, 25.1, 0.0), Verdict::Drop);
         assert_eq!(Challenge { score: 1000.0, ..challenge }.decide(101.0, 100.0, 25.0, false), Verdict::Drop);
     }
 
     #[test]
     fn caution_grows_with_every_false_alarm_and_decays_in_a_minute() {
-        let mut challenge = Challenge::new(ChangeDetection::default());
+        let mut challenge = Challenge::new(ChangeDetection::default(), 400.0);
         challenge.score = -31.0;
         for expected in [1.0, 3.0, 7.0, 15.0, 15.0] {
             assert_eq!(challenge.was_dropped(), 2.0);

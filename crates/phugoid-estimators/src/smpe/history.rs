@@ -2,6 +2,7 @@
 //! with them, so that the challenger learns from the data since the change and not only from those since the suspicion, and so that
 //! what the champion has made of the changed aircraft meanwhile (state, sensor biases, process noise) does not stick to it.
 
+use super::faults::Merit;
 use crate::model::Sample;
 
 /// Frames kept: the older snapshot is at most two spacings old.
@@ -20,6 +21,8 @@ struct Snapshot<S> {
 /// Frames and snapshots, the frames numbered from one.
 pub(crate) struct History<I, S, const R: usize> {
     frames: [Option<Sample<I, R>>; FRAMES],
+    /// How well the running estimate has predicted them.
+    merits: [Merit; FRAMES],
     /// Number of the newest frame.
     newest: u64,
     /// Of the oldest frame that belongs to the present run of the state.
@@ -32,7 +35,14 @@ impl<I: Copy, S: Copy, const R: usize> History<I, S, R> {
     /// `window` is the length of the detector's window in frames.
     pub(crate) fn new(window: usize) -> Self {
         let spacing = (window as u64 * 3 / 4).clamp(1, SPACING);
-        Self { frames: [None; FRAMES], newest: 0, first: 1, snapshots: [None; SNAPSHOTS], spacing }
+        Self {
+            frames: [None; FRAMES],
+            merits: [Merit::NONE; FRAMES],
+            newest: 0,
+            first: 1,
+            snapshots: [None; SNAPSHOTS],
+            spacing,
+        }
     }
 
     /// Number of the newest frame.
@@ -50,6 +60,16 @@ impl<I: Copy, S: Copy, const R: usize> History<I, S, R> {
     pub(crate) fn push(&mut self, sample: &Sample<I, R>) {
         self.newest += 1;
         self.frames[(self.newest % FRAMES as u64) as usize] = Some(*sample);
+    }
+
+    /// Notes how well the newest frame was predicted.
+    pub(crate) fn judge(&mut self, merit: Merit) {
+        self.merits[(self.newest % FRAMES as u64) as usize] = merit;
+    }
+
+    /// How well a frame that is still there was predicted when it was new.
+    pub(crate) fn merit(&self, number: u64) -> &Merit {
+        &self.merits[(number % FRAMES as u64) as usize]
     }
 
     /// Takes a snapshot after the newest frame if one is due; the oldest one goes.

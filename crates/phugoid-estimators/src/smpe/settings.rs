@@ -185,8 +185,9 @@ pub struct ChangeDetection {
     pub trigger: f64,
     /// Score on fresh data at which the challenger is adopted, nats.
     pub adoption: f64,
-    /// Score at the time limit at which it is adopted whatever the maturity of the change, nats; infinite for never.
-    pub adoption_at_limit: f64,
+    /// Score over the rows that are measured in the longest doubt from which on it is adopted whatever the maturity of the change, nats
+    /// per row: the running estimate predicts next to nothing. Infinite for never.
+    pub overwhelming: f64,
     /// Score at which it is dropped, nats (negative).
     pub dropping: f64,
     /// Longest doubt, s.
@@ -209,9 +210,9 @@ impl Default for ChangeDetection {
     fn default() -> Self {
         Self {
             window_s: 1.0,
-            trigger: 12.0,
+            trigger: 6.0,
             adoption: 10.0,
-            adoption_at_limit: f64::INFINITY,
+            overwhelming: 0.6,
             dropping: -30.0,
             doubt_limit_s: 6.0,
             maturity: None,
@@ -230,7 +231,7 @@ impl ChangeDetection {
             ("change_detection.window_s", self.window_s, self.window_s > 0.0),
             ("change_detection.trigger", self.trigger, !self.trigger.is_nan()),
             ("change_detection.adoption", self.adoption, !self.adoption.is_nan()),
-            ("change_detection.adoption_at_limit", self.adoption_at_limit, !self.adoption_at_limit.is_nan()),
+            ("change_detection.overwhelming", self.overwhelming, !self.overwhelming.is_nan()),
             ("change_detection.dropping", self.dropping, !self.dropping.is_nan()),
             ("change_detection.doubt_limit_s", self.doubt_limit_s, self.doubt_limit_s >= 0.0),
             ("change_detection.arming_s", self.arming_s, !self.arming_s.is_nan()),

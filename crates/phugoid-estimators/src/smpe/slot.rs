@@ -125,45 +125,6 @@ impl<const R: usize> Innovations<R> {
     };
 }
 
-/// Weight of a rejected row as evidence of a change: outliers, one by one or in bursts, all together must not look like one.
-const REJECTED_WEIGHT: f64 = 0.05;
-/// ... until the output has been rejected for this long, s: bursts of a quarter of a second are borne, and a change so violent that it throws rows
-/// beyond the rejection limit is found after it.
-const BORNE_S: f64 = 0.5;
-/// Part of a frame by which that time shrinks with each frame that is not rejected.
-const RECOVERY: f64 = 0.25;
-
-/// For how long each output has been rejected.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Faults<const R: usize>([f64; R]);
-
-impl<const R: usize> Faults<R> {
-    pub(crate) const NONE: Self = Self([0.0; R]);
-
-    /// What a row counts as evidence.
-    #[inline]
-    pub(crate) fn weight(&self, output: usize, xi: f64, rejection_limit: f64) -> f64 {
-        if xi.abs() > rejection_limit && self.0[output] < BORNE_S { REJECTED_WEIGHT } else { 1.0 }
-    }
-
-    /// Bounded square of a row's normalised surface with its weight.
-    pub(crate) fn misfit(&self, innovations: &Innovations<R>, output: usize, rejection_limit: f64) -> f64 {
-        let xi = innovations.normalised[output];
-        self.weight(output, xi, rejection_limit) * (xi * xi).min(9.0)
-    }
-
-    /// Takes a frame.
-    pub(crate) fn note(&mut self, innovations: &Innovations<R>, rejection_limit: f64, sample_time_s: f64) {
-        for (time_s, xi) in self.0.iter_mut().zip(&innovations.normalised) {
-            if xi.abs() > rejection_limit {
-                *time_s = (*time_s + sample_time_s).min(2.0 * BORNE_S);
-            } else if xi.is_finite() {
-                *time_s = (*time_s - RECOVERY * sample_time_s).max(0.0);
-            }
-        }
-    }
-}
-
 /// What an output row says about the parameters, before the row is used.
 pub struct ScoredRow<'a> {
     /// Index of the output.

@@ -24,8 +24,7 @@ const DROPS: f64 = 0.02;
 const LARGEST_GUST: f64 = 4.0 * 0.3048;
 /// Aircraft drawn at most for one flight; many fall out of the sky without a control system.
 const DRAWS: u64 = 200;
-/// A flight is used if it stays this close to its trim: attitude (rad), angle of attack (rad), airspeed (fraction).
-const ATTITUDE: f64 = 1.0;
+/// A flight is used if it is held throughout and stays this close to its trim: angle of attack (rad), airspeed (fraction).
 const ALPHA: f64 = 10.0 * std::f64::consts::PI / 180.0;
 const AIRSPEED: f64 = 0.25;
 
@@ -180,7 +179,7 @@ fn stays(flight: &Flight) -> bool {
     let within = |name: &str, middle: f64, most: f64| {
         flight.truth.channel(name).is_some_and(|c| c.values.iter().all(|v| (v - middle).abs() <= most))
     };
-    within("theta", 0.0, ATTITUDE)
+    flight.held_until_s().is_infinite()
         && within("alpha", trim.alpha_rad, ALPHA)
         && within("true_airspeed", trim.state().speed, AIRSPEED * trim.state().speed)
 }

@@ -38,7 +38,9 @@ pub(super) fn informed_latency_s(drawn: &Drawn, model: &ModelFile, damage_at_s: 
     let still = Scenario { gust: Vec::new(), turbulence: None, ..drawn.scenario.clone() };
     let flight = fly(&still)?;
     let options = EstimateOptions { re_reaching: Some(false), ..EstimateOptions::default() };
-    let estimation = estimate(&flight.truth, &known, &options, &mut |_| {})?;
+    // Without its gusts the aircraft may stray where with them it did not.
+    let Some(held) = flight.truth.between(f64::NEG_INFINITY, flight.held_until_s()) else { return Ok(f64::INFINITY) };
+    let estimation = estimate(&held, &known, &options, &mut |_| {})?;
     let mut nats = 0.0;
     for (k, time_s) in estimation.history.time_s.iter().enumerate() {
         if *time_s < damage_at_s - 1e-9 {

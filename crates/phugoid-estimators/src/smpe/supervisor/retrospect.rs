@@ -1,12 +1,13 @@
 //! Going back to a change: the challenger starts from before it, is opened where it has begun, and catches up.
 
-use super::columns::Columns;
-use super::history::FRAMES;
-use super::reopen::STATE_ALLOWANCE;
-use super::slot::{Faults, Slot, output_input};
 use super::{ADAPTATION_START_S, Supervisor};
 use crate::discretization::IntervalInput;
 use crate::model::Model;
+use crate::smpe::columns::Columns;
+use crate::smpe::faults::Faults;
+use crate::smpe::history::FRAMES;
+use crate::smpe::reopen::STATE_ALLOWANCE;
+use crate::smpe::slot::{Slot, output_input};
 
 /// Frames that a challenger that has gone back works off per update: bounded work. At 100 Hz it is up to date after 0.1 s.
 const CATCH_UP: usize = 8;
@@ -70,7 +71,11 @@ where
         // Where the snapshots do not reach back, from the first one on.
         let earliest = onset[0].max(frame + 1);
         self.behind = Some(Behind { frame, open: [earliest, onset[1].max(earliest)] });
-        challenge.open(time_s);
+        // Of before the change: the change itself colours the residuals.
+        let inflation = slot.common().colour.inflation();
+        let tested = detector.tested();
+        let colour = tested.iter().map(|j| inflation[*j]).sum::<f64>() / (tested.len() as f64).max(1.0);
+        challenge.open(time_s, colour);
         self.in_doubt = true;
         self.catch_up();
     }
@@ -131,7 +136,7 @@ where
     /// One frame of the past.
     fn work_off(&mut self, number: u64) -> bool {
         let first_s = self.first_s;
-        let Self { model, settings, columns, challenger, history, faults, .. } = self;
+        let Self { model, settings, columns, challenger, history, faults, behind, detection, .. } = self;
         let (Some(last), Some(frame)) = (history.frame(number - 1), history.frame(number)) else { return false };
         let shared = S::shared(settings);
         let input = IntervalInput { from: last.input, to: frame.input, hold: shared.input_hold };
@@ -143,6 +148,12 @@ where
         let mut unused = [0.0; P];
         let innovations =
             challenger.correct(model, settings, columns, &seen, &frame.outputs, adapt, &mut unused, |_| {});
+        if let (Some(behind), Some((detector, challenge))) = (behind, detection)
+            && number >= behind.open[0]
+        {
+            let merit = faults[1].merit(&innovations, shared.rejection_limit);
+            challenge.past += history.merit(number).nats_for(&merit, detector.leverage());
+        }
         faults[1].note(&innovations, shared.rejection_limit, shared.sample_time_s);
         if shared.colour_block(last.time_s - first_s) != shared.colour_block(frame.time_s - first_s) {
             challenger.close_colour_block();

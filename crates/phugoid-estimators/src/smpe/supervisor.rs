@@ -1,0 +1,285 @@
+//! What makes an estimator of a filter. A sample is collected for the start of the state (`begin`), or predicts and corrects the
+//! estimate (here); then the detector looks at it, or a challenger competes for it (`doubt`, and `retrospect` for going back to
+//! before the change). What a caller may know is in `report`.
+
+mod begin;
+mod doubt;
+pub(super) mod report;
+mod retrospect;
+
+use super::challenge::Challenge;
+use super::change::ChangeDetector;
+use super::columns::Columns;
+use super::faults::Faults;
+use super::history::History;
+use super::settings::{ReReaching, SmpeError, SmpeSettings};
+use super::slot::{Innovations, RowPhase, Slot, output_input};
+use super::start::Start;
+use super::trial::Trial;
+use crate::discretization::IntervalInput;
+use crate::estimate::{Estimate, Estimator, Phase};
+use crate::model::{Model, Sample};
+use retrospect::Behind;
+
+/// The process noise is adapted only after this time, s: the start transient is not a gust.
+const ADAPTATION_START_S: f64 = 0.3;
+
+enum Stage {
+    /// Collecting the median start.
+    Starting,
+    Running,
+}
+
+/// What makes an estimator of a filter for state and parameters: median start, sensor biases, restart of a lost state,
+/// change detection with champion and challenger, colour correction, limits and verdicts. `S` keeps the covariance and
+/// does the arithmetic of one row: [`Smpe`](super::Smpe) and [`JointEkf`](crate::ekf::JointEkf) differ in nothing else.
+///
+/// `N` states, `R` outputs, room for `P` columns (parameters and biases). Columns of [`Estimate`] are the model's
+/// parameters in its order, then one per biased output.
+pub struct Supervisor<S, M, const N: usize, const R: usize, const P: usize>
+where
+    S: Slot<N, R, P>,
+    M: Model<N, R, P>,
+{
+    model: M,
+    settings: S::Settings,
+    columns: Columns<N, R, P>,
+    stage: Stage,
+    start: Start<M::Input, R>,
+    trial: Trial<R>,
+    champion: S,
+    challenger: S,
+    in_doubt: bool,
+    history: History<M::Input, S, R>,
+    /// The challenger is not yet up to date.
+    behind: Option<Behind>,
+    detection: Option<(ChangeDetector<P>, Challenge)>,
+    /// Time of the first frame, s.
+    first_s: f64,
+    /// Time of the last frame used, s.
+    last_s: f64,
+    last_input: Option<M::Input>,
+    colour_block: u64,
+    surfaces: [f64; P],
+    innovations: Innovations<R>,
+    phase: Phase,
+    /// Of champion and challenger.
+    faults: [Faults<R>; 2],
+    re_reached: bool,
+    /// Opened for a known change since the last sample.
+    known_change: bool,
+    rejected_samples: u64,
+    restarts: u32,
+    /// Start of the present run of frames that were mostly rejected, and their number.
+    lost_since_s: f64,
+    lost_frames: u32,
+}
+
+impl<S, M, const N: usize, const R: usize, const P: usize> Supervisor<S, M, N, R, P>
+where
+    S: Slot<N, R, P>,
+    M: Model<N, R, P>,
+{
+    /// Sets the estimator up; the first samples start its state.
+    pub fn new(model: M, settings: S::Settings) -> Result<Self, SmpeError> {
+        let shared = S::shared(&settings);
+        let parameters = model.parameter_count();
+        if parameters > P {
+            return Err(SmpeError::Capacity { needed: parameters, capacity: P });
+        }
+        shared.check(parameters)?;
+        S::check(&settings)?;
+        let columns = Columns::new(&model, shared);
+        let champion = S::prior(&settings, &columns);
+        let detection = match shared.re_reaching {
+            ReReaching::Off => None,
+            ReReaching::Safe(detection) => {
+                let detector = ChangeDetector::new(detection, shared.sample_time_s, &columns);
+                Some((detector, Challenge::new(detection, R as f64 / shared.sample_time_s)))
+            }
+        };
+        let history = History::new(detection.as_ref().map_or(0, |(detector, _)| detector.window_frames()));
+        Ok(Self {
+            model,
+            settings,
+            columns,
+            stage: Stage::Starting,
+            start: Start::new(),
+            trial: Trial::NEW,
+            champion,
+            challenger: champion,
+            in_doubt: false,
+            history,
+            behind: None,
+            detection,
+            first_s: f64::NAN,
+            last_s: f64::NEG_INFINITY,
+            last_input: None,
+            colour_block: 0,
+            surfaces: [0.0; P],
+            innovations: Innovations::EMPTY,
+            phase: Phase::Starting,
+            faults: [Faults::NONE; 2],
+            re_reached: false,
+            known_change: false,
+            rejected_samples: 0,
+            restarts: 0,
+            lost_since_s: 0.0,
+            lost_frames: 0,
+        })
+    }
+
+    fn shared(&self) -> &SmpeSettings<N, R, P> {
+        S::shared(&self.settings)
+    }
+
+    /// `d_j`, parameter units.
+    fn change_sd(&self, column: usize) -> f64 {
+        self.columns.change[column].sd(self.columns.initial[column], self.champion.common().theta[column])
+    }
+
+    /// `d_j` over the prior standard deviation.
+    fn change_over_prior(&self) -> [f64; P] {
+        let mut out = [0.0; P];
+        for j in 0..self.columns.count {
+            if self.columns.sd[j] > 0.0 {
+                out[j] = self.change_sd(j) / self.columns.sd[j];
+            }
+        }
+        out
+    }
+
+    /// One interval and the frame at its end.
+    fn advance(&mut self, sample: &Sample<M::Input, R>) {
+        let interval_s = sample.time_s - self.last_s;
+        let Some(from) = self.last_input else { return self.restart(sample) };
+        if interval_s > self.shared().maximum_gap_s {
+            return self.restart(sample);
+        }
+        let input = IntervalInput { from, to: sample.input, hold: self.shared().input_hold };
+        let Self { model, settings, columns, champion, challenger, in_doubt, behind, .. } = self;
+        let up_to_date = *in_doubt && behind.is_none();
+        let challenger_lives = up_to_date && challenger.predict(model, settings, columns, &input, interval_s);
+        if !champion.predict(model, settings, columns, &input, interval_s) {
+            if !challenger_lives {
+                return self.restart(sample);
+            }
+            // The champion is lost and the challenger is not.
+            self.adopt_challenger(sample.time_s);
+        } else if up_to_date && !challenger_lives {
+            self.drop_challenger();
+        }
+        if let Some((_, challenge)) = &mut self.detection {
+            challenge.pass_time(interval_s);
+        }
+        self.last_s = sample.time_s;
+        self.last_input = Some(sample.input);
+        self.correct(sample, output_input(self.shared(), from, sample.input));
+    }
+
+    /// The frame at the present time.
+    fn correct(&mut self, sample: &Sample<M::Input, R>, input: M::Input) {
+        let since_start_s = sample.time_s - self.first_s;
+        let adapt = since_start_s > ADAPTATION_START_S;
+        let (kappa, limit) = (self.shared().reaching_limit, self.shared().rejection_limit);
+        let nominal_s = self.shared().sample_time_s;
+        let faults = self.faults[0];
+        let watching = !self.in_doubt;
+        let up_to_date = self.in_doubt && self.behind.is_none();
+        let Self { model, settings, columns, champion, challenger, surfaces, detection, history, .. } = self;
+        if detection.is_some() {
+            history.push(sample);
+        }
+        self.innovations =
+            champion.correct(model, settings, columns, &input, &sample.outputs, adapt, surfaces, |row| {
+                if let (true, Some((detector, _))) = (watching, detection.as_mut()) {
+                    detector.observe(&row, kappa, faults.weight(row.output, row.xi, limit));
+                }
+            });
+        let challenged = up_to_date.then(|| {
+            let mut unused = [0.0; P];
+            challenger.correct(model, settings, columns, &input, &sample.outputs, adapt, &mut unused, |_| {})
+        });
+        self.phase = phase_of(&self.innovations);
+        let merit = faults.merit(&self.innovations, limit);
+        self.history.judge(merit);
+
+        let block = self.shared().colour_block(since_start_s);
+        if block != self.colour_block {
+            self.colour_block = block;
+            self.champion.close_colour_block();
+            if up_to_date {
+                self.challenger.close_colour_block();
+            }
+        } else {
+            self.champion.renew_colour();
+            if up_to_date {
+                self.challenger.renew_colour();
+            }
+        }
+
+        if self.trial.contradicts(&self.innovations, sample.time_s, S::shared(&self.settings).start_trial_s) {
+            return self.start_over(sample);
+        }
+        if !self.champion.is_sound(self.columns.count) || self.is_lost(sample.time_s) {
+            return self.restart(sample);
+        }
+        if self.detection.is_some() {
+            self.history.note(&self.champion);
+        }
+        if let Some(innovations) = challenged {
+            self.contest(&merit, &innovations, sample.time_s);
+            self.faults[1].note(&innovations, limit, nominal_s);
+        } else if self.in_doubt {
+            self.catch_up();
+        } else if self.phase != Phase::Predicting {
+            self.watch(since_start_s, sample.time_s);
+        }
+        self.faults[0].note(&self.innovations, limit, nominal_s);
+    }
+}
+
+impl<S, M, const N: usize, const R: usize, const P: usize> Estimator<R, P> for Supervisor<S, M, N, R, P>
+where
+    S: Slot<N, R, P>,
+    M: Model<N, R, P>,
+{
+    type Input = M::Input;
+
+    fn update(&mut self, sample: &Sample<Self::Input, R>) -> Estimate<P> {
+        self.re_reached = core::mem::take(&mut self.known_change);
+        if !sample.time_s.is_finite() || sample.time_s <= self.last_s {
+            self.rejected_samples = self.rejected_samples.saturating_add(1);
+            self.phase = Phase::Rejected;
+        } else {
+            match self.stage {
+                Stage::Starting => self.collect(sample),
+                Stage::Running => self.advance(sample),
+            }
+        }
+        self.estimate()
+    }
+
+    fn covariance(&self, out: &mut [[f64; P]; P]) {
+        *out = [[0.0; P]; P];
+        self.champion.write_covariance(out);
+        for i in 0..self.columns.count {
+            for j in 0..self.columns.count {
+                out[i][j] *= self.columns.sd[i] * self.columns.sd[j];
+            }
+        }
+    }
+}
+
+fn phase_of<const R: usize>(innovations: &Innovations<R>) -> Phase {
+    let any = |phase| innovations.phase.contains(&phase);
+    if any(RowPhase::Rejected) {
+        Phase::Rejected
+    } else if any(RowPhase::Reaching) {
+        Phase::Reaching
+    } else if any(RowPhase::Sliding) {
+        Phase::Sliding
+    } else {
+        Phase::Predicting
+    }
+}

@@ -1,0 +1,253 @@
+//! What a caller may know: the estimate with its bounds and verdicts, and what goes on inside.
+
+use super::Supervisor;
+use crate::estimate::{ChangeState, DetectorState, Estimate, Inspect, ParameterStatus, Status};
+use crate::model::Model;
+use crate::smpe::slot::{Innovations, Slot};
+
+/// Observability below which a parameter counts as not excited: its bound has shrunk by less than 30 %. Lower would not
+/// do: the noise of the estimated state alone, minute after minute, looks like a little excitation.
+pub(crate) const EXCITED: f64 = 0.5;
+/// Part of the prior standard deviation (or of twice the change prior, if that is smaller) below which a parameter
+/// counts as converged.
+pub(crate) const CONVERGED: f64 = 0.1;
+
+/// What the change detector knows.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct DetectorReport {
+    /// Largest log Bayes factor of the last test, nats: change against wander.
+    pub bayes_factor: f64,
+    /// `w`: how far the parameters wander without any change, as a part of the change prior. Model error.
+    pub wander: f64,
+    /// `lev >= 1`: variance of the residuals over what the noise levels promise, at the time scale of the window.
+    pub leverage: f64,
+    /// Windows worth of information the wander was learnt from; armed from ten on.
+    pub informative_windows: f64,
+    /// Score of the running challenger on fresh data, nats; zero when none runs.
+    pub challenger_score: f64,
+    /// Challengers adopted so far.
+    pub adoptions: u32,
+    /// Challengers dropped so far.
+    pub dropped: u32,
+    /// Latched: the wander stayed large after an adoption, so the model itself is in error and changes are no longer
+    /// adopted.
+    pub model_error: bool,
+}
+
+impl<S, M, const N: usize, const R: usize, const P: usize> Supervisor<S, M, N, R, P>
+where
+    S: Slot<N, R, P>,
+    M: Model<N, R, P>,
+{
+    /// The model.
+    pub fn model(&self) -> &M {
+        &self.model
+    }
+
+    /// The settings in force.
+    pub fn settings(&self) -> &S::Settings {
+        &self.settings
+    }
+
+    /// Columns in use: the model's parameters and the biases.
+    pub fn column_count(&self) -> usize {
+        self.columns.count
+    }
+
+    /// Column that holds the bias of an output.
+    pub fn bias_column(&self, output: usize) -> Option<usize> {
+        self.columns.bias_of_output.get(output).copied().flatten()
+    }
+
+    /// Prior standard deviation per column, parameter units.
+    pub fn prior_sd(&self) -> &[f64; P] {
+        &self.columns.sd
+    }
+
+    /// State of the estimated model.
+    pub fn state(&self) -> &[f64; N] {
+        &self.champion.common().x
+    }
+
+    /// The last frame's rows before it corrected the estimate.
+    pub fn innovations(&self) -> &Innovations<R> {
+        &self.innovations
+    }
+
+    /// Surface per parameter, for display: `theta_LS - theta` before the last correction, where `theta_LS` is what
+    /// least squares would make of the frame. Parameter units. In the sliding phase it is removed at once.
+    pub fn surfaces(&self) -> &[f64; P] {
+        &self.surfaces
+    }
+
+    /// `q_s`, the adapted scale of the process noise.
+    pub fn process_noise_scale(&self) -> f64 {
+        self.champion.common().noise_scale
+    }
+
+    /// Samples refused because their time did not increase.
+    pub fn rejected_samples(&self) -> u64 {
+        self.rejected_samples
+    }
+
+    /// How often the state was started again (after a gap too long to predict through, when most rows were rejected for
+    /// half a second, with change detection for 1.5 s, or when the model did not answer with numbers).
+    pub fn restarts(&self) -> u32 {
+        self.restarts
+    }
+
+    /// What the change detector knows; `None` when it is switched off.
+    pub fn detector(&self) -> Option<DetectorReport> {
+        self.detection.as_ref().map(|(detector, challenge)| DetectorReport {
+            bayes_factor: detector.bayes_factor(),
+            wander: detector.wander(),
+            leverage: detector.leverage(),
+            informative_windows: detector.informative(),
+            challenger_score: if self.in_doubt { challenge.score } else { 0.0 },
+            adoptions: challenge.adoptions,
+            dropped: challenge.dropped,
+            model_error: challenge.model_error,
+        })
+    }
+
+    /// `3 w d_j`: changes smaller than this cannot be told from model error. Parameter units; zero for columns that
+    /// are not tested or with the detector off.
+    pub fn change_sensitivity(&self) -> [f64; P] {
+        let mut out = [0.0; P];
+        if let Some((detector, _)) = &self.detection {
+            for &j in detector.tested() {
+                out[j] = 3.0 * detector.wander() * self.change_sd(j);
+            }
+        }
+        out
+    }
+
+    fn detector_state(&self) -> DetectorState {
+        match &self.detection {
+            None => DetectorState::Off,
+            Some((detector, challenge)) => {
+                if challenge.model_error || detector.wander() > challenge.settings.insensitive_wander {
+                    DetectorState::Insensitive
+                } else if detector.has_learnt() {
+                    DetectorState::Armed
+                } else {
+                    DetectorState::Calibrating
+                }
+            }
+        }
+    }
+
+    /// The estimate that holds after the last sample.
+    pub fn estimate(&self) -> Estimate<P> {
+        let p = self.columns.count;
+        let slot = self.champion.common();
+        let variances = self.champion.variances();
+        let inflation = slot.colour.inflation();
+        let mut estimate = Estimate {
+            time_s: self.last_s,
+            parameters: slot.theta,
+            std_error: [0.0; P],
+            corrected_std_error: [0.0; P],
+            observability: [0.0; P],
+            parameter_status: [ParameterStatus::NotExcited; P],
+            status: Status {
+                phase: self.phase,
+                change: if self.re_reached {
+                    ChangeState::ReReached
+                } else if self.in_doubt {
+                    ChangeState::InDoubt
+                } else {
+                    ChangeState::Steady
+                },
+                detector: self.detector_state(),
+            },
+        };
+        let challenger_variances = if self.in_doubt { self.challenger.variances() } else { [0.0; P] };
+        let change = if self.behind.is_some() { self.change_over_prior() } else { [0.0; P] };
+        let challenger_inflation = self.challenger.common().colour.inflation();
+        for j in 0..p {
+            let sd = self.columns.sd[j];
+            let mut variance = variances[j];
+            let mut corrected = variance * inflation[j];
+            estimate.observability[j] = if sd > 0.0 { (1.0 - variance).clamp(0.0, 1.0) } else { 0.0 };
+            if self.in_doubt && sd > 0.0 {
+                // Bounds in doubt: both answers lie inside.
+                let difference = (self.challenger.common().theta[j] - slot.theta[j]) / sd;
+                // A challenger that is not up to date has nothing to say yet: the whole plausible change.
+                let open = if self.behind.is_some() { change[j] * change[j] } else { 0.0 };
+                let spread = open.max(difference * difference);
+                variance = variance.max(challenger_variances[j]) + spread;
+                corrected = corrected.max(challenger_variances[j] * challenger_inflation[j]) + spread;
+            }
+            estimate.std_error[j] = sd * libm::sqrt(variance);
+            estimate.corrected_std_error[j] = sd * libm::sqrt(corrected);
+            estimate.parameter_status[j] =
+                self.parameter_status(j, estimate.observability[j], estimate.corrected_std_error[j]);
+        }
+        estimate
+    }
+
+    fn parameter_status(&self, j: usize, observability: f64, corrected: f64) -> ParameterStatus {
+        let theta = self.champion.common().theta[j];
+        let limited = j < self.columns.own && {
+            let prior = &self.shared().priors[j];
+            self.champion.common().limited[j]
+                || theta - 2.0 * corrected > prior.upper
+                || theta + 2.0 * corrected < prior.lower
+        };
+        let sd = self.columns.sd[j];
+        let change = self.change_sd(j);
+        let scale = if change > 0.0 { sd.min(2.0 * change) } else { sd };
+        if observability < EXCITED {
+            ParameterStatus::NotExcited
+        } else if limited {
+            ParameterStatus::AtLimit
+        } else if corrected <= CONVERGED * scale {
+            ParameterStatus::Converged
+        } else {
+            ParameterStatus::Improving
+        }
+    }
+}
+
+impl<S, M, const N: usize, const R: usize, const P: usize> Inspect<R, P> for Supervisor<S, M, N, R, P>
+where
+    S: Slot<N, R, P>,
+    M: Model<N, R, P>,
+{
+    fn column_count(&self) -> usize {
+        Self::column_count(self)
+    }
+
+    fn prior_sd(&self) -> &[f64; P] {
+        Self::prior_sd(self)
+    }
+
+    fn innovations(&self) -> &Innovations<R> {
+        Self::innovations(self)
+    }
+
+    fn surfaces(&self) -> [f64; P] {
+        *Self::surfaces(self)
+    }
+
+    fn reopen_now(&mut self) -> bool {
+        Self::reopen_now(self)
+    }
+
+    fn restarts(&self) -> u32 {
+        Self::restarts(self)
+    }
+
+    fn process_noise_scale(&self) -> f64 {
+        Self::process_noise_scale(self)
+    }
+
+    fn detector(&self) -> Option<DetectorReport> {
+        Self::detector(self)
+    }
+
+    fn change_sensitivity(&self) -> [f64; P] {
+        Self::change_sensitivity(self)
+    }
+}
