@@ -57,7 +57,7 @@ def frames(rows, seconds, rate, loss, generator):
 
 def main():
     parser = argparse.ArgumentParser()
-    parser.add_argument("--phugoid", required=True)
+    parser.add_argument("--phugoid", type=os.path.abspath, required=True)
     parser.add_argument("--flight", required=True)
     parser.add_argument("--seconds", type=float, default=20.0)
     parser.add_argument("--rate", type=float, default=400.0)
