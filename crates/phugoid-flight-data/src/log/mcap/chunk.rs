@@ -4,8 +4,9 @@ use ::mcap::parse_record;
 use ::mcap::records::{Record, op};
 use ::mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
-/// The longest chunk, packed or unpacked, and the longest record, bytes. Recorders close a chunk at a few million.
-pub(super) const LONGEST: u64 = 128 << 20;
+/// The longest chunk, packed or unpacked, and the longest record, bytes: a chunk is held twice, and what is unpacked of it once. Recorders
+/// close a chunk at a few million.
+pub(super) const LONGEST: u64 = 48 << 20;
 /// Bytes given to the library at once: it makes room for them, whatever is announced.
 const STEP: usize = 1 << 20;
 

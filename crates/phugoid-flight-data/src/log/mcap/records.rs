@@ -230,8 +230,11 @@ impl<'s> State<'s> {
             let counted = plural(usize::try_from(channel.skipped).unwrap_or(usize::MAX), "message");
             other.entry(&channel.encoding).or_default().push(format!("{}{schema} ({counted})", channel.topic));
         }
-        let said: Vec<String> = other.iter().map(|(encoding, topics)| left_out(encoding, topics)).collect();
+        let mut said: Vec<String> = other.iter().map(|(encoding, topics)| left_out(encoding, topics)).collect();
         if self.messages == 0 {
+            if let Some(finding) = self.head.quality.findings.first() {
+                said.push(format!("{}: {}", finding.place, finding.message));
+            }
             let reason = if said.is_empty() { String::new() } else { format!(": {}", said.join("; ")) };
             return Err(LogError::NoData { source_name: source.to_owned(), reason });
         }
