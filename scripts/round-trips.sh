@@ -1,7 +1,6 @@
 #!/bin/sh
 # Round trips against the formats' own tools: what they write or read has to give the same numbers here.
-#   scripts/round-trips.sh            ULog, DataFlash, MAVLink, the export to JSBSim; Parquet, Arrow, MATLAB, MCAP
-#   scripts/round-trips.sh default    the first four: those whose libraries are in the default build
+# ULog, DataFlash, MAVLink, the export to JSBSim; Parquet, Arrow, MATLAB and MCAP, whose libraries are off by default.
 # Every script tests/python/round_trip_*.py is run with the environment of scripts/python-tools.sh; it finds the binaries that
 # it needs in the folder of $PHUGOID_EXAMPLES and the shared data, if there are any, in $PHUGOID_SHARED_DATA.
 set -eu
@@ -26,17 +25,8 @@ round_trip() {
 cargo build --quiet --locked --workspace --examples
 round_trip debug ulog dataflash mavlink jsbsim
 
-case ${1:-all} in
-    default) ;;
-    all)
-        cargo build --quiet --locked --profile quick -p phugoid-flight-data -p phugoid-identification \
-            --features phugoid-flight-data/matlab,phugoid-flight-data/mcap,phugoid-identification/parquet \
-            --example dump_log --example read_table --example export_estimates
-        round_trip quick tables mcap
-        ;;
-    *)
-        echo "round trips: default or all, not $1" >&2
-        exit 2
-        ;;
-esac
+cargo build --quiet --locked --profile quick -p phugoid-flight-data -p phugoid-identification \
+    --features phugoid-flight-data/matlab,phugoid-flight-data/mcap,phugoid-identification/parquet \
+    --example dump_log --example read_table --example export_estimates
+round_trip quick tables mcap
 echo "round trips: all the same"

@@ -52,7 +52,7 @@ impl Flight {
     /// failed aircraft, and what comes then is no longer looked at.
     pub(crate) fn held_until_s(&self) -> f64 {
         let theta = self.truth.channel("theta").map(|channel| channel.values.as_slice()).unwrap_or_default();
-        match theta.iter().position(|theta| theta.abs() > ATTITUDE) {
+        match theta.iter().position(|theta| !(-ATTITUDE..=ATTITUDE).contains(theta)) {
             Some(k) => k.checked_sub(1).map_or(f64::NEG_INFINITY, |k| self.truth.time[k]),
             None => f64::INFINITY,
         }

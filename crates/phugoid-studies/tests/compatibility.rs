@@ -247,6 +247,7 @@ fn an_elevator_skew_is_found_and_its_bias_removed() {
         1e3 * skew.std_error_s
     );
     assert!((with - truth).abs() > 2.0 * sigma, "the skew does no harm: {truth} +- {sigma} {with}");
+    assert!((without - truth).abs() < 0.1 * (with - truth).abs(), "{truth} {with} {without}");
     assert!((without - truth).abs() < sigma, "{truth} +- {sigma} {without}");
 }
 

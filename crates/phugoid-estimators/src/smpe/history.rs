@@ -31,6 +31,11 @@ pub(crate) struct History<I, S, const R: usize> {
     spacing: u64,
 }
 
+/// Where the frame of a number is kept.
+fn place(number: u64) -> usize {
+    (number % FRAMES as u64) as usize
+}
+
 impl<I: Copy, S: Copy, const R: usize> History<I, S, R> {
     /// `window` is the length of the detector's window in frames.
     pub(crate) fn new(window: usize) -> Self {
@@ -53,23 +58,23 @@ impl<I: Copy, S: Copy, const R: usize> History<I, S, R> {
     /// A frame, if it is still there.
     pub(crate) fn frame(&self, number: u64) -> Option<&Sample<I, R>> {
         let kept = number >= self.first && number <= self.newest && self.newest - number < FRAMES as u64;
-        if kept { self.frames[(number % FRAMES as u64) as usize].as_ref() } else { None }
+        if kept { self.frames[place(number)].as_ref() } else { None }
     }
 
     /// Takes the next frame.
     pub(crate) fn push(&mut self, sample: &Sample<I, R>) {
         self.newest += 1;
-        self.frames[(self.newest % FRAMES as u64) as usize] = Some(*sample);
+        self.frames[place(self.newest)] = Some(*sample);
     }
 
     /// Notes how well the newest frame was predicted.
     pub(crate) fn judge(&mut self, merit: Merit) {
-        self.merits[(self.newest % FRAMES as u64) as usize] = merit;
+        self.merits[place(self.newest)] = merit;
     }
 
     /// How well a frame that is still there was predicted when it was new.
     pub(crate) fn merit(&self, number: u64) -> &Merit {
-        &self.merits[(number % FRAMES as u64) as usize]
+        &self.merits[place(number)]
     }
 
     /// Takes a snapshot after the newest frame if one is due; the oldest one goes.

@@ -201,8 +201,9 @@ where
             challenger.correct(model, settings, columns, &input, &sample.outputs, adapt, &mut unused, |_| {})
         });
         self.phase = phase_of(&self.innovations);
-        let merit = faults.merit(&self.innovations, limit);
-        self.history.judge(merit);
+        if self.detection.is_some() {
+            self.history.judge(faults.merit(&self.innovations, limit));
+        }
 
         let block = self.shared().colour_block(since_start_s);
         if block != self.colour_block {
@@ -228,7 +229,7 @@ where
             self.history.note(&self.champion);
         }
         if let Some(innovations) = challenged {
-            self.contest(&merit, &innovations, sample.time_s);
+            self.contest(&innovations, sample.time_s);
             self.faults[1].note(&innovations, limit, nominal_s);
         } else if self.in_doubt {
             self.catch_up();

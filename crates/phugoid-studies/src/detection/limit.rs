@@ -9,7 +9,7 @@ use crate::accuracy::StudyError;
 use crate::flight::fly;
 use crate::scenario::Scenario;
 
-/// Nats at which an observer is taken to know: the trigger of the detector.
+/// Nats at which an observer is taken to know: odds of three million.
 const NATS: f64 = 15.0;
 
 /// Time after the damage at which an observer who knows the damage exactly and has only to decide *whether* it has happened would have

@@ -3,7 +3,6 @@
 use super::Supervisor;
 use crate::model::Model;
 use crate::smpe::challenge::{Verdict, maturity, needed_maturity};
-use crate::smpe::faults::Merit;
 use crate::smpe::slot::{Innovations, Slot};
 
 impl<S, M, const N: usize, const R: usize, const P: usize> Supervisor<S, M, N, R, P>
@@ -24,11 +23,12 @@ where
         }
     }
 
-    /// A challenger runs: who explains the fresh data? `merit` is the champion's, `innovations` are the challenger's.
-    pub(super) fn contest(&mut self, merit: &Merit, innovations: &Innovations<R>, time_s: f64) {
+    /// A challenger runs: who explains the newest frame? `innovations` are the challenger's.
+    pub(super) fn contest(&mut self, innovations: &Innovations<R>, time_s: f64) {
         let change = self.change_over_prior();
         let Some((detector, challenge)) = &mut self.detection else { return };
         let limit = S::shared(&self.settings).rejection_limit;
+        let merit = self.history.merit(self.history.newest());
         challenge.score += merit.nats_for(&self.faults[1].merit(innovations, limit), detector.leverage());
         let sound = self.challenger.is_sound(self.columns.count);
         let mut difference = [0.0; P];
