@@ -106,7 +106,7 @@ pub(crate) fn estimate(
     let whole = |record: &Record| (*record.inner).clone();
     let options = EstimateOptions {
         method: method.map(str::parse::<Method>).transpose().map_err(raise)?,
-        re_reaching: change_detection,
+        change_detection: change_detection,
         truth,
         offer: offer_terms(offer)?,
         further: further.iter().map(whole).collect(),

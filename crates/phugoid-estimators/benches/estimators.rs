@@ -14,7 +14,7 @@ use std::time::Duration;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use methods::{METHODS, Run, with_method};
-use phugoid_estimators::smpe::{ReReaching, SmpeSettings};
+use phugoid_estimators::settings::EstimatorSettings;
 use phugoid_estimators::{Estimator, Sample};
 use synthetic::{Synthetic, flight, priors};
 
@@ -47,9 +47,9 @@ impl<const R: usize, const P: usize> Run<R, P> for Bench<'_, R> {
 fn measure<const R: usize, const P: usize>(c: &mut Criterion, method: &str, parameters: usize, detection: bool) {
     let model = Synthetic::<P>::new(parameters);
     let mut settings =
-        SmpeSettings::<4, R, P>::automatic(&priors(parameters), [0.01; R], 0.01).expect("sound settings");
+        EstimatorSettings::<4, R, P>::automatic(&priors(parameters), [0.01; R], 0.01).expect("sound settings");
     if !detection {
-        settings.re_reaching = ReReaching::Off;
+        settings.change_detection = None;
     }
     let off = if detection { "" } else { ", detection off" };
     let name = format!("{method} N=4 R={R} p={parameters} of P={P}{off}");

@@ -17,7 +17,7 @@ mod plants;
 mod synthetic;
 
 use methods::{METHODS, Run, with_method};
-use phugoid_estimators::smpe::{ReReaching, SmpeSettings};
+use phugoid_estimators::settings::EstimatorSettings;
 use phugoid_estimators::{Estimator, Sample};
 use synthetic::{Synthetic, flight, priors};
 
@@ -44,12 +44,12 @@ fn main() {
 
 fn measure<const R: usize, const P: usize>(method: &str, parameters: usize, detection: bool) {
     let model = Synthetic::<P>::new(parameters);
-    let mut settings = match SmpeSettings::<4, R, P>::automatic(&priors(parameters), [0.01; R], 0.01) {
+    let mut settings = match EstimatorSettings::<4, R, P>::automatic(&priors(parameters), [0.01; R], 0.01) {
         Ok(settings) => settings,
         Err(error) => return eprintln!("{error}"),
     };
     if !detection {
-        settings.re_reaching = ReReaching::Off;
+        settings.change_detection = None;
     }
     let samples = flight::<R, P>(&model, WARM_UP + MEASURED);
     println!("{method}, p = {parameters} of P = {P}, R = {R}");

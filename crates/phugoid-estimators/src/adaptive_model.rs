@@ -16,9 +16,10 @@
 //! accelerometers.
 
 use crate::estimate::{Estimate, Estimator, Inspect};
+use crate::innovation::{Innovations, RowPhase};
 use crate::model::{LinearizedOutputs, Model, Sample};
 use crate::model_reference::{ModelReference, ModelReferenceForm, ModelReferenceSettings};
-use crate::smpe::{Innovations, RowPhase, SmpeError, SmpeSettings};
+use crate::settings::{EstimatorSettings, SettingsError};
 use crate::thesis::{SurfaceChannel, SurfaceDerivative};
 
 /// `k`, 1/s.
@@ -32,9 +33,9 @@ where
     M: Model<N, R, P>,
 {
     law: ModelReference<M, N, R, P, N>,
-    noise_sd: [f64; R],
+    noise_std: [f64; R],
     /// Of the parameters, then of the biases, which keep it.
-    prior_sd: [f64; P],
+    prior_std: [f64; P],
     columns: usize,
     /// The estimate that held before the last frame.
     theta: [f64; P],
@@ -50,26 +51,26 @@ where
     /// keep the prior.
     ///
     /// # Errors
-    /// [`SmpeError::NoOutput`] if a state is not measured; what cannot be among the settings.
-    pub fn new(model: M, settings: &SmpeSettings<N, R, P>) -> Result<Self, SmpeError> {
+    /// [`SettingsError::NoOutput`] if a state is not measured; what cannot be among the settings.
+    pub fn new(model: M, settings: &EstimatorSettings<N, R, P>) -> Result<Self, SettingsError> {
         settings.check(model.parameter_count())?;
         let mut channels =
             [SurfaceChannel { state: 0, output: 0, scale: 1.0, derivative: SurfaceDerivative::Integrated }; N];
         for (state, channel) in channels.iter_mut().enumerate() {
-            let output = model.measuring_output(state).filter(|output| *output < R).ok_or(SmpeError::NoOutput)?;
-            let scale = settings.noise_sd[output];
+            let output = model.measuring_output(state).filter(|output| *output < R).ok_or(SettingsError::NoOutput)?;
+            let scale = settings.noise_std[output];
             if !(scale > 0.0 && scale.is_finite()) {
-                return Err(SmpeError::NoOutput);
+                return Err(SettingsError::NoOutput);
             }
             *channel = SurfaceChannel { state, output, scale, derivative: SurfaceDerivative::Integrated };
         }
         let count = model.parameter_count().min(P);
         let of = |j: usize, value: f64| if j < count { value } else { 0.0 };
-        let mut prior_sd = core::array::from_fn(|j| of(j, settings.priors[j].sd));
-        let ranges = prior_sd.map(|sd: f64| 2.0 * sd);
+        let mut prior_std = core::array::from_fn(|j| of(j, settings.priors[j].std));
+        let ranges = prior_std.map(|std: f64| 2.0 * std);
         let mut columns = count;
         for output in settings.bias_columns() {
-            prior_sd[columns] = settings.bias_sd[output];
+            prior_std[columns] = settings.bias_std[output];
             columns += 1;
         }
         let theta: [f64; P] = core::array::from_fn(|j| of(j, settings.priors[j].initial));
@@ -91,11 +92,11 @@ where
             )
         };
         let law = ModelReference::new(model, law)
-            .map_err(|_| SmpeError::Setting { name: "model reference", value: f64::NAN })?;
+            .map_err(|_| SettingsError::Setting { name: "model reference", value: f64::NAN })?;
         Ok(Self {
             law,
-            noise_sd: settings.noise_sd,
-            prior_sd,
+            noise_std: settings.noise_std,
+            prior_std,
             columns,
             theta,
             outputs: LinearizedOutputs::ZERO,
@@ -108,11 +109,11 @@ where
         self.law.model().linearized_outputs(&self.law.state(), &self.theta, &sample.input, &mut self.outputs);
         self.innovations.predicted = self.outputs.outputs;
         for i in 0..R {
-            let residual = (sample.outputs[i] - self.outputs.outputs[i]) / self.noise_sd[i];
+            let residual = (sample.outputs[i] - self.outputs.outputs[i]) / self.noise_std[i];
             if residual.is_finite() {
                 self.innovations.whitened[i] = residual;
                 self.innovations.normalised[i] = residual;
-                self.innovations.variance[i] = self.noise_sd[i] * self.noise_sd[i];
+                self.innovations.variance[i] = self.noise_std[i] * self.noise_std[i];
                 self.innovations.phase[i] = RowPhase::Sliding;
             }
         }
@@ -128,8 +129,8 @@ where
     fn update(&mut self, sample: &Sample<Self::Input, R>) -> Estimate<P> {
         let mut estimate = self.law.update(sample);
         for j in self.law.model().parameter_count().min(P)..self.columns {
-            estimate.std_error[j] = self.prior_sd[j];
-            estimate.corrected_std_error[j] = self.prior_sd[j];
+            estimate.std_error[j] = self.prior_std[j];
+            estimate.corrected_std_error[j] = self.prior_std[j];
         }
         self.look(sample);
         self.theta = estimate.parameters;
@@ -140,7 +141,7 @@ where
     fn covariance(&self, out: &mut [[f64; P]; P]) {
         self.law.covariance(out);
         for j in self.law.model().parameter_count().min(P)..self.columns {
-            out[j][j] = self.prior_sd[j] * self.prior_sd[j];
+            out[j][j] = self.prior_std[j] * self.prior_std[j];
         }
     }
 }
@@ -153,8 +154,8 @@ where
         self.columns
     }
 
-    fn prior_sd(&self) -> &[f64; P] {
-        &self.prior_sd
+    fn prior_std(&self) -> &[f64; P] {
+        &self.prior_std
     }
 
     fn innovations(&self) -> &Innovations<R> {

@@ -1,7 +1,36 @@
 //! What an estimator says after each sample.
 
+use crate::innovation::Innovations;
 use crate::model::{Input, Sample};
-use crate::smpe::{DetectorReport, Innovations};
+
+/// Observability below which a parameter counts as not excited: its bound has shrunk by less than 30 %. Lower would not
+/// do: the noise of the estimated state alone, minute after minute, looks like a little excitation.
+pub(crate) const EXCITED: f64 = 0.5;
+/// Part of the prior standard deviation (or of twice the change prior, if that is smaller) below which a parameter
+/// counts as converged.
+pub(crate) const CONVERGED: f64 = 0.1;
+
+/// What the change detector knows.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct DetectorReport {
+    /// Largest log Bayes factor of the last test, nats: change against wander.
+    pub bayes_factor: f64,
+    /// `w`: how far the parameters wander without any change, as a part of the change prior. Model error.
+    pub wander: f64,
+    /// `lev >= 1`: variance of the residuals over what the noise levels promise, at the time scale of the window.
+    pub leverage: f64,
+    /// Windows worth of information the wander was learnt from; armed from ten on.
+    pub informative_windows: f64,
+    /// Score of the running challenger on fresh data, nats; zero when none runs.
+    pub challenger_score: f64,
+    /// Challengers adopted so far.
+    pub adoptions: u32,
+    /// Challengers dropped so far.
+    pub dropped: u32,
+    /// Latched: the wander stayed large after an adoption, so the model itself is in error and changes are no longer
+    /// adopted.
+    pub model_error: bool,
+}
 
 /// How the last frame met the sliding surfaces.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -31,7 +60,7 @@ pub enum ChangeState {
     /// A change is suspected and a challenger runs beside the estimate: the reported bounds are widened.
     InDoubt,
     /// The challenger was adopted at this sample: the parameters changed.
-    ReReached,
+    Adopted,
 }
 
 /// What the change detector can see.
@@ -114,7 +143,7 @@ pub trait Inspect<const R: usize, const P: usize>: Estimator<R, P> {
     fn column_count(&self) -> usize;
 
     /// One sigma of what was known of each column beforehand, parameter units; infinite where the method takes no prior.
-    fn prior_sd(&self) -> &[f64; P];
+    fn prior_std(&self) -> &[f64; P];
 
     /// The last frame's rows before it corrected the estimate.
     fn innovations(&self) -> &Innovations<R>;

@@ -11,10 +11,11 @@
 //! that of [`rls`](crate::rls), a multiple of the Cramer-Rao bound. While it is not reached its distance is part of the bounds.
 
 use crate::estimate::{Estimate, Estimator, Inspect};
+use crate::innovation::Innovations;
 use crate::model::{Model, Sample};
 use crate::regression::{RegressionSettings, StateSource, Taken};
 use crate::rls::RecursiveLeastSquares;
-use crate::smpe::{Innovations, SmpeError};
+use crate::settings::SettingsError;
 
 /// The implicit-sign law; type parameters as [`RecursiveLeastSquares`].
 pub struct ImplicitSign<M, S, const N: usize, const R: usize, const P: usize>
@@ -36,15 +37,15 @@ where
     /// deviation.
     ///
     /// # Errors
-    /// [`SmpeError`]: what cannot be, and which.
+    /// [`SettingsError`]: what cannot be, and which.
     pub fn new(
         model: M,
         source: S,
         settings: RegressionSettings<N, R, P>,
         reaching_rate: f64,
-    ) -> Result<Self, SmpeError> {
+    ) -> Result<Self, SettingsError> {
         if !(reaching_rate > 0.0 && reaching_rate.is_finite()) {
-            return Err(SmpeError::Setting { name: "reaching_rate", value: reaching_rate });
+            return Err(SettingsError::Setting { name: "reaching_rate", value: reaching_rate });
         }
         let least_squares = RecursiveLeastSquares::new(model, source, settings)?;
         Ok(Self { theta: *least_squares.parameters(), surfaces: [0.0; P], least_squares, reaching_rate })
@@ -68,7 +69,7 @@ where
             let flow = self.least_squares.flow();
             let reach = flow.interval_s * self.reaching_rate;
             for j in 0..flow.columns.count {
-                let limit = reach * 2.0 * flow.columns.sd[j];
+                let limit = reach * 2.0 * flow.columns.std[j];
                 self.surfaces[j] = self.least_squares.parameters()[j] - self.theta[j];
                 self.theta[j] += self.surfaces[j].clamp(-limit, limit);
             }
@@ -91,8 +92,8 @@ where
         self.least_squares.column_count()
     }
 
-    fn prior_sd(&self) -> &[f64; P] {
-        self.least_squares.prior_sd()
+    fn prior_std(&self) -> &[f64; P] {
+        self.least_squares.prior_std()
     }
 
     fn innovations(&self) -> &Innovations<R> {

@@ -36,6 +36,8 @@
 #![cfg_attr(not(test), deny(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
 pub mod adaptive_model;
+mod change_detection;
+mod columns;
 mod dense;
 pub mod discretization;
 pub mod ekf;
@@ -43,6 +45,7 @@ mod estimate;
 pub mod fourier;
 pub mod health;
 pub mod implicit_sign;
+mod innovation;
 mod kernels;
 mod model;
 pub mod model_reference;
@@ -50,11 +53,17 @@ pub mod noise;
 pub mod plants;
 pub mod regression;
 pub mod rls;
+pub mod settings;
 pub mod smpe;
+mod statistics;
 pub mod super_twisting;
+pub mod supervisor;
 pub mod thesis;
 pub mod ud;
 pub mod verdict;
 
-pub use estimate::{ChangeState, DetectorState, Estimate, Estimator, Inspect, ParameterStatus, Phase, Status};
+pub use estimate::{
+    ChangeState, DetectorReport, DetectorState, Estimate, Estimator, Inspect, ParameterStatus, Phase, Status,
+};
+pub use innovation::{Innovations, RowPhase};
 pub use model::{Input, LinearizedOutputs, LinearizedRates, Model, Sample};

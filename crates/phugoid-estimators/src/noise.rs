@@ -8,11 +8,11 @@
 //! 1 Hz manoeuvre) it reads motion as noise and comes out too large. A signal quantised more coarsely than its noise
 //! may give zero: use a part of the quantum then.
 
-use crate::smpe::median;
+use crate::statistics::median;
 
 /// Noise standard deviation of a regularly sampled signal, in its units. Values that are not finite are missing.
 /// `scratch` must be at least as long as `values`. `None` with fewer than five usable third differences.
-pub fn third_difference_sd(values: &[f64], scratch: &mut [f64]) -> Option<f64> {
+pub fn third_difference_std(values: &[f64], scratch: &mut [f64]) -> Option<f64> {
     let mut count = 0;
     for window in values.windows(4) {
         let size = third_difference(window[3], window[2], window[1], window[0]).abs();
@@ -63,7 +63,7 @@ impl<const R: usize, const W: usize> NoiseMonitor<R, W> {
     }
 
     /// Standard deviation per output; `None` while fewer than five third differences are known.
-    pub fn sd(&self) -> [Option<f64>; R] {
+    pub fn std(&self) -> [Option<f64>; R] {
         core::array::from_fn(|i| {
             let mut sizes = self.sizes[i];
             from_sizes(&mut sizes[..self.count[i].min(W)])

@@ -21,11 +21,12 @@
 //! is a multiple of the Cramer-Rao bound. An unmeasured gust goes into the angle of attack. docs/methods.md has the numbers.
 
 use crate::estimate::{Estimate, Estimator, Inspect, Phase};
+use crate::innovation::{Innovations, RowPhase};
 use crate::kernels::dot;
 use crate::model::{Model, Sample};
 use crate::regression::{Claim, Flow, Kreisselmeier, RegressionSettings, Row, StateSource, Taken};
-use crate::smpe::colour::Colour;
-use crate::smpe::{Innovations, RowPhase, SmpeError};
+use crate::settings::SettingsError;
+use crate::supervisor::colour::Colour;
 use crate::ud::Ud;
 
 /// Recursive least squares: `N` states, `R` outputs, room for `P` columns, states from `S`.
@@ -58,8 +59,8 @@ where
     /// Sets it up; the first samples start its states.
     ///
     /// # Errors
-    /// [`SmpeError`]: what cannot be, and which.
-    pub fn new(model: M, source: S, settings: RegressionSettings<N, R, P>) -> Result<Self, SmpeError> {
+    /// [`SettingsError`]: what cannot be, and which.
+    pub fn new(model: M, source: S, settings: RegressionSettings<N, R, P>) -> Result<Self, SettingsError> {
         let flow = Flow::new(model, source, settings)?;
         Ok(Self {
             filters: Kreisselmeier::new(settings.filter_rate),
@@ -100,9 +101,9 @@ where
 
     pub(crate) fn update_with(&mut self, sample: &Sample<M::Input, R>, mut observe: impl FnMut(&Row<P>)) -> Taken {
         let Self { flow, theta, covariance, .. } = self;
-        let (sd, p) = (flow.columns.sd, flow.columns.count);
+        let (std, p) = (flow.columns.std, flow.columns.count);
         let taken = flow.take(sample, theta, |row| {
-            let scaled = core::array::from_fn(|j| if j < p { row[j] * sd[j] } else { 0.0 });
+            let scaled = core::array::from_fn(|j| if j < p { row[j] * std[j] } else { 0.0 });
             covariance.project(&scaled, 0.0).variance
         });
         match taken {
@@ -156,10 +157,10 @@ where
             observe(row);
             let mut psi = [0.0; P];
             for j in 0..p {
-                psi[j] = row.w[j] * columns.sd[j] / row.sd;
+                psi[j] = row.w[j] * columns.std[j] / row.std;
             }
             let predicted = dot(&row.w[..p], &theta[..p]);
-            let e = (row.z - predicted) / row.sd;
+            let e = (row.z - predicted) / row.std;
             let projection = covariance.project(&psi, 1.0);
             let nn = libm::sqrt(projection.variance);
             if !(e.is_finite() && nn.is_finite()) {
@@ -168,7 +169,7 @@ where
             let gain = covariance.update(&projection, 1.0);
             let step = e / projection.variance;
             for j in 0..p {
-                let moved = columns.sd[j] * gain[j] * step;
+                let moved = columns.std[j] * gain[j] * step;
                 surfaces[j] += moved;
                 theta[j] = (theta[j] + moved).clamp(columns.clip_low[j], columns.clip_high[j]);
             }
@@ -177,7 +178,7 @@ where
             innovations.predicted[row.output] = row.known + predicted;
             innovations.whitened[row.output] = e;
             innovations.normalised[row.output] = e / nn;
-            innovations.variance[row.output] = row.sd * row.sd * projection.variance;
+            innovations.variance[row.output] = row.std * row.std * projection.variance;
             innovations.phase[row.output] = RowPhase::Sliding;
         });
         self.phase = if innovations.phase.contains(&RowPhase::Rejected) {
@@ -257,7 +258,7 @@ where
         let columns = &self.flow.columns;
         for i in 0..columns.count {
             for j in 0..columns.count {
-                out[i][j] *= columns.sd[i] * columns.sd[j];
+                out[i][j] *= columns.std[i] * columns.std[j];
             }
         }
     }
@@ -272,8 +273,8 @@ where
         self.flow.columns.count
     }
 
-    fn prior_sd(&self) -> &[f64; P] {
-        &self.flow.columns.sd
+    fn prior_std(&self) -> &[f64; P] {
+        &self.flow.columns.std
     }
 
     fn innovations(&self) -> &Innovations<R> {

@@ -15,10 +15,11 @@
 
 use crate::dense::Cholesky;
 use crate::estimate::{Estimate, Estimator, Inspect, ParameterStatus, Phase, Status};
+use crate::innovation::{Innovations, RowPhase};
 use crate::kernels::{add_scaled, dot};
 use crate::model::{Model, Sample};
 use crate::regression::{Flow, Kreisselmeier, RegressionSettings, StateSource, Taken};
-use crate::smpe::{Innovations, RowPhase, SmpeError};
+use crate::settings::SettingsError;
 
 /// `k1`, half ranges^(1/2)/s, and `k2`, half ranges/s^2.
 const GAINS: [f64; 2] = [2.0, 1.0];
@@ -50,8 +51,8 @@ where
     /// Sets it up. The memory of `W` and `Y` is the settings' forgetting.
     ///
     /// # Errors
-    /// [`SmpeError`]: what cannot be, and which.
-    pub fn new(model: M, source: S, settings: RegressionSettings<N, R, P>) -> Result<Self, SmpeError> {
+    /// [`SettingsError`]: what cannot be, and which.
+    pub fn new(model: M, source: S, settings: RegressionSettings<N, R, P>) -> Result<Self, SettingsError> {
         let flow = Flow::new(model, source, settings)?;
         Ok(Self {
             filters: Kreisselmeier::new(settings.filter_rate),
@@ -70,7 +71,7 @@ where
     /// The estimate that holds after the last sample. Its standard errors are infinite.
     pub fn estimate(&self) -> Estimate<P> {
         let columns = &self.flow.columns;
-        let unknown = |j: usize| j < columns.count && columns.sd[j] > 0.0;
+        let unknown = |j: usize| j < columns.count && columns.std[j] > 0.0;
         let std_error = core::array::from_fn(|j| if unknown(j) { f64::INFINITY } else { 0.0 });
         Estimate {
             time_s: self.flow.last_s(),
@@ -109,11 +110,11 @@ where
         filters.rows(flow, |row| {
             let mut psi = [0.0; P];
             for j in 0..p {
-                psi[j] = row.w[j] * columns.sd[j] / row.sd;
+                psi[j] = row.w[j] * columns.std[j] / row.std;
             }
-            let about = (row.z - dot(&row.w[..p], &columns.initial[..p])) / row.sd;
+            let about = (row.z - dot(&row.w[..p], &columns.initial[..p])) / row.std;
             let predicted = dot(&row.w[..p], &theta[..p]);
-            let e = (row.z - predicted) / row.sd;
+            let e = (row.z - predicted) / row.std;
             if !(about.is_finite() && dot(&psi, &psi).is_finite()) {
                 return;
             }
@@ -124,7 +125,7 @@ where
             innovations.predicted[row.output] = row.known + predicted;
             innovations.whitened[row.output] = e;
             innovations.normalised[row.output] = e;
-            innovations.variance[row.output] = row.sd * row.sd;
+            innovations.variance[row.output] = row.std * row.std;
             innovations.phase[row.output] = RowPhase::Sliding;
         });
         self.phase = if self.innovations.phase.contains(&RowPhase::Rejected) {
@@ -153,7 +154,7 @@ where
         let mut solution = self.score;
         cholesky.solve(&mut solution);
         for j in 0..p {
-            if columns.sd[j] <= 0.0 || self.information[j][j] <= 0.0 {
+            if columns.std[j] <= 0.0 || self.information[j][j] <= 0.0 {
                 continue;
             }
             // [W^-1]_jj is the squared length of column j of L^-1.
@@ -161,8 +162,8 @@ where
             column[j] = 1.0;
             cholesky.solve_lower(&mut column);
             let information = 1.0 / dot(&column[..p], &column[..p]);
-            let left = columns.initial[j] + columns.sd[j] * solution[j] - self.theta[j];
-            let s = determinant * information / (1.0 + information) * left / (2.0 * columns.sd[j]);
+            let left = columns.initial[j] + columns.std[j] * solution[j] - self.theta[j];
+            let s = determinant * information / (1.0 + information) * left / (2.0 * columns.std[j]);
             surface[j] = if s.is_finite() { s } else { 0.0 };
         }
         surface
@@ -174,7 +175,7 @@ where
         let surface = self.surface();
         for j in 0..self.flow.columns.count {
             let s = surface[j];
-            let half_range = 2.0 * self.flow.columns.sd[j];
+            let half_range = 2.0 * self.flow.columns.std[j];
             self.surfaces[j] = s * half_range;
             if s == 0.0 {
                 self.speed[j] = 0.0;
@@ -204,9 +205,9 @@ where
     type Input = M::Input;
 
     fn update(&mut self, sample: &Sample<Self::Input, R>) -> Estimate<P> {
-        let sd = self.flow.columns.sd;
+        let std = self.flow.columns.std;
         let own = self.flow.columns.own;
-        let spread = |row: &[f64; P]| (0..own).map(|j| row[j] * row[j] * sd[j] * sd[j]).sum();
+        let spread = |row: &[f64; P]| (0..own).map(|j| row[j] * row[j] * std[j] * std[j]).sum();
         match self.flow.take(sample, &self.theta, spread) {
             Taken::Refused => self.phase = Phase::Rejected,
             Taken::Collected | Taken::First => {
@@ -227,7 +228,7 @@ where
     fn covariance(&self, out: &mut [[f64; P]; P]) {
         *out = [[0.0; P]; P];
         for j in 0..self.flow.columns.count {
-            out[j][j] = if self.flow.columns.sd[j] > 0.0 { f64::INFINITY } else { 0.0 };
+            out[j][j] = if self.flow.columns.std[j] > 0.0 { f64::INFINITY } else { 0.0 };
         }
     }
 }
@@ -241,8 +242,8 @@ where
         self.flow.columns.count
     }
 
-    fn prior_sd(&self) -> &[f64; P] {
-        &self.flow.columns.sd
+    fn prior_std(&self) -> &[f64; P] {
+        &self.flow.columns.std
     }
 
     fn innovations(&self) -> &Innovations<R> {

@@ -4,7 +4,8 @@
 mod plants;
 
 use phugoid_estimators::ekf::{EkfSettings, JointEkf};
-use phugoid_estimators::smpe::{ParameterPrior, ProcessNoise, ReReaching, Smpe, SmpeError, SmpeSettings};
+use phugoid_estimators::settings::{EstimatorSettings, ParameterPrior, ProcessNoise, SettingsError};
+use phugoid_estimators::smpe::Smpe;
 use phugoid_estimators::{ChangeState, Estimate, Estimator, Phase, Sample};
 use plants::*;
 use proptest::prelude::*;
@@ -21,8 +22,8 @@ fn priors() -> [ParameterPrior; 4] {
     [around(JET_TRUTH[0], -0.35), around(JET_TRUTH[1], -10.0), around(JET_TRUTH[2], 6.5), around(JET_TRUTH[3], -0.8)]
 }
 
-fn shared() -> SmpeSettings<2, 3, 8> {
-    SmpeSettings::automatic(&priors(), JET_NOISE, 0.01).unwrap()
+fn shared() -> EstimatorSettings<2, 3, 8> {
+    EstimatorSettings::automatic(&priors(), JET_NOISE, 0.01).unwrap()
 }
 
 fn ekf(settings: EkfSettings<2, 3, 8>) -> Ekf {
@@ -75,7 +76,7 @@ fn claimed(estimate: &Estimate<8>, j: usize) -> f64 {
     estimate.corrected_std_error[j]
 }
 
-/// 60 flights of 10 s: the error over the claimed standard error is one within its scatter (sd 5 % for 240 values).
+/// 60 flights of 10 s: the error over the claimed standard error is one within its scatter (std 5 % for 240 values).
 #[test]
 fn finds_the_short_period_within_its_bounds() {
     let found = rms((0..60).map(|s| last(&mut ekf(EkfSettings::new(shared())), &flight(s, 1000))), &truth(), claimed);
@@ -134,8 +135,8 @@ fn sensor_biases_need_their_columns() {
     assert!((0.75..1.25).contains(&over_claimed), "{over_claimed}");
     for (i, column) in [4, 5, 6].into_iter().enumerate() {
         let mean = finals.iter().map(|e| e.parameters[column]).sum::<f64>() / finals.len() as f64;
-        let sd = finals[0].corrected_std_error[column];
-        assert!((mean - BIASES[i]).abs() < 2.0 * sd, "bias {i}: {mean} for {}", BIASES[i]);
+        let std = finals[0].corrected_std_error[column];
+        assert!((mean - BIASES[i]).abs() < 2.0 * std, "bias {i}: {mean} for {}", BIASES[i]);
     }
 }
 
@@ -150,11 +151,11 @@ fn a_change_is_found_and_adopted() {
     let after = damaged(10.0);
     let detecting = EkfSettings::new(shared());
     let mut constant = detecting;
-    constant.shared.re_reaching = ReReaching::Off;
+    constant.shared.change_detection = None;
     let mut walking = constant;
     for j in 0..4 {
         // A tenth of the prior in ten seconds.
-        walking.parameter_walk_per_s[j] = (0.1 * priors()[j].sd).powi(2) / 10.0;
+        walking.parameter_walk_per_s[j] = (0.1 * priors()[j].std).powi(2) / 10.0;
     }
     let mut latencies = Vec::new();
     let (mut early, mut of_ekf, mut of_smpe) = (0, Vec::new(), Vec::new());
@@ -164,7 +165,7 @@ fn a_change_is_found_and_adopted() {
         let mut end = filter.estimate();
         for sample in &flight {
             end = filter.update(sample);
-            if end.status.change == ChangeState::ReReached {
+            if end.status.change == ChangeState::Adopted {
                 if sample.time_s < 10.0 {
                     early += 1;
                 } else {
@@ -195,13 +196,13 @@ fn a_change_is_found_and_adopted() {
 
 /// The matrix is symmetric and positive definite to rounding: its Cholesky factorisation exists.
 fn assert_positive_definite(covariance: &[[f64; 8]; 8], columns: usize, when: f64) {
-    let sd: Vec<f64> = (0..columns).map(|j| covariance[j][j].sqrt()).collect();
+    let std: Vec<f64> = (0..columns).map(|j| covariance[j][j].sqrt()).collect();
     let mut lower = vec![vec![0.0; columns]; columns];
     for i in 0..columns {
         for j in 0..=i {
             assert_eq!(covariance[i][j], covariance[j][i]);
             let sum: f64 = (0..j).map(|k| lower[i][k] * lower[j][k]).sum();
-            let value = covariance[i][j] / (sd[i] * sd[j]) - sum;
+            let value = covariance[i][j] / (std[i] * std[j]) - sum;
             if i == j {
                 assert!(value > 1e-12, "pivot {value} at {when} s");
                 lower[i][i] = value.sqrt();
@@ -216,11 +217,11 @@ fn assert_positive_definite(covariance: &[[f64; 8]; 8], columns: usize, when: f6
 #[test]
 fn the_covariance_stays_positive_definite() {
     for width in [1.0, 1e4] {
-        let mut settings = shared().with_biases(BIAS_SD.map(|sd| sd * width));
+        let mut settings = shared().with_biases(BIAS_SD.map(|std| std * width));
         for prior in &mut settings.priors[..4] {
             *prior = ParameterPrior {
-                change_sd: prior.change_sd,
-                ..ParameterPrior::absolute(prior.initial, prior.sd * width)
+                change_std: prior.change_std,
+                ..ParameterPrior::absolute(prior.initial, prior.std * width)
             };
         }
         settings.process_noise = ProcessNoise::adaptive([1e-7, 1e-7]);
@@ -255,7 +256,7 @@ fn the_covariance_stays_positive_definite() {
 #[test]
 fn the_unused_capacity_changes_nothing() {
     fn filter<const P: usize>() -> JointEkf<ShortPeriod, 2, 3, P> {
-        let settings = SmpeSettings::automatic(&priors(), JET_NOISE, 0.01).unwrap().with_biases(BIAS_SD);
+        let settings = EstimatorSettings::automatic(&priors(), JET_NOISE, 0.01).unwrap().with_biases(BIAS_SD);
         JointEkf::new(JET, EkfSettings::new(settings)).unwrap()
     }
     let (mut wide, mut narrow) = (filter::<24>(), filter::<7>());
@@ -271,13 +272,13 @@ fn the_unused_capacity_changes_nothing() {
 fn impossible_settings_are_refused_with_their_numbers() {
     let refused = |settings| Ekf::new(JET, settings).err().unwrap();
     let right = EkfSettings::new(shared());
-    assert_eq!(refused(EkfSettings { gate: 0.0, ..right }), SmpeError::Setting { name: "gate", value: 0.0 });
+    assert_eq!(refused(EkfSettings { gate: 0.0, ..right }), SettingsError::Setting { name: "gate", value: 0.0 });
     let mut walk = right;
     walk.parameter_walk_per_s[2] = -1.0;
-    assert_eq!(refused(walk), SmpeError::Setting { name: "parameter_walk_per_s", value: -1.0 });
+    assert_eq!(refused(walk), SettingsError::Setting { name: "parameter_walk_per_s", value: -1.0 });
     let mut wrong = right;
     wrong.shared.colour_block_s = 0.0;
-    assert_eq!(refused(wrong), SmpeError::Setting { name: "colour_block_s", value: 0.0 });
+    assert_eq!(refused(wrong), SettingsError::Setting { name: "colour_block_s", value: 0.0 });
 }
 
 proptest! {

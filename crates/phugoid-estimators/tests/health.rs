@@ -6,7 +6,8 @@ mod synthetic;
 
 use phugoid_estimators::health::{Condition, Expected, Health, HealthMonitor, MonitorError, MonitorSettings, Watched};
 use phugoid_estimators::plants::FirstOrder;
-use phugoid_estimators::smpe::{ParameterPrior, Smpe, SmpeSettings};
+use phugoid_estimators::settings::{EstimatorSettings, ParameterPrior};
+use phugoid_estimators::smpe::Smpe;
 use phugoid_estimators::{Estimate, Estimator, Model, Sample};
 use plants::{fly, regular, seeded};
 use rand::RngExt;
@@ -24,14 +25,14 @@ fn first_order(seed: u64, duration_s: f64, a: impl Fn(f64) -> f64) -> Vec<Sample
     fly::<_, 1, 2, 1>(&FirstOrder, &times, [0.0], |t| [a(t)], input, NOISE, &mut seeded(seed))
 }
 
-fn smpe_settings() -> SmpeSettings<1, 2, 1> {
-    SmpeSettings::automatic(&[ParameterPrior::bounded(3.0, 1.0, 5.0)], NOISE, STEP_S).unwrap()
+fn smpe_settings() -> EstimatorSettings<1, 2, 1> {
+    EstimatorSettings::automatic(&[ParameterPrior::bounded(3.0, 1.0, 5.0)], NOISE, STEP_S).unwrap()
 }
 
 /// Every word of the monitor over a flight.
 fn monitored<M, const N: usize, const R: usize, const P: usize>(
     model: &M,
-    settings: SmpeSettings<N, R, P>,
+    settings: EstimatorSettings<N, R, P>,
     expected: &[Option<Expected>],
     monitor: MonitorSettings,
     flight: &[Sample<M::Input, R>],
@@ -58,7 +59,7 @@ where
         .collect()
 }
 
-const EXPECTED: Expected = Expected { value: 3.0, tolerance: 0.1, failure_sd: 1.0 };
+const EXPECTED: Expected = Expected { value: 3.0, tolerance: 0.1, failure_std: 1.0 };
 
 /// False alarms in 400 healthy flights of 30 s with these true parameters: with one false alarm per 2.5 minutes accepted, each may
 /// raise one with a probability of 0.2.
@@ -134,9 +135,9 @@ fn the_onset_of_a_failure_is_found_with_its_uncertainty() {
     assert!(errors[errors.len() / 2] < 0.25);
 }
 
-fn five(seed: u64, onset_s: f64) -> (Synthetic<5>, SmpeSettings<4, 6, 5>, Vec<Sample<[f64; 1], 6>>) {
+fn five(seed: u64, onset_s: f64) -> (Synthetic<5>, EstimatorSettings<4, 6, 5>, Vec<Sample<[f64; 1], 6>>) {
     let model = Synthetic::<5>::new(5);
-    let settings = SmpeSettings::automatic(&synthetic::priors(5), [0.01; 6], 0.01).unwrap();
+    let settings = EstimatorSettings::automatic(&synthetic::priors(5), [0.01; 6], 0.01).unwrap();
     let input = |t: f64| [(1.1 * t).sin() + (2.7 * t).sin() + if (t * 0.5).fract() < 0.5 { 0.5 } else { -0.5 }];
     let truth = |t: f64| if t < onset_s { [0.0; 5] } else { [0.0, 0.15, 0.0, -0.2, 0.0] };
     let times = regular(1500, 0.01);
@@ -145,7 +146,7 @@ fn five(seed: u64, onset_s: f64) -> (Synthetic<5>, SmpeSettings<4, 6, 5>, Vec<Sa
 }
 
 fn five_expected() -> Vec<Option<Expected>> {
-    vec![Some(Expected { value: 0.0, tolerance: 0.02, failure_sd: 0.25 }); 5]
+    vec![Some(Expected { value: 0.0, tolerance: 0.02, failure_std: 0.25 }); 5]
 }
 
 #[test]
@@ -220,8 +221,8 @@ fn units_of_the_parameters_do_not_matter() {
     let flight = first_order(3, 20.0, |t| if t < 12.0 { 3.0 } else { 4.0 });
     let plain = monitored(&FirstOrder, smpe_settings(), &[Some(EXPECTED)], MonitorSettings::default(), &flight);
     let priors = [ParameterPrior::bounded(3000.0, 1000.0, 5000.0)];
-    let settings = SmpeSettings::automatic(&priors, NOISE, STEP_S).unwrap();
-    let expected = Expected { value: 3000.0, tolerance: 100.0, failure_sd: 1000.0 };
+    let settings = EstimatorSettings::automatic(&priors, NOISE, STEP_S).unwrap();
+    let expected = Expected { value: 3000.0, tolerance: 100.0, failure_std: 1000.0 };
     let scaled = monitored(&Thousandths, settings, &[Some(expected)], MonitorSettings::default(), &flight);
     for (a, b) in plain.iter().zip(&scaled) {
         assert_eq!((a.condition, a.unknown), (b.condition, b.unknown));

@@ -1,4 +1,4 @@
-//! theory: with an infinite boundary layer and without re-reaching the estimator *is* the joint extended Kalman filter
+//! theory: with an infinite boundary layer and without change detection the estimator *is* the joint extended Kalman filter
 //! in separated form. A plain dense joint filter, written here from the textbook, must agree with it, and with the product's
 //! joint filter, sample by sample.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
@@ -7,7 +7,8 @@ mod plants;
 
 use phugoid_estimators::discretization::{InputHold, IntervalInput, Part, step, sub_steps};
 use phugoid_estimators::ekf::{EkfSettings, JointEkf};
-use phugoid_estimators::smpe::{OutputInput, ParameterPrior, ProcessNoise, ReReaching, Smpe, SmpeSettings};
+use phugoid_estimators::settings::{EstimatorSettings, OutputInput, ParameterPrior, ProcessNoise};
+use phugoid_estimators::smpe::Smpe;
 use phugoid_estimators::{Inspect, LinearizedOutputs, Model, Sample};
 use plants::*;
 use rand::RngExt;
@@ -22,7 +23,7 @@ type JetSample = Sample<[f64; 1], R>;
 /// Dense joint filter over `(alpha, q, parameters, 3 biases)`.
 struct Joint<const P: usize> {
     model: ShortPeriod,
-    settings: SmpeSettings<N, R, P>,
+    settings: EstimatorSettings<N, R, P>,
     z: [f64; J],
     p: [[f64; J]; J],
     /// Rows that were not used.
@@ -34,15 +35,15 @@ struct Joint<const P: usize> {
 }
 
 impl<const P: usize> Joint<P> {
-    fn new(model: ShortPeriod, settings: SmpeSettings<N, R, P>, walk: [f64; P], sample: &JetSample) -> Self {
+    fn new(model: ShortPeriod, settings: EstimatorSettings<N, R, P>, walk: [f64; P], sample: &JetSample) -> Self {
         let (mut z, mut p) = ([0.0; J], [[0.0; J]; J]);
         let own = model.parameters;
         for j in 0..own {
             z[N + j] = settings.priors[j].initial;
-            p[N + j][N + j] = settings.priors[j].sd * settings.priors[j].sd;
+            p[N + j][N + j] = settings.priors[j].std * settings.priors[j].std;
         }
         for i in 0..R {
-            p[N + own + i][N + own + i] = settings.bias_sd[i] * settings.bias_sd[i];
+            p[N + own + i][N + own + i] = settings.bias_std[i] * settings.bias_std[i];
         }
         let mut joint = Self { model, settings, z, p, rejected: 0, clipped: 0, walk };
         joint.start_state(sample);
@@ -64,7 +65,7 @@ impl<const P: usize> Joint<P> {
             for k in 0..N {
                 self.p[i][k] = self.p[N + own + i][N + own + k];
             }
-            self.p[i][i] += self.settings.noise_sd[i] * self.settings.noise_sd[i];
+            self.p[i][i] += self.settings.noise_std[i] * self.settings.noise_std[i];
         }
     }
 
@@ -132,7 +133,7 @@ impl<const P: usize> Joint<P> {
             h[N + own + i] = 1.0;
             let predicted = lin.outputs[i] + z0[N + own + i] + (0..J).map(|k| h[k] * (self.z[k] - z0[k])).sum::<f64>();
             let ph: [f64; J] = core::array::from_fn(|k| (0..J).map(|l| self.p[k][l] * h[l]).sum());
-            let sigma = self.settings.noise_sd[i];
+            let sigma = self.settings.noise_std[i];
             let s = sigma * sigma + (0..J).map(|k| h[k] * ph[k]).sum::<f64>();
             if ((y[i] - predicted) / s.sqrt()).abs() > self.settings.rejection_limit {
                 self.rejected += 1;
@@ -161,12 +162,13 @@ const START_SD: [f64; 6] = [0.3, 10.0, 2.5, 0.6, 0.02, 0.05];
 const BIAS_SD: [f64; R] = [0.004, 0.002, 0.2];
 
 /// The estimator without anything that a Kalman filter has not.
-fn plain_settings<const P: usize>(parameters: usize) -> SmpeSettings<N, R, P> {
+fn plain_settings<const P: usize>(parameters: usize) -> EstimatorSettings<N, R, P> {
     let priors: [ParameterPrior; 6] = core::array::from_fn(|j| ParameterPrior::absolute(START[j], START_SD[j]));
-    let mut settings = SmpeSettings::automatic(&priors[..parameters], JET_NOISE, 0.01).unwrap().with_biases(BIAS_SD);
+    let mut settings =
+        EstimatorSettings::automatic(&priors[..parameters], JET_NOISE, 0.01).unwrap().with_biases(BIAS_SD);
     settings.reaching_limit = f64::INFINITY;
     settings.rejection_limit = f64::INFINITY;
-    settings.re_reaching = ReReaching::Off;
+    settings.change_detection = None;
     settings.process_noise = ProcessNoise::fixed([2e-6, 5e-6]);
     settings.start_window_s = 0.0;
     settings.correct_first_sample = false;
@@ -194,7 +196,7 @@ fn flight<const P: usize>(times: &[f64]) -> Vec<JetSample> {
 /// state is started again.
 fn difference<const P: usize>(
     model: ShortPeriod,
-    settings: SmpeSettings<N, R, P>,
+    settings: EstimatorSettings<N, R, P>,
     flight: &[JetSample],
     restart_at: Option<usize>,
 ) -> f64 {
@@ -213,7 +215,7 @@ fn difference<const P: usize>(
 fn difference_of<E, const P: usize>(
     mut estimator: E,
     model: ShortPeriod,
-    settings: SmpeSettings<N, R, P>,
+    settings: EstimatorSettings<N, R, P>,
     walk: [f64; P],
     flight: &[JetSample],
     restart_at: Option<usize>,
@@ -243,8 +245,8 @@ where
         for j in 0..columns {
             let scale = if j < own { START_SD[j] } else { BIAS_SD[j - own] };
             worst = worst.max((estimate.parameters[j] - joint.z[N + j]).abs() / scale);
-            let sd = joint.p[N + j][N + j].sqrt();
-            worst = worst.max((estimate.std_error[j] / sd - 1.0).abs());
+            let std = joint.p[N + j][N + j].sqrt();
+            worst = worst.max((estimate.std_error[j] / std - 1.0).abs());
             for i in 0..columns {
                 let size = (joint.p[N + i][N + i] * joint.p[N + j][N + j]).sqrt();
                 worst = worst.max((covariance[i][j] - joint.p[N + i][N + j]).abs() / size);
@@ -292,7 +294,7 @@ fn it_is_the_joint_kalman_filter_at_any_times_and_after_a_restart() {
     for (input_hold, output_input) in
         [(InputHold::Zero, OutputInput::Current), (InputHold::Linear, OutputInput::Previous)]
     {
-        let settings = SmpeSettings { input_hold, output_input, ..plain_settings::<11>(6) };
+        let settings = EstimatorSettings { input_hold, output_input, ..plain_settings::<11>(6) };
         let worst = difference(offsets, settings, &flight, Some(1100));
         println!("{input_hold:?} {output_input:?}: {worst:.2e}");
         assert!(worst < 1e-8, "{worst}");

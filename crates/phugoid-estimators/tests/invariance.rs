@@ -6,9 +6,8 @@
 mod plants;
 
 use phugoid_estimators::ekf::{EkfSettings, JointEkf};
-use phugoid_estimators::smpe::{
-    ChangePrior, NoiseAdaptation, ParameterPrior, ProcessNoise, ReReaching, Smpe, SmpeSettings,
-};
+use phugoid_estimators::settings::{ChangePrior, EstimatorSettings, NoiseAdaptation, ParameterPrior, ProcessNoise};
+use phugoid_estimators::smpe::Smpe;
 use phugoid_estimators::{
     ChangeState, Estimate, Estimator, Inspect, LinearizedOutputs, LinearizedRates, Model, ParameterStatus, Sample,
 };
@@ -84,12 +83,12 @@ impl Changed {
         Sample { outputs, ..*sample }
     }
 
-    fn settings(&self, original: &SmpeSettings<N, R, P>) -> SmpeSettings<N, R, P> {
+    fn settings(&self, original: &EstimatorSettings<N, R, P>) -> EstimatorSettings<N, R, P> {
         let mut settings = *original;
         for (j, index) in self.order.iter().enumerate() {
             let unit = self.parameter_unit[j];
             let prior = index.map_or(ParameterPrior::nuisance(0.7), |index| original.priors[index]);
-            let change_sd = match prior.change_sd {
+            let change_std = match prior.change_std {
                 ChangePrior::None => ChangePrior::None,
                 ChangePrior::Fixed(d) => ChangePrior::Fixed(d * unit),
                 ChangePrior::Relative { fraction, maximum } => {
@@ -98,16 +97,16 @@ impl Changed {
             };
             settings.priors[j] = ParameterPrior {
                 initial: prior.initial * unit,
-                sd: prior.sd * unit,
+                std: prior.std * unit,
                 lower: prior.lower * unit,
                 upper: prior.upper * unit,
-                change_sd,
+                change_std,
             };
         }
         for i in 0..R {
             let from = self.output_order[i];
-            settings.noise_sd[i] = original.noise_sd[from] * self.output_unit[i];
-            settings.bias_sd[i] = original.bias_sd[from] * self.output_unit[i];
+            settings.noise_std[i] = original.noise_std[from] * self.output_unit[i];
+            settings.bias_std[i] = original.bias_std[from] * self.output_unit[i];
         }
         for k in 0..N {
             let variance = original.process_noise.variance_per_s[self.state_order[k]];
@@ -171,7 +170,7 @@ impl Model<N, R, P> for Changed {
     }
 }
 
-fn settings<const P: usize>() -> SmpeSettings<N, R, P> {
+fn settings<const P: usize>() -> EstimatorSettings<N, R, P> {
     let absolute = |j: usize, start: f64| ParameterPrior::absolute(start, JET_TRUTH[j].abs());
     let priors = [
         ParameterPrior::bounded(-0.35, -1.2, 0.0),
@@ -181,7 +180,7 @@ fn settings<const P: usize>() -> SmpeSettings<N, R, P> {
         ParameterPrior::nuisance(0.02),
         ParameterPrior::nuisance(0.05),
     ];
-    let mut settings = SmpeSettings::automatic(&priors, JET_NOISE, 0.01).unwrap().with_biases([0.005, 0.002, 0.2]);
+    let mut settings = EstimatorSettings::automatic(&priors, JET_NOISE, 0.01).unwrap().with_biases([0.005, 0.002, 0.2]);
     settings.process_noise = ProcessNoise::adaptive([1e-7, 1e-7]);
     settings
 }
@@ -245,12 +244,12 @@ fn rows(changed: &Changed, estimate: &Estimate<P>) -> [Row; COLUMNS] {
 
 /// A method under the supervisor.
 trait Supervised: Inspect<R, P, Input = [f64; 1]> + Sized {
-    fn set_up(model: Changed, settings: SmpeSettings<N, R, P>) -> Self;
+    fn set_up(model: Changed, settings: EstimatorSettings<N, R, P>) -> Self;
     fn noise_scale(&self) -> f64;
 }
 
 impl Supervised for Smpe<Changed, N, R, P> {
-    fn set_up(model: Changed, settings: SmpeSettings<N, R, P>) -> Self {
+    fn set_up(model: Changed, settings: EstimatorSettings<N, R, P>) -> Self {
         Self::new(model, settings).unwrap()
     }
 
@@ -260,7 +259,7 @@ impl Supervised for Smpe<Changed, N, R, P> {
 }
 
 impl Supervised for JointEkf<Changed, N, R, P> {
-    fn set_up(model: Changed, settings: SmpeSettings<N, R, P>) -> Self {
+    fn set_up(model: Changed, settings: EstimatorSettings<N, R, P>) -> Self {
         // The gate that SMPE's rejection is, so that "no limit" is none for both.
         Self::new(model, EkfSettings { gate: settings.rejection_limit, ..EkfSettings::new(settings) }).unwrap()
     }
@@ -272,14 +271,14 @@ impl Supervised for JointEkf<Changed, N, R, P> {
 
 /// Flies both forms with both methods and gives the largest difference: of values in standard errors, of the rest
 /// relative.
-fn compare(changed: &Changed, settings: &SmpeSettings<N, R, P>, exact: bool) -> f64 {
+fn compare(changed: &Changed, settings: &EstimatorSettings<N, R, P>, exact: bool) -> f64 {
     let smpe = compare_of::<Smpe<Changed, N, R, P>>(changed, settings, exact);
     let ekf = compare_of::<JointEkf<Changed, N, R, P>>(changed, settings, exact);
     println!("SMPE {smpe:.1e}, joint filter {ekf:.1e}");
     smpe.max(ekf)
 }
 
-fn compare_of<E: Supervised>(changed: &Changed, settings: &SmpeSettings<N, R, P>, exact: bool) -> f64 {
+fn compare_of<E: Supervised>(changed: &Changed, settings: &EstimatorSettings<N, R, P>, exact: bool) -> f64 {
     let plain = Changed::not();
     let mut reference = E::set_up(plain.clone(), *settings);
     let mut other = E::set_up(changed.clone(), changed.settings(settings));
@@ -287,7 +286,7 @@ fn compare_of<E: Supervised>(changed: &Changed, settings: &SmpeSettings<N, R, P>
     let mut worst_corrected: f64 = 0.0;
     for sample in &eventful_flight() {
         let (a, b) = (reference.update(sample), other.update(&changed.sample(sample)));
-        adopted += usize::from(a.status.change == ChangeState::ReReached);
+        adopted += usize::from(a.status.change == ChangeState::Adopted);
         assert_eq!(a.status, b.status, "at {} s", sample.time_s);
         let (a, b) = (rows(&plain, &a), rows(changed, &b));
         if exact {
@@ -305,7 +304,7 @@ fn compare_of<E: Supervised>(changed: &Changed, settings: &SmpeSettings<N, R, P>
     let (a, b) = (reference.noise_scale(), other.noise_scale());
     assert!(if exact { a == b } else { (a / b - 1.0).abs() < 1e-6 }, "{a} {b}");
     assert_eq!(reference.restarts(), other.restarts());
-    if settings.re_reaching != ReReaching::Off {
+    if settings.change_detection != None {
         // The comparison went through a restart, a doubt and an adoption.
         assert!(reference.restarts() == 1 && adopted >= 1, "{} restarts, {adopted} adoptions", reference.restarts());
         let (a, b) = (reference.change_sensitivity(), other.change_sensitivity());
@@ -361,7 +360,7 @@ fn the_order_of_outputs_does_not_matter() {
     settings.rejection_limit = f64::INFINITY;
     settings.clip_factor = f64::INFINITY;
     settings.process_noise.adaptation = NoiseAdaptation::Off;
-    settings.re_reaching = ReReaching::Off;
+    settings.change_detection = None;
     for output_order in [[2, 0, 1], [1, 2, 0], [2, 1, 0]] {
         let changed = Changed { output_order, ..Changed::not() };
         let plain = Changed::not();
@@ -427,7 +426,7 @@ fn a_fixed_parameter_is_a_known_number() {
     let mut more = priors.clone();
     more.extend([ParameterPrior::fixed(1.0); 3]);
     let limit = |priors: &[ParameterPrior]| {
-        SmpeSettings::<N, R, P>::automatic(priors, JET_NOISE, 0.01).unwrap().rejection_limit
+        EstimatorSettings::<N, R, P>::automatic(priors, JET_NOISE, 0.01).unwrap().rejection_limit
     };
     assert_eq!(limit(&priors), limit(&more));
 }

@@ -4,7 +4,9 @@
 
 mod plants;
 
-use phugoid_estimators::smpe::{ParameterPrior, ReReaching, RowPhase, Smpe, SmpeSettings};
+use phugoid_estimators::RowPhase;
+use phugoid_estimators::settings::{EstimatorSettings, ParameterPrior};
+use phugoid_estimators::smpe::Smpe;
 use phugoid_estimators::{Estimator, LinearizedOutputs, LinearizedRates, Model, Sample};
 use plants::{normal, seeded};
 use rand::RngExt;
@@ -65,19 +67,19 @@ fn lyapunov(covariance: &[[f64; P]; P], e: [f64; P]) -> f64 {
 }
 
 /// Runs one trial; gives (largest increase of V relative to V0, saturated rows, rejected rows, the bound on saturated).
-fn trial(seed: u64, sd: f64, rejection: f64) -> (f64, usize, usize, f64) {
+fn trial(seed: u64, std: f64, rejection: f64) -> (f64, usize, usize, f64) {
     let mut rng = seeded(seed);
     let truth: [f64; P] = core::array::from_fn(|_| rng.random_range(-1.0..1.0));
-    let prior = ParameterPrior { sd, ..ParameterPrior::bounded(0.0, -1.0, 1.0) };
-    let mut settings = SmpeSettings::<1, 2, P>::automatic(&[prior; P], [1.0; 2], 0.01).unwrap();
-    settings.re_reaching = ReReaching::Off;
+    let prior = ParameterPrior { std, ..ParameterPrior::bounded(0.0, -1.0, 1.0) };
+    let mut settings = EstimatorSettings::<1, 2, P>::automatic(&[prior; P], [1.0; 2], 0.01).unwrap();
+    settings.change_detection = None;
     settings.rejection_limit = rejection;
     settings.clip_factor = f64::INFINITY;
     settings.start_window_s = 0.0;
     settings.start_trial_s = 0.0;
     let kappa = settings.reaching_limit;
     let mut smpe = Smpe::new(Regression, settings).unwrap();
-    let v0 = 0.5 * truth.iter().map(|t| t * t / (sd * sd)).sum::<f64>();
+    let v0 = 0.5 * truth.iter().map(|t| t * t / (std * std)).sum::<f64>();
     let mut v = v0;
     let (mut worst, mut saturated, mut rejected) = (f64::NEG_INFINITY, 0, 0);
     for k in 0..200 {
@@ -103,9 +105,9 @@ fn the_lyapunov_function_never_increases_and_reaching_is_finite() {
     let (mut saturated_in_all, mut rejected_in_all) = (0, 0);
     for seed in 0..300 {
         // From the rule's C0 = (R/2)^2 to one far too confident, which has to reach for long.
-        let sd = [0.5, 0.1, 0.02][seed as usize % 3];
+        let std = [0.5, 0.1, 0.02][seed as usize % 3];
         let rejection = if seed % 2 == 0 { f64::INFINITY } else { 6.0 };
-        let (worst, saturated, rejected, bound) = trial(seed, sd, rejection);
+        let (worst, saturated, rejected, bound) = trial(seed, std, rejection);
         // 1e-9: rounding of V itself, whose C^-1 has been through two hundred rows of up to 1e3.
         assert!(worst < 1e-9, "seed {seed}: V rose by {worst} of V0");
         assert!(saturated as f64 <= bound, "seed {seed}: {saturated} saturated rows, bound {bound}");

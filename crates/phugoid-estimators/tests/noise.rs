@@ -3,18 +3,18 @@
 
 mod plants;
 
-use phugoid_estimators::noise::{NoiseMonitor, third_difference_sd};
+use phugoid_estimators::noise::{NoiseMonitor, third_difference_std};
 use plants::*;
 
 /// A 0.5 Hz motion a hundred times larger than the noise, at 100 Hz, with 5 % outliers and gaps.
-fn signal(n: usize, sd: f64, seed: u64) -> Vec<f64> {
+fn signal(n: usize, std: f64, seed: u64) -> Vec<f64> {
     let mut rng = seeded(seed);
     (0..n)
         .map(|k| {
             let t = k as f64 * 0.01;
-            let clean = 100.0 * sd * (3.1 * t).sin() + sd * normal(&mut rng);
+            let clean = 100.0 * std * (3.1 * t).sin() + std * normal(&mut rng);
             match k {
-                _ if k % 20 == 7 => clean + 30.0 * sd,
+                _ if k % 20 == 7 => clean + 30.0 * std,
                 _ if k % 33 == 5 => f64::NAN,
                 _ => clean,
             }
@@ -25,17 +25,17 @@ fn signal(n: usize, sd: f64, seed: u64) -> Vec<f64> {
 #[test]
 fn the_noise_level_is_read_within_its_own_scatter() {
     let mut scratch = [0.0; 4000];
-    for sd in [1e-4, 1.0, 300.0] {
+    for std in [1e-4, 1.0, 300.0] {
         // Outliers touch four differences each: a fifth of all. The median of the contaminated sizes reads high by
         // about a quarter.
-        let dirty = third_difference_sd(&signal(4000, sd, 1), &mut scratch).unwrap();
-        assert!((0.9..1.45).contains(&(dirty / sd)), "{}", dirty / sd);
+        let dirty = third_difference_std(&signal(4000, std, 1), &mut scratch).unwrap();
+        assert!((0.9..1.45).contains(&(dirty / std)), "{}", dirty / std);
         let clean: Vec<f64> = {
             let mut rng = seeded(2);
-            (0..4000).map(|k| 100.0 * sd * (0.031 * k as f64).sin() + sd * normal(&mut rng)).collect()
+            (0..4000).map(|k| 100.0 * std * (0.031 * k as f64).sin() + std * normal(&mut rng)).collect()
         };
-        let read = third_difference_sd(&clean, &mut scratch).unwrap();
-        assert!((0.95..1.05).contains(&(read / sd)), "{}", read / sd);
+        let read = third_difference_std(&clean, &mut scratch).unwrap();
+        assert!((0.95..1.05).contains(&(read / std)), "{}", read / std);
     }
 }
 
@@ -43,10 +43,10 @@ fn the_noise_level_is_read_within_its_own_scatter() {
 fn the_monitor_agrees_with_the_batch_form_over_its_window() {
     let a = signal(500, 0.5, 3);
     let mut monitor = NoiseMonitor::<2, 100>::new();
-    assert_eq!(monitor.sd(), [None, None]);
+    assert_eq!(monitor.std(), [None, None]);
     for (k, y) in a.iter().enumerate() {
         monitor.push(&[*y, 7.0]);
-        let [read, constant] = monitor.sd();
+        let [read, constant] = monitor.std();
         if k >= 8 {
             assert_eq!(constant, Some(0.0));
         }
@@ -65,7 +65,7 @@ fn the_monitor_agrees_with_the_batch_form_over_its_window() {
 #[test]
 fn too_little_data_gives_no_level() {
     let mut scratch = [0.0; 10];
-    assert_eq!(third_difference_sd(&[1.0, 2.0, 1.0, 2.0, 1.0], &mut scratch), None);
-    assert_eq!(third_difference_sd(&[f64::NAN; 50], &mut scratch), None);
-    assert_eq!(third_difference_sd(&[], &mut []), None);
+    assert_eq!(third_difference_std(&[1.0, 2.0, 1.0, 2.0, 1.0], &mut scratch), None);
+    assert_eq!(third_difference_std(&[f64::NAN; 50], &mut scratch), None);
+    assert_eq!(third_difference_std(&[], &mut []), None);
 }

@@ -9,7 +9,7 @@ use phugoid_estimators::fourier::{FourierRegression, FourierSettings};
 use phugoid_estimators::implicit_sign::ImplicitSign;
 use phugoid_estimators::regression::{MeasuredStates, RegressionSettings, Row};
 use phugoid_estimators::rls::RecursiveLeastSquares;
-use phugoid_estimators::smpe::{ParameterPrior, SmpeSettings};
+use phugoid_estimators::settings::{EstimatorSettings, ParameterPrior};
 use phugoid_estimators::super_twisting::SuperTwisting;
 use phugoid_estimators::{Estimate, Estimator, Inspect, ParameterStatus, Phase, Sample};
 use plants::{JET, JET_NOISE, JET_TRUTH, ShortPeriod, elevator_3211, elevator_busy, fly, regular, seeded};
@@ -21,9 +21,9 @@ const SD: [f64; P] = [0.5, 10.0, 2.0, 0.6];
 
 type Flight = Vec<Sample<[f64; 1], 3>>;
 
-fn common() -> SmpeSettings<2, 3, P> {
+fn common() -> EstimatorSettings<2, 3, P> {
     let priors: Vec<ParameterPrior> = (0..P).map(|j| ParameterPrior::absolute(START[j], SD[j])).collect();
-    SmpeSettings::automatic(&priors, JET_NOISE, 0.01).unwrap()
+    EstimatorSettings::automatic(&priors, JET_NOISE, 0.01).unwrap()
 }
 
 fn settings() -> RegressionSettings<2, 3, P> {
@@ -50,7 +50,7 @@ fn flight(seconds: f64, noise: f64, seed: u64, input: fn(f64) -> f64) -> Flight 
         [0.0; 2],
         |_| TRUTH,
         |t| [input(t)],
-        JET_NOISE.map(|sd| noise * sd),
+        JET_NOISE.map(|std| noise * std),
         &mut seeded(seed),
     )
 }
@@ -96,8 +96,8 @@ fn batch_and_recursive_least_squares_agree() {
     for sample in flight(15.0, 1.0, 5, elevator_3211) {
         let estimate = rls.update_observed(&sample, |row: &Row<P>| {
             rows += 1;
-            let psi: [f64; P] = core::array::from_fn(|j| row.w[j] * SD[j] / row.sd);
-            let left = (row.z - (0..P).map(|j| row.w[j] * START[j]).sum::<f64>()) / row.sd;
+            let psi: [f64; P] = core::array::from_fn(|j| row.w[j] * SD[j] / row.std);
+            let left = (row.z - (0..P).map(|j| row.w[j] * START[j]).sum::<f64>()) / row.std;
             for i in 0..P {
                 score[i] += psi[i] * left;
                 for j in 0..P {
@@ -140,7 +140,7 @@ fn without_noise_the_truth_is_found() {
     let mut twisting = SuperTwisting::new(JET, states(), settings()).unwrap();
     let twisted = run(&mut twisting, &clean);
     assert!(worst(&twisted, &TRUTH) < 2e-2, "{:?}", twisted.parameters);
-    assert!(twisted.std_error.iter().all(|sd| sd.is_infinite()));
+    assert!(twisted.std_error.iter().all(|std| std.is_infinite()));
 }
 
 /// The record ends in the middle of the motion.
@@ -261,7 +261,7 @@ fn mistreat(estimator: &mut (impl Inspect<3, P> + Estimator<3, P, Input = [f64; 
     println!("{:?}", estimate.parameters);
     if bounds {
         assert!(worst(&estimate, &TRUTH) < 0.2, "{:?}", estimate.parameters);
-        assert!(estimate.corrected_std_error.iter().all(|sd| sd.is_finite() && *sd > 0.0));
+        assert!(estimate.corrected_std_error.iter().all(|std| std.is_finite() && *std > 0.0));
         assert!(estimate.parameter_status.iter().all(|s| *s != ParameterStatus::NotExcited));
         assert!(estimator.restarts() > 0);
     }
@@ -282,9 +282,9 @@ fn outliers_cost_little_with_the_gate_and_much_without() {
     let mut record = flight(15.0, 1.0, 11, elevator_3211);
     let mut rng = seeded(77);
     for sample in &mut record {
-        for (y, sd) in sample.outputs.iter_mut().zip(JET_NOISE) {
+        for (y, std) in sample.outputs.iter_mut().zip(JET_NOISE) {
             if plants::normal(&mut rng).abs() > 1.96 {
-                *y += 20.0 * sd * plants::normal(&mut rng).signum();
+                *y += 20.0 * std * plants::normal(&mut rng).signum();
             }
         }
     }

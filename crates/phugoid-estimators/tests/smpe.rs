@@ -5,9 +5,10 @@ mod plants;
 
 use phugoid_estimators::discretization::InputHold;
 use phugoid_estimators::plants::FirstOrder;
-use phugoid_estimators::smpe::{
-    ChangeDetection, ChangePrior, ParameterPrior, ProcessNoise, ReReaching, Smpe, SmpeError, SmpeSettings,
+use phugoid_estimators::settings::{
+    ChangeDetection, ChangePrior, EstimatorSettings, ParameterPrior, ProcessNoise, SettingsError,
 };
+use phugoid_estimators::smpe::Smpe;
 use phugoid_estimators::{
     ChangeState, DetectorState, Estimate, Estimator, LinearizedOutputs, LinearizedRates, Model, ParameterStatus, Phase,
     Sample,
@@ -24,8 +25,8 @@ fn jet_priors() -> [ParameterPrior; 4] {
     [around(JET_TRUTH[0], -0.35), around(JET_TRUTH[1], -10.0), around(JET_TRUTH[2], 6.5), around(JET_TRUTH[3], -0.8)]
 }
 
-fn jet_settings() -> SmpeSettings<2, 3, 8> {
-    SmpeSettings::automatic(&jet_priors(), JET_NOISE, 0.01).expect("sound settings")
+fn jet_settings() -> EstimatorSettings<2, 3, 8> {
+    EstimatorSettings::automatic(&jet_priors(), JET_NOISE, 0.01).expect("sound settings")
 }
 
 fn jet() -> Jet {
@@ -100,7 +101,7 @@ fn starts_causally_and_replays_what_it_collected() {
         assert_eq!(all[k].status.phase, Phase::Starting);
         for j in 0..4 {
             assert_eq!(all[k].parameters[j], priors[j].initial);
-            assert_eq!(all[k].std_error[j], priors[j].sd);
+            assert_eq!(all[k].std_error[j], priors[j].std);
         }
     }
     assert_eq!(all[20].status.phase, Phase::Sliding);
@@ -130,7 +131,8 @@ fn a_record_that_starts_in_the_middle_of_a_motion_is_started_with_care() {
     for seed in 0..40 {
         let flight = fly(&FirstOrder, &regular(100, 0.01), [0.0], |_| [3.0], |_| [1.0], [1e-3, 0.0], &mut seeded(seed));
         // The derivative has no noise and is not used.
-        let settings = SmpeSettings::automatic(&[ParameterPrior::bounded(5.0, 1.0, 9.0)], [1e-3, 0.0], 0.01).unwrap();
+        let settings =
+            EstimatorSettings::automatic(&[ParameterPrior::bounded(5.0, 1.0, 9.0)], [1e-3, 0.0], 0.01).unwrap();
         let mut estimator = Smpe::<_, 1, 2, 1>::new(FirstOrder, settings).unwrap();
         for sample in &flight {
             estimator.update(sample);
@@ -226,7 +228,7 @@ fn a_dead_channel_is_lived_with() {
     }
     let mut settings = jet_settings();
     // q is never read, so its start must come from the settings.
-    settings.initial_state_sd = [0.0, 0.01];
+    settings.initial_state_std = [0.0, 0.01];
     let mut estimator = Jet::new(JET, settings).unwrap();
     let last = *run(&mut estimator, &flight).last().unwrap();
     assert_finite(&last);
@@ -306,7 +308,7 @@ fn an_unrecorded_input_does_not_spoil_the_parameters() {
             assert!(error < 0.1, "watched, seed {seed} parameter {j}: {error}");
         }
         let mut settings = jet_settings();
-        settings.re_reaching = ReReaching::Off;
+        settings.change_detection = None;
         let mut estimator = Jet::new(JET, settings).unwrap();
         let all = run(&mut estimator, &flight);
         let sliding = all[1500..].iter().filter(|e| e.status.phase == Phase::Sliding).count();
@@ -330,8 +332,8 @@ fn without_excitation_the_bounds_stay_at_the_prior() {
     for j in 0..4 {
         assert_eq!(last.parameter_status[j], ParameterStatus::NotExcited, "parameter {j}");
         // Not exactly the prior: the median start leaves a transient, and the estimated state carries noise.
-        assert!(last.std_error[j] > 0.8 * priors[j].sd, "parameter {j}: {}", last.std_error[j]);
-        assert!((last.parameters[j] - priors[j].initial).abs() < priors[j].sd);
+        assert!(last.std_error[j] > 0.8 * priors[j].std, "parameter {j}: {}", last.std_error[j]);
+        assert!((last.parameters[j] - priors[j].initial).abs() < priors[j].std);
     }
     assert_eq!(estimator.detector().unwrap().adoptions, 0);
 }
@@ -359,10 +361,10 @@ fn unstable_flight(n: i32, hidden: impl Fn(f64) -> f64) -> (Vec<JetSample>, [f64
     (flight, truth)
 }
 
-fn unstable_settings() -> SmpeSettings<2, 3, 8> {
+fn unstable_settings() -> EstimatorSettings<2, 3, 8> {
     let mut priors = jet_priors();
     priors[0] = ParameterPrior::bounded(0.0, -2.0, 2.0);
-    SmpeSettings::automatic(&priors, JET_NOISE, 0.01).unwrap()
+    EstimatorSettings::automatic(&priors, JET_NOISE, 0.01).unwrap()
 }
 
 #[test]
@@ -382,7 +384,7 @@ fn an_unstable_aircraft_is_identified_in_closed_loop() {
 fn a_lost_state_is_started_again() {
     let (flight, truth) = unstable_flight(2500, |t| if (8.0..9.0).contains(&t) { 0.15 } else { 0.0 });
     let mut settings = unstable_settings();
-    settings.re_reaching = ReReaching::Off;
+    settings.change_detection = None;
     let mut estimator = Jet::new(JET, settings).unwrap();
     let all = run(&mut estimator, &flight);
     let sliding = all[1500..].iter().filter(|e| e.status.phase == Phase::Sliding).count();
@@ -470,7 +472,7 @@ fn coloured_residuals_widen_the_corrected_bounds() {
             sample.outputs[0] += 0.0035 * (2.9 * sample.time_s + phase).sin();
         }
         let mut settings = jet_settings();
-        settings.re_reaching = ReReaching::Off;
+        settings.change_detection = None;
         let mut estimator = Jet::new(JET, settings).unwrap();
         let last = *run(&mut estimator, &flight).last().unwrap();
         for j in 0..4 {
@@ -513,7 +515,7 @@ fn a_damage_is_found_and_adopted() {
             let estimate = estimator.update(sample);
             assert_finite(&estimate);
             match estimate.status.change {
-                ChangeState::ReReached => adopted = adopted.or(Some(estimate.time_s)),
+                ChangeState::Adopted => adopted = adopted.or(Some(estimate.time_s)),
                 ChangeState::InDoubt => doubted = doubted.or(Some(estimate.time_s)),
                 ChangeState::Steady => {}
             }
@@ -562,7 +564,7 @@ fn a_damage_is_found_among_biases_outliers_and_drops() {
         let mut estimator = Jet::new(JET, jet_settings().with_biases([0.005, 0.002, 0.2])).unwrap();
         let mut adopted = Vec::new();
         for sample in &flight {
-            if estimator.update(sample).status.change == ChangeState::ReReached {
+            if estimator.update(sample).status.change == ChangeState::Adopted {
                 adopted.push(sample.time_s);
             }
         }
@@ -598,7 +600,7 @@ fn a_damage_is_found_among_biases_outliers_and_drops() {
 fn a_change_that_is_found_is_nearly_as_good_as_one_that_is_told() {
     let mut errors = [[0.0; 2]; 2];
     let mut told_settings = jet_settings();
-    told_settings.re_reaching = ReReaching::Off;
+    told_settings.change_detection = None;
     for seed in 0..60 {
         let (noise, stick) = (&mut seeded(640 + seed), |t: f64| [elevator_busy(t)]);
         let flight = fly(&JET, &regular(2250, 0.01), [0.0; 2], damaged, stick, JET_NOISE, noise);
@@ -608,8 +610,8 @@ fn a_change_that_is_found_is_nearly_as_good_as_one_that_is_told() {
                 assert!(told.reopen_now());
                 let before = told.estimate();
                 // The change prior is there at once, and what is told is said with the next sample.
-                assert!((0..4).all(|j| before.std_error[j] > 0.4 * jet_priors()[j].sd), "{before:?}");
-                assert_eq!(told.update(sample).status.change, ChangeState::ReReached);
+                assert!((0..4).all(|j| before.std_error[j] > 0.4 * jet_priors()[j].std), "{before:?}");
+                assert_eq!(told.update(sample).status.change, ChangeState::Adopted);
             } else {
                 told.update(sample);
             }
@@ -617,7 +619,7 @@ fn a_change_that_is_found_is_nearly_as_good_as_one_that_is_told() {
             for (k, after_s) in [0.5, 2.0].into_iter().enumerate() {
                 if (sample.time_s - 20.0 - after_s).abs() < 1e-6 {
                     for (i, estimate) in [found.estimate(), told.estimate()].into_iter().enumerate() {
-                        let error = |j: usize| (estimate.parameters[j] - damaged(22.0)[j]) / jet_priors()[j].sd;
+                        let error = |j: usize| (estimate.parameters[j] - damaged(22.0)[j]) / jet_priors()[j].std;
                         errors[k][i] += (0..4).map(|j| error(j).powi(2)).sum::<f64>();
                     }
                 }
@@ -633,7 +635,7 @@ fn a_change_that_is_found_is_nearly_as_good_as_one_that_is_told() {
 fn what_has_no_change_prior_cannot_be_opened() {
     let mut settings = jet_settings();
     for prior in &mut settings.priors {
-        prior.change_sd = ChangePrior::None;
+        prior.change_std = ChangePrior::None;
     }
     let mut estimator = Jet::new(JET, settings).unwrap();
     run(&mut estimator, &jet_flight(1, 300));
@@ -647,7 +649,7 @@ fn without_detection_the_damage_is_missed() {
     // The other half of the power check: it is the detector that finds it.
     let flight = fly(&JET, &regular(3000, 0.01), [0.0; 2], damaged, |t| [elevator_busy(t)], JET_NOISE, &mut seeded(40));
     let mut settings = jet_settings();
-    settings.re_reaching = ReReaching::Off;
+    settings.change_detection = None;
     let mut estimator = Jet::new(JET, settings).unwrap();
     let last = *run(&mut estimator, &flight).last().unwrap();
     assert_eq!(last.status.detector, DetectorState::Off);
@@ -665,7 +667,7 @@ fn bounds_are_widened_while_a_change_is_in_doubt() {
         assert!(all[first].std_error[j] > 1.5 * all[first - 1].std_error[j], "parameter {j}");
         assert!(all[first].corrected_std_error[j] >= all[first].std_error[j], "parameter {j}");
     }
-    let after = all.iter().position(|e| e.status.change == ChangeState::ReReached).expect("an adoption");
+    let after = all.iter().position(|e| e.status.change == ChangeState::Adopted).expect("an adoption");
     assert_eq!(all[after + 1].status.change, ChangeState::Steady);
 }
 
@@ -790,8 +792,8 @@ fn a_wrong_model_is_called_a_wrong_model() {
 fn a_parameter_outside_its_bounds_is_said_to_be_at_its_limit() {
     let mut priors = jet_priors();
     priors[0] = ParameterPrior::bounded(-0.2, -0.3, -0.1);
-    let mut settings = SmpeSettings::automatic(&priors, JET_NOISE, 0.01).unwrap();
-    settings.re_reaching = ReReaching::Off;
+    let mut settings = EstimatorSettings::automatic(&priors, JET_NOISE, 0.01).unwrap();
+    settings.change_detection = None;
     let mut estimator = Jet::new(JET, settings).unwrap();
     let last = *run(&mut estimator, &jet_flight(9, 2000)).last().unwrap();
     assert_eq!(last.parameter_status[0], ParameterStatus::AtLimit, "{last:?}");
@@ -802,7 +804,7 @@ fn a_parameter_outside_its_bounds_is_said_to_be_at_its_limit() {
 fn a_fixed_parameter_stays_and_the_others_are_found() {
     let mut priors = jet_priors();
     priors[1] = ParameterPrior::fixed(JET_TRUTH[1]);
-    let mut estimator = Jet::new(JET, SmpeSettings::automatic(&priors, JET_NOISE, 0.01).unwrap()).unwrap();
+    let mut estimator = Jet::new(JET, EstimatorSettings::automatic(&priors, JET_NOISE, 0.01).unwrap()).unwrap();
     let last = *run(&mut estimator, &jet_flight(10, 1000)).last().unwrap();
     assert_eq!(last.parameters[1], JET_TRUTH[1]);
     assert_eq!(last.std_error[1], 0.0);
@@ -813,7 +815,7 @@ fn a_fixed_parameter_stays_and_the_others_are_found() {
 fn the_unused_capacity_changes_nothing() {
     // Seven columns: no multiple of a block of the inner loops in either capacity.
     fn estimator<const P: usize>() -> Smpe<ShortPeriod, 2, 3, P> {
-        let settings = SmpeSettings::automatic(&jet_priors(), JET_NOISE, 0.01).unwrap();
+        let settings = EstimatorSettings::automatic(&jet_priors(), JET_NOISE, 0.01).unwrap();
         Smpe::new(JET, settings.with_biases([0.005, 0.002, 0.2])).unwrap()
     }
     let (mut wide, mut narrow) = (estimator::<24>(), estimator::<7>());
@@ -828,33 +830,33 @@ fn the_unused_capacity_changes_nothing() {
 
 #[test]
 fn impossible_settings_are_refused_with_their_numbers() {
-    let automatic = |priors: &[ParameterPrior]| SmpeSettings::<2, 3, 4>::automatic(priors, JET_NOISE, 0.01);
+    let automatic = |priors: &[ParameterPrior]| EstimatorSettings::<2, 3, 4>::automatic(priors, JET_NOISE, 0.01);
     let five = [ParameterPrior::fixed(0.0); 5];
-    assert_eq!(automatic(&five).unwrap_err(), SmpeError::Capacity { needed: 5, capacity: 4 });
+    assert_eq!(automatic(&five).unwrap_err(), SettingsError::Capacity { needed: 5, capacity: 4 });
     let outside = ParameterPrior::bounded(3.0, -1.0, 1.0);
     let error = automatic(&[outside]).unwrap_err();
-    assert_eq!(error, SmpeError::Bounds { parameter: 0, lower: -1.0, initial: 3.0, upper: 1.0 });
+    assert_eq!(error, SettingsError::Bounds { parameter: 0, lower: -1.0, initial: 3.0, upper: 1.0 });
     assert!(error.to_string().contains("upper 1"), "{error}");
-    let nan = ParameterPrior { change_sd: ChangePrior::Fixed(f64::NAN), ..ParameterPrior::absolute(1.0, 1.0) };
-    assert_eq!(automatic(&[nan]).unwrap_err(), SmpeError::Prior { parameter: 0 });
+    let nan = ParameterPrior { change_std: ChangePrior::Fixed(f64::NAN), ..ParameterPrior::absolute(1.0, 1.0) };
+    assert_eq!(automatic(&[nan]).unwrap_err(), SettingsError::Prior { parameter: 0 });
     assert_eq!(
-        SmpeSettings::<2, 3, 4>::automatic(&jet_priors(), [0.0, f64::NAN, 0.0], 0.01).unwrap_err(),
-        SmpeError::NoOutput
+        EstimatorSettings::<2, 3, 4>::automatic(&jet_priors(), [0.0, f64::NAN, 0.0], 0.01).unwrap_err(),
+        SettingsError::NoOutput
     );
     let with_biases = automatic(&jet_priors()).unwrap().with_biases([0.1; 3]);
     let error = Smpe::<_, 2, 3, 4>::new(JET, with_biases).err().unwrap();
-    assert_eq!(error, SmpeError::Capacity { needed: 7, capacity: 4 });
+    assert_eq!(error, SettingsError::Capacity { needed: 7, capacity: 4 });
     let mut wrong = automatic(&jet_priors()).unwrap();
     wrong.input_hold = InputHold::Linear;
     wrong.colour_block_s = 0.0;
     let error = Smpe::<_, 2, 3, 4>::new(JET, wrong).err().unwrap();
-    assert_eq!(error, SmpeError::Setting { name: "colour_block_s", value: 0.0 });
+    assert_eq!(error, SettingsError::Setting { name: "colour_block_s", value: 0.0 });
     // Limits the wrong way round are no limits to hold a number between.
     let crossed = ChangeDetection { wander_limits: [0.7, 0.03], ..ChangeDetection::default() };
     let mut wrong = automatic(&jet_priors()).unwrap();
-    wrong.re_reaching = ReReaching::Safe(crossed);
+    wrong.change_detection = Some(crossed);
     let error = Smpe::<_, 2, 3, 4>::new(JET, wrong).err().unwrap();
-    assert!(matches!(error, SmpeError::Setting { name, .. } if name.starts_with("change_detection")), "{error}");
+    assert!(matches!(error, SettingsError::Setting { name, .. } if name.starts_with("change_detection")), "{error}");
 }
 
 /// The short period whose outputs have a pole: where the input says 9, every output sensitivity is out of all range.

@@ -3,7 +3,8 @@
 
 mod plants;
 
-use phugoid_estimators::smpe::{ParameterPrior, ReReaching, Smpe, SmpeSettings};
+use phugoid_estimators::settings::{EstimatorSettings, ParameterPrior};
+use phugoid_estimators::smpe::Smpe;
 use phugoid_estimators::verdict::{ParameterVerdict, Readiness, Reason, Verdict, VerdictMonitor};
 use phugoid_estimators::{Estimator, LinearizedOutputs, LinearizedRates, Model, Sample};
 use plants::{normal, seeded};
@@ -40,8 +41,8 @@ const NOISE: f64 = 0.005;
 /// Ten seconds at 100 Hz with the given inputs, and a last hook on the measured value.
 fn fly(input: impl Fn(f64) -> [f64; 3], sensor: impl Fn(f64, f64) -> f64) -> Verdict<1, 3> {
     let priors = [ParameterPrior::bounded(0.0, -1.0, 1.0); 3];
-    let mut settings = SmpeSettings::automatic(&priors, [NOISE], 0.01).unwrap();
-    settings.re_reaching = ReReaching::Off;
+    let mut settings = EstimatorSettings::automatic(&priors, [NOISE], 0.01).unwrap();
+    settings.change_detection = None;
     let mut smpe = Smpe::new(Integrator, settings).unwrap();
     let mut monitor = VerdictMonitor::new();
     let (mut rng, mut x) = (seeded(7), 0.0);

@@ -22,7 +22,7 @@ fn noise_is_white_gaussian_with_its_deviation_and_bias() {
     let specification = SensorSpecification { noise: 0.3, bias: 1.5, ..Default::default() };
     let x: Vec<f64> = record(specification, 1, 0, &times(n, 0.01), &vec![0.0; n]).iter().map(|v| v - 1.5).collect();
     let deviation = mean(&x.iter().map(|v| v * v).collect::<Vec<_>>()).sqrt();
-    // Four standard errors each: sd/sqrt(n), sd/sqrt(2n), 1/sqrt(n), sqrt(24/n).
+    // Four standard errors each: std/sqrt(n), std/sqrt(2n), 1/sqrt(n), sqrt(24/n).
     assert!(mean(&x).abs() < 4.0 * 0.3 / (n as f64).sqrt());
     assert!((deviation / 0.3 - 1.0).abs() < 4.0 / (2.0 * n as f64).sqrt());
     let lag_one = x.windows(2).map(|w| w[0] * w[1]).sum::<f64>() / (n as f64 * 0.09);

@@ -5,7 +5,8 @@
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use phugoid_estimators::discretization::InputHold;
-use phugoid_estimators::smpe::{ParameterPrior, Smpe, SmpeSettings};
+use phugoid_estimators::settings::{EstimatorSettings, ParameterPrior};
+use phugoid_estimators::smpe::Smpe;
 use phugoid_estimators::{Estimator, LinearizedOutputs, LinearizedRates, Model, Sample};
 use phugoid_flight_dynamics::f16::{F16, F16Options};
 use phugoid_identification::longitudinal::{Database, LongitudinalInput, LongitudinalModel, OUTPUTS, STATES};
@@ -52,7 +53,8 @@ fn update<const P: usize>(
     name: &str,
     (model, priors, input, x): (LongitudinalModel, Vec<ParameterPrior>, LongitudinalInput, [f64; STATES]),
 ) {
-    let mut settings: SmpeSettings<STATES, OUTPUTS, P> = SmpeSettings::automatic(&priors, NOISE, 0.01).unwrap();
+    let mut settings: EstimatorSettings<STATES, OUTPUTS, P> =
+        EstimatorSettings::automatic(&priors, NOISE, 0.01).unwrap();
     settings.input_hold = InputHold::Linear;
     let mut out = LinearizedOutputs::<STATES, OUTPUTS, P>::ZERO;
     let theta = std::array::from_fn(|j| priors.get(j).map_or(0.0, |p| p.initial));
@@ -67,8 +69,8 @@ fn update<const P: usize>(
             let wiggle = (0.7 * time_s).sin();
             let mut sample = Sample { time_s, input, outputs };
             sample.input.elevator += 1e-3 * wiggle;
-            for (y, sd) in sample.outputs.iter_mut().zip(NOISE) {
-                *y += sd * wiggle;
+            for (y, std) in sample.outputs.iter_mut().zip(NOISE) {
+                *y += std * wiggle;
             }
             smpe.update(&sample)
         });

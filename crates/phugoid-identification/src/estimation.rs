@@ -102,7 +102,7 @@ pub struct ParameterHistory {
 pub struct Event {
     /// When, s.
     pub time_s: f64,
-    /// One of `in_doubt`, `re_reached`, `doubt_dropped`, `insensitive`, `gap`, `restarted`.
+    /// One of `in_doubt`, `adopted`, `doubt_dropped`, `insensitive`, `gap`, `restarted`.
     pub kind: String,
     /// In words.
     pub message: String,
@@ -194,7 +194,7 @@ pub struct BatchReport {
     /// Negative logarithm of the likelihood there, without constants: for comparing models on the same record.
     pub cost: f64,
     /// One sigma of the noise by output, given or estimated; of equation error: of the equations. NaN where not measured.
-    pub noise_sd: Vec<f64>,
+    pub noise_std: Vec<f64>,
     /// What was estimated beside the parameters and biases: initial states, noise.
     pub unknowns: Vec<Unknown>,
     /// Fit by manoeuvre and output: this record first, then the others that were fitted with it.

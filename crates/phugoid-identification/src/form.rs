@@ -158,13 +158,14 @@ impl Derivatives {
             }
         }
         let parameters = &estimation.parameters;
-        let sd = |i: usize| parameters[i].corrected_std_error;
+        let std = |i: usize| parameters[i].corrected_std_error;
         let correlation = |i: usize, j: usize| match estimation.correlation.get(i).and_then(|row| row.get(j)) {
             _ if i == j => 1.0,
             Some(r) if r.is_finite() => *r,
             _ => 0.0,
         };
-        let covariance = at.iter().map(|&i| at.iter().map(|&j| correlation(i, j) * sd(i) * sd(j)).collect()).collect();
+        let covariance =
+            at.iter().map(|&i| at.iter().map(|&j| correlation(i, j) * std(i) * std(j)).collect()).collect();
         let values = at.iter().map(|&i| parameters[i].value).collect();
         (Self { form: Form::Model, names, values, covariance, increments: file.base != Base::None }, left)
     }

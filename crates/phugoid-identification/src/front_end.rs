@@ -19,7 +19,7 @@ use std::marker::PhantomData;
 
 use phugoid_estimators::Sample;
 use phugoid_estimators::regression::{SourceStep, StateSource};
-use phugoid_estimators::smpe::SmpeSettings;
+use phugoid_estimators::settings::EstimatorSettings;
 
 use crate::motion::Motion;
 use crate::output::{CHANNELS, Output};
@@ -49,10 +49,10 @@ pub struct KinematicFrontEnd<M, const N: usize, const R: usize> {
 
 impl<M: Motion<N, R>, const N: usize, const R: usize> KinematicFrontEnd<M, N, R> {
     /// For the noise and process noise of `settings`; `gravity` in m/s^2.
-    pub fn new<const P: usize>(gravity: f64, settings: &SmpeSettings<N, R, P>) -> Self {
+    pub fn new<const P: usize>(gravity: f64, settings: &EstimatorSettings<N, R, P>) -> Self {
         let rows = Output::ALL.map(|output| M::AXES.row(output).filter(|row| *row < R));
-        let noise = rows.map(|row| match row.and_then(|row| settings.noise_sd.get(row)) {
-            Some(sd) if sd.is_finite() && *sd > 0.0 => *sd,
+        let noise = rows.map(|row| match row.and_then(|row| settings.noise_std.get(row)) {
+            Some(std) if std.is_finite() && *std > 0.0 => *std,
             _ => f64::INFINITY,
         });
         let scale = settings.process_noise.initial_scale;
@@ -81,7 +81,7 @@ impl<M: Motion<N, R>, const N: usize, const R: usize> KinematicFrontEnd<M, N, R>
 
     fn set_corners(&mut self, speed: f64) {
         let noise = |channel: Output| self.noise[channel.index()];
-        let square = |sd: f64| sd * sd;
+        let square = |std: f64| std * std;
         let per_speed = 1.0 / speed.max(1.0);
         // A rate that is known from elsewhere (an input) has no noise here; one that is not known at all has no end of it.
         let force = |channel: Output| match self.rows[channel.index()] {

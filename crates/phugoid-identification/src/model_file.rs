@@ -206,7 +206,7 @@ pub struct ProcessNoise {
 
 /// The estimator's own settings where they differ from the automatic rule (`docs/tuning.md`).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct EstimatorSettings {
+pub struct EstimatorTuning {
     /// Which estimator, where the command line does not say.
     pub method: Method,
     /// `kappa`: up to this normalised surface value a row slides; none for the rule, 3.
@@ -224,7 +224,7 @@ pub struct EstimatorSettings {
     pub start_window_s: Option<f64>,
 }
 
-impl Default for EstimatorSettings {
+impl Default for EstimatorTuning {
     fn default() -> Self {
         Self {
             method: Method::default(),
@@ -277,11 +277,13 @@ pub struct ModelFile {
     /// Process noise.
     pub process_noise: ProcessNoise,
     /// Settings of the estimator beside the automatic rule.
-    pub estimator: EstimatorSettings,
+    pub estimator: EstimatorTuning,
     /// How the input runs between samples.
     pub input: InputHold,
     /// True if a change of the parameters in flight is looked for.
-    pub re_reaching: bool,
+    pub change_detection: bool,
+    /// What the reader of the file should know: former spellings that were read as today's. Sentences without a full stop.
+    pub notes: Vec<String>,
     /// The table `[expected]`, if there is one.
     pub expected: Option<Vec<Expectation>>,
 }

@@ -3,7 +3,7 @@
 use phugoid_estimators::health::{
     self, Expected, Failure, Health, HealthMonitor, MonitorError, MonitorSettings, Watched,
 };
-use phugoid_estimators::smpe::SmpeSettings;
+use phugoid_estimators::settings::EstimatorSettings;
 use phugoid_estimators::{Estimate, Inspect, Sample};
 use phugoid_flight_data::record::Record;
 
@@ -65,7 +65,7 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> Mo
     pub(crate) fn new(
         model: &M,
         file: &ModelFile,
-        settings: &SmpeSettings<N, R, P>,
+        settings: &EstimatorSettings<N, R, P>,
         options: &HealthOptions,
     ) -> Result<Self, EstimateError> {
         let names: Vec<&str> =
@@ -78,14 +78,15 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> Mo
                 return Err(EstimateError::Model(message));
             };
             let prior = &settings.priors[column];
-            let automatic = prior.change_sd.sd(prior.initial, expectation.value);
+            let automatic = prior.change_std.std(prior.initial, expectation.value);
             // A parameter that never changes suddenly, or starts at zero: several tolerances are a failure.
-            let failure_sd = expectation.failure_std.unwrap_or(if automatic > 0.0 {
+            let failure_std = expectation.failure_std.unwrap_or(if automatic > 0.0 {
                 automatic
             } else {
                 4.0 * expectation.tolerance
             });
-            entries[column] = Some(Expected { value: expectation.value, tolerance: expectation.tolerance, failure_sd });
+            entries[column] =
+                Some(Expected { value: expectation.value, tolerance: expectation.tolerance, failure_std });
             columns.push(column);
         }
         let monitoring =

@@ -151,7 +151,7 @@ fn reasons<const R: usize>(run: &Run<R>, file: &ModelFile) -> Vec<String> {
 }
 
 fn adopted(events: &[Event]) -> usize {
-    events.iter().filter(|e| e.kind == "re_reached").count()
+    events.iter().filter(|e| e.kind == "adopted").count()
 }
 
 /// The runs on one record that are compared.
@@ -168,9 +168,9 @@ impl<'a, M: EveryRoom<N, R>, const N: usize, const R: usize> Trials<'a, M, N, R>
         Self { record, task, options: EstimateOptions { method: Some(method), ..task.options.clone() } }
     }
 
-    fn run(&self, file: &ModelFile, re_reaching: bool) -> Result<Run<R>, EstimateError> {
+    fn run(&self, file: &ModelFile, change_detection: bool) -> Result<Run<R>, EstimateError> {
         let prepared = prepare::<M, N, R>(self.record, file)?;
-        let options = EstimateOptions { re_reaching: Some(re_reaching), ..self.options.clone() };
+        let options = EstimateOptions { change_detection: Some(change_detection), ..self.options.clone() };
         let task = Task { prepared: &prepared, file, options: &options, noise: self.task.noise, health: None };
         run(&task, &mut |_| ())
     }

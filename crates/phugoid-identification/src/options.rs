@@ -37,7 +37,7 @@ pub struct EstimateOptions {
     /// Estimator; none: as the model file says.
     pub method: Option<Method>,
     /// Look for sudden changes of the parameters; none: as the model file says.
-    pub re_reaching: Option<bool>,
+    pub change_detection: Option<bool>,
     /// Time from which times of convergence count, s, where the record is a part of one that began earlier; none: its own
     /// first sample.
     pub start_s: Option<f64>,

@@ -89,7 +89,7 @@ pub fn prepare<M: Motion<N, R>, const N: usize, const R: usize>(
     if let Some((first, rest)) = lacking.split_first() {
         return Err(missing(record, first, rest));
     }
-    let mut notes = Vec::new();
+    let mut notes = file.notes.clone();
     let database = database(file)?;
     let (inputs, trim) = known(record, file, &database)?;
     let mut known = Vec::with_capacity(inputs.len());

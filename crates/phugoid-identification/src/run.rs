@@ -11,7 +11,7 @@ mod settings;
 mod stepper;
 mod watch;
 
-use phugoid_estimators::smpe::{DetectorReport, Innovations};
+use phugoid_estimators::{DetectorReport, Innovations};
 use phugoid_estimators::{ParameterStatus, Phase, Status};
 
 use crate::axes::Axes;

@@ -123,7 +123,7 @@ pub struct Snapshot {
     pub time_s: f64,
     /// `starting`, `sliding`, `reaching`, `rejected`, `predicting`, `diverged`.
     pub phase: Cow<'static, str>,
-    /// `steady`, `in_doubt` (bounds are widened), `re_reached` (the change was adopted at this sample).
+    /// `steady`, `in_doubt` (bounds are widened), `adopted` (the change was adopted at this sample).
     pub change: Cow<'static, str>,
     /// Whether anything has moved yet; before, the parameters are what was known beforehand.
     pub moved: bool,

@@ -49,9 +49,9 @@ pub(crate) fn summarise<M: Motion<N, R>, const N: usize, const R: usize>(
         parameters.iter_mut().for_each(|p| p.converged_at_s = None);
     }
     // Residuals of equations are no noise of sensors.
-    let found = run.batch.as_ref().filter(|_| task.method() != Method::EquationError).map(|b| &b.noise_sd);
-    let sd = |row: usize| found.and_then(|sd| sd.get(row)).copied().unwrap_or(noise[row].std);
-    let noise_signals = measured(file).map(|(row, o)| signal(o.name(), o.unit(), vec![sd(row)])).collect();
+    let found = run.batch.as_ref().filter(|_| task.method() != Method::EquationError).map(|b| &b.noise_std);
+    let std = |row: usize| found.and_then(|std| std.get(row)).copied().unwrap_or(noise[row].std);
+    let noise_signals = measured(file).map(|(row, o)| signal(o.name(), o.unit(), vec![std(row)])).collect();
     let effective = effective(&mut parameters, &correlation, file);
     let mut verdict = verdict(task, &parameters, &correlation, run, doubts, &history);
     if run.excited {

@@ -192,7 +192,7 @@ fn changes<const R: usize>(
     sentences: &mut Vec<String>,
 ) {
     let times: Vec<String> =
-        run.events.iter().filter(|e| e.kind == "re_reached").map(|e| format!("{:.2} s", e.time_s)).collect();
+        run.events.iter().filter(|e| e.kind == "adopted").map(|e| format!("{:.2} s", e.time_s)).collect();
     if !times.is_empty() {
         let (times, doubt) =
             (times.join(", "), if contradicted { ", or what contradicts the model looks like it" } else { "" });

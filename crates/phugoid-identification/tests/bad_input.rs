@@ -42,8 +42,8 @@ fn a_sound_flight_gives_the_truth_within_its_bounds() {
     assert!(estimation.events.is_empty(), "{:?}", estimation.events);
     assert!(said(&estimation, &["Noise levels measured from the record"]));
     assert!(!said(&estimation, &["Check the units"]), "{:?}", estimation.verdict);
-    for (signal, sd) in estimation.noise.iter().zip(common::f16::NOISE) {
-        let ratio = signal.values[0] / sd;
+    for (signal, std) in estimation.noise.iter().zip(common::f16::NOISE) {
+        let ratio = signal.values[0] / std;
         assert!((0.6..1.6).contains(&ratio), "{}: measured noise is {ratio:.2} of the true one", signal.name);
     }
     let n = estimation.history.time_s.len();
@@ -198,7 +198,7 @@ fn a_gap_is_an_event_and_not_a_catastrophe() {
     assert_good(&estimation);
     let gap = estimation.events.iter().find(|e| e.kind == "gap").unwrap();
     assert!((gap.time_s - 9.0).abs() < 1e-9 && gap.message.contains("3.0"), "{gap:?}");
-    assert!(!estimation.events.iter().any(|e| e.kind == "re_reached"));
+    assert!(!estimation.events.iter().any(|e| e.kind == "adopted"));
 }
 
 #[test]

@@ -159,7 +159,7 @@ fn damping_rescues_a_bad_start() {
 fn estimated_noise_is_the_noise_there_is() {
     let data = fly(2000, 0.5, white(4));
     let found = fit(&[manoeuvre("noise", &data)], &structure(STABLE.map(|v| 0.8 * v), |_| Noise::Estimated)).unwrap();
-    for (estimated, truth) in found.noise_sd.iter().zip(SD) {
+    for (estimated, truth) in found.noise_std.iter().zip(SD) {
         // Four standard errors, 1/sqrt(2 n) each.
         assert!((estimated / truth - 1.0).abs() < 4.0 / (2.0 * 2000.0_f64).sqrt(), "{estimated} {truth}");
     }

@@ -120,7 +120,7 @@ fn filter_error_holds_on_to_the_measurements() {
     );
     let fit = fit.unwrap();
     print(&fit);
-    println!("noise {:?}, process noise {:?}", fit.noise_sd, fit.process_noise);
+    println!("noise {:?}, process noise {:?}", fit.noise_std, fit.process_noise);
     for index in 0..3 {
         within(&fit, index, 0.5e-4 / TRUTH[index].abs());
         within(&fit, 3 + index, 0.01);

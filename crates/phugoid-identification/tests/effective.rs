@@ -69,11 +69,11 @@ fn fly(seconds: f64, seed: u64, elevator: impl Fn(f64) -> f64) -> Estimation {
             &mut transition,
         );
     }
-    let options = EstimateOptions { re_reaching: Some(false), ..EstimateOptions::default() };
+    let options = EstimateOptions { change_detection: Some(false), ..EstimateOptions::default() };
     estimate(&record, &model(), &options, &mut |_| {}).unwrap_or_else(|e| panic!("{e}"))
 }
 
-fn sd(estimation: &Estimation, name: &str) -> f64 {
+fn std(estimation: &Estimation, name: &str) -> f64 {
     let found = estimation.parameters.iter().find(|p| p.name == name);
     found.unwrap_or_else(|| panic!("no {name}")).corrected_std_error
 }
@@ -84,11 +84,11 @@ fn one_manoeuvre_tells_the_sum_and_says_so() {
     for seed in 0..6 {
         let estimation = fly(10.0, seed, |t| three_two_one_one(t, 0.026));
         let [effective] = estimation.effective.as_slice() else { panic!("{:?}", estimation.effective) };
-        println!("{effective:?}, {} {}", sd(&estimation, "dCm_q"), sd(&estimation, "dCm_alpha_dot"));
+        println!("{effective:?}, {} {}", std(&estimation, "dCm_q"), std(&estimation, "dCm_alpha_dot"));
         assert_eq!(effective.name, "dCm_q + dCm_alpha_dot");
         assert!(!effective.separable, "{effective:?}");
         // The sum is known several times better than either part.
-        assert!(effective.std_error < 0.33 * sd(&estimation, "dCm_alpha_dot"), "{effective:?}");
+        assert!(effective.std_error < 0.33 * std(&estimation, "dCm_alpha_dot"), "{effective:?}");
         let told = estimation.verdict.iter().any(|s| s.contains("cannot be told apart") && s.contains("effective"));
         assert!(told, "{:?}", estimation.verdict);
         worst = worst.max((effective.value - sum).abs() / effective.std_error);

@@ -18,9 +18,8 @@
 mod common;
 
 use phugoid_estimators::discretization::InputHold;
-use phugoid_estimators::smpe::{
-    NoiseAdaptation, ParameterPrior, ProcessNoise, ReReaching, ReachingState, Smpe, SmpeSettings,
-};
+use phugoid_estimators::settings::{EstimatorSettings, NoiseAdaptation, ParameterPrior, ProcessNoise, ReachingState};
+use phugoid_estimators::smpe::Smpe;
 use phugoid_estimators::{Estimate, Estimator, LinearizedOutputs, LinearizedRates, Model, Sample};
 use phugoid_flight_dynamics::atmosphere::Atmosphere;
 use phugoid_flight_dynamics::f16::{F16, F16Options};
@@ -99,7 +98,7 @@ struct Trace {
     /// Parameters in our order, with the half width of their ranges.
     parameters: Vec<(String, f64)>,
     model: LongitudinalModel,
-    settings: SmpeSettings<STATES, OUTPUTS, P>,
+    settings: EstimatorSettings<STATES, OUTPUTS, P>,
     samples: Vec<Sample<LongitudinalInput, OUTPUTS>>,
 }
 
@@ -141,12 +140,12 @@ fn trace(index: usize) -> Option<Trace> {
         .collect();
     let priors: Vec<_> = parameters.iter().map(|(_, range)| ParameterPrior::bounded(0.0, -range, *range)).collect();
     let noise = si(&numbers(&settings["sigma_V_alpha_theta_q_ax_az"]));
-    let mut smpe = SmpeSettings::automatic(&priors, noise, 0.01).unwrap();
-    smpe = smpe.with_biases(si(&numbers(&settings["bias_prior_sd"])));
+    let mut smpe = EstimatorSettings::automatic(&priors, noise, 0.01).unwrap();
+    smpe = smpe.with_biases(si(&numbers(&settings["bias_prior_std"])));
     smpe.rejection_limit = number("kappa2");
     smpe.reaching_limit = number("kappa");
     smpe.reaching_state = ReachingState::Prototype;
-    smpe.re_reaching = ReReaching::Off;
+    smpe.change_detection = None;
     smpe.correct_first_sample = false;
     smpe.start_window_s = 0.0;
     smpe.start_trial_s = 0.0;

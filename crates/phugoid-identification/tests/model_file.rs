@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // tests and benches may
 
 use phugoid_identification::method::Method;
-use phugoid_identification::model_file::{Base, EstimatorSettings, ModelFile, ReferenceValue, Role, Source, Thrust};
+use phugoid_identification::model_file::{Base, EstimatorTuning, ModelFile, ReferenceValue, Role, Source, Thrust};
 use phugoid_identification::output::Output;
 use proptest::prelude::*;
 
@@ -115,7 +115,7 @@ axes = ["longitudinal"]
 rate_speed = "actual"
 inputs = ["flap"]
 outputs = ["true_airspeed", "alpha", "theta", "q", "az"]
-re_reaching = false
+change_detection = false
 
 [aircraft]
 mass = { channel = "mass" }
@@ -203,9 +203,9 @@ az = "0.02 g"
     assert_eq!(model.channels["alpha"].header, "AOA vane");
     assert_eq!(model.reference.alpha, ReferenceValue::FirstSample);
     assert!((model.process_noise.density[0] - 10.0 * 0.3048 * 0.3048).abs() < 1e-12);
-    assert!(model.process_noise.adaptive && !model.re_reaching);
+    assert!(model.process_noise.adaptive && !model.change_detection);
     assert!((model.aircraft.gravity - 9.80665).abs() < 1e-12);
-    let own = EstimatorSettings {
+    let own = EstimatorTuning {
         method: Method::Smpe,
         reaching_limit: Some(4.0),
         rejection_scale: 1.5,
@@ -215,7 +215,7 @@ az = "0.02 g"
         start_window_s: Some(0.1),
     };
     assert_eq!(model.estimator, own);
-    assert_eq!(ModelFile::parse("f16", F16).unwrap().estimator, EstimatorSettings::default());
+    assert_eq!(ModelFile::parse("f16", F16).unwrap().estimator, EstimatorTuning::default());
 }
 
 #[test]
@@ -267,4 +267,16 @@ fn the_documented_examples_are_true() {
         let text = whole.replace("\"0.75 m\"", &format!("\"0.75 {unit}\""));
         assert!(ModelFile::parse("glider.toml", &text).is_ok(), "{unit}");
     }
+}
+
+#[test]
+fn the_former_name_of_change_detection_is_read_with_a_note() {
+    let text = ModelFile::BUILT_IN[3].1;
+    let now = ModelFile::parse("hfb320.toml", &format!("change_detection = false\n{text}")).unwrap();
+    assert!(!now.change_detection && now.notes.is_empty());
+    let former = ModelFile::parse("hfb320.toml", &format!("re_reaching = false\n{text}")).unwrap();
+    assert!(!former.change_detection);
+    assert!(former.notes[0].contains("`change_detection`"), "{:?}", former.notes);
+    let both = format!("re_reaching = false\nchange_detection = true\n{text}");
+    assert!(ModelFile::parse("hfb320.toml", &both).unwrap_err().to_string().contains("former name"));
 }

@@ -44,7 +44,7 @@ fn fixed_parameters_stay_and_the_others_allow_for_them() {
     let model = ModelFile::parse("fixed", &text).unwrap();
     let options = EstimateOptions {
         truth: [("dCm_elevator".to_owned(), 0.15)].into(),
-        re_reaching: Some(false),
+        change_detection: Some(false),
         ..EstimateOptions::default()
     };
     let mut fractions = Vec::new();

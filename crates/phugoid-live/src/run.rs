@@ -201,7 +201,7 @@ impl Live<'_> {
             model_name: self.model.source.clone(),
             model_text: self.model_text.to_owned(),
             method: self.options.method.map(|method| method.name().to_owned()),
-            change_detection: self.options.re_reaching,
+            change_detection: self.options.change_detection,
             reorder_ns: self.receiver.mavlink.reorder_ns,
             system: self.receiver.mavlink.system,
             base: self.receiver.mavlink.base.clone(),

@@ -44,7 +44,7 @@ pub struct AccuracyStudy {
     /// Accuracy at each time asked for.
     pub checkpoints: Vec<Checkpoint>,
     /// Runs in which a sudden change was believed to have happened.
-    pub runs_with_re_reaching: usize,
+    pub runs_with_changes: usize,
 }
 
 /// Why a study could not be made.
@@ -92,8 +92,8 @@ pub fn accuracy(
         |run| {
             let measured = sense(&flight.truth, scenario, scenario.seed.wrapping_add(run as u64))?;
             let estimation = estimate(&measured, model, &options, &mut |_| {})?;
-            let re_reached = estimation.events.iter().any(|e| e.kind == "re_reached");
-            Ok::<_, StudyError>((outcomes(&estimation, at), re_reached))
+            let adopted = estimation.events.iter().any(|e| e.kind == "adopted");
+            Ok::<_, StudyError>((outcomes(&estimation, at), adopted))
         },
         done,
     )?;
@@ -123,7 +123,7 @@ pub fn accuracy(
         method: options.method.unwrap_or(model.estimator.method).to_string(),
         runs,
         checkpoints,
-        runs_with_re_reaching: results.iter().filter(|(_, re_reached)| *re_reached).count(),
+        runs_with_changes: results.iter().filter(|(_, adopted)| *adopted).count(),
     })
 }
 
@@ -194,7 +194,7 @@ where
     for parameter in model.estimated() {
         if let Role::Bias(output) = parameter.role {
             if let Some(row) = M::AXES.row(output) {
-                knowledge.bias_sd[row] = parameter.prior_std;
+                knowledge.bias_std[row] = parameter.prior_std;
             }
             continue;
         }
@@ -208,7 +208,7 @@ where
         };
         *slot = truth;
         if parameter.is_nuisance() {
-            knowledge.prior_sd[terms] = parameter.prior_std;
+            knowledge.prior_std[terms] = parameter.prior_std;
         }
         terms += 1;
     }

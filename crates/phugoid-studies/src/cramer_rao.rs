@@ -26,14 +26,14 @@ pub struct Bound {
 pub struct Knowledge<const R: usize, const P: usize> {
     /// One sigma of an unknown constant bias of each output, output units: zero for an output without a bias, infinite for a
     /// bias of which nothing is known.
-    pub bias_sd: [f64; R],
+    pub bias_std: [f64; R],
     /// One sigma of what is known of each parameter beforehand; infinite for nothing.
-    pub prior_sd: [f64; P],
+    pub prior_std: [f64; P],
 }
 
 impl<const R: usize, const P: usize> Knowledge<R, P> {
     /// No biases, and nothing known.
-    pub const NONE: Self = Self { bias_sd: [0.0; R], prior_sd: [f64::INFINITY; P] };
+    pub const NONE: Self = Self { bias_std: [0.0; R], prior_std: [f64::INFINITY; P] };
 }
 
 /// Why the bound could not be computed.
@@ -139,12 +139,12 @@ where
         return Err(CramerRaoError::BadInput { what: "sample times must increase" });
     }
     let p = model.parameter_count().min(P);
-    let biased: Vec<usize> = (0..R).filter(|i| knowledge.bias_sd[*i] > 0.0).collect();
+    let biased: Vec<usize> = (0..R).filter(|i| knowledge.bias_std[*i] > 0.0).collect();
     let unknowns = N + p + biased.len();
     let mut information = DMatrix::<f64>::zeros(unknowns, unknowns);
-    let priors = knowledge.prior_sd[..p].iter().chain(biased.iter().map(|i| &knowledge.bias_sd[*i]));
-    for (j, sd) in priors.enumerate() {
-        information[(N + j, N + j)] += 1.0 / (sd * sd);
+    let priors = knowledge.prior_std[..p].iter().chain(biased.iter().map(|i| &knowledge.bias_std[*i]));
+    for (j, std) in priors.enumerate() {
+        information[(N + j, N + j)] += 1.0 / (std * std);
     }
     let mut state = Sensitive {
         x: experiment.initial_state,
@@ -327,7 +327,7 @@ mod tests {
             sigma: [0.2],
         };
         let alone = cramer_rao(&Integrator, &experiment, &[4.9]).unwrap()[0].std_error[0];
-        let knowledge = Knowledge { bias_sd: [0.5], prior_sd: [alone, f64::INFINITY] };
+        let knowledge = Knowledge { bias_std: [0.5], prior_std: [alone, f64::INFINITY] };
         let bound = cramer_rao_knowing(&Integrator, &experiment, &knowledge, &[4.9]).unwrap().remove(0);
         assert!((bound.std_error[0] / alone - 0.5_f64.sqrt()).abs() < 1e-9, "{:?}", bound.std_error);
         assert!((bound.std_error[1] - 0.5).abs() < 1e-9 && bound.correlation[0][1].abs() < 1e-9);

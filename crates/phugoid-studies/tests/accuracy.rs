@@ -50,7 +50,7 @@ fn assert_reaches_the_bound(study: &AccuracyStudy) {
             assert!((0.95..1.25).contains(&(p.claimed / p.cramer_rao)), "{place}: claimed {}", p.claimed);
         }
     }
-    assert_eq!(study.runs_with_re_reaching, 0);
+    assert_eq!(study.runs_with_changes, 0);
 }
 
 /// The thesis needed 0.25 to 20 s for one coefficient at a time with inputs of this size.
@@ -99,7 +99,7 @@ fn bounds_hold_with_everything_that_disturbs() {
         |run| {
             let measured = sense(&flight.truth, &scenario, run as u64).unwrap();
             let estimation = estimate(&measured, &model, &EstimateOptions::default(), &mut |_| {}).unwrap();
-            assert!(estimation.events.iter().all(|e| e.kind != "re_reached"), "run {run}: {:?}", estimation.events);
+            assert!(estimation.events.iter().all(|e| e.kind != "adopted"), "run {run}: {:?}", estimation.events);
             Ok::<_, ()>(estimation.parameters)
         },
         || (),

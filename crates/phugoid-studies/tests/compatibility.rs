@@ -102,8 +102,8 @@ fn biases_of_all_sensors_come_back_within_their_bounds() {
     let vane = &flight.measured.channel("alpha").unwrap().values;
     let rms = |a: &[f64]| (a.iter().zip(truth).map(|(x, t)| (x - t).powi(2)).sum::<f64>() / truth.len() as f64).sqrt();
     assert!(rms(&alpha.values) < 0.5 * rms(vane), "{} {}", rms(&alpha.values), rms(vane));
-    for ((value, sd), truth) in alpha.values.iter().zip(&alpha.std_error).zip(truth) {
-        assert!((value - truth).abs() < 4.0 * sd && *sd > 0.0, "{value} +- {sd}, truth {truth}");
+    for ((value, std), truth) in alpha.values.iter().zip(&alpha.std_error).zip(truth) {
+        assert!((value - truth).abs() < 4.0 * std && *std > 0.0, "{value} +- {std}, truth {truth}");
     }
 }
 
@@ -199,10 +199,10 @@ fn angle_of_attack_without_a_vane() {
     let alpha = result.channel("alpha").unwrap();
     let truth = &flight.truth.channel("alpha").unwrap().values;
     let worst = alpha.std_error.iter().fold(0.0_f64, |m, s| m.max(*s));
-    println!("without a vane: sd {:.3} deg", worst.to_degrees());
+    println!("without a vane: std {:.3} deg", worst.to_degrees());
     assert!(worst < 2_f64.to_radians());
-    for ((value, sd), truth) in alpha.values.iter().zip(&alpha.std_error).zip(truth) {
-        assert!((value - truth).abs() < 4.0 * sd, "{value} +- {sd}, truth {truth}");
+    for ((value, std), truth) in alpha.values.iter().zip(&alpha.std_error).zip(truth) {
+        assert!((value - truth).abs() < 4.0 * std, "{value} +- {std}, truth {truth}");
     }
 }
 

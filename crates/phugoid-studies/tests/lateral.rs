@@ -27,7 +27,7 @@ fn study(name: &str, model: &ModelFile, runs: usize, at: &[f64]) -> AccuracyStud
             );
         }
     }
-    println!("re-reaching in {} of {} runs", study.runs_with_re_reaching, study.runs);
+    println!("changes adopted in {} of {} runs", study.runs_with_changes, study.runs);
     study
 }
 

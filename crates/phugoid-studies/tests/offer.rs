@@ -34,15 +34,15 @@ const DAMAGE: &str = "[[damage]]\nat = \"30 s\"\nincrements = { dCm_alpha = -0.2
                       dCD_alpha = 0.1, dCm_elevator = 0.15 }\n";
 
 fn adopted(estimation: &Estimation) -> usize {
-    estimation.events.iter().filter(|e| e.kind == "re_reached").count()
+    estimation.events.iter().filter(|e| e.kind == "adopted").count()
 }
 
 /// What was offered, in a line: of a test that fails.
 fn in_words(offer: &Offer) -> String {
     let term = |t: &OfferedTerm| {
-        let (name, gain, with, value, sd) = (&t.parameter, t.gain, t.gain_with_changes, t.value, t.std_error);
+        let (name, gain, with, value, std) = (&t.parameter, t.gain, t.gain_with_changes, t.value, t.std_error);
         format!(
-            "\n  {name} gain {gain:.1} {with:.1?} = {value:.4} +- {sd:.4}, left {:?}, {}",
+            "\n  {name} gain {gain:.1} {with:.1?} = {value:.4} +- {std:.4}, left {:?}, {}",
             t.adopted_changes, t.asked_for
         )
     };

@@ -6,7 +6,7 @@
 use phugoid_estimators::discretization::{InputHold, IntervalInput, simulate};
 use phugoid_estimators::ekf::{EkfSettings, JointEkf};
 use phugoid_estimators::plants::{FirstOrder, SecondOrderNonlinear};
-use phugoid_estimators::smpe::{ParameterPrior, ReReaching, SmpeSettings};
+use phugoid_estimators::settings::{EstimatorSettings, ParameterPrior};
 use phugoid_estimators::{Estimator, LinearizedOutputs, Model, Sample};
 use phugoid_identification::axes::Axes;
 use phugoid_identification::longitudinal::{LongitudinalModel, OUTPUTS, STATES};
@@ -32,7 +32,7 @@ where
     M: Model<N, R, P>,
 {
     model: M,
-    settings: SmpeSettings<N, R, P>,
+    settings: EstimatorSettings<N, R, P>,
     z: Vec<f64>,
     p: Vec<Vec<f64>>,
     before: Sample<M::Input, R>,
@@ -56,17 +56,17 @@ where
     M: Model<N, R, P>,
 {
     /// Starts from the first sample, as the extended filter does with a start window of length zero.
-    fn new(model: M, settings: SmpeSettings<N, R, P>, first: &Sample<M::Input, R>) -> Self {
+    fn new(model: M, settings: EstimatorSettings<N, R, P>, first: &Sample<M::Input, R>) -> Self {
         let n = N + model.parameter_count();
         let (mut z, mut p) = (vec![0.0; n], vec![vec![0.0; n]; n]);
         for k in 0..N {
             let output = model.measuring_output(k).unwrap();
             z[k] = first.outputs[output];
-            p[k][k] = settings.noise_sd[output].powi(2);
+            p[k][k] = settings.noise_std[output].powi(2);
         }
         for j in 0..model.parameter_count() {
             z[N + j] = settings.priors[j].initial;
-            p[N + j][N + j] = settings.priors[j].sd.powi(2);
+            p[N + j][N + j] = settings.priors[j].std.powi(2);
         }
         Self { model, settings, z, p, before: *first }
     }
@@ -136,7 +136,7 @@ where
             .collect();
         // Conditioning on one output after the other is conditioning on all.
         for i in 0..R {
-            let sigma = self.settings.noise_sd[i];
+            let sigma = self.settings.noise_std[i];
             if !(sample.outputs[i].is_finite() && sigma.is_finite() && sigma > 0.0) {
                 continue;
             }
@@ -171,10 +171,10 @@ struct Score {
 }
 
 impl Score {
-    fn add(&mut self, value: f64, sd: f64, truth: f64) {
+    fn add(&mut self, value: f64, std: f64, truth: f64) {
         let error = value - truth;
         self.squares += if error.is_finite() { (error / truth).powi(2) } else { 1e6 };
-        self.inside += f64::from(error.abs() < 2.0 * sd);
+        self.inside += f64::from(error.abs() < 2.0 * std);
         self.count += 1.0;
     }
 
@@ -191,7 +191,7 @@ impl Score {
 fn contest<M, const N: usize, const R: usize, const P: usize>(
     what: &str,
     model: &M,
-    settings: SmpeSettings<N, R, P>,
+    settings: EstimatorSettings<N, R, P>,
     truth: &[f64],
     at_s: &[f64],
     flight: impl Fn(u64) -> Vec<Sample<M::Input, R>>,
@@ -203,7 +203,7 @@ where
     plain.start_window_s = 0.0;
     plain.correct_first_sample = false;
     plain.clip_factor = f64::INFINITY;
-    plain.re_reaching = ReReaching::Off;
+    plain.change_detection = None;
     let open = EkfSettings { gate: f64::INFINITY, ..EkfSettings::new(plain) };
     let mut scores: Vec<[Score; 2]> = at_s.iter().map(|_| Default::default()).collect();
     let mut seconds = [0.0; 2];
@@ -248,7 +248,7 @@ where
 fn fly_plant<M, const N: usize, const R: usize, const P: usize>(
     model: &M,
     truth: [f64; P],
-    noise_sd: [f64; R],
+    noise_std: [f64; R],
     seed: u64,
 ) -> Vec<Sample<[f64; 1], R>>
 where
@@ -266,7 +266,7 @@ where
             }
             let outputs = std::array::from_fn(|i| {
                 let noise: f64 = StandardNormal.sample(&mut rng);
-                if i < N { x[i] + noise_sd[i] * noise } else { f64::NAN }
+                if i < N { x[i] + noise_std[i] * noise } else { f64::NAN }
             });
             Sample { time_s: t, input: input(t), outputs }
         })
@@ -303,7 +303,7 @@ fn on_an_aircraft_an_unscented_filter_gains_little_and_only_early() {
                 ParameterPrior::bounded(0.0, factor * low, factor * high)
             })
             .collect();
-        let mut settings = SmpeSettings::<STATES, OUTPUTS, 4>::automatic(&priors, noise, 0.01).unwrap();
+        let mut settings = EstimatorSettings::<STATES, OUTPUTS, 4>::automatic(&priors, noise, 0.01).unwrap();
         settings.input_hold = InputHold::Linear;
         let scores = contest(what, &prepared.model, settings, &truth, &[1.5, 2.5, 4.7, 20.0], samples);
         for [ekf, ukf] in &scores[2..] {
@@ -318,14 +318,17 @@ fn on_an_aircraft_an_unscented_filter_gains_little_and_only_early() {
 fn an_unscented_filter_with_wide_priors() {
     for (what, noise) in [("coarse", 0.1), ("fine", 0.001)] {
         let wide = ParameterPrior::absolute(20.0, 20.0);
-        let lag = SmpeSettings::<1, 2, 1>::automatic(&[wide], [noise, 0.0], 0.01).unwrap();
+        let lag = EstimatorSettings::<1, 2, 1>::automatic(&[wide], [noise, 0.0], 0.01).unwrap();
         let of_lag =
             contest(&format!("x' = -a x + u, wide, {what}"), &FirstOrder, lag, &[3.0], &[0.2, 0.5, 1.0, 4.9], |seed| {
                 fly_plant(&FirstOrder, [3.0], [noise, 0.0], seed)
             });
-        let spring =
-            SmpeSettings::<2, 3, 2>::automatic(&[wide, ParameterPrior::absolute(5.0, 5.0)], [noise, noise, 0.0], 0.01)
-                .unwrap();
+        let spring = EstimatorSettings::<2, 3, 2>::automatic(
+            &[wide, ParameterPrior::absolute(5.0, 5.0)],
+            [noise, noise, 0.0],
+            0.01,
+        )
+        .unwrap();
         let of_spring = contest(
             &format!("quadratic spring, wide, {what}"),
             &SecondOrderNonlinear,

@@ -129,7 +129,7 @@ fn a_simulated_flight_can_be_estimated() {
     // The damage at 10 s is found, and the coefficients after it; without change detection it is not.
     let estimate = ["estimate", "flight/measured.csv", "--model", "f16-damage-model", "--json", "--no-report"];
     let found = phugoid(&folder.0, &estimate).json();
-    let event = found["events"].as_array().unwrap().iter().find(|e| e["kind"] == "re_reached").unwrap().clone();
+    let event = found["events"].as_array().unwrap().iter().find(|e| e["kind"] == "adopted").unwrap().clone();
     assert!((10.0..11.0).contains(&number(&event["time_s"])), "{event}");
     assert_eq!(found["report"], Value::Null);
     for p in found["parameters"].as_array().unwrap() {
@@ -138,7 +138,7 @@ fn a_simulated_flight_can_be_estimated() {
         assert!(error < 4.0 * number(&p["corrected_std_error"]), "{p}");
     }
     let without = phugoid(&folder.0, &[&estimate[..], &["--no-change-detection"]].concat()).json();
-    assert!(without["events"].as_array().unwrap().iter().all(|e| e["kind"] != "re_reached"));
+    assert!(without["events"].as_array().unwrap().iter().all(|e| e["kind"] != "adopted"));
 }
 
 #[test]

@@ -1,13 +1,14 @@
 //! One joint covariance of state and parameters, and the arithmetic of one gated row.
 
 use super::EkfSettings;
+use crate::columns::Columns;
 use crate::discretization::{self, IntervalInput, Part};
+use crate::innovation::{Innovations, RowPhase, ScoredRow};
 use crate::kernels::{add_scaled, dot};
 use crate::model::{LinearizedOutputs, Model};
-use crate::smpe::columns::Columns;
-use crate::smpe::common::{Common, NoiseScore};
-use crate::smpe::slot::{Innovations, RowPhase, ScoredRow, Slot};
-use crate::smpe::{SmpeError, SmpeSettings};
+use crate::settings::{EstimatorSettings, SettingsError};
+use crate::supervisor::common::{Common, NoiseScore};
+use crate::supervisor::slot::Slot;
 use crate::ud::Ud;
 
 /// The joint covariance in blocks; columns of the parameters are scaled to their prior standard deviation.
@@ -231,18 +232,18 @@ impl<const N: usize, const P: usize> Conditional<N, P> {
 impl<const N: usize, const R: usize, const P: usize> Slot<N, R, P> for Joint<N, P> {
     type Settings = EkfSettings<N, R, P>;
 
-    fn shared(settings: &Self::Settings) -> &SmpeSettings<N, R, P> {
+    fn shared(settings: &Self::Settings) -> &EstimatorSettings<N, R, P> {
         &settings.shared
     }
 
-    fn check(settings: &Self::Settings) -> Result<(), SmpeError> {
+    fn check(settings: &Self::Settings) -> Result<(), SettingsError> {
         settings.check()
     }
 
     fn prior(settings: &Self::Settings, columns: &Columns<N, R, P>) -> Self {
         let mut covariance = Blocks { columns: columns.count, xx: [[0.0; N]; N], xt: [[0.0; P]; N], tt: [[0.0; P]; P] };
         for j in 0..columns.count {
-            covariance.tt[j][j] = if columns.sd[j] > 0.0 { 1.0 } else { 0.0 };
+            covariance.tt[j][j] = if columns.std[j] > 0.0 { 1.0 } else { 0.0 };
         }
         Self { common: Common::prior(&settings.shared, columns), covariance }
     }
@@ -259,11 +260,11 @@ impl<const N: usize, const R: usize, const P: usize> Slot<N, R, P> for Joint<N, 
             let (true, Some(bias)) = (measured[k], columns.bias_of_state(k)) else { continue };
             let row = self.covariance.parameter_column(p, bias);
             for j in 0..p {
-                self.covariance.xt[k][j] = -row[j] * columns.sd[bias];
+                self.covariance.xt[k][j] = -row[j] * columns.std[bias];
             }
             for l in 0..=k {
                 if let (true, Some(other)) = (measured[l], columns.bias_of_state(l)) {
-                    self.covariance.xx[k][l] += row[other] * columns.sd[bias] * columns.sd[other];
+                    self.covariance.xx[k][l] += row[other] * columns.std[bias] * columns.std[other];
                 }
             }
         }
@@ -295,8 +296,8 @@ impl<const N: usize, const R: usize, const P: usize> Slot<N, R, P> for Joint<N, 
             let theta = &self.common.theta;
             x = discretization::step(model, &x, theta, input, interval_s, part, own, &mut b, &mut transition);
             for row in &mut b {
-                for (value, sd) in row[..own].iter_mut().zip(&columns.sd[..own]) {
-                    *value *= sd;
+                for (value, std) in row[..own].iter_mut().zip(&columns.std[..own]) {
+                    *value *= std;
                 }
             }
             self.covariance.predict(own, &transition, &b, &q);
@@ -306,9 +307,9 @@ impl<const N: usize, const R: usize, const P: usize> Slot<N, R, P> for Joint<N, 
             return false;
         }
         for j in 0..own {
-            if columns.sd[j] > 0.0 {
+            if columns.std[j] > 0.0 {
                 let walk = settings.parameter_walk_per_s[j] * interval_s;
-                self.covariance.tt[j][j] += walk / (columns.sd[j] * columns.sd[j]);
+                self.covariance.tt[j][j] += walk / (columns.std[j] * columns.std[j]);
             }
         }
         self.common.x = x;
@@ -344,7 +345,7 @@ impl<const N: usize, const R: usize, const P: usize> Slot<N, R, P> for Joint<N, 
         columns: &Columns<N, R, P>,
         tested: &[usize],
         change_over_prior: &[f64; P],
-        noise_sd: &[f64; R],
+        noise_std: &[f64; R],
         allowance: f64,
     ) -> bool {
         let p = columns.count;
@@ -355,7 +356,7 @@ impl<const N: usize, const R: usize, const P: usize> Slot<N, R, P> for Joint<N, 
         }
         for k in 0..N {
             if let Some(output) = columns.output_of_state[k] {
-                self.covariance.xx[k][k] += allowance * noise_sd[output] * noise_sd[output];
+                self.covariance.xx[k][k] += allowance * noise_std[output] * noise_std[output];
             }
         }
         self.common.limited = [false; P];
@@ -426,7 +427,7 @@ impl<const N: usize, const P: usize> Joint<N, P> {
         let mut score = NoiseScore::ZERO;
         surface[..p].fill(0.0);
         for i in 0..R {
-            let sigma = shared.noise_sd[i];
+            let sigma = shared.noise_std[i];
             let bias = columns.bias_of_output[i];
             let predicted = lin.outputs[i] + bias.map_or(0.0, |column| self.common.theta[column]);
             innovations.predicted[i] = predicted;
@@ -435,11 +436,11 @@ impl<const N: usize, const P: usize> Joint<N, P> {
             }
             // The row over the joint state, and the residual with what the earlier rows of this frame have moved.
             let mut a = Stacked { x: lin.state_jacobian[i], t: [0.0; P] };
-            for ((a, d), sd) in a.t[..own].iter_mut().zip(&lin.parameter_jacobian[i]).zip(&columns.sd) {
-                *a = d * sd;
+            for ((a, d), std) in a.t[..own].iter_mut().zip(&lin.parameter_jacobian[i]).zip(&columns.std) {
+                *a = d * std;
             }
             if let Some(column) = bias {
-                a.t[column] = columns.sd[column];
+                a.t[column] = columns.std[column];
             }
             let mut residual = measured[i] - predicted - dot(&a.t[..p], &dtheta[..p]);
             for k in 0..N {
@@ -483,7 +484,7 @@ impl<const N: usize, const P: usize> Joint<N, P> {
             let inverse_variance = 1.0 / variance;
             let step = residual * inverse_variance;
             for j in 0..p {
-                surface[j] += columns.sd[j] * v.t[j] * step;
+                surface[j] += columns.std[j] * v.t[j] * step;
             }
             add_scaled(&mut dtheta[..p], step, &v.t[..p]);
             for k in 0..N {
@@ -493,8 +494,8 @@ impl<const N: usize, const P: usize> Joint<N, P> {
             conditional.update(p, &px_h, s, &w);
         }
 
-        for (step, sd) in dtheta[..p].iter_mut().zip(&columns.sd[..p]) {
-            *step *= sd;
+        for (step, std) in dtheta[..p].iter_mut().zip(&columns.std[..p]) {
+            *step *= std;
         }
         let Self { common, covariance } = self;
         common.take_step(shared, columns, &dx, &dtheta[..p], &score, |j| covariance.tt[j][j]);

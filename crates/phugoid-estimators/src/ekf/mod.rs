@@ -9,11 +9,11 @@
 //! ```
 //! use phugoid_estimators::ekf::{EkfSettings, JointEkf};
 //! use phugoid_estimators::plants::FirstOrder;
-//! use phugoid_estimators::smpe::{ParameterPrior, SmpeSettings};
+//! use phugoid_estimators::settings::{ParameterPrior, EstimatorSettings};
 //! use phugoid_estimators::{Estimator, Sample};
 //!
 //! // x' = -a x + u; a lies between 1 and 9; x is measured with a sigma of 0.001, x' is not.
-//! let shared = SmpeSettings::automatic(&[ParameterPrior::bounded(5.0, 1.0, 9.0)], [0.001, 0.0], 0.01)?;
+//! let shared = EstimatorSettings::automatic(&[ParameterPrior::bounded(5.0, 1.0, 9.0)], [0.001, 0.0], 0.01)?;
 //! let mut filter: JointEkf<_, 1, 2, 1> = JointEkf::new(FirstOrder, EkfSettings::new(shared))?;
 //! // The step response of a = 3, here without noise.
 //! let mut estimate = filter.estimate();
@@ -23,12 +23,13 @@
 //!     estimate = filter.update(&Sample { time_s, input: [1.0], outputs: [x, f64::NAN] });
 //! }
 //! assert!((estimate.parameters[0] - 3.0).abs() < 2.0 * estimate.corrected_std_error[0]);
-//! # Ok::<(), phugoid_estimators::smpe::SmpeError>(())
+//! # Ok::<(), phugoid_estimators::settings::SettingsError>(())
 //! ```
 
 mod joint;
 
-use crate::smpe::{SmpeError, SmpeSettings, Supervisor};
+use crate::settings::{EstimatorSettings, SettingsError};
+use crate::supervisor::Supervisor;
 use joint::Joint;
 
 /// Normalised innovation beyond which the gate refuses a row: one in 16,000 of a normal distribution.
@@ -42,7 +43,7 @@ pub type JointEkf<M, const N: usize, const R: usize, const P: usize> = Superviso
 pub struct EkfSettings<const N: usize, const R: usize, const P: usize> {
     /// Priors, noise, biases, start, change detection: as for SMPE. Of its reaching limit only the change detector
     /// makes use (it counts an innovation as no larger than that); its rejection limit and reaching state are not used.
-    pub shared: SmpeSettings<N, R, P>,
+    pub shared: EstimatorSettings<N, R, P>,
     /// A row whose innovation is more than this many of its predicted standard deviations is not used. May be infinite.
     pub gate: f64,
     /// Random walk of each parameter, (parameter unit)^2/s: the classical alternative to re-initialisation after a
@@ -52,16 +53,16 @@ pub struct EkfSettings<const N: usize, const R: usize, const P: usize> {
 
 impl<const N: usize, const R: usize, const P: usize> EkfSettings<N, R, P> {
     /// A gate of four sigmas, parameters that do not walk.
-    pub fn new(shared: SmpeSettings<N, R, P>) -> Self {
+    pub fn new(shared: EstimatorSettings<N, R, P>) -> Self {
         Self { shared, gate: GATE, parameter_walk_per_s: [0.0; P] }
     }
 
-    fn check(&self) -> Result<(), SmpeError> {
+    fn check(&self) -> Result<(), SettingsError> {
         if self.gate.is_nan() || self.gate <= 0.0 {
-            return Err(SmpeError::Setting { name: "gate", value: self.gate });
+            return Err(SettingsError::Setting { name: "gate", value: self.gate });
         }
         match self.parameter_walk_per_s.into_iter().find(|walk| !(walk.is_finite() && *walk >= 0.0)) {
-            Some(value) => Err(SmpeError::Setting { name: "parameter_walk_per_s", value }),
+            Some(value) => Err(SettingsError::Setting { name: "parameter_walk_per_s", value }),
             None => Ok(()),
         }
     }

@@ -62,8 +62,8 @@ pub(super) struct Equation<const P: usize> {
     /// Columns that have ever been other than zero.
     pub(super) used: [bool; P],
     /// One sigma of the measurement, output units.
-    pub(super) sd: f64,
-    /// Sum of the squared intervals, faded: the noise of a transform is `sd^2` times this.
+    pub(super) std: f64,
+    /// Sum of the squared intervals, faded: the noise of a transform is `std^2` times this.
     pub(super) energy: f64,
     /// Squared size of the ends of stretches inside the record: each leaves one measurement's noise in the transform.
     pub(super) seams: f64,
@@ -83,7 +83,7 @@ impl<const P: usize> Equation<P> {
             z: nothing,
             w: [nothing; P],
             used: [false; P],
-            sd: 0.0,
+            std: 0.0,
             energy: 0.0,
             seams: 0.0,
             first: nothing,
@@ -95,7 +95,7 @@ impl<const P: usize> Equation<P> {
 
     /// True if there is anything to learn from.
     pub(super) fn has_data(&self) -> bool {
-        self.energy > 0.0 && self.sd > 0.0 && self.used.contains(&true)
+        self.energy > 0.0 && self.std > 0.0 && self.used.contains(&true)
     }
 
     /// True if the last frame belongs to it.

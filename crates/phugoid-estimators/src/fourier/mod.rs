@@ -35,10 +35,11 @@ use equation::{Bins, Equation};
 use solve::Solution;
 
 use crate::estimate::{Estimate, Estimator, Inspect, Phase};
+use crate::innovation::{Innovations, RowPhase};
 use crate::kernels::dot;
 use crate::model::{Model, Sample};
 use crate::regression::{Claim, Flow, StateSource, Taken};
-use crate::smpe::{Innovations, RowPhase, SmpeError};
+use crate::settings::SettingsError;
 
 /// Recursive Fourier-transform regression: `N` states, `R` outputs, room for `P` columns, states from `S`.
 ///
@@ -69,8 +70,8 @@ where
     /// Sets it up; the first samples start its states.
     ///
     /// # Errors
-    /// [`SmpeError`]: what cannot be, and which.
-    pub fn new(model: M, source: S, settings: FourierSettings<N, R, P>) -> Result<Self, SmpeError> {
+    /// [`SettingsError`]: what cannot be, and which.
+    pub fn new(model: M, source: S, settings: FourierSettings<N, R, P>) -> Result<Self, SettingsError> {
         settings.check()?;
         let flow = Flow::new(model, source, settings.regression)?;
         let bins = Bins::new(settings.bins, settings.regression.forgetting_per_s, |m| settings.frequency_hz(m));
@@ -108,7 +109,7 @@ where
                 equation.skip(bins, all);
                 continue;
             }
-            equation.sd = settings.regression.common.noise_sd[output];
+            equation.std = settings.regression.common.noise_std[output];
             let known = [flow.before.known[i], flow.after.known[i]];
             let (before, after) = (&flow.before.regressors[i], &flow.after.regressors[i]);
             equation.add_dynamic(bins, own, x, known, before, after, settings.end_point);
@@ -124,7 +125,7 @@ where
                 w[column] = 1.0;
             }
             let equation = &mut algebraic[output];
-            equation.sd = settings.regression.common.noise_sd[output];
+            equation.std = settings.regression.common.noise_std[output];
             if z.is_finite() && last_z[output].is_finite() {
                 equation.add_algebraic(bins, all, [last_z[output], z], &last_w[output], &w);
             } else {
@@ -165,11 +166,11 @@ where
                 let row = &flow.outputs.parameter_jacobian[output];
                 let predicted =
                     flow.outputs.outputs[output] + dot(&row[..columns.own], &solution.theta[..columns.own]) + bias;
-                let sd = flow.settings.common.noise_sd[output];
+                let std = flow.settings.common.noise_std[output];
                 innovations.predicted[output] = predicted;
-                innovations.whitened[output] = (sample.outputs[output] - predicted) / sd;
+                innovations.whitened[output] = (sample.outputs[output] - predicted) / std;
                 innovations.variance[output] =
-                    sd * sd + solution.spread(&core::array::from_fn(|j| row[j] * columns.sd[j]));
+                    std * std + solution.spread(&core::array::from_fn(|j| row[j] * columns.std[j]));
                 innovations.normalised[output] =
                     (sample.outputs[output] - predicted) / libm::sqrt(innovations.variance[output]);
                 innovations.phase[output] = RowPhase::Sliding;
@@ -209,9 +210,9 @@ where
 
     fn update(&mut self, sample: &Sample<Self::Input, R>) -> Estimate<P> {
         let Self { flow, solution, .. } = self;
-        let sd = flow.columns.sd;
+        let std = flow.columns.std;
         let taken = flow
-            .take(sample, &solution.theta.clone(), |row| solution.spread(&core::array::from_fn(|j| row[j] * sd[j])));
+            .take(sample, &solution.theta.clone(), |row| solution.spread(&core::array::from_fn(|j| row[j] * std[j])));
         match taken {
             Taken::Refused => self.phase = Phase::Rejected,
             Taken::Collected | Taken::First => self.begin(taken == Taken::Collected),
@@ -233,7 +234,7 @@ where
         *out = [[0.0; P]; P];
         for i in 0..columns.count {
             for j in 0..columns.count {
-                out[i][j] = self.solution.covariance[i][j] * columns.sd[i] * columns.sd[j];
+                out[i][j] = self.solution.covariance[i][j] * columns.std[i] * columns.std[j];
             }
         }
     }
@@ -248,8 +249,8 @@ where
         self.flow.columns.count
     }
 
-    fn prior_sd(&self) -> &[f64; P] {
-        &self.flow.columns.sd
+    fn prior_std(&self) -> &[f64; P] {
+        &self.flow.columns.std
     }
 
     fn innovations(&self) -> &Innovations<R> {

@@ -1,7 +1,7 @@
 //! What the Fourier regression is told before the first sample.
 
 use crate::regression::RegressionSettings;
-use crate::smpe::{SmpeError, SmpeSettings};
+use crate::settings::{EstimatorSettings, SettingsError};
 
 /// Most frequencies.
 pub const MAXIMUM_BINS: usize = 32;
@@ -25,7 +25,7 @@ pub struct FourierSettings<const N: usize, const R: usize, const P: usize> {
 impl<const N: usize, const R: usize, const P: usize> FourierSettings<N, R, P> {
     /// With the priors, noise levels and timing of the flagship: 29 frequencies from 0.2 to 2 Hz, solved ten times a second.
     /// (From 0.1 to 1.5 Hz the F-16's moment derivatives are half again as wrong: the smoothed states err slowly.)
-    pub fn with(common: SmpeSettings<N, R, P>) -> Self {
+    pub fn with(common: EstimatorSettings<N, R, P>) -> Self {
         Self {
             regression: RegressionSettings::with(common),
             band_hz: [0.2, 2.0],
@@ -41,7 +41,7 @@ impl<const N: usize, const R: usize, const P: usize> FourierSettings<N, R, P> {
         if self.bins < 2 { low } else { low + (high - low) * bin as f64 / (self.bins - 1) as f64 }
     }
 
-    pub(super) fn check(&self) -> Result<(), SmpeError> {
+    pub(super) fn check(&self) -> Result<(), SettingsError> {
         let [low, high] = self.band_hz;
         for (name, value, right) in [
             ("band_hz", low, low > 0.0 && low.is_finite()),
@@ -50,7 +50,7 @@ impl<const N: usize, const R: usize, const P: usize> FourierSettings<N, R, P> {
             ("solve_interval_s", self.solve_interval_s, self.solve_interval_s >= 0.0),
         ] {
             if !right {
-                return Err(SmpeError::Setting { name, value });
+                return Err(SettingsError::Setting { name, value });
             }
         }
         Ok(())

@@ -1,9 +1,9 @@
 //! Complex least squares over equations and frequencies.
 
 use super::equation::{Bins, Equation};
+use crate::columns::Columns;
 use crate::dense::Cholesky;
 use crate::kernels::{add_scaled, dot};
-use crate::smpe::columns::Columns;
 
 /// The last solution.
 #[derive(Clone, Copy, Debug)]
@@ -48,7 +48,7 @@ impl<const P: usize> Normal<P> {
             squares: 0.0,
             independent: 1.0,
         };
-        let variance = equation.sd * equation.sd;
+        let variance = equation.std * equation.std;
         let length_s = equation.energy / bins.interval_s();
         let band_hz = (bins.pole[bins.count - 1].im - bins.pole[0].im) / (2.0 * core::f64::consts::PI);
         let independent = (1.0 + band_hz * length_s).min(bins.count as f64);
@@ -146,7 +146,7 @@ impl<const P: usize> Solution<P> {
         // What is forgotten gives way to the prior about the last estimate, not about the first one: it stays.
         let centre = if bins.forgetting > 0.0 { self.theta } else { columns.initial };
         let normal_of = |equation: &Equation<P>, is_dynamic: bool| {
-            Normal::new(equation, bins, &columns.sd, &centre, is_dynamic, end_point)
+            Normal::new(equation, bins, &columns.std, &centre, is_dynamic, end_point)
         };
         let mut information = [[0.0; P]; P];
         let mut delta = [0.0; P];
@@ -167,7 +167,7 @@ impl<const P: usize> Solution<P> {
             return;
         }
         for j in 0..self.count {
-            self.theta[j] = (centre[j] + columns.sd[j] * delta[j]).clamp(columns.clip_low[j], columns.clip_high[j]);
+            self.theta[j] = (centre[j] + columns.std[j] * delta[j]).clamp(columns.clip_low[j], columns.clip_high[j]);
             let mut column = [0.0; P];
             column[j] = 1.0;
             cholesky.solve(&mut column);

@@ -32,10 +32,10 @@ use level::Levels;
 use reference::{Parts, Reference};
 use starts::Starts;
 
+use crate::columns::Columns;
 use crate::estimate::{ChangeState, Estimate, Phase};
 use crate::model::{Model, Sample};
-use crate::smpe::SmpeSettings;
-use crate::smpe::columns::Columns;
+use crate::settings::EstimatorSettings;
 
 /// The hypotheses are weighed this often, s.
 const LOOK_S: f64 = 0.05;
@@ -150,7 +150,7 @@ where
     /// [`MonitorError`]: an impossible expectation or setting.
     pub fn new(
         model: M,
-        estimator: &SmpeSettings<N, R, P>,
+        estimator: &EstimatorSettings<N, R, P>,
         expected: &[Option<Expected>],
         settings: MonitorSettings,
     ) -> Result<Self, MonitorError> {
@@ -158,7 +158,7 @@ where
         estimator.check(model.parameter_count()).map_err(MonitorError::Estimator)?;
         let columns = Columns::new(&model, estimator);
         let mut parts =
-            Parts { monitored: [0; P], monitored_count: 0, failure_sd: [0.0; P], nuisance: [0; P], nuisance_count: 0 };
+            Parts { monitored: [0; P], monitored_count: 0, failure_std: [0.0; P], nuisance: [0; P], nuisance_count: 0 };
         let mut width = [0.0; P];
         let mut theta = columns.initial;
         let mut all = [None; P];
@@ -168,12 +168,12 @@ where
                 check(column, &expectation)?;
                 let place = parts.monitored_count;
                 parts.monitored[place] = column;
-                parts.failure_sd[place] = expectation.failure_sd;
-                width[place] = expectation.tolerance / expectation.failure_sd;
+                parts.failure_std[place] = expectation.failure_std;
+                width[place] = expectation.tolerance / expectation.failure_std;
                 parts.monitored_count += 1;
                 theta[column] = expectation.value;
                 all[column] = Some(expectation);
-            } else if columns.sd[column] > 0.0 {
+            } else if columns.std[column] > 0.0 {
                 parts.nuisance[parts.nuisance_count] = column;
                 parts.nuisance_count += 1;
             }
@@ -314,8 +314,8 @@ where
         let (mean, variance) = start.change(n).deviation(n);
         for (place, column) in self.parts.monitored[..n].iter().enumerate() {
             failure.change[*column] =
-                (self.starts.centre()[place] + start.healthy[place] + mean[place]) * self.parts.failure_sd[place];
-            failure.change_std[*column] = libm::sqrt(variance[place]) * self.parts.failure_sd[place];
+                (self.starts.centre()[place] + start.healthy[place] + mean[place]) * self.parts.failure_std[place];
+            failure.change_std[*column] = libm::sqrt(variance[place]) * self.parts.failure_std[place];
             let since_s = &mut self.convincing_since_s[*column];
             if outside[*column].abs() <= CONFIRMED || named[place] < threshold {
                 *since_s = f64::NAN;
@@ -357,11 +357,11 @@ where
 }
 
 fn check(parameter: usize, expected: &Expected) -> Result<(), MonitorError> {
-    let Expected { value, tolerance, failure_sd } = *expected;
+    let Expected { value, tolerance, failure_std } = *expected;
     if !value.is_finite() {
         return Err(MonitorError::Expected { parameter, name: "value", value });
     }
-    for (name, value) in [("tolerance", tolerance), ("failure_sd", failure_sd)] {
+    for (name, value) in [("tolerance", tolerance), ("failure_std", failure_std)] {
         if !(value.is_finite() && value > 0.0) {
             return Err(MonitorError::Expected { parameter, name, value });
         }

@@ -3,12 +3,12 @@
 
 use super::level::Levels;
 use super::starts::{Row, Starts};
+use crate::columns::Columns;
 use crate::discretization::{self, IntervalInput, Part};
 use crate::kernels::{add_scaled, dot};
 use crate::model::{LinearizedOutputs, Model, Sample};
-use crate::smpe::SmpeSettings;
-use crate::smpe::columns::Columns;
-use crate::smpe::start::Start;
+use crate::settings::EstimatorSettings;
+use crate::supervisor::start::Start;
 use crate::ud::Ud;
 
 /// An innovation beyond this many sigmas counts with the weight that makes it this large. A failure is told from its true
@@ -34,7 +34,7 @@ pub(super) struct Parts<const P: usize> {
     pub(super) monitored: [usize; P],
     pub(super) monitored_count: usize,
     /// One sigma of a failure of each, in that order.
-    pub(super) failure_sd: [f64; P],
+    pub(super) failure_std: [f64; P],
     /// Columns that are estimated and not monitored (offsets, sensor biases), and their number.
     pub(super) nuisance: [usize; P],
     pub(super) nuisance_count: usize,
@@ -45,7 +45,7 @@ where
     M: Model<N, R, P>,
 {
     model: M,
-    settings: SmpeSettings<N, R, P>,
+    settings: EstimatorSettings<N, R, P>,
     columns: Columns<N, R, P>,
     parts: Parts<P>,
     x: [f64; N],
@@ -71,7 +71,7 @@ where
     /// `theta` has the expected values in the monitored columns.
     pub(super) fn new(
         model: M,
-        settings: SmpeSettings<N, R, P>,
+        settings: EstimatorSettings<N, R, P>,
         columns: Columns<N, R, P>,
         parts: Parts<P>,
         theta: [f64; P],
@@ -131,13 +131,13 @@ where
     pub(super) fn recentre(&mut self, starts: &mut Starts<N, P>) {
         let (step, state, nuisance) = starts.recentre();
         for (place, column) in self.parts.monitored[..self.parts.monitored_count].iter().enumerate() {
-            self.theta[*column] += step[place] * self.parts.failure_sd[place];
+            self.theta[*column] += step[place] * self.parts.failure_std[place];
         }
         for k in 0..N {
             self.x[k] += state[k];
         }
         for (place, column) in self.parts.nuisance[..self.parts.nuisance_count].iter().enumerate() {
-            let moved = nuisance[place] * self.columns.sd[*column];
+            let moved = nuisance[place] * self.columns.std[*column];
             self.theta[*column] += moved;
             for k in 0..N {
                 self.x[k] += self.sensitivity[k][place] * moved;
@@ -256,7 +256,7 @@ where
                 nuisance_effect[i][place] = effect[i][*column];
             }
             for (place, column) in self.parts.monitored[..n].iter().enumerate() {
-                failure_effect[i][place] = effect[i][*column] * self.parts.failure_sd[place];
+                failure_effect[i][place] = effect[i][*column] * self.parts.failure_std[place];
             }
             let mut row = nuisance_effect[i];
             for k in 0..N {
@@ -281,7 +281,7 @@ where
     /// The frame at the present time, row by row as the estimator does it.
     fn correct(&mut self, sample: &Sample<M::Input, R>, levels: &Levels<R>, starts: &mut Starts<N, P>) {
         let previous = self.last_input.unwrap_or(sample.input);
-        let input = crate::smpe::slot::output_input(&self.settings, previous, sample.input);
+        let input = crate::supervisor::slot::output_input(&self.settings, previous, sample.input);
         self.last_input = Some(sample.input);
         let (n, f) = (self.parts.monitored_count, self.parts.nuisance_count);
         let mut lin = LinearizedOutputs::<N, R, P>::ZERO;
@@ -290,7 +290,7 @@ where
         let mut dnuisance = [0.0; P];
         let (mut rejected, mut present) = (0, 0);
         for i in 0..R {
-            let sigma = self.settings.noise_sd[i];
+            let sigma = self.settings.noise_std[i];
             let bias = self.columns.bias_of_output[i];
             let predicted = lin.outputs[i] + bias.map_or(0.0, |column| self.theta[column]);
             if !(sample.outputs[i].is_finite() && predicted.is_finite() && sigma.is_finite() && sigma > 0.0) {
@@ -300,7 +300,7 @@ where
             let mut by_failure = [0.0; P];
             for (place, column) in self.parts.monitored[..n].iter().enumerate() {
                 by_failure[place] = if *column < self.columns.own {
-                    lin.parameter_jacobian[i][*column] * self.parts.failure_sd[place]
+                    lin.parameter_jacobian[i][*column] * self.parts.failure_std[place]
                 } else {
                     0.0
                 };
@@ -327,7 +327,7 @@ where
             let inverse_root = 1.0 / libm::sqrt(s);
             let mut psi = [0.0; P];
             for (place, column) in self.parts.nuisance[..f].iter().enumerate() {
-                psi[place] = w[place] * self.columns.sd[*column] * inverse_root;
+                psi[place] = w[place] * self.columns.std[*column] * inverse_root;
             }
             let projection = self.c.project(&psi, 1.0);
             let one_plus_v = projection.variance;
@@ -347,7 +347,7 @@ where
                 let e = residual * inverse_root;
                 let mut step = [0.0; P];
                 for (place, column) in self.parts.nuisance[..f].iter().enumerate() {
-                    step[place] = self.columns.sd[*column] * c_psi[place] * e / one_plus_v;
+                    step[place] = self.columns.std[*column] * c_psi[place] * e / one_plus_v;
                     dnuisance[place] += step[place];
                 }
                 for k in 0..N {

@@ -11,7 +11,7 @@ pub struct Expected {
     pub tolerance: f64,
     /// One sigma of what a failure would change: the alternative that the monitor tests against. A failure of another size is
     /// found too, a little later.
-    pub failure_sd: f64,
+    pub failure_std: f64,
 }
 
 /// Settings of the monitor.
@@ -81,7 +81,7 @@ pub enum MonitorError {
     /// No parameter has an expectation.
     NothingExpected,
     /// The settings of the estimator do not fit the model.
-    Estimator(crate::smpe::SmpeError),
+    Estimator(crate::settings::SettingsError),
 }
 
 impl fmt::Display for MonitorError {
@@ -90,7 +90,7 @@ impl fmt::Display for MonitorError {
             Self::Expected { parameter, name, value } => write!(
                 f,
                 "parameter {parameter}: expected {name} cannot be {value}: the value must be finite, tolerance and \
-                 failure_sd finite and more than zero"
+                 failure_std finite and more than zero"
             ),
             Self::Setting { name, value } => write!(f, "setting {name} of the monitor cannot be {value}"),
             Self::RateTooHigh { largest } => write!(

@@ -1,9 +1,9 @@
 //! What a regression says after each sample.
 
 use super::settings::RegressionSettings;
+use crate::columns::Columns;
+use crate::estimate::{CONVERGED, EXCITED};
 use crate::estimate::{Estimate, ParameterStatus, Phase, Status};
-use crate::smpe::columns::Columns;
-use crate::smpe::{CONVERGED, EXCITED};
 
 /// Parameters, scaled variances and their corrections, of which an [`Estimate`] is made.
 pub(crate) struct Claim<'a, const P: usize> {
@@ -34,25 +34,25 @@ impl<const P: usize> Claim<'_, P> {
             status: Status { phase: self.phase, ..Status::default() },
         };
         for j in 0..columns.count {
-            let sd = columns.sd[j];
+            let std = columns.std[j];
             let variance = self.variances[j];
             let distance = self.distance[j] * self.distance[j];
-            let corrected = libm::sqrt(sd * sd * variance * self.inflation[j] + distance);
-            estimate.std_error[j] = libm::sqrt(sd * sd * variance + distance);
+            let corrected = libm::sqrt(std * std * variance * self.inflation[j] + distance);
+            estimate.std_error[j] = libm::sqrt(std * std * variance + distance);
             estimate.corrected_std_error[j] = corrected;
-            estimate.observability[j] = if sd > 0.0 { (1.0 - variance).clamp(0.0, 1.0) } else { 0.0 };
+            estimate.observability[j] = if std > 0.0 { (1.0 - variance).clamp(0.0, 1.0) } else { 0.0 };
             let theta = self.theta[j];
             let limited = j < columns.own && {
                 let prior = &settings.common.priors[j];
                 theta - 2.0 * corrected > prior.upper
                     || theta + 2.0 * corrected < prior.lower
-                    || prior.sd > 0.0 && (theta <= columns.clip_low[j] || theta >= columns.clip_high[j])
+                    || prior.std > 0.0 && (theta <= columns.clip_low[j] || theta >= columns.clip_high[j])
             };
             estimate.parameter_status[j] = if estimate.observability[j] < EXCITED {
                 ParameterStatus::NotExcited
             } else if limited {
                 ParameterStatus::AtLimit
-            } else if corrected <= CONVERGED * sd {
+            } else if corrected <= CONVERGED * std {
                 ParameterStatus::Converged
             } else {
                 ParameterStatus::Improving

@@ -3,12 +3,12 @@
 use super::gate::Gate;
 use super::settings::RegressionSettings;
 use super::source::{SourceStep, StateSource};
+use crate::columns::Columns;
 use crate::discretization::{IntervalInput, simulate};
 use crate::model::{LinearizedOutputs, LinearizedRates, Model, Sample};
-use crate::smpe::SmpeError;
-use crate::smpe::columns::Columns;
-use crate::smpe::slot::output_input;
-use crate::smpe::start::Start;
+use crate::settings::SettingsError;
+use crate::supervisor::slot::output_input;
+use crate::supervisor::start::Start;
 
 /// Time constant of the mean from which excitation is told, s.
 const MEAN_TIME_S: f64 = 2.0;
@@ -90,7 +90,7 @@ where
     M: Model<N, R, P>,
     S: StateSource<M::Input, N, R>,
 {
-    pub(crate) fn new(model: M, source: S, settings: RegressionSettings<N, R, P>) -> Result<Self, SmpeError> {
+    pub(crate) fn new(model: M, source: S, settings: RegressionSettings<N, R, P>) -> Result<Self, SettingsError> {
         settings.check(model.parameter_count())?;
         let columns = Columns::new(&model, &settings.common);
         let nothing = Rates { known: [0.0; N], regressors: [[0.0; P]; N] };
@@ -99,7 +99,7 @@ where
             source,
             columns,
             start: Some(Start::new()),
-            gate: Gate::new(settings.outlier_limit, &settings.common.noise_sd),
+            gate: Gate::new(settings.outlier_limit, &settings.common.noise_std),
             settings,
             state: [0.0; N],
             mean: [0.0; N],
@@ -145,9 +145,9 @@ where
 
     /// True if an output makes an equation of the regression: it is used and sees a parameter directly.
     pub(crate) fn is_algebraic(&self, output: usize) -> bool {
-        let sd = self.settings.common.noise_sd[output];
-        sd.is_finite()
-            && sd > 0.0
+        let std = self.settings.common.noise_std[output];
+        std.is_finite()
+            && std > 0.0
             && self.outputs.parameter_jacobian[output][..self.columns.own].iter().any(|d| *d != 0.0)
     }
 
@@ -283,7 +283,7 @@ where
             if let Some(output) = self.columns.output_of_state[state] {
                 watched = true;
                 let distance = (self.state[state] - self.mean[state]).abs();
-                moving |= distance > MOVING_SIGMAS * self.settings.common.noise_sd[output];
+                moving |= distance > MOVING_SIGMAS * self.settings.common.noise_std[output];
             }
         }
         // Without a measured state nothing can be said: then everything counts as motion.

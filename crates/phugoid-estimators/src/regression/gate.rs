@@ -19,8 +19,8 @@ pub(crate) struct Gate<const R: usize> {
 }
 
 impl<const R: usize> Gate<R> {
-    pub(crate) fn new(limit: f64, noise_sd: &[f64; R]) -> Self {
-        let floor = noise_sd.map(|sd| if sd.is_finite() { sd * sd } else { 0.0 });
+    pub(crate) fn new(limit: f64, noise_std: &[f64; R]) -> Self {
+        let floor = noise_std.map(|std| if std.is_finite() { std * std } else { 0.0 });
         // The prediction carries the noise of the last frame as well.
         Self { limit, floor, variance: floor.map(|v| 2.0 * v), refused: [0; R], refused_since_s: [0.0; R] }
     }

@@ -18,7 +18,7 @@ pub struct Row<const P: usize> {
     /// What the output is when `z` is: `y = z + known`.
     pub known: f64,
     /// One sigma of `n`, output units.
-    pub sd: f64,
+    pub std: f64,
 }
 
 /// The filters of the dynamic rows.
@@ -95,8 +95,8 @@ impl<const N: usize, const P: usize> Kreisselmeier<N, P> {
             let measured = flow.believed[output];
             if measured.is_finite() && flow.is_algebraic(output) {
                 let known = flow.outputs.outputs[output];
-                let sd = flow.settings.common.noise_sd[output];
-                let mut row = Row { output, z: measured - known, w: [0.0; P], known, sd };
+                let std = flow.settings.common.noise_std[output];
+                let mut row = Row { output, z: measured - known, w: [0.0; P], known, std };
                 row.w[..own].copy_from_slice(&flow.outputs.parameter_jacobian[output][..own]);
                 if let Some(column) = flow.columns.bias_of_output[output] {
                     row.w[column] = 1.0;
@@ -108,8 +108,8 @@ impl<const N: usize, const P: usize> Kreisselmeier<N, P> {
             let (before, after) = (flow.measured_before[state], flow.measured_after[state]);
             let Some(output) = flow.columns.output_of_state[state] else { continue };
             if before.is_finite() && flow.believed[output].is_finite() && flow.is_dynamic(state) {
-                let sd = flow.settings.common.noise_sd[output];
-                use_row(&Row { output, z: self.z[state], w: self.upsilon[state], known: after - self.z[state], sd });
+                let std = flow.settings.common.noise_std[output];
+                use_row(&Row { output, z: self.z[state], w: self.upsilon[state], known: after - self.z[state], std });
             }
         }
     }

@@ -1,6 +1,6 @@
 //! What the regression methods are told before the first sample.
 
-use crate::smpe::{ParameterPrior, SmpeError, SmpeSettings};
+use crate::settings::{EstimatorSettings, ParameterPrior, SettingsError};
 
 /// Settings of the regression methods. [`Self::automatic`] fills them by rule.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -10,7 +10,7 @@ pub struct RegressionSettings<const N: usize, const R: usize, const P: usize> {
     ///
     /// A bias column stands for a constant offset of an output that sees the parameters directly (an accelerometer). The bias
     /// of a measured *state* shifts the regressors and is no column of a regression: such a column keeps its prior.
-    pub common: SmpeSettings<N, R, P>,
+    pub common: EstimatorSettings<N, R, P>,
     /// `w`, rad/s: corner of the filter that spares differentiating the states. Low: less noise; high: errors of the
     /// regressors are forgotten sooner.
     pub filter_rate: f64,
@@ -21,26 +21,30 @@ pub struct RegressionSettings<const N: usize, const R: usize, const P: usize> {
 }
 
 impl<const N: usize, const R: usize, const P: usize> RegressionSettings<N, R, P> {
-    /// The automatic rule, see [`SmpeSettings::automatic`] and [`Self::with`].
+    /// The automatic rule, see [`EstimatorSettings::automatic`] and [`Self::with`].
     ///
     /// # Errors
-    /// [`SmpeError`]: what cannot be, and which.
-    pub fn automatic(priors: &[ParameterPrior], noise_sd: [f64; R], sample_time_s: f64) -> Result<Self, SmpeError> {
-        Ok(Self::with(SmpeSettings::automatic(priors, noise_sd, sample_time_s)?))
+    /// [`SettingsError`]: what cannot be, and which.
+    pub fn automatic(
+        priors: &[ParameterPrior],
+        noise_std: [f64; R],
+        sample_time_s: f64,
+    ) -> Result<Self, SettingsError> {
+        Ok(Self::with(EstimatorSettings::automatic(priors, noise_std, sample_time_s)?))
     }
 
     /// With the priors, noise levels and timing of the flagship: filter at 4 rad/s (between 3 and 6 the F-16's moment derivatives
     /// change by 15 %), no forgetting, outliers from six sigmas on, and blocks of at least a second for the colour of the
     /// residuals, whose correlation lasts that long.
-    pub fn with(common: SmpeSettings<N, R, P>) -> Self {
-        let common = SmpeSettings { colour_block_s: common.colour_block_s.max(1.0), ..common };
+    pub fn with(common: EstimatorSettings<N, R, P>) -> Self {
+        let common = EstimatorSettings { colour_block_s: common.colour_block_s.max(1.0), ..common };
         Self { common, filter_rate: 4.0, forgetting_per_s: 0.0, outlier_limit: 6.0 }
     }
 
     /// Checks the settings for a model with `parameters` parameters.
-    pub(crate) fn check(&self, parameters: usize) -> Result<(), SmpeError> {
+    pub(crate) fn check(&self, parameters: usize) -> Result<(), SettingsError> {
         if parameters > P {
-            return Err(SmpeError::Capacity { needed: parameters, capacity: P });
+            return Err(SettingsError::Capacity { needed: parameters, capacity: P });
         }
         self.common.check(parameters)?;
         let right = |value: f64, least: bool| value.is_finite() && (value > 0.0 || least && value == 0.0);
@@ -50,7 +54,7 @@ impl<const N: usize, const R: usize, const P: usize> RegressionSettings<N, R, P>
             ("outlier_limit", self.outlier_limit, self.outlier_limit > 0.0),
         ] {
             if !fits {
-                return Err(SmpeError::Setting { name, value });
+                return Err(SettingsError::Setting { name, value });
             }
         }
         Ok(())

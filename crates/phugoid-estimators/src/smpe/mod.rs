@@ -4,11 +4,12 @@
 //! uncertainty and tied to the parameters by the *sensitivity* of the parallel model. Inside the boundary layer the
 //! equivalent control acts, outside the sign, both evaluated implicitly (proximally), so that the surfaces cannot
 //! chatter at any sample time; the bounds of the parameters decide the gain. docs/theory.md derives it and says what
-//! is proved. Honest identity: without saturation and without re-reaching this is the joint extended Kalman filter in
+//! is proved. Honest identity: without saturation and without change detection this is the joint extended Kalman filter in
 //! separated form (B. Friedland, *Treatment of bias in recursive filtering*, IEEE TAC 14, 1969).
 //!
 //! ```
-//! use phugoid_estimators::smpe::{ParameterPrior, Smpe, SmpeSettings};
+//! use phugoid_estimators::settings::{ParameterPrior, EstimatorSettings};
+//! use phugoid_estimators::smpe::Smpe;
 //! use phugoid_estimators::{Estimator, LinearizedOutputs, LinearizedRates, Model, Sample};
 //!
 //! /// `x' = -a x + u`, `y = x`; `a` is unknown.
@@ -38,7 +39,7 @@
 //! }
 //!
 //! // Known: a lies between 1 and 9, noise of one sigma 0.001, 100 Hz.
-//! let settings = SmpeSettings::automatic(&[ParameterPrior::bounded(5.0, 1.0, 9.0)], [0.001], 0.01)?;
+//! let settings = EstimatorSettings::automatic(&[ParameterPrior::bounded(5.0, 1.0, 9.0)], [0.001], 0.01)?;
 //! let mut estimator = Smpe::new(Lag, settings)?;
 //! // The step response of a = 3, here without noise.
 //! let mut estimate = estimator.estimate();
@@ -50,34 +51,13 @@
 //! let error = (estimate.parameters[0] - 3.0).abs();
 //! assert!(error < 2.0 * estimate.corrected_std_error[0]);
 //! assert!(estimate.corrected_std_error[0] < 0.02);
-//! # Ok::<(), phugoid_estimators::smpe::SmpeError>(())
+//! # Ok::<(), phugoid_estimators::settings::SettingsError>(())
 //! ```
 
-mod challenge;
-mod change;
-pub(crate) mod colour;
-pub(crate) mod columns;
-pub(crate) mod common;
-mod faults;
-mod history;
 pub(crate) mod reopen;
 mod separated;
-pub(crate) mod settings;
-pub(crate) mod slot;
-pub(crate) mod start;
-mod supervisor;
-mod trial;
 
-pub use settings::{
-    ChangeDetection, ChangePrior, NoiseAdaptation, OutputInput, ParameterPrior, ProcessNoise, ReReaching,
-    ReachingState, SmpeError, SmpeSettings,
-};
-pub use slot::{Innovations, RowPhase};
-pub(crate) use start::median;
-pub use supervisor::Supervisor;
-pub use supervisor::report::DetectorReport;
-pub(crate) use supervisor::report::{CONVERGED, EXCITED};
-
+use crate::supervisor::Supervisor;
 use separated::Separated;
 
 /// The sliding-mode parameter estimator: `N` states, `R` outputs, room for `P` columns (parameters and biases).

@@ -1,9 +1,9 @@
 //! Re-opening: the exact Gaussian book-keeping of "these parameters have just jumped by N(0, diag d^2)".
 
-use super::columns::Columns;
-use super::separated::Separated;
-use super::slot::Slot;
+use crate::columns::Columns;
 use crate::dense::Cholesky;
+use crate::smpe::separated::Separated;
+use crate::supervisor::slot::Slot;
 
 /// State variance added, in measurement variances: pays for the state error gathered between change and trigger.
 pub(crate) const STATE_ALLOWANCE: f64 = 25.0;
@@ -22,7 +22,7 @@ pub(crate) fn reopen<const N: usize, const R: usize, const P: usize>(
     columns: &Columns<N, R, P>,
     tested: &[usize],
     change_over_prior: &[f64; P],
-    noise_sd: &[f64; R],
+    noise_std: &[f64; R],
     allowance: f64,
 ) -> bool {
     let p = columns.count.min(P);
@@ -56,7 +56,7 @@ pub(crate) fn reopen<const N: usize, const R: usize, const P: usize>(
     for state in 0..N {
         let mut row = [0.0; P];
         for (i, &column) in open.iter().enumerate() {
-            row[i] = slot.sensitivity[state][column] * columns.sd[column];
+            row[i] = slot.sensitivity[state][column] * columns.std[column];
         }
         g.solve_lower(&mut row);
         for i in 0..count {
@@ -70,7 +70,7 @@ pub(crate) fn reopen<const N: usize, const R: usize, const P: usize>(
         if let Some(output) = columns.output_of_state[state] {
             let mut unit = [0.0; N];
             unit[state] = 1.0;
-            slot.px.add_rank_one(allowance * noise_sd[output] * noise_sd[output], &unit);
+            slot.px.add_rank_one(allowance * noise_std[output] * noise_std[output], &unit);
         }
     }
 
@@ -85,12 +85,12 @@ pub(crate) fn reopen<const N: usize, const R: usize, const P: usize>(
     for state in 0..N {
         let mut y = [0.0; P];
         for i in 0..p {
-            y[i] = (0..p).map(|j| before[i][j] * slot.sensitivity[state][j] * columns.sd[j]).sum();
+            y[i] = (0..p).map(|j| before[i][j] * slot.sensitivity[state][j] * columns.std[j]).sum();
         }
         slot.c.solve(&mut y);
         for j in 0..p {
             slot.sensitivity[state][j] =
-                if columns.sd[j] > 0.0 { y[j] / columns.sd[j] } else { slot.sensitivity[state][j] };
+                if columns.std[j] > 0.0 { y[j] / columns.std[j] } else { slot.sensitivity[state][j] };
         }
     }
     slot.common.limited = [false; P];
@@ -100,11 +100,11 @@ pub(crate) fn reopen<const N: usize, const R: usize, const P: usize>(
 
 #[cfg(test)]
 mod tests {
-    use super::super::columns::Columns;
-    use super::super::common::Common;
     use super::super::separated::Separated;
-    use super::super::settings::ChangePrior;
     use super::{STATE_ALLOWANCE, reopen};
+    use crate::columns::Columns;
+    use crate::settings::ChangePrior;
+    use crate::supervisor::common::Common;
     use crate::ud::Ud;
     use rand::{RngExt, SeedableRng};
     use rand_pcg::Pcg64Mcg;
@@ -121,7 +121,7 @@ mod tests {
         slot.px.write_dense(&mut px);
         slot.c.write_dense(&mut c);
         // U C in raw units; the state block is Px + U C U^T.
-        let raw = |i: usize, j: usize| columns.sd[i] * c[i][j] * columns.sd[j];
+        let raw = |i: usize, j: usize| columns.std[i] * c[i][j] * columns.std[j];
         let uc = |state: usize, j: usize| (0..COLUMNS).map(|i| slot.sensitivity[state][i] * raw(i, j)).sum::<f64>();
         core::array::from_fn(|a| {
             core::array::from_fn(|b| match (a < N, b < N) {
@@ -144,7 +144,7 @@ mod tests {
                 count: COLUMNS,
                 own: 5,
                 initial: [0.0; P],
-                sd: core::array::from_fn(|j| if j < COLUMNS { 10_f64.powf(2.0 * uniform()) } else { 0.0 }),
+                std: core::array::from_fn(|j| if j < COLUMNS { 10_f64.powf(2.0 * uniform()) } else { 0.0 }),
                 clip_low: [f64::NEG_INFINITY; P],
                 clip_high: [f64::INFINITY; P],
                 change: [ChangePrior::None; P],
@@ -152,19 +152,19 @@ mod tests {
                 output_of_state: [Some(1), None, Some(0)],
             };
             // A fixed parameter among them.
-            columns.sd[1] = 0.0;
+            columns.std[1] = 0.0;
             let mut slot = Separated::<N, P> {
                 common: Common {
                     x: [0.0; N],
                     theta: [0.0; P],
                     noise_scale: 1.0,
                     noise_information: 0.0,
-                    colour: super::super::colour::Colour::new(),
+                    colour: crate::supervisor::colour::Colour::new(),
                     limited: [true; P],
                 },
                 sensitivity: core::array::from_fn(|_| {
                     core::array::from_fn(|j| {
-                        if j < COLUMNS && columns.sd[j] > 0.0 { uniform() / columns.sd[j] } else { 0.0 }
+                        if j < COLUMNS && columns.std[j] > 0.0 { uniform() / columns.std[j] } else { 0.0 }
                     })
                 }),
                 px: Ud::from_variances(&[0.3, 0.02, 0.1]),
@@ -177,20 +177,20 @@ mod tests {
                 let projection = slot.c.project(&row, 1.0);
                 slot.c.update(&projection, 1.0);
             }
-            let noise_sd = [0.05, 0.2];
+            let noise_std = [0.05, 0.2];
             let tested = [0, 2, 4];
             let mut change = [0.0; P];
             change[0] = 0.5;
             change[2] = 0.0; // a relative change prior of a parameter that is zero just now
             change[4] = 2.0;
             let before = joint(&slot, &columns);
-            assert!(reopen(&mut slot, &columns, &tested, &change, &noise_sd, STATE_ALLOWANCE));
+            assert!(reopen(&mut slot, &columns, &tested, &change, &noise_std, STATE_ALLOWANCE));
             let after = joint(&slot, &columns);
             let mut expected = before;
             expected[0][0] += 25.0 * 0.2 * 0.2;
             expected[2][2] += 25.0 * 0.05 * 0.05;
             for j in tested {
-                expected[N + j][N + j] += (change[j] * columns.sd[j]).powi(2);
+                expected[N + j][N + j] += (change[j] * columns.std[j]).powi(2);
             }
             for a in 0..J {
                 for b in 0..J {

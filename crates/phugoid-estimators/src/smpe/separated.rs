@@ -1,14 +1,15 @@
 //! The separated form (Friedland): state covariance given the parameters, sensitivity, parameter covariance, both
 //! covariances as `U D U^T`; with it the arithmetic of one sliding surface.
 
-use super::columns::Columns;
-use super::common::{Common, NoiseScore};
 use super::reopen;
-use super::settings::{ReachingState, SmpeError, SmpeSettings};
-use super::slot::{Innovations, RowPhase, ScoredRow, Slot};
+use crate::columns::Columns;
 use crate::discretization::{self, IntervalInput, Part};
+use crate::innovation::{Innovations, RowPhase, ScoredRow};
 use crate::kernels::{add_scaled, dot};
 use crate::model::{LinearizedOutputs, Model};
+use crate::settings::{EstimatorSettings, ReachingState, SettingsError};
+use crate::supervisor::common::{Common, NoiseScore};
+use crate::supervisor::slot::Slot;
 use crate::ud::Ud;
 
 #[derive(Clone, Copy, Debug)]
@@ -23,13 +24,13 @@ pub struct Separated<const N: usize, const P: usize> {
 }
 
 impl<const N: usize, const R: usize, const P: usize> Slot<N, R, P> for Separated<N, P> {
-    type Settings = SmpeSettings<N, R, P>;
+    type Settings = EstimatorSettings<N, R, P>;
 
-    fn shared(settings: &Self::Settings) -> &SmpeSettings<N, R, P> {
+    fn shared(settings: &Self::Settings) -> &EstimatorSettings<N, R, P> {
         settings
     }
 
-    fn check(_: &Self::Settings) -> Result<(), SmpeError> {
+    fn check(_: &Self::Settings) -> Result<(), SettingsError> {
         Ok(())
     }
 
@@ -59,7 +60,7 @@ impl<const N: usize, const R: usize, const P: usize> Slot<N, R, P> for Separated
     fn predict<M>(
         &mut self,
         model: &M,
-        settings: &SmpeSettings<N, R, P>,
+        settings: &EstimatorSettings<N, R, P>,
         columns: &Columns<N, R, P>,
         input: &IntervalInput<M::Input>,
         interval_s: f64,
@@ -105,7 +106,7 @@ impl<const N: usize, const R: usize, const P: usize> Slot<N, R, P> for Separated
     fn correct<M>(
         &mut self,
         model: &M,
-        settings: &SmpeSettings<N, R, P>,
+        settings: &EstimatorSettings<N, R, P>,
         columns: &Columns<N, R, P>,
         input: &M::Input,
         measured: &[f64; R],
@@ -130,10 +131,10 @@ impl<const N: usize, const R: usize, const P: usize> Slot<N, R, P> for Separated
         columns: &Columns<N, R, P>,
         tested: &[usize],
         change_over_prior: &[f64; P],
-        noise_sd: &[f64; R],
+        noise_std: &[f64; R],
         allowance: f64,
     ) -> bool {
-        reopen::reopen(self, columns, tested, change_over_prior, noise_sd, allowance)
+        reopen::reopen(self, columns, tested, change_over_prior, noise_std, allowance)
     }
 
     fn common(&self) -> &Common<N, P> {
@@ -171,7 +172,7 @@ impl<const N: usize, const P: usize> Separated<N, P> {
         &mut self,
         p: usize,
         model: &M,
-        settings: &SmpeSettings<N, R, P>,
+        settings: &EstimatorSettings<N, R, P>,
         columns: &Columns<N, R, P>,
         input: &M::Input,
         measured: &[f64; R],
@@ -193,7 +194,7 @@ impl<const N: usize, const P: usize> Separated<N, P> {
         let mut score = NoiseScore::ZERO;
         surface[..p].fill(0.0);
         for i in 0..R {
-            let sigma = settings.noise_sd[i];
+            let sigma = settings.noise_std[i];
             let bias = columns.bias_of_output[i];
             let predicted = lin.outputs[i] + bias.map_or(0.0, |column| self.common.theta[column]);
             innovations.predicted[i] = predicted;
@@ -228,8 +229,8 @@ impl<const N: usize, const P: usize> Separated<N, P> {
             let inverse_root = 1.0 / libm::sqrt(s);
             let inverse_s = inverse_root * inverse_root;
             let mut psi = [0.0; P];
-            for ((a, wj), sd) in psi[..p].iter_mut().zip(&w[..p]).zip(&columns.sd[..p]) {
-                *a = wj * sd * inverse_root;
+            for ((a, wj), std) in psi[..p].iter_mut().zip(&w[..p]).zip(&columns.std[..p]) {
+                *a = wj * std * inverse_root;
             }
             let e = residual * inverse_root;
             let projection = self.c.project(&psi, 1.0);
@@ -286,7 +287,7 @@ impl<const N: usize, const P: usize> Separated<N, P> {
             let full = xi / nn;
             let mut step = [0.0; P];
             for j in 0..p {
-                let direction = columns.sd[j] * c_psi[j];
+                let direction = columns.std[j] * c_psi[j];
                 step[j] = direction * phi;
                 surface[j] += direction * full;
                 dtheta[j] += step[j];

@@ -174,7 +174,7 @@ impl<const R: usize, const P: usize> VerdictMonitor<R, P> {
         }
         let [now, _] = &self.anchors;
         // A change that was adopted is no failure to settle: begin again.
-        let again = now.time_s.is_nan() || estimate.status.change == ChangeState::ReReached;
+        let again = now.time_s.is_nan() || estimate.status.change == ChangeState::Adopted;
         if again || estimate.time_s - now.time_s >= SETTLING_S {
             let anchor = Anchor {
                 time_s: estimate.time_s,
@@ -188,7 +188,7 @@ impl<const R: usize, const P: usize> VerdictMonitor<R, P> {
     /// The verdict on `estimate`, the last one that the estimator gave.
     pub fn verdict<E: Inspect<R, P>>(&self, estimate: &Estimate<P>, estimator: &E) -> Verdict<R, P> {
         let count = estimator.column_count().min(P);
-        let prior = estimator.prior_sd();
+        let prior = estimator.prior_std();
         let mut covariance = [[0.0; P]; P];
         estimator.covariance(&mut covariance);
         let collinearity = Collinearity::of(&covariance, count);

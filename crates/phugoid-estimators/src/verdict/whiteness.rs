@@ -1,6 +1,6 @@
 //! Are the residuals of an output what the model promises: white, and inside the gate?
 
-use crate::smpe::RowPhase;
+use crate::innovation::RowPhase;
 
 /// Memory of the statistics, s: time constant of their exponential forgetting.
 pub const MEMORY_S: f64 = 5.0;

@@ -7,7 +7,8 @@ use phugoid_estimators::fourier::{FourierRegression, FourierSettings};
 use phugoid_estimators::implicit_sign::ImplicitSign;
 use phugoid_estimators::regression::{MeasuredStates, RegressionSettings};
 use phugoid_estimators::rls::RecursiveLeastSquares;
-use phugoid_estimators::smpe::{Smpe, SmpeSettings};
+use phugoid_estimators::settings::EstimatorSettings;
+use phugoid_estimators::smpe::Smpe;
 use phugoid_estimators::super_twisting::SuperTwisting;
 
 use crate::synthetic::Synthetic;
@@ -23,7 +24,7 @@ pub trait Run<const R: usize, const P: usize> {
 pub fn with_method<const R: usize, const P: usize>(
     name: &str,
     model: Synthetic<P>,
-    settings: SmpeSettings<4, R, P>,
+    settings: EstimatorSettings<4, R, P>,
     mut what: impl Run<R, P>,
 ) {
     let states = MeasuredStates::<4>::new::<_, R, P>(&model);

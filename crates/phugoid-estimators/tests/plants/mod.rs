@@ -131,7 +131,7 @@ pub fn fly<M, const N: usize, const R: usize, const P: usize>(
     x0: [f64; N],
     theta: impl Fn(f64) -> [f64; P],
     input: impl Fn(f64) -> M::Input,
-    noise_sd: [f64; R],
+    noise_std: [f64; R],
     rng: &mut Pcg64Mcg,
 ) -> Vec<Sample<M::Input, R>>
 where
@@ -147,7 +147,7 @@ where
         }
         let mut lin = LinearizedOutputs::ZERO;
         model.linearized_outputs(&x, &theta(t), &input(t), &mut lin);
-        let outputs = core::array::from_fn(|i| lin.outputs[i] + noise_sd[i] * normal(rng));
+        let outputs = core::array::from_fn(|i| lin.outputs[i] + noise_std[i] * normal(rng));
         out.push(Sample { time_s: t, input: input(t), outputs });
     }
     out

@@ -2,7 +2,7 @@
 //! aircraft: coupled oscillators, each parameter with a regressor of its own.
 #![allow(dead_code, unreachable_pub)]
 
-use phugoid_estimators::smpe::ParameterPrior;
+use phugoid_estimators::settings::ParameterPrior;
 use phugoid_estimators::{LinearizedOutputs, LinearizedRates, Model, Sample};
 
 use crate::plants::{normal, seeded};

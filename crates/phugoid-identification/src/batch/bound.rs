@@ -99,9 +99,9 @@ fn information<const N: usize, const R: usize, const P: usize>(
     layout: &Layout<N, P>,
     unknowns: &[f64],
     rows: &[Rows<R>],
-    noise_sd: &[f64; R],
+    noise_std: &[f64; R],
 ) -> (DMatrix<f64>, DMatrix<f64>, Vec<Rows<R>>) {
-    let whitened: Vec<Rows<R>> = rows.iter().map(|r| r.clone().whitened(noise_sd)).collect();
+    let whitened: Vec<Rows<R>> = rows.iter().map(|r| r.clone().whitened(noise_std)).collect();
     let mut data = Evaluation::nothing(layout.places.len());
     whitened.iter().for_each(|r| data.add(r));
     let priors = Evaluation::of_priors(&layout.places, unknowns).information;

@@ -96,7 +96,7 @@ where
     let search = OptimiserSettings { step_tolerance: 1e-6, ..OptimiserSettings::default() };
     let noise = [Noise::Estimated; R];
     let minimum = relaxation::fit(&layout.places, layout.start(), &noise, &floor, &search, residuals)?;
-    let Fitted { rows, noise_sd } = &minimum.evaluation.detail;
+    let Fitted { rows, noise_std } = &minimum.evaluation.detail;
     let fit = summarise(&Summary {
         method: "equation-error",
         structure,
@@ -104,13 +104,13 @@ where
         layout: &layout,
         minimum: &minimum,
         rows,
-        noise_sd,
+        noise_std,
     })?;
     let name = |row: usize| match state_of::<M, I, N, R, P>(manoeuvres, row) {
         Some(state) => format!("d({})/dt", structure.states[state].name),
         None => structure.outputs[row].name.clone(),
     };
-    let equations = equations(rows, noise_sd, &layout.places, &minimum.unknowns, &fit, settings.f_to_enter, name);
+    let equations = equations(rows, noise_std, &layout.places, &minimum.unknowns, &fit, settings.f_to_enter, name);
     Ok(EquationErrorFit { fit, equations })
 }
 

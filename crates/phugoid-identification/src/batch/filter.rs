@@ -12,7 +12,7 @@ pub(crate) struct Tuning<const N: usize, const R: usize, const P: usize> {
     pub(crate) biases: [f64; R],
     pub(crate) initial_state: [f64; N],
     /// One sigma of the initial state.
-    pub(crate) initial_sd: [f64; N],
+    pub(crate) initial_std: [f64; N],
     /// Variances of the measurement noise.
     pub(crate) noise: [f64; R],
     /// Densities of the process noise: variance of each state per second.
@@ -57,7 +57,7 @@ where
     let samples = manoeuvre.time_s.len();
     let mut x = tuning.initial_state;
     let mut covariance: [[f64; N]; N] =
-        std::array::from_fn(|i| std::array::from_fn(|j| if i == j { tuning.initial_sd[i].powi(2) } else { 0.0 }));
+        std::array::from_fn(|i| std::array::from_fn(|j| if i == j { tuning.initial_std[i].powi(2) } else { 0.0 }));
     let mut lin = LinearizedOutputs::<N, R, P>::ZERO;
     let mut result = Innovations {
         predicted: Vec::with_capacity(samples),

@@ -79,7 +79,7 @@ where
     let used = Structure::used(manoeuvres);
     let noise = first_noise(manoeuvres, structure)?;
     let states = initial_states(manoeuvres, structure)?;
-    let initial_sd = initial_sd(manoeuvres, structure, &noise)?;
+    let initial_std = initial_std(manoeuvres, structure, &noise)?;
     let mut held = structure.clone();
     held.states.iter_mut().for_each(|s| s.free = false);
     let mut layout: Layout<N, P> = Layout::new(&held, manoeuvres, states);
@@ -90,8 +90,8 @@ where
             parameters: layout.parameters(unknowns),
             biases: layout.biases(index, unknowns),
             initial_state: layout.initial_state(index, unknowns),
-            initial_sd,
-            noise: noise.map(|sd| sd * sd),
+            initial_std,
+            noise: noise.map(|std| std * std),
             process_noise: process_noise.density,
             maximum_step_s: structure.maximum_step_s,
         };
@@ -112,7 +112,7 @@ where
     let first_step = |p: &Place| match p.kind {
         UnknownKind::Noise { .. } | UnknownKind::ProcessNoise { .. } => 1e-4,
         _ if p.start != 0.0 => FIRST_DIFFERENCE * p.start.abs(),
-        _ if p.prior_sd.is_finite() => FIRST_DIFFERENCE * p.prior_sd,
+        _ if p.prior_std.is_finite() => FIRST_DIFFERENCE * p.prior_std,
         _ => FIRST_DIFFERENCE,
     };
     let steps = RefCell::new(layout.places.iter().map(first_step).collect::<Vec<f64>>());
@@ -152,7 +152,7 @@ where
     let minimum =
         minimise(&layout.places, start, first, settings, |unknowns, below| evaluate(unknowns, below).ok().flatten())?;
     let found = tuning(0, &minimum.unknowns);
-    let noise_sd = std::array::from_fn(|i| if used[i] { found.noise[i].sqrt() } else { f64::NAN });
+    let noise_std = std::array::from_fn(|i| if used[i] { found.noise[i].sqrt() } else { f64::NAN });
     let mut fit = summarise(&Summary {
         method: "filter-error",
         structure,
@@ -160,7 +160,7 @@ where
         layout: &layout,
         minimum: &minimum,
         rows: &minimum.evaluation.detail.rows,
-        noise_sd: &noise_sd,
+        noise_std: &noise_std,
     })?;
     fit.process_noise = found.process_noise.to_vec();
     Ok(fit)
@@ -179,7 +179,7 @@ fn first_noise<M, I, const N: usize, const R: usize>(
     let mut noise = [1.0; R];
     for (i, channel) in structure.outputs.iter().enumerate().filter(|(i, _)| used[*i]) {
         noise[i] = match channel.noise {
-            Noise::Known(sd) => sd,
+            Noise::Known(std) => std,
             Noise::Estimated => manoeuvres
                 .iter()
                 .find_map(|m| measure_noise(&m.outputs.iter().map(|y| y[i]).collect::<Vec<f64>>()))
@@ -193,7 +193,7 @@ fn first_noise<M, I, const N: usize, const R: usize>(
     Ok(noise)
 }
 
-fn initial_sd<M, I, const N: usize, const R: usize, const P: usize>(
+fn initial_std<M, I, const N: usize, const R: usize, const P: usize>(
     manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
     structure: &Structure<N, R>,
     noise: &[f64; R],
@@ -202,16 +202,16 @@ where
     M: Model<N, R, P, Input = I>,
     I: Input,
 {
-    let mut initial_sd = [0.0; N];
-    for (i, sd) in initial_sd.iter_mut().enumerate().filter(|(i, _)| structure.states[*i].free) {
+    let mut initial_std = [0.0; N];
+    for (i, std) in initial_std.iter_mut().enumerate().filter(|(i, _)| structure.states[*i].free) {
         let measured = manoeuvres.first().and_then(|m| m.model.measuring_output(i)).map(|output| noise[output]);
-        *sd = INITIAL_SD
+        *std = INITIAL_SD
             * measured.ok_or_else(|| {
                 let name = &structure.states[i].name;
                 BatchError::BadInput(format!("nothing measures the state {name}: filter error needs its start, held"))
             })?;
     }
-    Ok(initial_sd)
+    Ok(initial_std)
 }
 
 /// Variances that are searched, by their logarithms.
@@ -225,7 +225,7 @@ fn variances<const N: usize, const R: usize>(
         kind,
         name,
         start: variance.ln(),
-        prior_sd: LOG_VARIANCE_SD,
+        prior_std: LOG_VARIANCE_SD,
         lower: variance.ln() - LOG_VARIANCE_RANGE,
         upper: variance.ln() + LOG_VARIANCE_RANGE,
     };

@@ -10,7 +10,7 @@ pub(crate) struct Place {
     pub(crate) name: String,
     pub(crate) start: f64,
     /// Infinite for none.
-    pub(crate) prior_sd: f64,
+    pub(crate) prior_std: f64,
     pub(crate) lower: f64,
     pub(crate) upper: f64,
 }
@@ -37,24 +37,24 @@ impl<const N: usize, const P: usize> Layout<N, P> {
         for (j, p) in structure.parameters.iter().enumerate().take(P) {
             parameters[j] = p.start;
             if !p.fixed {
-                let prior_sd = p.prior_sd.unwrap_or(f64::INFINITY);
+                let prior_std = p.prior_std.unwrap_or(f64::INFINITY);
                 let (name, kind) = (p.name.clone(), UnknownKind::Parameter { index: j });
-                places.push(Place { kind, name, start: p.start, prior_sd, lower: p.lower, upper: p.upper });
+                places.push(Place { kind, name, start: p.start, prior_std, lower: p.lower, upper: p.upper });
             }
         }
-        let unbounded = |kind, name, start, prior_sd| Place {
+        let unbounded = |kind, name, start, prior_std| Place {
             kind,
             name,
             start,
-            prior_sd,
+            prior_std,
             lower: f64::NEG_INFINITY,
             upper: f64::INFINITY,
         };
         let used = Structure::used(manoeuvres);
         for (i, channel) in structure.outputs.iter().enumerate().filter(|(i, _)| used[*i]) {
-            if let Bias::Shared(sd) = channel.bias {
+            if let Bias::Shared(std) = channel.bias {
                 let kind = UnknownKind::Bias { output: i, manoeuvre: None };
-                places.push(unbounded(kind, format!("bias of {}", channel.name), 0.0, sd));
+                places.push(unbounded(kind, format!("bias of {}", channel.name), 0.0, std));
             }
         }
         for (m, manoeuvre) in manoeuvres.iter().enumerate() {
@@ -64,11 +64,11 @@ impl<const N: usize, const P: usize> Layout<N, P> {
                 places.push(unbounded(kind, format!("initial {}{of}", state.name), states[m][i], f64::INFINITY));
             }
             for (i, channel) in structure.outputs.iter().enumerate() {
-                if let Bias::PerManoeuvre(sd) = channel.bias
+                if let Bias::PerManoeuvre(std) = channel.bias
                     && manoeuvre.outputs.iter().any(|y| y[i].is_finite())
                 {
                     let kind = UnknownKind::Bias { output: i, manoeuvre: Some(m) };
-                    places.push(unbounded(kind, format!("bias of {}{of}", channel.name), 0.0, sd));
+                    places.push(unbounded(kind, format!("bias of {}{of}", channel.name), 0.0, std));
                 }
             }
         }

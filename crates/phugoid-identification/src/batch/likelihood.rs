@@ -28,7 +28,7 @@ impl Evaluation<()> {
     pub(crate) fn of_priors(places: &[Place], unknowns: &[f64]) -> Self {
         let mut this = Self::nothing(places.len());
         for (j, (place, value)) in places.iter().zip(unknowns).enumerate() {
-            let weight = 1.0 / (place.prior_sd * place.prior_sd);
+            let weight = 1.0 / (place.prior_std * place.prior_std);
             let away = value - place.start;
             if weight > 0.0 {
                 this.cost += 0.5 * weight * away * away;

@@ -58,7 +58,7 @@ where
             _ => e,
         }
     })?;
-    let Fitted { rows, noise_sd } = &minimum.evaluation.detail;
+    let Fitted { rows, noise_std } = &minimum.evaluation.detail;
     let mut fit = summarise(&Summary {
         method: "output-error",
         structure,
@@ -66,7 +66,7 @@ where
         layout: &layout,
         minimum: &minimum,
         rows,
-        noise_sd,
+        noise_std,
     })?;
     for (m, r) in manoeuvres.iter().zip(rows).filter(|(_, r)| r.growth > GROWTH) {
         fit.notes.push(format!(

@@ -43,7 +43,7 @@ pub struct BatchParameter {
     /// Where the search starts; the value of a fixed one.
     pub start: f64,
     /// One sigma of what is known beforehand, about `start`; none: the data alone decide (maximum likelihood).
-    pub prior_sd: Option<f64>,
+    pub prior_std: Option<f64>,
     /// Lower bound; minus infinity for none.
     pub lower: f64,
     /// Upper bound; infinity for none.
@@ -56,7 +56,7 @@ impl BatchParameter {
     /// A free parameter without prior or bounds.
     pub fn free(name: impl Into<String>, start: f64) -> Self {
         let (lower, upper) = (f64::NEG_INFINITY, f64::INFINITY);
-        Self { name: name.into(), start, prior_sd: None, lower, upper, fixed: false }
+        Self { name: name.into(), start, prior_std: None, lower, upper, fixed: false }
     }
 }
 
@@ -170,7 +170,7 @@ impl<const N: usize, const R: usize> Structure<N, R> {
             if !inside {
                 return refuse(format!("{} starts at {}, outside [{}, {}]", p.name, p.start, p.lower, p.upper));
             }
-            if p.prior_sd.is_some_and(|sd| !(sd > 0.0 && sd.is_finite())) {
+            if p.prior_std.is_some_and(|std| !(std > 0.0 && std.is_finite())) {
                 return refuse(format!("the prior of {} must be positive and finite, or none", p.name));
             }
         }
@@ -179,13 +179,13 @@ impl<const N: usize, const R: usize> Structure<N, R> {
             return refuse("no output has a value in any manoeuvre".to_owned());
         }
         for (channel, _) in self.outputs.iter().zip(used).filter(|(_, used)| *used) {
-            if let Noise::Known(sd) = channel.noise
-                && !(sd > 0.0 && sd.is_finite())
+            if let Noise::Known(std) = channel.noise
+                && !(std > 0.0 && std.is_finite())
             {
-                return refuse(format!("the noise of {} is {sd}: one sigma must be positive", channel.name));
+                return refuse(format!("the noise of {} is {std}: one sigma must be positive", channel.name));
             }
-            if let Bias::Shared(sd) | Bias::PerManoeuvre(sd) = channel.bias
-                && (sd.is_nan() || sd <= 0.0)
+            if let Bias::Shared(std) | Bias::PerManoeuvre(std) = channel.bias
+                && (std.is_nan() || std <= 0.0)
             {
                 return refuse(format!("the prior of the bias of {} must be positive", channel.name));
             }

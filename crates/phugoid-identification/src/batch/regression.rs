@@ -18,7 +18,7 @@ pub struct Equation {
     /// residual variance. What is known of the left side (tables, fixed terms) is taken off before.
     pub r_squared: f64,
     /// Standard deviation of the residual of each left side, its unit.
-    pub residual_sd: Vec<f64>,
+    pub residual_std: Vec<f64>,
     /// Terms in the order in which stepwise regression takes them in: each time the one that helps most.
     pub terms: Vec<Term>,
 }
@@ -46,7 +46,7 @@ pub struct Term {
 /// forward selection by partial F, and the F of each term in the whole equation).
 pub(crate) fn equations<const R: usize>(
     rows: &[Rows<R>],
-    noise_sd: &[f64; R],
+    noise_std: &[f64; R],
     places: &[Place],
     unknowns: &[f64],
     fit: &BatchFit,
@@ -62,7 +62,7 @@ pub(crate) fn equations<const R: usize>(
                 left_sides: outputs.iter().map(|&i| name(i)).collect(),
                 samples: sums.count as usize,
                 r_squared: sums.r_squared(&(0..columns.len()).collect::<Vec<_>>()),
-                residual_sd: outputs.iter().map(|&i| noise_sd[i]).collect(),
+                residual_std: outputs.iter().map(|&i| noise_std[i]).collect(),
                 terms: terms(&sums, columns, fit, f_to_enter),
             }
         })

@@ -11,7 +11,7 @@ use super::response::Rows;
 pub(crate) struct Fitted<const R: usize> {
     /// Divided by one sigma.
     pub(crate) rows: Vec<Rows<R>>,
-    pub(crate) noise_sd: [f64; R],
+    pub(crate) noise_std: [f64; R],
 }
 
 /// Minimises `sum_i [ N_i ln sd_i + 1/2 sum_k e_i(k)^2 / sd_i^2 ]` and the priors. An unknown `sd_i` is at its optimum for
@@ -27,11 +27,11 @@ pub(crate) fn fit<const R: usize>(
 ) -> Result<Minimum<Fitted<R>>, BatchError> {
     let evaluate = |unknowns: &[f64]| -> Result<Evaluation<Fitted<R>>, BatchError> {
         let rows = residuals(unknowns)?;
-        let (noise_sd, cost) = levels(noise, &rows, floor);
-        let rows: Vec<Rows<R>> = rows.into_iter().map(|r| r.whitened(&noise_sd)).collect();
+        let (noise_std, cost) = levels(noise, &rows, floor);
+        let rows: Vec<Rows<R>> = rows.into_iter().map(|r| r.whitened(&noise_std)).collect();
         let mut evaluation = Evaluation::of_priors(places, unknowns);
         rows.iter().for_each(|r| evaluation.add(r));
-        Ok(evaluation.with(cost, Fitted { rows, noise_sd }))
+        Ok(evaluation.with(cost, Fitted { rows, noise_std }))
     };
     let first = evaluate(&start)?;
     minimise(places, start, first, settings, |unknowns, _| evaluate(unknowns).ok())
@@ -50,18 +50,18 @@ pub(crate) fn noise_floor<M, I, const N: usize, const R: usize>(manoeuvres: &[Ma
 /// One sigma of each output, NaN where it has no values, and the cost of the residuals.
 pub(crate) fn levels<const R: usize>(noise: &[Noise; R], rows: &[Rows<R>], floor: &[f64; R]) -> ([f64; R], f64) {
     let mut cost = 0.0;
-    let noise_sd = std::array::from_fn(|i| {
+    let noise_std = std::array::from_fn(|i| {
         let errors = rows.iter().flat_map(|r| r.residuals.iter().map(move |e| e[i])).filter(|e| e.is_finite());
         let (count, sum) = errors.fold((0.0_f64, 0.0), |(n, s), e| (n + 1.0, s + e * e));
         if count == 0.0 {
             return f64::NAN;
         }
-        let sd = match noise[i] {
-            Noise::Known(sd) => sd,
+        let std = match noise[i] {
+            Noise::Known(std) => std,
             Noise::Estimated => (sum / count).sqrt().max(floor[i]),
         };
-        cost += count * sd.ln() + 0.5 * sum / (sd * sd);
-        sd
+        cost += count * std.ln() + 0.5 * sum / (std * std);
+        std
     });
-    (noise_sd, cost)
+    (noise_std, cost)
 }

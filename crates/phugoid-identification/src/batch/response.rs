@@ -31,14 +31,14 @@ impl<const R: usize> Rows<R> {
     }
 
     /// Residuals and sensitivities divided by one sigma of each output; an output without noise is left out.
-    pub(crate) fn whitened(mut self, noise_sd: &[f64; R]) -> Self {
+    pub(crate) fn whitened(mut self, noise_std: &[f64; R]) -> Self {
         let width = self.columns.len();
         for (k, residuals) in self.residuals.iter_mut().enumerate() {
             for (i, residual) in residuals.iter_mut().enumerate() {
-                *residual /= noise_sd[i];
+                *residual /= noise_std[i];
                 let from = (k * R + i) * width;
                 for value in &mut self.sensitivities[from..from + width] {
-                    *value /= noise_sd[i];
+                    *value /= noise_std[i];
                 }
             }
         }

@@ -96,7 +96,7 @@ pub struct BatchFit {
     /// Covariance of the unknowns from the information.
     pub covariance: Vec<Vec<f64>>,
     /// One sigma of the noise by output, given or estimated; NaN for an output without values.
-    pub noise_sd: Vec<f64>,
+    pub noise_std: Vec<f64>,
     /// Variance gained by each state per second, given or estimated; empty where the method knows none.
     pub process_noise: Vec<f64>,
     /// From the start to the minimum.

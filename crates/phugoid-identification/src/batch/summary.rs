@@ -22,7 +22,7 @@ pub(crate) struct Summary<'a, T, M, I, const N: usize, const R: usize, const P: 
     pub(crate) minimum: &'a Minimum<T>,
     /// Divided by one sigma, one per manoeuvre.
     pub(crate) rows: &'a [Rows<R>],
-    pub(crate) noise_sd: &'a [f64; R],
+    pub(crate) noise_std: &'a [f64; R],
 }
 
 pub(crate) fn summarise<T, M, I, const N: usize, const R: usize, const P: usize>(
@@ -62,7 +62,7 @@ pub(crate) fn summarise<T, M, I, const N: usize, const R: usize, const P: usize>
         parameters: s.layout.parameters(&s.minimum.unknowns)[..count].to_vec(),
         unknowns,
         covariance: (0..n).map(|i| (0..n).map(|j| scales[i] * claimed[(i, j)] * scales[j]).collect()).collect(),
-        noise_sd: s.noise_sd.to_vec(),
+        noise_std: s.noise_std.to_vec(),
         process_noise: Vec::new(),
         iterations: s.minimum.iterations.clone(),
         manoeuvres,
@@ -74,8 +74,8 @@ pub(crate) fn summarise<T, M, I, const N: usize, const R: usize, const P: usize>
 fn natural(kind: UnknownKind, searched: f64) -> (f64, f64) {
     match kind {
         UnknownKind::Noise { .. } => {
-            let sd = (0.5 * searched).exp();
-            (sd, 0.5 * sd)
+            let std = (0.5 * searched).exp();
+            (std, 0.5 * std)
         }
         UnknownKind::ProcessNoise { .. } => (searched.exp(), searched.exp()),
         _ => (searched, 1.0),

@@ -88,8 +88,8 @@ impl Flight<'_> {
             self.model.linearized_outputs(&x, &theta, &self.inputs[k], &mut lin);
             let (mut information, mut direct) =
                 (DMatrix::zeros(fit.unknowns.len(), STATES), DMatrix::zeros(fit.unknowns.len(), SENSORS));
-            for i in (0..OUTPUTS).filter(|&i| self.outputs[k][i].is_finite() && fit.noise_sd[i] > 0.0) {
-                let weight = fit.noise_sd[i].powi(-2);
+            for i in (0..OUTPUTS).filter(|&i| self.outputs[k][i].is_finite() && fit.noise_std[i] > 0.0) {
+                let weight = fit.noise_std[i].powi(-2);
                 let h = SMatrix::<f64, 1, STATES>::from_row_slice(&lin.state_jacobian[i]);
                 let (by_start, by_theta) = (h * phi, h * by_parameter);
                 for (row, unknown) in fit.unknowns.iter().enumerate() {

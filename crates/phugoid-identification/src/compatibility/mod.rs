@@ -149,7 +149,7 @@ pub fn compatibility(record: &Record, options: &CompatibilityOptions) -> Result<
                 _ => 0.0,
             };
             let free = BatchParameter::free(spec.name, start);
-            BatchParameter { prior_sd: Some(spec.prior_sd), fixed: !wanted(spec), ..free }
+            BatchParameter { prior_std: Some(spec.prior_std), fixed: !wanted(spec), ..free }
         })
         .collect();
     // What nothing measures and nothing moves stays where it starts.
@@ -202,10 +202,10 @@ pub fn compatibility(record: &Record, options: &CompatibilityOptions) -> Result<
         .filter_map(|(i, unknown)| {
             let UnknownKind::Parameter { index } = unknown.kind else { return None };
             let spec = &UNKNOWNS[index];
-            let std_error = unknown.corrected_std_error.hypot(by_input_noise[(i, i)].sqrt()).min(spec.prior_sd);
+            let std_error = unknown.corrected_std_error.hypot(by_input_noise[(i, i)].sqrt()).min(spec.prior_std);
             let significance = unknown.value.abs() / std_error;
             let verdict = match significance {
-                _ if std_error > 0.7 * spec.prior_sd => SensorVerdict::NotIdentifiable,
+                _ if std_error > 0.7 * spec.prior_std => SensorVerdict::NotIdentifiable,
                 s if s > 2.0 => SensorVerdict::Significant,
                 _ => SensorVerdict::None,
             };
@@ -214,7 +214,7 @@ pub fn compatibility(record: &Record, options: &CompatibilityOptions) -> Result<
                 unit: spec.unit.to_owned(),
                 value: unknown.value,
                 std_error,
-                prior_std: spec.prior_sd,
+                prior_std: spec.prior_std,
                 significance,
                 verdict,
             })

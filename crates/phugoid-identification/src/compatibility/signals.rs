@@ -112,8 +112,8 @@ const LEAST_NOISE: [f64; OUTPUTS] = [0.02, 2e-4, 2e-4, 2e-4, 2e-4, 2e-4, 0.3, 0.
 pub(super) fn noise(outputs: &[[f64; OUTPUTS]], output: usize) -> Noise {
     let values: Vec<f64> = outputs.iter().map(|y| y[output]).collect();
     let mut scratch = vec![0.0; values.len()];
-    match phugoid_estimators::noise::third_difference_sd(&values, &mut scratch) {
-        Some(sd) if sd < LEAST_NOISE[output] => Noise::Known(LEAST_NOISE[output]),
+    match phugoid_estimators::noise::third_difference_std(&values, &mut scratch) {
+        Some(std) if std < LEAST_NOISE[output] => Noise::Known(LEAST_NOISE[output]),
         _ => Noise::Estimated,
     }
 }

@@ -31,7 +31,7 @@ pub struct InputSkew {
 pub fn input_skew(record: &Record, model: &ModelFile, channel: &str) -> Result<InputSkew, EstimateError> {
     const HALVES: i32 = 6;
     let step = 0.5 * record.sample_time_s();
-    let options = EstimateOptions { re_reaching: Some(false), ..EstimateOptions::default() };
+    let options = EstimateOptions { change_detection: Some(false), ..EstimateOptions::default() };
     let mut tried = Vec::new();
     for k in -HALVES..=HALVES {
         let delay = f64::from(k) * step;

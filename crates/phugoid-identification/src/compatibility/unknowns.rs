@@ -42,13 +42,13 @@ pub(super) struct Spec {
     pub(super) group: Group,
     /// One sigma of what is expected of an ordinary installation: this project's choice, wide on purpose. Where the data do not
     /// say more, the result is this.
-    pub(super) prior_sd: f64,
+    pub(super) prior_std: f64,
     /// Channel without which it has no meaning.
     pub(super) channel: &'static str,
 }
 
-const fn spec(name: &'static str, unit: &'static str, group: Group, prior_sd: f64, channel: &'static str) -> Spec {
-    Spec { name, unit, group, prior_sd, channel }
+const fn spec(name: &'static str, unit: &'static str, group: Group, prior_std: f64, channel: &'static str) -> Spec {
+    Spec { name, unit, group, prior_std, channel }
 }
 
 const DEGREE: f64 = std::f64::consts::PI / 180.0;

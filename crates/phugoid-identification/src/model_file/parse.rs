@@ -15,12 +15,15 @@ use self::parameters::parameters;
 use super::expected::expected;
 use super::section::{Section, Source as Text};
 use super::{
-    AirDensity, Base, EstimatorSettings, InputHold, ModelFile, ModelFileError, RateSpeed, Reference, ReferenceValue,
+    AirDensity, Base, EstimatorTuning, InputHold, ModelFile, ModelFileError, RateSpeed, Reference, ReferenceValue,
     Role, Source, Thrust,
 };
 use crate::axes::Axes;
 use crate::method::Method;
 use crate::term::{EXTRA_INPUTS, Variable};
+
+/// The name that `change_detection` had until version 0.1.
+const FORMER_CHANGE_DETECTION: &str = "re_reaching";
 
 const TOP_KEYS: [&str; 18] = [
     "name",
@@ -38,7 +41,7 @@ const TOP_KEYS: [&str; 18] = [
     "reference",
     "process_noise",
     "biases",
-    "re_reaching",
+    "change_detection",
     "expected",
     "estimator",
 ];
@@ -59,7 +62,9 @@ pub(super) fn parse(file: &str, text: &str) -> Result<ModelFile, ModelFileError>
         source.error(error.span().unwrap_or(0..0), "", message)
     })?;
     let top = Section { source: &source, path: String::new(), table: document.get_ref(), span: 0..0 };
-    top.allow("key", TOP_KEYS.iter().copied())?;
+    let former = top.get(FORMER_CHANGE_DETECTION).is_some();
+    top.allow_also("key", TOP_KEYS.iter().copied(), &[FORMER_CHANGE_DETECTION])?;
+    let (change_detection, notes) = change_detection(&top, former)?;
     let axes = axes(&top)?;
 
     let base = match top.word("base", &["none", "f16"])? {
@@ -93,12 +98,26 @@ pub(super) fn parse(file: &str, text: &str) -> Result<ModelFile, ModelFileError>
         process_noise: process_noise(&top, axes)?,
         estimator: estimator(&top)?,
         input,
-        re_reaching: top.boolean("re_reaching")?.unwrap_or(true),
+        change_detection,
+        notes,
         aircraft,
         extra_inputs,
     };
     check_reference_speed(&top, &model)?;
     Ok(model)
+}
+
+/// Whether changes are looked for, and a note if the file says so with the former word.
+fn change_detection(top: &Section, former: bool) -> Result<(bool, Vec<String>), ModelFileError> {
+    if !former {
+        return Ok((top.boolean("change_detection")?.unwrap_or(true), Vec::new()));
+    }
+    if top.get("change_detection").is_some() {
+        let message = "`re_reaching` is the former name of `change_detection`: give one of the two";
+        return Err(top.error(FORMER_CHANGE_DETECTION, message));
+    }
+    let note = format!("{}: `re_reaching` is called `change_detection` now; it was read as that", top.source.file);
+    Ok((top.boolean(FORMER_CHANGE_DETECTION)?.unwrap_or(true), vec![note]))
 }
 
 fn axes(top: &Section) -> Result<Axes, ModelFileError> {
@@ -174,8 +193,8 @@ fn other_axes(axes: Axes) -> String {
     format!("write axes = [\"longitudinal\", \"lateral\"] for both (the file has {}), or take it out", written(axes))
 }
 
-fn estimator(top: &Section) -> Result<EstimatorSettings, ModelFileError> {
-    let Some(section) = top.section("estimator")? else { return Ok(EstimatorSettings::default()) };
+fn estimator(top: &Section) -> Result<EstimatorTuning, ModelFileError> {
+    let Some(section) = top.section("estimator")? else { return Ok(EstimatorTuning::default()) };
     section.allow("key", ESTIMATOR_KEYS.iter().copied())?;
     let not_negative = |key: &str, dimension: Dimension| match section.number(key, dimension)? {
         Some(v) if v < 0.0 => Err(section.error(key, format!("`{key}` is {v}: expected zero or more"))),
@@ -189,7 +208,7 @@ fn estimator(top: &Section) -> Result<EstimatorSettings, ModelFileError> {
         })?,
         None => Method::default(),
     };
-    Ok(EstimatorSettings {
+    Ok(EstimatorTuning {
         method,
         reaching_limit: section.positive("reaching_limit", Dimension::NUMBER)?,
         rejection_scale: section.positive("rejection_scale", Dimension::NUMBER)?.unwrap_or(1.0),

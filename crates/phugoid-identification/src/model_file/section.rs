@@ -72,8 +72,18 @@ impl<'a> Section<'a> {
         what: &str,
         allowed: impl Iterator<Item = &'b str> + Clone,
     ) -> Result<(), ModelFileError> {
+        self.allow_also(what, allowed, &[])
+    }
+
+    /// The same, with former names of keys that are still read but no longer proposed.
+    pub(super) fn allow_also<'b>(
+        &self,
+        what: &str,
+        allowed: impl Iterator<Item = &'b str> + Clone,
+        former: &[&str],
+    ) -> Result<(), ModelFileError> {
         for (key, span) in self.keys() {
-            if !allowed.clone().any(|a| a == key) {
+            if !former.contains(&key) && !allowed.clone().any(|a| a == key) {
                 let message = format!("unknown {what} `{key}` {}{}", self.place(), did_you_mean(key, allowed.clone()));
                 let mut error = self.source.error(span, &self.dotted(key), message);
                 error.nearest = nearest(key, allowed.clone()).map(Into::into);

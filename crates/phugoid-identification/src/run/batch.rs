@@ -116,8 +116,8 @@ pub(super) fn structure<M: MotionModel<N, R, P>, const N: usize, const R: usize,
     let parameters = file.estimated().filter(|p| !matches!(p.role, Role::Bias(_)));
     let parameters = parameters.map(|p| {
         let [lower, upper] = p.bounds.unwrap_or([lowest, highest]);
-        let prior_sd = (p.is_nuisance() && p.prior_std.is_finite()).then_some(p.prior_std);
-        BatchParameter { prior_sd, lower, upper, ..BatchParameter::free(p.name.as_str(), p.start) }
+        let prior_std = (p.is_nuisance() && p.prior_std.is_finite()).then_some(p.prior_std);
+        BatchParameter { prior_std, lower, upper, ..BatchParameter::free(p.name.as_str(), p.start) }
     });
     let bias = |row: usize| {
         let of = |p: &&Parameter| matches!(p.role, Role::Bias(output) if M::AXES.row(output) == Some(row));
@@ -280,9 +280,9 @@ fn covariance<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: 
 ) -> Vec<Vec<f64>> {
     let places: Vec<(Option<usize>, f64)> =
         task.file.estimated().map(|p| (position::<M, N, R, P>(p, fit), p.prior_std)).collect();
-    let entry = |(a, sd): (Option<usize>, f64), (b, _): (Option<usize>, f64), same: bool| match (a, b) {
+    let entry = |(a, std): (Option<usize>, f64), (b, _): (Option<usize>, f64), same: bool| match (a, b) {
         (Some(a), Some(b)) => fit.covariance[a][b],
-        _ if same => sd * sd,
+        _ if same => std * std,
         _ => 0.0,
     };
     places
@@ -315,7 +315,7 @@ fn report(fit: &BatchFit, equations: Vec<Equation>, prediction: Option<Predictio
     BatchReport {
         iterations: fit.iterations.len().saturating_sub(1),
         cost: fit.iterations.last().map_or(f64::NAN, |i| i.cost),
-        noise_sd: fit.noise_sd.clone(),
+        noise_std: fit.noise_std.clone(),
         unknowns: fit.unknowns.iter().filter(|u| beside(u.kind)).cloned().collect(),
         manoeuvres: fit.manoeuvres.iter().map(|m| (m.name.clone(), m.outputs.clone())).collect(),
         equations,

@@ -1,6 +1,6 @@
 //! A causal method over a record: sample by sample, no estimate uses a later sample.
 
-use phugoid_estimators::smpe::SmpeSettings;
+use phugoid_estimators::settings::EstimatorSettings;
 use phugoid_estimators::{Estimate, Inspect, ParameterStatus, Phase, Sample, Status};
 
 use super::readiness::ColumnVerdict;
@@ -24,7 +24,7 @@ pub(crate) trait Causal {
     /// [`EstimateError::Model`] if the settings are refused.
     fn set_up<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize>(
         model: M,
-        settings: &SmpeSettings<N, R, P>,
+        settings: &EstimatorSettings<N, R, P>,
         file: &ModelFile,
     ) -> Result<Self::Estimator<M, N, R, P>, EstimateError>;
 }

@@ -1,7 +1,8 @@
 //! Methods that carry state and parameters together.
 
 use phugoid_estimators::ekf::{EkfSettings, JointEkf};
-use phugoid_estimators::smpe::{Smpe, SmpeSettings};
+use phugoid_estimators::settings::EstimatorSettings;
+use phugoid_estimators::smpe::Smpe;
 
 use super::causal::Causal;
 use crate::error::EstimateError;
@@ -16,7 +17,7 @@ impl Causal for SlidingMode {
 
     fn set_up<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize>(
         model: M,
-        settings: &SmpeSettings<N, R, P>,
+        settings: &EstimatorSettings<N, R, P>,
         _file: &ModelFile,
     ) -> Result<Self::Estimator<M, N, R, P>, EstimateError> {
         Smpe::new(model, *settings).map_err(|e| EstimateError::Model(e.to_string()))
@@ -31,7 +32,7 @@ impl Causal for ExtendedKalman {
 
     fn set_up<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize>(
         model: M,
-        settings: &SmpeSettings<N, R, P>,
+        settings: &EstimatorSettings<N, R, P>,
         _file: &ModelFile,
     ) -> Result<Self::Estimator<M, N, R, P>, EstimateError> {
         JointEkf::new(model, EkfSettings::new(*settings)).map_err(|e| EstimateError::Model(e.to_string()))

@@ -92,7 +92,7 @@ fn predict_of<M: EveryRoom<N, R> + MotionModel<N, R, P>, const N: usize, const R
     }
     let own = || model.estimated().filter(|p| !matches!(p.role, Role::Bias(_)));
     for (parameter, of) in structure.parameters.iter_mut().zip(own()) {
-        parameter.prior_sd = Some(of.prior_std).filter(|sd| sd.is_finite());
+        parameter.prior_std = Some(of.prior_std).filter(|std| std.is_finite());
     }
     let manoeuvres: Vec<Manoeuvre<'_, M, M::KnownInput, N, R>> = records
         .iter()

@@ -5,7 +5,7 @@ use phugoid_estimators::fourier::{FourierRegression, FourierSettings};
 use phugoid_estimators::implicit_sign::ImplicitSign;
 use phugoid_estimators::regression::RegressionSettings;
 use phugoid_estimators::rls::RecursiveLeastSquares;
-use phugoid_estimators::smpe::{SmpeError, SmpeSettings};
+use phugoid_estimators::settings::{EstimatorSettings, SettingsError};
 use phugoid_estimators::super_twisting::SuperTwisting;
 
 use super::causal::Causal;
@@ -17,7 +17,7 @@ use crate::motion::MotionModel;
 /// Half ranges per second that the implicit sign moves a parameter at most.
 const REACHING_RATE: f64 = 2.0;
 
-fn refused(error: SmpeError) -> EstimateError {
+fn refused(error: SettingsError) -> EstimateError {
     EstimateError::Model(error.to_string())
 }
 
@@ -30,7 +30,7 @@ impl Causal for LeastSquares {
 
     fn set_up<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize>(
         model: M,
-        settings: &SmpeSettings<N, R, P>,
+        settings: &EstimatorSettings<N, R, P>,
         file: &ModelFile,
     ) -> Result<Self::Estimator<M, N, R, P>, EstimateError> {
         let states = KinematicFrontEnd::<M, N, R>::new(file.aircraft.gravity, settings);
@@ -47,7 +47,7 @@ impl Causal for Fourier {
 
     fn set_up<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize>(
         model: M,
-        settings: &SmpeSettings<N, R, P>,
+        settings: &EstimatorSettings<N, R, P>,
         file: &ModelFile,
     ) -> Result<Self::Estimator<M, N, R, P>, EstimateError> {
         let states = KinematicFrontEnd::<M, N, R>::new(file.aircraft.gravity, settings);
@@ -63,11 +63,11 @@ impl Causal for ByModelReference {
 
     fn set_up<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize>(
         model: M,
-        settings: &SmpeSettings<N, R, P>,
+        settings: &EstimatorSettings<N, R, P>,
         _file: &ModelFile,
     ) -> Result<Self::Estimator<M, N, R, P>, EstimateError> {
         AdaptiveModel::new(model, settings).map_err(|error| match error {
-            SmpeError::NoOutput => EstimateError::Model(
+            SettingsError::NoOutput => EstimateError::Model(
                 "model-reference needs a measurement with a noise level for every state of the motion".to_owned(),
             ),
             other => refused(other),
@@ -84,7 +84,7 @@ impl Causal for BySign {
 
     fn set_up<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize>(
         model: M,
-        settings: &SmpeSettings<N, R, P>,
+        settings: &EstimatorSettings<N, R, P>,
         file: &ModelFile,
     ) -> Result<Self::Estimator<M, N, R, P>, EstimateError> {
         let states = KinematicFrontEnd::<M, N, R>::new(file.aircraft.gravity, settings);
@@ -101,7 +101,7 @@ impl Causal for BySuperTwisting {
 
     fn set_up<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize>(
         model: M,
-        settings: &SmpeSettings<N, R, P>,
+        settings: &EstimatorSettings<N, R, P>,
         file: &ModelFile,
     ) -> Result<Self::Estimator<M, N, R, P>, EstimateError> {
         let states = KinematicFrontEnd::<M, N, R>::new(file.aircraft.gravity, settings);

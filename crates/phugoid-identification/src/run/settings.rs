@@ -1,8 +1,8 @@
 //! What the model file and the record say to every method: priors, noise, biases, sample time, process noise.
 
 use phugoid_estimators::discretization::InputHold;
-use phugoid_estimators::smpe::{
-    ChangeDetection, ChangePrior, NoiseAdaptation, ParameterPrior, ProcessNoise, ReReaching, SmpeSettings,
+use phugoid_estimators::settings::{
+    ChangeDetection, ChangePrior, EstimatorSettings, NoiseAdaptation, ParameterPrior, ProcessNoise,
 };
 
 use crate::error::EstimateError;
@@ -23,16 +23,16 @@ pub(super) fn shared_settings<M: Motion<N, R>, const N: usize, const R: usize, c
     file: &ModelFile,
     options: &EstimateOptions,
     noise: &[NoiseLevel; R],
-) -> Result<SmpeSettings<N, R, P>, EstimateError> {
+) -> Result<EstimatorSettings<N, R, P>, EstimateError> {
     let own = file.estimated().filter(|p| !matches!(p.role, Role::Bias(_)));
     let tuned = &file.estimator;
     let priors: Vec<ParameterPrior> = own
         .map(|p| {
             let prior = prior(p, file.base);
-            ParameterPrior { sd: prior.sd * if p.is_nuisance() { 1.0 } else { tuned.prior_scale }, ..prior }
+            ParameterPrior { std: prior.std * if p.is_nuisance() { 1.0 } else { tuned.prior_scale }, ..prior }
         })
         .collect();
-    let mut settings = SmpeSettings::automatic(&priors, noise.map(|n| n.std), sample_time(&prepared.time))
+    let mut settings = EstimatorSettings::automatic(&priors, noise.map(|n| n.std), sample_time(&prepared.time))
         .map_err(|e| EstimateError::Model(e.to_string()))?;
     // The input knows itself what is held (`Known::controls_held`).
     settings.input_hold = InputHold::Linear;
@@ -60,13 +60,10 @@ pub(super) fn shared_settings<M: Motion<N, R>, const N: usize, const R: usize, c
     }
     let unmeasured = states.iter().enumerate().filter(|(_, state)| !file.outputs[state.index()]);
     for (i, state) in unmeasured.take(N) {
-        [settings.initial_state[i], settings.initial_state_sd[i]] = unmeasured_start(*state, prepared, file);
+        [settings.initial_state[i], settings.initial_state_std[i]] = unmeasured_start(*state, prepared, file);
     }
-    settings.re_reaching = if options.re_reaching.unwrap_or(file.re_reaching) {
-        ReReaching::Safe(ChangeDetection::default())
-    } else {
-        ReReaching::Off
-    };
+    settings.change_detection =
+        if options.change_detection.unwrap_or(file.change_detection) { Some(ChangeDetection::default()) } else { None };
     Ok(settings)
 }
 
@@ -98,14 +95,14 @@ fn unmeasured_start<M: Motion<N, R>, const N: usize, const R: usize>(
 fn prior(parameter: &Parameter, base: Base) -> ParameterPrior {
     let [lower, upper] = parameter.bounds.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
     let quarter = 0.25 * (upper - lower);
-    let change_sd = match (parameter.change_std, base) {
+    let change_std = match (parameter.change_std, base) {
         _ if parameter.is_nuisance() => ChangePrior::None,
         (Some(std), _) => ChangePrior::Fixed(std),
         (None, Base::F16) => ChangePrior::Fixed(quarter.min(parameter.prior_std)),
         // In absolute form a sudden change is of the order of half the parameter, not of the start prior.
         (None, Base::None) => ChangePrior::Relative { fraction: 0.5, maximum: quarter },
     };
-    ParameterPrior { initial: parameter.start, sd: parameter.prior_std, lower, upper, change_sd }
+    ParameterPrior { initial: parameter.start, std: parameter.prior_std, lower, upper, change_std }
 }
 
 /// Median of the first fifty intervals, s: later ones must not change what was estimated before them.

@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use phugoid_estimators::smpe::SmpeSettings;
+use phugoid_estimators::settings::EstimatorSettings;
 use phugoid_estimators::{ChangeState, Estimate, Estimator, Inspect, ParameterStatus, Sample};
 
 use super::Task;
@@ -24,7 +24,7 @@ const LEAD_S: f64 = 1.0;
 /// A causal method with what stands around it: the first motion, known changes, events, verdicts, the health monitor.
 pub(crate) struct Stepper<C: Causal, M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> {
     file: ModelFile,
-    settings: SmpeSettings<N, R, P>,
+    settings: EstimatorSettings<N, R, P>,
     gated: Gated<M>,
     /// On the heap: with room for 48 columns an estimator is too large for the stack of a thread.
     estimator: Box<C::Estimator<Gated<M>, N, R, P>>,
@@ -105,9 +105,9 @@ impl<C: Causal, M: MotionModel<N, R, P>, const N: usize, const R: usize, const P
             }
         }
         if self.waiting {
-            estimate = unmoved(estimate, &self.settings, self.estimator.column_count(), self.estimator.prior_sd());
+            estimate = unmoved(estimate, &self.settings, self.estimator.column_count(), self.estimator.prior_std());
         } else {
-            still(&mut estimate, &self.settings, &self.gated, self.moved, self.estimator.prior_sd());
+            still(&mut estimate, &self.settings, &self.gated, self.moved, self.estimator.prior_std());
             self.readiness.look(&estimate, &*self.estimator);
         }
         if let Some(monitoring) = &mut self.monitoring {
@@ -151,8 +151,8 @@ impl<C: Causal, M: MotionModel<N, R, P>, const N: usize, const R: usize, const P
         let columns = self.estimator.column_count();
         let mut covariance = [[0.0; P]; P];
         if self.waiting {
-            for (j, sd) in self.estimator.prior_sd().iter().enumerate().take(columns) {
-                covariance[j][j] = sd * sd;
+            for (j, std) in self.estimator.prior_std().iter().enumerate().take(columns) {
+                covariance[j][j] = std * std;
             }
         } else {
             self.estimator.covariance(&mut covariance);
@@ -161,7 +161,7 @@ impl<C: Causal, M: MotionModel<N, R, P>, const N: usize, const R: usize, const P
             // What steady flight tells of the sums is not shown of single ones.
             covariance[j] = [0.0; P];
             covariance.iter_mut().for_each(|row| row[j] = 0.0);
-            covariance[j][j] = self.estimator.prior_sd()[j].powi(2);
+            covariance[j][j] = self.estimator.prior_std()[j].powi(2);
         }
         covariance[..columns].iter().map(|row| row[..columns].to_vec()).collect()
     }
@@ -171,7 +171,7 @@ impl<C: Causal, M: MotionModel<N, R, P>, const N: usize, const R: usize, const P
 #[inline(never)] // the copies on the stack live only here
 fn set_up<C: Causal, M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize>(
     gated: &Gated<M>,
-    settings: &SmpeSettings<N, R, P>,
+    settings: &EstimatorSettings<N, R, P>,
     file: &ModelFile,
 ) -> Result<Box<C::Estimator<Gated<M>, N, R, P>>, EstimateError> {
     C::set_up(gated.clone(), settings, file).map(Box::new)
@@ -211,15 +211,15 @@ fn gate<I: Copy, const R: usize>(sample: &Sample<I, R>, open: Moved) -> Sample<G
 /// Shows the prior of the parameters of a group on which nothing has moved yet.
 fn still<M, const N: usize, const R: usize, const P: usize>(
     estimate: &mut Estimate<P>,
-    settings: &SmpeSettings<N, R, P>,
+    settings: &EstimatorSettings<N, R, P>,
     gated: &Gated<M>,
     moved: Moved,
-    prior_sd: &[f64; P],
+    prior_std: &[f64; P],
 ) {
     for j in gated.closed(moved) {
         estimate.parameters[j] = settings.priors[j].initial;
-        estimate.std_error[j] = prior_sd[j];
-        estimate.corrected_std_error[j] = prior_sd[j];
+        estimate.std_error[j] = prior_std[j];
+        estimate.corrected_std_error[j] = prior_std[j];
         estimate.observability[j] = 0.0;
         estimate.parameter_status[j] = ParameterStatus::NotExcited;
     }
@@ -228,9 +228,9 @@ fn still<M, const N: usize, const R: usize, const P: usize>(
 /// The estimate before anything has moved: the prior.
 fn unmoved<const N: usize, const R: usize, const P: usize>(
     estimate: Estimate<P>,
-    settings: &SmpeSettings<N, R, P>,
+    settings: &EstimatorSettings<N, R, P>,
     columns: usize,
-    prior_sd: &[f64; P],
+    prior_std: &[f64; P],
 ) -> Estimate<P> {
     let mut prior = Estimate {
         parameters: [0.0; P],
@@ -244,8 +244,8 @@ fn unmoved<const N: usize, const R: usize, const P: usize>(
     for j in 0..columns {
         // Bias columns start at zero, as the unused entries of the settings do.
         prior.parameters[j] = settings.priors[j].initial;
-        prior.std_error[j] = prior_sd[j];
-        prior.corrected_std_error[j] = prior_sd[j];
+        prior.std_error[j] = prior_std[j];
+        prior.corrected_std_error[j] = prior_std[j];
     }
     prior
 }

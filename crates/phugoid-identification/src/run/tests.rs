@@ -10,7 +10,7 @@ use crate::model_file::ModelFile;
 use crate::noise::NoiseLevel;
 use crate::options::EstimateOptions;
 use crate::prepare::{Prepared, prepare};
-use phugoid_estimators::smpe::NoiseAdaptation;
+use phugoid_estimators::settings::NoiseAdaptation;
 
 #[path = "../../tests/common/mod.rs"]
 mod common;
@@ -126,8 +126,8 @@ fn what_the_model_file_says_of_the_estimator_reaches_it() {
     assert_eq!((own.reaching_limit, own.rejection_limit, rule.reaching_limit), (9.0, 9.0, 3.0));
     assert_eq!((own.start_window_s, own.process_noise.adaptation), (0.1, NoiseAdaptation::Score { forgetting: 0.02 }));
     for (own, rule) in own.priors.iter().zip(&rule.priors) {
-        assert_eq!(own.sd, 2.0 * rule.sd);
-        assert_eq!(own.change_sd, rule.change_sd, "how large a sudden change may be is another question");
+        assert_eq!(own.std, 2.0 * rule.std);
+        assert_eq!(own.change_std, rule.change_std, "how large a sudden change may be is another question");
     }
     assert_eq!(own.process_noise.variance_per_s, rule.process_noise.variance_per_s.map(|q| 0.1 * q));
     assert_eq!(settings("[estimator]\nrejection_scale = 2").rejection_limit, 2.0 * rule.rejection_limit);

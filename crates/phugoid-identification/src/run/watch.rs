@@ -7,7 +7,7 @@ use crate::estimation::Event;
 impl Event {
     /// True for what the change detector said.
     pub(super) fn is_of_detector(&self) -> bool {
-        matches!(self.kind.as_str(), "in_doubt" | "re_reached" | "doubt_dropped" | "insensitive")
+        matches!(self.kind.as_str(), "in_doubt" | "adopted" | "doubt_dropped" | "insensitive")
     }
 }
 
@@ -47,8 +47,8 @@ impl Watch {
         self.restarts = restarts;
         let in_doubt = estimate.status.change == ChangeState::InDoubt;
         match estimate.status.change {
-            ChangeState::ReReached => say(
-                "re_reached",
+            ChangeState::Adopted => say(
+                "adopted",
                 "the parameters changed: a challenger that allows for it explains the new data better, and was adopted"
                     .to_owned(),
             ),

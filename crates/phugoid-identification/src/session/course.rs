@@ -215,6 +215,6 @@ fn change_word(change: ChangeState) -> &'static str {
     match change {
         ChangeState::Steady => "steady",
         ChangeState::InDoubt => "in_doubt",
-        ChangeState::ReReached => "re_reached",
+        ChangeState::Adopted => "adopted",
     }
 }

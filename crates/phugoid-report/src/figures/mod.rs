@@ -91,7 +91,7 @@ pub(crate) fn unit_of(estimation: &Estimation, parameter: &str) -> HumanUnit {
 pub(crate) fn event_kind(kind: &str) -> (String, Colour) {
     let (words, colour) = match kind {
         "in_doubt" => ("bounds in doubt", Colour::Purple),
-        "re_reached" => ("change adopted (re-reached)", Colour::Vermillion),
+        "adopted" => ("change adopted", Colour::Vermillion),
         "doubt_dropped" => ("doubt dropped", Colour::Sky),
         "insensitive" => ("change detector insensitive", Colour::Orange),
         "gap" => ("gap in the data", Colour::Muted),

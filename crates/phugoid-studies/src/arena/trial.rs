@@ -217,7 +217,7 @@ fn track(
     let Some((whole, microseconds)) = run else { return Err("there is no time to look at".to_owned()) };
     let settled_s = names.iter().map(|name| settled(contestant, &whole, flight, name, from_s)).collect();
     let times = |kind: &str| whole.events.iter().filter(|e| e.kind == kind).map(|e| e.time_s).collect();
-    Ok(Track { points, settled_s, doubts_s: times("in_doubt"), changes_s: times("re_reached"), microseconds })
+    Ok(Track { points, settled_s, doubts_s: times("in_doubt"), changes_s: times("adopted"), microseconds })
 }
 
 /// Estimate and claimed standard error of a parameter: at a time, or at the end of a record that ends there.

@@ -161,14 +161,17 @@ fn line(
 fn one_run(drawn: &Drawn, model: &ModelFile, damage_at_s: f64) -> Result<Run, StudyError> {
     let measured = &drawn.flight.measured;
     let ours = estimate(measured, model, &EstimateOptions::default(), &mut |_| {})?;
-    let told =
-        EstimateOptions { re_reaching: Some(false), known_changes_s: vec![damage_at_s], ..EstimateOptions::default() };
+    let told = EstimateOptions {
+        change_detection: Some(false),
+        known_changes_s: vec![damage_at_s],
+        ..EstimateOptions::default()
+    };
     let oracle = estimate(measured, model, &told, &mut |_| {})?;
     let after = |kind: &str| -> f64 {
         let found = ours.events.iter().find(|e| e.kind == kind && e.time_s >= damage_at_s);
         found.map_or(f64::INFINITY, |e| e.time_s - damage_at_s)
     };
-    let adoptions = || ours.events.iter().filter(|e| e.kind == "re_reached");
+    let adoptions = || ours.events.iter().filter(|e| e.kind == "adopted");
     let false_before = adoptions().filter(|e| e.time_s < damage_at_s).count();
     let errors = AFTER_S
         .iter()
@@ -179,8 +182,8 @@ fn one_run(drawn: &Drawn, model: &ModelFile, damage_at_s: f64) -> Result<Run, St
         .collect();
     Ok(Run {
         // Damage may fall into a doubt that is already running.
-        doubt_s: after("in_doubt").min(after("re_reached")),
-        adoption_s: after("re_reached"),
+        doubt_s: after("in_doubt").min(after("adopted")),
+        adoption_s: after("adopted"),
         informed_s: informed_latency_s(drawn, model, damage_at_s)?,
         false_before,
         extra: adoptions().count().saturating_sub(false_before + 1),
@@ -198,9 +201,9 @@ pub(super) fn errors_at(estimation: &Estimation, model: &ModelFile, truth: &[f64
         .map(|(parameter, truth)| {
             let [low, high] = parameter.bounds.unwrap_or([f64::NAN; 2]);
             let history = estimation.history.parameters.iter().find(|p| p.name == parameter.name);
-            let (value, sd) = history.map_or((f64::NAN, f64::NAN), |p| (at(&p.value), at(&p.std_error)));
+            let (value, std) = history.map_or((f64::NAN, f64::NAN), |p| (at(&p.value), at(&p.std_error)));
             let error = (value - truth).abs();
-            [error / (0.5 * (high - low)), error / sd]
+            [error / (0.5 * (high - low)), error / std]
         })
         .collect()
 }

@@ -164,8 +164,8 @@ fn fly_line(
             // The thrust from the trim is right; the recorded one is not.
             told.aircraft.thrust = Thrust::Known(Source::Channel("thrust".to_owned()));
         }
-        let with = |re_reaching: bool| {
-            let options = EstimateOptions { re_reaching: Some(re_reaching), ..EstimateOptions::default() };
+        let with = |change_detection: bool| {
+            let options = EstimateOptions { change_detection: Some(change_detection), ..EstimateOptions::default() };
             estimate(&drawn.flight.measured, &told, &options, &mut |_| {})
         };
         Ok(judge(&with(true)?, &with(false)?, model, &drawn.truth(model, 0.0)))
@@ -200,7 +200,7 @@ fn fly_line(
 
 /// What the adoptions of a flight have done to it.
 fn judge(on: &Estimation, off: &Estimation, model: &ModelFile, truth: &[f64]) -> Run {
-    let times: Vec<f64> = on.events.iter().filter(|e| e.kind == "re_reached").map(|e| e.time_s).collect();
+    let times: Vec<f64> = on.events.iter().filter(|e| e.kind == "adopted").map(|e| e.time_s).collect();
     let end_s = on.history.time_s.last().copied().unwrap_or(0.0);
     let (mut harmful, mut harmful_and_claimed) = (0, 0);
     for (i, adopted_s) in times.iter().enumerate() {

@@ -33,7 +33,7 @@ struct Experiment {
     case: PlantCase,
     /// Its motion without noise.
     exact: PlantRun,
-    noise_sd: f64,
+    noise_std: f64,
     /// Cramer-Rao bound at the end, per parameter.
     bound: Vec<f64>,
 }
@@ -68,7 +68,7 @@ impl Summary {
             bias: mean(&|s| s.error),
             covered: said
                 .iter()
-                .map(|s| s.claimed.map(|sd| usize::from(s.error.abs() <= 2.0 * sd)))
+                .map(|s| s.claimed.map(|std| usize::from(s.error.abs() <= 2.0 * std)))
                 .sum::<Option<usize>>(),
             converged_s: median(said.iter().map(|s| s.converged_s.unwrap_or(f64::INFINITY)).collect()),
             arrived: said.iter().filter(|s| s.converged_s.is_some()).count(),
@@ -86,7 +86,7 @@ fn experiments() -> Result<Vec<Experiment>, StudyError> {
             let case = PlantCase { noise: Some(Noise { power: factor * noise.power }), ..own.clone() };
             let noisy = with_noise(exact.clone(), &case, case.seed);
             let bound = bound(&case, &noisy, &[case.duration.si()])?.remove(0).std_error;
-            experiments.push(Experiment { id, level, case, exact: exact.clone(), noise_sd: noisy.noise_sd, bound });
+            experiments.push(Experiment { id, level, case, exact: exact.clone(), noise_std: noisy.noise_std, bound });
         }
     }
     Ok(experiments)
@@ -202,7 +202,7 @@ fn difference(experiments: &[Experiment], summaries: &[Vec<Vec<Summary>>]) -> St
          over the seeds, of the printed law as median). The printed law cannot show \
          it: its error is of the size of the parameters themselves, with noise and without. The extended law is biased too, because its regressors carry the noise, \
          but by less than one percent.",
-        experiments[large].noise_sd,
+        experiments[large].noise_std,
         told("a1", 0),
         told("a2", 1)
     )
@@ -271,7 +271,7 @@ fn table(experiments: &[Experiment], summaries: &[Vec<Vec<Summary>>], method: us
             rows.push(vec![
                 Cell::from(experiment.id),
                 Cell::from(experiment.case.noise.map(|noise| noise.power)),
-                Cell::from(experiment.noise_sd),
+                Cell::from(experiment.noise_std),
                 Cell::from(name),
                 Cell::from(s.rmse),
                 Cell::from(s.median),
@@ -319,7 +319,7 @@ fn golden(experiments: &[Experiment], summaries: &[Vec<Vec<Summary>>]) -> Table 
 fn chart(experiments: &[Experiment], summaries: &[Vec<Vec<Summary>>]) -> Chart {
     let mut panels = Vec::new();
     for (id, levels) in by_case(experiments) {
-        let x: std::sync::Arc<[f64]> = levels.iter().map(|&e| experiments[e].noise_sd).collect();
+        let x: std::sync::Arc<[f64]> = levels.iter().map(|&e| experiments[e].noise_std).collect();
         for (j, (name, p)) in experiments[levels[0]].case.unknowns().enumerate() {
             let percent = |value: f64| 100.0 * value / p.truth.abs();
             let curve = |label: &str, meaning, values: Vec<f64>| Curve {

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use phugoid_flight_data::record::Record;
 use phugoid_flight_dynamics::increments::Increments;
 use phugoid_identification::estimate::{EstimateOptions, estimate};
-use phugoid_identification::model_file::{EstimatorSettings, ModelFile};
+use phugoid_identification::model_file::{EstimatorTuning, ModelFile};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
@@ -96,16 +96,16 @@ impl SmpeTuning {
         }
     }
 
-    fn estimator(&self, values: &[f64]) -> EstimatorSettings {
+    fn estimator(&self, values: &[f64]) -> EstimatorTuning {
         let value = |name: &str| self.settings.iter().zip(values).find(|(s, _)| s.name == name).map(|(_, v)| *v);
-        EstimatorSettings {
+        EstimatorTuning {
             reaching_limit: value("reaching_limit"),
             rejection_scale: value("rejection_scale").unwrap_or(1.0),
             prior_scale: value("prior_scale").unwrap_or(1.0),
             process_noise_scale: value("process_noise_scale").unwrap_or(1.0),
             adaptation_gain: value("adaptation_gain"),
             start_window_s: value("start_window"),
-            ..EstimatorSettings::default()
+            ..EstimatorTuning::default()
         }
     }
 }

@@ -56,7 +56,7 @@ pub(crate) fn run(arguments: &arguments::Estimate) -> Result<(), Failure> {
         segments(&record, &arguments.segment)?
     };
     let further: Vec<Record> = segments.into_iter().chain(further).collect();
-    let re_reaching = match (arguments.change_detection, arguments.no_change_detection) {
+    let change_detection = match (arguments.change_detection, arguments.no_change_detection) {
         (true, _) => Some(true),
         (_, true) => Some(false),
         _ => None,
@@ -68,7 +68,7 @@ pub(crate) fn run(arguments: &arguments::Estimate) -> Result<(), Failure> {
     };
     let options = EstimateOptions {
         method: arguments.method,
-        re_reaching,
+        change_detection,
         start_s,
         truth,
         further,
@@ -83,7 +83,7 @@ pub(crate) fn run(arguments: &arguments::Estimate) -> Result<(), Failure> {
     let yes = |yes: bool| if yes { "yes" } else { "no" }.to_owned();
     let mut settings = vec![("estimator".to_owned(), estimation.method.clone())];
     if estimation.batch.is_none() {
-        let looks = yes(re_reaching.unwrap_or(model.re_reaching));
+        let looks = yes(change_detection.unwrap_or(model.change_detection));
         settings.push(("looks for sudden changes".to_owned(), looks));
         settings.push(("process noise learnt from the residuals".to_owned(), yes(model.process_noise.adaptive)));
     }

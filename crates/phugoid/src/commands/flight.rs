@@ -29,7 +29,11 @@ impl Flight {
         let mavlink =
             MavlinkOptions { reorder_ns: header.reorder_ns, system: header.system, base: header.base.clone() };
         Ok(Self {
-            options: EstimateOptions { method, re_reaching: header.change_detection, ..EstimateOptions::default() },
+            options: EstimateOptions {
+                method,
+                change_detection: header.change_detection,
+                ..EstimateOptions::default()
+            },
             receiver: ReceiverOptions { columns: model.columns(), mavlink },
             text: header.model_text.clone(),
             model,

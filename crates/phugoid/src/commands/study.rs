@@ -247,7 +247,7 @@ fn accuracy_text(study: &AccuracyStudy) -> String {
         "\nCramer-Rao: the smallest standard error of any unbiased estimator, initial states unknown, no prior; in percent\n\
          of the truth beside it. Coverage: runs with the truth within two claimed standard errors.\n\
          Runs in which a sudden change was believed to have happened: {} of {}",
-        study.runs_with_re_reaching, study.runs
+        study.runs_with_changes, study.runs
     );
     text
 }

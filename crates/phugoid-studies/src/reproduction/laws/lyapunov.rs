@@ -83,11 +83,11 @@ fn flagship<M, const N: usize, const R: usize, const P: usize, const I: usize>(
 where
     M: Model<N, R, P, Input = [f64; I]>,
 {
-    let Method::Flagship { noise_sd } = case.flagship(motion) else {
+    let Method::Flagship { noise_std } = case.flagship(motion) else {
         return Err(StudyError::Unsuitable(format!("{}: no settings of the flagship", case.title)));
     };
     let refused = |error: &dyn std::fmt::Display| StudyError::Unsuitable(format!("{}: {error}", case.title));
-    let settings = flagship_settings::<N, R, P>(case, &noise_sd)?;
+    let settings = flagship_settings::<N, R, P>(case, &noise_std)?;
     let mut smpe = Smpe::new(model, settings).map_err(|error| refused(&error))?;
     let truth: Vec<f64> = case.unknowns().map(|(_, p)| p.truth).collect();
     let lyapunov = |parameters: &[f64; P], covariance: &[[f64; P]; P]| -> Option<f64> {

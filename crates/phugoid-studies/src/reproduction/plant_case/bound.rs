@@ -13,7 +13,7 @@ use crate::cramer_rao::{Between, Bound, Experiment, cramer_rao};
 /// # Errors
 /// [`StudyError`]: the run has no noise, or its motion is not finite.
 pub fn bound(case: &PlantCase, run: &PlantRun, at: &[f64]) -> Result<Vec<Bound>, StudyError> {
-    if run.noise_sd <= 0.0 {
+    if run.noise_std <= 0.0 {
         return Err(StudyError::Unsuitable(format!("{}: without noise there is no bound", case.title)));
     }
     case.plant.visit(Bounded { case, run, at })
@@ -44,7 +44,7 @@ impl Visit for Bounded<'_> {
             inputs: &inputs,
             between: Between::Held,
             // The derivative is not used by what is compared with the bound.
-            sigma: std::array::from_fn(|i| if i < N { self.run.noise_sd } else { f64::INFINITY }),
+            sigma: std::array::from_fn(|i| if i < N { self.run.noise_std } else { f64::INFINITY }),
         };
         Ok(cramer_rao(model, &experiment, self.at)?)
     }

@@ -119,7 +119,7 @@ fn states(case: &PlantCase, run: &PlantRun, judged: &[Judged], instants: &Instan
     }];
     for (i, name) in case.plant.states().iter().enumerate() {
         let mut curves = Vec::new();
-        if run.noise_sd > 0.0 {
+        if run.noise_std > 0.0 {
             curves.push(Curve {
                 label: "measured".into(),
                 meaning: Meaning::Measured,
@@ -135,7 +135,7 @@ fn states(case: &PlantCase, run: &PlantRun, judged: &[Judged], instants: &Instan
         }
         // Last, and dashed, so that what lies on it is seen too.
         curves.push(instants.line("plant", Meaning::Truth, &run.states[i]));
-        let margin = 0.15 * (highest - lowest).max(1e-300) + 3.0 * run.noise_sd;
+        let margin = 0.15 * (highest - lowest).max(1e-300) + 3.0 * run.noise_std;
         panels.push(Panel {
             y: Axis::new(*name, "–").with_range(lowest - margin, highest + margin),
             content: Content::Curves { curves, levels: Vec::new(), instants: Vec::new() },

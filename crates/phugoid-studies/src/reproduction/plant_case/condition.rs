@@ -71,7 +71,7 @@ fn loop_gain(slopes: &[f64], eta: f64) -> String {
 /// The condition that decides what became of a method, as a sentence with its numbers.
 pub(super) fn condition(case: &PlantCase, run: &PlantRun, method: &Method, result: &MethodRun) -> String {
     match method {
-        Method::Flagship { noise_sd } => flagship(case, run, noise_sd, result),
+        Method::Flagship { noise_std } => flagship(case, run, noise_std, result),
         Method::OneParameter { form, evaluation, sign, lambda, eta } => {
             let slopes = slopes(case, run);
             let z = slopes.first().map_or(&[][..], Vec::as_slice);
@@ -169,9 +169,9 @@ fn rest(form: ThesisForm, lambda: f64, eta: f64, result: &MethodRun) -> String {
     }
 }
 
-fn flagship(case: &PlantCase, run: &PlantRun, noise_sd: &[f64], result: &MethodRun) -> String {
-    let told: Vec<String> = noise_sd.iter().map(|sd| format!("{sd:.1e}")).collect();
-    let origin = if run.noise_sd > 0.0 { "the true noise" } else { "noise (there is none, it needs some)" };
+fn flagship(case: &PlantCase, run: &PlantRun, noise_std: &[f64], result: &MethodRun) -> String {
+    let told: Vec<String> = noise_std.iter().map(|std| format!("{std:.1e}")).collect();
+    let origin = if run.noise_std > 0.0 { "the true noise" } else { "noise (there is none, it needs some)" };
     let claims: Vec<String> = case
         .unknowns()
         .enumerate()

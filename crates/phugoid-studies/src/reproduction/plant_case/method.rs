@@ -1,6 +1,7 @@
 //! Runs one method on the samples of a plant.
 
-use phugoid_estimators::smpe::{ParameterPrior, Smpe, SmpeSettings};
+use phugoid_estimators::settings::{EstimatorSettings, ParameterPrior};
+use phugoid_estimators::smpe::Smpe;
 use phugoid_estimators::thesis::{
     Evaluation, ExtendedLaw, ExtendedSettings, LawSign, SurfaceChannel, SurfaceDerivative, ThesisForm, ThesisLaw,
     ThesisSettings, TwoParameterLaw, TwoParameterSettings,
@@ -18,7 +19,7 @@ pub enum Method {
     /// The flagship, which is not given the derivative.
     Flagship {
         /// One-sigma noise that it is told, per state.
-        noise_sd: Vec<f64>,
+        noise_std: Vec<f64>,
     },
     /// The one-parameter law, for the plants that have one. It is given the measured derivative.
     OneParameter {
@@ -112,13 +113,13 @@ pub fn run_method(case: &PlantCase, run: &PlantRun, method: &Method) -> Result<M
 /// [`StudyError::Unsuitable`]: the flagship refuses them.
 pub(in crate::reproduction) fn flagship_settings<const N: usize, const R: usize, const P: usize>(
     case: &PlantCase,
-    noise_sd: &[f64],
-) -> Result<SmpeSettings<N, R, P>, StudyError> {
+    noise_std: &[f64],
+) -> Result<EstimatorSettings<N, R, P>, StudyError> {
     let priors: Vec<ParameterPrior> =
         case.unknowns().map(|(_, p)| ParameterPrior::bounded(p.start, p.lower, p.upper)).collect();
     // It needs no derivative, so it is given none.
-    let sigma: [f64; R] = std::array::from_fn(|i| noise_sd.get(i).copied().unwrap_or(f64::INFINITY));
-    let mut settings = SmpeSettings::<N, R, P>::automatic(&priors, sigma, case.sample_time.si())
+    let sigma: [f64; R] = std::array::from_fn(|i| noise_std.get(i).copied().unwrap_or(f64::INFINITY));
+    let mut settings = EstimatorSettings::<N, R, P>::automatic(&priors, sigma, case.sample_time.si())
         .map_err(|error| StudyError::Unsuitable(format!("{}: {error}", case.title)))?;
     settings.maximum_step_s = MAXIMUM_STEP_S;
     // The record begins with the input: its first 0.2 s are not at rest, and are what is to be judged.
@@ -145,8 +146,8 @@ impl Visit for Runner<'_> {
         let refused = |error: &dyn std::fmt::Display| StudyError::Unsuitable(format!("{}: {error}", case.title));
         let mut record = MethodRun::new(P, N, run.time_s.len());
         match method {
-            Method::Flagship { noise_sd } => {
-                let settings = flagship_settings::<N, R, P>(case, noise_sd)?;
+            Method::Flagship { noise_std } => {
+                let settings = flagship_settings::<N, R, P>(case, noise_std)?;
                 let mut flagship = Smpe::new(*model, settings).map_err(|error| refused(&error))?;
                 let mut claimed = vec![Vec::with_capacity(run.time_s.len()); P];
                 for mut sample in run.samples::<I, R>() {

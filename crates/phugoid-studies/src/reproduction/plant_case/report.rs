@@ -107,12 +107,12 @@ impl PlantCase {
 
     /// The flagship, told the true noise, or without noise a small fraction of each signal.
     pub fn flagship(&self, run: &PlantRun) -> Method {
-        let noise_sd = run
+        let noise_std = run
             .states
             .iter()
-            .map(|x| if run.noise_sd > 0.0 { run.noise_sd } else { self.estimator.assumed_noise * rms(x) })
+            .map(|x| if run.noise_std > 0.0 { run.noise_std } else { self.estimator.assumed_noise * rms(x) })
             .collect();
-        Method::Flagship { noise_sd }
+        Method::Flagship { noise_std }
     }
 
     /// The extended law: the whole range in 0.1 s, states scaled by their size over the record.

@@ -27,7 +27,7 @@ pub struct PlantRun {
     pub outputs: Vec<Vec<f64>>,
     /// Standard deviation of the noise in each state's measurement; the derivative is measured without noise, as it stands
     /// before the integrator in the thesis's diagram (reconstructed).
-    pub noise_sd: f64,
+    pub noise_std: f64,
 }
 
 impl PlantRun {
@@ -55,12 +55,12 @@ pub fn simulate(case: &PlantCase) -> Result<PlantRun, StudyError> {
 /// The same motion with noise of another seed; `exact` is a run without noise.
 pub(in crate::reproduction) fn with_noise(mut exact: PlantRun, case: &PlantCase, seed: u64) -> PlantRun {
     let Some(noise) = case.noise else { return exact };
-    exact.noise_sd = (noise.power / case.sample_time.si()).sqrt();
+    exact.noise_std = (noise.power / case.sample_time.si()).sqrt();
     let mut random = Pcg64Mcg::seed_from_u64(seed);
     for k in 0..exact.time_s.len() {
         for i in 0..exact.states.len() {
             let white: f64 = StandardNormal.sample(&mut random);
-            exact.outputs[i][k] = exact.states[i][k] + exact.noise_sd * white;
+            exact.outputs[i][k] = exact.states[i][k] + exact.noise_std * white;
         }
     }
     exact
@@ -92,7 +92,7 @@ impl Visit for Exact<'_> {
             inputs: Vec::with_capacity(count),
             states: vec![Vec::with_capacity(count); N],
             outputs: vec![Vec::with_capacity(count); R],
-            noise_sd: 0.0,
+            noise_std: 0.0,
         };
         let mut x = [0.0; N];
         let mut out = LinearizedOutputs::<N, R, P>::ZERO;
@@ -145,7 +145,7 @@ mod tests {
         let mut case = published_case("noise/1").unwrap();
         case.noise = Some(Noise { power: 4e-7 });
         let run = simulate(&case).unwrap();
-        assert!((run.noise_sd - 0.02).abs() < 1e-15);
+        assert!((run.noise_std - 0.02).abs() < 1e-15);
         for i in 0..2 {
             let noise: Vec<f64> = run.outputs[i].iter().zip(&run.states[i]).map(|(y, x)| y - x).collect();
             let n = noise.len() as f64;

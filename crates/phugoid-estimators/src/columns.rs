@@ -1,7 +1,7 @@
 //! The columns of the regression: the model's parameters, then the sensor biases.
 
-use super::settings::{ChangePrior, SmpeSettings};
 use crate::model::Model;
+use crate::settings::{ChangePrior, EstimatorSettings};
 
 #[derive(Clone, Copy, Debug)]
 pub struct Columns<const N: usize, const R: usize, const P: usize> {
@@ -11,7 +11,7 @@ pub struct Columns<const N: usize, const R: usize, const P: usize> {
     pub(crate) own: usize,
     pub(crate) initial: [f64; P],
     /// Prior standard deviation, the unit of the scaled columns.
-    pub(crate) sd: [f64; P],
+    pub(crate) std: [f64; P],
     pub(crate) clip_low: [f64; P],
     pub(crate) clip_high: [f64; P],
     pub(crate) change: [ChangePrior; P],
@@ -22,13 +22,13 @@ pub struct Columns<const N: usize, const R: usize, const P: usize> {
 
 impl<const N: usize, const R: usize, const P: usize> Columns<N, R, P> {
     /// Lays out the columns; `settings` have been checked against the model.
-    pub(crate) fn new<M: Model<N, R, P>>(model: &M, settings: &SmpeSettings<N, R, P>) -> Self {
+    pub(crate) fn new<M: Model<N, R, P>>(model: &M, settings: &EstimatorSettings<N, R, P>) -> Self {
         let own = model.parameter_count().min(P);
         let mut columns = Self {
             count: own,
             own,
             initial: [0.0; P],
-            sd: [0.0; P],
+            std: [0.0; P],
             clip_low: [f64::NEG_INFINITY; P],
             clip_high: [f64::INFINITY; P],
             change: [ChangePrior::None; P],
@@ -37,8 +37,8 @@ impl<const N: usize, const R: usize, const P: usize> Columns<N, R, P> {
         };
         for (j, prior) in settings.priors[..own].iter().enumerate() {
             columns.initial[j] = prior.initial;
-            columns.sd[j] = prior.sd;
-            columns.change[j] = if prior.sd > 0.0 { prior.change_sd } else { ChangePrior::None };
+            columns.std[j] = prior.std;
+            columns.change[j] = if prior.std > 0.0 { prior.change_std } else { ChangePrior::None };
             if prior.half_width().is_finite() {
                 let centre = 0.5 * (prior.lower + prior.upper);
                 let reach = settings.clip_factor * prior.half_width();
@@ -51,7 +51,7 @@ impl<const N: usize, const R: usize, const P: usize> Columns<N, R, P> {
         }
         for output in settings.bias_columns() {
             if columns.count < P {
-                columns.sd[columns.count] = settings.bias_sd[output];
+                columns.std[columns.count] = settings.bias_std[output];
                 columns.bias_of_output[output] = Some(columns.count);
                 columns.count += 1;
             }
@@ -60,7 +60,7 @@ impl<const N: usize, const R: usize, const P: usize> Columns<N, R, P> {
             columns.output_of_state[state] = model
                 .measuring_output(state)
                 .filter(|&output| output < R)
-                .filter(|&output| settings.noise_sd[output].is_finite() && settings.noise_sd[output] > 0.0);
+                .filter(|&output| settings.noise_std[output].is_finite() && settings.noise_std[output] > 0.0);
         }
         columns
     }

@@ -1,8 +1,8 @@
 //! What every slot carries, whatever form its covariance has.
 
-use super::colour::Colour;
-use super::columns::Columns;
-use super::settings::{NoiseAdaptation, SmpeSettings};
+use crate::columns::Columns;
+use crate::settings::{EstimatorSettings, NoiseAdaptation};
+use crate::supervisor::colour::Colour;
 
 /// Scaled variance below which a parameter is known better than half its prior.
 const KNOWN: f64 = 0.25;
@@ -51,7 +51,7 @@ pub struct Common<const N: usize, const P: usize> {
     /// `q_s`.
     pub(crate) noise_scale: f64,
     /// Information about `ln q_s` that has been gathered and not been forgotten.
-    pub(super) noise_information: f64,
+    pub(crate) noise_information: f64,
     pub(crate) colour: Colour<P>,
     /// Was held at a limit after it had become known better than half its prior: the bounds exclude the data. It stays
     /// said, because what the other columns have made of it since is not to be trusted either.
@@ -60,7 +60,7 @@ pub struct Common<const N: usize, const P: usize> {
 
 impl<const N: usize, const P: usize> Common<N, P> {
     /// The prior, with a state still to be started.
-    pub(crate) fn prior<const R: usize>(settings: &SmpeSettings<N, R, P>, columns: &Columns<N, R, P>) -> Self {
+    pub(crate) fn prior<const R: usize>(settings: &EstimatorSettings<N, R, P>, columns: &Columns<N, R, P>) -> Self {
         Self {
             x: settings.initial_state,
             theta: columns.initial,
@@ -91,7 +91,7 @@ impl<const N: usize, const P: usize> Common<N, P> {
     #[inline(always)]
     pub(crate) fn take_step<const R: usize>(
         &mut self,
-        settings: &SmpeSettings<N, R, P>,
+        settings: &EstimatorSettings<N, R, P>,
         columns: &Columns<N, R, P>,
         dx: &[f64; N],
         dtheta: &[f64],

@@ -1,9 +1,10 @@
 //! A change in doubt: what the detector suspects, whom the challenger beats, and what becomes of it.
 
 use super::Supervisor;
+use crate::change_detection::challenge::{Verdict, maturity, needed_maturity};
+use crate::innovation::Innovations;
 use crate::model::Model;
-use crate::smpe::challenge::{Verdict, maturity, needed_maturity};
-use crate::smpe::slot::{Innovations, Slot};
+use crate::supervisor::slot::Slot;
 
 impl<S, M, const N: usize, const R: usize, const P: usize> Supervisor<S, M, N, R, P>
 where
@@ -35,9 +36,9 @@ where
         let mut covariance = [[0.0; P]; P];
         if sound {
             for j in 0..self.columns.count {
-                if self.columns.sd[j] > 0.0 {
+                if self.columns.std[j] > 0.0 {
                     difference[j] =
-                        (self.challenger.common().theta[j] - self.champion.common().theta[j]) / self.columns.sd[j];
+                        (self.challenger.common().theta[j] - self.champion.common().theta[j]) / self.columns.std[j];
                 }
             }
             self.challenger.write_covariance(&mut covariance);
@@ -58,7 +59,7 @@ where
         self.in_doubt = false;
         self.behind = None;
         self.history.forget_snapshots();
-        self.re_reached = true;
+        self.adopted = true;
         if let Some((detector, challenge)) = &mut self.detection {
             let widening = challenge.adopted(time_s);
             detector.widen_wander(widening);

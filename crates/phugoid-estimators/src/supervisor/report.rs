@@ -1,38 +1,12 @@
 //! What a caller may know: the estimate with its bounds and verdicts, and what goes on inside.
 
 use super::Supervisor;
-use crate::estimate::{ChangeState, DetectorState, Estimate, Inspect, ParameterStatus, Status};
+use crate::estimate::{
+    CONVERGED, ChangeState, DetectorReport, DetectorState, EXCITED, Estimate, Inspect, ParameterStatus, Status,
+};
+use crate::innovation::Innovations;
 use crate::model::Model;
-use crate::smpe::slot::{Innovations, Slot};
-
-/// Observability below which a parameter counts as not excited: its bound has shrunk by less than 30 %. Lower would not
-/// do: the noise of the estimated state alone, minute after minute, looks like a little excitation.
-pub(crate) const EXCITED: f64 = 0.5;
-/// Part of the prior standard deviation (or of twice the change prior, if that is smaller) below which a parameter
-/// counts as converged.
-pub(crate) const CONVERGED: f64 = 0.1;
-
-/// What the change detector knows.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct DetectorReport {
-    /// Largest log Bayes factor of the last test, nats: change against wander.
-    pub bayes_factor: f64,
-    /// `w`: how far the parameters wander without any change, as a part of the change prior. Model error.
-    pub wander: f64,
-    /// `lev >= 1`: variance of the residuals over what the noise levels promise, at the time scale of the window.
-    pub leverage: f64,
-    /// Windows worth of information the wander was learnt from; armed from ten on.
-    pub informative_windows: f64,
-    /// Score of the running challenger on fresh data, nats; zero when none runs.
-    pub challenger_score: f64,
-    /// Challengers adopted so far.
-    pub adoptions: u32,
-    /// Challengers dropped so far.
-    pub dropped: u32,
-    /// Latched: the wander stayed large after an adoption, so the model itself is in error and changes are no longer
-    /// adopted.
-    pub model_error: bool,
-}
+use crate::supervisor::slot::Slot;
 
 impl<S, M, const N: usize, const R: usize, const P: usize> Supervisor<S, M, N, R, P>
 where
@@ -60,8 +34,8 @@ where
     }
 
     /// Prior standard deviation per column, parameter units.
-    pub fn prior_sd(&self) -> &[f64; P] {
-        &self.columns.sd
+    pub fn prior_std(&self) -> &[f64; P] {
+        &self.columns.std
     }
 
     /// State of the estimated model.
@@ -116,7 +90,7 @@ where
         let mut out = [0.0; P];
         if let Some((detector, _)) = &self.detection {
             for &j in detector.tested() {
-                out[j] = 3.0 * detector.wander() * self.change_sd(j);
+                out[j] = 3.0 * detector.wander() * self.change_std(j);
             }
         }
         out
@@ -152,8 +126,8 @@ where
             parameter_status: [ParameterStatus::NotExcited; P],
             status: Status {
                 phase: self.phase,
-                change: if self.re_reached {
-                    ChangeState::ReReached
+                change: if self.adopted {
+                    ChangeState::Adopted
                 } else if self.in_doubt {
                     ChangeState::InDoubt
                 } else {
@@ -166,21 +140,21 @@ where
         let change = if self.behind.is_some() { self.change_over_prior() } else { [0.0; P] };
         let challenger_inflation = self.challenger.common().colour.inflation();
         for j in 0..p {
-            let sd = self.columns.sd[j];
+            let std = self.columns.std[j];
             let mut variance = variances[j];
             let mut corrected = variance * inflation[j];
-            estimate.observability[j] = if sd > 0.0 { (1.0 - variance).clamp(0.0, 1.0) } else { 0.0 };
-            if self.in_doubt && sd > 0.0 {
+            estimate.observability[j] = if std > 0.0 { (1.0 - variance).clamp(0.0, 1.0) } else { 0.0 };
+            if self.in_doubt && std > 0.0 {
                 // Bounds in doubt: both answers lie inside.
-                let difference = (self.challenger.common().theta[j] - slot.theta[j]) / sd;
+                let difference = (self.challenger.common().theta[j] - slot.theta[j]) / std;
                 // A challenger that is not up to date has nothing to say yet: the whole plausible change.
                 let open = if self.behind.is_some() { change[j] * change[j] } else { 0.0 };
                 let spread = open.max(difference * difference);
                 variance = variance.max(challenger_variances[j]) + spread;
                 corrected = corrected.max(challenger_variances[j] * challenger_inflation[j]) + spread;
             }
-            estimate.std_error[j] = sd * libm::sqrt(variance);
-            estimate.corrected_std_error[j] = sd * libm::sqrt(corrected);
+            estimate.std_error[j] = std * libm::sqrt(variance);
+            estimate.corrected_std_error[j] = std * libm::sqrt(corrected);
             estimate.parameter_status[j] =
                 self.parameter_status(j, estimate.observability[j], estimate.corrected_std_error[j]);
         }
@@ -195,9 +169,9 @@ where
                 || theta - 2.0 * corrected > prior.upper
                 || theta + 2.0 * corrected < prior.lower
         };
-        let sd = self.columns.sd[j];
-        let change = self.change_sd(j);
-        let scale = if change > 0.0 { sd.min(2.0 * change) } else { sd };
+        let std = self.columns.std[j];
+        let change = self.change_std(j);
+        let scale = if change > 0.0 { std.min(2.0 * change) } else { std };
         if observability < EXCITED {
             ParameterStatus::NotExcited
         } else if limited {
@@ -219,8 +193,8 @@ where
         Self::column_count(self)
     }
 
-    fn prior_sd(&self) -> &[f64; P] {
-        Self::prior_sd(self)
+    fn prior_std(&self) -> &[f64; P] {
+        Self::prior_std(self)
     }
 
     fn innovations(&self) -> &Innovations<R> {

@@ -2,10 +2,11 @@
 
 use super::{Stage, Supervisor};
 use crate::estimate::Phase;
+use crate::innovation::{Innovations, RowPhase};
 use crate::model::{Model, Sample};
-use crate::smpe::faults::Faults;
-use crate::smpe::slot::{Innovations, RowPhase, Slot};
-use crate::smpe::start::Start;
+use crate::supervisor::faults::Faults;
+use crate::supervisor::slot::Slot;
+use crate::supervisor::start::Start;
 
 /// When more than half of the rows have been rejected in every frame for this long, s, the estimated state is lost (an
 /// input that was not recorded, say): what no parameter explains, no further prediction will bring back.

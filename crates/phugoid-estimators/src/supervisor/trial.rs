@@ -2,7 +2,7 @@
 //! outliers falls on these frames, or many columns at once run away with them, an output may be rejected for good afterwards, and the
 //! others teach the parameters nonsense. Then half a second is given up and everything starts again.
 
-use super::slot::{Innovations, RowPhase};
+use crate::innovation::{Innovations, RowPhase};
 
 /// Frames that an output must have been measured in.
 const TRIAL_FRAMES: u16 = 10;

@@ -2,8 +2,8 @@
 //! with them, so that the challenger learns from the data since the change and not only from those since the suspicion, and so that
 //! what the champion has made of the changed aircraft meanwhile (state, sensor biases, process noise) does not stick to it.
 
-use super::faults::Merit;
 use crate::model::Sample;
+use crate::supervisor::faults::Merit;
 
 /// Frames kept: the older snapshot is at most two spacings old.
 pub(super) const FRAMES: usize = 160;

@@ -1,8 +1,8 @@
 //! Champion and challenger: a suspected change never touches the running estimate until the changed one has explained
 //! fresh data better.
 
-use super::settings::ChangeDetection;
 use crate::dense::Cholesky;
+use crate::settings::ChangeDetection;
 
 /// Time constant with which the caution after a false alarm decays, s.
 const CAUTION_DECAY_S: f64 = 60.0;
@@ -181,8 +181,8 @@ pub(crate) fn needed_maturity(settings: &ChangeDetection, tested: usize) -> f64 
 
 #[cfg(test)]
 mod tests {
-    use super::super::settings::ChangeDetection;
     use super::{Challenge, Verdict, maturity, needed_maturity};
+    use crate::settings::ChangeDetection;
 
     #[test]
     fn the_verdict_needs_score_and_maturity_in_time() {

@@ -1,13 +1,13 @@
 //! Going back to a change: the challenger starts from before it, is opened where it has begun, and catches up.
 
 use super::{ADAPTATION_START_S, Supervisor};
+use crate::columns::Columns;
 use crate::discretization::IntervalInput;
 use crate::model::Model;
-use crate::smpe::columns::Columns;
-use crate::smpe::faults::Faults;
-use crate::smpe::history::FRAMES;
 use crate::smpe::reopen::STATE_ALLOWANCE;
-use crate::smpe::slot::{Slot, output_input};
+use crate::supervisor::faults::Faults;
+use crate::supervisor::history::FRAMES;
+use crate::supervisor::slot::{Slot, output_input};
 
 /// Frames that a challenger that has gone back works off per update: bounded work. At 100 Hz it is up to date after 0.1 s.
 const CATCH_UP: usize = 8;
@@ -31,7 +31,7 @@ where
     /// system): what the detector would have had to find out. Call it between the last sample before the change and the
     /// first one after it. Every parameter may jump by its change prior; biases and other nuisance columns keep what was
     /// learnt of them, and a doubt that is running is settled by it. The next estimate says
-    /// [`ChangeState::ReReached`](crate::ChangeState::ReReached).
+    /// [`ChangeState::Adopted`](crate::ChangeState::Adopted).
     ///
     /// Gives `false`, and changes nothing, if no parameter has a change prior or the arithmetic fails.
     pub fn reopen_now(&mut self) -> bool {
@@ -45,9 +45,9 @@ where
             }
         }
         let mut opened = self.champion;
-        let noise_sd = &self.shared().noise_sd;
+        let noise_std = &self.shared().noise_std;
         // The state has not been estimated wrongly yet: no allowance.
-        if count == 0 || !opened.reopen(&self.columns, &tested[..count], &change, noise_sd, 0.0) {
+        if count == 0 || !opened.reopen(&self.columns, &tested[..count], &change, noise_std, 0.0) {
             return false;
         }
         self.champion = opened;
@@ -119,10 +119,10 @@ where
     fn open_before(&mut self, frame: u64, behind: &Behind, change: &[f64; P]) -> bool {
         let Self { settings, columns, challenger, detection, .. } = self;
         let Some((detector, _)) = detection else { return false };
-        let noise_sd = &S::shared(settings).noise_sd;
+        let noise_std = &S::shared(settings).noise_std;
         let [first, last] = behind.open;
         let mut open = |columns: &Columns<N, R, P>, allowance: f64| {
-            challenger.reopen(columns, detector.tested(), change, noise_sd, allowance)
+            challenger.reopen(columns, detector.tested(), change, noise_std, allowance)
         };
         if frame == first {
             open(columns, STATE_ALLOWANCE)

@@ -1,8 +1,8 @@
 //! What measured rows are worth as evidence of a change. A sensor that fails for a while is not an aircraft that has changed: damage
 //! disturbs several outputs, a burst of outliers the one that has it.
 
-use super::slot::Innovations;
-use super::start::median;
+use crate::innovation::Innovations;
+use crate::statistics::median;
 
 /// Weight of a rejected row when others are disturbed too: outliers that coincide must not look like a change.
 const REJECTED_WEIGHT: f64 = 0.05;
@@ -118,7 +118,7 @@ impl Merit {
 #[cfg(test)]
 mod tests {
     use super::{Faults, Merit};
-    use crate::smpe::slot::Innovations;
+    use crate::innovation::Innovations;
 
     const LIMIT: f64 = 6.0;
 

@@ -1,10 +1,11 @@
 //! One running estimate: what the supervisor asks of it, whatever form its covariance has.
 
-use super::columns::Columns;
-use super::common::Common;
-use super::settings::{OutputInput, SmpeError, SmpeSettings};
+use crate::columns::Columns;
 use crate::discretization::IntervalInput;
+use crate::innovation::{Innovations, ScoredRow};
 use crate::model::Model;
+use crate::settings::{EstimatorSettings, OutputInput, SettingsError};
+use crate::supervisor::common::Common;
 
 /// State, parameters and their covariance, with prediction and correction. The supervisor runs one, and a second one
 /// while a change of the parameters is in doubt.
@@ -13,10 +14,10 @@ pub trait Slot<const N: usize, const R: usize, const P: usize>: Copy {
     type Settings: Copy;
 
     /// What the supervisor needs of them.
-    fn shared(settings: &Self::Settings) -> &SmpeSettings<N, R, P>;
+    fn shared(settings: &Self::Settings) -> &EstimatorSettings<N, R, P>;
 
     /// Checks what is the method's own; the shared settings have been checked.
-    fn check(settings: &Self::Settings) -> Result<(), SmpeError>;
+    fn check(settings: &Self::Settings) -> Result<(), SettingsError>;
 
     /// The prior, with a state still to be started.
     fn prior(settings: &Self::Settings, columns: &Columns<N, R, P>) -> Self;
@@ -62,7 +63,7 @@ pub trait Slot<const N: usize, const R: usize, const P: usize>: Copy {
         columns: &Columns<N, R, P>,
         tested: &[usize],
         change_over_prior: &[f64; P],
-        noise_sd: &[f64; R],
+        noise_std: &[f64; R],
         allowance: f64,
     ) -> bool;
 
@@ -85,63 +86,9 @@ pub trait Slot<const N: usize, const R: usize, const P: usize>: Copy {
     fn is_sound(&self, columns: usize) -> bool;
 }
 
-/// How one output row met its sliding surface.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum RowPhase {
-    /// Not measured in this frame (or not usable).
-    #[default]
-    Missing,
-    /// Inside the boundary layer: equivalent control.
-    Sliding,
-    /// Outside: bounded influence on the parameters, no covariance reduction.
-    Reaching,
-    /// Too far away for any parameter inside the bounds: not used.
-    Rejected,
-}
-
-/// The rows of the last frame as the estimated model saw them *before* the frame corrected it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Innovations<const R: usize> {
-    /// Predicted outputs (with the estimated biases), output units.
-    pub predicted: [f64; R],
-    /// Normalised surface `xi`: residual over its whole predicted standard deviation, parameters included. NaN where
-    /// missing.
-    pub normalised: [f64; R],
-    /// Residual whitened by state and measurement noise alone, `e`. NaN where missing.
-    pub whitened: [f64; R],
-    /// `s (1 + v)`, predicted variance of the residual, output units squared. NaN where missing.
-    pub variance: [f64; R],
-    /// Phase per row.
-    pub phase: [RowPhase; R],
-}
-
-impl<const R: usize> Innovations<R> {
-    pub(crate) const EMPTY: Self = Self {
-        predicted: [f64::NAN; R],
-        normalised: [f64::NAN; R],
-        whitened: [f64::NAN; R],
-        variance: [f64::NAN; R],
-        phase: [RowPhase::Missing; R],
-    };
-}
-
-/// What an output row says about the parameters, before the row is used.
-pub struct ScoredRow<'a> {
-    /// Index of the output.
-    pub(crate) output: usize,
-    /// Whitened sensitivity `psi`, columns scaled to the prior standard deviation.
-    pub(crate) psi: &'a [f64],
-    /// Normalised surface `xi`.
-    pub(crate) xi: f64,
-    /// `v = psi C psi^T`.
-    pub(crate) v: f64,
-    /// `nn = sqrt(1 + v)`.
-    pub(crate) nn: f64,
-}
-
 /// The input that the outputs see at the end of an interval.
 pub(crate) fn output_input<I: Copy, const N: usize, const R: usize, const P: usize>(
-    settings: &SmpeSettings<N, R, P>,
+    settings: &EstimatorSettings<N, R, P>,
     previous: I,
     current: I,
 ) -> I {

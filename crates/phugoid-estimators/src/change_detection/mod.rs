@@ -13,11 +13,13 @@
 //! `w` (model error) and the leverage `lev` (coloured noise) are learnt in flight from `q` itself; docs/theory.md
 //! derives it.
 
-use super::columns::Columns;
-use super::settings::ChangeDetection;
-use super::slot::ScoredRow;
+pub(crate) mod challenge;
+
+use crate::columns::Columns;
 use crate::dense::Cholesky;
+use crate::innovation::ScoredRow;
 use crate::kernels::{add_scaled, dot};
+use crate::settings::ChangeDetection;
 
 const BLOCKS: usize = 20;
 /// Window lengths tested, in blocks: the time of the change is unknown.
@@ -106,7 +108,7 @@ impl<const P: usize> ChangeDetector<P> {
         let mut tested = [0; P];
         let mut count = 0;
         for j in 0..columns.count {
-            if columns.change[j].sd(columns.initial[j], columns.initial[j]) > 0.0
+            if columns.change[j].std(columns.initial[j], columns.initial[j]) > 0.0
                 || matches!(columns.change[j], super::settings::ChangePrior::Relative { .. })
             {
                 tested[count] = j;
@@ -388,9 +390,9 @@ mod tests {
     use std::vec::Vec;
 
     use super::{BLOCKS, ChangeDetector, SUFFIXES};
-    use crate::smpe::columns::Columns;
-    use crate::smpe::settings::{ChangeDetection, ChangePrior};
-    use crate::smpe::slot::ScoredRow;
+    use crate::columns::Columns;
+    use crate::innovation::ScoredRow;
+    use crate::settings::{ChangeDetection, ChangePrior};
     use rand::{RngExt, SeedableRng};
     use rand_pcg::Pcg64Mcg;
 
@@ -457,7 +459,7 @@ mod tests {
             count,
             own: count,
             initial: [0.0; P],
-            sd: [1.0; P],
+            std: [1.0; P],
             clip_low: [f64::NEG_INFINITY; P],
             clip_high: [f64::INFINITY; P],
             change,

@@ -23,7 +23,7 @@ pub enum ChangePrior {
 
 impl ChangePrior {
     /// One sigma of a sudden change when the parameter started at `initial` and is now estimated as `current`.
-    pub fn sd(&self, initial: f64, current: f64) -> f64 {
+    pub fn std(&self, initial: f64, current: f64) -> f64 {
         match *self {
             Self::None => 0.0,
             Self::Fixed(d) => d,
@@ -38,38 +38,38 @@ pub struct ParameterPrior {
     /// Start value.
     pub initial: f64,
     /// One sigma of the start value. Zero keeps the parameter fixed.
-    pub sd: f64,
+    pub std: f64,
     /// Declared lower bound; may be minus infinity.
     pub lower: f64,
     /// Declared upper bound; may be infinity.
     pub upper: f64,
     /// Plausible sudden change in flight.
-    pub change_sd: ChangePrior,
+    pub change_std: ChangePrior,
 }
 
 impl ParameterPrior {
     /// A parameter known by its bounds: `C0 = (R/2)^2`, half width `R` (theory: the bounds decide the gain), and half
     /// of `R` as one sigma of a sudden change. The form for increments on a database.
     pub fn bounded(initial: f64, lower: f64, upper: f64) -> Self {
-        let sd = 0.25 * (upper - lower);
-        Self { initial, sd, lower, upper, change_sd: ChangePrior::Fixed(sd) }
+        let std = 0.25 * (upper - lower);
+        Self { initial, std, lower, upper, change_std: ChangePrior::Fixed(std) }
     }
 
     /// A parameter in absolute form, known by a start value and its one sigma; a sudden change is of the order of half
     /// the parameter.
-    pub fn absolute(initial: f64, sd: f64) -> Self {
+    pub fn absolute(initial: f64, std: f64) -> Self {
         Self {
             initial,
-            sd,
+            std,
             lower: f64::NEG_INFINITY,
             upper: f64::INFINITY,
-            change_sd: ChangePrior::Relative { fraction: 0.5, maximum: f64::INFINITY },
+            change_std: ChangePrior::Relative { fraction: 0.5, maximum: f64::INFINITY },
         }
     }
 
     /// A parameter that only supports the others (offset, bias): start value zero, never a sudden change.
-    pub fn nuisance(sd: f64) -> Self {
-        Self { initial: 0.0, sd, lower: f64::NEG_INFINITY, upper: f64::INFINITY, change_sd: ChangePrior::None }
+    pub fn nuisance(std: f64) -> Self {
+        Self { initial: 0.0, std, lower: f64::NEG_INFINITY, upper: f64::INFINITY, change_std: ChangePrior::None }
     }
 
     /// A parameter held at a value.
@@ -82,19 +82,24 @@ impl ParameterPrior {
         0.5 * (self.upper - self.lower)
     }
 
-    fn check(&self, parameter: usize) -> Result<(), SmpeError> {
-        let change_is_wrong = match self.change_sd {
+    fn check(&self, parameter: usize) -> Result<(), SettingsError> {
+        let change_is_wrong = match self.change_std {
             ChangePrior::None => false,
             ChangePrior::Fixed(d) => !(d.is_finite() && d >= 0.0),
             ChangePrior::Relative { fraction, maximum } => !(fraction.is_finite() && fraction >= 0.0 && maximum >= 0.0),
         };
-        let sd_is_right = self.sd.is_finite() && self.sd >= 0.0;
+        let sd_is_right = self.std.is_finite() && self.std >= 0.0;
         if !self.initial.is_finite() || !sd_is_right || change_is_wrong {
-            return Err(SmpeError::Prior { parameter });
+            return Err(SettingsError::Prior { parameter });
         }
         let ordered = self.lower < self.upper;
         if !ordered || !(self.lower..=self.upper).contains(&self.initial) {
-            return Err(SmpeError::Bounds { parameter, lower: self.lower, initial: self.initial, upper: self.upper });
+            return Err(SettingsError::Bounds {
+                parameter,
+                lower: self.lower,
+                initial: self.initial,
+                upper: self.upper,
+            });
         }
         Ok(())
     }
@@ -167,15 +172,6 @@ pub enum OutputInput {
     Previous,
 }
 
-/// Whether a change of the parameters in flight is looked for.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum ReReaching {
-    /// Constant parameters are assumed.
-    Off,
-    /// Bayes-factor test with champion and challenger.
-    Safe(ChangeDetection),
-}
-
 /// Settings of the change detector. The defaults hold for any number of parameters and any rate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ChangeDetection {
@@ -225,7 +221,7 @@ impl Default for ChangeDetection {
 }
 
 impl ChangeDetection {
-    fn check(&self) -> Result<(), SmpeError> {
+    fn check(&self) -> Result<(), SettingsError> {
         let [low, high] = self.wander_limits;
         let settings = [
             ("change_detection.window_s", self.window_s, self.window_s > 0.0),
@@ -241,7 +237,7 @@ impl ChangeDetection {
             ("change_detection.insensitive_wander", self.insensitive_wander, !self.insensitive_wander.is_nan()),
         ];
         match settings.into_iter().find(|(_, _, right)| !right) {
-            Some((name, value, _)) => Err(SmpeError::Setting { name, value }),
+            Some((name, value, _)) => Err(SettingsError::Setting { name, value }),
             None => Ok(()),
         }
     }
@@ -258,21 +254,21 @@ pub enum ReachingState {
     Prototype,
 }
 
-/// Everything the sliding-mode parameter estimator is told. [`SmpeSettings::automatic`] fills it by rule; every field
+/// Everything the sliding-mode parameter estimator is told. [`EstimatorSettings::automatic`] fills it by rule; every field
 /// may then be changed.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SmpeSettings<const N: usize, const R: usize, const P: usize> {
+pub struct EstimatorSettings<const N: usize, const R: usize, const P: usize> {
     /// Priors of the model's parameters, the model's order; entries from its parameter count on are ignored.
     pub priors: [ParameterPrior; P],
     /// One sigma of the measurement noise per output, output units. Zero or not finite: the output is not used.
-    pub noise_sd: [f64; R],
+    pub noise_std: [f64; R],
     /// One sigma of an unknown constant bias per output, output units. Zero or not finite: no bias column. Bias
     /// columns follow the model's parameters in the order of the outputs and count against the capacity `P`.
-    pub bias_sd: [f64; R],
+    pub bias_std: [f64; R],
     /// Start value of states that no output measures.
     pub initial_state: [f64; N],
     /// One sigma of [`Self::initial_state`].
-    pub initial_state_sd: [f64; N],
+    pub initial_state_std: [f64; N],
     /// Gusts and the like.
     pub process_noise: ProcessNoise<N, R>,
     /// `kappa`: up to this normalised surface value a row slides (equivalent control).
@@ -305,25 +301,29 @@ pub struct SmpeSettings<const N: usize, const R: usize, const P: usize> {
     /// Length of the blocks of the colour correction, s.
     pub colour_block_s: f64,
     /// Change detection.
-    pub re_reaching: ReReaching,
+    pub change_detection: Option<ChangeDetection>,
 }
 
-impl<const N: usize, const R: usize, const P: usize> SmpeSettings<N, R, P> {
+impl<const N: usize, const R: usize, const P: usize> EstimatorSettings<N, R, P> {
     /// The automatic rule: everything from the priors (bounds), the measured noise (one sigma per output) and the
     /// sample time. Parameters of the model beyond the last prior given are held at zero. No process noise, no biases, states not measured start at zero with variance zero: set
     /// [`Self::process_noise`], [`Self::with_biases`] and [`Self::initial_state`] where the plant has them.
-    pub fn automatic(priors: &[ParameterPrior], noise_sd: [f64; R], sample_time_s: f64) -> Result<Self, SmpeError> {
+    pub fn automatic(
+        priors: &[ParameterPrior],
+        noise_std: [f64; R],
+        sample_time_s: f64,
+    ) -> Result<Self, SettingsError> {
         if priors.len() > P {
-            return Err(SmpeError::Capacity { needed: priors.len(), capacity: P });
+            return Err(SettingsError::Capacity { needed: priors.len(), capacity: P });
         }
         let mut all = [ParameterPrior::fixed(0.0); P];
         all[..priors.len()].copy_from_slice(priors);
         let settings = Self {
             priors: all,
-            noise_sd,
-            bias_sd: [0.0; R],
+            noise_std,
+            bias_std: [0.0; R],
             initial_state: [0.0; N],
-            initial_state_sd: [0.0; N],
+            initial_state_std: [0.0; N],
             process_noise: ProcessNoise::NONE,
             reaching_limit: 3.0,
             rejection_limit: automatic_rejection_limit(learnt(priors)),
@@ -338,15 +338,15 @@ impl<const N: usize, const R: usize, const P: usize> SmpeSettings<N, R, P> {
             correct_first_sample: true,
             clip_factor: 1.5,
             colour_block_s: 0.5,
-            re_reaching: ReReaching::Safe(ChangeDetection::default()),
+            change_detection: Some(ChangeDetection::default()),
         };
         settings.check(priors.len())?;
         Ok(settings)
     }
 
     /// Adds bias columns (one sigma per output, zero for none) and widens the rejection limit for their number.
-    pub fn with_biases(mut self, bias_sd: [f64; R]) -> Self {
-        self.bias_sd = bias_sd;
+    pub fn with_biases(mut self, bias_std: [f64; R]) -> Self {
+        self.bias_std = bias_std;
         let columns = learnt(&self.priors) + self.bias_columns().count();
         self.rejection_limit = self.rejection_limit.max(automatic_rejection_limit(columns));
         self
@@ -359,14 +359,14 @@ impl<const N: usize, const R: usize, const P: usize> SmpeSettings<N, R, P> {
 
     /// Outputs that have a bias column, in order.
     pub fn bias_columns(&self) -> impl Iterator<Item = usize> + '_ {
-        (0..R).filter(|&i| self.bias_sd[i] > 0.0 && self.bias_sd[i].is_finite())
+        (0..R).filter(|&i| self.bias_std[i] > 0.0 && self.bias_std[i].is_finite())
     }
 
     /// Checks the settings for a model with `parameters` parameters.
-    pub(crate) fn check(&self, parameters: usize) -> Result<(), SmpeError> {
+    pub(crate) fn check(&self, parameters: usize) -> Result<(), SettingsError> {
         let needed = parameters + self.bias_columns().count();
         if needed > P {
-            return Err(SmpeError::Capacity { needed, capacity: P });
+            return Err(SettingsError::Capacity { needed, capacity: P });
         }
         for (i, prior) in self.priors[..parameters].iter().enumerate() {
             prior.check(i)?;
@@ -383,23 +383,23 @@ impl<const N: usize, const R: usize, const P: usize> SmpeSettings<N, R, P> {
         for (name, value) in positive {
             // Infinity is allowed: no limit.
             if value.is_nan() || value <= 0.0 || (name == "sample_time_s" && value.is_infinite()) {
-                return Err(SmpeError::Setting { name, value });
+                return Err(SettingsError::Setting { name, value });
             }
         }
         if self.start_trial_s.is_nan() || self.start_trial_s < 0.0 {
-            return Err(SmpeError::Setting { name: "start_trial_s", value: self.start_trial_s });
+            return Err(SettingsError::Setting { name: "start_trial_s", value: self.start_trial_s });
         }
         if self.start_window_s.is_nan() || self.start_window_s < 0.0 {
-            return Err(SmpeError::Setting { name: "start_window_s", value: self.start_window_s });
+            return Err(SettingsError::Setting { name: "start_window_s", value: self.start_window_s });
         }
         for value in self.process_noise.variance_per_s {
             if !(value.is_finite() && value >= 0.0) {
-                return Err(SmpeError::Setting { name: "process_noise.variance_per_s", value });
+                return Err(SettingsError::Setting { name: "process_noise.variance_per_s", value });
             }
         }
         let [low, high] = self.process_noise.scale_limits;
         if !(low > 0.0 && high >= low && (low..=high).contains(&self.process_noise.initial_scale)) {
-            return Err(SmpeError::Setting {
+            return Err(SettingsError::Setting {
                 name: "process_noise.initial_scale",
                 value: self.process_noise.initial_scale,
             });
@@ -409,21 +409,21 @@ impl<const N: usize, const R: usize, const P: usize> SmpeSettings<N, R, P> {
             NoiseAdaptation::Score { forgetting: value } | NoiseAdaptation::Rows { gain: value, .. } => value,
         };
         if !(0.0..=1.0).contains(&gain) {
-            return Err(SmpeError::Setting { name: "process_noise.adaptation", value: gain });
+            return Err(SettingsError::Setting { name: "process_noise.adaptation", value: gain });
         }
-        if let ReReaching::Safe(detection) = &self.re_reaching {
+        if let Some(detection) = &self.change_detection {
             detection.check()?;
         }
         for i in 0..N {
             if !self.initial_state[i].is_finite() {
-                return Err(SmpeError::Setting { name: "initial_state", value: self.initial_state[i] });
+                return Err(SettingsError::Setting { name: "initial_state", value: self.initial_state[i] });
             }
-            if !(self.initial_state_sd[i].is_finite() && self.initial_state_sd[i] >= 0.0) {
-                return Err(SmpeError::Setting { name: "initial_state_sd", value: self.initial_state_sd[i] });
+            if !(self.initial_state_std[i].is_finite() && self.initial_state_std[i] >= 0.0) {
+                return Err(SettingsError::Setting { name: "initial_state_std", value: self.initial_state_std[i] });
             }
         }
-        if !self.noise_sd.iter().any(|sd| sd.is_finite() && *sd > 0.0) {
-            return Err(SmpeError::NoOutput);
+        if !self.noise_std.iter().any(|std| std.is_finite() && *std > 0.0) {
+            return Err(SettingsError::NoOutput);
         }
         Ok(())
     }
@@ -431,7 +431,7 @@ impl<const N: usize, const R: usize, const P: usize> SmpeSettings<N, R, P> {
 
 /// How many parameters are learnt: a fixed one is a known number.
 fn learnt(priors: &[ParameterPrior]) -> usize {
-    priors.iter().filter(|prior| prior.sd > 0.0).count()
+    priors.iter().filter(|prior| prior.std > 0.0).count()
 }
 
 /// `kappa2 = max(6, 2 sqrt(p) + 2)`: beyond it nothing inside the bounds explains a row.
@@ -441,7 +441,7 @@ fn automatic_rejection_limit(columns: usize) -> f64 {
 
 /// Why an estimator cannot be set up.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum SmpeError {
+pub enum SettingsError {
     /// More columns (parameters and biases) than the compiled capacity.
     Capacity {
         /// Columns needed.
@@ -476,7 +476,7 @@ pub enum SmpeError {
     NoOutput,
 }
 
-impl fmt::Display for SmpeError {
+impl fmt::Display for SettingsError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
             Self::Capacity { needed, capacity } => write!(
@@ -500,4 +500,4 @@ impl fmt::Display for SmpeError {
     }
 }
 
-impl core::error::Error for SmpeError {}
+impl core::error::Error for SettingsError {}

@@ -1,8 +1,9 @@
 //! The median start: an outlier in the very first sample must not become the start of the state.
 
-use super::columns::Columns;
-use super::settings::SmpeSettings;
+use crate::columns::Columns;
 use crate::model::Sample;
+use crate::settings::EstimatorSettings;
+use crate::statistics::median;
 
 /// Most frames the start collects.
 pub(crate) const START_CAPACITY: usize = 64;
@@ -55,7 +56,7 @@ impl<I: Copy, const R: usize> Start<I, R> {
     /// Call it with the newest frame already pushed: the window is over when that frame lies beyond it.
     pub(crate) fn state<const N: usize, const P: usize>(
         &self,
-        settings: &SmpeSettings<N, R, P>,
+        settings: &EstimatorSettings<N, R, P>,
         columns: &Columns<N, R, P>,
     ) -> Option<StartedState<N>> {
         let first = self.frame(0)?.time_s;
@@ -70,7 +71,7 @@ impl<I: Copy, const R: usize> Start<I, R> {
         }
         let mut started = StartedState {
             x: settings.initial_state,
-            variances: settings.initial_state_sd.map(|sd| sd * sd),
+            variances: settings.initial_state_std.map(|std| std * std),
             measured: [false; N],
         };
         for state in 0..N {
@@ -96,7 +97,7 @@ impl<I: Copy, const R: usize> Start<I, R> {
                 }
                 let scatter = 1.4826 * median(&mut values[..found]);
                 started.x[state] = middle;
-                started.variances[state] = start_variance(settings.noise_sd[output], scatter);
+                started.variances[state] = start_variance(settings.noise_std[output], scatter);
                 started.measured[state] = true;
             } else if !full {
                 return None;
@@ -109,18 +110,7 @@ impl<I: Copy, const R: usize> Start<I, R> {
 /// The median belongs to the middle of the window and the estimated model starts at its beginning. On a state at rest
 /// only noise lies between the two; on one that moves by more than the noise, up to half the motion does, which is
 /// less than twice the scatter about the median.
-fn start_variance(noise_sd: f64, scatter: f64) -> f64 {
-    let sd = if scatter > 2.0 * noise_sd { 2.0 * scatter } else { noise_sd };
-    sd * sd
-}
-
-/// Median of finite values; the mean of the middle two for an even count. Zero for none.
-pub(crate) fn median(values: &mut [f64]) -> f64 {
-    values.sort_unstable_by(f64::total_cmp);
-    let n = values.len();
-    match n {
-        0 => 0.0,
-        _ if n % 2 == 1 => values[n / 2],
-        _ => 0.5 * (values[n / 2 - 1] + values[n / 2]),
-    }
+fn start_variance(noise_std: f64, scatter: f64) -> f64 {
+    let std = if scatter > 2.0 * noise_std { 2.0 * scatter } else { noise_std };
+    std * std
 }

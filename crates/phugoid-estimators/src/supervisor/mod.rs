@@ -3,22 +3,30 @@
 //! before the change). What a caller may know is in `report`.
 
 mod begin;
+pub(crate) mod colour;
+pub(crate) mod common;
 mod doubt;
-pub(super) mod report;
+mod faults;
+mod history;
+mod report;
 mod retrospect;
+pub(crate) mod slot;
+pub(crate) mod start;
+mod trial;
 
-use super::challenge::Challenge;
-use super::change::ChangeDetector;
-use super::columns::Columns;
-use super::faults::Faults;
-use super::history::History;
-use super::settings::{ReReaching, SmpeError, SmpeSettings};
-use super::slot::{Innovations, RowPhase, Slot, output_input};
-use super::start::Start;
-use super::trial::Trial;
+use crate::change_detection::ChangeDetector;
+use crate::change_detection::challenge::Challenge;
+use crate::columns::Columns;
 use crate::discretization::IntervalInput;
 use crate::estimate::{Estimate, Estimator, Phase};
+use crate::innovation::{Innovations, RowPhase};
 use crate::model::{Model, Sample};
+use crate::settings::{EstimatorSettings, SettingsError};
+use crate::supervisor::faults::Faults;
+use crate::supervisor::history::History;
+use crate::supervisor::slot::{Slot, output_input};
+use crate::supervisor::start::Start;
+use crate::supervisor::trial::Trial;
 use retrospect::Behind;
 
 /// The process noise is adapted only after this time, s: the start transient is not a gust.
@@ -65,7 +73,7 @@ where
     phase: Phase,
     /// Of champion and challenger.
     faults: [Faults<R>; 2],
-    re_reached: bool,
+    adopted: bool,
     /// Opened for a known change since the last sample.
     known_change: bool,
     rejected_samples: u64,
@@ -81,19 +89,19 @@ where
     M: Model<N, R, P>,
 {
     /// Sets the estimator up; the first samples start its state.
-    pub fn new(model: M, settings: S::Settings) -> Result<Self, SmpeError> {
+    pub fn new(model: M, settings: S::Settings) -> Result<Self, SettingsError> {
         let shared = S::shared(&settings);
         let parameters = model.parameter_count();
         if parameters > P {
-            return Err(SmpeError::Capacity { needed: parameters, capacity: P });
+            return Err(SettingsError::Capacity { needed: parameters, capacity: P });
         }
         shared.check(parameters)?;
         S::check(&settings)?;
         let columns = Columns::new(&model, shared);
         let champion = S::prior(&settings, &columns);
-        let detection = match shared.re_reaching {
-            ReReaching::Off => None,
-            ReReaching::Safe(detection) => {
+        let detection = match shared.change_detection {
+            None => None,
+            Some(detection) => {
                 let detector = ChangeDetector::new(detection, shared.sample_time_s, &columns);
                 Some((detector, Challenge::new(detection, R as f64 / shared.sample_time_s)))
             }
@@ -120,7 +128,7 @@ where
             innovations: Innovations::EMPTY,
             phase: Phase::Starting,
             faults: [Faults::NONE; 2],
-            re_reached: false,
+            adopted: false,
             known_change: false,
             rejected_samples: 0,
             restarts: 0,
@@ -129,21 +137,21 @@ where
         })
     }
 
-    fn shared(&self) -> &SmpeSettings<N, R, P> {
+    fn shared(&self) -> &EstimatorSettings<N, R, P> {
         S::shared(&self.settings)
     }
 
     /// `d_j`, parameter units.
-    fn change_sd(&self, column: usize) -> f64 {
-        self.columns.change[column].sd(self.columns.initial[column], self.champion.common().theta[column])
+    fn change_std(&self, column: usize) -> f64 {
+        self.columns.change[column].std(self.columns.initial[column], self.champion.common().theta[column])
     }
 
     /// `d_j` over the prior standard deviation.
     fn change_over_prior(&self) -> [f64; P] {
         let mut out = [0.0; P];
         for j in 0..self.columns.count {
-            if self.columns.sd[j] > 0.0 {
-                out[j] = self.change_sd(j) / self.columns.sd[j];
+            if self.columns.std[j] > 0.0 {
+                out[j] = self.change_std(j) / self.columns.std[j];
             }
         }
         out
@@ -248,7 +256,7 @@ where
     type Input = M::Input;
 
     fn update(&mut self, sample: &Sample<Self::Input, R>) -> Estimate<P> {
-        self.re_reached = core::mem::take(&mut self.known_change);
+        self.adopted = core::mem::take(&mut self.known_change);
         if !sample.time_s.is_finite() || sample.time_s <= self.last_s {
             self.rejected_samples = self.rejected_samples.saturating_add(1);
             self.phase = Phase::Rejected;
@@ -266,7 +274,7 @@ where
         self.champion.write_covariance(out);
         for i in 0..self.columns.count {
             for j in 0..self.columns.count {
-                out[i][j] *= self.columns.sd[i] * self.columns.sd[j];
+                out[i][j] *= self.columns.std[i] * self.columns.std[j];
             }
         }
     }
