@@ -71,7 +71,7 @@ impl Estimation {
     /// Estimator used.
     #[getter]
     fn method(&self) -> &str {
-        &self.inner.method
+        self.inner.method.name()
     }
 
     fn __repr__(&self) -> String {
@@ -79,7 +79,7 @@ impl Estimation {
         let width = estimation.parameters.iter().map(|p| p.name.len()).max().unwrap_or(0);
         let mut text = format!("<Estimation of '{}' by {}", estimation.source, estimation.method);
         for p in &estimation.parameters {
-            text.push_str(&line(&p.name, width, p.value, p.corrected_std_error, &p.status));
+            text.push_str(&line(&p.name, width, p.value, p.corrected_std_error, p.status.word()));
         }
         text.push('>');
         text

@@ -116,7 +116,7 @@ impl Session {
                     format!("<Session of '{}' by {} at {:.2} s", layout.model, layout.method, snapshot.time_s);
                 let width = layout.parameters.iter().map(|p| p.name.len()).max().unwrap_or(0);
                 for (name, p) in layout.parameters.iter().zip(&snapshot.parameters) {
-                    text.push_str(&line(&name.name, width, p.value, p.std_error, &p.status));
+                    text.push_str(&line(&name.name, width, p.value, p.std_error, p.status.word()));
                 }
                 text.push('>');
                 text

@@ -34,6 +34,7 @@ pub struct DetectorReport {
 
 /// How the last frame met the sliding surfaces.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum Phase {
     /// Collecting the samples from which the state is started.
     #[default]
@@ -51,20 +52,60 @@ pub enum Phase {
     Diverged,
 }
 
+impl Phase {
+    /// Its word in results: that of its serialised form.
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::Starting => "starting",
+            Self::Sliding => "sliding",
+            Self::Reaching => "reaching",
+            Self::Rejected => "rejected",
+            Self::Predicting => "predicting",
+            Self::Diverged => "diverged",
+        }
+    }
+}
+
+impl core::fmt::Display for Phase {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.pad(self.word())
+    }
+}
+
 /// What the change detector holds of the parameters.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum ChangeState {
     /// No change suspected.
     #[default]
     Steady,
     /// A change is suspected and a challenger runs beside the estimate: the reported bounds are widened.
     InDoubt,
-    /// The challenger was adopted at this sample: the parameters changed.
+    /// The challenger was adopted at this sample: the parameters changed. Results of older versions say `re_reached`.
+    #[cfg_attr(feature = "serde", serde(alias = "re_reached"))]
     Adopted,
+}
+
+impl ChangeState {
+    /// Its word in results: that of its serialised form.
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::Steady => "steady",
+            Self::InDoubt => "in_doubt",
+            Self::Adopted => "adopted",
+        }
+    }
+}
+
+impl core::fmt::Display for ChangeState {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.pad(self.word())
+    }
 }
 
 /// What the change detector can see.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum DetectorState {
     /// Switched off by the settings.
     #[default]
@@ -79,6 +120,7 @@ pub enum DetectorState {
 
 /// Verdict on one parameter.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum ParameterStatus {
     /// The data have said almost nothing about it: the bound is the prior's.
     #[default]
@@ -89,6 +131,24 @@ pub enum ParameterStatus {
     Converged,
     /// It rests on one of its limits: the bounds given to the estimator exclude what the data say.
     AtLimit,
+}
+
+impl ParameterStatus {
+    /// Its word in results: that of its serialised form.
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::NotExcited => "not_excited",
+            Self::Improving => "improving",
+            Self::Converged => "converged",
+            Self::AtLimit => "at_limit",
+        }
+    }
+}
+
+impl core::fmt::Display for ParameterStatus {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.pad(self.word())
+    }
 }
 
 /// Status of the whole estimator after one sample.

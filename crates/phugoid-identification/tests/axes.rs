@@ -175,7 +175,7 @@ fn nothing_is_learnt_from_steady_flight_on_the_lateral_axes() {
     );
     for parameter in &steady.parameters {
         assert_eq!(
-            (parameter.value, parameter.status.as_str()),
+            (parameter.value, parameter.status.word()),
             (parameter.initial, "not_excited"),
             "{}",
             parameter.name

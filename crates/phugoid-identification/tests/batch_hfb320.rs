@@ -90,7 +90,7 @@ fn output_error_ends_at_its_known_optimum() {
     let Some((prepared, file)) = flight() else { return };
     let structure = structure(&file, |_| Noise::Estimated);
     let settings = OptimiserSettings::default();
-    let fit = output_error::<_, _, STATES, OUTPUTS, 11>(&[manoeuvre(&prepared)], &structure, &settings).unwrap();
+    let fit = output_error::<_, _, STATES, OUTPUTS>(&[manoeuvre(&prepared)], &structure, &settings).unwrap();
     print(&fit);
     let value = |name: &str| fit.unknown(name).unwrap().value;
     assert!((value("CL_alpha") - 3.33).abs() < 0.01 && (value("CD_0") - 0.1125).abs() < 0.0001);
@@ -108,8 +108,7 @@ fn filter_error_ends_at_the_published_estimate() {
     let structure = structure(&file, |output| Noise::Known(file.noise[output.index()].unwrap()));
     let process = ProcessNoise { density: process_noise(&file), estimated: true };
     let settings = OptimiserSettings::default();
-    let fit =
-        filter_error::<_, _, STATES, OUTPUTS, 11>(&[manoeuvre(&prepared)], &structure, &process, &settings).unwrap();
+    let fit = filter_error::<_, _, STATES, OUTPUTS>(&[manoeuvre(&prepared)], &structure, &process, &settings).unwrap();
     print(&fit);
     println!("process noise {:?}, published {:?}", fit.process_noise, process.density);
     for (name, published) in PUBLISHED {

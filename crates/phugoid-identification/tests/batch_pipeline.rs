@@ -18,7 +18,7 @@ fn run(method: Method, options: EstimateOptions) -> Estimation {
 fn every_batch_method_finds_the_f16() {
     for method in [Method::EquationError, Method::OutputError, Method::FilterError] {
         let found = run(method, EstimateOptions::default());
-        assert_eq!(found.method, method.name());
+        assert_eq!(found.method, method);
         let samples = found.history.time_s.len();
         for (name, truth) in TRUTH {
             let p = found.parameters.iter().find(|p| p.name == name).unwrap();

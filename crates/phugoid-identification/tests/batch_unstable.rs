@@ -61,7 +61,7 @@ fn settings() -> EquationErrorSettings {
 #[test]
 fn equation_error_needs_no_start() {
     let Some(flight) = flight() else { return };
-    let result = equation_error::<_, _, 2, 3, 6>(&[manoeuvre(&flight)], &structure([0.0; 6]), &settings()).unwrap();
+    let result = equation_error::<_, _, 2, 3>(&[manoeuvre(&flight)], &structure([0.0; 6]), &settings()).unwrap();
     print(&result.fit);
     for index in 0..3 {
         // Half a unit of the fifth published digit.
@@ -85,7 +85,7 @@ fn equation_error_needs_no_start() {
 fn smoothing_costs_on_exact_data() {
     let Some(flight) = flight() else { return };
     let smooth = EquationErrorSettings { half_window_s: 0.15, smooth_regressors: true, ..settings() };
-    let fit = equation_error::<_, _, 2, 3, 6>(&[manoeuvre(&flight)], &structure([0.0; 6]), &smooth).unwrap().fit;
+    let fit = equation_error::<_, _, 2, 3>(&[manoeuvre(&flight)], &structure([0.0; 6]), &smooth).unwrap().fit;
     print(&fit);
     assert!((fit.parameters[1] / TRUTH[1] - 1.0).abs() > 0.01);
 }
@@ -96,11 +96,11 @@ fn output_error_says_that_the_aircraft_is_unstable() {
     let Some(flight) = flight() else { return };
     let start = TRUTH.map(|v| 0.9 * v);
     let settings = OptimiserSettings::default();
-    let failure = output_error::<_, _, 2, 3, 6>(&[manoeuvre(&flight)], &structure(start), &settings).unwrap_err();
+    let failure = output_error::<_, _, 2, 3>(&[manoeuvre(&flight)], &structure(start), &settings).unwrap_err();
     println!("{failure}");
     assert!(matches!(failure, BatchError::Unstable { growth, .. } if growth > 1000.0), "{failure:?}");
     // From the truth it does converge, with az so exact that the other derivatives follow it; and says what to think of it.
-    let fit = output_error::<_, _, 2, 3, 6>(&[manoeuvre(&flight)], &structure(TRUTH), &settings).unwrap();
+    let fit = output_error::<_, _, 2, 3>(&[manoeuvre(&flight)], &structure(TRUTH), &settings).unwrap();
     print(&fit);
     assert!(fit.notes.iter().any(|n| n.contains("unstable")), "{:?}", fit.notes);
 }
@@ -109,15 +109,11 @@ fn output_error_says_that_the_aircraft_is_unstable() {
 #[test]
 fn filter_error_holds_on_to_the_measurements() {
     let Some(flight) = flight() else { return };
-    let first = equation_error::<_, _, 2, 3, 6>(&[manoeuvre(&flight)], &structure([0.0; 6]), &settings()).unwrap().fit;
+    let first = equation_error::<_, _, 2, 3>(&[manoeuvre(&flight)], &structure([0.0; 6]), &settings()).unwrap().fit;
     let start = std::array::from_fn(|j| first.parameters[j]);
     let process = ProcessNoise { density: [1e-3, 1e-4], estimated: true };
-    let fit = filter_error::<_, _, 2, 3, 6>(
-        &[manoeuvre(&flight)],
-        &structure(start),
-        &process,
-        &OptimiserSettings::default(),
-    );
+    let fit =
+        filter_error::<_, _, 2, 3>(&[manoeuvre(&flight)], &structure(start), &process, &OptimiserSettings::default());
     let fit = fit.unwrap();
     print(&fit);
     println!("noise {:?}, process noise {:?}", fit.noise_std, fit.process_noise);

@@ -23,7 +23,7 @@ fn a_good_input_makes_parameters_ready_and_says_since_when() {
             "{:14} {} since {:?}, inflation {:.1}",
             p.name, found.verdict, found.ready_since_s, found.variance_inflation
         );
-        assert_eq!(found.verdict, "ready", "{}: {}", p.name, found.reason);
+        assert_eq!(found.verdict.word(), "ready", "{}: {}", p.name, found.reason);
         assert!(found.advice.is_none());
         // Not before the input, and not long after it has ended at 4 s.
         assert!((0.5..8.0).contains(&found.ready_since_s.unwrap()), "{}", p.name);
@@ -36,7 +36,7 @@ fn without_an_input_nothing_is_identifiable() {
     let estimation = estimate(&fly(10.0, 0.0, 32), &model(), &EstimateOptions::default(), &mut |_| {}).unwrap();
     for p in &estimation.parameters {
         let found = p.readiness.as_ref().unwrap();
-        assert_eq!((found.verdict.as_str(), found.ready_since_s), ("not_identifiable", None), "{}", p.name);
+        assert_eq!((found.verdict.word(), found.ready_since_s), ("not_identifiable", None), "{}", p.name);
         assert!(found.advice.as_ref().unwrap().contains("elevator"));
     }
 }
@@ -56,14 +56,14 @@ fn two_controls_that_move_together_are_told_apart_by_moving_them_apart() {
     let estimation = estimate(&record, &model, &EstimateOptions::default(), &mut |_| {}).unwrap();
     for (name, other) in [("dCm_elevator", "dCm_flap"), ("dCm_flap", "dCm_elevator")] {
         let found = readiness(&estimation, name);
-        assert_eq!(found.verdict, "not_identifiable", "{name}: {found:?}");
+        assert_eq!(found.verdict.word(), "not_identifiable", "{name}: {found:?}");
         assert!(found.reason.contains(other), "{}", found.reason);
         assert!(found.advice.as_ref().unwrap().contains("one after the other"));
         // Their prior standard deviations are 0.2 and 0.4 and act as 0.2 and 0.2: together half of each variance is left.
         assert!((found.bound_over_prior - 0.5_f64.sqrt()).abs() < 0.1, "{}", found.bound_over_prior);
         assert!(found.variance_inflation > 10.0);
     }
-    assert_eq!(readiness(&estimation, "dCm_alpha").verdict, "ready");
+    assert_eq!(readiness(&estimation, "dCm_alpha").verdict.word(), "ready");
     let told = estimation.verdict.iter().find(|s| s.contains("one after the other")).unwrap();
     assert!(told.starts_with("For ") && told.contains("dCm_flap") && told.contains("dCm_elevator"), "{told}");
 }

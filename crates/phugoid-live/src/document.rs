@@ -111,7 +111,7 @@ impl Serialize for Parameters<'_> {
         serializer.collect_seq(self.parameters.iter().map(|parameter| Parameter {
             value: parameter.value,
             std_error: parameter.std_error,
-            status: &parameter.status,
+            status: parameter.status.word(),
             readiness: parameter.readiness.as_ref().filter(|_| self.readiness),
         }))
     }
@@ -150,8 +150,8 @@ impl<'a> Document<'a> {
         Self::Estimate {
             flight,
             time_s: snapshot.time_s,
-            phase: &snapshot.phase,
-            change: &snapshot.change,
+            phase: snapshot.phase.word(),
+            change: snapshot.change.word(),
             moved: snapshot.moved,
             parameters: Parameters { parameters: &snapshot.parameters, readiness },
             outputs: &snapshot.outputs,

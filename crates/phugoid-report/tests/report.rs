@@ -4,7 +4,7 @@ mod markup;
 mod synthetic;
 
 use markup::assert_balanced;
-use phugoid_identification::estimation::{Estimation, Event, Signal};
+use phugoid_identification::estimation::{Estimation, Event, EventKind, Signal};
 use phugoid_report::figure::Body;
 use phugoid_report::{
     HtmlOptions, ReportError, TimeHistoryPanel, figures, html, time_histories, write_figures, write_named_figures,
@@ -107,22 +107,20 @@ fn two_runs_give_the_same_bytes() {
 fn text_of_users_cannot_become_markup() {
     let attack = "<script>alert('&\"')</script>";
     let mut given = estimation(&fighter());
-    for text in [&mut given.source, &mut given.model, &mut given.method] {
+    for text in [&mut given.source, &mut given.model] {
         *text = attack.to_owned();
     }
     given.verdict.push(attack.to_owned());
     given.parameters[0].name = attack.to_owned();
     given.history.parameters[0].name = attack.to_owned();
-    given.parameters[1].status = attack.to_owned();
     given.history.measured[0].name = attack.to_owned();
     given.history.measured[0].unit = attack.to_owned();
-    given.history.phase[3] = attack.to_owned();
     given.quality.channels[0].name = attack.to_owned();
     given.quality.channels[0].header = attack.to_owned();
     given.quality.channels[0].unit = attack.to_owned();
     given.quality.findings[0].place = attack.to_owned();
     given.quality.findings[0].message = attack.to_owned();
-    given.events.push(Event { time_s: 3.0, kind: attack.to_owned(), message: attack.to_owned() });
+    given.events.push(Event { time_s: 3.0, kind: EventKind::Gap, message: attack.to_owned() });
     let options = HtmlOptions {
         title: Some(attack.to_owned()),
         notes: vec![attack.to_owned()],

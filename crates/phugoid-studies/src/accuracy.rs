@@ -3,7 +3,7 @@
 
 use phugoid_identification::axes::Axes;
 use phugoid_identification::estimate::{CAPACITY, EstimateError, EstimateOptions, capacity, estimate};
-use phugoid_identification::estimation::Estimation;
+use phugoid_identification::estimation::{Estimation, EventKind};
 use phugoid_identification::lateral::LateralModel;
 use phugoid_identification::longitudinal::LongitudinalModel;
 use phugoid_identification::model_file::{InputHold, ModelFile, Role};
@@ -92,7 +92,7 @@ pub fn accuracy(
         |run| {
             let measured = sense(&flight.truth, scenario, scenario.seed.wrapping_add(run as u64))?;
             let estimation = estimate(&measured, model, &options, &mut |_| {})?;
-            let adopted = estimation.events.iter().any(|e| e.kind == "adopted");
+            let adopted = estimation.events.iter().any(|e| e.kind == EventKind::Adopted);
             Ok::<_, StudyError>((outcomes(&estimation, at), adopted))
         },
         done,

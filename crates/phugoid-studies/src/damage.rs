@@ -1,6 +1,7 @@
 //! Is a sudden change of the coefficients found, how soon, and are the bounds right again afterwards?
 
 use phugoid_identification::estimate::{EstimateOptions, estimate};
+use phugoid_identification::estimation::EventKind;
 use phugoid_identification::model_file::ModelFile;
 use serde::Serialize;
 
@@ -89,7 +90,8 @@ pub fn damage(
         let scenario = Scenario { seed: scenario.seed.wrapping_add(run as u64), ..scenario.clone() };
         let flight = fly(&scenario)?;
         let estimation = estimate(&flight.measured, model, &EstimateOptions::default(), &mut |_| {})?;
-        let adopted: Vec<f64> = estimation.events.iter().filter(|e| e.kind == "adopted").map(|e| e.time_s).collect();
+        let adopted: Vec<f64> =
+            estimation.events.iter().filter(|e| e.kind == EventKind::Adopted).map(|e| e.time_s).collect();
         let false_alarms = adopted.iter().filter(|t| **t < damage_at_s).count();
         let latency_s = adopted.get(false_alarms).map(|t| t - damage_at_s);
         let time = &estimation.history.time_s;

@@ -99,7 +99,7 @@ fn bounds_hold_with_everything_that_disturbs() {
         |run| {
             let measured = sense(&flight.truth, &scenario, run as u64).unwrap();
             let estimation = estimate(&measured, &model, &EstimateOptions::default(), &mut |_| {}).unwrap();
-            assert!(estimation.events.iter().all(|e| e.kind != "adopted"), "run {run}: {:?}", estimation.events);
+            assert!(estimation.events.iter().all(|e| e.kind.word() != "adopted"), "run {run}: {:?}", estimation.events);
             Ok::<_, ()>(estimation.parameters)
         },
         || (),
@@ -109,7 +109,7 @@ fn bounds_hold_with_everything_that_disturbs() {
         let truth = flight.true_parameters[name];
         let of = |run: &Vec<ParameterResult>| run.iter().find(|p| p.name == name).cloned().unwrap();
         let covered = runs.iter().map(of).filter(|p| (p.lower..=p.upper).contains(&truth)).count();
-        let converged = runs.iter().map(of).filter(|p| p.status == "converged").count();
+        let converged = runs.iter().map(of).filter(|p| p.status.word() == "converged").count();
         println!("{name}: {covered} of {RUNS} covered, {converged} converged");
         // All runs share one gust and one set of biases, so their errors have a common part: 90 % is asked for less three
         // standard errors of a fraction of 40 runs.

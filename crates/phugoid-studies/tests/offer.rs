@@ -34,7 +34,7 @@ const DAMAGE: &str = "[[damage]]\nat = \"30 s\"\nincrements = { dCm_alpha = -0.2
                       dCD_alpha = 0.1, dCm_elevator = 0.15 }\n";
 
 fn adopted(estimation: &Estimation) -> usize {
-    estimation.events.iter().filter(|e| e.kind == "adopted").count()
+    estimation.events.iter().filter(|e| e.kind.word() == "adopted").count()
 }
 
 /// What was offered, in a line: of a test that fails.
@@ -91,7 +91,7 @@ fn a_moment_that_grows_with_alpha_squared_is_offered_and_explains_the_changes() 
         assert_eq!(adopted(&second), 0, "{:?}", second.events);
         assert!(second.offer.is_none(), "{}", in_words(second.offer.as_ref().unwrap()));
         let found = second.parameters.iter().find(|p| p.name == "dCm_alpha2").unwrap();
-        assert_eq!(found.status, "converged");
+        assert_eq!(found.status.word(), "converged");
     }
     println!("{runs} flights: {changes} changes adopted without the term, none with it");
     assert!(changes > 0);

@@ -54,6 +54,7 @@ const SETTLED: f64 = 3.0;
 
 /// May it be believed?
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum Readiness {
     /// Not from this input: more time of the same will not do.
     #[default]
@@ -64,6 +65,24 @@ pub enum Readiness {
     Ready,
     /// A number is there, and something speaks against it.
     Doubtful,
+}
+
+impl Readiness {
+    /// Its word in results: that of its serialised form.
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::Ready => "ready",
+            Self::Improving => "improving",
+            Self::NotIdentifiable => "not_identifiable",
+            Self::Doubtful => "doubtful",
+        }
+    }
+}
+
+impl core::fmt::Display for Readiness {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.pad(self.word())
+    }
 }
 
 /// Why.
@@ -161,7 +180,7 @@ impl<const R: usize, const P: usize> VerdictMonitor<R, P> {
     }
 
     /// Takes what the estimator made of its last sample.
-    pub fn update<E: Inspect<R, P>>(&mut self, estimate: &Estimate<P>, estimator: &E) {
+    pub fn update<E: Inspect<R, P> + ?Sized>(&mut self, estimate: &Estimate<P>, estimator: &E) {
         let interval_s = estimate.time_s - self.last_s;
         if estimate.time_s.is_finite() {
             self.last_s = estimate.time_s;
@@ -186,7 +205,7 @@ impl<const R: usize, const P: usize> VerdictMonitor<R, P> {
     }
 
     /// The verdict on `estimate`, the last one that the estimator gave.
-    pub fn verdict<E: Inspect<R, P>>(&self, estimate: &Estimate<P>, estimator: &E) -> Verdict<R, P> {
+    pub fn verdict<E: Inspect<R, P> + ?Sized>(&self, estimate: &Estimate<P>, estimator: &E) -> Verdict<R, P> {
         let count = estimator.column_count().min(P);
         let prior = estimator.prior_std();
         let mut covariance = [[0.0; P]; P];

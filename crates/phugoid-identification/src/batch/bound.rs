@@ -1,5 +1,6 @@
 //! What data can tell at given values of the parameters, before anything is searched: the Cramer-Rao bound.
 
+use crate::core::options::CAPACITY;
 use nalgebra::DMatrix;
 use phugoid_estimators::{Input, Model};
 
@@ -39,26 +40,26 @@ pub struct Bounded {
 /// # Errors
 /// [`BatchError`]: input that does not fit together, a simulation that diverges or is unstable, unknowns without prior that the
 /// data cannot tell apart.
-pub fn bound<M, I, const N: usize, const R: usize, const P: usize>(
+pub fn bound<M, I, const N: usize, const R: usize>(
     manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
     structure: &Structure<N, R>,
     parameters: &[f64],
 ) -> Result<Vec<Bounded>, BatchError>
 where
-    M: Model<N, R, P, Input = I>,
+    M: Model<N, R, CAPACITY, Input = I>,
     I: Input,
 {
-    structure.check(manoeuvres, |m: &M| m.parameter_count().min(P))?;
+    structure.check(manoeuvres, |m: &M| m.parameter_count().min(CAPACITY))?;
     let mut at = structure.clone();
     for (parameter, value) in at.parameters.iter_mut().zip(parameters) {
         parameter.start = value.clamp(parameter.lower, parameter.upper);
     }
     // The start of the simulation is found with the parameters held, so that its residuals are those of the model.
     let search = OptimiserSettings::default();
-    let held = predict::<M, I, N, R, P>(manoeuvres, &at, parameters, &search)?;
+    let held = predict::<M, I, N, R>(manoeuvres, &at, parameters, &search)?;
     let states =
         held.manoeuvres.iter().map(|m| std::array::from_fn(|i| m.initial_state.get(i).copied().unwrap_or(f64::NAN)));
-    let layout: Layout<N, P> = Layout::new(&at, manoeuvres, states.collect());
+    let layout: Layout<N> = Layout::new(&at, manoeuvres, states.collect());
     let start = layout.start();
     let mut rows: Vec<Rows<R>> = Vec::with_capacity(manoeuvres.len());
     for (index, m) in manoeuvres.iter().enumerate() {
@@ -95,8 +96,8 @@ where
 }
 
 /// The information with these noise levels, priors included; the part of the data; and the rows divided by the levels.
-fn information<const N: usize, const R: usize, const P: usize>(
-    layout: &Layout<N, P>,
+fn information<const N: usize, const R: usize>(
+    layout: &Layout<N>,
     unknowns: &[f64],
     rows: &[Rows<R>],
     noise_std: &[f64; R],

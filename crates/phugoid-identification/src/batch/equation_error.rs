@@ -1,5 +1,6 @@
 //! Equation error: least squares on the equations of motion themselves.
 
+use crate::core::options::CAPACITY;
 use phugoid_estimators::discretization::IntervalInput;
 use phugoid_estimators::{Input, LinearizedOutputs, LinearizedRates, Model};
 
@@ -63,16 +64,16 @@ pub struct EquationErrorFit {
 ///
 /// # Errors
 /// [`BatchError`]: input that does not fit together, a state that is not measured, terms that the data cannot tell apart.
-pub fn equation_error<M, I, const N: usize, const R: usize, const P: usize>(
+pub fn equation_error<M, I, const N: usize, const R: usize>(
     manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
     structure: &Structure<N, R>,
     settings: &EquationErrorSettings,
 ) -> Result<EquationErrorFit, BatchError>
 where
-    M: Model<N, R, P, Input = I>,
+    M: Model<N, R, CAPACITY, Input = I>,
     I: Input,
 {
-    structure.check(manoeuvres, |m: &M| m.parameter_count().min(P))?;
+    structure.check(manoeuvres, |m: &M| m.parameter_count().min(CAPACITY))?;
     let half = settings.half_window_s;
     if half.is_nan() || half <= 0.0 {
         return Err(BatchError::BadInput(format!("the half window is {half} s: it must be positive")));
@@ -82,12 +83,12 @@ where
     held.states.iter_mut().for_each(|s| s.free = false);
     for (i, channel) in held.outputs.iter_mut().enumerate() {
         // A constant error of a state is no term of its equation.
-        if state_of::<M, I, N, R, P>(manoeuvres, i).is_some() {
+        if state_of::<M, I, N, R>(manoeuvres, i).is_some() {
             channel.bias = Bias::None;
         }
     }
     let states = vec![[0.0; N]; manoeuvres.len()];
-    let layout: Layout<N, P> = Layout::new(&held, manoeuvres, states);
+    let layout: Layout<N> = Layout::new(&held, manoeuvres, states);
     let every: Vec<Rows<R>> = rows_of(manoeuvres, &smoothed, &layout, &layout.start(), &[true; R]);
     let wanted = if settings.every_equation { [true; R] } else { needed(manoeuvres, &every, &layout) };
     let residuals = |unknowns: &[f64]| Ok(rows_of(manoeuvres, &smoothed, &layout, unknowns, &wanted));
@@ -106,7 +107,7 @@ where
         rows,
         noise_std,
     })?;
-    let name = |row: usize| match state_of::<M, I, N, R, P>(manoeuvres, row) {
+    let name = |row: usize| match state_of::<M, I, N, R>(manoeuvres, row) {
         Some(state) => format!("d({})/dt", structure.states[state].name),
         None => structure.outputs[row].name.clone(),
     };
@@ -124,13 +125,13 @@ struct Measured<const N: usize> {
 }
 
 impl<const N: usize> Measured<N> {
-    fn of<M, I, const R: usize, const P: usize>(
+    fn of<M, I, const R: usize>(
         m: &Manoeuvre<'_, M, I, N, R>,
         structure: &Structure<N, R>,
         settings: &EquationErrorSettings,
     ) -> Result<Self, BatchError>
     where
-        M: Model<N, R, P, Input = I>,
+        M: Model<N, R, CAPACITY, Input = I>,
         I: Input,
     {
         let samples = m.time_s.len();
@@ -161,30 +162,30 @@ impl<const N: usize> Measured<N> {
 }
 
 /// The right side of the states' equations as the differentiation sees it: rates and regressors by sample.
-struct RightSide<const N: usize, const P: usize> {
+struct RightSide<const N: usize> {
     rates: Vec<[f64; N]>,
     /// Row of the sample, state, column.
-    regressors: Vec<LinearizedRates<N, P>>,
+    regressors: Vec<LinearizedRates<N, CAPACITY>>,
 }
 
 /// Integrates the right side over the samples (trapezia, with the input that acted in each interval) and takes the slope of
 /// that as it was taken of the measured state. Both sides have then been through the same window: what it rounds off, such
 /// as the step in a rate that a step of a surface makes, it rounds off on both.
-fn right_side<M, I, const N: usize, const R: usize, const P: usize>(
+fn right_side<M, I, const N: usize, const R: usize>(
     m: &Manoeuvre<'_, M, I, N, R>,
     measured: &Measured<N>,
-    theta: &[f64; P],
-) -> RightSide<N, P>
+    theta: &[f64; CAPACITY],
+) -> RightSide<N>
 where
-    M: Model<N, R, P, Input = I>,
+    M: Model<N, R, CAPACITY, Input = I>,
     I: Input,
 {
     let samples = m.time_s.len();
-    let columns = m.model.parameter_count().min(P);
+    let columns = m.model.parameter_count().min(CAPACITY);
     let known = |k: usize| measured.states[k].iter().all(|v| v.is_finite());
     let mut rates = vec![vec![0.0; samples]; N];
     let mut regressors = vec![vec![vec![0.0; samples]; columns]; N];
-    let (mut before, mut after) = (LinearizedRates::<N, P>::ZERO, LinearizedRates::<N, P>::ZERO);
+    let (mut before, mut after) = (LinearizedRates::<N, CAPACITY>::ZERO, LinearizedRates::<N, CAPACITY>::ZERO);
     for k in 1..samples {
         let whole = known(k - 1) && known(k);
         let h = m.time_s[k] - m.time_s[k - 1];
@@ -229,27 +230,27 @@ where
 }
 
 /// The state whose equation stands in the place of this output, if the output measures a state.
-fn state_of<M, I, const N: usize, const R: usize, const P: usize>(
+fn state_of<M, I, const N: usize, const R: usize>(
     manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
     output: usize,
 ) -> Option<usize>
 where
-    M: Model<N, R, P, Input = I>,
+    M: Model<N, R, CAPACITY, Input = I>,
     I: Input,
 {
     (0..N).find(|&state| manoeuvres[0].model.measuring_output(state) == Some(output))
 }
 
 /// Equations as rows: residual is left side minus right side, sensitivity the regressors.
-fn rows_of<M, I, const N: usize, const R: usize, const P: usize>(
+fn rows_of<M, I, const N: usize, const R: usize>(
     manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
     measured: &[Measured<N>],
-    layout: &Layout<N, P>,
+    layout: &Layout<N>,
     unknowns: &[f64],
     wanted: &[bool; R],
 ) -> Vec<Rows<R>>
 where
-    M: Model<N, R, P, Input = I>,
+    M: Model<N, R, CAPACITY, Input = I>,
     I: Input,
 {
     let theta = layout.parameters(unknowns);
@@ -257,9 +258,9 @@ where
         let columns = layout.columns(index);
         let kinds: Vec<UnknownKind> = columns.iter().map(|&j| layout.places[j].kind).collect();
         let biases: [f64; R] = layout.biases(index, unknowns);
-        let states: [Option<usize>; R] = std::array::from_fn(|i| state_of::<M, I, N, R, P>(manoeuvres, i));
+        let states: [Option<usize>; R] = std::array::from_fn(|i| state_of::<M, I, N, R>(manoeuvres, i));
         let side = right_side(m, measured, &theta);
-        let mut lin = LinearizedOutputs::<N, R, P>::ZERO;
+        let mut lin = LinearizedOutputs::<N, R, CAPACITY>::ZERO;
         let mut rows = Rows {
             outputs: Vec::with_capacity(m.time_s.len()),
             residuals: Vec::with_capacity(m.time_s.len()),
@@ -300,13 +301,13 @@ where
 }
 
 /// The equations to use: measured accelerations, and the rates of states that carry a parameter which no acceleration sees.
-fn needed<M, I, const N: usize, const R: usize, const P: usize>(
+fn needed<M, I, const N: usize, const R: usize>(
     manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
     every: &[Rows<R>],
-    layout: &Layout<N, P>,
+    layout: &Layout<N>,
 ) -> [bool; R]
 where
-    M: Model<N, R, P, Input = I>,
+    M: Model<N, R, CAPACITY, Input = I>,
     I: Input,
 {
     let moves = |output: usize, column: usize| {
@@ -317,7 +318,7 @@ where
                 .is_some_and(|position| (0..rows.residuals.len()).any(|k| rows.sensitivity(k, output)[position] != 0.0))
         })
     };
-    let acceleration = |i: usize| state_of::<M, I, N, R, P>(manoeuvres, i).is_none();
+    let acceleration = |i: usize| state_of::<M, I, N, R>(manoeuvres, i).is_none();
     let seen: Vec<bool> = (0..layout.places.len()).map(|j| (0..R).any(|i| acceleration(i) && moves(i, j))).collect();
     std::array::from_fn(|i| acceleration(i) || (0..seen.len()).any(|j| !seen[j] && moves(i, j)))
 }

@@ -1,5 +1,6 @@
 //! A Kalman filter over one manoeuvre: the innovations and their variances.
 
+use crate::core::options::CAPACITY;
 use phugoid_estimators::discretization::{IntervalInput, Part, step, sub_steps};
 use phugoid_estimators::{Input, LinearizedOutputs, Model};
 
@@ -7,8 +8,8 @@ use super::problem::Manoeuvre;
 
 /// What the filter is run with.
 #[derive(Clone, Debug)]
-pub(crate) struct Tuning<const N: usize, const R: usize, const P: usize> {
-    pub(crate) parameters: [f64; P],
+pub(crate) struct Tuning<const N: usize, const R: usize> {
+    pub(crate) parameters: [f64; CAPACITY],
     pub(crate) biases: [f64; R],
     pub(crate) initial_state: [f64; N],
     /// One sigma of the initial state.
@@ -45,12 +46,12 @@ impl<const R: usize> Innovations<R> {
 ///
 /// Prediction with the step map and its exact derivative `A`; outputs corrected one at a time, which is the whole
 /// correction because their noise is independent; Joseph's form of the covariance.
-pub(crate) fn filter<M, I, const N: usize, const R: usize, const P: usize>(
+pub(crate) fn filter<M, I, const N: usize, const R: usize>(
     manoeuvre: &Manoeuvre<'_, M, I, N, R>,
-    tuning: &Tuning<N, R, P>,
+    tuning: &Tuning<N, R>,
 ) -> Result<Innovations<R>, f64>
 where
-    M: Model<N, R, P, Input = I>,
+    M: Model<N, R, CAPACITY, Input = I>,
     I: Input,
 {
     let model = manoeuvre.model;
@@ -58,13 +59,13 @@ where
     let mut x = tuning.initial_state;
     let mut covariance: [[f64; N]; N] =
         std::array::from_fn(|i| std::array::from_fn(|j| if i == j { tuning.initial_std[i].powi(2) } else { 0.0 }));
-    let mut lin = LinearizedOutputs::<N, R, P>::ZERO;
+    let mut lin = LinearizedOutputs::<N, R, CAPACITY>::ZERO;
     let mut result = Innovations {
         predicted: Vec::with_capacity(samples),
         errors: Vec::with_capacity(samples),
         variances: Vec::with_capacity(samples),
     };
-    let (mut unused, mut transition) = ([[0.0; P]; N], [[0.0; N]; N]);
+    let (mut unused, mut transition) = ([[0.0; CAPACITY]; N], [[0.0; N]; N]);
     for k in 0..samples {
         model.linearized_outputs(&x, &tuning.parameters, &manoeuvre.inputs[k], &mut lin);
         let predicted: [f64; R] = std::array::from_fn(|i| lin.outputs[i] + tuning.biases[i]);

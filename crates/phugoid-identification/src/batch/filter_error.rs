@@ -1,5 +1,6 @@
 //! Filter error: maximum likelihood with process noise.
 
+use crate::core::options::CAPACITY;
 use std::cell::RefCell;
 
 use phugoid_estimators::{Input, Model};
@@ -14,7 +15,7 @@ use super::response::Rows;
 use super::result::{BatchFit, UnknownKind};
 use super::start::initial_states;
 use super::summary::{Summary, summarise};
-use crate::noise::measure_noise;
+use crate::preparation::noise::measure_noise;
 
 /// What is known of the process noise: turbulence and model error that drive the states.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,17 +62,17 @@ const FIRST_DIFFERENCE: f64 = 1e-5;
 /// # Errors
 /// [`BatchError`]: input that does not fit together, a filter that diverges, unknowns that the data cannot tell apart,
 /// no convergence.
-pub fn filter_error<M, I, const N: usize, const R: usize, const P: usize>(
+pub fn filter_error<M, I, const N: usize, const R: usize>(
     manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
     structure: &Structure<N, R>,
     process_noise: &ProcessNoise<N>,
     settings: &OptimiserSettings,
 ) -> Result<BatchFit, BatchError>
 where
-    M: Model<N, R, P, Input = I>,
+    M: Model<N, R, CAPACITY, Input = I>,
     I: Input,
 {
-    structure.check(manoeuvres, |m: &M| m.parameter_count().min(P))?;
+    structure.check(manoeuvres, |m: &M| m.parameter_count().min(CAPACITY))?;
     if let Some(i) = process_noise.density.iter().position(|q| !(q.is_finite() && *q >= 0.0)) {
         let (name, density) = (&structure.states[i].name, process_noise.density[i]);
         return Err(BatchError::BadInput(format!("the process noise of {name} is {density}: it must not be negative")));
@@ -82,10 +83,10 @@ where
     let initial_std = initial_std(manoeuvres, structure, &noise)?;
     let mut held = structure.clone();
     held.states.iter_mut().for_each(|s| s.free = false);
-    let mut layout: Layout<N, P> = Layout::new(&held, manoeuvres, states);
+    let mut layout: Layout<N> = Layout::new(&held, manoeuvres, states);
     layout.places.extend(variances(structure, &noise, process_noise, &used));
 
-    let tuning = |index: usize, unknowns: &[f64]| -> Tuning<N, R, P> {
+    let tuning = |index: usize, unknowns: &[f64]| -> Tuning<N, R> {
         let mut tuning = Tuning {
             parameters: layout.parameters(unknowns),
             biases: layout.biases(index, unknowns),
@@ -193,13 +194,13 @@ fn first_noise<M, I, const N: usize, const R: usize>(
     Ok(noise)
 }
 
-fn initial_std<M, I, const N: usize, const R: usize, const P: usize>(
+fn initial_std<M, I, const N: usize, const R: usize>(
     manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
     structure: &Structure<N, R>,
     noise: &[f64; R],
 ) -> Result<[f64; N], BatchError>
 where
-    M: Model<N, R, P, Input = I>,
+    M: Model<N, R, CAPACITY, Input = I>,
     I: Input,
 {
     let mut initial_std = [0.0; N];

@@ -2,6 +2,7 @@
 
 use super::problem::{Bias, Manoeuvre, Structure};
 use super::result::UnknownKind;
+use crate::core::options::CAPACITY;
 
 /// One free unknown.
 #[derive(Clone, Debug)]
@@ -17,24 +18,24 @@ pub(crate) struct Place {
 
 /// The free unknowns in order, and the values of the others.
 #[derive(Clone, Debug)]
-pub(crate) struct Layout<const N: usize, const P: usize> {
+pub(crate) struct Layout<const N: usize> {
     pub(crate) places: Vec<Place>,
     /// Parameters where they are fixed or start.
-    parameters: [f64; P],
+    parameters: [f64; CAPACITY],
     /// Initial states where they are held or start, by manoeuvre.
     states: Vec<[f64; N]>,
 }
 
-impl<const N: usize, const P: usize> Layout<N, P> {
+impl<const N: usize> Layout<N> {
     /// Free parameters, then shared biases, then by manoeuvre its free initial states and biases.
     pub(crate) fn new<M, I, const R: usize>(
         structure: &Structure<N, R>,
         manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
         states: Vec<[f64; N]>,
     ) -> Self {
-        let mut parameters = [0.0; P];
+        let mut parameters = [0.0; CAPACITY];
         let mut places = Vec::new();
-        for (j, p) in structure.parameters.iter().enumerate().take(P) {
+        for (j, p) in structure.parameters.iter().enumerate().take(CAPACITY) {
             parameters[j] = p.start;
             if !p.fixed {
                 let prior_std = p.prior_std.unwrap_or(f64::INFINITY);
@@ -80,7 +81,7 @@ impl<const N: usize, const P: usize> Layout<N, P> {
     }
 
     /// All parameters of the model.
-    pub(crate) fn parameters(&self, unknowns: &[f64]) -> [f64; P] {
+    pub(crate) fn parameters(&self, unknowns: &[f64]) -> [f64; CAPACITY] {
         let mut parameters = self.parameters;
         for (place, value) in self.places.iter().zip(unknowns) {
             if let UnknownKind::Parameter { index } = place.kind {

@@ -1,5 +1,6 @@
 //! Output error: maximum likelihood without process noise.
 
+use crate::core::options::CAPACITY;
 use phugoid_estimators::{Input, Model};
 
 use super::error::BatchError;
@@ -28,18 +29,18 @@ use super::summary::{Summary, summarise};
 /// # Errors
 /// [`BatchError`]: input that does not fit together, a simulation that diverges, unknowns that the data cannot tell apart,
 /// no convergence.
-pub fn output_error<M, I, const N: usize, const R: usize, const P: usize>(
+pub fn output_error<M, I, const N: usize, const R: usize>(
     manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
     structure: &Structure<N, R>,
     settings: &OptimiserSettings,
 ) -> Result<BatchFit, BatchError>
 where
-    M: Model<N, R, P, Input = I>,
+    M: Model<N, R, CAPACITY, Input = I>,
     I: Input,
 {
-    structure.check(manoeuvres, |m: &M| m.parameter_count().min(P))?;
+    structure.check(manoeuvres, |m: &M| m.parameter_count().min(CAPACITY))?;
     let states = initial_states(manoeuvres, structure)?;
-    let layout: Layout<N, P> = Layout::new(structure, manoeuvres, states);
+    let layout: Layout<N> = Layout::new(structure, manoeuvres, states);
     let simulate = |unknowns: &[f64]| -> Result<Vec<Rows<R>>, BatchError> {
         let run = |(index, m): (usize, &Manoeuvre<'_, M, I, N, R>)| {
             response(m, index, &layout, unknowns, structure.maximum_step_s)

@@ -1,5 +1,6 @@
 //! Prediction: the estimated parameters on a record that they have not seen.
 
+use crate::core::options::CAPACITY;
 use phugoid_estimators::{Input, Model};
 
 use super::error::BatchError;
@@ -14,14 +15,14 @@ use super::result::BatchFit;
 ///
 /// # Errors
 /// [`BatchError`], as [`output_error`].
-pub fn predict<M, I, const N: usize, const R: usize, const P: usize>(
+pub fn predict<M, I, const N: usize, const R: usize>(
     manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
     structure: &Structure<N, R>,
     parameters: &[f64],
     settings: &OptimiserSettings,
 ) -> Result<BatchFit, BatchError>
 where
-    M: Model<N, R, P, Input = I>,
+    M: Model<N, R, CAPACITY, Input = I>,
     I: Input,
 {
     if parameters.len() != structure.parameters.len() {

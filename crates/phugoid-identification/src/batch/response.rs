@@ -1,5 +1,6 @@
 //! The outputs of a free simulation with their exact derivatives by everything unknown.
 
+use crate::core::options::CAPACITY;
 use phugoid_estimators::discretization::{IntervalInput, Part, step, sub_steps};
 use phugoid_estimators::{Input, LinearizedOutputs, Model};
 
@@ -51,15 +52,15 @@ impl<const R: usize> Rows<R> {
 /// The sensitivities obey `U+ = A U + B` and `S+ = A S` with the derivatives `A`, `B` of the step map itself, so that they
 /// are those of the simulated outputs to rounding (Klein & Morelli, Aircraft System Identification, section 6.3, there in
 /// continuous time).
-pub(crate) fn response<M, I, const N: usize, const R: usize, const P: usize>(
+pub(crate) fn response<M, I, const N: usize, const R: usize>(
     manoeuvre: &Manoeuvre<'_, M, I, N, R>,
     index: usize,
-    layout: &Layout<N, P>,
+    layout: &Layout<N>,
     unknowns: &[f64],
     maximum_step_s: f64,
 ) -> Result<Rows<R>, f64>
 where
-    M: Model<N, R, P, Input = I>,
+    M: Model<N, R, CAPACITY, Input = I>,
     I: Input,
 {
     let model = manoeuvre.model;
@@ -68,10 +69,10 @@ where
     let theta = layout.parameters(unknowns);
     let biases: [f64; R] = layout.biases(index, unknowns);
     let mut x = layout.initial_state(index, unknowns);
-    let mut by_parameter = [[0.0; P]; N];
+    let mut by_parameter = [[0.0; CAPACITY]; N];
     let mut by_initial: [[f64; N]; N] = identity();
     let mut transition = [[0.0; N]; N];
-    let mut lin = LinearizedOutputs::<N, R, P>::ZERO;
+    let mut lin = LinearizedOutputs::<N, R, CAPACITY>::ZERO;
     let samples = manoeuvre.time_s.len();
     let width = columns.len();
     let mut rows = Rows {
@@ -134,9 +135,9 @@ where
 }
 
 /// How far each state moves in the manoeuvre, by the output that measures it; 1 where none does or it stands still.
-fn spreads<M, I, const N: usize, const R: usize, const P: usize>(manoeuvre: &Manoeuvre<'_, M, I, N, R>) -> [f64; N]
+fn spreads<M, I, const N: usize, const R: usize>(manoeuvre: &Manoeuvre<'_, M, I, N, R>) -> [f64; N]
 where
-    M: Model<N, R, P, Input = I>,
+    M: Model<N, R, CAPACITY, Input = I>,
     I: Input,
 {
     std::array::from_fn(|state| {

@@ -1,21 +1,22 @@
 //! Where the search for the initial states starts.
 
+use crate::core::options::CAPACITY;
 use phugoid_estimators::{Input, Model};
 
 use super::error::BatchError;
 use super::problem::{Manoeuvre, Structure};
-use crate::noise::median;
+use crate::preparation::noise::median;
 
 /// Values from whose median an initial state is started.
 const FIRST: usize = 5;
 
 /// The initial state of each manoeuvre: as given, or each state at the median of the first values of its output.
-pub(crate) fn initial_states<M, I, const N: usize, const R: usize, const P: usize>(
+pub(crate) fn initial_states<M, I, const N: usize, const R: usize>(
     manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
     structure: &Structure<N, R>,
 ) -> Result<Vec<[f64; N]>, BatchError>
 where
-    M: Model<N, R, P, Input = I>,
+    M: Model<N, R, CAPACITY, Input = I>,
     I: Input,
 {
     manoeuvres

@@ -14,19 +14,19 @@ use super::response::Rows;
 use super::result::{BatchFit, ManoeuvreFit, Unknown, UnknownKind};
 
 /// What the result is made of.
-pub(crate) struct Summary<'a, T, M, I, const N: usize, const R: usize, const P: usize> {
+pub(crate) struct Summary<'a, T, M, I, const N: usize, const R: usize> {
     pub(crate) method: &'static str,
     pub(crate) structure: &'a Structure<N, R>,
     pub(crate) manoeuvres: &'a [Manoeuvre<'a, M, I, N, R>],
-    pub(crate) layout: &'a Layout<N, P>,
+    pub(crate) layout: &'a Layout<N>,
     pub(crate) minimum: &'a Minimum<T>,
     /// Divided by one sigma, one per manoeuvre.
     pub(crate) rows: &'a [Rows<R>],
     pub(crate) noise_std: &'a [f64; R],
 }
 
-pub(crate) fn summarise<T, M, I, const N: usize, const R: usize, const P: usize>(
-    s: &Summary<'_, T, M, I, N, R, P>,
+pub(crate) fn summarise<T, M, I, const N: usize, const R: usize>(
+    s: &Summary<'_, T, M, I, N, R>,
 ) -> Result<BatchFit, BatchError> {
     let places = &s.layout.places;
     let n = places.len();
@@ -83,9 +83,9 @@ fn natural(kind: UnknownKind, searched: f64) -> (f64, f64) {
 }
 
 /// `M^-1 (coloured spread + the rest of the information) M^-1`: priors and variances are taken as they are.
-fn corrected<T, M, I, const N: usize, const R: usize, const P: usize>(
+fn corrected<T, M, I, const N: usize, const R: usize>(
     claimed: &DMatrix<f64>,
-    s: &Summary<'_, T, M, I, N, R, P>,
+    s: &Summary<'_, T, M, I, N, R>,
 ) -> DMatrix<f64> {
     let n = s.layout.places.len();
     let mut white = Evaluation::nothing(n);
@@ -94,8 +94,8 @@ fn corrected<T, M, I, const N: usize, const R: usize, const P: usize>(
     claimed * (Colour::of(s.rows).spread(s.rows, n) + rest) * claimed
 }
 
-fn manoeuvre_fit<T, M, I, const N: usize, const R: usize, const P: usize>(
-    s: &Summary<'_, T, M, I, N, R, P>,
+fn manoeuvre_fit<T, M, I, const N: usize, const R: usize>(
+    s: &Summary<'_, T, M, I, N, R>,
     index: usize,
     manoeuvre: &Manoeuvre<'_, M, I, N, R>,
     rows: &Rows<R>,

@@ -17,7 +17,7 @@ use phugoid_estimators::{LinearizedOutputs, Model};
 
 use super::kinematics::{Inertial, Kinematics, OUTPUTS, PARAMETERS, STATES};
 use crate::batch::{BatchFit, UnknownKind};
-use crate::noise::measure_noise;
+use crate::preparation::noise::measure_noise;
 
 /// Accelerometers, then gyroscopes: the first parameters are their biases, in this order.
 const SENSORS: usize = 6;

@@ -122,51 +122,52 @@ impl Kinematics {
 /// States and unknowns as variables of the derivatives.
 const VARIABLES: usize = STATES + PARAMETERS;
 
-fn variables(
+fn variables<const P: usize>(
     x: &[f64; STATES],
-    theta: &[f64; PARAMETERS],
+    theta: &[f64; P],
 ) -> ([Dual<VARIABLES>; STATES], [Dual<VARIABLES>; PARAMETERS]) {
     (std::array::from_fn(|i| Dual::variable(x[i], i)), std::array::from_fn(|j| Dual::variable(theta[j], STATES + j)))
 }
 
-impl Model<STATES, OUTPUTS, PARAMETERS> for Kinematics {
+/// In any room for at least [`PARAMETERS`] columns.
+impl<const P: usize> Model<STATES, OUTPUTS, P> for Kinematics {
     type Input = Inertial;
 
     fn parameter_count(&self) -> usize {
         PARAMETERS
     }
 
-    fn rates(&self, x: &[f64; STATES], theta: &[f64; PARAMETERS], u: &Inertial) -> [f64; STATES] {
-        self.motion(x, theta, u)
+    fn rates(&self, x: &[f64; STATES], theta: &[f64; P], u: &Inertial) -> [f64; STATES] {
+        self.motion(x, &std::array::from_fn(|j| theta[j]), u)
     }
 
     fn linearized_rates(
         &self,
         x: &[f64; STATES],
-        theta: &[f64; PARAMETERS],
+        theta: &[f64; P],
         u: &Inertial,
-        out: &mut LinearizedRates<STATES, PARAMETERS>,
+        out: &mut LinearizedRates<STATES, P>,
     ) {
         let (x, theta) = variables(x, theta);
         for (i, rate) in self.motion(&x, &theta, u).iter().enumerate() {
             out.rates[i] = rate.value;
             out.state_jacobian[i] = std::array::from_fn(|j| rate.derivatives[j]);
-            out.regressors[i] = std::array::from_fn(|j| rate.derivatives[STATES + j]);
+            out.regressors[i][..PARAMETERS].copy_from_slice(&rate.derivatives[STATES..]);
         }
     }
 
     fn linearized_outputs(
         &self,
         x: &[f64; STATES],
-        theta: &[f64; PARAMETERS],
+        theta: &[f64; P],
         u: &Inertial,
-        out: &mut LinearizedOutputs<STATES, OUTPUTS, PARAMETERS>,
+        out: &mut LinearizedOutputs<STATES, OUTPUTS, P>,
     ) {
         let (x, theta) = variables(x, theta);
         for (i, output) in self.measured(&x, &theta, u).iter().enumerate() {
             out.outputs[i] = output.value;
             out.state_jacobian[i] = std::array::from_fn(|j| output.derivatives[j]);
-            out.parameter_jacobian[i] = std::array::from_fn(|j| output.derivatives[STATES + j]);
+            out.parameter_jacobian[i][..PARAMETERS].copy_from_slice(&output.derivatives[STATES..]);
         }
     }
 

@@ -22,9 +22,9 @@ use crate::batch::{
     BatchParameter, Bias, InitialState, Manoeuvre, OptimiserSettings, OutputChannel, OutputFit, Structure, UnknownKind,
     output_error,
 };
-use crate::error::EstimateError;
+use crate::core::error::EstimateError;
 pub use correction::{ChannelCorrection, Corrections};
-use kinematics::{Kinematics, OUTPUTS, PARAMETERS, STATES};
+use kinematics::{Kinematics, OUTPUTS, STATES};
 pub use reconstruction::Reconstructed;
 pub(crate) use signals::differentiated;
 use signals::{Signals, signals};
@@ -184,9 +184,8 @@ pub fn compatibility(record: &Record, options: &CompatibilityOptions) -> Result<
         outputs: &outputs,
         initial_state: Some(start),
     };
-    let fit =
-        output_error::<_, _, STATES, OUTPUTS, PARAMETERS>(&[manoeuvre], &structure, &OptimiserSettings::default())
-            .map_err(|e| EstimateError::Model(format!("data compatibility: {e}")))?;
+    let fit = output_error::<_, _, STATES, OUTPUTS>(&[manoeuvre], &structure, &OptimiserSettings::default())
+        .map_err(|e| EstimateError::Model(format!("data compatibility: {e}")))?;
     let flight = input_noise::Flight {
         model: &model,
         time: &time,

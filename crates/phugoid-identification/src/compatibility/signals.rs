@@ -4,9 +4,9 @@ use phugoid_flight_data::record::Record;
 
 use super::kinematics::{Inertial, OUTPUTS, STATES};
 use crate::batch::Noise;
-use crate::error::EstimateError;
-use crate::noise::median;
-use crate::prepare::channel;
+use crate::core::error::EstimateError;
+use crate::preparation::noise::median;
+use crate::preparation::prepare::channel;
 
 /// Channels of the outputs, in their order.
 pub(super) const OUTPUT_CHANNELS: [&str; OUTPUTS] =

@@ -4,9 +4,9 @@ use phugoid_flight_data::record::Record;
 use serde::Serialize;
 
 use super::correction::moved;
-use crate::error::EstimateError;
-use crate::estimate::{EstimateOptions, estimate};
+use crate::core::error::EstimateError;
 use crate::model_file::ModelFile;
+use crate::pipeline::estimate::{EstimateOptions, estimate};
 
 /// A delay that was found.
 #[derive(Clone, Debug, PartialEq, Serialize)]

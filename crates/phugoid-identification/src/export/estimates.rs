@@ -4,7 +4,7 @@
 //! of these, status, whether it is a nuisance, and the truth where it is known. Derivatives per radian, all else SI; nothing where there
 //! is none.
 
-use crate::estimation::{Estimation, ParameterResult};
+use crate::core::estimation::{Estimation, ParameterResult};
 
 /// What stands in one column, from one parameter.
 enum Column {
@@ -20,7 +20,7 @@ const COLUMNS: [(&str, Column); 9] = [
     ("corrected_std_error", Column::Number(|p| Some(p.corrected_std_error))),
     ("lower", Column::Number(|p| Some(p.lower))),
     ("upper", Column::Number(|p| Some(p.upper))),
-    ("status", Column::Words(|p| &p.status)),
+    ("status", Column::Words(|p| p.status.word())),
     ("nuisance", Column::Flag(|p| p.nuisance)),
     ("truth", Column::Number(|p| p.truth)),
 ];

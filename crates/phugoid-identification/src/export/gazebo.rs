@@ -16,8 +16,8 @@ use std::f64::consts::PI;
 use std::fmt::Write as _;
 
 use super::{ExportError, Exported, Identified};
+use crate::core::term::{Coefficient, Variable};
 use crate::model_file::{RateSpeed, ReferenceValue};
-use crate::term::{Coefficient, Variable};
 
 /// Names of the coefficients in the plugin.
 const fn symbol(coefficient: Coefficient) -> &'static str {

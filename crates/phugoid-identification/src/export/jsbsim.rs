@@ -13,8 +13,8 @@
 use std::fmt::Write as _;
 
 use super::{ExportError, Exported, Identified, Valued};
+use crate::core::term::{Coefficient, Variable};
 use crate::model_file::RateSpeed;
-use crate::term::{Coefficient, Variable};
 
 /// Metres in a foot, exactly.
 const FOOT: f64 = 0.3048;

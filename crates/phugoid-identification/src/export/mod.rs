@@ -22,9 +22,9 @@ pub use estimates::parquet;
 pub use gazebo::gazebo;
 pub use jsbsim::jsbsim;
 
-use crate::estimation::Estimation;
+use crate::core::estimation::Estimation;
+use crate::core::term::{Coefficient, Term};
 use crate::model_file::{Base, ModelFile, ReferenceValue, Role};
-use crate::term::{Coefficient, Term};
 
 /// Why a model cannot be written in a form.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -79,7 +79,9 @@ impl<'a> Identified<'a> {
         let middle = |name: &str| {
             let signal =
                 estimation.history.measured.iter().chain(&estimation.history.inputs).find(|s| s.name == name)?;
-            crate::noise::median(&mut signal.values.iter().copied().filter(|v| v.is_finite()).collect::<Vec<f64>>())
+            crate::preparation::noise::median(
+                &mut signal.values.iter().copied().filter(|v| v.is_finite()).collect::<Vec<f64>>(),
+            )
         };
         Self {
             model,

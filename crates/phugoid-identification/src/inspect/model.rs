@@ -3,10 +3,10 @@
 use phugoid_flight_data::record::Record;
 use serde::{Deserialize, Serialize};
 
-use crate::axes::Group;
+use crate::core::axes::Group;
 use crate::manoeuvres::{Found, Manoeuvre, Support};
+use crate::methods::{Predicted, PredictedParameter, predict};
 use crate::model_file::{Base, ModelFile};
-use crate::run::{Predicted, PredictedParameter, predict};
 
 /// Manoeuvres that are looked at, the useful ones from the first on.
 const MOST_MANOEUVRES: usize = 20;

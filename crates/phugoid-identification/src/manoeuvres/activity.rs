@@ -3,7 +3,7 @@
 use super::record::{Sampled, Signals};
 use super::shape;
 use super::{Settings, SurfaceInput};
-use crate::noise::median;
+use crate::preparation::noise::median;
 
 /// Smallest motion of a surface that counts, rad: rounding is not an input.
 const SMALLEST: f64 = 1e-4;

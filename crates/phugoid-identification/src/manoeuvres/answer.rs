@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::record::Signals;
-use crate::axes::Group;
+use crate::core::axes::Group;
 
 /// The answer of one channel.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

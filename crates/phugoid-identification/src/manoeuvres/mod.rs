@@ -1,6 +1,6 @@
 //! Manoeuvres in a flight: where a control surface was moved, whether the aircraft answered, and what that can tell.
 //!
-//! A surface's motion is measured against its own noise ([`crate::noise`]) and against what it does all the time, so that the
+//! A surface's motion is measured against its own noise ([`crate::preparation::noise`]) and against what it does all the time, so that the
 //! work of an autopilot or of a pilot in rough air is not taken for an input. Motions of surfaces that are less than a settling time
 //! apart are one manoeuvre. Each is classified in words, asked whether the aircraft was flying and answered, and put into
 //! regressions of the coefficients ([`Manoeuvre::coefficients`]), which say in advance how well each derivative can be told and
@@ -44,7 +44,7 @@ pub use short_period::ShortPeriod;
 pub use support::{CoefficientSupport, Support};
 pub use unforced::Unforced;
 
-use crate::axes::{Axes, Group};
+use crate::core::axes::{Axes, Group};
 use record::Signals;
 
 /// Choices of the search. The defaults suit aircraft from small drones to airliners.

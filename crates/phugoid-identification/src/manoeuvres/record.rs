@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use phugoid_flight_data::record::Record;
 
-use crate::axes::Axes;
-use crate::noise::measure_noise;
+use crate::core::axes::Axes;
+use crate::preparation::noise::measure_noise;
 
 /// Highest rate of the samples that regressions take, Hz: well above the modes that they are about.
 const RATE_HZ: f64 = 50.0;

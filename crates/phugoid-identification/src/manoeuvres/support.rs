@@ -15,8 +15,8 @@ use serde::{Deserialize, Serialize};
 
 use super::equation::{Fit, Inflation, Left, Regressor, TermFit, fit};
 use super::record::Window;
-use crate::axes::Group;
-use crate::term::Coefficient;
+use crate::core::axes::Group;
+use crate::core::term::Coefficient;
 
 /// How well a derivative can be told.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]

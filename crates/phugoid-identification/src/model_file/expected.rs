@@ -5,7 +5,7 @@ use toml::de::DeTable;
 
 use super::section::{Section, Source as Text};
 use super::{ModelFile, ModelFileError, Parameter};
-use crate::words::{did_you_mean, nearest};
+use crate::core::words::{did_you_mean, nearest};
 
 /// What is expected of one parameter, per radian where an angle is involved.
 #[derive(Clone, Debug, PartialEq)]

@@ -18,9 +18,9 @@ use super::{
     AirDensity, Base, EstimatorTuning, InputHold, ModelFile, ModelFileError, RateSpeed, Reference, ReferenceValue,
     Role, Source, Thrust,
 };
-use crate::axes::Axes;
-use crate::method::Method;
-use crate::term::{EXTRA_INPUTS, Variable};
+use crate::core::axes::Axes;
+use crate::core::method::Method;
+use crate::core::term::{EXTRA_INPUTS, Variable};
 
 /// The name that `change_detection` had until version 0.1.
 const FORMER_CHANGE_DETECTION: &str = "re_reaching";
@@ -203,7 +203,7 @@ fn estimator(top: &Section) -> Result<EstimatorTuning, ModelFileError> {
     let method = match section.string("method")? {
         Some(word) => word.parse::<Method>().map_err(|e| {
             let mut error = section.error("method", e.to_string());
-            error.nearest = crate::words::nearest(word, Method::ALL.iter().map(|m| m.name())).map(Into::into);
+            error.nearest = crate::core::words::nearest(word, Method::ALL.iter().map(|m| m.name())).map(Into::into);
             error
         })?,
         None => Method::default(),

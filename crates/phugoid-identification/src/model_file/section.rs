@@ -7,7 +7,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::ModelFileError;
-use crate::words::{did_you_mean, nearest};
+use crate::core::words::{did_you_mean, nearest};
 
 /// The text of a model file, for turning byte offsets into lines.
 pub(super) struct Source<'a> {

@@ -1,11 +1,11 @@
 //! The lateral-directional motion, as the estimation takes it.
 
 use super::{Known, Motion, ReferencePoint, terms};
-use crate::axes::Axes;
-use crate::lateral::{LATERAL_OUTPUTS, LATERAL_STATES, LateralInput, LateralModel};
-use crate::longitudinal::Database;
+use crate::core::axes::Axes;
 use crate::model_file::ModelFile;
-use crate::rigid::AircraftConstants;
+use crate::models::lateral::{LATERAL_OUTPUTS, LATERAL_STATES, LateralInput, LateralModel};
+use crate::models::longitudinal::Database;
+use crate::models::rigid::AircraftConstants;
 
 impl Motion<LATERAL_STATES, LATERAL_OUTPUTS> for LateralModel {
     type KnownInput = LateralInput;

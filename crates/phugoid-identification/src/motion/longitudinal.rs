@@ -1,9 +1,11 @@
 //! The longitudinal motion, as the estimation takes it.
 
 use super::{Known, Motion, ReferencePoint, terms};
-use crate::axes::Axes;
-use crate::longitudinal::{Database, LongitudinalConstants, LongitudinalInput, LongitudinalModel, OUTPUTS, STATES};
+use crate::core::axes::Axes;
 use crate::model_file::{ModelFile, RateSpeed};
+use crate::models::longitudinal::{
+    Database, LongitudinalConstants, LongitudinalInput, LongitudinalModel, OUTPUTS, STATES,
+};
 
 impl Motion<STATES, OUTPUTS> for LongitudinalModel {
     type KnownInput = LongitudinalInput;

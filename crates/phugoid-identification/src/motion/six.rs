@@ -1,11 +1,11 @@
 //! The whole motion, as the estimation takes it, and what the lateral-directional one has in common with it.
 
 use super::{Known, Motion, ReferencePoint, terms};
-use crate::axes::Axes;
-use crate::longitudinal::Database;
+use crate::core::axes::Axes;
 use crate::model_file::{ModelFile, RateSpeed};
-use crate::rigid::{AircraftConstants, MassInput, Surfaces};
-use crate::six::{SIX_OUTPUTS, SIX_STATES, SixInput, SixModel};
+use crate::models::longitudinal::Database;
+use crate::models::rigid::{AircraftConstants, MassInput, Surfaces};
+use crate::models::six::{SIX_OUTPUTS, SIX_STATES, SixInput, SixModel};
 
 impl Motion<SIX_STATES, SIX_OUTPUTS> for SixModel {
     type KnownInput = SixInput;

@@ -17,27 +17,28 @@ pub(crate) const NAMES: [&str; 6] = ["Zw", "Zq", "Zde", "Mw", "Mq", "Mde"];
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ShortPeriod;
 
-impl Model<2, 3, 6> for ShortPeriod {
+/// In any room for at least six columns.
+impl<const P: usize> Model<2, 3, P> for ShortPeriod {
     type Input = [f64; 1];
 
     fn parameter_count(&self) -> usize {
         6
     }
 
-    fn rates(&self, x: &[f64; 2], t: &[f64; 6], u: &[f64; 1]) -> [f64; 2] {
+    fn rates(&self, x: &[f64; 2], t: &[f64; P], u: &[f64; 1]) -> [f64; 2] {
         let z = t[0] * x[0] + t[1] * x[1] + t[2] * u[0];
         [z + SPEED * x[1], t[3] * x[0] + t[4] * x[1] + t[5] * u[0]]
     }
 
-    fn linearized_rates(&self, x: &[f64; 2], t: &[f64; 6], u: &[f64; 1], out: &mut LinearizedRates<2, 6>) {
+    fn linearized_rates(&self, x: &[f64; 2], t: &[f64; P], u: &[f64; 1], out: &mut LinearizedRates<2, P>) {
         *out = LinearizedRates::ZERO;
         out.rates = self.rates(x, t, u);
         out.state_jacobian = [[t[0], SPEED + t[1]], [t[3], t[4]]];
         out.regressors[0][..3].copy_from_slice(&[x[0], x[1], u[0]]);
-        out.regressors[1][3..].copy_from_slice(&[x[0], x[1], u[0]]);
+        out.regressors[1][3..6].copy_from_slice(&[x[0], x[1], u[0]]);
     }
 
-    fn linearized_outputs(&self, x: &[f64; 2], t: &[f64; 6], u: &[f64; 1], out: &mut LinearizedOutputs<2, 3, 6>) {
+    fn linearized_outputs(&self, x: &[f64; 2], t: &[f64; P], u: &[f64; 1], out: &mut LinearizedOutputs<2, 3, P>) {
         *out = LinearizedOutputs::ZERO;
         out.outputs = [x[0], x[1], t[0] * x[0] + t[1] * x[1] + t[2] * u[0]];
         out.state_jacobian = [[1.0, 0.0], [0.0, 1.0], [t[0], t[1]]];

@@ -138,7 +138,7 @@ impl Estimation {
             }
         }
         for event in self.session.take_events() {
-            say(Some(event.time_s), now_ns, &event.kind, &event.message, publish);
+            say(Some(event.time_s), now_ns, event.kind.word(), &event.message, publish);
         }
     }
 

@@ -3,6 +3,7 @@
 use std::io::Read;
 
 use phugoid_identification::estimation::ParameterResult;
+use phugoid_identification::method::Method;
 use phugoid_identification::session::{Layout, ParameterLayout, SignalLayout};
 use serde::Deserialize;
 
@@ -13,7 +14,7 @@ use super::{Event, FinalParameter, Finished, Hello, ViewError};
 struct Document {
     source: String,
     model: String,
-    method: String,
+    method: Method,
     parameters: Vec<ParameterResult>,
     #[serde(default)]
     verdict: Vec<String>,
@@ -75,7 +76,7 @@ pub(super) fn read(file: impl Read) -> Result<Finished, ViewError> {
         FinalParameter {
             value: known.map(|p| p.value),
             std_error: known.map(|p| p.corrected_std_error),
-            status: known.map(|p| p.status.clone()).unwrap_or_default(),
+            status: known.map(|p| p.status.word().to_owned()).unwrap_or_default(),
             readiness: known.and_then(|p| p.readiness.clone()),
             truth: known.and_then(|p| p.truth),
         }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use phugoid_identification::estimation::{Estimation, ParameterHistory, ParameterResult};
+use phugoid_identification::estimation::{Estimation, EventKind, FinalStatus, ParameterHistory, ParameterResult};
 
 use crate::figure::{Axis, Colour, EventMark, Figure};
 use crate::names::{HumanUnit, human_unit, parameter_unit};
@@ -46,8 +46,8 @@ impl<'a> Context<'a> {
             .events
             .iter()
             .map(|event| {
-                let (label, colour) = event_kind(&event.kind);
-                EventMark { x: event.time_s, label, colour }
+                let (label, colour) = event_kind(event.kind);
+                EventMark { x: event.time_s, label: label.to_owned(), colour }
             })
             .collect();
         Self { estimation, time: Arc::from(estimation.history.time_s.as_slice()), events }
@@ -69,7 +69,7 @@ impl<'a> Context<'a> {
         self.estimation
             .parameters
             .iter()
-            .filter(|p| p.nuisance == nuisance && p.status != "fixed")
+            .filter(|p| p.nuisance == nuisance && p.status != FinalStatus::Fixed)
             .filter_map(|p| {
                 let history = self.estimation.history.parameters.iter().find(|h| h.name == p.name)?;
                 (!history.value.is_empty()).then(|| (p, history, unit_of(self.estimation, &p.name)))
@@ -88,17 +88,15 @@ pub(crate) fn unit_of(estimation: &Estimation, parameter: &str) -> HumanUnit {
 }
 
 /// Words and colour for a kind of event.
-pub(crate) fn event_kind(kind: &str) -> (String, Colour) {
-    let (words, colour) = match kind {
-        "in_doubt" => ("bounds in doubt", Colour::Purple),
-        "adopted" => ("change adopted", Colour::Vermillion),
-        "doubt_dropped" => ("doubt dropped", Colour::Sky),
-        "insensitive" => ("change detector insensitive", Colour::Orange),
-        "gap" => ("gap in the data", Colour::Muted),
-        "restarted" => ("restarted", Colour::Ink),
-        other => return (other.replace('_', " "), Colour::Muted),
-    };
-    (words.to_owned(), colour)
+pub(crate) fn event_kind(kind: EventKind) -> (&'static str, Colour) {
+    match kind {
+        EventKind::InDoubt => ("bounds in doubt", Colour::Purple),
+        EventKind::Adopted => ("change adopted", Colour::Vermillion),
+        EventKind::DoubtDropped => ("doubt dropped", Colour::Sky),
+        EventKind::Insensitive => ("change detector insensitive", Colour::Orange),
+        EventKind::Gap => ("gap in the data", Colour::Muted),
+        EventKind::Restarted => ("restarted", Colour::Ink),
+    }
 }
 
 fn scaled(values: &[f64], unit: &HumanUnit) -> Vec<f64> {

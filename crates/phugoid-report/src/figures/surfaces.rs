@@ -1,5 +1,6 @@
 //! The sliding surfaces against time, with the phase.
 
+use phugoid_identification::estimation::Phase;
 use std::sync::Arc;
 
 use super::Context;
@@ -8,12 +9,12 @@ use crate::figure::{At, Axis, Body, Colour, Figure, Kind, Panel, Reference, Seri
 const PER_FIGURE: usize = 8;
 
 /// Phases in drawing order, so that a single rejected sample stays visible between thousands of sliding ones.
-const PHASES: [(&str, Colour); 5] = [
-    ("sliding", Colour::Green),
-    ("starting", Colour::Sky),
-    ("predicting", Colour::Purple),
-    ("reaching", Colour::Orange),
-    ("rejected", Colour::Vermillion),
+const PHASES: [(Phase, Colour); 5] = [
+    (Phase::Sliding, Colour::Green),
+    (Phase::Starting, Colour::Sky),
+    (Phase::Predicting, Colour::Purple),
+    (Phase::Reaching, Colour::Orange),
+    (Phase::Rejected, Colour::Vermillion),
 ];
 
 pub(super) fn figures(context: &Context) -> Vec<(String, Figure)> {
@@ -59,15 +60,16 @@ pub(super) fn figures(context: &Context) -> Vec<(String, Figure)> {
 
 fn phase_strip(context: &Context) -> Option<Panel> {
     let phase = &context.estimation.history.phase;
-    let mut states: Vec<(String, Colour)> = PHASES.iter().map(|(name, c)| ((*name).to_owned(), *c)).collect();
+    let mut shown: Vec<(Phase, Colour)> = PHASES.to_vec();
     let mut state = Vec::with_capacity(phase.len());
-    for name in phase {
-        let index = states.iter().position(|(known, _)| known == name).unwrap_or_else(|| {
-            states.push((name.clone(), Colour::Muted));
-            states.len() - 1
+    for at in phase {
+        let index = shown.iter().position(|(known, _)| known == at).unwrap_or_else(|| {
+            shown.push((*at, Colour::Muted));
+            shown.len() - 1
         });
         state.push(index);
     }
+    let states = shown.into_iter().map(|(phase, colour)| (phase.word().to_owned(), colour)).collect();
     let body = Body::Strip { x: Arc::clone(&context.time), state, states };
     (!phase.is_empty()).then(|| Panel { y: Axis::new("Phase", ""), x: None, height: 18.0, body })
 }

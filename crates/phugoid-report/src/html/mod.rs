@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use phugoid_identification::estimation::Estimation;
+use phugoid_identification::estimation::{Estimation, FinalStatus};
 
 use crate::escape::escape;
 use crate::figure::Figure;
@@ -65,7 +65,7 @@ fn facts(estimation: &Estimation) -> String {
     let mut facts: Vec<(&str, String)> = vec![
         ("Record", estimation.source.clone()),
         ("Model", estimation.model.clone()),
-        ("Method", estimation.method.clone()),
+        ("Method", estimation.method.name().to_owned()),
     ];
     if let (Some(first), Some(last)) = (time.first(), time.last()) {
         facts.push(("Duration", format!("{} s", significant(last - first, 4))));
@@ -95,15 +95,15 @@ fn summary(estimation: &Estimation) -> String {
 
 /// How many parameters have which status, for estimations without a verdict.
 fn counts(estimation: &Estimation) -> String {
-    let mut counts: Vec<(&str, usize)> = Vec::new();
-    for parameter in estimation.parameters.iter().filter(|p| !p.nuisance && p.status != "fixed") {
+    let mut counts: Vec<(FinalStatus, usize)> = Vec::new();
+    for parameter in estimation.parameters.iter().filter(|p| !p.nuisance && p.status != FinalStatus::Fixed) {
         match counts.iter_mut().find(|(status, _)| *status == parameter.status) {
             Some((_, count)) => *count += 1,
-            None => counts.push((&parameter.status, 1)),
+            None => counts.push((parameter.status, 1)),
         }
     }
     let list: Vec<String> =
-        counts.iter().map(|(status, count)| format!("{count} {}", tables::status_words(status))).collect();
+        counts.iter().map(|(status, count)| format!("{count} {}", tables::status_words(*status))).collect();
     if list.is_empty() { String::new() } else { format!("<p>Parameters: {}.</p>\n", escape(&list.join(", "))) }
 }
 

@@ -15,7 +15,7 @@ pub(super) fn offer(estimation: &Estimation) -> String {
         "<p>Tried one at a time with {}{}. A term is asked for if it gains {} nats of log likelihood, without \
          change detection and with it, lies three standard errors from zero, and leaves fewer adopted changes where there \
          were any.</p>\n",
-        escape(&offer.method),
+        escape(offer.method.name()),
         escape(&because(offer)),
         fixed(offer.threshold, 1)
     );

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use phugoid_identification::estimation::{Estimation, ParameterReadiness};
+use phugoid_identification::estimation::{Estimation, ParameterReadiness, Readiness};
 
 use super::page::{END_OF_TABLE, table};
 use crate::escape::escape;
@@ -31,10 +31,10 @@ pub(super) fn readiness(estimation: &Estimation) -> String {
     ];
     let mut out = table(&heads);
     for (name, readiness) in rows {
-        let class = match readiness.verdict.as_str() {
-            "ready" => " good",
-            "improving" => " waiting",
-            _ => " bad",
+        let class = match readiness.verdict {
+            Readiness::Ready => " good",
+            Readiness::Improving => " waiting",
+            Readiness::NotIdentifiable | Readiness::Doubtful => " bad",
         };
         let why = match &readiness.advice {
             Some(advice) => format!("{}: {advice}", readiness.reason),
@@ -52,7 +52,7 @@ pub(super) fn readiness(estimation: &Estimation) -> String {
             "<tr><th scope=\"row\">{}</th><td><span class=\"status{class}\">{}</span></td><td class=\"words\">{}</td>\
              <td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td>{}</td></tr>",
             escape(name),
-            readiness.verdict.replace('_', " "),
+            readiness.verdict.word().replace('_', " "),
             escape(&why),
             readiness.ready_since_s.map_or_else(|| "\u{2013}".to_owned(), |t| fixed(t, 2)),
             number(readiness.bound_over_prior, 3),

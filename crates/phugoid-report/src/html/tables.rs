@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use phugoid_flight_data::quality::{QualityReport, Severity};
-use phugoid_identification::estimation::{Estimation, ParameterResult};
+use phugoid_identification::estimation::{Estimation, FinalStatus, ParameterResult};
 
 use super::HtmlOptions;
 use super::page::{END_OF_TABLE, head, prose, table, trimmed};
@@ -86,7 +86,7 @@ fn result_row(estimation: &Estimation, parameter: &ParameterResult, truth: bool)
     let number = |value: f64, digits| significant(value * unit.factor, digits);
     let sigma = parameter.corrected_std_error;
     let mut cells = vec![format!("<b>{}</b>", number(parameter.value, 4))];
-    if parameter.status == "fixed" {
+    if parameter.status == FinalStatus::Fixed {
         cells.extend(["–", "–", "–"].map(str::to_owned));
     } else {
         cells.push(number(sigma, 3));
@@ -97,17 +97,17 @@ fn result_row(estimation: &Estimation, parameter: &ParameterResult, truth: bool)
         cells.push(parameter.truth.map_or_else(dash, |t| number(t, 4)));
         cells.push(parameter.truth.map_or_else(dash, |t| off_by((parameter.value - t) / sigma)));
     }
-    let class = match parameter.status.as_str() {
-        "converged" => " good",
-        "improving" => " waiting",
-        "not_excited" | "at_limit" | "in_doubt" => " bad",
-        _ => "",
+    let class = match parameter.status {
+        FinalStatus::Converged => " good",
+        FinalStatus::Improving => " waiting",
+        FinalStatus::NotExcited | FinalStatus::AtLimit | FinalStatus::InDoubt => " bad",
+        FinalStatus::Fixed => "",
     };
     format!(
         "<tr>{}{}<td><span class=\"status{class}\">{}</span></td>{}</tr>\n",
         first_cells(parameter, &unit),
         number_cells(&cells),
-        escape(&status_words(&parameter.status)),
+        escape(&status_words(parameter.status)),
         number_cells(&[parameter.converged_at_s.map_or_else(dash, |t| fixed(t, 2))])
     )
 }
@@ -118,7 +118,7 @@ fn prior_row(estimation: &Estimation, parameter: &ParameterResult) -> String {
     let bounds = parameter.bounds.map_or_else(dash, |[low, high]| format!("{} … {}", number(low, 4), number(high, 4)));
     let decimals = |value: f64, decimals| if value.is_finite() { fixed(value, decimals) } else { dash() };
     let mut cells = vec![number(parameter.initial, 4)];
-    if parameter.status == "fixed" {
+    if parameter.status == FinalStatus::Fixed {
         cells.extend([dash(), bounds, dash(), dash(), dash()]);
     } else {
         cells.extend([
@@ -163,10 +163,10 @@ fn off_by(sigmas: f64) -> String {
 }
 
 /// A status in words.
-pub(super) fn status_words(status: &str) -> String {
+pub(super) fn status_words(status: FinalStatus) -> String {
     match status {
-        "at_limit" => "at its limit".to_owned(),
-        other => other.replace('_', " "),
+        FinalStatus::AtLimit => "at its limit".to_owned(),
+        other => other.word().replace('_', " "),
     }
 }
 
@@ -299,7 +299,7 @@ pub(super) fn events(estimation: &Estimation) -> String {
             out,
             "<tr><td class=\"n\">{}</td><td>{}</td><td class=\"words\">{}</td></tr>",
             if event.time_s.is_finite() { fixed(event.time_s, 2) } else { "–".to_owned() },
-            escape(&event_kind(&event.kind).0),
+            escape(&event_kind(event.kind).0),
             prose(&event.message)
         );
     }
@@ -312,7 +312,7 @@ pub(super) fn events(estimation: &Estimation) -> String {
 
 /// Estimator, model and settings.
 pub(super) fn method(estimation: &Estimation, options: &HtmlOptions) -> String {
-    let mut rows: Vec<(&str, &str)> = vec![("Method", &estimation.method), ("Model", &estimation.model)];
+    let mut rows: Vec<(&str, &str)> = vec![("Method", estimation.method.name()), ("Model", &estimation.model)];
     rows.extend(options.settings.iter().map(|(name, value)| (name.as_str(), value.as_str())));
     rows.retain(|(_, value)| !value.is_empty());
     if rows.is_empty() {

@@ -2,8 +2,10 @@
 
 use phugoid_flight_data::quality::{ChannelQuality, Finding, QualityReport, Severity};
 use phugoid_identification::estimation::{
-    Estimation, Event, History, Offer, OfferedTerm, ParameterHistory, ParameterReadiness, ParameterResult, Signal,
+    Estimation, Event, EventKind, FinalStatus, History, Offer, OfferedTerm, ParameterHistory, ParameterReadiness,
+    ParameterResult, Phase, Readiness, Signal,
 };
+use phugoid_identification::method::Method;
 
 /// What to make up.
 pub(crate) struct Case {
@@ -128,7 +130,7 @@ fn offer() -> Offer {
     };
     Offer {
         reasons: vec!["the parameters were found changed 3 times".to_owned()],
-        method: "smpe".to_owned(),
+        method: Method::Smpe,
         threshold: 11.6,
         adopted_changes: 3,
         terms: vec![
@@ -177,16 +179,13 @@ pub(crate) fn estimation(case: &Case) -> Estimation {
             measured[i].values.push(if gap { f64::NAN } else { row[i] + sigma * e });
             residuals[i].values.push(if gap { f64::NAN } else { e });
         }
-        phase.push(
-            match () {
-                () if t < 0.2 => "starting",
-                () if gap => "predicting",
-                () if outlier => "rejected",
-                () if (1.0..1.3).contains(&t) || k % 97 == 5 => "reaching",
-                () => "sliding",
-            }
-            .to_owned(),
-        );
+        phase.push(match () {
+            () if t < 0.2 => Phase::Starting,
+            () if gap => Phase::Predicting,
+            () if outlier => Phase::Rejected,
+            () if (1.0..1.3).contains(&t) || k % 97 == 5 => Phase::Reaching,
+            () => Phase::Sliding,
+        });
     }
 
     let mut parameters = Vec::new();
@@ -220,7 +219,7 @@ pub(crate) fn estimation(case: &Case) -> Estimation {
             corrected_std_error: sigma,
             lower: last - 2.0 * sigma,
             upper: last + 2.0 * sigma,
-            status: if excited { "converged" } else { "not_excited" }.to_owned(),
+            status: if excited { FinalStatus::Converged } else { FinalStatus::NotExcited },
             converged_at_s: excited.then_some(1.0 + learnt),
             observability: if excited { 1.0 - quality * quality } else { 0.04 },
             initial,
@@ -229,7 +228,7 @@ pub(crate) fn estimation(case: &Case) -> Estimation {
             truth: case.truth_known.then_some(*value),
             nuisance: name.starts_with("offset_") || name.starts_with("bias_"),
             readiness: Some(ParameterReadiness {
-                verdict: if excited { "ready" } else { "not_identifiable" }.to_owned(),
+                verdict: if excited { Readiness::Ready } else { Readiness::NotIdentifiable },
                 reason: if excited { "its bound is small" } else { "this input does not move its regressor" }
                     .to_owned(),
                 advice: (!excited).then(|| "fly an elevator doublet".to_owned()),
@@ -253,13 +252,12 @@ pub(crate) fn estimation(case: &Case) -> Estimation {
                 .collect()
         })
         .collect();
-    let event =
-        |time_s, kind: &str, message: &str| Event { time_s, kind: kind.to_owned(), message: message.to_owned() };
+    let event = |time_s, kind: EventKind, message: &str| Event { time_s, kind, message: message.to_owned() };
     let half = 0.5 * case.seconds;
     Estimation {
         source: case.source.to_owned(),
         model: if case.truth_known { "f16" } else { "hfb320.toml" }.to_owned(),
-        method: "smpe".to_owned(),
+        method: Method::Smpe,
         parameters,
         correlation,
         effective: Vec::new(),
@@ -272,10 +270,10 @@ pub(crate) fn estimation(case: &Case) -> Estimation {
         events: vec![
             event(
                 half,
-                "in_doubt",
+                EventKind::InDoubt,
                 "A change of the aircraft would explain the last second better (log Bayes factor 26).",
             ),
-            event(half + 0.04 * case.seconds, "doubt_dropped", "The running estimate won again."),
+            event(half + 0.04 * case.seconds, EventKind::DoubtDropped, "The running estimate won again."),
         ],
         quality: QualityReport {
             rows_read: count + 3,

@@ -5,7 +5,7 @@ use std::time::Instant;
 use phugoid_flight_data::record::Record;
 use phugoid_identification::axes::Axes;
 use phugoid_identification::estimate::{EstimateError, EstimateOptions, Method, estimate};
-use phugoid_identification::estimation::Estimation;
+use phugoid_identification::estimation::{Estimation, EventKind};
 use phugoid_identification::model_file::ModelFile;
 
 use super::entry::Entry;
@@ -216,8 +216,14 @@ fn track(
     }
     let Some((whole, microseconds)) = run else { return Err("there is no time to look at".to_owned()) };
     let settled_s = names.iter().map(|name| settled(contestant, &whole, flight, name, from_s)).collect();
-    let times = |kind: &str| whole.events.iter().filter(|e| e.kind == kind).map(|e| e.time_s).collect();
-    Ok(Track { points, settled_s, doubts_s: times("in_doubt"), changes_s: times("adopted"), microseconds })
+    let times = |kind: EventKind| whole.events.iter().filter(|e| e.kind == kind).map(|e| e.time_s).collect();
+    Ok(Track {
+        points,
+        settled_s,
+        doubts_s: times(EventKind::InDoubt),
+        changes_s: times(EventKind::Adopted),
+        microseconds,
+    })
 }
 
 /// Estimate and claimed standard error of a parameter: at a time, or at the end of a record that ends there.

@@ -1,7 +1,7 @@
 //! Damage: found or missed, how soon, and how good the estimates are afterwards.
 
 use phugoid_identification::estimate::{EstimateOptions, estimate};
-use phugoid_identification::estimation::Estimation;
+use phugoid_identification::estimation::{Estimation, EventKind};
 use phugoid_identification::model_file::ModelFile;
 use serde::Serialize;
 
@@ -167,11 +167,11 @@ fn one_run(drawn: &Drawn, model: &ModelFile, damage_at_s: f64) -> Result<Run, St
         ..EstimateOptions::default()
     };
     let oracle = estimate(measured, model, &told, &mut |_| {})?;
-    let after = |kind: &str| -> f64 {
+    let after = |kind: EventKind| -> f64 {
         let found = ours.events.iter().find(|e| e.kind == kind && e.time_s >= damage_at_s);
         found.map_or(f64::INFINITY, |e| e.time_s - damage_at_s)
     };
-    let adoptions = || ours.events.iter().filter(|e| e.kind == "adopted");
+    let adoptions = || ours.events.iter().filter(|e| e.kind == EventKind::Adopted);
     let false_before = adoptions().filter(|e| e.time_s < damage_at_s).count();
     let errors = AFTER_S
         .iter()
@@ -182,8 +182,8 @@ fn one_run(drawn: &Drawn, model: &ModelFile, damage_at_s: f64) -> Result<Run, St
         .collect();
     Ok(Run {
         // Damage may fall into a doubt that is already running.
-        doubt_s: after("in_doubt").min(after("adopted")),
-        adoption_s: after("adopted"),
+        doubt_s: after(EventKind::InDoubt).min(after(EventKind::Adopted)),
+        adoption_s: after(EventKind::Adopted),
         informed_s: informed_latency_s(drawn, model, damage_at_s)?,
         false_before,
         extra: adoptions().count().saturating_sub(false_before + 1),

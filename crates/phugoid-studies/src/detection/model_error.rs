@@ -1,7 +1,7 @@
 //! False adoptions under errors of the model.
 
 use phugoid_identification::estimate::{EstimateOptions, estimate};
-use phugoid_identification::estimation::Estimation;
+use phugoid_identification::estimation::{Estimation, EventKind};
 use phugoid_identification::model_file::{ModelFile, Source, Thrust};
 use serde::Serialize;
 
@@ -200,7 +200,7 @@ fn fly_line(
 
 /// What the adoptions of a flight have done to it.
 fn judge(on: &Estimation, off: &Estimation, model: &ModelFile, truth: &[f64]) -> Run {
-    let times: Vec<f64> = on.events.iter().filter(|e| e.kind == "adopted").map(|e| e.time_s).collect();
+    let times: Vec<f64> = on.events.iter().filter(|e| e.kind == EventKind::Adopted).map(|e| e.time_s).collect();
     let end_s = on.history.time_s.last().copied().unwrap_or(0.0);
     let (mut harmful, mut harmful_and_claimed) = (0, 0);
     for (i, adopted_s) in times.iter().enumerate() {
@@ -219,13 +219,13 @@ fn judge(on: &Estimation, off: &Estimation, model: &ModelFile, truth: &[f64]) ->
         harmful += usize::from(harm);
         harmful_and_claimed += usize::from(claimed);
     }
-    let count = |kind: &str| on.events.iter().filter(|e| e.kind == kind).count();
+    let count = |kind: EventKind| on.events.iter().filter(|e| e.kind == kind).count();
     Run {
         adoptions: times.len(),
         harmful,
         harmful_and_claimed,
-        doubts: count("in_doubt"),
-        insensitive: count("insensitive") > 0,
+        doubts: count(EventKind::InDoubt),
+        insensitive: count(EventKind::Insensitive) > 0,
         end: errors_at(on, model, truth, end_s),
         end_off: errors_at(off, model, truth, end_s),
     }

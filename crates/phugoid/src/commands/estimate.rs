@@ -81,7 +81,7 @@ pub(crate) fn run(arguments: &arguments::Estimate) -> Result<(), Failure> {
         estimate(&record, &model, &options, &mut |done| progress.set(done)).map_err(Failure::input)?
     };
     let yes = |yes: bool| if yes { "yes" } else { "no" }.to_owned();
-    let mut settings = vec![("estimator".to_owned(), estimation.method.clone())];
+    let mut settings = vec![("estimator".to_owned(), estimation.method.name().to_owned())];
     if estimation.batch.is_none() {
         let looks = yes(change_detection.unwrap_or(model.change_detection));
         settings.push(("looks for sudden changes".to_owned(), looks));

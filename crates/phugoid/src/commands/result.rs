@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 use phugoid_flight_data::quality::{QualityReport, Severity};
 use phugoid_identification::batch::OutputFit;
 use phugoid_identification::estimation::{
-    BatchReport, EffectiveDerivative, Estimation, Event, History, Offer, ParameterResult, Signal,
+    BatchReport, EffectiveDerivative, Estimation, Event, FinalStatus, History, Offer, ParameterResult, Readiness,
+    Signal,
 };
 use serde::Serialize;
 
@@ -63,7 +64,7 @@ impl<'a> Document<'a> {
         Self {
             source: &estimation.source,
             model: &estimation.model,
-            method: &estimation.method,
+            method: estimation.method.name(),
             samples: estimation.history.time_s.len(),
             sample_time_s: estimation.quality.sample_time_s,
             parameters: &estimation.parameters,
@@ -173,8 +174,8 @@ pub(crate) fn paragraph(text: &mut String, title: &str, lines: impl Iterator<Ite
 /// Why parameters are not ready, those asked for alone; the advice stands in the verdict.
 fn not_ready(estimation: &Estimation) -> impl Iterator<Item = String> + '_ {
     estimation.parameters.iter().filter(|p| !p.nuisance).filter_map(|p| {
-        let readiness = p.readiness.as_ref().filter(|r| r.verdict != "ready")?;
-        Some(format!("{}: {}, {}", p.name, readiness.verdict.replace('_', " "), readiness.reason))
+        let readiness = p.readiness.as_ref().filter(|r| r.verdict != Readiness::Ready)?;
+        Some(format!("{}: {}, {}", p.name, readiness.verdict.word().replace('_', " "), readiness.reason))
     })
 }
 
@@ -191,7 +192,7 @@ fn parameters(estimation: &Estimation) -> String {
         let chosen: Vec<&ParameterResult> = estimation.parameters.iter().filter(|p| p.nuisance == nuisance).collect();
         for p in &chosen {
             let two_sigma = 2.0 * p.corrected_std_error;
-            let fixed = p.status == "fixed";
+            let fixed = p.status == FinalStatus::Fixed;
             let dash = || "-".to_owned();
             let percent = 100.0 * two_sigma / p.value.abs();
             let mut cells = vec![
@@ -207,7 +208,7 @@ fn parameters(estimation: &Estimation) -> String {
                 cells.push(p.truth.filter(|_| !fixed).map_or_else(dash, error));
             }
             cells.push(p.converged_at_s.map_or_else(dash, |t| format!("{t:.2} s")));
-            cells.push(p.status.replace('_', " "));
+            cells.push(p.status.word().replace('_', " "));
             table.row(cells);
         }
         if chosen.is_empty() { String::new() } else { table.render() }

@@ -5,7 +5,7 @@ use toml::Spanned;
 use toml::de::DeValue;
 
 use super::written;
-use crate::axes::Axes;
+use crate::core::axes::Axes;
 use crate::model_file::section::Section;
 use crate::model_file::{AirDensity, AircraftData, Base, ModelFileError, Source, Thrust};
 

@@ -3,11 +3,11 @@
 use phugoid_flight_data::quantity::Dimension;
 
 use super::other_axes;
-use crate::axes::Axes;
+use crate::core::axes::Axes;
+use crate::core::output::{CHANNELS as OUTPUT_CHANNELS, Output};
+use crate::core::term::{Coefficient, Term, Variable};
 use crate::model_file::section::Section;
 use crate::model_file::{Base, ModelFileError, Parameter, Role};
-use crate::output::{CHANNELS as OUTPUT_CHANNELS, Output};
-use crate::term::{Coefficient, Term, Variable};
 
 const PARAMETER_KEYS: [&str; 5] = ["start", "prior_std", "bounds", "change_std", "fixed"];
 

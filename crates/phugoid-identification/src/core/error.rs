@@ -1,0 +1,148 @@
+//! Why an estimation could not be made.
+
+use phugoid_flight_data::channels::by_name;
+
+use phugoid_estimators::settings::SettingsError;
+
+use super::method::Method;
+use crate::batch::BatchError;
+
+/// Why an estimation could not be made.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum EstimateError {
+    /// A channel that the model needs is not in the record.
+    #[error("{}", missing_channel(record, channel, present, nearest.as_deref(), lacking))]
+    MissingChannel {
+        /// Source of the record.
+        record: String,
+        /// Canonical name of the channel that is not there.
+        channel: String,
+        /// Channels that are there.
+        present: Vec<String>,
+        /// The one among them with the most similar name.
+        nearest: Option<String>,
+        /// What else there is to say.
+        lacking: Box<Lacking>,
+    },
+    /// A channel is there but has no value.
+    #[error(
+        "channel `{0}` has no finite value in the whole record: check the column in the file, or, if the model can do without it, leave \
+         it out of `outputs` in the model file"
+    )]
+    EmptyChannel(String),
+    /// Too few samples for anything.
+    #[error("the record has {samples} usable samples: at least 20 are needed")]
+    TooShort {
+        /// Samples in which every input has a value.
+        samples: usize,
+    },
+    /// A channel has an impossible unit or sign.
+    #[error("{}", units.join("\n"))]
+    Units {
+        /// One sentence per channel.
+        units: Vec<String>,
+    },
+    /// The noise of an output cannot be measured.
+    #[error(
+        "the noise of `{0}` cannot be measured from the record: the channel does not move, or has fewer than eleven \
+         values at the start. Give it under [noise] in the model file, or leave `{0}` out of `outputs`"
+    )]
+    Noise(String),
+    /// The model cannot be built.
+    #[error("{0}")]
+    Model(String),
+    /// The estimator refuses the settings that follow from the model file.
+    #[error("{0}")]
+    Settings(SettingsError),
+    /// A batch method was asked to estimate sample by sample.
+    #[error(
+        "{method} looks at a record as a whole; sample by sample works a causal method: {}",
+        Method::ALL.iter().filter(|m| !m.is_batch()).map(|m| m.name()).collect::<Vec<_>>().join(", ")
+    )]
+    NotCausal {
+        /// The method.
+        method: Method,
+    },
+    /// A causal method was given further records, or one to predict.
+    #[error(
+        "{method} takes one record, sample by sample: further records and a prediction need a batch method ({})",
+        Method::ALL.iter().filter(|m| m.is_batch()).map(|m| m.name()).collect::<Vec<_>>().join(", ")
+    )]
+    OneRecordOnly {
+        /// The method.
+        method: Method,
+    },
+    /// A health monitor was asked for beside a batch method.
+    #[error("{method} sees the whole record at once: the health monitor needs a causal method")]
+    NoMonitorBeside {
+        /// The method.
+        method: Method,
+    },
+    /// A parameter is expected that the model does not estimate.
+    #[error("`{name}` is expected, but the model does not estimate it")]
+    NotMonitored {
+        /// Its name.
+        name: String,
+    },
+    /// Nothing moved beyond its noise, so that a fit would be one of the noise.
+    #[error("no excitation: {movers} never move beyond their noise, and {method} would fit the noise. Fly {manoeuvre}")]
+    NoExcitation {
+        /// The method.
+        method: Method,
+        /// What should have moved, in words.
+        movers: &'static str,
+        /// What to fly, in words.
+        manoeuvre: &'static str,
+    },
+    /// A batch method has no answer.
+    #[error(transparent)]
+    Batch(#[from] BatchError),
+    /// More parameters than the estimator has room for.
+    #[error(
+        "the model has {wanted} parameters, sensor biases included; this build has room for {capacity}. Fix some \
+         (fixed = true) or drop terms"
+    )]
+    TooManyParameters {
+        /// Parameters of the model file that are not fixed.
+        wanted: usize,
+        /// Capacity.
+        capacity: usize,
+    },
+}
+
+/// What a record lacks beside one channel, and why.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Lacking {
+    /// Other channels that the model needs and the record has not.
+    pub also: Vec<String>,
+    /// What the reader of the record said of those that are not there, and of the vehicle.
+    pub told: Vec<String>,
+}
+
+fn missing_channel(
+    record: &str,
+    channel: &str,
+    present: &[String],
+    nearest: Option<&str>,
+    Lacking { also, told }: &Lacking,
+) -> String {
+    let mut text = format!("{record}: channel `{channel}` is missing");
+    if let Some(near) = nearest {
+        text.push_str(&format!("; the nearest one there is `{near}`"));
+    }
+    if !also.is_empty() {
+        text.push_str(&format!("; the model also needs `{}`, not there either", also.join("`, `")));
+    }
+    let present = present.join(", ");
+    if !told.is_empty() {
+        text.push_str(&format!(".\n  {}\nChannels in the record: {present}", told.join("\n  ")));
+        return text;
+    }
+    let synonyms = by_name(channel).map_or(&[][..], |spec| spec.synonyms);
+    let or = if synonyms.is_empty() { String::new() } else { format!(" (or {})", synonyms.join(", ")) };
+    text.push_str(&format!(
+        ". Name a column `{channel}`{or} with its unit, or map one in the model file: [channels] {channel} = \"your \
+         header\". Channels in the record: {present}"
+    ));
+    text
+}

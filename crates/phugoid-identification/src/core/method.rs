@@ -1,0 +1,125 @@
+//! The estimators to choose from, by name.
+
+use std::fmt;
+use std::str::FromStr;
+
+use serde::{Deserialize, Serialize};
+
+use super::words::did_you_mean;
+
+/// Estimator to use.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Method {
+    /// The sliding-mode parameter estimator on a parallel model (docs/theory.md).
+    #[default]
+    Smpe,
+    /// The joint extended Kalman filter.
+    Ekf,
+    /// Recursive least squares on states smoothed by kinematics (docs/methods.md).
+    Rls,
+    /// Recursive Fourier-transform regression with the end-point term (docs/methods.md).
+    Fourier,
+    /// Model-reference law tuned by rule, without bounds (docs/methods.md).
+    ModelReference,
+    /// Teaching mode: implicit sign on the least-squares surface (docs/methods.md).
+    ImplicitSign,
+    /// Teaching mode: super-twisting law on mixed regressors, without bounds (docs/methods.md).
+    SuperTwisting,
+    /// Least squares on the equations of motion (docs/methods.md, as all below).
+    EquationError,
+    /// Maximum likelihood without process noise.
+    OutputError,
+    /// Maximum likelihood with process noise.
+    FilterError,
+}
+
+impl Method {
+    /// All, in the order in which they are shown.
+    pub const ALL: &[Self] = &[
+        Self::Smpe,
+        Self::Ekf,
+        Self::Rls,
+        Self::Fourier,
+        Self::ModelReference,
+        Self::ImplicitSign,
+        Self::SuperTwisting,
+        Self::EquationError,
+        Self::OutputError,
+        Self::FilterError,
+    ];
+
+    /// Its name on the command line, in model files and in results.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Smpe => "smpe",
+            Self::Ekf => "ekf",
+            Self::Rls => "rls",
+            Self::Fourier => "fourier",
+            Self::ModelReference => "model-reference",
+            Self::ImplicitSign => "implicit-sign",
+            Self::SuperTwisting => "super-twisting",
+            Self::EquationError => "equation-error",
+            Self::OutputError => "output-error",
+            Self::FilterError => "filter-error",
+        }
+    }
+
+    /// Whether it sees all samples at once, and several records; the others see one sample after the other.
+    pub fn is_batch(self) -> bool {
+        matches!(self, Self::EquationError | Self::OutputError | Self::FilterError)
+    }
+
+    /// One line for a list.
+    pub fn description(self) -> &'static str {
+        match self {
+            Self::Smpe => "sliding-mode parameter estimator on a parallel model",
+            Self::Ekf => "joint extended Kalman filter with a gate, and all else that smpe has",
+            Self::Rls => "recursive least squares on smoothed states",
+            Self::Fourier => "recursive Fourier-transform regression on smoothed states",
+            Self::ModelReference => "model-reference law tuned by rule; no bounds",
+            Self::ImplicitSign => "teaching mode: sliding law on the least-squares surface",
+            Self::SuperTwisting => "teaching mode: super-twisting law on mixed regressors; no bounds",
+            Self::EquationError => "batch: least squares on the equations of motion",
+            Self::OutputError => "batch: maximum likelihood, measurement noise only",
+            Self::FilterError => "batch: maximum likelihood with process noise, for turbulence",
+        }
+    }
+}
+
+impl fmt::Display for Method {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+/// A word that is no method.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("unknown method `{word}`{}", did_you_mean(word, Method::ALL.iter().map(|m| m.name())))]
+pub struct UnknownMethod {
+    /// What was found.
+    pub word: String,
+}
+
+impl FromStr for Method {
+    type Err = UnknownMethod;
+
+    fn from_str(word: &str) -> Result<Self, UnknownMethod> {
+        let found = Self::ALL.iter().copied().find(|m| m.name() == word);
+        found.ok_or_else(|| UnknownMethod { word: word.to_owned() })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_read_back_and_wrong_ones_get_the_list() {
+        for method in Method::ALL {
+            assert_eq!(method.name().parse::<Method>(), Ok(*method));
+        }
+        let message = "kalmann".parse::<Method>().unwrap_err().to_string();
+        assert!(message.contains("`kalmann`") && message.contains("`smpe`"), "{message}");
+    }
+}

@@ -1,0 +1,12 @@
+//! What is asked of an estimation and what it answers: plain data that every other part shares, without computation beyond their
+//! own conversions.
+
+pub mod axes;
+pub mod error;
+pub mod estimation;
+pub mod health;
+pub mod method;
+pub mod options;
+pub mod output;
+pub mod term;
+pub(crate) mod words;

@@ -1,0 +1,9 @@
+//! What a run means: results with their verdicts, advice, terms that the model lacks, derivatives in other axes.
+
+mod advice;
+mod effective;
+pub mod form;
+pub(crate) mod offer;
+pub(crate) mod readiness;
+pub(crate) mod summary;
+mod verdict;

@@ -1,0 +1,220 @@
+//! From a run to the result that is printed, plotted and saved, with the verdict in words.
+
+use phugoid_flight_data::plausibility::Doubt;
+use phugoid_flight_data::quality::{Finding, QualityReport};
+use phugoid_flight_data::record::Record;
+
+use crate::core::axes::Axes;
+use crate::core::estimation::{Estimation, FinalStatus, History, ParameterHistory, ParameterResult, Signal};
+use crate::core::method::Method;
+use crate::core::options::EstimateOptions;
+use crate::core::output::Output;
+use crate::judge::effective::{effective, sentence};
+use crate::judge::readiness::readiness;
+use crate::judge::verdict::{is_contradicted, verdict};
+use crate::methods::{ColumnRun, Run, Task};
+use crate::model_file::{ModelFile, Parameter};
+use crate::motion::Motion;
+use phugoid_estimators::verdict::Readiness;
+
+pub(crate) fn summarise<M: Motion<N, R>, const N: usize, const R: usize>(
+    record: &Record,
+    task: &Task<M, N, R>,
+    run: &Run<R>,
+    doubts: &[Doubt],
+) -> Estimation {
+    let Task { prepared, file, options, noise, .. } = *task;
+    let columns = columns(file);
+    let start_s = options.start_s.or(record.time.first().copied()).unwrap_or_default();
+    let mut parameters: Vec<ParameterResult> =
+        columns.iter().map(|(p, column)| result(p, *column, &prepared.time, start_s, &run.columns, options)).collect();
+    let estimated: Vec<&Parameter> = file.estimated().collect();
+    for (result, (_, column)) in parameters.iter_mut().zip(&columns).filter(|_| run.batch.is_none()) {
+        result.readiness = column.map(|j| readiness(j, &run.columns[j].verdict, &estimated, &file.extra_inputs));
+    }
+    let correlation = correlation(&columns, &run.covariance);
+    let history = history(task, &columns, run);
+    if run.excited && is_contradicted(&history.residuals) {
+        // An estimate that stands still because the samples that speak against it are rejected has not converged.
+        for parameter in parameters.iter_mut().filter(|p| p.status == FinalStatus::Converged) {
+            parameter.status = FinalStatus::InDoubt;
+            if let Some(readiness) = parameter.readiness.as_mut().filter(|r| r.verdict == Readiness::Ready) {
+                readiness.verdict = Readiness::Doubtful;
+                readiness.reason = "the model contradicts the flight".to_owned();
+                readiness.ready_since_s = None;
+            }
+        }
+    }
+    if run.batch.is_some() {
+        // All samples decide at once: there is no time from which on.
+        parameters.iter_mut().for_each(|p| p.converged_at_s = None);
+    }
+    // Residuals of equations are no noise of sensors.
+    let found = run.batch.as_ref().filter(|_| task.method() != Method::EquationError).map(|b| &b.noise_std);
+    let std = |row: usize| found.and_then(|std| std.get(row)).copied().unwrap_or(noise[row].std);
+    let noise_signals = measured(file).map(|(row, o)| signal(o.name(), o.unit(), vec![std(row)])).collect();
+    let effective = effective(&mut parameters, &correlation, file);
+    let mut verdict = verdict(task, &parameters, &correlation, run, doubts, &history);
+    if run.excited {
+        verdict.extend(effective.iter().map(sentence));
+    }
+    Estimation {
+        source: record.source.clone(),
+        model: file.source.clone(),
+        method: task.method(),
+        parameters,
+        correlation,
+        effective,
+        alpha_reference: prepared.reference.alpha,
+        offer: None,
+        verdict,
+        events: run.events.clone(),
+        quality: without(&record.quality, doubts),
+        noise: noise_signals,
+        history,
+        batch: run.batch.clone(),
+    }
+}
+
+/// The reader's findings without those that the verdict tells.
+fn without(quality: &QualityReport, doubts: &[Doubt]) -> QualityReport {
+    // The reader saw the whole flight, the estimation perhaps a part of it: the same finding with other numbers.
+    let words = |text: &str| -> String { text.chars().filter(|c| c.is_alphabetic()).collect() };
+    let is_told = |f: &Finding| doubts.iter().any(|d| d.place() == f.place && words(&d.message) == words(&f.message));
+    let mut quality = quality.clone();
+    quality.findings.retain(|finding| !is_told(finding));
+    quality
+}
+
+/// Parameters of the file, nuisance columns last, each with its column in the estimator; none for a fixed one.
+fn columns(file: &ModelFile) -> Vec<(&Parameter, Option<usize>)> {
+    let mut next = 0;
+    let mut columns: Vec<(&Parameter, Option<usize>)> = Vec::new();
+    for parameter in &file.parameters {
+        let column = (!parameter.fixed).then(|| {
+            next += 1;
+            next - 1
+        });
+        columns.push((parameter, column));
+    }
+    columns.sort_by_key(|(p, _)| p.is_nuisance());
+    columns
+}
+
+/// Measured outputs with their positions in the output vector.
+fn measured(file: &ModelFile) -> impl Iterator<Item = (usize, Output)> {
+    file.axes.outputs().iter().copied().enumerate().filter(|(_, o)| file.outputs[o.index()])
+}
+
+fn signal(name: &str, unit: &str, values: Vec<f64>) -> Signal {
+    Signal { name: name.to_owned(), unit: unit.to_owned(), values }
+}
+
+fn result(
+    parameter: &Parameter,
+    column: Option<usize>,
+    time: &[f64],
+    start_s: f64,
+    columns: &[ColumnRun],
+    options: &EstimateOptions,
+) -> ParameterResult {
+    let truth = options.truth.get(&parameter.name).copied();
+    let mut result = ParameterResult {
+        name: parameter.name.clone(),
+        unit: parameter.unit(),
+        value: parameter.start,
+        std_error: 0.0,
+        corrected_std_error: 0.0,
+        lower: parameter.start,
+        upper: parameter.start,
+        status: FinalStatus::Fixed,
+        converged_at_s: None,
+        observability: 0.0,
+        initial: parameter.start,
+        prior_std: parameter.prior_std,
+        bounds: parameter.bounds,
+        truth,
+        nuisance: parameter.is_nuisance(),
+        readiness: None,
+    };
+    let Some(j) = column else { return result };
+    let last = &columns[j];
+    result.value = last.value;
+    result.std_error = last.std_error;
+    result.corrected_std_error = last.corrected_std_error;
+    result.lower = result.value - 2.0 * result.corrected_std_error;
+    result.upper = result.value + 2.0 * result.corrected_std_error;
+    result.status = last.status.into();
+    result.observability = last.observability;
+    if result.status != FinalStatus::NotExcited {
+        result.converged_at_s = converged_at(time, start_s, &last.values, truth.unwrap_or(result.value));
+    }
+    result
+}
+
+/// First time after which the estimate stays within 5 % of `goal`, s from `start_s`.
+fn converged_at(time: &[f64], start_s: f64, values: &[f64], goal: f64) -> Option<f64> {
+    let outside = values.iter().rposition(|v| (v - goal).abs() > 0.05 * goal.abs());
+    let first = outside.map_or(0, |k| k + 1);
+    Some(time.get(first)? - start_s)
+}
+
+fn correlation(columns: &[(&Parameter, Option<usize>)], covariance: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    let entry = |a: Option<usize>, b: Option<usize>, same: bool| match (a, b) {
+        _ if same => 1.0,
+        (Some(a), Some(b)) => {
+            let scale = (covariance[a][a] * covariance[b][b]).sqrt();
+            if scale > 0.0 { (covariance[a][b] / scale).clamp(-1.0, 1.0) } else { 0.0 }
+        }
+        _ => 0.0,
+    };
+    let row = |i: usize| columns.iter().enumerate().map(|(j, c)| entry(columns[i].1, c.1, i == j)).collect();
+    (0..columns.len()).map(row).collect()
+}
+
+fn history<M: Motion<N, R>, const N: usize, const R: usize>(
+    task: &Task<M, N, R>,
+    columns: &[(&Parameter, Option<usize>)],
+    run: &Run<R>,
+) -> History {
+    let Task { prepared, file, .. } = *task;
+    // Surfaces and extra inputs always, the others where they change.
+    let changes = |s: &Signal| s.values.iter().any(|v| *v != s.values[0]);
+    let always = |s: &Signal| Axes::SURFACES.contains(&s.name.as_str()) || file.extra_inputs.contains(&s.name);
+    let inputs = prepared.known.iter().filter(|s| always(s) || changes(s)).cloned().collect();
+    let outputs = |rows: &[[f64; R]], whitened: bool| -> Vec<Signal> {
+        measured(file)
+            .map(|(row, o)| {
+                let unit = if whitened { "-" } else { o.unit() };
+                signal(o.name(), unit, rows.iter().map(|r| r[row]).collect())
+            })
+            .collect()
+    };
+    let samples = prepared.time.len();
+    let parameter = |(p, column): &(&Parameter, Option<usize>)| {
+        let name = p.name.clone();
+        match column.map(|j| &run.columns[j]) {
+            Some(ColumnRun { values, std_errors, surfaces, .. }) => ParameterHistory {
+                name,
+                value: values.clone(),
+                std_error: std_errors.clone(),
+                surface: surfaces.clone(),
+            },
+            None => ParameterHistory {
+                name,
+                value: vec![p.start; samples],
+                std_error: vec![0.0; samples],
+                surface: vec![0.0; samples],
+            },
+        }
+    };
+    History {
+        time_s: prepared.time.clone(),
+        inputs,
+        measured: outputs(&prepared.outputs, false),
+        predicted: outputs(&run.predicted, false),
+        residuals: outputs(&run.residuals, true),
+        parameters: columns.iter().map(parameter).collect(),
+        phase: run.phases.clone(),
+    }
+}

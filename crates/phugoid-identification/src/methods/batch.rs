@@ -1,0 +1,323 @@
+//! A batch method over a record: all samples at once, and what that says at each of them.
+
+use phugoid_estimators::discretization::InputHold;
+use phugoid_estimators::{ParameterStatus, Phase, Status};
+use phugoid_flight_data::record::Record;
+
+use super::readiness::ColumnVerdict;
+use super::settings::{sample_time, shared_settings};
+use super::task::{ColumnRun, Run, Task};
+use crate::batch::{
+    self, BatchError, BatchFit, BatchParameter, Bias, Equation, EquationErrorSettings, InitialState, Manoeuvre,
+    ManoeuvreFit, Noise, OptimiserSettings, OutputChannel, ProcessNoise, Structure, UnknownKind,
+};
+use crate::core::error::EstimateError;
+use crate::core::estimation::{BatchReport, Prediction, Signal};
+use crate::core::method::Method;
+use crate::core::options::CAPACITY;
+use crate::model_file::{Parameter, Role};
+use crate::motion::MotionModel;
+use crate::preparation::excitation::Excitation;
+use crate::preparation::prepare::{Prepared, prepare};
+
+/// One sigma over what was known beforehand below which a parameter counts as known, and the observability below which it
+/// counts as not excited: the same as for the causal methods.
+const CONVERGED: f64 = 0.1;
+const EXCITED: f64 = 0.5;
+
+/// Runs a batch method on the record of the task and on those given beside it, and predicts another if asked to.
+pub(super) fn run_batch<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
+    task: &Task<M, N, R>,
+    progress: &mut dyn FnMut(f64),
+) -> Result<Run<R>, EstimateError> {
+    let Task { prepared, file, options, health, .. } = *task;
+    let method = task.method();
+    if health.is_some() {
+        return Err(EstimateError::NoMonitorBeside { method });
+    }
+    if !excited::<M, N, R>(task) {
+        let [movers, manoeuvre] = M::AXES.excitation_words();
+        return Err(EstimateError::NoExcitation { method, movers, manoeuvre });
+    }
+    progress(0.0);
+    let further = prepare_all::<M, N, R>(task, &options.further)?;
+    let manoeuvres: Vec<Manoeuvre<'_, M, M::KnownInput, N, R>> =
+        std::iter::once(manoeuvre::<M, N, R>("the record", prepared))
+            .chain(
+                options
+                    .further
+                    .iter()
+                    .zip(&further)
+                    .map(|(record, prepared)| manoeuvre::<M, N, R>(&record.source, prepared)),
+            )
+            .collect();
+    let structure = structure::<M, N, R>(task)?;
+    let (fit, equations) = solve::<M, N, R>(task, &manoeuvres, &structure)?;
+    let prediction = match &options.predict {
+        Some(record) => Some(predict::<M, N, R>(task, record, &structure, &fit)?),
+        None => None,
+    };
+    let Some(own) = fit.manoeuvres.first() else {
+        return Err(EstimateError::Model("the batch method gave no fit of the record".to_owned()));
+    };
+    let run = Run {
+        columns: file.estimated().map(|p| column::<M, N, R>(p, &fit, prepared.time.len(), task)).collect(),
+        predicted: rows(&own.fitted),
+        residuals: rows(&own.residuals),
+        log_density: Vec::new(),
+        phases: own.residuals.iter().map(|e| phase(e)).collect(),
+        events: Vec::new(),
+        covariance: covariance::<M, N, R>(task, &fit),
+        status: Status::default(),
+        detector: None,
+        excited: true,
+        health: None,
+        batch: Some(report(&fit, equations, prediction)),
+    };
+    progress(1.0);
+    Ok(run)
+}
+
+fn prepare_all<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
+    task: &Task<M, N, R>,
+    records: &[Record],
+) -> Result<Vec<Prepared<M, N, R>>, EstimateError> {
+    records.iter().map(|record| prepare(record, task.file)).collect()
+}
+
+pub(super) fn manoeuvre<'a, M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
+    name: &'a str,
+    prepared: &'a Prepared<M, N, R>,
+) -> Manoeuvre<'a, M, M::KnownInput, N, R> {
+    Manoeuvre {
+        name,
+        model: &prepared.model,
+        time_s: &prepared.time,
+        inputs: &prepared.inputs,
+        // The input knows itself what is held.
+        hold: InputHold::Linear,
+        outputs: &prepared.outputs,
+        initial_state: None,
+    }
+}
+
+/// What is unknown, from the model file: parameters inside their bounds and without priors (the likelihood decides), sensor
+/// biases with theirs, initial states free.
+///
+/// Output error and equation error estimate the noise, as their residuals hold turbulence and model error too. Filter error
+/// has the process noise for those, and takes the file's noise levels where it gives any: both together are hardly told apart.
+pub(super) fn structure<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
+    task: &Task<M, N, R>,
+) -> Result<Structure<N, R>, EstimateError> {
+    let Task { prepared, file, options, noise, .. } = *task;
+    let [lowest, highest] = [f64::NEG_INFINITY, f64::INFINITY];
+    let parameters = file.estimated().filter(|p| !matches!(p.role, Role::Bias(_)));
+    let parameters = parameters.map(|p| {
+        let [lower, upper] = p.bounds.unwrap_or([lowest, highest]);
+        let prior_std = (p.is_nuisance() && p.prior_std.is_finite()).then_some(p.prior_std);
+        BatchParameter { prior_std, lower, upper, ..BatchParameter::free(p.name.as_str(), p.start) }
+    });
+    let bias = |row: usize| {
+        let of = |p: &&Parameter| matches!(p.role, Role::Bias(output) if M::AXES.row(output) == Some(row));
+        file.estimated().find(of).map_or(Bias::None, |p| Bias::Shared(p.prior_std))
+    };
+    let names = M::AXES.outputs();
+    let outputs = std::array::from_fn(|row| OutputChannel {
+        name: names[row].name().to_owned(),
+        noise: match (task.method(), noise[row].measured) {
+            (Method::FilterError, false) => Noise::Known(noise[row].std),
+            _ => Noise::Estimated,
+        },
+        bias: bias(row),
+    });
+    let settings = shared_settings::<M, N, R, CAPACITY>(prepared, file, options, noise)?;
+    Ok(Structure {
+        parameters: parameters.collect(),
+        states: std::array::from_fn(|i| InitialState::free(names[i].name())),
+        outputs,
+        maximum_step_s: settings.maximum_step_s,
+    })
+}
+
+type Solved = (BatchFit, Vec<Equation>);
+
+fn solve<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
+    task: &Task<M, N, R>,
+    manoeuvres: &[Manoeuvre<'_, M, M::KnownInput, N, R>],
+    structure: &Structure<N, R>,
+) -> Result<Solved, EstimateError> {
+    let regression = EquationErrorSettings::automatic(sample_time(&task.prepared.time));
+    let equations = |structure: &Structure<N, R>| {
+        batch::equation_error::<M, M::KnownInput, N, R>(manoeuvres, structure, &regression)
+    };
+    let search = OptimiserSettings::default();
+    let integrating = |structure: &Structure<N, R>| match task.method() {
+        Method::FilterError => {
+            let settings = shared_settings::<M, N, R, CAPACITY>(task.prepared, task.file, task.options, task.noise)
+                .map_err(|e| BatchError::BadInput(e.to_string()))?;
+            let process = ProcessNoise { density: settings.process_noise.variance_per_s, estimated: true };
+            batch::filter_error::<M, M::KnownInput, N, R>(manoeuvres, structure, &process, &search)
+        }
+        _ => batch::output_error::<M, M::KnownInput, N, R>(manoeuvres, structure, &search),
+    };
+    if task.method() == Method::EquationError {
+        let found = equations(structure)?;
+        return Ok((found.fit, found.equations));
+    }
+    let failure = match integrating(structure) {
+        Ok(fit) => return Ok((fit, Vec::new())),
+        Err(failure) => failure,
+    };
+    // A bad start is what equation error helps against; nothing helps where the data do not tell.
+    if matches!(failure, BatchError::BadInput(_) | BatchError::Singular { .. }) {
+        return Err(failure.into());
+    }
+    let mut nearer = structure.clone();
+    let Ok(found) = equations(structure) else { return Err(failure.into()) };
+    for (parameter, value) in nearer.parameters.iter_mut().zip(&found.fit.parameters) {
+        parameter.start = value.clamp(parameter.lower, parameter.upper);
+    }
+    let mut fit = integrating(&nearer).map_err(|_| failure)?;
+    fit.notes
+        .push("from the start values of the model file no minimum was found: started from equation error".to_owned());
+    Ok((fit, Vec::new()))
+}
+
+/// The parameters on a record that they have not seen.
+fn predict<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
+    task: &Task<M, N, R>,
+    record: &Record,
+    structure: &Structure<N, R>,
+    fit: &BatchFit,
+) -> Result<Prediction, EstimateError> {
+    let prepared: Prepared<M, N, R> = prepare(record, task.file)?;
+    let manoeuvre = [manoeuvre::<M, N, R>(&record.source, &prepared)];
+    let mut held = structure.clone();
+    for channel in &mut held.outputs {
+        channel.noise = Noise::Estimated;
+    }
+    let search = OptimiserSettings::default();
+    let predicted = batch::predict::<M, M::KnownInput, N, R>(&manoeuvre, &held, &fit.parameters, &search)?;
+    let Some(ManoeuvreFit { fitted, outputs, .. }) = predicted.manoeuvres.into_iter().next() else {
+        return Err(EstimateError::Model("the prediction gave no fit".to_owned()));
+    };
+    let measured = M::AXES.outputs().iter().enumerate().filter(|(_, o)| task.file.outputs[o.index()]);
+    let signals = |values: &dyn Fn(usize, usize) -> f64| -> Vec<Signal> {
+        let of = |row: usize| (0..prepared.time.len()).map(|k| values(k, row)).collect();
+        let signal = |(row, o): (usize, &crate::core::output::Output)| Signal {
+            name: o.name().to_owned(),
+            unit: o.unit().to_owned(),
+            values: of(row),
+        };
+        measured.clone().map(signal).collect()
+    };
+    Ok(Prediction {
+        source: record.source.clone(),
+        fit: outputs,
+        measured: signals(&|k, row| prepared.outputs[k][row]),
+        predicted: signals(&|k, row| fitted[k][row]),
+        time_s: prepared.time.clone(),
+    })
+}
+
+/// The unknown that stands for a parameter of the file.
+fn position<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
+    parameter: &Parameter,
+    fit: &BatchFit,
+) -> Option<usize> {
+    fit.unknowns.iter().position(|u| match (u.kind, &parameter.role) {
+        (UnknownKind::Bias { output, .. }, Role::Bias(of)) => M::AXES.row(*of) == Some(output),
+        (UnknownKind::Parameter { .. }, Role::Bias(_)) => false,
+        (UnknownKind::Parameter { .. }, _) => u.name == parameter.name,
+        _ => false,
+    })
+}
+
+fn column<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
+    parameter: &Parameter,
+    fit: &BatchFit,
+    samples: usize,
+    task: &Task<M, N, R>,
+) -> ColumnRun {
+    // A bias that the method does not estimate keeps what was known of it.
+    let prior = (parameter.start, parameter.prior_std, parameter.prior_std, false);
+    let (value, std_error, corrected, at_limit) = position::<M, N, R>(parameter, fit)
+        .map(|i| &fit.unknowns[i])
+        .map_or(prior, |u| (u.value, u.std_error, u.corrected_std_error, u.at_limit));
+    let observability = (1.0 - (std_error / parameter.prior_std).powi(2)).max(0.0);
+    let scale = match task.file.base {
+        crate::model_file::Base::None if !parameter.is_nuisance() => parameter.prior_std.min(value.abs()),
+        _ => parameter.prior_std,
+    };
+    let status = if at_limit {
+        ParameterStatus::AtLimit
+    } else if observability < EXCITED {
+        ParameterStatus::NotExcited
+    } else if corrected <= CONVERGED * scale {
+        ParameterStatus::Converged
+    } else {
+        ParameterStatus::Improving
+    };
+    ColumnRun {
+        values: vec![value; samples],
+        std_errors: vec![corrected; samples],
+        surfaces: vec![0.0; samples],
+        value,
+        std_error,
+        corrected_std_error: corrected,
+        observability,
+        status,
+        change_sensitivity: 0.0,
+        verdict: ColumnVerdict::default(),
+    }
+}
+
+fn covariance<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
+    task: &Task<M, N, R>,
+    fit: &BatchFit,
+) -> Vec<Vec<f64>> {
+    let places: Vec<(Option<usize>, f64)> =
+        task.file.estimated().map(|p| (position::<M, N, R>(p, fit), p.prior_std)).collect();
+    let entry = |(a, std): (Option<usize>, f64), (b, _): (Option<usize>, f64), same: bool| match (a, b) {
+        (Some(a), Some(b)) => fit.covariance[a][b],
+        _ if same => std * std,
+        _ => 0.0,
+    };
+    places
+        .iter()
+        .enumerate()
+        .map(|(i, a)| places.iter().enumerate().map(|(j, b)| entry(*a, *b, i == j)).collect())
+        .collect()
+}
+
+fn rows<const R: usize>(values: &[Vec<f64>]) -> Vec<[f64; R]> {
+    values.iter().map(|row| std::array::from_fn(|i| row.get(i).copied().unwrap_or(f64::NAN))).collect()
+}
+
+/// Every sample that was used counts alike.
+fn phase(residuals: &[f64]) -> Phase {
+    if residuals.iter().any(|e| e.is_finite()) { Phase::Sliding } else { Phase::Predicting }
+}
+
+fn excited<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(task: &Task<M, N, R>) -> bool {
+    let prepared = task.prepared;
+    let mut excitation = Excitation::of(prepared, task.noise);
+    (0..prepared.time.len()).any(|k| {
+        let surfaces = prepared.surfaces().map(|signal| signal.values[k]);
+        excitation.update(prepared.time[k], surfaces, &prepared.outputs[k]).any()
+    })
+}
+
+fn report(fit: &BatchFit, equations: Vec<Equation>, prediction: Option<Prediction>) -> BatchReport {
+    let beside = |kind: UnknownKind| !matches!(kind, UnknownKind::Parameter { .. } | UnknownKind::Bias { .. });
+    BatchReport {
+        iterations: fit.iterations.len().saturating_sub(1),
+        cost: fit.iterations.last().map_or(f64::NAN, |i| i.cost),
+        noise_std: fit.noise_std.clone(),
+        unknowns: fit.unknowns.iter().filter(|u| beside(u.kind)).cloned().collect(),
+        manoeuvres: fit.manoeuvres.iter().map(|m| (m.name.clone(), m.outputs.clone())).collect(),
+        equations,
+        prediction,
+        notes: fit.notes.clone(),
+    }
+}

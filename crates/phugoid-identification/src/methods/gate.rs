@@ -1,0 +1,115 @@
+//! A model that learns of an axis only once something has moved on it.
+//!
+//! What `excitation.rs` says of steady flight holds of each axis by itself: while only the elevator moves, sideslip and roll
+//! wander by their noise alone, and an estimator of all six coefficients takes that for excitation of the lateral ones. So the
+//! sensitivity to increments of an axis is zero until its first visible motion: their estimates and bounds stay those given
+//! beforehand.
+
+use phugoid_estimators::{Input, LinearizedOutputs, LinearizedRates, Model};
+
+use crate::core::axes::{Axes, Group};
+use crate::model_file::{Base, ModelFile};
+use crate::models::longitudinal::Database;
+use crate::motion::{Known, Motion, MotionModel, ReferencePoint, terms};
+use crate::preparation::excitation::Moved;
+
+/// A known input, and which groups of axes may be learnt from it on.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct GatedInput<I> {
+    pub(super) input: I,
+    pub(super) open: Moved,
+}
+
+impl<I: Input> Input for GatedInput<I> {
+    #[inline]
+    fn interpolate(&self, other: &Self, s: f64) -> Self {
+        Self { input: self.input.interpolate(&other.input, s), open: self.open }
+    }
+}
+
+/// A model whose sensitivity to the parameters of a closed group is zero.
+#[derive(Clone, Debug)]
+pub(crate) struct Gated<M> {
+    model: M,
+    /// Group of each column.
+    groups: Vec<Group>,
+}
+
+impl<M> Gated<M> {
+    pub(super) fn new(model: M, file: &ModelFile) -> Self {
+        let groups = terms(file).0.iter().map(|(coefficient, _)| coefficient.group()).collect();
+        Self { model, groups }
+    }
+
+    /// Columns of the groups on which nothing has moved. A motion of one group alone does not reach this: it waits as a whole.
+    pub(super) fn closed(&self, moved: Moved) -> impl Iterator<Item = usize> + '_ {
+        let closed = move |(j, group): (usize, &Group)| (!moved.has(*group)).then_some(j);
+        self.groups.iter().enumerate().filter_map(closed)
+    }
+
+    #[inline]
+    fn close<const P: usize>(&self, open: Moved, rows: &mut [[f64; P]]) {
+        if open == Moved::ALL {
+            return;
+        }
+        for j in self.closed(open).take_while(|j| *j < P) {
+            for row in rows.iter_mut() {
+                row[j] = 0.0;
+            }
+        }
+    }
+}
+
+/// Which groups are open: in absolute form all, since the sums that steady flight tells are worth keeping; increments where
+/// something has moved, and with one group alone all, since the estimation then starts anew with the first motion.
+pub(super) fn open(axes: Axes, base: Base, moved: Moved) -> Moved {
+    if axes == Axes::All && base != Base::None { moved } else { Moved::ALL }
+}
+
+impl<M: Motion<N, R>, const N: usize, const R: usize> Motion<N, R> for Gated<M> {
+    type KnownInput = GatedInput<M::KnownInput>;
+
+    const AXES: Axes = M::AXES;
+
+    fn build(file: &ModelFile, database: Database, reference: &ReferencePoint) -> Self {
+        Self::new(M::build(file, database, reference), file)
+    }
+
+    fn known_input(known: &Known) -> Self::KnownInput {
+        GatedInput { input: M::known_input(known), open: Moved::ALL }
+    }
+}
+
+impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> Model<N, R, P> for Gated<M> {
+    type Input = GatedInput<M::KnownInput>;
+
+    fn parameter_count(&self) -> usize {
+        self.model.parameter_count()
+    }
+
+    fn rates(&self, x: &[f64; N], theta: &[f64; P], u: &Self::Input) -> [f64; N] {
+        self.model.rates(x, theta, &u.input)
+    }
+
+    #[inline]
+    fn linearized_rates(&self, x: &[f64; N], theta: &[f64; P], u: &Self::Input, out: &mut LinearizedRates<N, P>) {
+        self.model.linearized_rates(x, theta, &u.input, out);
+        self.close(u.open, &mut out.regressors);
+    }
+
+    #[inline]
+    fn linearized_outputs(
+        &self,
+        x: &[f64; N],
+        theta: &[f64; P],
+        u: &Self::Input,
+        out: &mut LinearizedOutputs<N, R, P>,
+    ) {
+        self.model.linearized_outputs(x, theta, &u.input, out);
+        self.close(u.open, &mut out.parameter_jacobian);
+    }
+
+    fn measuring_output(&self, state: usize) -> Option<usize> {
+        self.model.measuring_output(state)
+    }
+}

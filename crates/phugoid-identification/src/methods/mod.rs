@@ -1,0 +1,42 @@
+//! The methods: causal ones sample by sample, batch ones over whole records, behind one call.
+
+mod batch;
+mod causal;
+mod gate;
+mod health_watch;
+mod predict;
+mod readiness;
+mod room;
+mod settings;
+mod stepper;
+mod table;
+mod task;
+mod watch;
+
+use crate::core::error::EstimateError;
+use causal::run_causal;
+pub(crate) use health_watch::HealthRun;
+pub(crate) use predict::predict;
+pub use predict::{Predicted, PredictedParameter};
+pub(crate) use readiness::ColumnVerdict;
+pub(crate) use room::{EveryRoom, causal_run};
+pub(crate) use stepper::CausalRun;
+pub(crate) use task::{ColumnRun, Run, Task};
+
+/// Runs the method of the task.
+///
+/// # Errors
+/// [`EstimateError`]: what the method needs and the record or the model file does not give.
+pub(crate) fn run<M: EveryRoom<N, R>, const N: usize, const R: usize>(
+    task: &Task<M, N, R>,
+    progress: &mut dyn FnMut(f64),
+) -> Result<Run<R>, EstimateError> {
+    if task.method().is_batch() {
+        batch::run_batch(task, progress)
+    } else {
+        run_causal(&mut *causal_run(task)?, task, progress)
+    }
+}
+
+#[cfg(test)]
+mod tests;

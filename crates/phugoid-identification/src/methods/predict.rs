@@ -1,0 +1,154 @@
+//! What records can tell of the parameters of a model, before they are estimated.
+
+use phugoid_flight_data::record::Record;
+use serde::{Deserialize, Serialize};
+
+use super::batch::{manoeuvre, structure};
+use super::settings::sample_time;
+use super::task::Task;
+use crate::batch::{self, EquationErrorSettings, Manoeuvre, Noise, OptimiserSettings, Structure, UnknownKind};
+use crate::core::axes::Axes;
+use crate::core::error::EstimateError;
+use crate::core::method::Method;
+use crate::core::options::{CAPACITY, EstimateOptions, capacity};
+use crate::model_file::{ModelFile, Role};
+use crate::models::lateral::LateralModel;
+use crate::models::longitudinal::LongitudinalModel;
+use crate::models::six::SixModel;
+use crate::motion::MotionModel;
+use crate::pipeline::estimate::{doubts, noise_levels};
+use crate::pipeline::stack::on_a_large_stack;
+use crate::preparation::prepare::{Prepared, prepare};
+
+/// How well a parameter of a model can be told.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PredictedParameter {
+    /// Name in the model file.
+    pub name: String,
+    /// Value at which the bound was taken: a rough fit by output error, else equation error, else the start value of the model file.
+    pub value: f64,
+    /// What is known of it beforehand, one sigma.
+    pub prior_std: f64,
+    /// Smallest standard error of an unbiased estimator, where the outputs have no error but their noise: the Cramer-Rao bound with
+    /// the priors of the model file.
+    pub std_error: f64,
+    /// The same with the residuals that the model leaves at these values in place of the noise, and their colour.
+    pub expected_std_error: f64,
+    /// The unknown whose error goes with this one's most, and the correlation.
+    pub closest: Option<(String, f64)>,
+    /// True for offsets and sensor biases.
+    pub nuisance: bool,
+}
+
+/// What the flight can tell.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Predicted {
+    /// In the order of the model file, those that are estimated.
+    pub parameters: Vec<PredictedParameter>,
+    /// Sentences on how it was had.
+    pub notes: Vec<String>,
+}
+
+/// The bound of a model's parameters on records that are fitted together.
+///
+/// # Errors
+/// [`EstimateError`], as an estimation by output error: a missing channel, too few samples, units that are certainly wrong, a free
+/// simulation that runs away.
+pub(crate) fn predict(records: &[Record], model: &ModelFile) -> Result<Predicted, EstimateError> {
+    let (wanted, capacity) = (model.estimated().count(), capacity(model.axes));
+    if wanted > capacity {
+        return Err(EstimateError::TooManyParameters { wanted, capacity });
+    }
+    let nobody = &mut |_: f64| {};
+    match model.axes {
+        Axes::Longitudinal => predict_of::<LongitudinalModel, _, _>(records, model),
+        Axes::LateralDirectional => {
+            on_a_large_stack(&|_: &mut dyn FnMut(f64)| predict_of::<LateralModel, _, _>(records, model), nobody)
+        }
+        Axes::All => on_a_large_stack(&|_: &mut dyn FnMut(f64)| predict_of::<SixModel, _, _>(records, model), nobody),
+    }
+}
+
+fn predict_of<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
+    records: &[Record],
+    model: &ModelFile,
+) -> Result<Predicted, EstimateError> {
+    let mut prepared: Vec<Prepared<M, N, R>> = Vec::with_capacity(records.len());
+    for record in records {
+        doubts(record, model)?;
+        prepared.push(prepare(record, model)?);
+    }
+    let Some(first) = prepared.first() else { return Err(EstimateError::TooShort { samples: 0 }) };
+    let noise = noise_levels(first, model)?;
+    let options = EstimateOptions { method: Some(Method::OutputError), ..EstimateOptions::default() };
+    let task = Task { prepared: first, file: model, options: &options, noise: &noise, health: None };
+    let mut structure = structure::<M, N, R>(&task)?;
+    for (channel, noise) in structure.outputs.iter_mut().zip(&noise) {
+        // A simulation without noise has what the model leaves.
+        channel.noise = if noise.std > 0.0 { Noise::Known(noise.std) } else { Noise::Estimated };
+    }
+    let own = || model.estimated().filter(|p| !matches!(p.role, Role::Bias(_)));
+    for (parameter, of) in structure.parameters.iter_mut().zip(own()) {
+        parameter.prior_std = Some(of.prior_std).filter(|std| std.is_finite());
+    }
+    let manoeuvres: Vec<Manoeuvre<'_, M, M::KnownInput, N, R>> = records
+        .iter()
+        .zip(&prepared)
+        .map(|(record, prepared)| manoeuvre::<M, N, R>(&record.source, prepared))
+        .collect();
+    let mut notes = Vec::new();
+    let values = values::<M, N, R>(&manoeuvres, &structure, sample_time(&first.time), &mut notes);
+    let bounds = batch::bound::<M, M::KnownInput, N, R>(&manoeuvres, &structure, &values)?;
+    let parameters = model.estimated().map(|parameter| {
+        let bias = match parameter.role {
+            Role::Bias(output) => M::AXES.row(output),
+            _ => None,
+        };
+        let place = own().position(|p| p.name == parameter.name);
+        let bound = bounds.iter().find(|b| match b.kind {
+            UnknownKind::Parameter { index } => Some(index) == place,
+            UnknownKind::Bias { output, .. } => Some(output) == bias,
+            _ => false,
+        });
+        PredictedParameter {
+            name: parameter.name.clone(),
+            value: place.and_then(|i| values.get(i)).copied().unwrap_or(parameter.start),
+            prior_std: parameter.prior_std,
+            // What the bound does not hold keeps what was known of it.
+            std_error: bound.map_or(parameter.prior_std, |b| b.std_error),
+            expected_std_error: bound.map_or(parameter.prior_std, |b| b.with_residuals),
+            closest: bound.and_then(|b| b.closest.clone()),
+            nuisance: parameter.is_nuisance(),
+        }
+    });
+    Ok(Predicted { parameters: parameters.collect(), notes })
+}
+
+/// Values at which the bound is taken: near those of output error, within a standard error; else those of equation error; else the
+/// start values of the model file.
+fn values<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
+    manoeuvres: &[Manoeuvre<'_, M, M::KnownInput, N, R>],
+    structure: &Structure<N, R>,
+    sample_time_s: f64,
+    notes: &mut Vec<String>,
+) -> Vec<f64> {
+    let regression = EquationErrorSettings::automatic(sample_time_s);
+    let mut near = structure.clone();
+    near.outputs.iter_mut().for_each(|channel| channel.noise = Noise::Estimated);
+    match batch::equation_error::<M, M::KnownInput, N, R>(manoeuvres, structure, &regression) {
+        Ok(found) => {
+            for (parameter, value) in near.parameters.iter_mut().zip(found.fit.parameters) {
+                parameter.start = value.clamp(parameter.lower, parameter.upper);
+            }
+        }
+        Err(why) => notes.push(format!("started from the model file, as a regression gave no values: {why}")),
+    }
+    let rough = OptimiserSettings { maximum_iterations: 30, step_tolerance: 1.0 };
+    match batch::output_error::<M, M::KnownInput, N, R>(manoeuvres, &near, &rough) {
+        Ok(fit) => fit.parameters,
+        Err(why) => {
+            notes.push(format!("taken where the search began: {why}"));
+            near.parameters.iter().map(|p| p.start).collect()
+        }
+    }
+}

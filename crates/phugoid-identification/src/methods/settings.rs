@@ -1,0 +1,112 @@
+//! What the model file and the record say to every method: priors, noise, biases, sample time, process noise.
+
+use phugoid_estimators::discretization::InputHold;
+use phugoid_estimators::settings::{
+    ChangeDetection, ChangePrior, EstimatorSettings, NoiseAdaptation, ParameterPrior, ProcessNoise,
+};
+
+use crate::core::error::EstimateError;
+use crate::core::options::EstimateOptions;
+use crate::core::output::Output;
+use crate::model_file::{Base, ModelFile, Parameter, Role};
+use crate::motion::Motion;
+use crate::preparation::noise::NoiseLevel;
+use crate::preparation::prepare::Prepared;
+
+/// Settings for a prepared record: the automatic rule with what the model file says. Methods other than SMPE take what is theirs
+/// from here, so that comparisons are fair.
+///
+/// # Errors
+/// [`EstimateError::Settings`] if the estimator refuses them.
+pub(super) fn shared_settings<M: Motion<N, R>, const N: usize, const R: usize, const P: usize>(
+    prepared: &Prepared<M, N, R>,
+    file: &ModelFile,
+    options: &EstimateOptions,
+    noise: &[NoiseLevel; R],
+) -> Result<EstimatorSettings<N, R, P>, EstimateError> {
+    let own = file.estimated().filter(|p| !matches!(p.role, Role::Bias(_)));
+    let tuned = &file.estimator;
+    let priors: Vec<ParameterPrior> = own
+        .map(|p| {
+            let prior = prior(p, file.base);
+            ParameterPrior { std: prior.std * if p.is_nuisance() { 1.0 } else { tuned.prior_scale }, ..prior }
+        })
+        .collect();
+    let mut settings = EstimatorSettings::automatic(&priors, noise.map(|n| n.std), sample_time(&prepared.time))
+        .map_err(EstimateError::Settings)?;
+    // The input knows itself what is held (`Known::controls_held`).
+    settings.input_hold = InputHold::Linear;
+    let mut biases = [0.0; R];
+    for parameter in file.estimated() {
+        if let Role::Bias(output) = parameter.role
+            && let Some(row) = M::AXES.row(output)
+        {
+            biases[row] = parameter.prior_std;
+        }
+    }
+    settings = settings.with_biases(biases);
+    settings.reaching_limit = tuned.reaching_limit.unwrap_or(settings.reaching_limit);
+    // A row has to reach before it is rejected.
+    settings.rejection_limit = (tuned.rejection_scale * settings.rejection_limit).max(settings.reaching_limit);
+    settings.start_window_s = tuned.start_window_s.unwrap_or(settings.start_window_s);
+    let states = M::AXES.states();
+    let density = std::array::from_fn(|i| {
+        states.get(i).map_or(0.0, |o| file.process_noise.density[o.index()] * tuned.process_noise_scale)
+    });
+    settings.process_noise =
+        if file.process_noise.adaptive { ProcessNoise::adaptive(density) } else { ProcessNoise::fixed(density) };
+    if let (true, Some(forgetting)) = (file.process_noise.adaptive, tuned.adaptation_gain) {
+        settings.process_noise.adaptation = NoiseAdaptation::Score { forgetting };
+    }
+    let unmeasured = states.iter().enumerate().filter(|(_, state)| !file.outputs[state.index()]);
+    for (i, state) in unmeasured.take(N) {
+        [settings.initial_state[i], settings.initial_state_std[i]] = unmeasured_start(*state, prepared, file);
+    }
+    settings.change_detection =
+        if options.change_detection.unwrap_or(file.change_detection) { Some(ChangeDetection::default()) } else { None };
+    Ok(settings)
+}
+
+/// Where a state that nothing measures starts, and one sigma of that: flight nearly level and straight, at about the reference
+/// speed. Two degrees of path angle and sideslip are what a flight that is called level may have.
+fn unmeasured_start<M: Motion<N, R>, const N: usize, const R: usize>(
+    state: Output,
+    prepared: &Prepared<M, N, R>,
+    file: &ModelFile,
+) -> [f64; 2] {
+    let first = |output: Output| -> Option<f64> {
+        let row = M::AXES.row(output)?;
+        let values = prepared.outputs.iter().map(|y| y[row]).filter(|v| v.is_finite());
+        crate::preparation::noise::median(&mut values.take(5).collect::<Vec<f64>>())
+    };
+    let degree = std::f64::consts::PI / 180.0;
+    match state {
+        Output::TrueAirspeed => {
+            let speed = file.aircraft.reference_speed.unwrap_or(0.0);
+            [speed, 0.05 * speed]
+        }
+        Output::Alpha => [first(Output::Theta).unwrap_or(0.0), 2.0 * degree],
+        Output::Theta => [first(Output::Alpha).unwrap_or(0.0), 2.0 * degree],
+        Output::Beta | Output::Phi => [0.0, 2.0 * degree],
+        _ => [0.0, degree],
+    }
+}
+
+fn prior(parameter: &Parameter, base: Base) -> ParameterPrior {
+    let [lower, upper] = parameter.bounds.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
+    let quarter = 0.25 * (upper - lower);
+    let change_std = match (parameter.change_std, base) {
+        _ if parameter.is_nuisance() => ChangePrior::None,
+        (Some(std), _) => ChangePrior::Fixed(std),
+        (None, Base::F16) => ChangePrior::Fixed(quarter.min(parameter.prior_std)),
+        // In absolute form a sudden change is of the order of half the parameter, not of the start prior.
+        (None, Base::None) => ChangePrior::Relative { fraction: 0.5, maximum: quarter },
+    };
+    ParameterPrior { initial: parameter.start, std: parameter.prior_std, lower, upper, change_std }
+}
+
+/// Median of the first fifty intervals, s: later ones must not change what was estimated before them.
+pub(super) fn sample_time(time: &[f64]) -> f64 {
+    let mut steps: Vec<f64> = time.windows(2).take(50).map(|w| w[1] - w[0]).collect();
+    crate::preparation::noise::median(&mut steps).unwrap_or(f64::NAN)
+}

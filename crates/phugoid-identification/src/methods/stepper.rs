@@ -1,0 +1,342 @@
+//! A causal method, sample by sample: what the run over a record and a live session share.
+
+use std::collections::VecDeque;
+
+use phugoid_estimators::settings::EstimatorSettings;
+use phugoid_estimators::{ChangeState, DetectorReport, Estimate, Innovations, ParameterStatus, Sample, Status};
+
+use super::gate::{Gated, GatedInput, open};
+use super::health_watch::{HealthRun, Monitoring};
+use super::readiness::{ColumnVerdict, ReadinessWatch};
+use super::settings::shared_settings;
+use super::table::{self, Boxed};
+use super::task::Task;
+use super::watch::Watch;
+use crate::core::error::EstimateError;
+use crate::core::estimation::Event;
+use crate::core::method::Method;
+use crate::model_file::{Base, ModelFile};
+use crate::motion::MotionModel;
+use crate::preparation::excitation::{Excitation, Moved};
+
+/// How far before the first visible motion the estimation of increments starts, s.
+const LEAD_S: f64 = 1.0;
+
+/// A causal method that is being run, whatever the method and the room of its estimator: known inputs of type `I`, `R` outputs. Slices have
+/// one entry per column in use: the estimated parameters in the order of the model file, then one per estimated sensor bias.
+pub(crate) trait CausalRun<I, const R: usize>: Send {
+    /// Takes the next sample, with the positions of the surfaces (rad, in the order of the prepared ones). What happened is added to
+    /// `events`.
+    ///
+    /// # Errors
+    /// [`EstimateError::Settings`] if the settings are refused where the estimation starts anew with the first motion.
+    fn step(
+        &mut self,
+        sample: &Sample<I, R>,
+        surfaces: &mut dyn Iterator<Item = f64>,
+        events: &mut Vec<Event>,
+    ) -> Result<(), EstimateError>;
+
+    /// The estimate after the last step as it is shown: the prior of what nothing has excited yet.
+    fn shown(&self) -> Shown<'_>;
+
+    /// The rows of the last frame before it corrected the estimate.
+    fn innovations(&self) -> &Innovations<R>;
+
+    /// The last correction wanted per column, parameter units, for display.
+    fn surfaces(&self) -> Vec<f64>;
+
+    /// Whether anything has moved yet.
+    fn has_moved(&self) -> bool;
+
+    /// The verdicts on the columns as they are now.
+    fn renewed_verdicts(&mut self) -> &[ColumnVerdict];
+
+    /// The verdicts as last renewed on the way, and when, s; before the first motion at minus infinity.
+    fn latest_verdicts(&self) -> (f64, &[ColumnVerdict]);
+
+    /// Covariance of the columns as it is shown: the prior of what nothing has excited.
+    fn covariance(&self) -> Vec<Vec<f64>>;
+
+    /// Changes smaller than this cannot be told from model error, per column, parameter units.
+    fn change_sensitivity(&self) -> Vec<f64>;
+
+    /// What the change detector knows; none without one.
+    fn detector(&self) -> Option<DetectorReport>;
+
+    /// What the health monitor said is taken out, if one was asked for.
+    fn take_health(&mut self) -> Option<HealthRun>;
+}
+
+/// An estimate as it is shown, one entry per column in use.
+#[derive(Clone, Copy)]
+pub(crate) struct Shown<'a> {
+    /// Time of the last sample used, s.
+    pub(crate) time_s: f64,
+    pub(crate) status: Status,
+    /// Parameter units.
+    pub(crate) parameters: &'a [f64],
+    /// One sigma claimed by the covariance.
+    pub(crate) std_error: &'a [f64],
+    /// One sigma corrected for the colour of the residuals.
+    pub(crate) corrected_std_error: &'a [f64],
+    pub(crate) observability: &'a [f64],
+    pub(crate) parameter_status: &'a [ParameterStatus],
+}
+
+/// A causal method with what stands around it: the first motion, known changes, events, verdicts, the health monitor.
+pub(super) struct Stepper<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> {
+    file: ModelFile,
+    method: Method,
+    settings: EstimatorSettings<N, R, P>,
+    gated: Gated<M>,
+    estimator: Boxed<GatedInput<M::KnownInput>, R, P>,
+    /// The last estimate as it is shown.
+    shown: Estimate<P>,
+    /// Until something has moved the prior is all that is known of single parameters: steady flight tells sums of terms.
+    waiting: bool,
+    moved: Moved,
+    excitation: Excitation,
+    lead: Lead<M::KnownInput, R>,
+    watch: Watch,
+    readiness: ReadinessWatch<R, P>,
+    monitoring: Option<Monitoring<M, N, R, P>>,
+    /// Still to come, s, in order.
+    known_changes_s: VecDeque<f64>,
+}
+
+impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> Stepper<M, N, R, P> {
+    /// For a record, or the beginning of a flight: its first two seconds are what the noise of surfaces is measured from.
+    ///
+    /// # Errors
+    /// [`EstimateError::Settings`] if the settings are refused.
+    pub(super) fn new(task: &Task<M, N, R>) -> Result<Self, EstimateError> {
+        let Task { prepared, file, options, noise, health } = *task;
+        let settings = shared_settings::<M, N, R, P>(prepared, file, options, noise)?;
+        let gated = Gated::new(prepared.model.clone(), file);
+        let method = task.method();
+        let estimator = table::set_up(method, gated.clone(), &settings, file.aircraft.gravity)?;
+        let monitoring = match health {
+            Some(health) => Some(Monitoring::new(&prepared.model, file, &settings, health)?),
+            None => None,
+        };
+        Ok(Self {
+            file: file.clone(),
+            method,
+            settings,
+            gated,
+            estimator,
+            shown: Estimate {
+                time_s: f64::NAN,
+                parameters: [0.0; P],
+                std_error: [0.0; P],
+                corrected_std_error: [0.0; P],
+                observability: [0.0; P],
+                parameter_status: [ParameterStatus::NotExcited; P],
+                status: Status::default(),
+            },
+            waiting: true,
+            moved: Moved::default(),
+            excitation: Excitation::of(prepared, noise),
+            lead: Lead::default(),
+            watch: Watch::new(settings.maximum_step_s.max(3.5 * settings.sample_time_s)),
+            readiness: ReadinessWatch::new(),
+            monitoring,
+            known_changes_s: options.known_changes_s.iter().copied().collect(),
+        })
+    }
+
+    fn columns(&self) -> usize {
+        self.estimator.column_count().min(P)
+    }
+}
+
+impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> CausalRun<M::KnownInput, R>
+    for Stepper<M, N, R, P>
+{
+    fn step(
+        &mut self,
+        sample: &Sample<M::KnownInput, R>,
+        surfaces: &mut dyn Iterator<Item = f64>,
+        events: &mut Vec<Event>,
+    ) -> Result<(), EstimateError> {
+        self.moved = self.excitation.update(sample.time_s, surfaces, &sample.outputs);
+        let open = open(M::AXES, self.file.base, self.moved);
+        while self.known_changes_s.pop_front_if(|time_s| *time_s <= sample.time_s + 1e-9).is_some() {
+            self.estimator.reopen_now();
+        }
+        let mut estimate = self.estimator.update(&gate(sample, open));
+        // In absolute form the sums that steady flight tells are worth keeping.
+        let starts_anew = self.waiting && self.file.base != Base::None;
+        if starts_anew {
+            self.lead.push(sample);
+        }
+        if self.waiting && self.moved.any() {
+            self.waiting = false;
+            let (lead, is_a_part) = self.lead.take();
+            if is_a_part {
+                // Forget what was taken for excitation before there was any.
+                self.estimator =
+                    table::set_up(self.method, self.gated.clone(), &self.settings, self.file.aircraft.gravity)?;
+                for sample in &lead {
+                    estimate = self.estimator.update(&gate(sample, open));
+                }
+                self.watch.restarts = self.estimator.restarts();
+            }
+        }
+        if self.waiting {
+            estimate = unmoved(estimate, &self.settings, self.estimator.column_count(), self.estimator.prior_std());
+        } else {
+            still(&mut estimate, &self.settings, &self.gated, self.moved, self.estimator.prior_std());
+            self.readiness.look(&estimate, &*self.estimator);
+        }
+        if let Some(monitoring) = &mut self.monitoring {
+            monitoring.update(sample, &estimate, &*self.estimator);
+        }
+        self.watch.look(&estimate, sample.time_s, self.estimator.restarts(), events);
+        if self.waiting {
+            // Before anything has moved the detector has nothing to speak of.
+            events.retain(|event| !event.kind.is_of_detector());
+        }
+        self.shown = estimate;
+        Ok(())
+    }
+
+    fn shown(&self) -> Shown<'_> {
+        let (shown, columns) = (&self.shown, self.columns());
+        Shown {
+            time_s: shown.time_s,
+            status: shown.status,
+            parameters: &shown.parameters[..columns],
+            std_error: &shown.std_error[..columns],
+            corrected_std_error: &shown.corrected_std_error[..columns],
+            observability: &shown.observability[..columns],
+            parameter_status: &shown.parameter_status[..columns],
+        }
+    }
+
+    fn innovations(&self) -> &Innovations<R> {
+        self.estimator.innovations()
+    }
+
+    fn surfaces(&self) -> Vec<f64> {
+        self.estimator.surfaces()[..self.columns()].to_vec()
+    }
+
+    fn has_moved(&self) -> bool {
+        !self.waiting
+    }
+
+    fn renewed_verdicts(&mut self) -> &[ColumnVerdict] {
+        self.readiness.renew(&self.shown, &*self.estimator)
+    }
+
+    fn latest_verdicts(&self) -> (f64, &[ColumnVerdict]) {
+        let (renewed_s, verdicts) = self.readiness.latest();
+        (renewed_s, &verdicts[..self.columns()])
+    }
+
+    fn covariance(&self) -> Vec<Vec<f64>> {
+        let columns = self.estimator.column_count();
+        let mut covariance = [[0.0; P]; P];
+        if self.waiting {
+            for (j, std) in self.estimator.prior_std().iter().enumerate().take(columns) {
+                covariance[j][j] = std * std;
+            }
+        } else {
+            self.estimator.covariance(&mut covariance);
+        }
+        for j in self.gated.closed(self.moved) {
+            // What steady flight tells of the sums is not shown of single ones.
+            covariance[j] = [0.0; P];
+            covariance.iter_mut().for_each(|row| row[j] = 0.0);
+            covariance[j][j] = self.estimator.prior_std()[j].powi(2);
+        }
+        covariance[..columns].iter().map(|row| row[..columns].to_vec()).collect()
+    }
+
+    fn change_sensitivity(&self) -> Vec<f64> {
+        self.estimator.change_sensitivity()[..self.columns()].to_vec()
+    }
+
+    fn detector(&self) -> Option<DetectorReport> {
+        self.estimator.detector()
+    }
+
+    fn take_health(&mut self) -> Option<HealthRun> {
+        self.monitoring.take().map(Monitoring::finish)
+    }
+}
+
+/// The samples of the last [`LEAD_S`] before the first motion.
+struct Lead<I, const R: usize> {
+    samples: VecDeque<Sample<I, R>>,
+    is_a_part: bool,
+}
+
+impl<I, const R: usize> Default for Lead<I, R> {
+    fn default() -> Self {
+        Self { samples: VecDeque::new(), is_a_part: false }
+    }
+}
+
+impl<I: Copy, const R: usize> Lead<I, R> {
+    fn push(&mut self, sample: &Sample<I, R>) {
+        while self.samples.pop_front_if(|first| first.time_s < sample.time_s - LEAD_S - 1e-9).is_some() {
+            self.is_a_part = true;
+        }
+        self.samples.push_back(*sample);
+    }
+
+    /// The samples, and whether there were others before them.
+    fn take(&mut self) -> (VecDeque<Sample<I, R>>, bool) {
+        (std::mem::take(&mut self.samples), self.is_a_part)
+    }
+}
+
+/// The sample with word of what may be learnt from it.
+fn gate<I: Copy, const R: usize>(sample: &Sample<I, R>, open: Moved) -> Sample<GatedInput<I>, R> {
+    Sample { time_s: sample.time_s, input: GatedInput { input: sample.input, open }, outputs: sample.outputs }
+}
+
+/// Shows the prior of the parameters of a group on which nothing has moved yet.
+fn still<M, const N: usize, const R: usize, const P: usize>(
+    estimate: &mut Estimate<P>,
+    settings: &EstimatorSettings<N, R, P>,
+    gated: &Gated<M>,
+    moved: Moved,
+    prior_std: &[f64; P],
+) {
+    for j in gated.closed(moved) {
+        estimate.parameters[j] = settings.priors[j].initial;
+        estimate.std_error[j] = prior_std[j];
+        estimate.corrected_std_error[j] = prior_std[j];
+        estimate.observability[j] = 0.0;
+        estimate.parameter_status[j] = ParameterStatus::NotExcited;
+    }
+}
+
+/// The estimate before anything has moved: the prior.
+fn unmoved<const N: usize, const R: usize, const P: usize>(
+    estimate: Estimate<P>,
+    settings: &EstimatorSettings<N, R, P>,
+    columns: usize,
+    prior_std: &[f64; P],
+) -> Estimate<P> {
+    let mut prior = Estimate {
+        parameters: [0.0; P],
+        std_error: [0.0; P],
+        corrected_std_error: [0.0; P],
+        observability: [0.0; P],
+        parameter_status: [ParameterStatus::NotExcited; P],
+        ..estimate
+    };
+    prior.status.change = ChangeState::Steady;
+    for j in 0..columns {
+        // Bias columns start at zero, as the unused entries of the settings do.
+        prior.parameters[j] = settings.priors[j].initial;
+        prior.std_error[j] = prior_std[j];
+        prior.corrected_std_error[j] = prior_std[j];
+    }
+    prior
+}

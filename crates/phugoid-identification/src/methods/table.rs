@@ -1,0 +1,70 @@
+//! The table of the causal methods: how the estimator of each is set up in a room for `P` columns.
+//!
+//! Everything around an estimator works on `dyn Inspect` and is compiled once per motion and room; only what is listed here is compiled once
+//! per method as well. A new causal method is an arm of [`set_up`] and a name in [`Method`].
+
+use phugoid_estimators::adaptive_model::AdaptiveModel;
+use phugoid_estimators::ekf::{EkfSettings, JointEkf};
+use phugoid_estimators::fourier::{FourierRegression, FourierSettings};
+use phugoid_estimators::implicit_sign::ImplicitSign;
+use phugoid_estimators::regression::RegressionSettings;
+use phugoid_estimators::rls::RecursiveLeastSquares;
+use phugoid_estimators::settings::{EstimatorSettings, SettingsError};
+use phugoid_estimators::smpe::Smpe;
+use phugoid_estimators::super_twisting::SuperTwisting;
+use phugoid_estimators::{Input, Inspect};
+
+use crate::core::error::EstimateError;
+use crate::core::method::Method;
+use crate::motion::MotionModel;
+use crate::preparation::front_end::KinematicFrontEnd;
+
+/// Half ranges per second that the implicit sign moves a parameter at most.
+const REACHING_RATE: f64 = 2.0;
+
+/// An estimator on the heap, whatever its method: with room for 48 columns it is too large for the stack of a thread.
+pub(super) type Boxed<I, const R: usize, const P: usize> = Box<dyn Inspect<R, P, Input = I> + Send>;
+
+/// The estimator of a causal method for a model with the settings that all methods share: priors, noise, biases, sample time, process
+/// noise. `gravity` (m/s^2) is for the kinematics that smooth the states of the regression methods.
+///
+/// # Errors
+/// [`EstimateError::Settings`] if the settings are refused; [`EstimateError::NotCausal`] for a batch method.
+pub(super) fn set_up<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize>(
+    method: Method,
+    model: M,
+    settings: &EstimatorSettings<N, R, P>,
+    gravity: f64,
+) -> Result<Boxed<M::KnownInput, R, P>, EstimateError> {
+    let states = || KinematicFrontEnd::<M, N, R>::new(gravity, settings);
+    let regression = || RegressionSettings::with(*settings);
+    let estimator = match method {
+        Method::Smpe => place(|| Smpe::new(model, *settings)),
+        Method::Ekf => place(|| JointEkf::new(model, EkfSettings::new(*settings))),
+        Method::Rls => place(|| RecursiveLeastSquares::new(model, states(), regression())),
+        Method::Fourier => place(|| FourierRegression::new(model, states(), FourierSettings::with(*settings))),
+        Method::ModelReference => place(|| AdaptiveModel::new(model, settings)),
+        Method::ImplicitSign => place(|| ImplicitSign::new(model, states(), regression(), REACHING_RATE)),
+        Method::SuperTwisting => place(|| SuperTwisting::new(model, states(), regression())),
+        Method::EquationError | Method::OutputError | Method::FilterError => {
+            return Err(EstimateError::NotCausal { method });
+        }
+    };
+    estimator.map_err(|error| match (method, error) {
+        (Method::ModelReference, SettingsError::NoOutput) => EstimateError::Model(
+            "model-reference needs a measurement with a noise level for every state of the motion".to_owned(),
+        ),
+        (_, error) => EstimateError::Settings(error),
+    })
+}
+
+/// Makes an estimator and puts it on the heap. Each has a frame of its own on the stack, which holds the copies of this one only.
+#[inline(never)]
+fn place<I: Input, E, const R: usize, const P: usize>(
+    make: impl FnOnce() -> Result<E, SettingsError>,
+) -> Result<Boxed<I, R, P>, SettingsError>
+where
+    E: Inspect<R, P, Input = I> + Send + 'static,
+{
+    make().map(|estimator| -> Boxed<I, R, P> { Box::new(estimator) })
+}

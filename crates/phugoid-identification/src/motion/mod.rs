@@ -1,0 +1,156 @@
+//! What a motion model is to the estimation: built from a model file, with inputs made from the channels of a record.
+
+mod lateral;
+mod longitudinal;
+mod six;
+
+use std::fmt::Debug;
+
+use phugoid_estimators::{Input, Model};
+
+use crate::core::axes::Axes;
+use crate::core::output::Output;
+use crate::core::term::{Coefficient, EXTRA_INPUTS, Term};
+use crate::model_file::{InputHold, ModelFile, Role};
+use crate::models::longitudinal::Database;
+
+/// A motion of the aircraft that parameters can be estimated from: `N` states, `R` outputs, those of its axes.
+///
+/// Everything from the record to the verdict is written once against this and
+/// [`Model`]; a new motion is an implementation of both, and an arm in `estimate.rs`.
+pub trait Motion<const N: usize, const R: usize>: Clone + Debug + Send + 'static {
+    /// The known input of the model at one sample.
+    type KnownInput: Input + Debug + Send;
+
+    /// Its axes; their states and outputs are the model's, in the same order.
+    const AXES: Axes;
+
+    /// The model of a file about a reference point: estimated terms become columns, fixed ones known terms ([`terms`]).
+    fn build(file: &ModelFile, database: Database, reference: &ReferencePoint) -> Self;
+
+    /// The model's input at one sample.
+    fn known_input(known: &Known) -> Self::KnownInput;
+
+    /// A channel of the motion, SI, that the input holds instead of the outputs ([`Axes::known_channels`]); none if it does not.
+    /// Kinematics needs the airspeed also where it is no state.
+    fn known_channel(_input: &Self::KnownInput, _channel: Output) -> Option<f64> {
+        None
+    }
+}
+
+/// A motion that is a [`Model`] with room for `P` parameters.
+pub trait MotionModel<const N: usize, const R: usize, const P: usize>:
+    Motion<N, R> + Model<N, R, P, Input = <Self as Motion<N, R>>::KnownInput>
+{
+}
+
+impl<M, const N: usize, const R: usize, const P: usize> MotionModel<N, R, P> for M where
+    M: Motion<N, R> + Model<N, R, P, Input = <M as Motion<N, R>>::KnownInput>
+{
+}
+
+/// Where increments to a database are zero: the terms count from here.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ReferencePoint {
+    /// Angle of attack, rad.
+    pub alpha: f64,
+    /// Elevator, rad.
+    pub elevator: f64,
+    /// Aileron, rad.
+    pub aileron: f64,
+    /// Rudder, rad.
+    pub rudder: f64,
+}
+
+/// What is known of the flight at one sample, SI. What the axes do not take ([`Axes::known_channels`]) is zero.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Known {
+    /// Elevator, rad, positive trailing edge down.
+    pub elevator: f64,
+    /// Aileron, rad, positive right aileron trailing edge down.
+    pub aileron: f64,
+    /// Rudder, rad, positive trailing edge left.
+    pub rudder: f64,
+    /// Measured true airspeed, m/s.
+    pub true_airspeed: f64,
+    /// Measured angle of attack, rad.
+    pub alpha: f64,
+    /// Measured pitch angle, rad.
+    pub theta: f64,
+    /// Measured pitch rate, rad/s.
+    pub q: f64,
+    /// Measured specific force along body x, m/s^2.
+    pub ax: f64,
+    /// Measured specific force along body z, m/s^2.
+    pub az: f64,
+    /// Air density, kg/m^3.
+    pub air_density: f64,
+    /// Thrust, N.
+    pub thrust: f64,
+    /// Mass, kg.
+    pub mass: f64,
+    /// Moment of inertia about body x, kg m^2.
+    pub ixx: f64,
+    /// Moment of inertia about body y, kg m^2.
+    pub iyy: f64,
+    /// Moment of inertia about body z, kg m^2.
+    pub izz: f64,
+    /// Product of inertia, integral of x z dm, kg m^2.
+    pub ixz: f64,
+    /// The model file's extra inputs, in its order.
+    pub extra: [f64; EXTRA_INPUTS],
+    /// True if surfaces and extra inputs are held until the next sample; false if they run straight to it.
+    pub controls_held: bool,
+}
+
+impl Known {
+    pub(crate) fn new(hold: InputHold) -> Self {
+        Self { controls_held: hold == InputHold::Held, ..Self::default() }
+    }
+
+    /// The place of a channel of this name; none if there is none.
+    pub(crate) fn slot(&mut self, name: &str) -> Option<&mut f64> {
+        Some(match name {
+            "elevator" => &mut self.elevator,
+            "aileron" => &mut self.aileron,
+            "rudder" => &mut self.rudder,
+            "true_airspeed" => &mut self.true_airspeed,
+            "alpha" => &mut self.alpha,
+            "theta" => &mut self.theta,
+            "q" => &mut self.q,
+            "ax" => &mut self.ax,
+            "az" => &mut self.az,
+            "air_density" => &mut self.air_density,
+            "thrust" => &mut self.thrust,
+            "mass" => &mut self.mass,
+            "ixx" => &mut self.ixx,
+            "iyy" => &mut self.iyy,
+            "izz" => &mut self.izz,
+            "ixz" => &mut self.ixz,
+            _ => return None,
+        })
+    }
+}
+
+/// Estimated terms in the order of the parameter vector.
+pub type Columns = Vec<(Coefficient, Term)>;
+/// Known terms with their values.
+pub type KnownTerms = Vec<(Coefficient, Term, f64)>;
+
+/// The terms of a model file: estimated ones, and fixed ones with their values. Sensor biases are the estimator's matter.
+pub fn terms(file: &ModelFile) -> (Columns, KnownTerms) {
+    let (mut columns, mut known) = (Vec::new(), Vec::new());
+    for parameter in &file.parameters {
+        let (coefficient, term) = match &parameter.role {
+            Role::Term(coefficient, term) => (*coefficient, term.clone()),
+            Role::Offset(coefficient) => (*coefficient, Term::default()),
+            Role::Bias(_) => continue,
+        };
+        if parameter.fixed {
+            known.push((coefficient, term, parameter.start));
+        } else {
+            columns.push((coefficient, term));
+        }
+    }
+    (columns, known)
+}

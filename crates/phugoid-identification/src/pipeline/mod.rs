@@ -1,0 +1,6 @@
+//! The way from a record, or from samples as they come, to the result: what the crate's users call.
+
+pub mod estimate;
+pub mod monitor;
+pub mod session;
+pub mod stack;

@@ -1,0 +1,175 @@
+//! From a flight record, a model file and what is expected to the health of the aircraft.
+
+use phugoid_flight_data::record::Record;
+
+use super::estimate::pipeline;
+use crate::core::error::EstimateError;
+use crate::core::estimation::Estimation;
+use crate::core::health::{Condition, FailureReport, HealthOptions, HealthReport, ParameterHealth};
+use crate::core::options::EstimateOptions;
+use crate::methods::HealthRun;
+use crate::model_file::ModelFile;
+
+/// Estimates the parameters of `model` from `record` as [`crate::pipeline::estimate::estimate`] does, and watches beside it whether they
+/// are what is expected: sample by sample, no verdict uses a later sample. `progress` is called with the fraction done, 0 to 1.
+///
+/// # Errors
+/// Those of [`crate::pipeline::estimate::estimate`]; [`EstimateError::Model`] for expectations that cannot be monitored.
+pub fn monitor(
+    record: &Record,
+    model: &ModelFile,
+    options: &EstimateOptions,
+    health: &HealthOptions,
+    progress: &mut dyn FnMut(f64),
+) -> Result<(Estimation, HealthReport), EstimateError> {
+    let (estimation, run) = pipeline(record, model, options, Some(health), progress)?;
+    let run = run.ok_or_else(|| EstimateError::Model("the estimator was run without its monitor".to_owned()))?;
+    let report = report(&estimation, health, run);
+    Ok((estimation, report))
+}
+
+fn report(estimation: &Estimation, options: &HealthOptions, run: HealthRun) -> HealthReport {
+    let HealthRun { history, threshold, parameters, failure } = run;
+    let finite = |value: f64| value.is_finite().then_some(value);
+    let failed = failure.is_some();
+    let parameters: Vec<ParameterHealth> = parameters
+        .into_iter()
+        .enumerate()
+        .map(|(index, (expectation, found, known))| {
+            let estimate = estimation.parameters.iter().find(|p| p.name == expectation.name);
+            ParameterHealth {
+                name: expectation.name,
+                expected: expectation.value,
+                tolerance: expectation.tolerance,
+                value: estimate.map_or(f64::NAN, |p| p.value),
+                corrected_std_error: estimate.map_or(f64::NAN, |p| p.corrected_std_error),
+                deviation: history.deviation[index].last().copied().unwrap_or(f64::NAN),
+                known,
+                diverged_at_s: finite(found.named_s),
+                change: finite(found.change).filter(|_| failed),
+                change_std: finite(found.change_std).filter(|_| failed),
+            }
+        })
+        .collect();
+    let failure = failure.map(|(flagged_at_s, onset)| {
+        let mut named: Vec<&ParameterHealth> = parameters.iter().filter(|p| p.diverged_at_s.is_some()).collect();
+        named.sort_by(|a, b| a.diverged_at_s.partial_cmp(&b.diverged_at_s).unwrap_or(std::cmp::Ordering::Equal));
+        FailureReport {
+            flagged_at_s,
+            onset_s: onset.map(|o| o.time_s),
+            onset_interval_s: onset.map(|o| o.interval_s),
+            or_earlier: onset.is_some_and(|o| o.or_earlier),
+            parameters: named.iter().map(|p| p.name.clone()).collect(),
+        }
+    });
+    let condition = history.condition.last().copied().unwrap_or_default();
+    let evidence = history.evidence.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let sentences = sentences(condition, &parameters, failure.as_ref(), evidence, options);
+    HealthReport {
+        source: estimation.source.clone(),
+        model: estimation.model.clone(),
+        false_alarms_per_hour: options.false_alarms_per_hour,
+        threshold,
+        evidence,
+        condition,
+        parameters,
+        failure,
+        sentences,
+        history,
+    }
+}
+
+fn sentences(
+    condition: Condition,
+    parameters: &[ParameterHealth],
+    failure: Option<&FailureReport>,
+    evidence: f64,
+    options: &HealthOptions,
+) -> Vec<String> {
+    let number = |value: f64| short(value);
+    let mut sentences = Vec::new();
+    if let Some(failure) = failure {
+        let onset = match (failure.onset_s, failure.onset_interval_s) {
+            (Some(onset), Some([low, high])) => {
+                let earlier = if failure.or_earlier { " or earlier" } else { "" };
+                format!(", onset {onset:.2} s ({low:.2} to {high:.2} s{earlier})")
+            }
+            _ => String::new(),
+        };
+        for parameter in parameters.iter().filter(|p| p.diverged_at_s.is_some()) {
+            let at = parameter.diverged_at_s.unwrap_or(failure.flagged_at_s);
+            sentences.push(format!(
+                "{} diverged from expected {} +- {} at {at:.2} s (flag){onset}; now {} +- {}",
+                parameter.name,
+                number(parameter.expected),
+                number(parameter.tolerance),
+                number(parameter.value),
+                number(2.0 * parameter.corrected_std_error)
+            ));
+        }
+        if failure.parameters.is_empty() {
+            sentences.push(format!(
+                "The aircraft diverged from what is expected at {:.2} s (flag){onset}; no single parameter can be named \
+                 with the same certainty",
+                failure.flagged_at_s
+            ));
+        }
+        let unsure: Vec<&str> = parameters
+            .iter()
+            .filter(|p| p.diverged_at_s.is_none() && p.deviation.abs() > 2.0)
+            .map(|p| p.name.as_str())
+            .collect();
+        if !unsure.is_empty() {
+            sentences.push(format!(
+                "Perhaps {}: the estimate ends outside of the tolerance, but did not confirm it soon after the flag",
+                unsure.join(", ")
+            ));
+        }
+        sentences.push(format!(
+            "A healthy aircraft raises such a flag at most once in {} flight hours",
+            number(1.0 / options.false_alarms_per_hour)
+        ));
+        return sentences;
+    }
+    sentences.push(match condition {
+        Condition::Healthy => format!("All {} monitored parameters are as expected", parameters.len()),
+        Condition::Settling => "The record ends before monitoring begins (two seconds after its start)".to_owned(),
+        _ => {
+            let unknown: Vec<&str> = parameters.iter().filter(|p| !p.known).map(|p| p.name.as_str()).collect();
+            let outside: Vec<&str> =
+                parameters.iter().filter(|p| p.known && p.deviation.abs() > 2.0).map(|p| p.name.as_str()).collect();
+            let mut text = "No divergence, and not enough information to call the aircraft healthy".to_owned();
+            if !unknown.is_empty() {
+                text.push_str(&format!(": the bounds are wider than the tolerance of {}", unknown.join(", ")));
+            }
+            if !outside.is_empty() {
+                text.push_str(&format!("; the estimate lies outside of the tolerance of {}", outside.join(", ")));
+            }
+            text
+        }
+    });
+    if evidence.is_finite() {
+        sentences.push(format!(
+            "Strongest evidence of a failure: as much as a healthy aircraft shows at most once in {} h; the flag needs {} h",
+            number(evidence.exp()),
+            number(1.0 / options.false_alarms_per_hour)
+        ));
+    }
+    sentences
+}
+
+/// Three significant digits, without an exponent where that stays readable.
+fn short(value: f64) -> String {
+    if !value.is_finite() {
+        return "-".to_owned();
+    }
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    let exponent = value.abs().log10().floor() as i32;
+    if !(-4..=6).contains(&exponent) {
+        return format!("{value:.2e}");
+    }
+    let text = format!("{value:.*}", (2 - exponent).max(0) as usize);
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+}

@@ -1,0 +1,354 @@
+//! A live estimation: sample by sample, with the code that runs over records.
+//!
+//! The same samples give the same numbers, bit for bit, however late they come. The first two seconds (at least forty samples) are
+//! collected, because the noise levels and the reference point are taken from them; then they are worked off at once, and from
+//! there on each sample gives its estimate as it comes.
+//!
+//! ```
+//! use phugoid_identification::estimate::EstimateOptions;
+//! use phugoid_identification::model_file::ModelFile;
+//! use phugoid_identification::session::{Session, Step};
+//! let model = ModelFile::built_in("f16").expect("it is built in")?;
+//! let mut session = Session::new(&model, &EstimateOptions::default())?;
+//! assert!(session.channels().iter().any(|name| name == "elevator"));
+//! let nothing_measured = vec![f64::NAN; session.channels().len()];
+//! assert!(matches!(session.update(0.0, &nothing_measured)?, Step::Waiting { .. }));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod course;
+
+use phugoid_estimators::{ChangeState, ParameterStatus, Phase};
+use phugoid_flight_data::channels;
+use phugoid_flight_data::record::{Channel, Quantity, Record};
+use serde::{Deserialize, Serialize};
+
+use crate::core::error::EstimateError;
+use crate::core::estimation::{Event, ParameterReadiness};
+use crate::core::method::Method;
+use crate::core::options::{EstimateOptions, capacity};
+use crate::core::output::Output;
+use crate::model_file::ModelFile;
+use course::Course;
+
+/// What an estimation starts from: this long, s, ...
+const START_S: f64 = 2.0;
+/// ... and this many samples.
+const START_SAMPLES: usize = 40;
+/// Values of a measured output among them, so that its noise can be measured.
+const START_VALUES: usize = 11;
+/// An aircraft slower than this part of its reference speed is not taken to fly.
+const FLYING: f64 = 0.5;
+
+/// One live estimation.
+///
+/// It may be moved between threads. Models of the lateral motion, or of all axes, need up to 4 MB of stack in [`Session::update`]:
+/// call it on a thread that has 16 MB.
+pub struct Session {
+    file: ModelFile,
+    options: EstimateOptions,
+    layout: Layout,
+    channels: Vec<String>,
+    /// Until the course begins.
+    start: Record,
+    course: Option<Box<dyn Course>>,
+    snapshot: Option<Snapshot>,
+    events: Vec<Event>,
+    last_s: f64,
+}
+
+/// What became of a sample.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Step {
+    /// It is kept for the start.
+    Waiting {
+        /// Time collected, s.
+        have_s: f64,
+        /// Time needed, s.
+        need_s: f64,
+        /// What else is missing, in words.
+        reason: Option<String>,
+    },
+    /// It gave an estimate: see [`Session::snapshot`].
+    Estimated,
+    /// It was left out, for this reason.
+    Refused(String),
+}
+
+/// What the entries of a [`Snapshot`] are.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Layout {
+    /// Model file or its built-in name.
+    pub model: String,
+    /// Causal method.
+    pub method: Method,
+    /// Axes of the motion, as in a model file: `longitudinal`, `lateral`.
+    pub axes: Vec<String>,
+    /// Parameters that are estimated.
+    pub parameters: Vec<ParameterLayout>,
+    /// Measured outputs.
+    pub outputs: Vec<SignalLayout>,
+    /// Known inputs.
+    pub inputs: Vec<SignalLayout>,
+}
+
+/// A parameter that is estimated.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ParameterLayout {
+    /// Name from the model file, e.g. `Cm_alpha`.
+    pub name: String,
+    /// Unit as printed: `per rad`, `-`; that of the sensor for a bias.
+    pub unit: String,
+    /// Start value.
+    pub initial: f64,
+    /// One sigma of what is known beforehand.
+    pub prior_std: f64,
+    /// True for sensor biases and offsets, which only support the others.
+    pub nuisance: bool,
+}
+
+/// A signal.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SignalLayout {
+    /// Canonical name, e.g. `alpha`.
+    pub name: String,
+    /// SI unit as printed.
+    pub unit: String,
+}
+
+/// Everything known after one sample. Arrays are in the order of the [`Layout`].
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Snapshot {
+    /// Time of the sample, s.
+    pub time_s: f64,
+    /// How the estimator met the sample.
+    pub phase: Phase,
+    /// What the change detector holds of the parameters; in doubt the bounds are widened.
+    pub change: ChangeState,
+    /// Whether anything has moved yet; before, the parameters are what was known beforehand.
+    pub moved: bool,
+    /// When the readiness of the parameters was renewed last, s; none before the first motion.
+    #[serde(default)]
+    pub readiness_s: Option<f64>,
+    /// Parameters.
+    pub parameters: Vec<LiveParameter>,
+    /// Measured outputs, SI; NaN (in JSON `null`) where missing.
+    pub outputs: Vec<f64>,
+    /// What the estimated model predicted of them, before this sample corrected it.
+    pub predicted: Vec<f64>,
+    /// Residuals over their predicted standard deviation; NaN where missing.
+    pub residuals: Vec<f64>,
+    /// Known inputs, SI, as used.
+    pub inputs: Vec<f64>,
+}
+
+/// One parameter after one sample.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct LiveParameter {
+    /// Estimate.
+    pub value: f64,
+    /// One-sigma error, corrected for the colour of the residuals; bounds are two of them.
+    pub std_error: f64,
+    /// How far it is known.
+    pub status: ParameterStatus,
+    /// May it be believed, why, and what would help? Renewed ten times a second; none before the first motion.
+    pub readiness: Option<ParameterReadiness>,
+}
+
+impl Session {
+    /// An estimation that has not begun.
+    ///
+    /// # Errors
+    /// [`EstimateError::NotCausal`] for a batch method, [`EstimateError::OneRecordOnly`] for records and true values among the options that only a recorded flight has;
+    /// [`EstimateError::TooManyParameters`].
+    pub fn new(file: &ModelFile, options: &EstimateOptions) -> Result<Self, EstimateError> {
+        let method = options.method.unwrap_or(file.estimator.method);
+        if method.is_batch() {
+            return Err(EstimateError::NotCausal { method });
+        }
+        if options.predict.is_some() || !options.further.is_empty() {
+            return Err(EstimateError::OneRecordOnly { method });
+        }
+        let (wanted, capacity) = (file.estimated().count(), capacity(file.axes));
+        if wanted > capacity {
+            return Err(EstimateError::TooManyParameters { wanted, capacity });
+        }
+        let mut channels: Vec<String> = Vec::new();
+        for name in file.channels_used() {
+            if !channels.iter().any(|known| known == name) {
+                channels.push(name.to_owned());
+            }
+        }
+        let start = Record {
+            source: "the live samples".to_owned(),
+            channels: channels.iter().map(|name| empty_channel(name)).collect(),
+            ..Record::default()
+        };
+        let layout = Layout {
+            model: file.source.clone(),
+            method,
+            axes: file.axes.words().iter().map(|word| (*word).to_owned()).collect(),
+            parameters: file.estimated().map(parameter_layout).collect(),
+            outputs: file.measured().map(|output| signal(output.name(), output.unit())).collect(),
+            inputs: file.axes.known_channels().iter().map(|name| known_layout(name)).collect(),
+        };
+        Ok(Self {
+            file: file.clone(),
+            options: options.clone(),
+            layout,
+            channels,
+            start,
+            course: None,
+            snapshot: None,
+            events: Vec::new(),
+            last_s: f64::NEG_INFINITY,
+        })
+    }
+
+    /// Canonical names of the channels whose values [`Session::update`] takes, in this order, SI.
+    pub fn channels(&self) -> &[String] {
+        &self.channels
+    }
+
+    /// What the entries of a snapshot are.
+    pub fn layout(&self) -> &Layout {
+        &self.layout
+    }
+
+    /// Takes the values of one sample, in the order of [`Session::channels`], SI, NaN where one is missing: an input is then held at
+    /// its last value, an output left out. A sample whose time does not increase is refused.
+    ///
+    /// # Errors
+    /// What makes an estimation impossible: units that are certainly wrong, a model without a trim. The session stays as it was.
+    pub fn update(&mut self, time_s: f64, values: &[f64]) -> Result<Step, EstimateError> {
+        if values.len() != self.channels.len() {
+            let (found, expected) = (values.len(), self.channels.join(", "));
+            return Ok(Step::Refused(format!("{found} values, expected one for each of {expected}")));
+        }
+        if !time_s.is_finite() || time_s <= self.last_s {
+            return Ok(Step::Refused(format!("the time {time_s} s does not come after {} s", self.last_s)));
+        }
+        self.last_s = time_s;
+        if self.course.is_some() {
+            self.step(time_s, values)?;
+            return Ok(Step::Estimated);
+        }
+        self.collect(time_s, values)
+    }
+
+    /// The state after the last sample that gave an estimate.
+    pub fn snapshot(&self) -> Option<&Snapshot> {
+        self.snapshot.as_ref()
+    }
+
+    /// What happened since this was asked last.
+    pub fn take_events(&mut self) -> Vec<Event> {
+        std::mem::take(&mut self.events)
+    }
+
+    fn step(&mut self, time_s: f64, values: &[f64]) -> Result<(), EstimateError> {
+        let Some(course) = &mut self.course else { return Ok(()) };
+        let snapshot = self.snapshot.get_or_insert_default();
+        course.step(time_s, values, snapshot, &mut self.events)
+    }
+
+    fn collect(&mut self, time_s: f64, values: &[f64]) -> Result<Step, EstimateError> {
+        if let Some(reason) = self.not_flying(values) {
+            // What was measured on the ground tells nothing of the flight.
+            self.slide(f64::INFINITY, 0);
+            return Ok(Step::Waiting { have_s: 0.0, need_s: START_S, reason: Some(reason) });
+        }
+        self.start.time.push(time_s);
+        for (channel, value) in self.start.channels.iter_mut().zip(values) {
+            channel.values.push(*value);
+        }
+        let have_s = time_s - self.start.time.first().copied().unwrap_or(time_s);
+        // A hair less than two seconds is what rounding makes of two seconds.
+        if have_s < START_S - 1e-6 || self.start.time.len() < START_SAMPLES {
+            return Ok(Step::Waiting { have_s, need_s: START_S, reason: None });
+        }
+        match self.missing() {
+            None => self.begin(),
+            Some(reason) => Ok(self.wait_on(reason)),
+        }
+    }
+
+    fn not_flying(&self, now: &[f64]) -> Option<String> {
+        let reference = self.file.aircraft.reference_speed?;
+        let speed = self.channels.iter().position(|name| name == "true_airspeed").and_then(|i| now.get(i))?;
+        (*speed < FLYING * reference)
+            .then(|| format!("not flying yet: airspeed {speed:.1} m/s, the model is of a flight at {reference:.1} m/s"))
+    }
+
+    /// Channels with too few values for a start, in words.
+    fn missing(&self) -> Option<String> {
+        let measured = |name: &str| self.file.measured().any(|output| output.name() == name);
+        let lacking = |channel: &&Channel| {
+            let present = channel.values.iter().filter(|value| value.is_finite()).count();
+            present < if measured(&channel.name) { START_VALUES } else { 1 }
+        };
+        let names: Vec<&str> =
+            self.start.channels.iter().filter(lacking).map(|channel| channel.name.as_str()).collect();
+        (!names.is_empty()).then(|| format!("too few values of {} in the last {START_S} s", names.join(", ")))
+    }
+
+    /// Goes on collecting with what is still of use.
+    fn wait_on(&mut self, reason: String) -> Step {
+        self.slide(self.last_s - START_S - 1e-6, START_SAMPLES);
+        Step::Waiting { have_s: START_S, need_s: START_S, reason: Some(reason) }
+    }
+
+    /// Drops samples from before `from_s`, but keeps `at_least` so many.
+    fn slide(&mut self, from_s: f64, at_least: usize) {
+        let old = self.start.time.partition_point(|time| *time < from_s);
+        let out = old.min(self.start.time.len().saturating_sub(at_least));
+        self.start.time.drain(..out);
+        for channel in &mut self.start.channels {
+            channel.values.drain(..out);
+        }
+    }
+
+    fn begin(&mut self) -> Result<Step, EstimateError> {
+        let (course, first) = match course::begin(&self.start, &self.file, &self.options, &self.channels) {
+            Ok(course) => course,
+            // More samples may mend it.
+            Err(
+                error @ (EstimateError::Noise(_) | EstimateError::EmptyChannel(_) | EstimateError::TooShort { .. }),
+            ) => {
+                return Ok(self.wait_on(error.to_string()));
+            }
+            Err(error) => return Err(error),
+        };
+        self.course = Some(course);
+        let start = std::mem::take(&mut self.start);
+        for (k, time_s) in start.time.iter().enumerate().skip(first) {
+            let values: Vec<f64> =
+                start.channels.iter().map(|channel| channel.values.get(k).copied().unwrap_or(f64::NAN)).collect();
+            self.step(*time_s, &values)?;
+        }
+        Ok(Step::Estimated)
+    }
+}
+
+fn empty_channel(name: &str) -> Channel {
+    let quantity = channels::by_name(name).map_or(Quantity::Number, |spec| spec.quantity);
+    Channel { name: name.to_owned(), quantity, values: Vec::new() }
+}
+
+fn parameter_layout(parameter: &crate::model_file::Parameter) -> ParameterLayout {
+    ParameterLayout {
+        name: parameter.name.clone(),
+        unit: parameter.unit(),
+        initial: parameter.start,
+        prior_std: parameter.prior_std,
+        nuisance: parameter.is_nuisance(),
+    }
+}
+
+fn signal(name: &str, unit: &str) -> SignalLayout {
+    SignalLayout { name: name.to_owned(), unit: unit.to_owned() }
+}
+
+fn known_layout(name: &str) -> SignalLayout {
+    signal(name, Output::from_name(name).map_or("rad", Output::unit))
+}

@@ -1,0 +1,310 @@
+//! From a model file and a record to what the estimator takes: the model, its inputs and the measured outputs.
+
+use phugoid_flight_data::record::Record;
+use phugoid_flight_dynamics::atmosphere::Atmosphere;
+use phugoid_flight_dynamics::f16::{F16, F16Options};
+
+use crate::core::axes::Axes;
+use crate::core::error::{EstimateError, Lacking};
+use crate::core::estimation::Signal;
+use crate::core::output::Output;
+use crate::core::words::nearest;
+use crate::model_file::{AirDensity, Base, ModelFile, Reference, ReferenceValue, Thrust};
+use crate::models::longitudinal::{Database, LongitudinalModel};
+use crate::motion::{Motion, ReferencePoint};
+use crate::preparation::intake::{KnownInput, Origin, known_inputs, model_input};
+use crate::preparation::noise::median;
+use crate::preparation::trim::{LevelTrim, TrimCondition, level_trim};
+
+/// Everything the estimator needs of one record.
+#[derive(Clone, Debug)]
+pub struct Prepared<M: Motion<N, R>, const N: usize, const R: usize> {
+    /// The model with its constants filled in.
+    pub model: M,
+    /// Time, s.
+    pub time: Vec<f64>,
+    /// Known input per sample.
+    pub inputs: Vec<M::KnownInput>,
+    /// Measured outputs per sample; NaN where missing.
+    pub outputs: Vec<[f64; R]>,
+    /// The known inputs by name: [`Axes::known_channels`], then air, mass and inertia, then the extra inputs.
+    pub known: Vec<Signal>,
+    /// Where they come from, in the same order.
+    pub(crate) origins: Vec<Origin>,
+    /// Where increments are zero and the terms count from.
+    pub reference: ReferencePoint,
+    /// Index in the record of the first sample used.
+    pub first: usize,
+    /// Sentences about what was filled in.
+    pub notes: Vec<String>,
+}
+
+impl<M: Motion<N, R>, const N: usize, const R: usize> Prepared<M, N, R> {
+    /// Samples at the start of the record that noise levels are measured from: two seconds, at least 40 samples.
+    pub fn noise_samples(&self) -> usize {
+        let start = self.time.first().copied().unwrap_or(0.0);
+        self.time.iter().take_while(|t| **t - start <= 2.0).count().max(40).min(self.time.len())
+    }
+
+    /// The positions of the control surfaces, rad, by sample.
+    pub(crate) fn surfaces(&self) -> impl Iterator<Item = &Signal> {
+        self.known.iter().filter(|signal| Axes::SURFACES.contains(&signal.name.as_str()))
+    }
+}
+
+/// Says how often a surface moved while it was not sampled. The model takes it to move at the later sample, or evenly;
+/// a step that came earlier biases the moment derivatives by more than their bounds.
+fn unseen_moves(name: &str, time: &[f64], elevator: &[f64], seen: &[bool]) -> Option<String> {
+    let step = median(&mut time.windows(2).map(|pair| pair[1] - pair[0]).collect::<Vec<f64>>())?;
+    let (low, high) = elevator.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
+    let unseen = time
+        .windows(2)
+        .zip(elevator.windows(2))
+        .zip(seen)
+        .filter(|((t, e), before)| (!**before || t[1] - t[0] > 1.5 * step) && (e[1] - e[0]).abs() > 0.1 * (high - low))
+        .count();
+    (unseen > 0).then(|| {
+        format!(
+            "the {name} moved {unseen} times while samples were lost: when is not known, and the bounds do not allow \
+             for it"
+        )
+    })
+}
+
+/// Builds the model and collects the signals: `prepare::<LongitudinalModel, _, _>(&record, &file)`.
+///
+/// # Errors
+/// A file of other axes, a missing channel, a channel without any value, an impossible trim.
+pub fn prepare<M: Motion<N, R>, const N: usize, const R: usize>(
+    record: &Record,
+    file: &ModelFile,
+) -> Result<Prepared<M, N, R>, EstimateError> {
+    if file.axes != M::AXES {
+        let (found, expected) = (file.axes.name(), M::AXES.name());
+        let message = format!("{}: the file is of the {found} motion, expected the {expected} one", file.source);
+        return Err(EstimateError::Model(message));
+    }
+    let lacking = file.channels_used().into_iter().filter(|name| record.channel(name).is_none());
+    let lacking: Vec<&str> = lacking.collect();
+    if let Some((first, rest)) = lacking.split_first() {
+        return Err(missing(record, first, rest));
+    }
+    let mut notes = file.notes.clone();
+    let database = database(file)?;
+    let (inputs, trim) = known(record, file, &database)?;
+    let mut known = Vec::with_capacity(inputs.len());
+    for KnownInput { name, unit, origin } in &inputs {
+        known.push(Signal { name: name.clone(), unit: unit.clone(), values: recorded(record, origin)? });
+    }
+    let mut measured: Vec<Option<&[f64]>> = Vec::with_capacity(R);
+    for output in M::AXES.outputs() {
+        let wanted = file.outputs[output.index()];
+        measured.push(if wanted { Some(channel(record, output.name())?) } else { None });
+    }
+
+    // Everything known, nothing filled in from later samples: start where every input has a value.
+    let complete = |k: usize| known.iter().all(|c| c.values[k].is_finite());
+    let Some(first) = (0..record.time.len()).find(|&k| complete(k)) else {
+        let culprit = known.iter().find(|c| !c.values.iter().any(|v| v.is_finite())).or(known.first());
+        return Err(EstimateError::EmptyChannel(culprit.map(|c| c.name.clone()).unwrap_or_default()));
+    };
+    if first > 0 {
+        notes.push(format!(
+            "the first {first} samples were left out: not every input has a value before {:.3} s",
+            record.time[first]
+        ));
+    }
+    let samples = record.time.len() - first;
+    if samples < 20 {
+        return Err(EstimateError::TooShort { samples });
+    }
+    let time = record.time[first..].to_vec();
+    let mut unseen = Vec::new();
+    for signal in &mut known {
+        signal.values.drain(..first);
+        let seen: Vec<bool> = signal.values.iter().map(|value| value.is_finite()).collect();
+        let held = hold(&mut signal.values);
+        if held > 0 {
+            notes.push(format!("input `{}` is missing in {held} samples: its last value was held there", signal.name));
+        }
+        if Axes::SURFACES.contains(&signal.name.as_str()) {
+            unseen.extend(unseen_moves(&signal.name, &time, &signal.values, &seen));
+        }
+    }
+    notes.extend(unseen);
+    let named = known.len() - file.extra_inputs.len();
+    let origins = inputs.into_iter().map(|input| input.origin).collect();
+    let inputs: Vec<M::KnownInput> = (0..samples)
+        .map(|k| {
+            let values = known.iter().map(|signal| (signal.name.as_str(), signal.values[k]));
+            model_input::<M, N, R>(file.input, named, values)
+        })
+        .collect();
+    let outputs: Vec<[f64; R]> = (first..record.time.len())
+        .map(|k| std::array::from_fn(|i| measured.get(i).copied().flatten().map_or(f64::NAN, |values| values[k])))
+        .collect();
+    for (row, output) in M::AXES.outputs().iter().enumerate() {
+        if file.outputs[output.index()] && !outputs.iter().any(|y| y[row].is_finite()) {
+            return Err(EstimateError::EmptyChannel(output.name().to_owned()));
+        }
+    }
+
+    let of = |name: &str| known.iter().find(|signal| signal.name == name).map(|signal| signal.values.as_slice());
+    let start = |name: &str| of(name).and_then(|values| values.first().copied());
+    let surface = |wanted: ReferenceValue, trim: Option<f64>, name: &str| {
+        // A surface that these axes do not use has no reference to look for.
+        if of(name).is_none() { Ok(0.0) } else { reference_value(wanted, trim, || start(name)) }
+    };
+    let alpha = match M::AXES.row(Output::Alpha) {
+        Some(row) => outputs.iter().map(|y| y[row]).collect(),
+        None => of("alpha").unwrap_or_default().to_vec(),
+    };
+    let wanted = &file.reference;
+    let reference = ReferencePoint {
+        alpha: reference_value(wanted.alpha, trim.map(|t| t.alpha), || first_alpha(&alpha))?,
+        elevator: surface(wanted.elevator, trim.map(|t| t.elevator), "elevator")?,
+        aileron: surface(wanted.aileron, Some(0.0), "aileron")?,
+        rudder: surface(wanted.rudder, Some(0.0), "rudder")?,
+    };
+    let model = M::build(file, database, &reference);
+    Ok(Prepared { model, time, inputs, outputs, known, origins, reference, first, notes })
+}
+
+/// The longitudinal model of a file with a given reference point. For simulation and studies as well as for estimation.
+pub fn build(file: &ModelFile, database: Database, alpha_reference: f64, elevator_reference: f64) -> LongitudinalModel {
+    let reference =
+        ReferencePoint { alpha: alpha_reference, elevator: elevator_reference, ..ReferencePoint::default() };
+    LongitudinalModel::build(file, database, &reference)
+}
+
+/// The database of a model file.
+///
+/// # Errors
+/// [`EstimateError::Model`] if it cannot be loaded.
+pub fn database(file: &ModelFile) -> Result<Database, EstimateError> {
+    Ok(match file.base {
+        Base::None => Database::None,
+        Base::F16 => {
+            let options = F16Options { cg: file.aircraft.cg.unwrap_or(0.35), ..F16Options::default() };
+            Database::F16(Box::new(F16::new(options).map_err(|e| EstimateError::Model(e.to_string()))?))
+        }
+    })
+}
+
+/// The known inputs of the file, and the trim where one is asked for.
+fn known(
+    record: &Record,
+    file: &ModelFile,
+    database: &Database,
+) -> Result<(Vec<KnownInput>, Option<LevelTrim>), EstimateError> {
+    let density = recorded(record, &Origin::of_density(file))?;
+    let mass = recorded(record, &Origin::of_mass(file))?;
+    let trim = trim_of(file, database, [&density, &mass])?;
+    Ok((known_inputs(file, trim.map(|trim| trim.thrust))?, trim))
+}
+
+/// A known input over the whole record.
+fn recorded(record: &Record, origin: &Origin) -> Result<Vec<f64>, EstimateError> {
+    Ok(match origin.channel() {
+        Some(name) => channel(record, name)?.iter().map(|value| origin.value(*value)).collect(),
+        None => vec![origin.value(f64::NAN); record.time.len()],
+    })
+}
+
+/// The values of a channel of the record.
+///
+/// # Errors
+/// [`EstimateError::MissingChannel`] with the nearest channel that is there; [`EstimateError::Model`] if it is not as long
+/// as the time.
+pub(crate) fn channel<'a>(record: &'a Record, name: &str) -> Result<&'a [f64], EstimateError> {
+    match record.channel(name) {
+        Some(channel) if channel.values.len() == record.time.len() => Ok(&channel.values),
+        Some(channel) => Err(EstimateError::Model(format!(
+            "{}: channel `{name}` has {} values for {} times: a record needs one value (NaN where missing) per time",
+            record.source,
+            channel.values.len(),
+            record.time.len()
+        ))),
+        None => Err(missing(record, name, &[])),
+    }
+}
+
+fn missing(record: &Record, name: &str, others: &[&str]) -> EstimateError {
+    let mut also: Vec<String> =
+        others.iter().filter(|other| **other != name).map(|other| (*other).to_owned()).collect();
+    also.dedup();
+    // A log says of a channel that it lacks where it was looked for, and what to do.
+    let about = |place: &str| place == name || place == "vehicle" || also.iter().any(|other| other == place);
+    let findings = record.quality.findings.iter().filter(|finding| about(&finding.place));
+    let told =
+        findings.map(|finding| format!("{}: {}", finding.place, finding.message.replace('\n', "\n  "))).collect();
+    EstimateError::MissingChannel {
+        record: record.source.clone(),
+        channel: name.to_owned(),
+        present: record.channels.iter().map(|c| c.name.clone()).collect(),
+        nearest: nearest(name, record.channels.iter().map(|c| c.name.as_str())).map(str::to_owned),
+        lacking: Box::new(Lacking { also, told }),
+    }
+}
+
+fn trim_of(
+    file: &ModelFile,
+    database: &Database,
+    [density, mass]: [&[f64]; 2],
+) -> Result<Option<LevelTrim>, EstimateError> {
+    let Reference { alpha, elevator, altitude, .. } = file.reference;
+    let wanted = file.aircraft.thrust == Thrust::Trim || [alpha, elevator].contains(&ReferenceValue::Trim);
+    if !wanted || matches!(database, Database::None) {
+        return Ok(None);
+    }
+    let aircraft = &file.aircraft;
+    let density = match (&aircraft.air_density, altitude) {
+        (AirDensity::BookAtmosphere, Some(h)) => Atmosphere::Book.at(h).density,
+        (AirDensity::StandardAtmosphere, Some(h)) => Atmosphere::Standard.at(h).density,
+        _ => density.iter().copied().find(|v| v.is_finite()).unwrap_or(f64::NAN),
+    };
+    let condition = TrimCondition {
+        speed: aircraft.reference_speed.unwrap_or(f64::NAN),
+        density,
+        mass: mass.iter().copied().find(|v| v.is_finite()).unwrap_or(f64::NAN),
+        gravity: aircraft.gravity,
+        wing_area: aircraft.wing_area,
+        mean_chord: aircraft.mean_chord,
+        thrust_inclination: aircraft.thrust_inclination,
+        thrust_arm: aircraft.thrust_arm,
+    };
+    level_trim(database, &condition).map(Some).map_err(EstimateError::Model)
+}
+
+fn reference_value(
+    wanted: ReferenceValue,
+    trim: Option<f64>,
+    first: impl Fn() -> Option<f64>,
+) -> Result<f64, EstimateError> {
+    let value = match wanted {
+        ReferenceValue::Given(value) => Some(value),
+        ReferenceValue::Trim => trim,
+        ReferenceValue::FirstSample => first(),
+    };
+    value.ok_or_else(|| EstimateError::Model("the reference point of the increments could not be found".to_owned()))
+}
+
+/// Angle of attack at the start: the median of the first values, so that one outlier does not shift the reference.
+fn first_alpha(alpha: &[f64]) -> Option<f64> {
+    let mut first: Vec<f64> = alpha.iter().copied().filter(|v| v.is_finite()).take(5).collect();
+    median(&mut first)
+}
+
+/// Fills missing values with the last one before; the first must be there. Gives the number filled.
+fn hold(values: &mut [f64]) -> usize {
+    let (mut last, mut held) = (f64::NAN, 0);
+    for value in values {
+        if value.is_finite() {
+            last = *value;
+        } else {
+            *value = last;
+            held += 1;
+        }
+    }
+    held
+}
