@@ -4,7 +4,7 @@ use phugoid_flight_dynamics::f16::{F16, F16Options};
 use phugoid_flight_dynamics::linearize as library;
 use phugoid_flight_dynamics::motion::Disturbance;
 use phugoid_flight_dynamics::trim::{self as trimming, Trim, TrimCondition};
-use phugoid_studies::flight::F16_ALPHA_RANGE_DEG;
+use phugoid_simulation::flight::F16_ALPHA_RANGE_DEG;
 use pyo3::prelude::*;
 
 use crate::error::raise;

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use phugoid_identification::model_file::ModelFile;
-use phugoid_studies::named;
+use phugoid_evaluation::named;
 use pyo3::prelude::*;
 
 use crate::error::raise;

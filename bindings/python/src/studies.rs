@@ -3,9 +3,9 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use phugoid_identification::method::Method;
-use phugoid_studies::arena::{self, Contestant, Entry};
-use phugoid_studies::flight::fly_with_progress;
-use phugoid_studies::{named, scenario};
+use phugoid_evaluation::arena::{self, Contestant, Entry};
+use phugoid_simulation::flight::fly_with_progress;
+use phugoid_simulation::{named, scenario};
 use pyo3::prelude::*;
 
 use crate::error::raise;

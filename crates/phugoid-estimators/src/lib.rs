@@ -15,10 +15,7 @@
 //! |---|---|
 //! | [`smpe`] | the flagship: sliding-mode parameter estimator with bounds, biases and change detection |
 //! | [`ekf`] | the joint extended Kalman filter, with all that surrounds SMPE |
-//! | [`plants`] | the four proof-of-concept plants of the thesis |
 //! | [`health`] | the estimate against what is expected: a flag with a stated false-alarm rate, and the onset |
-//! | [`thesis`] | the one-parameter energy-surface law it grew from |
-//! | [`model_reference`] | the model-reference estimator that it was compared with, printed and textbook forms |
 //! | [`rls`] | recursive least squares with forgetting, on a regression without derivatives |
 //! | [`fourier`] | recursive Fourier-transform regression with the end-point term |
 //! | [`implicit_sign`], [`super_twisting`] | sliding laws on the same regression, for teaching |
@@ -48,9 +45,7 @@ pub mod implicit_sign;
 mod innovation;
 mod kernels;
 mod model;
-pub mod model_reference;
 pub mod noise;
-pub mod plants;
 pub mod regression;
 pub mod rls;
 pub mod settings;
@@ -58,7 +53,6 @@ pub mod smpe;
 mod statistics;
 pub mod super_twisting;
 pub mod supervisor;
-pub mod thesis;
 pub mod ud;
 pub mod verdict;
 

@@ -4,7 +4,6 @@
 mod plants;
 
 use phugoid_estimators::discretization::{InputHold, IntervalInput, Part, simulate, step, sub_steps};
-use phugoid_estimators::plants::{FirstOrder, SecondOrderNonlinear};
 use phugoid_estimators::{LinearizedOutputs, Model};
 use plants::*;
 use proptest::prelude::*;
@@ -68,7 +67,7 @@ proptest! {
         let hold = if linear { InputHold::Linear } else { InputHold::Zero };
         let input = IntervalInput { from: [u[0]], to: [u[1]], hold };
         // Second order nonlinear in the state: the derivatives change along the step.
-        let error = worst_derivative_error::<_, 2, 3, 4>(&SecondOrderNonlinear, x, [a1, a2, 7.0, 7.0], &input, h);
+        let error = worst_derivative_error::<_, 2, 3, 4>(&QuadraticSpring, x, [a1, a2, 7.0, 7.0], &input, h);
         prop_assert!(error < 1e-7, "{error}");
     }
 
@@ -81,10 +80,10 @@ proptest! {
         let theta = [3.0, 1.0, 0.0];
         let input = IntervalInput { from: [0.5], to: [0.5], hold: InputHold::Zero };
         let (mut a, mut b) = ([[0.0; 2]; 2], [[0.0; 3]; 2]);
-        step::<_, 2, 3, 3>(&SecondOrderNonlinear, &x, &theta, &input, h, WHOLE, 3, &mut b, &mut a);
+        step::<_, 2, 3, 3>(&QuadraticSpring, &x, &theta, &input, h, WHOLE, 3, &mut b, &mut a);
         let mut u = seed;
         let mut unused = [[0.0; 2]; 2];
-        step::<_, 2, 3, 3>(&SecondOrderNonlinear, &x, &theta, &input, h, WHOLE, 3, &mut u, &mut unused);
+        step::<_, 2, 3, 3>(&QuadraticSpring, &x, &theta, &input, h, WHOLE, 3, &mut u, &mut unused);
         for i in 0..2 {
             // Column 2 is a bias column: B is zero there, and it rides along with A.
             prop_assert_eq!(b[i][2], 0.0);

@@ -5,11 +5,10 @@ mod plants;
 mod synthetic;
 
 use phugoid_estimators::health::{Condition, Expected, Health, HealthMonitor, MonitorError, MonitorSettings, Watched};
-use phugoid_estimators::plants::FirstOrder;
 use phugoid_estimators::settings::{EstimatorSettings, ParameterPrior};
 use phugoid_estimators::smpe::Smpe;
 use phugoid_estimators::{Estimate, Estimator, Model, Sample};
-use plants::{fly, regular, seeded};
+use plants::{FirstOrder, fly, regular, seeded};
 use rand::RngExt;
 use synthetic::Synthetic;
 

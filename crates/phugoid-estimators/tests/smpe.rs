@@ -4,7 +4,6 @@
 mod plants;
 
 use phugoid_estimators::discretization::InputHold;
-use phugoid_estimators::plants::FirstOrder;
 use phugoid_estimators::settings::{
     ChangeDetection, ChangePrior, EstimatorSettings, ParameterPrior, ProcessNoise, SettingsError,
 };

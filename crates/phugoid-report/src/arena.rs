@@ -1,6 +1,6 @@
 //! Figures of a comparison: scenarios by methods.
 
-use phugoid_studies::arena::{Arena, Checkpoint, EntryResult, MethodResult, Unit};
+use phugoid_evaluation::arena::{Arena, Checkpoint, EntryResult, MethodResult, Unit};
 
 use crate::figure::{Axis, Body, Cell, Figure, Grid, Panel};
 use crate::ticks::compact;

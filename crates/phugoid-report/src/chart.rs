@@ -1,6 +1,6 @@
 //! Charts of a reproduction as figures: what a curve means decides how it looks.
 
-use phugoid_studies::reproduction::result::{self, Chart, Content, Curve, Level, Meaning};
+use phugoid_evaluation::chart::{self, Chart, Content, Curve, Level, Meaning};
 
 use crate::figure::{At, Axis, Body, Figure, HeatMap, Kind, Panel, Reference, Series};
 
@@ -53,7 +53,7 @@ pub fn chart_figure(chart: &Chart) -> Figure {
     Figure { title: chart.title.clone(), caption, x: axis(&chart.x), panels, columns, events: Vec::new() }
 }
 
-fn axis(axis: &result::Axis) -> Axis {
+fn axis(axis: &chart::Axis) -> Axis {
     let plain = Axis::new(axis.label.clone(), axis.unit.clone());
     match axis.range {
         Some([lower, upper]) => plain.with_range(lower, upper),
@@ -74,13 +74,13 @@ fn plot(looks: &mut Looks, curves: &[Curve], levels: &[Level], instants: &[Level
 
 fn series(looks: &mut Looks, curve: &Curve) -> Series {
     let (form, kind) = match &curve.shape {
-        result::Shape::Line(y) if limits::ascending(&curve.x) => (Form::Line, Kind::Line(y.clone())),
-        result::Shape::Line(y) => (Form::Line, Kind::Curve(y.clone())),
-        result::Shape::Step(y) => (Form::Line, Kind::Step(y.clone())),
+        chart::Shape::Line(y) if limits::ascending(&curve.x) => (Form::Line, Kind::Line(y.clone())),
+        chart::Shape::Line(y) => (Form::Line, Kind::Curve(y.clone())),
+        chart::Shape::Step(y) => (Form::Line, Kind::Step(y.clone())),
         // Few points are looked at one by one.
-        result::Shape::Points(y) if y.len() <= FEW => (Form::Points, Kind::Marks(y.clone())),
-        result::Shape::Points(y) => (Form::Points, Kind::Points(y.clone())),
-        result::Shape::Band { lower, upper } => (Form::Band, Kind::Band { lower: lower.clone(), upper: upper.clone() }),
+        chart::Shape::Points(y) if y.len() <= FEW => (Form::Points, Kind::Marks(y.clone())),
+        chart::Shape::Points(y) => (Form::Points, Kind::Points(y.clone())),
+        chart::Shape::Band { lower, upper } => (Form::Band, Kind::Band { lower: lower.clone(), upper: upper.clone() }),
     };
     let (colour, stroke) = looks.of(&curve.label, curve.meaning, form);
     Series::new(curve.label.clone(), colour, &curve.x, kind).with_stroke(stroke).joined()

@@ -6,12 +6,11 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use markup::assert_balanced;
+use phugoid_evaluation::chart::{Axis, Chart, Content, Curve, Level, Meaning, Panel, Shape};
+use phugoid_evaluation::table::{Cell, Column, Table};
 use phugoid_report::figure::{Body, Colour, Kind, Stroke};
 use phugoid_report::{NotRun, ReproductionOptions, chart_figure, reproduction_html};
-use phugoid_studies::reproduction::result::{
-    Axis, Behaviour, Cell, Chart, Column, Content, Curve, Level, Meaning, Outcome, Panel, ParameterOutcome,
-    Reproduction, Requirement, Role, Shape, Table,
-};
+use phugoid_thesis::result::{Behaviour, Outcome, ParameterOutcome, Reproduction, Requirement, Role};
 
 fn time() -> Arc<[f64]> {
     (0..4001).map(|k| 0.001 * f64::from(k)).collect()

@@ -8,19 +8,40 @@
 //!
 //! ```
 //! use phugoid_estimators::ekf::{EkfSettings, JointEkf};
-//! use phugoid_estimators::plants::FirstOrder;
-//! use phugoid_estimators::settings::{ParameterPrior, EstimatorSettings};
-//! use phugoid_estimators::{Estimator, Sample};
+//! use phugoid_estimators::settings::{EstimatorSettings, ParameterPrior};
+//! use phugoid_estimators::{Estimator, LinearizedOutputs, LinearizedRates, Model, Sample};
 //!
-//! // x' = -a x + u; a lies between 1 and 9; x is measured with a sigma of 0.001, x' is not.
-//! let shared = EstimatorSettings::automatic(&[ParameterPrior::bounded(5.0, 1.0, 9.0)], [0.001, 0.0], 0.01)?;
-//! let mut filter: JointEkf<_, 1, 2, 1> = JointEkf::new(FirstOrder, EkfSettings::new(shared))?;
+//! /// `x' = -a x + u`, of which `x` is measured.
+//! struct Lag;
+//!
+//! impl Model<1, 1, 1> for Lag {
+//!     type Input = [f64; 1];
+//!     fn parameter_count(&self) -> usize {
+//!         1
+//!     }
+//!     fn rates(&self, x: &[f64; 1], a: &[f64; 1], u: &[f64; 1]) -> [f64; 1] {
+//!         [u[0] - a[0] * x[0]]
+//!     }
+//!     fn linearized_rates(&self, x: &[f64; 1], a: &[f64; 1], u: &[f64; 1], out: &mut LinearizedRates<1, 1>) {
+//!         (out.rates, out.state_jacobian, out.regressors) = (self.rates(x, a, u), [[-a[0]]], [[-x[0]]]);
+//!     }
+//!     fn linearized_outputs(&self, x: &[f64; 1], _: &[f64; 1], _: &[f64; 1], out: &mut LinearizedOutputs<1, 1, 1>) {
+//!         (out.outputs, out.state_jacobian) = (*x, [[1.0]]);
+//!     }
+//!     fn measuring_output(&self, state: usize) -> Option<usize> {
+//!         Some(state)
+//!     }
+//! }
+//!
+//! // a lies between 1 and 9; x is measured with a sigma of 0.001.
+//! let shared = EstimatorSettings::automatic(&[ParameterPrior::bounded(5.0, 1.0, 9.0)], [0.001], 0.01)?;
+//! let mut filter: JointEkf<_, 1, 1, 1> = JointEkf::new(Lag, EkfSettings::new(shared))?;
 //! // The step response of a = 3, here without noise.
 //! let mut estimate = filter.estimate();
 //! for k in 0..100 {
 //!     let time_s = 0.01 * f64::from(k);
 //!     let x = (1.0 - (-3.0 * time_s).exp()) / 3.0;
-//!     estimate = filter.update(&Sample { time_s, input: [1.0], outputs: [x, f64::NAN] });
+//!     estimate = filter.update(&Sample { time_s, input: [1.0], outputs: [x] });
 //! }
 //! assert!((estimate.parameters[0] - 3.0).abs() < 2.0 * estimate.corrected_std_error[0]);
 //! # Ok::<(), phugoid_estimators::settings::SettingsError>(())

@@ -88,6 +88,76 @@ impl<const P: usize> Model<2, 3, P> for ShortPeriod {
     }
 }
 
+/// First order, `x' = -a x + u`: outputs `x`, `x'`.
+#[derive(Clone, Copy, Debug)]
+pub struct FirstOrder;
+
+impl<const P: usize> Model<1, 2, P> for FirstOrder {
+    type Input = [f64; 1];
+
+    fn parameter_count(&self) -> usize {
+        1
+    }
+
+    fn rates(&self, x: &[f64; 1], theta: &[f64; P], u: &[f64; 1]) -> [f64; 1] {
+        [-theta[0] * x[0] + u[0]]
+    }
+
+    fn linearized_rates(&self, x: &[f64; 1], theta: &[f64; P], u: &[f64; 1], out: &mut LinearizedRates<1, P>) {
+        *out = LinearizedRates::ZERO;
+        out.rates = [-theta[0] * x[0] + u[0]];
+        out.state_jacobian = [[-theta[0]]];
+        out.regressors[0][0] = -x[0];
+    }
+
+    fn linearized_outputs(&self, x: &[f64; 1], theta: &[f64; P], u: &[f64; 1], out: &mut LinearizedOutputs<1, 2, P>) {
+        *out = LinearizedOutputs::ZERO;
+        out.outputs = [x[0], -theta[0] * x[0] + u[0]];
+        out.state_jacobian = [[1.0], [-theta[0]]];
+        out.parameter_jacobian[1][0] = -x[0];
+    }
+
+    fn measuring_output(&self, state: usize) -> Option<usize> {
+        (state == 0).then_some(0)
+    }
+}
+
+/// A quadratic spring, `x'' = -a2 x' - a1 x^2 + u`: outputs `x`, `x'`, `x''`.
+#[derive(Clone, Copy, Debug)]
+pub struct QuadraticSpring;
+
+impl<const P: usize> Model<2, 3, P> for QuadraticSpring {
+    type Input = [f64; 1];
+
+    fn parameter_count(&self) -> usize {
+        2
+    }
+
+    fn rates(&self, x: &[f64; 2], theta: &[f64; P], u: &[f64; 1]) -> [f64; 2] {
+        [x[1], -theta[1] * x[1] - theta[0] * x[0] * x[0] + u[0]]
+    }
+
+    fn linearized_rates(&self, x: &[f64; 2], theta: &[f64; P], u: &[f64; 1], out: &mut LinearizedRates<2, P>) {
+        *out = LinearizedRates::ZERO;
+        out.rates = Model::<2, 3, P>::rates(self, x, theta, u);
+        out.state_jacobian = [[0.0, 1.0], [-2.0 * theta[0] * x[0], -theta[1]]];
+        out.regressors[1][..2].copy_from_slice(&[-x[0] * x[0], -x[1]]);
+    }
+
+    fn linearized_outputs(&self, x: &[f64; 2], theta: &[f64; P], u: &[f64; 1], out: &mut LinearizedOutputs<2, 3, P>) {
+        let mut lin = LinearizedRates::ZERO;
+        Model::<2, 3, P>::linearized_rates(self, x, theta, u, &mut lin);
+        *out = LinearizedOutputs::ZERO;
+        out.outputs = [x[0], x[1], lin.rates[1]];
+        out.state_jacobian = [[1.0, 0.0], [0.0, 1.0], lin.state_jacobian[1]];
+        out.parameter_jacobian[2] = lin.regressors[1];
+    }
+
+    fn measuring_output(&self, state: usize) -> Option<usize> {
+        (state < 2).then_some(state)
+    }
+}
+
 /// Measurement noise of the short-period outputs: 0.1 deg, 0.1 deg/s, 0.01 g.
 pub const JET_NOISE: [f64; 3] = [0.001_745, 0.001_745, 0.0981];
 

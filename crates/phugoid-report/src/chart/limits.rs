@@ -1,6 +1,6 @@
 //! Limits of an ordinate that a method which runs away does not spoil.
 
-use phugoid_studies::reproduction::result::{Chart, Content, Curve, Meaning, Panel, Shape};
+use phugoid_evaluation::chart::{Chart, Content, Curve, Meaning, Panel, Shape};
 
 /// How many times as far as everything else a method may go before it is cut off.
 const MOST: f64 = 6.0;

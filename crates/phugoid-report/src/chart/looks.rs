@@ -1,6 +1,6 @@
 //! Colours and strokes by meaning.
 
-use phugoid_studies::reproduction::result::Meaning;
+use phugoid_evaluation::chart::Meaning;
 
 use crate::figure::{Colour, Stroke};
 

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use phugoid_studies::arena::{Arena, EntryResult, MethodResult};
+use phugoid_evaluation::arena::{Arena, EntryResult, MethodResult};
 
 use super::page::{self, END_OF_TABLE, Section, prose, table};
 use crate::arena::{arena_figures, ratio};

@@ -1,7 +1,7 @@
 //! The page of reproduced cases and studies.
 
-use phugoid_studies::reproduction::group::{Group, group_of};
-use phugoid_studies::reproduction::result::{Reproduction, Requirement};
+use phugoid_thesis::group::{Group, group_of};
+use phugoid_thesis::result::{Reproduction, Requirement};
 
 use super::page::{self, Section};
 use crate::escape::escape;

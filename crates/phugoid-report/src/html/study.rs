@@ -1,6 +1,7 @@
 //! A page of tables and charts under headings, for results that are neither an estimation nor a reproduction.
 
-use phugoid_studies::reproduction::result::{Chart, Table};
+use phugoid_evaluation::chart::Chart;
+use phugoid_evaluation::table::Table;
 
 use super::page::{self, Section, prose};
 use super::reproduction::plain_table;
@@ -59,7 +60,7 @@ pub fn study_html(page: &StudyPage) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use phugoid_studies::reproduction::result::{Cell, Column};
+    use phugoid_evaluation::table::{Cell, Column};
 
     #[test]
     fn a_page_holds_what_it_was_given_and_escapes_it() {

@@ -1,7 +1,7 @@
 //! Aircraft and flight condition.
 
 use clap::{Args, ValueEnum};
-use phugoid_studies::quantity::{Angle, AngularRate, Length, Speed};
+use phugoid_simulation::quantity::{Angle, AngularRate, Length, Speed};
 
 /// Aircraft that are built in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use phugoid_studies::quantity::Time;
+use phugoid_simulation::quantity::Time;
 
 use super::{PictureFormat, examples_and_exit_codes};
 

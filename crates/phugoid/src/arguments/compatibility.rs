@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use phugoid_studies::quantity::Length;
+use phugoid_simulation::quantity::Length;
 
 use super::examples_and_exit_codes;
 

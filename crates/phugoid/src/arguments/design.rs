@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use phugoid_studies::quantity::{Angle, AngularRate, Frequency, Time};
+use phugoid_simulation::quantity::{Angle, AngularRate, Frequency, Time};
 
 use super::examples_and_exit_codes;
 

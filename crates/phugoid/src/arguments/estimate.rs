@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use phugoid_identification::method::Method;
-use phugoid_studies::quantity::Time;
+use phugoid_simulation::quantity::Time;
 
 use super::{examples_and_exit_codes, method};
 

@@ -2,7 +2,7 @@
 
 use clap::{Args, ValueEnum};
 use phugoid_identification::method::Method;
-use phugoid_studies::quantity::Time;
+use phugoid_simulation::quantity::Time;
 
 use super::{Delivery, examples_and_exit_codes, method};
 

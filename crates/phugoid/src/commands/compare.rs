@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use phugoid_evaluation::arena::{self, Arena, Contestant, Entry, compare};
 use phugoid_identification::estimate::Method;
 use phugoid_report::{Figure, arena_figures, arena_html};
-use phugoid_studies::arena::{self, Arena, Contestant, Entry, compare};
 use rayon::prelude::*;
 use serde::Serialize;
 

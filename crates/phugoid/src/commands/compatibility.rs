@@ -4,6 +4,8 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use phugoid_evaluation::chart::{Axis, Chart, Content, Curve, Meaning, Panel, Shape};
+use phugoid_evaluation::table::{Cell, Column, Table};
 use phugoid_flight_data::csv;
 use phugoid_flight_data::reader::{self, ReadOptions};
 use phugoid_flight_data::record::Record;
@@ -13,7 +15,6 @@ use phugoid_identification::compatibility::{
 };
 use phugoid_identification::model_file::ModelFile;
 use phugoid_report::{StudyPage, StudySection, chart_figure, study_html, write_named_figures};
-use phugoid_studies::reproduction::result::{Axis, Cell, Chart, Column, Content, Curve, Meaning, Panel, Shape, Table};
 use serde::Serialize;
 
 use crate::arguments;

@@ -2,12 +2,12 @@
 
 use std::path::Path;
 
+use phugoid_evaluation::published::{CALM_MODEL, CALM_SCENARIO};
 use phugoid_identification::estimate::{EstimateOptions, estimate};
 use phugoid_identification::model_file::ModelFile;
 use phugoid_report::HtmlOptions;
-use phugoid_studies::flight::fly;
-use phugoid_studies::published::{CALM_MODEL, CALM_SCENARIO};
-use phugoid_studies::scenario::Scenario;
+use phugoid_simulation::flight::fly;
+use phugoid_simulation::scenario::Scenario;
 
 use super::estimate::{History, Presentation};
 use super::simulate;

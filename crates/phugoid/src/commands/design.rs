@@ -3,14 +3,14 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
+use phugoid_design::fit::{Excursions, Fitted, Limits, fitted, with_amplitudes};
+use phugoid_design::modes::ModeFrequencies;
+use phugoid_design::predict::{Prediction, predict, ranked};
+use phugoid_design::{Design, DesignError, Kind, Request, files, page, shape};
+use phugoid_evaluation::table::{Cell, Table};
 use phugoid_flight_data::csv;
 use phugoid_report::{StudyPage, StudySection, chart_figure, study_html, write_named_figures};
-use phugoid_studies::design::fit::{Excursions, Fitted, Limits, fitted, with_amplitudes};
-use phugoid_studies::design::modes::ModeFrequencies;
-use phugoid_studies::design::predict::{Prediction, predict, ranked};
-use phugoid_studies::design::{Design, DesignError, Kind, Request, files, page, shape};
-use phugoid_studies::manoeuvre::Surface;
-use phugoid_studies::reproduction::result::{Cell, Table};
+use phugoid_simulation::manoeuvre::Surface;
 use serde::Serialize;
 
 use super::simulate::{scenario, text_of};

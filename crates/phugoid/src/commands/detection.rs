@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use phugoid_studies::detection::{Air, DetectionStudy, Stick, detection, detection_flights};
+use phugoid_evaluation::detection::{Air, DetectionStudy, Stick, detection, detection_flights};
 
 use super::study::with_progress;
 use crate::failure::Failure;

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use phugoid_evaluation::named;
 use phugoid_flight_data::csv;
 use phugoid_flight_data::reader::{self, ReadOptions};
 use phugoid_flight_data::record::Record;
@@ -12,8 +13,7 @@ use phugoid_identification::inspect::segment;
 use phugoid_identification::manoeuvres::{Settings, find};
 use phugoid_identification::model_file::ModelFile;
 use phugoid_report::HtmlOptions;
-use phugoid_studies::named;
-use phugoid_studies::scenario::nearest;
+use phugoid_simulation::scenario::nearest;
 use serde::Serialize;
 
 use super::axes_form::Turned;

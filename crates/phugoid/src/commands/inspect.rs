@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use phugoid_evaluation::named;
 use phugoid_flight_data::log::survey::{Survey, TopicSurvey};
 use phugoid_flight_data::quality::Severity;
 use phugoid_flight_data::reader::{self, ReadOptions, Surveyed};
@@ -9,7 +10,6 @@ use phugoid_flight_data::record::Record;
 use phugoid_identification::inspect::{Inspection, ModelSupport, inspect, model_support};
 use phugoid_identification::manoeuvres::{Manoeuvre, Settings, Support};
 use phugoid_identification::model_file::ModelFile;
-use phugoid_studies::named;
 use serde::Serialize;
 
 use super::estimate::model;

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{SystemTime, UNIX_EPOCH};
 
+use phugoid_evaluation::named;
 use phugoid_flight_data::reader::{self, ReadOptions};
 use phugoid_identification::model_file::ModelFile;
 use phugoid_live::mavlink::DebugMessages;
@@ -14,7 +15,6 @@ use phugoid_live::recording::{Header, Reader};
 use phugoid_live::run::{Audience, Live, LiveError};
 use phugoid_live::source::{Pace, Replay, Source, SourceSpec};
 use phugoid_live::stop::{Stop, Why};
-use phugoid_studies::named;
 
 use super::flight::{Flight, recording};
 use super::screen;

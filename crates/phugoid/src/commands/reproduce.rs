@@ -2,10 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
+use phugoid_evaluation::chart::Chart;
+use phugoid_evaluation::table::Table;
 use phugoid_report::{Figure, NotRun, ReproductionOptions, chart_figure, reproduction_html};
-use phugoid_studies::reproduction::golden;
-use phugoid_studies::reproduction::result::{Chart, Outcome, Reproduction, Requirement, Table};
-use phugoid_studies::reproduction::{Entry, entries};
+use phugoid_thesis::golden;
+use phugoid_thesis::result::{Outcome, Reproduction, Requirement};
+use phugoid_thesis::{Entry, entries};
 use rayon::prelude::*;
 use serde::Serialize;
 

@@ -10,9 +10,9 @@ use phugoid_flight_data::record::{Channel, Quantity, Record};
 use phugoid_flight_dynamics::trim::Trim;
 use phugoid_identification::estimation::Signal;
 use phugoid_report::{Figure, TimeHistoryPanel, time_histories, write_named_figures};
-use phugoid_studies::flight::{F16_ALPHA_RANGE_DEG, Flight, FlightError, fly_with_progress};
-use phugoid_studies::named;
-use phugoid_studies::scenario::{BUILT_IN, Scenario};
+use phugoid_simulation::flight::{F16_ALPHA_RANGE_DEG, Flight, FlightError, fly_with_progress};
+use phugoid_simulation::named;
+use phugoid_simulation::scenario::{BUILT_IN, Scenario};
 use serde::Serialize;
 
 use crate::arguments;

@@ -3,17 +3,17 @@
 use std::fmt::Write as _;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use phugoid_identification::estimate::EstimateOptions;
-use phugoid_identification::model_file::ModelFile;
-use phugoid_studies::accuracy::{AccuracyStudy, StudyError, accuracy};
-use phugoid_studies::convergence::{ConvergenceStudy, convergence};
-use phugoid_studies::damage::{DamageStudy, damage};
-use phugoid_studies::health::{FailureStudy, HealthyStudy, Stick, failures, healthy};
-use phugoid_studies::published::{
+use phugoid_evaluation::accuracy::{AccuracyStudy, StudyError, accuracy};
+use phugoid_evaluation::convergence::{ConvergenceStudy, convergence};
+use phugoid_evaluation::damage::{DamageStudy, damage};
+use phugoid_evaluation::health::{FailureStudy, HealthyStudy, Stick, failures, healthy};
+use phugoid_evaluation::published::{
     CALM_MODEL, CALM_SCENARIO, DAMAGE_MODEL, DAMAGE_SCENARIO, FAILURE_SCENARIO, HEALTH_MODEL, HEALTHY_SCENARIO,
     THESIS_DOUBLET, THESIS_MODEL, THESIS_SINE,
 };
-use phugoid_studies::scenario::Scenario;
+use phugoid_identification::estimate::EstimateOptions;
+use phugoid_identification::model_file::ModelFile;
+use phugoid_simulation::scenario::Scenario;
 use serde::Serialize;
 
 use crate::arguments::{self, StudyName};

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use phugoid_flight_dynamics::f16::{F16, F16Options, F16Tables};
 use phugoid_flight_dynamics::trim::{Trim, TrimCondition, trim};
-use phugoid_studies::flight::F16_ALPHA_RANGE_DEG;
+use phugoid_simulation::flight::F16_ALPHA_RANGE_DEG;
 use serde::Serialize;
 
 use crate::arguments::{self, AircraftName, FlightCondition, TablesName};

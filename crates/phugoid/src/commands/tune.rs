@@ -4,12 +4,12 @@ use std::fmt::Write as _;
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use phugoid_identification::model_file::ModelFile;
-use phugoid_studies::tune::material::{Material, Method, prepare, read};
-use phugoid_studies::tune::state::StateError;
-use phugoid_studies::tune::{
+use phugoid_evaluation::tune::state::StateError;
+use phugoid_evaluation::tune::{
     Pair, Part, RunName, Score, Setting, TuneError, TuneOptions, Tuning, tune, write_settings,
 };
+use phugoid_identification::model_file::ModelFile;
+use phugoid_thesis::tune::material::{Material, Method, prepare, read};
 use serde::Serialize;
 
 use crate::arguments::{self, TunedMethod};

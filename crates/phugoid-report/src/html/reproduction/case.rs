@@ -2,7 +2,8 @@
 
 use std::fmt::Write as _;
 
-use phugoid_studies::reproduction::result::{Behaviour, Cell, Outcome, ParameterOutcome, Reproduction, Table};
+use phugoid_evaluation::table::{Cell, Table};
+use phugoid_thesis::result::{Behaviour, Outcome, ParameterOutcome, Reproduction};
 
 use super::super::page::{self, END_OF_TABLE, prose, table};
 use super::{met_of, status};

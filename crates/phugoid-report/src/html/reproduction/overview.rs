@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use phugoid_studies::reproduction::result::{Behaviour, Outcome, Reproduction, Role};
+use phugoid_thesis::result::{Behaviour, Outcome, Reproduction, Role};
 
 use super::super::page::{self, END_OF_TABLE, prose, table};
 use super::case::behaviour;

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
+use phugoid_evaluation::arena::{BUILT_IN, Contestant, Entry, built_in};
 use phugoid_identification::estimate::Method;
-use phugoid_studies::arena::{BUILT_IN, Contestant, Entry, built_in};
-use phugoid_studies::scenario::{self, nearest};
+use phugoid_simulation::scenario::{self, nearest};
 
 use crate::arguments::Compare;
 use crate::commands::{estimate, simulate};

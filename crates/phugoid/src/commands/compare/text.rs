@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use phugoid_studies::arena::{Arena, Checkpoint, EntryResult, MethodResult, ParameterScore, Unit};
+use phugoid_evaluation::arena::{Arena, Checkpoint, EntryResult, MethodResult, ParameterScore, Unit};
 
 use super::Written;
 use crate::output::{Table, significant, wrapped};

@@ -3,10 +3,10 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use phugoid_studies::reproduction::Entry;
-use phugoid_studies::reproduction::case_file::Case;
-use phugoid_studies::reproduction::result::Reproduction;
-use phugoid_studies::scenario::nearest;
+use phugoid_simulation::scenario::nearest;
+use phugoid_thesis::Entry;
+use phugoid_thesis::case_file::Case;
+use phugoid_thesis::result::Reproduction;
 
 use crate::failure::Failure;
 

@@ -2,9 +2,10 @@
 
 use std::fmt::Write as _;
 
+use phugoid_evaluation::table::{self, Cell};
 use phugoid_report::NotRun;
-use phugoid_studies::reproduction::group::group_of;
-use phugoid_studies::reproduction::result::{self, Behaviour, Cell, Outcome, Reproduction, Requirement, Role};
+use phugoid_thesis::group::group_of;
+use phugoid_thesis::result::{Behaviour, Outcome, Reproduction, Requirement, Role};
 
 use super::Written;
 use crate::output::{Table, significant, wrapped};
@@ -163,7 +164,7 @@ fn outcomes(text: &mut String, outcomes: &[Outcome]) {
     }
 }
 
-fn plain(content: &result::Table) -> String {
+fn plain(content: &table::Table) -> String {
     let words = |column: usize| !content.rows.iter().any(|row| matches!(row.get(column), Some(Cell::Number(_))));
     let heads: Vec<String> = content
         .columns

@@ -1,0 +1,70 @@
+//! The frequencies that an input has to excite.
+
+use phugoid_flight_dynamics::linearize::linearize;
+use phugoid_flight_dynamics::modes::{Mode, ModeName};
+use phugoid_flight_dynamics::motion::Disturbance;
+use serde::Serialize;
+
+use super::DesignError;
+use phugoid_simulation::flight::{FlightError, trimmed_aircraft};
+use phugoid_simulation::manoeuvre::Surface;
+use phugoid_simulation::scenario::Scenario;
+
+/// Natural frequencies, rad/s, of the modes that the three surfaces move most.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ModeFrequencies {
+    /// Short period, or what stands for it where stability is relaxed: the third oscillatory mode, else the fastest root.
+    pub short_period: f64,
+    /// Dutch roll, else the fastest lateral root but roll.
+    pub dutch_roll: f64,
+    /// Roll mode: the inverse of its time constant.
+    pub roll: f64,
+}
+
+impl ModeFrequencies {
+    /// From the linear model about the trim of a scenario, as `phugoid linearize` gives it.
+    ///
+    /// # Errors
+    /// [`DesignError`]: no trim, no modes.
+    pub fn of_scenario(scenario: &Scenario) -> Result<Self, DesignError> {
+        let (aircraft, trim) = trimmed_aircraft(scenario)?;
+        let model = linearize(&aircraft, &trim.state(), &trim.controls(), &Disturbance::default());
+        let no_modes = |e: phugoid_flight_dynamics::modes::ModesError| DesignError::Unsuitable(e.to_string());
+        let longitudinal = model.longitudinal().map_err(no_modes)?.modes;
+        let lateral = model.lateral().map_err(no_modes)?.modes;
+        let of = |modes: &[Mode], names: &[ModeName]| {
+            let named = names.iter().find_map(|name| modes.iter().find(|m| m.name == *name));
+            named.or(modes.first()).map(|m| m.natural_frequency_rad_s).filter(|w| *w > 0.0)
+        };
+        let frequencies = (
+            of(&longitudinal, &[ModeName::ShortPeriod, ModeName::ThirdOscillatory]),
+            of(&lateral, &[ModeName::DutchRoll, ModeName::YawSubsidence, ModeName::YawDivergence]),
+            of(&lateral, &[ModeName::Roll, ModeName::LateralPhugoid]),
+        );
+        match frequencies {
+            (Some(short_period), Some(dutch_roll), Some(roll)) => Ok(Self { short_period, dutch_roll, roll }),
+            _ => Err(DesignError::Flight(FlightError::Scenario(
+                phugoid_simulation::scenario::ScenarioError::OutOfRange {
+                    place: scenario.name.clone(),
+                    message: "the aircraft has no modes to excite in this condition".to_owned(),
+                },
+            ))),
+        }
+    }
+
+    /// Of the mode that a surface moves most.
+    pub fn of(&self, surface: Surface) -> f64 {
+        match surface {
+            Surface::Elevator => self.short_period,
+            Surface::Aileron => self.roll,
+            Surface::Rudder => self.dutch_roll,
+        }
+    }
+
+    /// 0.4 times the slowest to 2.5 times the fastest mode of these surfaces, Hz: the moment derivatives need the mode
+    /// itself, the static ones what is slower, the damping and control derivatives what is faster.
+    pub fn band_hz(&self, surfaces: &[Surface]) -> [f64; 2] {
+        let all = || surfaces.iter().map(|s| self.of(*s) / std::f64::consts::TAU);
+        [0.4 * all().fold(f64::INFINITY, f64::min), 2.5 * all().fold(0.0, f64::max)]
+    }
+}

@@ -1,0 +1,155 @@
+//! A figure of results: plain data, without a word on how it is drawn.
+
+use std::sync::Arc;
+
+use serde::Serialize;
+
+/// A figure: panels below one another (or in `columns`) under one title.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Chart {
+    /// Name for files, unique within the entry, e.g. `estimates`.
+    pub name: String,
+    /// Title.
+    pub title: String,
+    /// What to see in it, in a sentence or two.
+    pub caption: String,
+    /// Abscissa of all panels.
+    pub x: Axis,
+    /// Panels.
+    pub panels: Vec<Panel>,
+    /// Panels per row; 0 counts as 1.
+    pub columns: usize,
+}
+
+/// A quantity along an axis.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Axis {
+    /// Quantity, e.g. `Time`.
+    pub label: String,
+    /// Unit as printed, e.g. `s`; `–` for a pure number.
+    pub unit: String,
+    /// Limits; from the data where none.
+    pub range: Option<[f64; 2]>,
+}
+
+impl Axis {
+    /// An axis whose limits follow from the data.
+    pub fn new(label: impl Into<String>, unit: impl Into<String>) -> Self {
+        Self { label: label.into(), unit: unit.into(), range: None }
+    }
+
+    /// The same axis with fixed limits; what lies outside is cut off.
+    pub fn with_range(mut self, lower: f64, upper: f64) -> Self {
+        self.range = Some([lower, upper]);
+        self
+    }
+}
+
+/// One panel.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Panel {
+    /// Ordinate.
+    pub y: Axis,
+    /// What is drawn.
+    pub content: Content,
+}
+
+/// What a panel shows.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Content {
+    /// Curves over the chart's abscissa.
+    Curves {
+        /// Curves, first one lowest.
+        curves: Vec<Curve>,
+        /// Horizontal lines: a published value, a threshold.
+        levels: Vec<Level>,
+        /// Vertical lines: a published time, the start of the input, a failure.
+        instants: Vec<Level>,
+    },
+    /// A quantity over a grid, as coloured cells. The panel's ordinate is that of the grid.
+    Map {
+        /// Grid along the chart's abscissa, increasing; cells are drawn of equal width, labelled by these values.
+        x: Vec<f64>,
+        /// Grid along the panel's ordinate, increasing.
+        y: Vec<f64>,
+        /// The quantity shown: label, unit, limits of the colour scale.
+        value: Axis,
+        /// Values, one row per `y`, one per `x` in it; NaN where it does not exist (`absent` says what that means).
+        values: Vec<Vec<f64>>,
+        /// Colour scale in the logarithm of the value.
+        logarithmic: bool,
+        /// Meaning of NaN in the legend, e.g. `not within 5 %`.
+        absent: String,
+        /// A point of the grid to mark: the settings of the case (reconstructed where the text has lost them).
+        marked: Option<[f64; 2]>,
+    },
+}
+
+/// A curve.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Curve {
+    /// Legend entry.
+    pub label: String,
+    /// What it is; decides colour and stroke.
+    pub meaning: Meaning,
+    /// Abscissa.
+    pub x: Arc<[f64]>,
+    /// Shape and ordinates.
+    pub shape: Shape,
+}
+
+/// What a curve is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Meaning {
+    /// The truth: a true parameter, the reference aircraft.
+    Truth,
+    /// A measurement.
+    Measured,
+    /// A command or an input.
+    Command,
+    /// A bound or a limit.
+    Bound,
+    /// The flagship's estimate, or the aircraft that flies with it.
+    Flagship,
+    /// Another method's, counted from zero; equal numbers are equal methods throughout an entry.
+    Method(usize),
+}
+
+/// Shape and ordinates of a curve. Ordinates that are not finite interrupt it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Shape {
+    /// Straight lines between samples.
+    Line(Vec<f64>),
+    /// Each value holds until the next sample.
+    Step(Vec<f64>),
+    /// One dot per sample.
+    Points(Vec<f64>),
+    /// The area between two curves.
+    Band {
+        /// Lower curve.
+        lower: Vec<f64>,
+        /// Upper curve.
+        upper: Vec<f64>,
+    },
+}
+
+/// A straight line across a panel.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Level {
+    /// Legend entry; empty for none.
+    pub label: String,
+    /// Where.
+    pub at: f64,
+    /// What it is; decides colour and stroke.
+    pub meaning: Meaning,
+}
+
+impl Level {
+    /// A line.
+    pub fn new(label: impl Into<String>, at: f64, meaning: Meaning) -> Self {
+        Self { label: label.into(), at, meaning }
+    }
+}

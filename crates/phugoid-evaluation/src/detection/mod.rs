@@ -1,0 +1,74 @@
+//! Is a sudden change found, how soon, and how often is one believed that never was? Every flight has its own aircraft, damage, stick,
+//! air and sensors.
+
+mod draw;
+mod limit;
+mod lines;
+mod model_error;
+
+pub use lines::{DamageLine, RecoveryLine, damage_lines};
+pub use model_error::{ModelErrorLine, model_error_lines};
+
+use phugoid_identification::model_file::ModelFile;
+use serde::Serialize;
+
+use crate::accuracy::StudyError;
+use crate::published::{DAMAGE_SCENARIO, F16_MODEL};
+use phugoid_simulation::scenario::Scenario;
+
+/// What moves the elevator.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Stick {
+    /// A pilot's random stick.
+    Pilot,
+    /// A 3-2-1-1 every ten seconds, the first one half a second after the start; rest between them.
+    #[serde(rename = "3-2-1-1")]
+    ThreeTwoOneOne,
+}
+
+/// What disturbs the flight.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Air {
+    /// Nothing but sensor noise.
+    Calm,
+    /// Turbulence of up to 4 ft/s, 3 % outliers, 2 % of the frames lost, constant errors of the sensors.
+    Everything,
+}
+
+/// Both tables.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct DetectionStudy {
+    /// Flights, and minutes of flight, per line.
+    pub runs: usize,
+    /// First seed of every line.
+    pub seed: u64,
+    /// Damage, with the built-in model file `f16`.
+    pub damage: Vec<DamageLine>,
+    /// No damage but errors of the model: with the same model file, and with a term for the error that it asks for.
+    pub model_error: Vec<ModelErrorLine>,
+}
+
+/// The study: `runs` damages and `runs` minutes of flight for each line.
+///
+/// # Errors
+/// [`StudyError`]: a flight cannot be flown, or the model does not fit it.
+pub fn detection(runs: usize, seed: u64, done: &(dyn Fn() + Sync)) -> Result<DetectionStudy, StudyError> {
+    let base = Scenario::parse(DAMAGE_SCENARIO, "f16-damage").map_err(StudyError::unsuitable)?;
+    let read = |text: &str| ModelFile::parse("f16", text).map_err(StudyError::unsuitable);
+    let with_term = F16_MODEL
+        .replace("\"elevator\"]", "\"elevator\", \"alpha^2\"]")
+        .replace("[parameters]", "[parameters]\ndCm_alpha2 = { bounds = [-4, 4] }\n#");
+    Ok(DetectionStudy {
+        runs,
+        seed,
+        damage: damage_lines(&base, &read(F16_MODEL)?, runs, seed, done)?,
+        model_error: model_error_lines(&base, [&read(F16_MODEL)?, &read(&with_term)?], runs, seed, done)?,
+    })
+}
+
+/// Flights of [`detection`] with so many runs.
+pub fn detection_flights(runs: usize) -> usize {
+    lines::LINES * runs + model_error::LINES.len() * runs
+}

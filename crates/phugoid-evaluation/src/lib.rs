@@ -1,0 +1,18 @@
+//! What estimates are worth: Cramer-Rao bound, Monte Carlo runs, accuracy, comparison of methods, detection, tuning.
+#![cfg_attr(not(test), deny(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
+
+pub mod accuracy;
+pub mod arena;
+pub mod chart;
+pub mod convergence;
+pub mod cramer_rao;
+pub mod damage;
+pub mod detection;
+pub mod health;
+pub mod monte_carlo;
+pub mod named;
+pub mod published;
+pub mod settling;
+pub mod statistics;
+pub mod table;
+pub mod tune;

@@ -1,0 +1,62 @@
+//! Quantiles of runs, and what counts of runs tell of a probability.
+
+/// The smallest value that at least this fraction of the values do not exceed; NaN for none.
+pub fn quantile(mut values: Vec<f64>, fraction: f64) -> f64 {
+    values.sort_by(f64::total_cmp);
+    let rank = (fraction * values.len() as f64).ceil() as usize;
+    values.get(rank.saturating_sub(1)).copied().unwrap_or(f64::NAN)
+}
+
+/// The middle value, of an even number of values the larger one of the two in the middle; NaN for none.
+pub fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
+}
+
+/// 95 % interval of a probability of which `k` of `n` trials tell (C. J. Clopper, E. S. Pearson, *Biometrika* 26, 1934).
+pub fn clopper_pearson(k: usize, n: usize) -> [f64; 2] {
+    // P(X <= k) for probability p, in logarithms.
+    let at_most = |k: usize, p: f64| -> f64 {
+        let mut term = n as f64 * (-p).ln_1p();
+        let mut sum = term.exp();
+        for i in 0..k {
+            term += ((n - i) as f64 / (i + 1) as f64).ln() + p.ln() - (-p).ln_1p();
+            sum += term.exp();
+        }
+        sum
+    };
+    let solve = |above: &dyn Fn(f64) -> bool| {
+        let (mut low, mut high) = (0.0, 1.0);
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if above(middle) { high = middle } else { low = middle }
+        }
+        0.5 * (low + high)
+    };
+    let lower = if k == 0 { 0.0 } else { solve(&|p| 1.0 - at_most(k - 1, p) > 0.025) };
+    let upper = if k >= n { 1.0 } else { solve(&|p| at_most(k, p) < 0.025) };
+    [lower, upper]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{clopper_pearson, median, quantile};
+
+    #[test]
+    fn quantiles_of_a_few_values() {
+        let values = vec![3.0, 1.0, 2.0, f64::INFINITY];
+        assert_eq!((quantile(values.clone(), 0.5), quantile(values.clone(), 0.75)), (2.0, 3.0));
+        assert_eq!(median(values.clone()), 3.0);
+        assert!(quantile(values, 0.9).is_infinite() && quantile(Vec::new(), 0.5).is_nan());
+    }
+
+    #[test]
+    fn exact_intervals_of_textbook_counts() {
+        // 0 of 10: 1 - 0.025^(1/10); 1 of 10: 0.0025 to 0.4450.
+        let [low, high] = clopper_pearson(0, 10);
+        assert!(low == 0.0 && (high - (1.0 - 0.025_f64.powf(0.1))).abs() < 1e-9);
+        let [low, high] = clopper_pearson(1, 10);
+        assert!((low - 0.002_529).abs() < 1e-6 && (high - 0.445_016).abs() < 1e-6, "{low} {high}");
+        assert_eq!(clopper_pearson(10, 10)[1], 1.0);
+    }
+}

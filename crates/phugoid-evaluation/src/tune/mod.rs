@@ -1,0 +1,277 @@
+//! Automated tuning: the settings of an estimator by rule, and better ones, if there are any, by search.
+//!
+//! The thesis names the tuning of its gains as its first open problem. Here every method has a rule that sets it from
+//! bounds, noise, sample time and expected input ([`Setting::origin`] says where each comes from), and a search over the
+//! same settings ([`search`]) that starts from the rule. A search can only look better on the runs that it saw, so what
+//! counts is the comparison on runs that it did not see ([`comparison`]): other cases, other seeds, other truths.
+//!
+//! `docs/tuning.md` has rules, objective and measured gains.
+
+pub mod comparison;
+pub mod objective;
+pub mod search;
+pub mod setting;
+pub mod smpe;
+pub mod state;
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+pub use comparison::{Comparison, Pair, ScenarioDifference, Verdict};
+pub use objective::Score;
+pub use setting::{Range, Setting};
+
+use crate::accuracy::StudyError;
+use search::Search;
+use setting::{values_at, values_by_rule};
+use state::{Problem, StateError};
+
+/// Held-out runs of a scenario are numbered from here, so that they are never among the training runs of the same one.
+pub const HELD_OUT_RUNS: u64 = 1_000_000;
+
+/// Which runs: those that the search sees, or those that it does not.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// Seen by the search.
+    Training,
+    /// Not seen.
+    HeldOut,
+}
+
+/// One run of a scenario or case.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct RunName {
+    /// Scenario or case.
+    pub scenario: String,
+    /// Number of the run in it: another truth, another noise.
+    pub run: u64,
+}
+
+/// A method on a set of runs, ready to be tuned.
+pub trait Tunable: Sync {
+    /// Name of the method, e.g. `smpe`.
+    fn method(&self) -> &'static str;
+
+    /// What is searched, with the rule.
+    fn settings(&self) -> &[Setting];
+
+    /// The runs of a part, in a fixed order.
+    fn runs(&self, part: Part) -> &[RunName];
+
+    /// Scores one of them with the values of the settings. A run that fails is [`Score::FAILURE`].
+    fn score(&self, values: &[f64], part: Part, run: usize) -> Score;
+
+    /// What decides the scores of the training runs beside settings and run names, by name: fingerprints of files.
+    fn sources(&self) -> BTreeMap<String, String>;
+
+    /// What a user can take along: the settings as a file, with a comment at its head.
+    fn settings_file(&self, values: &[f64]) -> String;
+}
+
+/// How to tune.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TuneOptions {
+    /// Settings to try, the rule's included; whole generations are tried. Zero: the rule only.
+    pub budget: usize,
+    /// Seed of the search.
+    pub seed: u64,
+    /// File that holds the state of the search, written after every generation.
+    pub state: Option<PathBuf>,
+}
+
+/// One setting, by rule and tuned.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Choice {
+    /// The setting.
+    pub setting: Setting,
+    /// Tuned value.
+    pub tuned: f64,
+}
+
+/// What tuning gave.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Tuning {
+    /// Method.
+    pub method: &'static str,
+    /// Settings by rule and tuned.
+    pub settings: Vec<Choice>,
+    /// Settings that were tried.
+    pub evaluations: usize,
+    /// Generations.
+    pub generations: u64,
+    /// Mean objective of the training runs with the rule.
+    pub training_rule: f64,
+    /// The same with the tuned settings.
+    pub training_tuned: f64,
+    /// Best mean objective after each generation.
+    pub best_scores: Vec<f64>,
+    /// Training runs.
+    pub training_runs: usize,
+    /// Rule and tuned settings on the held-out runs; none if only the rule was asked for.
+    pub held_out: Option<Comparison>,
+    /// The rule on the held-out runs, if only the rule was asked for.
+    pub rule_on_held_out: Vec<Score>,
+    /// The tuned settings as a file.
+    pub settings_file: String,
+}
+
+/// Why nothing could be tuned.
+#[derive(Debug, thiserror::Error)]
+pub enum TuneError {
+    /// Too few evaluations for two generations.
+    #[error(
+        "a budget of {budget} evaluations is too small: {settings} settings need at least {least} (two generations); use \
+         --rule-only for the rule alone"
+    )]
+    Budget {
+        /// Budget asked for.
+        budget: usize,
+        /// Settings of the method.
+        settings: usize,
+        /// Least budget.
+        least: usize,
+    },
+    /// No runs to tune on, or none held out.
+    #[error("{0}")]
+    NoRuns(String),
+    /// The state file.
+    #[error(transparent)]
+    State(#[from] StateError),
+    /// A scenario cannot be run at all.
+    #[error(transparent)]
+    Study(#[from] StudyError),
+}
+
+/// Tunes a method. `progress` is called with the fraction done, 0 to 1, from any thread.
+///
+/// # Errors
+/// [`TuneError`]: the budget is too small, there are no runs, or the state file is damaged or of another problem.
+pub fn tune(
+    tunable: &dyn Tunable,
+    options: &TuneOptions,
+    progress: &(dyn Fn(f64) + Sync),
+) -> Result<Tuning, TuneError> {
+    let settings = tunable.settings();
+    let rule = values_by_rule(settings);
+    let (training, held_out) = (tunable.runs(Part::Training).len(), tunable.runs(Part::HeldOut).len());
+    if training == 0 {
+        return Err(TuneError::NoRuns("nothing to tune on: give a --scenario".to_owned()));
+    }
+    let size = Search::population_size(settings.len());
+    if options.budget > 0 && options.budget < 2 * size {
+        let (budget, settings, least) = (options.budget, settings.len(), 2 * size);
+        return Err(TuneError::Budget { budget, settings, least });
+    }
+    let generations = (options.budget / size) as u64;
+    // Work in runs: of all generations, and twice the held-out ones.
+    let whole = (generations as usize * size * training + 2 * held_out).max(1) as f64;
+    let done = AtomicUsize::new(0);
+    let count = |runs: usize| progress((done.fetch_add(runs, Ordering::Relaxed) + runs) as f64 / whole);
+
+    let problem = problem(tunable, options.seed);
+    let mut search = match &options.state {
+        Some(file) => state::read(file, &problem)?,
+        None => None,
+    }
+    .unwrap_or_else(|| Search::new(settings.iter().zip(&rule).map(|(s, v)| s.place(*v)).collect(), options.seed));
+    count(search.generation as usize * size * training);
+    while search.generation < generations {
+        let points = search.ask();
+        let scores = training_scores(tunable, &points, &|| count(1));
+        search.tell(points, &scores);
+        if let Some(file) = &options.state {
+            state::write(file, &problem, &search)?;
+        }
+    }
+
+    let tuned = search.best().map_or_else(|| rule.clone(), |best| values_at(settings, &best.point));
+    let [by_rule, by_search] = [&rule, &tuned].map(|values| mean_score(tunable, values));
+    // The start of the search is the rule through a logarithm and back; do not let rounding look like a gain.
+    let tuned = if by_search < by_rule { tuned } else { rule.clone() };
+    let score = |values: &[f64]| -> Vec<Score> {
+        (0..held_out)
+            .into_par_iter()
+            .map(|run| {
+                let score = tunable.score(values, Part::HeldOut, run);
+                count(1);
+                score
+            })
+            .collect()
+    };
+    let rule_scores = score(&rule);
+    let comparison = (generations > 0).then(|| {
+        let tuned_scores = score(&tuned);
+        let pairs =
+            tunable.runs(Part::HeldOut).iter().zip(rule_scores.iter().zip(tuned_scores)).map(
+                |(name, (rule, tuned))| Pair { scenario: name.scenario.clone(), run: name.run, rule: *rule, tuned },
+            );
+        Comparison::of(pairs.collect())
+    });
+    Ok(Tuning {
+        method: tunable.method(),
+        settings: settings.iter().zip(&tuned).map(|(s, v)| Choice { setting: s.clone(), tuned: *v }).collect(),
+        evaluations: search.evaluations,
+        generations: search.generation,
+        training_rule: by_rule,
+        training_tuned: by_search.min(by_rule),
+        best_scores: search.best_scores,
+        training_runs: training,
+        rule_on_held_out: if comparison.is_none() { rule_scores } else { Vec::new() },
+        held_out: comparison,
+        settings_file: tunable.settings_file(&tuned),
+    })
+}
+
+/// Mean objective of each point over the training runs, all points and runs in parallel.
+fn training_scores(tunable: &dyn Tunable, points: &[Vec<f64>], done: &(dyn Fn() + Sync)) -> Vec<f64> {
+    let runs = tunable.runs(Part::Training).len();
+    let settings = tunable.settings();
+    let values: Vec<Vec<f64>> = points.iter().map(|point| values_at(settings, point)).collect();
+    let objectives: Vec<f64> = (0..points.len() * runs)
+        .into_par_iter()
+        .map(|k| {
+            let objective = tunable.score(&values[k / runs], Part::Training, k % runs).objective;
+            done();
+            objective
+        })
+        .collect();
+    // Summed in the order of the runs: the same on any number of cores.
+    objectives.chunks(runs).map(|of_point| of_point.iter().sum::<f64>() / runs as f64).collect()
+}
+
+fn mean_score(tunable: &dyn Tunable, values: &[f64]) -> f64 {
+    let runs = tunable.runs(Part::Training).len();
+    let objectives: Vec<f64> =
+        (0..runs).into_par_iter().map(|run| tunable.score(values, Part::Training, run).objective).collect();
+    objectives.iter().sum::<f64>() / runs as f64
+}
+
+/// Everything that decides the scores of the search.
+fn problem(tunable: &dyn Tunable, seed: u64) -> Problem {
+    let mut problem: Problem = tunable.sources();
+    let runs = tunable.runs(Part::Training).iter().map(|r| format!("{} {}", r.scenario, r.run)).collect::<Vec<_>>();
+    problem.insert("version".to_owned(), env!("CARGO_PKG_VERSION").to_owned());
+    problem.insert("method".to_owned(), tunable.method().to_owned());
+    problem.insert("seed".to_owned(), seed.to_string());
+    problem.insert("training runs".to_owned(), runs.join(", "));
+    for setting in tunable.settings() {
+        let range = match &setting.range {
+            Range::Logarithmic { lower, upper } => format!("{lower:?} to {upper:?}"),
+            Range::Choice { words } => words.join(" or "),
+        };
+        problem.insert(format!("range of {}", setting.name), format!("{range}, by rule {:?}", setting.rule));
+    }
+    problem
+}
+
+/// Writes the tuned settings to a file.
+///
+/// # Errors
+/// What the system says.
+pub fn write_settings(tuning: &Tuning, file: &Path) -> std::io::Result<()> {
+    std::fs::write(file, &tuning.settings_file)
+}

@@ -1,0 +1,12 @@
+//! Simulated flights: scenarios, manoeuvres, sensors and their faults, errors of the model.
+#![cfg_attr(not(test), deny(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
+
+pub mod constant_thrust;
+pub mod flight;
+pub mod manoeuvre;
+pub mod model_error;
+mod mounting;
+pub mod named;
+pub mod quantity;
+pub mod scenario;
+pub mod sensing;

@@ -1,0 +1,241 @@
+//! Scenario files: a simulated flight, from the aircraft to the faults of its sensors.
+
+mod air;
+mod aircraft;
+mod built_in;
+mod damage;
+mod draw;
+mod sensors;
+mod text;
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use phugoid_flight_dynamics::increments::Increments;
+use serde::Deserialize;
+
+pub use self::air::{GustSettings, Turbulence};
+pub use self::aircraft::{
+    AircraftKind, AircraftSettings, Condition, ModelError, RecordedSurfaces, TableFactors, Tables, Thrust,
+};
+pub use self::built_in::{BUILT_IN, built_in};
+pub use self::damage::Damage;
+pub use self::draw::Ranges;
+pub use self::sensors::{Sensor, Sensors};
+pub use self::text::{ScenarioError, nearest, parse_toml};
+use crate::manoeuvre::Manoeuvre;
+use crate::quantity::{Frequency, Time};
+
+/// A simulated flight. Every quantity carries its unit: `altitude = "20000 ft"`.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Scenario {
+    /// What it shows, in a few words.
+    pub name: String,
+    /// Length of the flight.
+    pub duration: Time,
+    /// Samples per second of the record; commands change at the samples too.
+    pub sample_rate: Frequency,
+    /// Seed of everything random: sensor noise, outliers, dropped frames, the pilot, turbulence, and what is drawn.
+    #[serde(default)]
+    pub seed: u64,
+    /// Aircraft.
+    pub aircraft: AircraftSettings,
+    /// Where the flight starts, in trim.
+    pub condition: Condition,
+    /// Commands beside the trim.
+    #[serde(default)]
+    pub manoeuvre: Vec<Manoeuvre>,
+    /// Gusts.
+    #[serde(default)]
+    pub gust: Vec<GustSettings>,
+    /// Turbulence, beside the gusts.
+    pub turbulence: Option<Turbulence>,
+    /// How the aircraft that flies differs from the tables, beside the increments: what no estimator is told.
+    #[serde(default)]
+    pub model_error: ModelError,
+    /// Aerodynamic increments from the start: what the estimator has to find. They vanish at the trim point.
+    #[serde(default)]
+    pub increments: Increments,
+    /// Increments of the start that are drawn, in place of those above: `dCm_alpha = [-0.3, 0.1]`.
+    #[serde(default)]
+    pub increment_ranges: Ranges,
+    /// Increments that hold from a later time on, in place of all earlier ones: damage.
+    #[serde(default)]
+    pub damage: Vec<Damage>,
+    /// Sensors. A channel that is not named here is recorded as it is.
+    #[serde(default)]
+    pub sensors: Sensors,
+    /// Folder of the scenario file, where relative paths start.
+    #[serde(skip)]
+    pub folder: PathBuf,
+}
+
+impl Scenario {
+    /// Reads a scenario file.
+    pub fn read(file: &Path) -> Result<Self, ScenarioError> {
+        let text = std::fs::read_to_string(file)
+            .map_err(|source| ScenarioError::Unreadable { file: file.to_owned(), source })?;
+        let mut scenario = Self::parse(&text, &file.display().to_string())?;
+        scenario.folder = file.parent().map(Path::to_owned).unwrap_or_default();
+        Ok(scenario)
+    }
+
+    /// True values, at the end of the flight, of what a model file may ask for, by its names: the increments about the trim
+    /// (`dCm_alpha`, ..., `dCn_rudder`), zero or not, the constant ones (`dCY_0`, ...), which are zero, and the sensors'
+    /// constant errors (`bias_alpha`, ...), SI.
+    pub fn true_parameters(&self) -> BTreeMap<String, f64> {
+        self.true_parameters_at(f64::INFINITY)
+    }
+
+    /// As [`true_parameters`](Self::true_parameters), at a time (s).
+    pub fn true_parameters_at(&self, time: f64) -> BTreeMap<String, f64> {
+        let drawn = self.drawn();
+        let increments = drawn.increments_at(time).named();
+        let constants = ["dCL_0", "dCD_0", "dCm_0", "dCY_0", "dCl_0", "dCn_0"].map(|name| (name, 0.0));
+        increments
+            .into_iter()
+            .chain(constants)
+            .chain(drawn.sensors.biases())
+            .map(|(name, value)| (name.to_owned(), value))
+            .collect()
+    }
+
+    /// The increments in force at a time (s). Where something is drawn, ask [`drawn`](Self::drawn) first.
+    pub fn increments_at(&self, time: f64) -> Increments {
+        let mut now = self.increments;
+        for damage in self.damage.iter().filter(|damage| damage.at.si() <= time) {
+            now = damage.after(&now, time);
+        }
+        now
+    }
+
+    /// Parses the text of a scenario; `place` is its name in messages.
+    pub fn parse(text: &str, place: &str) -> Result<Self, ScenarioError> {
+        let scenario: Self = parse_toml(text, place)?;
+        scenario.check().map_err(|message| ScenarioError::OutOfRange { place: place.to_owned(), message })?;
+        Ok(scenario)
+    }
+
+    /// Number of samples, both ends included.
+    pub fn samples(&self) -> usize {
+        (self.duration.si() * self.sample_rate.si() + 1e-9) as usize + 1
+    }
+
+    /// Checks what the text of a file cannot show by itself, such as ranges and the order of damages.
+    ///
+    /// # Errors
+    /// A sentence that names the entry that is wrong and what is expected of it.
+    pub fn check(&self) -> Result<(), String> {
+        // Some 700 bytes each while the flight is in memory.
+        const MOST_SAMPLES: f64 = 2e6;
+        let range = |ok: bool, what: &str| if ok { Ok(()) } else { Err(what.to_owned()) };
+        range(self.duration.si() > 0.0, "`duration` must be positive")?;
+        range(self.sample_rate.si() > 0.0, "`sample_rate` must be positive")?;
+        let samples = self.duration.si() * self.sample_rate.si();
+        range(samples <= MOST_SAMPLES, "`duration` times `sample_rate` is more than two million samples: shorten one")?;
+        range(samples >= 1.0, "`duration` is shorter than one sample of `sample_rate`")?;
+        range(
+            (0.0..=1.0).contains(&self.aircraft.cg),
+            "`aircraft.cg` is a fraction of the mean chord, 0 to 1 (0.30, not 30)",
+        )?;
+        range((0.0..=1.0).contains(&self.sensors.drops), "`sensors.drops` is a probability, 0 to 1 (0.05, not 5)")?;
+        for increments in std::iter::once(&self.increments).chain(self.damage.iter().map(|d| &d.increments)) {
+            range(
+                [increments.alpha_reference, increments.q_reference, increments.elevator_reference] == [0.0; 3],
+                "increments of a scenario are about its trim point: leave the references out",
+            )?;
+            let named = increments.named();
+            if let Some((name, value)) = named.into_iter().find(|(_, value)| !value.is_finite()) {
+                return Err(format!("the increment `{name}` is {value}: expected a finite number, per radian"));
+            }
+        }
+        range(
+            self.damage.windows(2).all(|w| w[0].at < w[1].at),
+            "the `[[damage]]` tables must be in the order of their times `at`",
+        )?;
+        range(
+            self.damage.windows(2).all(|w| w[0].at.si() + w[0].over.si() <= w[1].at.si()),
+            "one `[[damage]]` has to be over (`at` plus `over`) before the next one begins",
+        )?;
+        range(self.damage.iter().all(|d| d.over.si() >= 0.0), "`over` of a `[[damage]]` is a duration, not negative")?;
+        for ranges in std::iter::once(&self.increment_ranges).chain(self.damage.iter().map(|d| &d.ranges)) {
+            ranges.check()?;
+        }
+        self.model_error.check()?;
+        if let Some(turbulence) = &self.turbulence {
+            turbulence.check()?;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CALM: &str = include_str!("../../../scenarios/f16-calm.toml");
+
+    #[test]
+    fn every_built_in_scenario_reads() {
+        for (name, _) in BUILT_IN {
+            let scenario = built_in(name).unwrap().unwrap_or_else(|e| panic!("{e}"));
+            assert!(scenario.samples() > 10);
+        }
+    }
+
+    #[test]
+    fn the_calm_scenario_is_the_published_case() {
+        let s = built_in("f16-calm").unwrap().unwrap();
+        assert_eq!(s.samples(), 2001);
+        assert_eq!(s.condition.altitude.si(), 6096.0);
+        assert_eq!((s.increments.dCm_alpha, s.increments.dCD_alpha), (-0.2, 0.1));
+        assert!((s.sensors.alpha.noise.si() - 0.1_f64.to_radians()).abs() < 1e-15);
+    }
+
+    fn error(from: &str, to: &str) -> String {
+        assert!(CALM.contains(from), "{from}");
+        Scenario::parse(&CALM.replacen(from, to, 1), "calm.toml").unwrap_err().to_string()
+    }
+
+    #[test]
+    fn mistakes_are_told_with_their_line_and_the_nearest_word() {
+        let message = error("dCm_alpha", "dCm_alfa");
+        assert!(message.contains("dCm_alfa") && message.contains("did you mean `dCm_alpha`"), "{message}");
+        let line = CALM.lines().position(|l| l.starts_with("dCm_alpha")).unwrap() + 1;
+        assert!(message.starts_with(&format!("calm.toml:{line}:")), "{message}");
+        let message = error("\"675 ft/s\"", "675");
+        assert!(message.contains("no unit") && message.contains("ft/s"), "{message}");
+        let message = error("cg = 0.30", "cg = 30");
+        assert!(message.contains("fraction"), "{message}");
+        let message = error("type = \"f16\"", "type = \"f-16\"");
+        assert!(message.contains("did you mean `f16`"), "{message}");
+        let message = error("type = \"3-2-1-1\"", "type = \"3211\"");
+        assert!(message.contains("did you mean `3-2-1-1`"), "{message}");
+        assert!(Scenario::parse("", "empty.toml").unwrap_err().to_string().contains("missing field `name`"));
+        let cut = CALM.find("675").unwrap();
+        assert!(Scenario::parse(&CALM[..cut], "cut.toml").is_err());
+    }
+    /// `delta_e` is what many books call the elevator.
+    #[test]
+    fn the_symbol_of_a_surface_is_understood_in_increments() {
+        let text = CALM.replace("dCm_q = -2.0", "dCm_q = -2.0\ndCm_delta_e = 0.15\ndCn_delta_r = -0.01");
+        let increments = Scenario::parse(&text, "symbols.toml").unwrap().increments;
+        assert_eq!((increments.dCm_elevator, increments.dCn_rudder), (0.15, -0.01));
+        let text = CALM.replace("dCm_q = -2.0", "dCm_q = -2.0\ndCm_elevator = 0.15\ndCn_rudder = -0.01");
+        assert_eq!(Scenario::parse(&text, "names.toml").unwrap().increments, increments);
+    }
+
+    proptest::proptest! {
+        /// Whatever is cut off or typed into a scenario, the answer is a scenario or a message of a few lines.
+        #[test]
+        fn spoilt_scenarios_are_refused_in_words(at in 0..CALM.len(), cut in 0_usize..40, typed in "\\PC{0,6}") {
+            let start = (0..=at).rev().find(|i| CALM.is_char_boundary(*i)).unwrap();
+            let end = (at + cut..=CALM.len()).find(|i| CALM.is_char_boundary(*i)).unwrap_or(CALM.len());
+            let text = format!("{}{typed}{}", &CALM[..start], &CALM[end..]);
+            if let Err(error) = Scenario::parse(&text, "spoilt.toml") {
+                proptest::prop_assert!(error.to_string().starts_with("spoilt.toml"));
+            }
+        }
+    }
+}

@@ -1,0 +1,62 @@
+//! Every case, comparison and figure of the thesis that this project grew from: M. Gurbacki, *Feasibility Study of a
+//! Novel Method for Real-Time Aerodynamic Coefficient Estimation*, Rochester Institute of Technology, 2010.
+//!
+//! An [`Entry`] is one case or one study, with an id like `second-order/3`; running it gives a [`Reproduction`]: what was
+//! published, what we reconstructed of it, what we found, and what differs and why, as plain data for text, JSON,
+//! figures and pages. Cases are files in `scenarios/thesis/`, embedded here; a user's own file runs in the same way.
+//!
+//! The text of the thesis at hand has lost its minus signs and most digits of its tables. What is reconstructed says so.
+
+#![cfg_attr(not(test), deny(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
+
+pub mod aircraft_case;
+pub mod case_file;
+pub mod comparison;
+mod embedded;
+mod entry;
+mod flight_charts;
+pub mod golden;
+pub mod group;
+pub mod laws;
+pub mod model_reference;
+mod outside;
+pub mod plant_case;
+pub mod plants;
+pub mod published;
+mod repeated;
+pub mod result;
+mod studies;
+pub mod tune;
+mod units;
+
+pub use entry::{Entry, Run};
+pub use published::Published;
+pub use result::Reproduction;
+
+/// All entries, in the order of the report.
+pub fn entries() -> Vec<Entry> {
+    [
+        // trim, gust
+        studies::trim::ENTRIES,
+        studies::gust::ENTRIES,
+        // first-order, first-order-nonlinear, second-order, second-order-nonlinear, noise
+        plant_case::ENTRIES,
+        studies::noise_levels::ENTRIES,
+        // dcm-alpha, dcm-q, dcl-alpha, dcd-alpha, combined
+        aircraft_case::ENTRIES,
+        // sensors, gust, pilot
+        studies::sensors::ENTRIES,
+        studies::gust_flight::ENTRIES,
+        studies::pilot::ENTRIES,
+        // model-reference
+        comparison::ENTRIES,
+        // laws
+        studies::law_summary::ENTRIES,
+        studies::laws::ENTRIES,
+        // tuning
+        studies::tuning::ENTRIES,
+        // health
+        studies::health::ENTRIES,
+    ]
+    .concat()
+}

@@ -1,0 +1,74 @@
+//! The Cramer-Rao bound of a plant case in its noise.
+
+use phugoid_estimators::Model;
+
+use super::plant::Visit;
+use super::{PlantCase, PlantRun};
+use phugoid_evaluation::accuracy::StudyError;
+use phugoid_evaluation::cramer_rao::{Between, Bound, Experiment, cramer_rao};
+
+/// Smallest standard error that any unbiased estimator can have from the measured states at each of the times `at` (s), with
+/// unknown initial states and no prior; the noise is that of the run.
+///
+/// # Errors
+/// [`StudyError`]: the run has no noise, or its motion is not finite.
+pub fn bound(case: &PlantCase, run: &PlantRun, at: &[f64]) -> Result<Vec<Bound>, StudyError> {
+    if run.noise_std <= 0.0 {
+        return Err(StudyError::Unsuitable(format!("{}: without noise there is no bound", case.title)));
+    }
+    case.plant.visit(Bounded { case, run, at })
+}
+
+struct Bounded<'a> {
+    case: &'a PlantCase,
+    run: &'a PlantRun,
+    at: &'a [f64],
+}
+
+impl Visit for Bounded<'_> {
+    type Output = Result<Vec<Bound>, StudyError>;
+
+    fn visit<M, const N: usize, const R: usize, const P: usize, const I: usize>(self, model: &M) -> Self::Output
+    where
+        M: Model<N, R, P, Input = [f64; I]> + Copy + Sync,
+    {
+        let inputs: Vec<[f64; I]> = self.run.inputs.iter().map(|u| std::array::from_fn(|i| u[i])).collect();
+        let mut parameters = [0.0; P];
+        for (slot, (_, parameter)) in parameters.iter_mut().zip(self.case.unknowns()) {
+            *slot = parameter.truth;
+        }
+        let experiment = Experiment {
+            initial_state: std::array::from_fn(|i| self.run.states[i][0]),
+            parameters,
+            time_s: &self.run.time_s,
+            inputs: &inputs,
+            between: Between::Held,
+            // The derivative is not used by what is compared with the bound.
+            sigma: std::array::from_fn(|i| if i < N { self.run.noise_std } else { f64::INFINITY }),
+        };
+        Ok(cramer_rao(model, &experiment, self.at)?)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plant_case::{Noise, published_case, simulate};
+
+    /// The bound is a standard deviation: ten times the power makes it the square root of ten times as large. More data make
+    /// it smaller.
+    #[test]
+    fn the_bound_grows_with_the_noise_and_shrinks_with_the_record() {
+        let mut case = published_case("noise/3").unwrap();
+        let quiet = bound(&case, &simulate(&case).unwrap(), &[0.5, 2.0]).unwrap();
+        case.noise = case.noise.map(|noise| Noise { power: 10.0 * noise.power });
+        let loud = bound(&case, &simulate(&case).unwrap(), &[0.5, 2.0]).unwrap();
+        for j in 0..2 {
+            assert!((loud[1].std_error[j] / quiet[1].std_error[j] - 10.0_f64.sqrt()).abs() < 1e-9);
+            assert!(quiet[1].std_error[j] < quiet[0].std_error[j]);
+        }
+        case.noise = None;
+        let message = bound(&case, &simulate(&case).unwrap(), &[1.0]).unwrap_err().to_string();
+        assert!(message.contains("without noise"), "{message}");
+    }
+}
