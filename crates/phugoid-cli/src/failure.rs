@@ -39,7 +39,7 @@ impl Failure {
     pub(crate) fn no_parquet(option: &str, path: &Path, instead: &str) -> Self {
         Self::Input(format!(
             "{option} {}: this build does not write Parquet; {instead}, or build it with \
-             cargo install --path crates/phugoid --features parquet",
+             cargo install --path crates/phugoid-cli --features parquet",
             path.display()
         ))
     }
