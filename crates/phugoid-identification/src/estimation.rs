@@ -222,3 +222,18 @@ pub struct Prediction {
     /// Predicted outputs.
     pub predicted: Vec<Signal>,
 }
+
+impl Estimation {
+    /// The result for the parameter of this name, for example `Cm_alpha`; none if the model has no such parameter.
+    pub fn parameter(&self, name: &str) -> Option<&ParameterResult> {
+        self.parameters.iter().find(|parameter| parameter.name == name)
+    }
+}
+
+impl ParameterResult {
+    /// Two standard errors, corrected for the correlation of the residuals from sample to sample, in the parameter's unit: the
+    /// value lies between [`lower`](Self::lower) and [`upper`](Self::upper) with a probability of about 95 %.
+    pub fn bound(&self) -> f64 {
+        2.0 * self.corrected_std_error
+    }
+}

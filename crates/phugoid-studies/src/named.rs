@@ -1,92 +1,56 @@
-//! Models and scenarios by what a user calls them: a file, or the name of one that is built in.
+//! Scenarios by what a user calls them: a file, or the name of one that is built in.
 
 use std::path::Path;
 
-use phugoid_identification::model_file::{ModelFile, ModelFileError};
-
-use crate::published;
 use crate::scenario::{self, Scenario, ScenarioError, nearest};
 
-/// Why there is nothing under this name.
+/// Why there is no scenario under a name or in a file.
 #[derive(Debug, thiserror::Error)]
 pub enum NamedError {
-    /// Neither a file that can be read nor a built-in model.
-    #[error("cannot read the model file `{wanted}`: {error}\n{hint}")]
-    NoModel {
-        /// What was asked for.
-        wanted: String,
-        /// What the system says.
-        error: std::io::Error,
-        /// The nearest name, or all of them.
+    /// No scenario of this name is built in.
+    #[error("there is no built-in scenario `{name}`\n{hint}")]
+    Unknown {
+        /// The name asked for.
+        name: String,
+        /// The nearest name, or all of them, in a sentence.
         hint: String,
     },
-    /// A model file that is wrong.
-    #[error(transparent)]
-    Model(#[from] ModelFileError),
     /// Neither a file that can be read nor a built-in scenario.
     #[error("{error}\n{hint}")]
     NoScenario {
         /// What the reader says.
         error: ScenarioError,
-        /// The nearest name, or all of them.
+        /// The nearest name, or all of them, in a sentence.
         hint: String,
     },
-    /// A scenario that is wrong.
+    /// The text is not a scenario.
     #[error(transparent)]
     Scenario(#[from] ScenarioError),
 }
 
-/// The model files that are built in: name and text.
-pub fn models() -> impl Iterator<Item = (&'static str, &'static str)> + Clone {
-    ModelFile::BUILT_IN.into_iter().chain(published::MODELS.iter().copied())
-}
-
-/// A model file, or a built-in one by name.
-///
-/// # Errors
-/// [`NamedError`] with the nearest name.
-pub fn model(wanted: &str) -> Result<ModelFile, NamedError> {
-    let (name, text) = model_text(wanted)?;
-    Ok(ModelFile::parse(&name, &text)?)
-}
-
-/// Name and text of a model file, or of a built-in one by name.
-///
-/// # Errors
-/// [`NamedError::NoModel`].
-pub fn model_text(wanted: &str) -> Result<(String, String), NamedError> {
-    let path = Path::new(wanted);
-    if !path.exists()
-        && let Some((name, text)) = models().find(|(name, _)| *name == wanted)
-    {
-        return Ok((name.to_owned(), text.to_owned()));
+impl Scenario {
+    /// The built-in scenario with this name, for example `f16-calm`.
+    ///
+    /// # Errors
+    /// [`NamedError::Unknown`] with the nearest name.
+    pub fn named(name: &str) -> Result<Self, NamedError> {
+        match scenario::built_in(name) {
+            Some(found) => Ok(found?),
+            None => Err(NamedError::Unknown { name: name.to_owned(), hint: hint(name) }),
+        }
     }
-    let text = std::fs::read_to_string(path).map_err(|error| no_model(wanted, error))?;
-    Ok((wanted.to_owned(), text))
-}
 
-/// What is said where there is no model of this name.
-pub fn no_model(wanted: &str, error: std::io::Error) -> NamedError {
-    let names = || models().map(|(name, _)| name);
-    let hint = match nearest(wanted, names()) {
-        Some(near) => format!("Did you mean the built-in model `{near}`?"),
-        None => format!(
-            "Built-in models: {}. Start your own from one: phugoid estimate --show-model f16 > mine.toml",
-            names().collect::<Vec<_>>().join(", ")
-        ),
-    };
-    NamedError::NoModel { wanted: wanted.to_owned(), error, hint }
-}
-
-/// A scenario file, or a built-in scenario by name.
-///
-/// # Errors
-/// [`NamedError`] with the nearest name.
-pub fn scenario(wanted: &str) -> Result<Scenario, NamedError> {
-    let file = Path::new(wanted);
-    match scenario::built_in(wanted) {
-        Some(result) if !file.exists() => Ok(result?),
-        _ => Scenario::read(file).map_err(|error| no_scenario(wanted, error)),
+    /// The scenario file at this path, or, where there is no such file, the built-in scenario of this name: what the command
+    /// line takes as a scenario.
+    ///
+    /// # Errors
+    /// [`NamedError`] with the nearest name.
+    pub fn find(wanted: &str) -> Result<Self, NamedError> {
+        let file = Path::new(wanted);
+        match scenario::built_in(wanted) {
+            Some(result) if !file.exists() => Ok(result?),
+            _ => Self::open(file).map_err(|error| no_scenario(wanted, error)),
+        }
     }
 }
 
@@ -106,10 +70,13 @@ fn no_scenario(wanted: &str, error: ScenarioError) -> NamedError {
     if !matches!(error, ScenarioError::Unreadable { .. }) {
         return NamedError::Scenario(error);
     }
+    NamedError::NoScenario { error, hint: hint(wanted) }
+}
+
+fn hint(wanted: &str) -> String {
     let names = scenario::BUILT_IN.iter().map(|(name, _)| *name);
-    let hint = match nearest(wanted, names.clone()) {
+    match nearest(wanted, names.clone()) {
         Some(near) => format!("Did you mean the built-in scenario `{near}`?"),
         None => format!("Built-in scenarios: {}", names.collect::<Vec<_>>().join(", ")),
-    };
-    NamedError::NoScenario { error, hint }
+    }
 }
