@@ -3,5 +3,5 @@
 set -eu
 cd "$(dirname "$0")/.."
 
-cargo clippy -p phugoid --all-features --all-targets --locked -- -D warnings
-cargo test -p phugoid --all-features --locked --test inspect
+cargo clippy -p phugoid-cli --all-features --all-targets --locked -- -D warnings
+cargo test -p phugoid-cli --all-features --locked --test inspect

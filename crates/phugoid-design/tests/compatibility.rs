@@ -5,7 +5,6 @@ use phugoid_design::fit::{Limits, fitted};
 use phugoid_design::modes::ModeFrequencies;
 use phugoid_design::{Kind, Request, shape};
 use phugoid_evaluation::monte_carlo::monte_carlo;
-use phugoid_evaluation::published;
 use phugoid_flight_data::record::{Channel, Quantity, Record};
 use phugoid_identification::compatibility::{
     Compatibility, CompatibilityOptions, Group, SensorVerdict, compatibility, input_skew,
@@ -210,8 +209,7 @@ fn angle_of_attack_without_a_vane() {
 /// multisine: a few steps of a 3-2-1-1 hide their skew in the state.
 #[test]
 fn an_elevator_skew_is_found_and_its_bias_removed() {
-    let model =
-        ModelFile::parse("f16-model", published::MODELS.iter().find(|(n, _)| *n == "f16-model").unwrap().1).unwrap();
+    let model = ModelFile::named("f16-model").unwrap();
     let calm = built_in("f16-calm").unwrap().unwrap();
     let request = Request {
         surfaces: vec![Surface::Elevator],
@@ -279,7 +277,7 @@ fn biases_that_are_not_there_are_not_found() {
 /// flights of `f16-calm`; coverage of two sigma within four standard errors of 95 % (160 numbers: 1.7 % each, correlated).
 #[test]
 fn smpe_needs_no_vane() {
-    let text = published::MODELS.iter().find(|(n, _)| *n == "f16-model").unwrap().1;
+    let text = ModelFile::text("f16-model").unwrap();
     let without = text
         .replace("base = \"f16\"", "base = \"f16\"\noutputs = [\"true_airspeed\", \"theta\", \"q\", \"ax\", \"az\"]");
     let without = without.lines().filter(|l| !l.starts_with("alpha = \"0.1 deg\"")).collect::<Vec<_>>().join("\n");

@@ -97,7 +97,7 @@ fn what_was_designed_is_what_the_scenario_flies() {
     let (_, text) = BUILT_IN.iter().find(|(name, _)| *name == "f16-calm").unwrap();
     let file = folder.join("scenario.toml");
     std::fs::write(&file, files::scenario_text(text, &fitted.design, "input.csv").unwrap()).unwrap();
-    let flight = fly(&Scenario::read(&file).unwrap()).unwrap();
+    let flight = fly(&Scenario::open(&file).unwrap()).unwrap();
     std::fs::remove_dir_all(&folder).unwrap();
     for input in &fitted.design.inputs {
         let flown = &flight.truth.channel(input.surface.name()).unwrap().values;
@@ -127,8 +127,7 @@ impl Named for phugoid_flight_data::record::Record {
 /// 1.25 of the bound at the end (docs/theory.md, 13: 0.9 to 1.1 with 200 runs; 40 runs have a standard error of 11 %).
 #[test]
 fn the_prediction_comes_true() {
-    let model =
-        ModelFile::parse("f16-model", published::MODELS.iter().find(|(n, _)| *n == "f16-model").unwrap().1).unwrap();
+    let model = ModelFile::named("f16-model").unwrap();
     let fitted = design(Kind::ThreeTwoOneOne, &[Surface::Elevator]);
     let prediction = predict(&fitted, &model).unwrap();
     let study = accuracy(&fitted.scenario, &model, &EstimateOptions::default(), 40, &[20.0], || ()).unwrap();

@@ -10,7 +10,6 @@ pub mod damage;
 pub mod detection;
 pub mod health;
 pub mod monte_carlo;
-pub mod named;
 pub mod published;
 pub mod settling;
 pub mod statistics;

@@ -27,12 +27,3 @@ pub const HEALTH_MODEL: &str = include_str!("../../../scenarios/f16-health-model
 
 /// The F-16 with five increments and six sensor biases: what the study of change detection tells its estimator.
 pub const F16_MODEL: &str = include_str!("../../../data/models/f16.toml");
-
-/// The model files of these cases: name and text.
-pub const MODELS: &[(&str, &str)] = &[
-    ("f16-model", CALM_MODEL),
-    ("f16-thesis-model", THESIS_MODEL),
-    ("f16-damage-model", DAMAGE_MODEL),
-    ("f16-gust-model", GUST_MODEL),
-    ("f16-health-model", HEALTH_MODEL),
-];

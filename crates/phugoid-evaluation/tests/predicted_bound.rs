@@ -5,13 +5,14 @@ use phugoid_evaluation::accuracy::bound;
 use phugoid_evaluation::named::model;
 use phugoid_identification::inspect::model_support;
 use phugoid_identification::manoeuvres::{Settings, find};
+use phugoid_identification::model_file::ModelFile;
 use phugoid_simulation::flight::{fly, sense};
-use phugoid_simulation::named::scenario;
+use phugoid_simulation::scenario::Scenario;
 
 #[test]
 fn the_bound_from_a_record_is_that_of_the_flight() {
-    let scenario = scenario("f16-calm").unwrap();
-    let model = model("f16-model").unwrap();
+    let scenario = Scenario::named("f16-calm").unwrap();
+    let model = ModelFile::named("f16-model").unwrap();
     let flight = fly(&scenario).unwrap();
     let record = sense(&flight.truth, &scenario, scenario.seed).unwrap();
     let found = find(&record, &Settings::default());

@@ -104,7 +104,7 @@ impl Format {
 
 /// What to do where a format's feature is off.
 pub(crate) fn build_with(feature: &str) -> String {
-    format!("build it with this format: cargo install --path crates/phugoid --features {feature} (or all-formats)")
+    format!("build it with this format: cargo install --path crates/phugoid-cli --features {feature} (or all-formats)")
 }
 
 #[cfg(test)]

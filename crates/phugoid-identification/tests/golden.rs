@@ -141,7 +141,7 @@ fn trace(index: usize) -> Option<Trace> {
     let priors: Vec<_> = parameters.iter().map(|(_, range)| ParameterPrior::bounded(0.0, -range, *range)).collect();
     let noise = si(&numbers(&settings["sigma_V_alpha_theta_q_ax_az"]));
     let mut smpe = EstimatorSettings::automatic(&priors, noise, 0.01).unwrap();
-    smpe = smpe.with_biases(si(&numbers(&settings["bias_prior_std"])));
+    smpe = smpe.with_biases(si(&numbers(&settings["bias_prior_sd"])));
     smpe.rejection_limit = number("kappa2");
     smpe.reaching_limit = number("kappa");
     smpe.reaching_state = ReachingState::Prototype;

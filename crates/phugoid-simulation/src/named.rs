@@ -4,31 +4,53 @@ use std::path::Path;
 
 use crate::scenario::{self, Scenario, ScenarioError, nearest};
 
-/// Why there is no scenario under this name.
+/// Why there is no scenario under a name or in a file.
 #[derive(Debug, thiserror::Error)]
 pub enum NamedError {
+    /// No scenario of this name is built in.
+    #[error("there is no built-in scenario `{name}`\n{hint}")]
+    Unknown {
+        /// The name asked for.
+        name: String,
+        /// The nearest name, or all of them, in a sentence.
+        hint: String,
+    },
     /// Neither a file that can be read nor a built-in scenario.
     #[error("{error}\n{hint}")]
     NoScenario {
         /// What the reader says.
         error: ScenarioError,
-        /// The nearest name, or all of them.
+        /// The nearest name, or all of them, in a sentence.
         hint: String,
     },
-    /// A scenario that is wrong.
+    /// The text is not a scenario.
     #[error(transparent)]
     Scenario(#[from] ScenarioError),
 }
 
-/// A scenario file, or a built-in scenario by name.
-///
-/// # Errors
-/// [`NamedError`] with the nearest name.
-pub fn scenario(wanted: &str) -> Result<Scenario, NamedError> {
-    let file = Path::new(wanted);
-    match scenario::built_in(wanted) {
-        Some(result) if !file.exists() => Ok(result?),
-        _ => Scenario::read(file).map_err(|error| no_scenario(wanted, error)),
+impl Scenario {
+    /// The built-in scenario with this name, for example `f16-calm`.
+    ///
+    /// # Errors
+    /// [`NamedError::Unknown`] with the nearest name.
+    pub fn named(name: &str) -> Result<Self, NamedError> {
+        match scenario::built_in(name) {
+            Some(found) => Ok(found?),
+            None => Err(NamedError::Unknown { name: name.to_owned(), hint: hint(name) }),
+        }
+    }
+
+    /// The scenario file at this path, or, where there is no such file, the built-in scenario of this name: what the command
+    /// line takes as a scenario.
+    ///
+    /// # Errors
+    /// [`NamedError`] with the nearest name.
+    pub fn find(wanted: &str) -> Result<Self, NamedError> {
+        let file = Path::new(wanted);
+        match scenario::built_in(wanted) {
+            Some(result) if !file.exists() => Ok(result?),
+            _ => Self::open(file).map_err(|error| no_scenario(wanted, error)),
+        }
     }
 }
 
@@ -48,10 +70,13 @@ fn no_scenario(wanted: &str, error: ScenarioError) -> NamedError {
     if !matches!(error, ScenarioError::Unreadable { .. }) {
         return NamedError::Scenario(error);
     }
+    NamedError::NoScenario { error, hint: hint(wanted) }
+}
+
+fn hint(wanted: &str) -> String {
     let names = scenario::BUILT_IN.iter().map(|(name, _)| *name);
-    let hint = match nearest(wanted, names.clone()) {
+    match nearest(wanted, names.clone()) {
         Some(near) => format!("Did you mean the built-in scenario `{near}`?"),
         None => format!("Built-in scenarios: {}", names.collect::<Vec<_>>().join(", ")),
-    };
-    NamedError::NoScenario { error, hint }
+    }
 }

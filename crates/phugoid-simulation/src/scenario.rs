@@ -72,8 +72,12 @@ pub struct Scenario {
 }
 
 impl Scenario {
-    /// Reads a scenario file.
-    pub fn read(file: &Path) -> Result<Self, ScenarioError> {
+    /// Reads the scenario file at this path; paths in it start from its folder.
+    ///
+    /// # Errors
+    /// [`ScenarioError`]: the file cannot be read, or something in it is wrong.
+    pub fn open(path: impl AsRef<Path>) -> Result<Self, ScenarioError> {
+        let file = path.as_ref();
         let text = std::fs::read_to_string(file)
             .map_err(|source| ScenarioError::Unreadable { file: file.to_owned(), source })?;
         let mut scenario = Self::parse(&text, &file.display().to_string())?;

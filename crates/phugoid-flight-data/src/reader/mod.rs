@@ -50,6 +50,29 @@ impl ReadOptions {
     }
 }
 
+impl Record {
+    /// Opens a flight of any format that this build reads, with the default options.
+    ///
+    /// The format is known by the content of the file, not by its name: CSV, PX4 ULog and ArduPilot DataFlash, and under
+    /// features MATLAB 5, MCAP, Parquet and Arrow. Values are in SI units and radians, NaN where one is missing. For
+    /// mappings of columns, a profile of one's own or other bounds use [`read_path`].
+    ///
+    /// ```
+    /// use phugoid_flight_data::record::Record;
+    /// let flight = Record::open("examples/flight.csv")?;
+    /// let rate = flight.require("q")?; // pitch rate, rad/s
+    /// assert_eq!(rate.values.len(), flight.time.len());
+    /// assert!(Record::open("examples/no-such-flight.csv").is_err());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`read_path`].
+    pub fn open(path: impl AsRef<Path>) -> Result<Self, ReadError> {
+        read_path(path.as_ref(), &ReadOptions::default())
+    }
+}
+
 /// Reads a flight from the disk into a record in SI units, whatever its format.
 ///
 /// # Errors

@@ -46,6 +46,38 @@ pub fn from_columns(
     make(source, columns, left_out, options, report, false)
 }
 
+impl Record {
+    /// Makes a record of columns that are in memory: pairs of a header and values, all of the same length.
+    ///
+    /// Headers are read as those of a CSV file: a channel name or a synonym and perhaps a unit (`time_s`, `alpha_deg`,
+    /// `tas_kt`, `Alpha [deg]`). Values are converted to SI; without a unit they are taken as SI, which the quality
+    /// report says. One column has to be the time; rows without a finite time are left out, and a NaN or an infinity in
+    /// another column is a missing value. `source` is the name of the record in messages. For units apart from the
+    /// headers, mappings or a given sample time use [`from_columns`].
+    ///
+    /// ```
+    /// use phugoid_flight_data::record::Record;
+    /// let columns = [("time_s", vec![0.0, 0.1, 0.2]), ("tas_kt", vec![250.0, f64::NAN, 251.0])];
+    /// let record = Record::from_columns("test flight", columns)?;
+    /// let speed = &record.require("true_airspeed")?.values;
+    /// assert!((speed[0] - 250.0 * 1852.0 / 3600.0).abs() < 1e-9); // m/s
+    /// assert!(speed[1].is_nan());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`from_columns`]: no column is the time ([`TableError::NoTime`]), the lengths differ ([`TableError::Length`]),
+    /// two columns are the same channel ([`TableError::TwoColumns`]), or fewer than two rows have a time.
+    pub fn from_columns<H: Into<String>>(
+        source: &str,
+        columns: impl IntoIterator<Item = (H, Vec<f64>)>,
+    ) -> Result<Self, TableError> {
+        let column = |(header, values): (H, Vec<f64>)| Column { header: header.into(), values, ..Column::default() };
+        let columns = columns.into_iter().map(column).collect();
+        from_columns(source, columns, &[], &TableOptions::default(), QualityReport::default())
+    }
+}
+
 /// The same for columns whose signals have rates of their own, so that most of their values are missing and none is missed.
 pub(crate) fn from_sparse_columns(
     source: &str,

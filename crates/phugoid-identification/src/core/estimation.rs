@@ -318,6 +318,21 @@ pub struct Prediction {
     pub predicted: Vec<Signal>,
 }
 
+impl Estimation {
+    /// The result for the parameter of this name, for example `Cm_alpha`; none if the model has no such parameter.
+    pub fn parameter(&self, name: &str) -> Option<&ParameterResult> {
+        self.parameters.iter().find(|parameter| parameter.name == name)
+    }
+}
+
+impl ParameterResult {
+    /// Two standard errors, corrected for the correlation of the residuals from sample to sample, in the parameter's unit: the
+    /// value lies between [`lower`](Self::lower) and [`upper`](Self::upper) with a probability of about 95 %.
+    pub fn bound(&self) -> f64 {
+        2.0 * self.corrected_std_error
+    }
+}
+
 /// A sum of two derivatives that a flight determines although it may not tell them apart.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct EffectiveDerivative {

@@ -3,10 +3,12 @@
 //! The format is described in `docs/model-file.md`.
 
 mod expected;
+mod named;
 mod parse;
 mod section;
 
 pub use expected::Expectation;
+pub use named::ModelError;
 
 use std::collections::BTreeMap;
 
@@ -295,19 +297,6 @@ impl ModelFile {
     /// The first thing found wrong, with file, line, column, key and the nearest valid word.
     pub fn parse(file: &str, text: &str) -> Result<Self, ModelFileError> {
         parse::parse(file, text)
-    }
-
-    /// The model files built into the library: name and text.
-    pub const BUILT_IN: [(&'static str, &'static str); 4] = [
-        ("f16", include_str!("../../../../data/models/f16.toml")),
-        ("f16-lateral", include_str!("../../../../data/models/f16-lateral.toml")),
-        ("f16-six", include_str!("../../../../data/models/f16-six.toml")),
-        ("hfb320", include_str!("../../../../data/models/hfb320.toml")),
-    ];
-
-    /// The built-in model file with this name (`f16`, `f16-lateral`, ...), if there is one.
-    pub fn built_in(name: &str) -> Option<Result<Self, ModelFileError>> {
-        Self::BUILT_IN.iter().find(|(n, _)| *n == name).map(|(n, text)| Self::parse(n, text))
     }
 
     /// Canonical names of the channels that the estimation reads.

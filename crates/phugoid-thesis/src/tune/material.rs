@@ -134,7 +134,7 @@ pub fn read(wanted: &str, model: Option<&ModelFile>) -> Result<Material, Materia
     if kind.plant.is_some() || kind.scenario.is_some() {
         return Ok(Material::Case(Box::new(NamedCase::new(wanted, Case::read(file)?))));
     }
-    flight(wanted, Scenario::read(file)?, model)
+    flight(wanted, Scenario::open(file)?, model)
 }
 
 fn flight(name: &str, scenario: Scenario, model: Option<&ModelFile>) -> Result<Material, MaterialError> {

@@ -4,16 +4,14 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use phugoid::compatibility;
 use phugoid_evaluation::chart::{Axis, Chart, Content, Curve, Meaning, Panel, Shape};
 use phugoid_evaluation::table::{Cell, Column, Table};
 use phugoid_flight_data::csv;
-use phugoid_flight_data::reader::{self, ReadOptions};
 use phugoid_flight_data::record::Record;
 use phugoid_identification::compatibility::{
-    Compatibility, CompatibilityOptions, Corrections, Group, InputSkew, Reconstructed, SensorVerdict, compatibility,
-    input_skew,
+    Compatibility, CompatibilityOptions, Corrections, Group, InputSkew, Reconstructed, SensorVerdict, input_skew,
 };
-use phugoid_identification::model_file::ModelFile;
 use phugoid_report::{StudyPage, StudySection, chart_figure, study_html, write_named_figures};
 use serde::Serialize;
 
@@ -35,10 +33,13 @@ struct Document<'a> {
 
 pub(crate) fn run(arguments: &arguments::Compatibility) -> Result<(), Failure> {
     let model = arguments.model.as_deref().map(super::estimate::model).transpose()?;
-    let columns = model.as_ref().map(ModelFile::columns).unwrap_or_default();
     let record = {
         let _progress = Progress::spinner("reading");
-        reader::read_path(&arguments.flight, &ReadOptions::with_columns(columns)).map_err(Failure::input)?
+        match &model {
+            Some(model) => model.open_record(&arguments.flight),
+            None => Record::open(&arguments.flight),
+        }
+        .map_err(Failure::input)?
     };
     let mut groups = CompatibilityOptions::default().groups;
     groups.extend(arguments.estimate.iter().map(|name| match name {
@@ -56,7 +57,7 @@ pub(crate) fn run(arguments: &arguments::Compatibility) -> Result<(), Failure> {
         gravity: model.as_ref().map_or(standard.gravity, |m| m.aircraft.gravity),
     };
     let progress = Progress::spinner("reconstructing");
-    let mut result = compatibility(&record, &options).map_err(Failure::input)?;
+    let mut result = compatibility(&record, &options)?;
     drop(progress);
     let skew = match (&model, arguments.elevator_skew) {
         (Some(model), true) => {

@@ -13,19 +13,7 @@ use clap::Parser;
 
 use crate::arguments::{Arguments, Command};
 
-/// Stack of the commands. An estimator of the whole motion with room for 48 parameters takes between 3 and 4 MB of it; a first
-/// thread has 8 MB on some systems and 1 MB on others.
-const STACK_BYTES: usize = 32 << 20;
-
 fn main() -> ExitCode {
-    match std::thread::Builder::new().stack_size(STACK_BYTES).spawn(command) {
-        Ok(thread) => thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)),
-        // A system that gives no further thread: this one does, but for the largest motions.
-        Err(_) => command(),
-    }
-}
-
-fn command() -> ExitCode {
     let arguments = Arguments::parse();
     let result = match &arguments.command {
         None => commands::demonstrate::run(&arguments.demonstration),

@@ -1,9 +1,9 @@
 //! `phugoid compare`.
 
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicUsize, Ordering};
 
-use phugoid_evaluation::arena::{self, Arena, Contestant, Entry, compare};
+use phugoid::compare_entries;
+use phugoid_evaluation::arena::{self, Arena, Entry};
 use phugoid_identification::estimate::Method;
 use phugoid_report::{Figure, arena_figures, arena_html};
 use rayon::prelude::*;
@@ -17,7 +17,7 @@ use crate::progress::Progress;
 mod selection;
 mod text;
 
-use selection::{contestants, entries};
+use selection::{entries, methods};
 
 /// Flights per scenario where nothing else is asked for.
 const SEEDS: u32 = 20;
@@ -30,11 +30,11 @@ pub(crate) fn run(arguments: &arguments::Compare) -> Result<(), Failure> {
         return list(arguments.json);
     }
     let entries = entries(arguments)?;
-    let contestants = contestants(&arguments.methods)?;
+    let methods = methods(&arguments.methods)?;
     let seeds = arguments.seeds.unwrap_or(if arguments.quick { FEW_SEEDS } else { SEEDS }) as usize;
     // Before the minutes that it may take, not after.
     std::fs::create_dir_all(&arguments.out).map_err(|e| Failure::writing(&arguments.out, e))?;
-    let result = fly(&entries, &contestants, seeds)?;
+    let result = fly(&entries, &methods, seeds)?;
     let written = {
         let _progress = Progress::spinner("drawing");
         write(arguments, &result)?
@@ -42,12 +42,9 @@ pub(crate) fn run(arguments: &arguments::Compare) -> Result<(), Failure> {
     if arguments.json { print(&json(&result)?) } else { print(&text::text(&result, &written)) }
 }
 
-fn fly(entries: &[Entry], contestants: &[Contestant], seeds: usize) -> Result<Arena, Failure> {
+fn fly(entries: &[Entry], methods: &[Method], seeds: usize) -> Result<Arena, Failure> {
     let progress = Progress::new("comparing");
-    let done = AtomicUsize::new(0);
-    let all = (entries.len() * seeds) as f64;
-    let step = || progress.set((1 + done.fetch_add(1, Ordering::Relaxed)) as f64 / all);
-    compare(entries, contestants, seeds, step).map_err(super::study::failure)
+    Ok(compare_entries(entries, methods, seeds, &|done| progress.set(done))?)
 }
 
 #[derive(Serialize)]

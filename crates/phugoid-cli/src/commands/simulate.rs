@@ -4,14 +4,15 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
+use phugoid::simulate_with_progress;
 use phugoid_flight_data::channels::by_name;
 use phugoid_flight_data::csv;
 use phugoid_flight_data::record::{Channel, Quantity, Record};
 use phugoid_flight_dynamics::trim::Trim;
 use phugoid_identification::estimation::Signal;
 use phugoid_report::{Figure, TimeHistoryPanel, time_histories, write_named_figures};
-use phugoid_simulation::flight::{F16_ALPHA_RANGE_DEG, Flight, FlightError, fly_with_progress};
-use phugoid_simulation::named;
+use phugoid_simulation::flight::{F16_ALPHA_RANGE_DEG, Flight, FlightError};
+use phugoid_simulation::named::scenario_text;
 use phugoid_simulation::scenario::{BUILT_IN, Scenario};
 use serde::Serialize;
 
@@ -47,7 +48,7 @@ pub(crate) fn run(arguments: &arguments::Simulate) -> Result<(), Failure> {
     scenario.seed = arguments.seed.unwrap_or(scenario.seed);
     let flight = {
         let progress = Progress::new("flying");
-        fly_with_progress(&scenario, &|done| progress.set(done)).map_err(failure)?
+        simulate_with_progress(&scenario, &|done| progress.set(done))?
     };
     let writing = Progress::spinner("writing");
 
@@ -81,7 +82,7 @@ pub(crate) fn run(arguments: &arguments::Simulate) -> Result<(), Failure> {
 
 /// A scenario file, or a built-in scenario by name.
 pub(crate) fn scenario(wanted: &str) -> Result<Scenario, Failure> {
-    named::scenario(wanted).map_err(Failure::input)
+    Scenario::find(wanted).map_err(Failure::input)
 }
 
 /// A flight that cannot be flown: the scenario's fault, or the aircraft's.
@@ -93,7 +94,7 @@ pub(crate) fn failure(error: FlightError) -> Failure {
 }
 
 pub(crate) fn text_of(wanted: &str) -> Result<String, Failure> {
-    named::scenario_text(wanted).map_err(Failure::input)
+    scenario_text(wanted).map_err(Failure::input)
 }
 
 #[derive(Serialize)]

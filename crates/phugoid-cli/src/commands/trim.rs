@@ -2,9 +2,9 @@
 
 use std::fmt::Write as _;
 
+use phugoid::{f16_level, trim};
 use phugoid_flight_dynamics::f16::{F16, F16Options, F16Tables};
-use phugoid_flight_dynamics::trim::{Trim, TrimCondition, trim};
-use phugoid_simulation::flight::F16_ALPHA_RANGE_DEG;
+use phugoid_flight_dynamics::trim::{Trim, TrimCondition};
 use serde::Serialize;
 
 use crate::arguments::{self, AircraftName, FlightCondition, TablesName};
@@ -35,10 +35,9 @@ pub(crate) fn trimmed(aircraft: &F16, condition: &FlightCondition) -> Result<Tri
     let wanted = TrimCondition {
         flight_path_angle: condition.flight_path.si(),
         turn_rate: condition.turn_rate.si(),
-        alpha_range: F16_ALPHA_RANGE_DEG.map(f64::to_radians),
-        ..TrimCondition::level(condition.speed.si(), condition.altitude.si())
+        ..f16_level(condition.speed.si(), condition.altitude.si())
     };
-    trim(aircraft, &wanted).map_err(Failure::impossible)
+    Ok(trim(aircraft, &wanted)?)
 }
 
 /// Names of aircraft and tables for documents.

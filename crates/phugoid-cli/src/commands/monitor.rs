@@ -3,7 +3,6 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use phugoid_flight_data::reader::{self, ReadOptions};
 use phugoid_identification::estimate::EstimateOptions;
 use phugoid_identification::estimation::Estimation;
 use phugoid_identification::health::{Condition, FALSE_ALARMS_PER_HOUR, HealthOptions, HealthReport};
@@ -26,10 +25,9 @@ pub(crate) fn run(arguments: &arguments::Monitor) -> Result<bool, Failure> {
         None => model.expectations(),
     };
     let false_alarms_per_hour = arguments.false_alarms_per_hour.unwrap_or(FALSE_ALARMS_PER_HOUR);
-    let options = ReadOptions::with_columns(model.columns());
     let record = {
         let _progress = Progress::spinner("reading");
-        reader::read_path(&arguments.flight, &options).map_err(Failure::input)?
+        model.open_record(&arguments.flight).map_err(Failure::input)?
     };
     let (estimation, report) = {
         let progress = Progress::new("monitoring");

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use phugoid_evaluation::arena::{BUILT_IN, Contestant, Entry, built_in};
+use phugoid_evaluation::arena::{BUILT_IN, Entry, built_in};
 use phugoid_identification::estimate::Method;
 use phugoid_simulation::scenario::{self, nearest};
 
@@ -11,9 +11,9 @@ use crate::commands::{estimate, simulate};
 use crate::failure::Failure;
 
 /// The methods named, in that order; all of them where none is.
-pub(super) fn contestants(names: &[String]) -> Result<Vec<Contestant>, Failure> {
+pub(super) fn methods(names: &[String]) -> Result<Vec<Method>, Failure> {
     if names.is_empty() {
-        return Ok(Method::ALL.iter().map(|method| Contestant::of(*method)).collect());
+        return Ok(Method::ALL.to_vec());
     }
     let mut chosen: Vec<Method> = Vec::new();
     for name in names {
@@ -23,7 +23,7 @@ pub(super) fn contestants(names: &[String]) -> Result<Vec<Contestant>, Failure> 
         }
         chosen.push(method);
     }
-    Ok(chosen.into_iter().map(Contestant::of).collect())
+    Ok(chosen)
 }
 
 /// The scenarios named; the whole arena where none is.

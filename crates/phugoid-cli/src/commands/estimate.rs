@@ -3,11 +3,10 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use phugoid_evaluation::named;
+use phugoid::estimate_with_progress;
 use phugoid_flight_data::csv;
-use phugoid_flight_data::reader::{self, ReadOptions};
 use phugoid_flight_data::record::Record;
-use phugoid_identification::estimate::{EstimateOptions, OfferTerms, estimate};
+use phugoid_identification::estimate::{EstimateOptions, OfferTerms};
 use phugoid_identification::estimation::Estimation;
 use phugoid_identification::inspect::segment;
 use phugoid_identification::manoeuvres::{Settings, find};
@@ -37,8 +36,7 @@ pub(crate) fn run(arguments: &arguments::Estimate) -> Result<(), Failure> {
     let model = model(wanted)?;
     export::check(&arguments.export, &model)?;
     let truth = truth(&arguments.truth, &model)?;
-    let options = ReadOptions::with_columns(model.columns());
-    let read = |path: &PathBuf| reader::read_path(path, &options).map_err(Failure::input);
+    let read = |path: &PathBuf| model.open_record(path).map_err(Failure::input);
     let (record, further, predict) = {
         let _progress = Progress::spinner("reading");
         let further = arguments.with.iter().map(read).collect::<Result<Vec<_>, _>>()?;
@@ -78,7 +76,7 @@ pub(crate) fn run(arguments: &arguments::Estimate) -> Result<(), Failure> {
     };
     let estimation = {
         let progress = Progress::new("estimating");
-        estimate(&record, &model, &options, &mut |done| progress.set(done)).map_err(Failure::input)?
+        estimate_with_progress(&record, &model, &options, &mut |done| progress.set(done))?
     };
     let yes = |yes: bool| if yes { "yes" } else { "no" }.to_owned();
     let mut settings = vec![("estimator".to_owned(), estimation.method.name().to_owned())];
@@ -234,7 +232,7 @@ impl Presentation<'_> {
 
 /// A model file, or a built-in one by name.
 pub(crate) fn model(wanted: &str) -> Result<ModelFile, Failure> {
-    named::model(wanted).map_err(Failure::input)
+    ModelFile::find(wanted).map_err(Failure::input)
 }
 
 /// True values by parameter name; later words win.
@@ -290,13 +288,7 @@ fn between(record: Record, from: Option<f64>, to: Option<f64>) -> Result<Record,
 }
 
 fn show_model(name: &str) -> Result<(), Failure> {
-    match named::models().find(|(n, _)| *n == name) {
-        Some((_, text)) => print(text),
-        None => {
-            let none = std::io::Error::other("there is no built-in model of this name");
-            Err(Failure::input(named::no_model(name, none)))
-        }
-    }
+    print(ModelFile::text(name).map_err(Failure::input)?)
 }
 
 #[derive(Serialize)]
@@ -307,7 +299,7 @@ struct Listed {
 
 fn list_models(as_json: bool) -> Result<(), Failure> {
     let mut listed = Vec::new();
-    for (name, text) in named::models() {
+    for (name, text) in ModelFile::BUILT_IN {
         listed.push(Listed { name, description: ModelFile::parse(name, text).map_err(Failure::input)?.name });
     }
     if as_json {

@@ -2,13 +2,11 @@
 
 use std::fmt::Write as _;
 
-use phugoid_evaluation::named;
 use phugoid_flight_data::log::survey::{Survey, TopicSurvey};
 use phugoid_flight_data::quality::Severity;
 use phugoid_flight_data::reader::{self, ReadOptions, Surveyed};
-use phugoid_flight_data::record::Record;
-use phugoid_identification::inspect::{Inspection, ModelSupport, inspect, model_support};
-use phugoid_identification::manoeuvres::{Manoeuvre, Settings, Support};
+use phugoid_identification::inspect::{Inspection, ModelSupport};
+use phugoid_identification::manoeuvres::{Manoeuvre, Support};
 use phugoid_identification::model_file::ModelFile;
 use serde::Serialize;
 
@@ -40,7 +38,7 @@ pub(crate) fn run(arguments: &arguments::Inspect) -> Result<(), Failure> {
         let Surveyed { survey, record } =
             reader::survey_path(&arguments.flight, &ReadOptions::with_columns(columns)).map_err(Failure::input)?;
         match record {
-            Ok(record) => (survey, Some(inspected(&record, wanted)?), None),
+            Ok(record) => (survey, Some(phugoid::inspect(&record, wanted.as_ref())), None),
             // A log without a flight in it is a result too.
             Err(why) => (survey, None, Some(why.to_string())),
         }
@@ -58,18 +56,6 @@ pub(crate) fn run(arguments: &arguments::Inspect) -> Result<(), Failure> {
         }
         told
     })
-}
-
-/// What is in a flight, and what it could tell of the model asked about; without one, what it lacks for those that are built in.
-fn inspected(record: &Record, wanted: Option<ModelFile>) -> Result<Inspection, Failure> {
-    let settings = Settings::default();
-    let Some(model) = wanted else {
-        let built_in = named::models().map(|(name, text)| ModelFile::parse(name, text).map_err(Failure::input));
-        return Ok(inspect(record, &built_in.collect::<Result<Vec<_>, _>>()?, &settings));
-    };
-    let mut inspection = inspect(record, std::slice::from_ref(&model), &settings);
-    inspection.support = Some(model_support(record, &inspection.found, &model));
-    Ok(inspection)
 }
 
 fn log_text(survey: &Survey) -> String {

@@ -6,8 +6,6 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use phugoid_evaluation::named;
-use phugoid_flight_data::reader::{self, ReadOptions};
 use phugoid_identification::model_file::ModelFile;
 use phugoid_live::mavlink::DebugMessages;
 use phugoid_live::publish::WhenSlow;
@@ -95,7 +93,7 @@ fn page(page: &crate::arguments::live::Page) -> Result<Option<Box<dyn Audience>>
 /// What the command line says, else what a recording was made with.
 fn settings(arguments: &Arguments, recorded: Option<&Header>) -> Result<Header, Failure> {
     let (model_name, model_text) = match (&arguments.model, recorded) {
-        (Some(wanted), _) => named::model_text(wanted).map_err(Failure::input)?,
+        (Some(wanted), _) => ModelFile::find_text(wanted).map_err(Failure::input)?,
         (None, Some(recorded)) => (recorded.model_name.clone(), recorded.model_text.clone()),
         (None, None) => {
             let message = "--replay of a flight needs --model: only a recording of `phugoid live` has a model in it";
@@ -132,8 +130,7 @@ fn source(arguments: &Arguments, recording: Option<Reader>, model: &ModelFile) -
         }
         (None, Some(path), Some(reader)) => Ok(Replay::recording(reader, &path.display().to_string(), pace).into()),
         (None, Some(path), None) => {
-            let options = ReadOptions::with_columns(model.columns());
-            let record = reader::read_path(path, &options).map_err(Failure::input)?;
+            let record = model.open_record(path).map_err(Failure::input)?;
             Ok(Replay::flight(record, pace).map_err(Failure::input)?.into())
         }
         (None, None, _) => Err(Failure::input("a source is needed, as in udp://14550, or --replay FILE")),

@@ -5,8 +5,22 @@ use std::io::{self, Write};
 use std::path::Path;
 use std::process::ExitCode;
 
+use crate::commands;
+
 /// Exit code of `phugoid monitor` where the aircraft has diverged from what is expected: a result, not a failure of the command.
 pub(crate) const DIVERGED: u8 = 10;
+
+impl From<phugoid::Error> for Failure {
+    /// A task that has no answer, or else an input that is wrong.
+    fn from(error: phugoid::Error) -> Self {
+        match error {
+            phugoid::Error::Flight(error) => commands::simulate::failure(error),
+            phugoid::Error::Study(error) => commands::study::failure(error),
+            phugoid::Error::Trim(_) | phugoid::Error::Aircraft(_) | phugoid::Error::Modes(_) => Self::impossible(error),
+            other => Self::input(other),
+        }
+    }
+}
 
 /// Why a command ends without a result. Wrong command lines end with code 2 before anything runs.
 #[derive(Debug)]
@@ -39,7 +53,7 @@ impl Failure {
     pub(crate) fn no_parquet(option: &str, path: &Path, instead: &str) -> Self {
         Self::Input(format!(
             "{option} {}: this build does not write Parquet; {instead}, or build it with \
-             cargo install --path crates/phugoid --features parquet",
+             cargo install --path crates/phugoid-cli --features parquet",
             path.display()
         ))
     }

@@ -94,7 +94,7 @@ fn built_in(name: &str, at: &[f64], arguments: &arguments::Study) -> Result<(), 
 }
 
 /// A study that cannot be made: its input's fault, or the task has no answer.
-pub(super) fn failure(error: StudyError) -> Failure {
+pub(crate) fn failure(error: StudyError) -> Failure {
     match error {
         StudyError::Flight(error) => super::simulate::failure(error),
         StudyError::Estimate(_) | StudyError::Unsuitable(_) => Failure::input(error),

@@ -2,15 +2,14 @@
 
 use std::path::Path;
 
+use phugoid::{estimate_with_progress, simulate};
 use phugoid_evaluation::published::{CALM_MODEL, CALM_SCENARIO};
-use phugoid_identification::estimate::{EstimateOptions, estimate};
+use phugoid_identification::estimate::EstimateOptions;
 use phugoid_identification::model_file::ModelFile;
 use phugoid_report::HtmlOptions;
-use phugoid_simulation::flight::fly;
 use phugoid_simulation::scenario::Scenario;
 
 use super::estimate::{History, Presentation};
-use super::simulate;
 use crate::arguments::Demonstration;
 use crate::failure::Failure;
 use crate::progress::Progress;
@@ -21,13 +20,14 @@ pub(crate) fn run(arguments: &Demonstration) -> Result<(), Failure> {
     let mut scenario = Scenario::parse(CALM_SCENARIO, "f16-calm").map_err(Failure::input)?;
     scenario.seed = arguments.seed.unwrap_or(scenario.seed);
     let model = ModelFile::parse("f16-model", CALM_MODEL).map_err(Failure::input)?;
-    let flight = fly(&scenario).map_err(simulate::failure)?;
+    let flight = simulate(&scenario)?;
     // The truth is only for the comparison that is printed: no estimator sees it.
     let options =
         EstimateOptions { method: arguments.method, truth: flight.true_parameters, ..EstimateOptions::default() };
     let estimation = {
         let progress = Progress::new("estimating");
-        estimate(&flight.measured, &model, &options, &mut |done| progress.set(done)).map_err(Failure::impossible)?
+        estimate_with_progress(&flight.measured, &model, &options, &mut |done| progress.set(done))
+            .map_err(Failure::impossible)?
     };
     let note = format!(
         "A simulated flight: {}, sensor noise of seed {}. The increments to the aerodynamic tables were unknown to the \

@@ -2,9 +2,9 @@
 
 use std::fmt::Write as _;
 
-use phugoid_flight_dynamics::linearize::{LinearModel, SubModel, linearize};
+use phugoid::{Linearization, linearize};
+use phugoid_flight_dynamics::linearize::{LinearModel, SubModel};
 use phugoid_flight_dynamics::modes::Mode;
-use phugoid_flight_dynamics::motion::Disturbance;
 use phugoid_flight_dynamics::trim::Trim;
 use serde::Serialize;
 
@@ -32,9 +32,7 @@ pub(crate) fn run(arguments: &arguments::Linearize) -> Result<(), Failure> {
     let condition = &arguments.condition;
     let aircraft = aircraft(condition)?;
     let trim = trimmed(&aircraft, condition)?;
-    let model = linearize(&aircraft, &trim.state(), &trim.controls(), &Disturbance::default());
-    let longitudinal = model.longitudinal().map_err(Failure::impossible)?;
-    let lateral = model.lateral().map_err(Failure::impossible)?;
+    let Linearization { model, longitudinal, lateral } = linearize(&aircraft, &trim)?;
     let (aircraft, tables) = names(condition);
     let document = Document {
         aircraft,
