@@ -32,6 +32,7 @@ pub mod quality;
 pub mod quantity;
 pub mod reader;
 pub mod record;
+pub mod statistics;
 pub mod table;
 pub mod units;
 

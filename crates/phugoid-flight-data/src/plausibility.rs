@@ -7,8 +7,8 @@
 mod accelerations;
 mod air_data;
 mod motion;
+mod robust;
 mod sizes;
-mod statistics;
 
 use std::fmt;
 

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::channels;
 use crate::quality::QualityReport;
+use crate::statistics;
 
 /// The physical quantity of a channel: it decides which unit suffixes are understood and the SI unit kept inside.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -191,9 +192,7 @@ impl Record {
 
     /// Median of the time steps, s; zero if there are fewer than two times.
     pub fn sample_time_s(&self) -> f64 {
-        let mut steps: Vec<f64> = self.time.windows(2).map(|pair| pair[1] - pair[0]).collect();
-        steps.sort_by(f64::total_cmp);
-        steps.get(steps.len() / 2).copied().unwrap_or(0.0)
+        statistics::median_step(&self.time).unwrap_or(0.0)
     }
 }
 

@@ -3,6 +3,7 @@
 use crate::channels;
 use crate::quality::{Short, plural};
 use crate::record::{Channel, Record};
+use crate::statistics::{Rank, quantile};
 
 /// Notes on constant channels, frozen stretches and lone outliers.
 pub(crate) fn check(record: &mut Record) {
@@ -104,8 +105,10 @@ fn spikes(values: &[f64]) -> Vec<usize> {
     let mut steps: Vec<f64> = present.windows(2).map(|pair| (pair[1].1 - pair[0].1).abs()).collect();
     steps.retain(|step| *step > 0.0);
     let mut sorted: Vec<f64> = present.iter().map(|(_, value)| *value).collect();
-    let range = quantile(&mut sorted, 0.95) - quantile(&mut sorted, 0.05);
-    let bound = (6.0 * quantile(&mut steps, 0.75)).max(0.05 * range);
+    let mut range = |fraction| quantile(&mut sorted, fraction, Rank::Nearest).unwrap_or(f64::NAN);
+    let range = range(0.95) - range(0.05);
+    let upper_quarter = quantile(&mut steps, 0.75, Rank::Nearest).unwrap_or(f64::NAN);
+    let bound = (6.0 * upper_quarter).max(0.05 * range);
     present
         .windows(3)
         .filter(|three| {
@@ -114,14 +117,6 @@ fn spikes(values: &[f64]) -> Vec<usize> {
         })
         .map(|three| three[1].0)
         .collect()
-}
-
-fn quantile(values: &mut [f64], fraction: f64) -> f64 {
-    if values.is_empty() {
-        return f64::NAN;
-    }
-    let index = ((values.len() - 1) as f64 * fraction).round() as usize;
-    *values.select_nth_unstable_by(index, f64::total_cmp).1
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! What an accelerometer shows in steady flight.
 
-use super::statistics::{median, windows};
+use super::robust::{median_of_finite, windows};
 use super::{Certainty, Doubts};
 use crate::quality::Short;
 
@@ -15,7 +15,7 @@ fn level_median(doubts: &Doubts, name: &str) -> Option<f64> {
     let values = doubts.values(name)?;
     let bank = doubts.values("phi").filter(|_| !doubts.any(&["phi"]));
     let level = |k: &usize| bank.is_none_or(|phi| phi[*k].abs() < BANKED);
-    median((0..values.len()).filter(level).map(|k| values[k]))
+    median_of_finite((0..values.len()).filter(level).map(|k| values[k]))
 }
 
 /// What of gravity turns the path, without sideslip: `g (cos a cos phi cos theta + sin a sin theta)`, m/s^2.
@@ -40,7 +40,7 @@ fn is_manoeuvre(doubts: &Doubts) -> bool {
         let forward = ax.map_or(0.0, |ax| ax[k]);
         (forward * alpha[k].sin() - gravity_across_path(alpha[k], theta[k], bank(k))) / alpha[k].cos()
     };
-    let Some(typical) = median(speed.iter().map(|speed| speed.abs())) else { return false };
+    let Some(typical) = median_of_finite(speed.iter().map(|speed| speed.abs())) else { return false };
     let over = |rate: &dyn Fn(usize) -> f64| windows(doubts.time(), alpha, rate, 1.0);
     let (pitching, rest, measured, duration) = (over(&|k| q[k]), over(&rest), over(&|k| az[k]), over(&|_| 1.0));
     let pairs: Vec<(f64, f64)> = (0..duration.len())
@@ -52,8 +52,8 @@ fn is_manoeuvre(doubts: &Doubts) -> bool {
         })
         .filter(|(expected, measured)| expected.is_finite() && measured.is_finite())
         .collect();
-    let missing = median(pairs.iter().map(|(expected, measured)| (measured - expected).abs()));
-    let size = median(pairs.iter().map(|(expected, _)| expected.abs()));
+    let missing = median_of_finite(pairs.iter().map(|(expected, measured)| (measured - expected).abs()));
+    let size = median_of_finite(pairs.iter().map(|(expected, _)| expected.abs()));
     // Noise of alpha, and a sensor off the centre of gravity, cost one or two m/s^2; another unit or sign costs nine.
     missing.zip(size).is_some_and(|(missing, size)| missing < 2.0_f64.max(0.25 * size))
 }

@@ -1,7 +1,7 @@
 //! Airspeed, pressure and altitude against each other and against the motion.
 
 use super::accelerations::{bank, gravity_across_path};
-use super::statistics::{Fit, fit, median, regress, windows};
+use super::robust::{Fit, fit, median_of_finite, regress, windows};
 use super::{Certainty, Doubts};
 use crate::quality::Short;
 
@@ -11,7 +11,7 @@ pub(super) fn density(doubts: &mut Doubts) {
         return;
     };
     let implied = pressure.iter().zip(speed).map(|(q, v)| 2.0 * q / (v * v));
-    let Some(density) = median(implied).filter(|density| !(0.08..1.5).contains(density)) else { return };
+    let Some(density) = median_of_finite(implied).filter(|density| !(0.08..1.5).contains(density)) else { return };
     // Aircraft do fly above 20 km, but not where there is a hundredth of the air.
     let certainty = if (0.01..1.6).contains(&density) { Certainty::Doubtful } else { Certainty::Certain };
     let message = format!(
@@ -59,7 +59,7 @@ pub(super) fn turning(doubts: &mut Doubts) {
         let (sin, cos) = alpha[k].sin_cos();
         az[k] * cos - ax[k] * sin + gravity_across_path(alpha[k], theta[k], bank(k))
     };
-    let Some(typical) = median(speed.iter().copied()) else { return };
+    let Some(typical) = median_of_finite(speed.iter().copied()) else { return };
     let forces = windows(doubts.time(), alpha, force, 1.0);
     let pitching = windows(doubts.time(), alpha, |k| q[k], 1.0);
     let pairs: Vec<(f64, f64)> = forces

@@ -1,8 +1,9 @@
 //! Angles are the integrals of their rates.
 
-use super::statistics::{Fit, fit, median, reach, span};
+use super::robust::{Fit, fit, reach, span};
 use super::{Certainty, Doubts, write_degrees};
 use crate::quality::Short;
+use crate::statistics::median_step;
 
 /// Degrees per radian.
 const DEGREES: f64 = 180.0 / std::f64::consts::PI;
@@ -21,7 +22,7 @@ pub(super) fn attitude_and_rate(doubts: &mut Doubts, attitude: &str, rate: &str)
     let bank = (attitude == "theta" && !doubts.any(&["phi"])).then(|| doubts.values("phi")).flatten();
     let level = |k: usize| bank.is_none_or(|phi| phi[k].abs() < LEVEL);
     let rate_at = |k: usize| if level(k) { turning[k] } else { f64::NAN };
-    let step = median(doubts.time().windows(2).map(|pair| pair[1] - pair[0])).unwrap_or(0.0);
+    let step = median_step(doubts.time()).unwrap_or(0.0);
     let Some(Fit { slope, correlation }) = fit(doubts.time(), angle, rate_at, window(doubts.time(), step)) else {
         return;
     };

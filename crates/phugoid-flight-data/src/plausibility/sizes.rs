@@ -2,7 +2,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use super::statistics::{median, reach, span};
+use super::robust::{median_of_finite, reach, span};
 use super::{Certainty, Doubts, write_degrees};
 use crate::channels;
 use crate::quality::Short;
@@ -59,7 +59,7 @@ pub(super) fn angles(doubts: &mut Doubts) {
 
 /// Speed, altitude and throttle.
 pub(super) fn others(doubts: &mut Doubts) {
-    let size = |name: &str| median(doubts.values(name)?.iter().map(|value| value.abs()));
+    let size = |name: &str| median_of_finite(doubts.values(name)?.iter().map(|value| value.abs()));
     let (speed, altitude) = (size("true_airspeed"), size("altitude"));
     if let Some(speed) = speed.filter(|speed| !(5.0..=1200.0).contains(speed)) {
         let message = format!("is about {} m/s, and no aeroplane flies at that: check its unit", Short(speed));

@@ -9,6 +9,7 @@ use crate::log::{Log, Selection, Topic, Wanted};
 use crate::profile::{Factor, FieldName, Profile, Source};
 use crate::quality::{QualityReport, Short, plural};
 use crate::record::Record;
+use crate::statistics;
 use crate::table::{self, Column, ColumnMapping, TableError, TableOptions};
 use crate::units;
 
@@ -160,9 +161,7 @@ fn align(
         let place = base.name.clone();
         return Err(TableError::TooLarge { source_name: log.source.clone(), place, max_values }.into());
     }
-    let mut steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    let middle = steps.len() / 2;
-    let step_s = if steps.is_empty() { 0.0 } else { *steps.select_nth_unstable_by(middle, f64::total_cmp).1 };
+    let step_s = statistics::median_step(&times).unwrap_or(0.0);
     let label = signals::label(log, base);
     quality.note(
         "time",

@@ -1,21 +1,18 @@
-//! Quantiles and slopes that single wild values do not move.
+//! Medians, ranges and slopes that single wild values do not move.
 
-/// Median of what is there.
-pub(super) fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
-    let mut present: Vec<f64> = values.filter(|value| value.is_finite()).collect();
-    if present.is_empty() {
-        return None;
-    }
-    let middle = present.len() / 2;
-    Some(*present.select_nth_unstable_by(middle, f64::total_cmp).1)
+use crate::statistics::{self, Rank};
+
+/// Median of the finite values; `None` if there is none.
+pub(super) fn median_of_finite(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let mut finite: Vec<f64> = values.filter(|value| value.is_finite()).collect();
+    statistics::median(&mut finite)
 }
 
-/// The 5 and 95 % quantiles: the span a signal really uses, outliers aside.
+/// The 5 and 95 % quantiles of the finite values: the range of the signal without its outliers.
 pub(super) fn span(values: &[f64]) -> Option<(f64, f64)> {
-    let mut present: Vec<f64> = values.iter().copied().filter(|value| value.is_finite()).collect();
-    let last = present.len().checked_sub(1)?;
-    let mut at = |part: f64| *present.select_nth_unstable_by((last as f64 * part).round() as usize, f64::total_cmp).1;
-    Some((at(0.05), at(0.95)))
+    let mut finite: Vec<f64> = values.iter().copied().filter(|value| value.is_finite()).collect();
+    let mut at = |fraction| statistics::quantile(&mut finite, fraction, Rank::Nearest);
+    Some((at(0.05)?, at(0.95)?))
 }
 
 /// The end of a span that is further from zero, its sign aside.
