@@ -3,7 +3,7 @@
 //! Axes are body axes: x forward, y to the right wing, z down. Angles and rates follow the right-hand rule about them.
 //! `docs/units-and-signs.md` shows this table; a test keeps the two alike.
 
-use crate::record::Quantity;
+use crate::units::Quantity;
 use Quantity::{
     Acceleration, Angle, AngularAcceleration, AngularRate, Density, Force, Inertia, Length, Mass, Number, Pressure,
     Speed, Temperature, Time,

@@ -2,7 +2,12 @@
 
 use std::io::{self, Cursor, Read};
 
-use crate::log::{dataflash, ulog};
+/// How a ULog file begins.
+pub(crate) const ULOG_MAGIC: [u8; 7] = [b'U', b'L', b'o', b'g', 0x01, 0x12, 0x35];
+/// How every message of a DataFlash log begins, and with it the file.
+pub(crate) const DATAFLASH_MAGIC: [u8; 2] = [0xA3, 0x95];
+/// How an MCAP file begins.
+pub(crate) const MCAP_MAGIC: [u8; 8] = *b"\x89MCAP0\r\n";
 
 /// As many bytes of the beginning as tell every format.
 const SNIFFED: usize = 64;
@@ -42,10 +47,10 @@ impl Format {
     pub fn sniff(start: &[u8]) -> Self {
         let is = |magic: &[u8]| start.starts_with(magic);
         match start {
-            _ if is(&ulog::MAGIC) => Format::Ulog,
-            _ if is(&dataflash::MAGIC) => Format::DataFlash,
+            _ if is(&ULOG_MAGIC) => Format::Ulog,
+            _ if is(&DATAFLASH_MAGIC) => Format::DataFlash,
             _ if is(b"FMT, 128,") => Format::DataFlashText,
-            _ if is(b"\x89MCAP0\r\n") => Format::Mcap,
+            _ if is(&MCAP_MAGIC) => Format::Mcap,
             _ if is(b"PAR1") => Format::Parquet,
             // The mark of a message: a stream of Arrow IPC has no name of its own. Text has no such bytes.
             _ if is(b"ARROW1") || is(b"FEA1") || is(&[0xFF; 4]) => Format::Arrow,

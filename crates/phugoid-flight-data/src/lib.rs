@@ -38,7 +38,4 @@ pub mod units;
 
 #[cfg(feature = "parquet")]
 mod columnar;
-mod columns;
-mod header;
-mod signals;
-mod time_base;
+mod wording;

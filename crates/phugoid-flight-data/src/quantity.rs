@@ -2,8 +2,7 @@
 //!
 //! Command lines, scenario files and model files all read them here, and every factor is that of [`crate::units`].
 
-use crate::record::Quantity;
-use crate::units::{self, UNITS};
+use crate::units::{self, Quantity, UNITS};
 
 /// Powers of length, mass, time, angle and temperature.
 type Powers = [i8; 5];

@@ -1,6 +1,107 @@
 //! Units that are understood in headers, unit rows and mappings, and their conversion to SI.
 
-use crate::record::Quantity;
+use serde::{Deserialize, Serialize};
+
+/// The physical quantity of a channel: it decides which unit suffixes are understood and the SI unit kept inside.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Quantity {
+    /// s
+    Time,
+    /// Hz
+    Frequency,
+    /// rad
+    Angle,
+    /// rad/s
+    AngularRate,
+    /// rad/s^2
+    AngularAcceleration,
+    /// m/s
+    Speed,
+    /// m/s^2
+    Acceleration,
+    /// m
+    Length,
+    /// Pa
+    Pressure,
+    /// kg/m^3
+    Density,
+    /// N
+    Force,
+    /// kg
+    Mass,
+    /// kg m^2
+    Inertia,
+    /// K
+    Temperature,
+    /// A pure number (throttle, Mach number, flags)
+    Number,
+}
+
+impl Quantity {
+    /// The SI unit as printed: `rad/s`, `kg m^2`, `-` for a pure number.
+    pub fn si_unit(self) -> &'static str {
+        match self {
+            Quantity::Time => "s",
+            Quantity::Frequency => "Hz",
+            Quantity::Angle => "rad",
+            Quantity::AngularRate => "rad/s",
+            Quantity::AngularAcceleration => "rad/s^2",
+            Quantity::Speed => "m/s",
+            Quantity::Acceleration => "m/s^2",
+            Quantity::Length => "m",
+            Quantity::Pressure => "Pa",
+            Quantity::Density => "kg/m^3",
+            Quantity::Force => "N",
+            Quantity::Mass => "kg",
+            Quantity::Inertia => "kg m^2",
+            Quantity::Temperature => "K",
+            Quantity::Number => "-",
+        }
+    }
+
+    /// The SI unit as a header suffix: `rad_s`, `kg_m2`, empty for a pure number.
+    pub fn si_suffix(self) -> &'static str {
+        match self {
+            Quantity::Time => "s",
+            Quantity::Frequency => "hz",
+            Quantity::Angle => "rad",
+            Quantity::AngularRate => "rad_s",
+            Quantity::AngularAcceleration => "rad_s2",
+            Quantity::Speed => "m_s",
+            Quantity::Acceleration => "m_s2",
+            Quantity::Length => "m",
+            Quantity::Pressure => "pa",
+            Quantity::Density => "kg_m3",
+            Quantity::Force => "n",
+            Quantity::Mass => "kg",
+            Quantity::Inertia => "kg_m2",
+            Quantity::Temperature => "k",
+            Quantity::Number => "",
+        }
+    }
+
+    /// What it is in a sentence: `an angle`, `a speed`.
+    pub const fn in_words(self) -> &'static str {
+        match self {
+            Quantity::Time => "a time",
+            Quantity::Frequency => "a frequency",
+            Quantity::Angle => "an angle",
+            Quantity::AngularRate => "an angular rate",
+            Quantity::AngularAcceleration => "an angular acceleration",
+            Quantity::Speed => "a speed",
+            Quantity::Acceleration => "an acceleration",
+            Quantity::Length => "a length",
+            Quantity::Pressure => "a pressure",
+            Quantity::Density => "a density",
+            Quantity::Force => "a force",
+            Quantity::Mass => "a mass",
+            Quantity::Inertia => "a moment of inertia",
+            Quantity::Temperature => "a temperature",
+            Quantity::Number => "a pure number",
+        }
+    }
+}
 
 /// One unit: `SI value = scale * value + offset`.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -7,10 +7,10 @@ use std::path::Path;
 use super::rows::Rows;
 use super::text_file::TextFile;
 use super::{CsvOptions, ReadError};
-use crate::columns::{self, Head};
 use crate::quality::QualityReport;
 use crate::record::Record;
 use crate::table::TableError;
+use crate::table::columns::{self, Head};
 
 /// Reads a CSV file from the disk; otherwise as [`read()`].
 ///

@@ -4,11 +4,12 @@ use super::cells::{self, Cell};
 use super::format::Format;
 use super::text_file::Row;
 use super::{CsvOptions, ReadError};
-use crate::columns::{self, Plan};
-use crate::quality::{Counted, Lines, QualityReport, Short, plural};
+use crate::quality::QualityReport;
 use crate::record::Record;
+use crate::table::columns::Plan;
+use crate::table::time_base::Table;
 use crate::table::{self, Read, TableError, TableOptions};
-use crate::time_base::Table;
+use crate::wording::{Counted, Lines, Short, cut, plural};
 
 /// The rows read so far and what was wrong with the others.
 pub(super) struct Rows {
@@ -92,7 +93,7 @@ impl Rows {
             self.cut = Some(row.line);
             return Ok(());
         } else if half {
-            self.half_number = Some((row.line, columns::cut(last_cell, 20)));
+            self.half_number = Some((row.line, cut(last_cell, 20)));
         } else {
             self.unended = Some(row.line);
         }
@@ -121,7 +122,7 @@ impl Rows {
                     Cell::Missing => f64::NAN,
                     Cell::Text => {
                         if text.0.count() == 0 {
-                            text.1 = columns::cut(cell, 20);
+                            text.1 = cut(cell, 20);
                         }
                         text.0.add(row.line);
                         f64::NAN

@@ -3,9 +3,10 @@
 use super::cells::{self, Cell};
 use super::format::{self, Format};
 use super::{CsvOptions, ReadError};
-use crate::columns::{self, Head, Plan};
 use crate::quality::QualityReport;
+use crate::table::columns::{self, Head, Plan};
 use crate::table::{TableError, TableOptions};
+use crate::wording::cut;
 
 /// What the columns of a stream are: how numbers under given headers become channels in SI.
 pub struct StreamColumns {
@@ -79,7 +80,7 @@ impl RowReader {
         let header = header.trim_start_matches('\u{feff}').trim_start_matches('#').trim();
         let cells = format.cells(header, &mut scratch);
         if cells.iter().any(|cell| matches!(cells::parse(cell, format.decimal_comma), Cell::Value(_))) {
-            let found = columns::cut(header, 60);
+            let found = cut(header, 60);
             return Err(ReadError::NoHeader { source_name: source.to_owned(), line: 1, found });
         }
         let headers: Vec<String> = cells.into_iter().map(str::to_owned).collect();

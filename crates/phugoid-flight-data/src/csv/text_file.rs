@@ -6,7 +6,8 @@ use super::ReadError;
 use super::cells::{self, Cell};
 use super::format::{self, Format};
 use crate::quality::QualityReport;
-use crate::{columns, units};
+use crate::units;
+use crate::wording::cut;
 
 /// How much of the beginning is looked at to find the layout, bytes.
 const SAMPLE: usize = 64 * 1024;
@@ -107,11 +108,7 @@ impl<'s, R: Read> TextFile<'s, R> {
                 return Ok((line, names, Some(first)));
             }
         }
-        Err(ReadError::NoHeader {
-            source_name: self.source.to_owned(),
-            line: first.line,
-            found: columns::cut(&first.text, 60),
-        })
+        Err(ReadError::NoHeader { source_name: self.source.to_owned(), line: first.line, found: cut(&first.text, 60) })
     }
 
     /// A row of units below the header, if there is one, else the row that was read in looking for it.

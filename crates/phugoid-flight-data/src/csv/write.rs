@@ -6,8 +6,8 @@ use std::path::Path;
 
 use super::WriteError;
 use crate::channels;
-use crate::header::{self, Meaning};
 use crate::record::{Channel, Quantity, Record};
+use crate::table::header::{self, Meaning};
 
 /// Writes a CSV file to the disk; otherwise as [`write()`].
 ///

@@ -6,8 +6,8 @@ use std::path::Path;
 
 #[cfg(feature = "mcap")]
 use super::mcap;
-use super::sink::{Head, Sink, Tables};
-use super::survey::{Counts, Survey};
+use super::sink::{Head, Sink, into_log};
+use super::survey::{Survey, into_survey};
 use super::surveyed::Surveyed;
 use super::{Log, LogError, Selection, dataflash, ulog};
 use crate::format::Format;
@@ -69,26 +69,6 @@ pub(crate) fn survey_and_read_as(
     let mut sink = Surveyed::new(selection);
     let head = run(format, reader, source, &mut sink)?.unwrap_or_default();
     Ok(sink.finish(head, source))
-}
-
-/// The log that the run of a format's reader gives; an error if it is more than the selection's bound.
-pub(super) fn into_log<'s>(
-    source: &str,
-    selection: &'s Selection,
-    run: impl FnOnce(&mut Tables<'s>) -> Result<Option<Head>, LogError>,
-) -> Result<Log, LogError> {
-    let mut tables = Tables::new(selection);
-    match run(&mut tables)? {
-        Some(head) => Ok(tables.finish(head)),
-        None => Err(tables.too_large(source)),
-    }
-}
-
-/// The survey of what the run of a format's reader gives. It is never full.
-pub(super) fn into_survey(run: impl FnOnce(&mut Counts) -> Result<Option<Head>, LogError>) -> Result<Survey, LogError> {
-    let mut counts = Counts::default();
-    let head = run(&mut counts)?.unwrap_or_default();
-    Ok(counts.finish(head))
 }
 
 /// Reads a log of this format into a sink; none if the sink is full.

@@ -265,6 +265,19 @@ impl Sink for Tables<'_> {
     }
 }
 
+/// The log that the run of a format's reader gives; an error if it is more than the selection's bound.
+pub(super) fn into_log<'s>(
+    source: &str,
+    selection: &'s Selection,
+    run: impl FnOnce(&mut Tables<'s>) -> Result<Option<Head>, LogError>,
+) -> Result<Log, LogError> {
+    let mut tables = Tables::new(selection);
+    match run(&mut tables)? {
+        Some(head) => Ok(tables.finish(head)),
+        None => Err(tables.too_large(source)),
+    }
+}
+
 /// What a survey keeps of a topic is its business; which columns there are is decided here.
 pub(super) fn open_all(layout: &mut Layout, topic: &str, instance: u16, fields: &[String]) -> Option<Stream> {
     layout.stream(topic, instance, fields, |_| true)

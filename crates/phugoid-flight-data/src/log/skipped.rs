@@ -1,6 +1,7 @@
 //! What of a log was damaged and left out.
 
-use crate::quality::{QualityReport, plural};
+use crate::quality::QualityReport;
+use crate::wording::plural;
 
 /// How many places are named one by one.
 const SHOWN: usize = 10;

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::decode::Scale;
 use super::sink::{self, Full, Head, Layout, Sink, Stream};
-use super::{Log, Message};
+use super::{Log, LogError, Message};
 use crate::quality::QualityReport;
 
 /// A step in time longer than this many median steps is a gap, as for records.
@@ -327,6 +327,13 @@ impl Sink for Counts {
         topic.clear();
         count
     }
+}
+
+/// The survey of what the run of a format's reader gives. It is never full.
+pub(super) fn into_survey(run: impl FnOnce(&mut Counts) -> Result<Option<Head>, LogError>) -> Result<Survey, LogError> {
+    let mut counts = Counts::default();
+    let head = run(&mut counts)?.unwrap_or_default();
+    Ok(counts.finish(head))
 }
 
 #[cfg(test)]

@@ -3,8 +3,8 @@
 use std::collections::HashMap;
 
 use super::variable::{Value, in_words};
-use crate::header::{self, Meaning};
 use crate::quality::QualityReport;
+use crate::table::header::{self, Meaning};
 use crate::table::{Column, LeftOut, TableOptions};
 
 /// A real matrix and where it stands: `["flight", "alpha"]`.

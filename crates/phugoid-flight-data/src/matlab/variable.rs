@@ -6,9 +6,10 @@ use flate2::read::ZlibDecoder;
 
 use super::ReadError;
 use super::element::{Input, Problem, Tag, bad, kind};
-use crate::columns::{MOST_COLUMNS, cut};
 use crate::quality::QualityReport;
 use crate::table::TableError;
+use crate::table::columns::MOST_COLUMNS;
+use crate::wording::cut;
 
 /// Structs within structs deeper than this are left out.
 const DEEPEST: usize = 8;

@@ -1,8 +1,8 @@
 //! What an accelerometer shows in steady flight.
 
+use super::doubt::{Certainty, Doubts};
 use super::robust::{median_of_finite, windows};
-use super::{Certainty, Doubts};
-use crate::quality::Short;
+use crate::wording::Short;
 
 /// Bank beyond which a flight is not taken for level, rad.
 const BANKED: f64 = 0.5;

@@ -1,9 +1,9 @@
 //! Airspeed, pressure and altitude against each other and against the motion.
 
 use super::accelerations::{bank, gravity_across_path};
+use super::doubt::{Certainty, Doubts};
 use super::robust::{Fit, fit, median_of_finite, regress, windows};
-use super::{Certainty, Doubts};
-use crate::quality::Short;
+use crate::wording::Short;
 
 /// Dynamic pressure and airspeed must imply a density that the atmosphere has (below 20 km: 0.08 to 1.5 kg/m^3).
 pub(super) fn density(doubts: &mut Doubts) {

@@ -1,9 +1,9 @@
 //! Angles are the integrals of their rates.
 
+use super::doubt::{Certainty, Doubts, write_degrees};
 use super::robust::{Fit, fit, reach, span};
-use super::{Certainty, Doubts, write_degrees};
-use crate::quality::Short;
 use crate::statistics::median_step;
+use crate::wording::Short;
 
 /// Degrees per radian.
 const DEGREES: f64 = 180.0 / std::f64::consts::PI;

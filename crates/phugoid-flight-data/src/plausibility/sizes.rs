@@ -2,11 +2,11 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
+use super::doubt::{Certainty, Doubts, write_degrees};
 use super::robust::{median_of_finite, reach, span};
-use super::{Certainty, Doubts, write_degrees};
 use crate::channels;
-use crate::quality::Short;
 use crate::record::Quantity;
+use crate::wording::Short;
 
 /// What 95 % of the samples of an angle (rad) or a rate (rad/s) stay below: in ordinary flight, and in any flight.
 fn limits(name: &str, quantity: Quantity) -> Option<(f64, f64)> {

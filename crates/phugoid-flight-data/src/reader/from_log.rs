@@ -7,11 +7,12 @@ use crate::align::{Aligner, Hold, Statistics};
 use crate::channels;
 use crate::log::{Log, Selection, Topic, Wanted};
 use crate::profile::{Factor, FieldName, Profile, Source};
-use crate::quality::{QualityReport, Short, plural};
+use crate::quality::QualityReport;
 use crate::record::Record;
 use crate::statistics;
 use crate::table::{self, Column, ColumnMapping, TableError, TableOptions};
 use crate::units;
+use crate::wording::{Short, plural};
 
 /// A source is passed over for a later one with so many times its samples.
 const MANY_TIMES: usize = 10;

@@ -10,6 +10,7 @@
 mod error;
 mod from_log;
 mod mapped;
+mod options;
 mod self_explained;
 mod signals;
 mod surfaces;
@@ -21,6 +22,7 @@ use std::path::Path;
 
 pub use error::ReadError;
 pub use from_log::{record, selection};
+pub use options::ReadOptions;
 
 use crate::csv::{self, CsvOptions};
 use crate::format::Format;
@@ -28,27 +30,7 @@ use crate::log;
 use crate::log::survey::Survey;
 use crate::profile::{Profile, ProfileError};
 use crate::record::Record;
-use crate::table::{ColumnMapping, TableOptions};
-
-/// How a flight is to be read. The default reads every file that explains itself.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct ReadOptions {
-    /// Mappings by hand, the bound on memory, what is a gap.
-    pub table: TableOptions,
-    /// Text only: the character between cells.
-    pub delimiter: Option<char>,
-    /// Logs only: which fields are which channels; the built-in profile of the format if not given.
-    pub profile: Option<Profile>,
-    /// Logs only: the topic whose times the record takes; the profile's choice if not given.
-    pub time_base: Option<String>,
-}
-
-impl ReadOptions {
-    /// The default with these mappings.
-    pub fn with_columns(columns: Vec<ColumnMapping>) -> Self {
-        Self { table: TableOptions { columns, ..TableOptions::default() }, ..Self::default() }
-    }
-}
+use crate::table::TableOptions;
 
 impl Record {
     /// Opens a flight of any format that this build reads, with the default options.

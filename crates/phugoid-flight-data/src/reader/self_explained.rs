@@ -1,10 +1,10 @@
 //! A profile for a log whose fields say themselves what they are, as the headers of a table do: `air.tas_kt`.
 
 use crate::align::Hold;
-use crate::header::{self, Meaning};
 use crate::log::survey::Survey;
 use crate::profile::{ChannelProfile, FieldName, Profile, Source, Transform};
 use crate::record::Quantity;
+use crate::table::header::{self, Meaning};
 
 /// Every field whose name, or the last part of its path, is that of a channel; times are those of the topic with the most
 /// samples among them. A field without a unit is taken as SI, and its note says so.

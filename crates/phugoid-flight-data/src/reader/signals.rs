@@ -3,7 +3,7 @@
 use crate::align::Hold;
 use crate::log::{Field, Log, Topic};
 use crate::profile::{FieldName, Source, Transform};
-use crate::time_base;
+use crate::table::time_base;
 
 /// A channel on times of its own.
 #[derive(Clone, Debug)]

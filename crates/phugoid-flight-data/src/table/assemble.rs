@@ -1,12 +1,13 @@
 //! From the rows of a table, converted to SI, to the record they make.
 
 use crate::channels;
-use crate::columns::{self, ColumnUse, Plan};
-use crate::quality::{ChannelQuality, Finding, Lines, QualityReport, Short, plural};
+use crate::plausibility;
+use crate::quality::{ChannelQuality, Finding, QualityReport};
 use crate::record::{Channel, Record};
-use crate::table::{TableError, TableOptions};
-use crate::time_base::{self, Table};
-use crate::{plausibility, signals};
+use crate::table::columns::{self, ColumnUse, Plan};
+use crate::table::time_base::{self, Table};
+use crate::table::{TableError, TableOptions, stuck_and_spikes};
+use crate::wording::{Lines, Short, plural};
 
 /// What was read of a table: the rows that have a time.
 pub(crate) struct Read<'a> {
@@ -70,7 +71,7 @@ pub(crate) fn record(read: Read<'_>, options: &TableOptions, mut report: Quality
         );
     }
     record.quality = report;
-    signals::check(&mut record);
+    stuck_and_spikes::check(&mut record);
     let doubts = plausibility::check(&record);
     record.quality.findings.extend(doubts.into_iter().map(Finding::from));
     Ok(record)

@@ -2,11 +2,12 @@
 
 use super::assemble::{Read, record};
 use super::{ColumnMapping, TableError, TableOptions};
-use crate::columns::{self, ColumnUse, Head, Plan};
-use crate::header::{self, Meaning};
-use crate::quality::{Counted, Lines, QualityReport, plural};
+use crate::quality::QualityReport;
 use crate::record::Record;
-use crate::time_base::Table;
+use crate::table::columns::{self, ColumnUse, Head, Plan};
+use crate::table::header::{self, Meaning};
+use crate::table::time_base::Table;
+use crate::wording::{Counted, Lines, plural};
 
 /// One column of a table: a header that says what it is, and one number per row.
 #[derive(Clone, Debug, Default, PartialEq)]

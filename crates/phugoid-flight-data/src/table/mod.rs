@@ -2,8 +2,12 @@
 //! and MATLAB files once their cells are numbers.
 
 mod assemble;
+pub(crate) mod columns;
 mod error;
 mod from_columns;
+pub(crate) mod header;
+mod stuck_and_spikes;
+pub(crate) mod time_base;
 
 pub(crate) use assemble::{Read, record};
 pub use error::TableError;

@@ -12,13 +12,13 @@ mod reader;
 
 use std::io::Read;
 
-use super::read::{into_log, into_survey};
-use super::survey::Survey;
+use super::sink::into_log;
+use super::survey::{Survey, into_survey};
 use super::{Log, LogError, Selection};
 pub(super) use reader::run;
 
 /// How a message, and with it a file, begins.
-pub const MAGIC: [u8; 2] = [0xA3, 0x95];
+pub const MAGIC: [u8; 2] = crate::format::DATAFLASH_MAGIC;
 
 /// Reads a log. `source` is its name in messages and reports.
 ///

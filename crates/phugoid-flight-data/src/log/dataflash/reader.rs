@@ -3,14 +3,14 @@
 use std::collections::{BTreeMap, HashMap};
 use std::io::Read;
 
-use super::MAGIC;
 use super::format::{Format, HEADER, Purpose, Stamp, Tables};
+use crate::format::DATAFLASH_MAGIC as MAGIC;
 use crate::log::sink::{Full, Head, Sink};
 use crate::log::skipped::Skipped;
 use crate::log::utc;
 use crate::log::window::Window;
 use crate::log::{LogError, Message};
-use crate::quality::{Short, plural};
+use crate::wording::{Short, plural};
 
 /// The longest message; lengths are one byte.
 const LONGEST: usize = 255;

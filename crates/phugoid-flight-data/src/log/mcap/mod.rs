@@ -13,13 +13,13 @@ mod records;
 
 use std::io::Read;
 
-use super::read::{into_log, into_survey};
-use super::survey::Survey;
+use super::sink::into_log;
+use super::survey::{Survey, into_survey};
 use super::{Log, LogError, Selection};
 pub(super) use records::run;
 
 /// How an MCAP file begins.
-pub const MAGIC: [u8; 8] = *b"\x89MCAP0\r\n";
+pub const MAGIC: [u8; 8] = crate::format::MCAP_MAGIC;
 
 /// Reads the messages in JSON. `source` is the file's name in messages and reports.
 ///

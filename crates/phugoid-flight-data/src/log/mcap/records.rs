@@ -8,10 +8,12 @@ use ::mcap::records::{MessageHeader, Record, op};
 
 use super::chunk::{self, LONGEST};
 use super::flatten::flatten;
-use super::{LogError, MAGIC};
-use crate::columns::cut;
+use crate::format::MCAP_MAGIC as MAGIC;
+use crate::log::LogError;
 use crate::log::sink::{Full, Head, Sink, Stream};
-use crate::quality::{QualityReport, plural};
+use crate::quality::QualityReport;
+use crate::wording::cut;
+use crate::wording::plural;
 
 /// The longest message read, bytes: a document in memory is many times its text.
 const LONGEST_MESSAGE: usize = 4 << 20;

@@ -1,6 +1,6 @@
 //! Is this a message? A log has no check sums: the length has to fit the kind, and the contents the definitions.
 
-use super::Definitions;
+use super::definitions::Definitions;
 use super::format;
 
 /// Bytes before the payload: its size and the kind.

@@ -6,20 +6,20 @@
 //!
 //! Times are seconds from the log's start as its head gives it. The format has no units; the profiles know them.
 
+mod definitions;
 mod format;
 mod message;
 mod reader;
 
 use std::io::Read;
 
-use self::format::Formats;
-use super::read::{into_log, into_survey};
-use super::survey::Survey;
+use super::sink::into_log;
+use super::survey::{Survey, into_survey};
 use super::{Log, LogError, Selection};
 pub(super) use reader::run;
 
 /// How a ULog file begins.
-pub const MAGIC: [u8; 7] = [b'U', b'L', b'o', b'g', 0x01, 0x12, 0x35];
+pub const MAGIC: [u8; 7] = crate::format::ULOG_MAGIC;
 
 /// Reads a log. `source` is its name in messages and reports.
 ///
@@ -36,21 +36,4 @@ pub fn read(reader: impl Read, source: &str, selection: &Selection) -> Result<Lo
 /// As [`read()`]; there is no bound on its length.
 pub fn survey(reader: impl Read, source: &str) -> Result<Survey, LogError> {
     into_survey(|sink| run(reader, source, sink))
-}
-
-/// What was defined so far.
-#[derive(Debug, Default)]
-struct Definitions {
-    formats: Formats,
-    /// By the number under which a topic is logged.
-    topics: Vec<Option<Box<reader::Subscription>>>,
-}
-
-impl Definitions {
-    /// Least and greatest size of a sample of this number.
-    #[inline]
-    fn sizes(&self, id: u16) -> Option<(usize, usize)> {
-        let topic = self.topics.get(usize::from(id))?.as_ref()?;
-        Some((topic.layout.least, topic.layout.most))
-    }
 }

@@ -2,17 +2,18 @@
 
 use std::collections::{BTreeMap, HashMap};
 use std::io::Read;
-use std::rc::Rc;
 
-use super::format::{self, Layout};
+use super::definitions::{Definitions, State, Subscription};
+use super::format;
 use super::message::{self, HEADER, LONGEST, Trust};
-use super::{Definitions, MAGIC};
+use crate::format::ULOG_MAGIC as MAGIC;
 use crate::log::decode::{Kind, Place, Scale};
-use crate::log::sink::{Full, Head, Sink, Stream};
+use crate::log::sink::{Full, Head, Sink};
 use crate::log::skipped::Skipped;
 use crate::log::window::Window;
 use crate::log::{LogError, Message};
-use crate::quality::{QualityReport, Short, plural};
+use crate::quality::QualityReport;
+use crate::wording::{Short, plural};
 
 /// Texts, changes and pieces of information that are kept; far more than a flight has.
 const MOST_TEXTS: usize = 10_000;
@@ -20,29 +21,6 @@ const MOST_TEXTS: usize = 10_000;
 const LONGEST_TEXT: usize = 400;
 /// Dropouts and changes that are named one by one.
 const SHOWN: usize = 5;
-
-/// A topic under its number.
-#[derive(Debug)]
-pub(super) struct Subscription {
-    name: String,
-    instance: u16,
-    pub(super) layout: Rc<Layout>,
-    state: State,
-    /// The clock of a satellite receiver, where the topic has one.
-    utc: Option<Place>,
-}
-
-#[derive(Debug)]
-enum State {
-    /// No sample yet.
-    Announced,
-    /// Nothing of it is wanted, or it has no time.
-    Unwanted,
-    Open {
-        stream: Stream,
-        places: Vec<Place>,
-    },
-}
 
 /// Reads all messages into the sink; none if the sink is full.
 pub(in crate::log) fn run<R: Read, S: Sink>(reader: R, source: &str, sink: &mut S) -> Result<Option<Head>, LogError> {

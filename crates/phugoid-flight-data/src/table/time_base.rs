@@ -1,7 +1,8 @@
 //! One strictly increasing time base out of whatever the file has.
 
-use crate::quality::{Counted, Lines, QualityReport, Short, plural};
+use crate::quality::QualityReport;
 use crate::table::TableError;
+use crate::wording::{Counted, Lines, Short, plural};
 
 /// Rows as read: a finite time, the line (or row) in the file, and one value per channel.
 pub(crate) struct Table {

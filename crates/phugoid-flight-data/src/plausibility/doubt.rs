@@ -1,14 +1,4 @@
-//! Units and signs that cannot be, or hardly: said, never changed.
-//!
-//! The checks use only physics that every aircraft shares: how large its angles are, that the attitude is the integral
-//! of its rate, that an accelerometer in steady flight shows one g upwards, that speed and path angle give the climb.
-//! They look at quantiles, medians and regressions, so that single wild values raise no alarm.
-
-mod accelerations;
-mod air_data;
-mod motion;
-mod robust;
-mod sizes;
+//! What a check found.
 
 use std::fmt;
 
@@ -60,68 +50,50 @@ impl From<Doubt> for Finding {
     }
 }
 
-/// Looks for units and signs that are wrong; one finding per cause.
-///
-/// Channels that are missing, or not as long as the time, are passed over.
-pub fn check(record: &Record) -> Vec<Doubt> {
-    let mut doubts = Doubts { record, found: Vec::new() };
-    sizes::angles(&mut doubts);
-    sizes::others(&mut doubts);
-    motion::attitude_and_rate(&mut doubts, "phi", "p");
-    motion::attitude_and_rate(&mut doubts, "theta", "q");
-    motion::angle_of_attack(&mut doubts);
-    accelerations::vertical(&mut doubts);
-    accelerations::load_factor(&mut doubts);
-    air_data::density(&mut doubts);
-    air_data::climb(&mut doubts);
-    air_data::turning(&mut doubts);
-    doubts.found
-}
-
 /// The findings so far, and the record that they are about.
-struct Doubts<'a> {
-    record: &'a Record,
-    found: Vec<Doubt>,
+pub(super) struct Doubts<'a> {
+    pub(super) record: &'a Record,
+    pub(super) found: Vec<Doubt>,
 }
 
 impl<'a> Doubts<'a> {
     /// Values of a channel, if it is there and as long as the time.
-    fn values(&self, name: &str) -> Option<&'a [f64]> {
+    pub(super) fn values(&self, name: &str) -> Option<&'a [f64]> {
         let values = &self.record.channel(name)?.values;
         (values.len() == self.record.time.len()).then_some(values)
     }
 
-    fn time(&self) -> &'a [f64] {
+    pub(super) fn time(&self) -> &'a [f64] {
         &self.record.time
     }
 
     /// Unit in which the file gave a channel; none for a record made in memory.
-    fn unit(&self, name: &str) -> Option<&'a str> {
+    pub(super) fn unit(&self, name: &str) -> Option<&'a str> {
         self.record.quality.channels.iter().find(|entry| entry.name == name).map(|entry| entry.unit.as_str())
     }
 
-    fn any(&self, channels: &[&str]) -> bool {
+    pub(super) fn any(&self, channels: &[&str]) -> bool {
         self.found.iter().any(|doubt| doubt.channels.iter().any(|name| channels.contains(&name.as_str())))
     }
 
-    fn is_certain(&self, channel: &str) -> bool {
+    pub(super) fn is_certain(&self, channel: &str) -> bool {
         self.found.iter().any(|doubt| doubt.certainty == Certainty::Certain && doubt.channels == [channel])
     }
 
-    fn add(&mut self, channels: &[&str], certainty: Certainty, message: String) {
+    pub(super) fn add(&mut self, channels: &[&str], certainty: Certainty, message: String) {
         let channels = channels.iter().map(|name| (*name).to_owned()).collect();
         self.found.push(Doubt { channels, certainty, message });
     }
 
     /// Like `add`, in place of what was said before about these channels alone: it had the same cause.
-    fn replace(&mut self, channels: &[&str], certainty: Certainty, message: String) {
+    pub(super) fn replace(&mut self, channels: &[&str], certainty: Certainty, message: String) {
         self.found.retain(|doubt| !(doubt.channels.len() == 1 && channels.contains(&doubt.channels[0].as_str())));
         self.add(channels, certainty, message);
     }
 }
 
 /// What to do about a channel that is in degrees and was read as radians.
-fn write_degrees(channel: &str, unit: &str) -> String {
+pub(super) fn write_degrees(channel: &str, unit: &str) -> String {
     let suffix = unit.replace('/', "_");
     format!(
         "If it is in {unit}, name the column `{channel}_{suffix}`, or give its unit in the model file: [channels] \

@@ -3,11 +3,12 @@
 use std::collections::HashMap;
 
 use crate::channels::{self, ChannelSpec};
-use crate::header::{self, Conflict, Doubt, Meaning};
-use crate::quality::{QualityReport, Short};
+use crate::quality::QualityReport;
 use crate::record::Quantity;
+use crate::table::header::{self, Conflict, Doubt, Meaning};
 use crate::table::{ColumnMapping, TableError, TableOptions};
 use crate::units::{self, Unit};
+use crate::wording::{Short, list};
 
 /// The most columns accepted.
 pub(crate) const MOST_COLUMNS: usize = 5000;
@@ -453,21 +454,5 @@ fn no_time(head: &Head<'_>) -> TableError {
         line: head.line,
         headers: list(head.headers),
         nearest: nearest.unwrap_or_default(),
-    }
-}
-
-/// The headers in one line, cut to what a screen shows.
-pub(crate) fn list(headers: &[String]) -> String {
-    const SHOWN: usize = 20;
-    let shown: Vec<String> = headers.iter().take(SHOWN).map(|header| cut(header, 40)).collect();
-    let more = headers.len().saturating_sub(SHOWN);
-    if more > 0 { format!("{}, ... and {more} more", shown.join(", ")) } else { shown.join(", ") }
-}
-
-/// At most `length` characters of a text, for messages.
-pub(crate) fn cut(text: &str, length: usize) -> String {
-    match text.char_indices().nth(length) {
-        Some((end, _)) => format!("{}...", text.get(..end).unwrap_or_default()),
-        None => text.to_owned(),
     }
 }

@@ -1,9 +1,9 @@
 //! Stuck channels and spikes: counted and said, never changed.
 
 use crate::channels;
-use crate::quality::{Short, plural};
 use crate::record::{Channel, Record};
 use crate::statistics::{Rank, quantile};
+use crate::wording::{Short, plural};
 
 /// Notes on constant channels, frozen stretches and lone outliers.
 pub(crate) fn check(record: &mut Record) {
