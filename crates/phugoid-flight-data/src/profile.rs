@@ -1,4 +1,4 @@
-//! Profiles: which topics and fields of a log or a stream are which channels. They are data, `data/profiles/*.toml`.
+//! Profiles: which topics and fields of a log or a stream are which channels. They are data, `profiles/*.toml`.
 //!
 //! ```toml
 //! name = "PX4"
@@ -16,7 +16,7 @@
 //! sources = [{ field = "vehicle_air_data.rho", unit = "kg/m^3", note = "as PX4 computes it" }]
 //! ```
 //!
-//! `data/profiles/px4.toml` tells every key. The units of a log's own metadata win over those of the profile, and the mappings
+//! `profiles/px4.toml` tells every key. The units of a log's own metadata win over those of the profile, and the mappings
 //! of a model file over both.
 
 use std::collections::BTreeMap;
@@ -132,7 +132,7 @@ impl Profile {
     /// # Errors
     /// None in a build that passed its tests; the profile is part of the library.
     pub fn px4() -> Result<Self, ProfileError> {
-        Self::parse("px4.toml", include_str!("../../../data/profiles/px4.toml"))
+        Self::parse("px4.toml", include_str!("../profiles/px4.toml"))
     }
 
     /// ArduPilot, fixed wing.
@@ -140,7 +140,7 @@ impl Profile {
     /// # Errors
     /// As [`Profile::px4`].
     pub fn ardupilot() -> Result<Self, ProfileError> {
-        Self::parse("ardupilot.toml", include_str!("../../../data/profiles/ardupilot.toml"))
+        Self::parse("ardupilot.toml", include_str!("../profiles/ardupilot.toml"))
     }
 
     /// MAVLink, where a topic is a message and units are those of the protocol's definitions.
@@ -148,7 +148,7 @@ impl Profile {
     /// # Errors
     /// As [`Profile::px4`].
     pub fn mavlink() -> Result<Self, ProfileError> {
-        Self::parse("mavlink.toml", include_str!("../../../data/profiles/mavlink.toml"))
+        Self::parse("mavlink.toml", include_str!("../profiles/mavlink.toml"))
     }
 
     /// Reads a profile. `name` is its file's, for messages.
