@@ -1,4 +1,16 @@
-//! What a reader found in a record, mended and left out.
+//! The quality report: what a reader found in a file, what it assumed, converted and left out.
+//!
+//! ```
+//! use phugoid_flight_data::csv::{self, CsvOptions};
+//! let text = "time_s,alpha\n0.0,0.05\n0.1,0.06\n0.1,0.06\n0.2,\n"; // no unit, a double row, a missing value
+//! let record = csv::read(text.as_bytes(), "flight.csv", &CsvOptions::default())?;
+//! let quality = &record.quality;
+//! assert_eq!((quality.rows_read, quality.rows_kept), (4, 3));
+//! assert!(quality.warnings().any(|finding| finding.message.contains("no unit is written")));
+//! let alpha = quality.channels.iter().find(|channel| channel.name == "alpha").expect("alpha was read");
+//! assert!(alpha.unit_assumed && alpha.missing == 1);
+//! # Ok::<(), csv::ReadError>(())
+//! ```
 
 use std::fmt;
 
@@ -10,24 +22,24 @@ use crate::wording::Short;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Severity {
-    /// Worth knowing; nothing was changed.
+    /// Worth knowing; results are not affected.
     Note,
-    /// Data were converted, dropped or mended; results hold with that in mind.
+    /// Data were left out, changed or assumed, or are probably wrong: check it before results are trusted.
     Warning,
 }
 
-/// One finding.
+/// One thing that a reader or a check found in the data.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Finding {
-    /// How much it matters.
+    /// Whether it may affect results.
     pub severity: Severity,
-    /// Where: a channel, a row, a time span; empty for the whole record.
+    /// Where it was found: a channel, a column, rows or a span of time; empty if it concerns the whole record.
     pub place: String,
-    /// What was found, what was done about it, and what the user can do.
+    /// What was found, what was done about it, and what the user can do, as a sentence.
     pub message: String,
 }
 
-/// Where one channel came from and what is missing in it.
+/// Where one channel came from, how it was converted, and how much of it is missing.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ChannelQuality {
     /// Canonical name, as in the record.
@@ -36,24 +48,24 @@ pub struct ChannelQuality {
     pub header: String,
     /// The unit it was converted from, e.g. `deg`; `-` for a pure number.
     pub unit: String,
-    /// Was the unit assumed, because none was written?
+    /// True if the file states no unit and SI was assumed.
     pub unit_assumed: bool,
-    /// The factor of an explicit mapping (its sign or scale); 1 otherwise.
+    /// The factor of an explicit mapping, by which values were multiplied before the unit was converted; 1 otherwise.
     pub scale: f64,
     /// Values missing among the rows kept: empty cells, NaN, infinities and text.
     pub missing: usize,
-    /// Values that stand alone far away from their neighbours (kept as they are).
+    /// Number of single values far away from both neighbours; they are kept as they are.
     pub spikes: usize,
 }
 
-/// Data-quality section of a record.
+/// The quality report of a record or a log. Its `Display` form is a text of one line per finding.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct QualityReport {
-    /// Data rows read.
+    /// Number of data rows that the file has.
     pub rows_read: usize,
-    /// Rows kept in the record.
+    /// Number of rows that are in the record.
     pub rows_kept: usize,
-    /// Median sample time, s.
+    /// Median time from one row to the next, s; 0 if not known.
     pub sample_time_s: f64,
     /// Findings in the order in which they were made.
     pub findings: Vec<Finding>,
@@ -63,17 +75,17 @@ pub struct QualityReport {
 }
 
 impl QualityReport {
-    /// Adds a [`Severity::Note`].
+    /// Adds a finding of [`Severity::Note`].
     pub fn note(&mut self, place: impl Into<String>, message: impl Into<String>) {
         self.findings.push(Finding { severity: Severity::Note, place: place.into(), message: message.into() });
     }
 
-    /// Adds a [`Severity::Warning`].
+    /// Adds a finding of [`Severity::Warning`].
     pub fn warn(&mut self, place: impl Into<String>, message: impl Into<String>) {
         self.findings.push(Finding { severity: Severity::Warning, place: place.into(), message: message.into() });
     }
 
-    /// The warnings alone.
+    /// The findings of [`Severity::Warning`], in their order.
     pub fn warnings(&self) -> impl Iterator<Item = &Finding> {
         self.findings.iter().filter(|finding| finding.severity == Severity::Warning)
     }

@@ -1,12 +1,12 @@
-//! What of a log was damaged and left out.
+//! Counts the damaged parts of a log that were skipped, and reports them.
 
 use crate::quality::QualityReport;
 use crate::wording::plural;
 
-/// How many places are named one by one.
+/// Number of places that are reported one by one.
 const SHOWN: usize = 10;
 
-/// Stretches of a file that are no messages.
+/// The skipped parts of a file.
 #[derive(Debug, Default)]
 pub(super) struct Skipped {
     places: Vec<(u64, u64)>,
@@ -16,7 +16,7 @@ pub(super) struct Skipped {
 }
 
 impl Skipped {
-    /// Leaves out `bytes` from `offset` on; stretches that touch are one.
+    /// Adds a skipped part of `bytes` from `offset` on; adjoining parts are counted as one.
     pub(super) fn add(&mut self, offset: u64, bytes: u64) {
         if bytes == 0 {
             return;

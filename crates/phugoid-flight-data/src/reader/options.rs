@@ -3,21 +3,21 @@
 use crate::profile::Profile;
 use crate::table::{ColumnMapping, TableOptions};
 
-/// How a flight is to be read. The default reads every file that explains itself.
+/// How a flight is to be read. The default reads every file whose headers, or whose profile, name the channels.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ReadOptions {
-    /// Mappings by hand, the bound on memory, what is a gap.
+    /// Mappings by hand, the bound on memory, and what is reported as a gap.
     pub table: TableOptions,
-    /// Text only: the character between cells.
+    /// CSV only: the character between cells; found automatically if not given.
     pub delimiter: Option<char>,
-    /// Logs only: which fields are which channels; the built-in profile of the format if not given.
+    /// Logs only: which fields are which channels. If not given, the built-in profile of the format is used.
     pub profile: Option<Profile>,
-    /// Logs only: the topic whose times the record takes; the profile's choice if not given.
+    /// Logs only: the topic whose times become the times of the record. If not given, the profile chooses.
     pub time_base: Option<String>,
 }
 
 impl ReadOptions {
-    /// The default with these mappings.
+    /// The default options with these mappings.
     pub fn with_columns(columns: Vec<ColumnMapping>) -> Self {
         Self { table: TableOptions { columns, ..TableOptions::default() }, ..Self::default() }
     }

@@ -150,13 +150,13 @@ pub(crate) fn plan(head: &Head<'_>, options: &TableOptions, report: &mut Quality
         return Err(no_time(head));
     }
     for column in uses.iter().filter(|column| column.unit_assumed) {
-        say_assumed(column, report);
+        report_assumed_unit(column, report);
     }
     Ok(Plan { time, channels: uses })
 }
 
 /// The warning about a column without a unit.
-pub(crate) fn say_assumed(column: &ColumnUse, report: &mut QualityReport) {
+pub(crate) fn report_assumed_unit(column: &ColumnUse, report: &mut QualityReport) {
     let quantity = column.unit.quantity;
     let header = &column.header;
     let other = units::UNITS.iter().filter(|unit| unit.quantity == quantity).nth(1).map(|unit| unit.symbol);
