@@ -22,7 +22,7 @@ impl fmt::Display for Short {
     }
 }
 
-/// What a place in a table is counted in: lines of a text file, as an editor shows them, or rows of numbers; from 1.
+/// What a place in a table is counted in, from 1: lines of a text file, as an editor shows them, or rows of numbers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum Counted {
     #[default]
@@ -46,7 +46,7 @@ impl Counted {
     }
 }
 
-/// How many, and the line (or row) numbers of the first few.
+/// A count of lines or rows, with the numbers of the first few.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Lines {
     counted: Counted,
@@ -72,7 +72,7 @@ impl Lines {
         self.count
     }
 
-    /// `line 7`, `rows 7, 9, 12` or `lines 7, 9, ... (40 in all)`.
+    /// The lines as text: `line 7`, `rows 7, 9, 12` or `lines 7, 9, ... (40 in all)`.
     pub(crate) fn place(&self) -> String {
         let shown: Vec<_> = self.first.iter().map(usize::to_string).collect();
         let shown = shown.join(", ");
@@ -86,12 +86,12 @@ impl Lines {
     }
 }
 
-/// `1 row`, `2 rows`.
+/// A count with its noun: `1 row`, `2 rows`.
 pub(crate) fn plural(count: usize, what: &str) -> String {
     format!("{count} {what}{}", if count == 1 { "" } else { "s" })
 }
 
-/// The headers in one line, cut to what a screen shows.
+/// The headers in one line, at most 20 of them, for messages.
 pub(crate) fn list(headers: &[String]) -> String {
     const SHOWN: usize = 20;
     let shown: Vec<String> = headers.iter().take(SHOWN).map(|header| cut(header, 40)).collect();

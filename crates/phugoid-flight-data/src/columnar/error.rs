@@ -1,4 +1,4 @@
-//! Why a Parquet or Arrow file could not be read.
+//! Errors of reading Parquet and Arrow files.
 
 use crate::table::TableError;
 

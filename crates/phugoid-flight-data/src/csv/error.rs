@@ -1,4 +1,4 @@
-//! Why a file could not be read or written.
+//! Errors of reading and writing CSV.
 
 use crate::table::TableError;
 

@@ -9,7 +9,7 @@ use crate::quality::QualityReport;
 use crate::units;
 use crate::wording::cut;
 
-/// How much of the beginning is looked at to find the layout, bytes.
+/// Number of bytes at the beginning from which the layout is found.
 const SAMPLE: usize = 64 * 1024;
 /// The longest line accepted, bytes.
 const LONGEST_LINE: usize = 1024 * 1024;
@@ -18,7 +18,7 @@ const LONGEST_LINE: usize = 1024 * 1024;
 pub(super) struct Row {
     pub(super) line: usize,
     pub(super) text: String,
-    /// Did it end with a line end?
+    /// True if a line end follows; false for the last line of a file without one.
     pub(super) ended: bool,
 }
 
@@ -81,7 +81,7 @@ impl<'s, R: Read> TextFile<'s, R> {
         self.format.cells(text, &mut scratch).into_iter().map(str::to_owned).collect()
     }
 
-    /// The header's line and cells, and a row that was read beyond it.
+    /// Line number and cells of the header, and the row after it if that had to be read to find the header.
     pub(super) fn header(
         &mut self,
         report: &mut QualityReport,
@@ -111,7 +111,7 @@ impl<'s, R: Read> TextFile<'s, R> {
         Err(ReadError::NoHeader { source_name: self.source.to_owned(), line: first.line, found: cut(&first.text, 60) })
     }
 
-    /// A row of units below the header, if there is one, else the row that was read in looking for it.
+    /// The row of units below the header, if there is one, else the first row of data, which had to be read.
     pub(super) fn unit_row(
         &mut self,
         headers: &[String],

@@ -1,4 +1,4 @@
-//! Why a MATLAB file could not be read.
+//! Errors of reading MATLAB files.
 
 use crate::table::TableError;
 

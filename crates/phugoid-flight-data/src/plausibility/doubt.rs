@@ -1,32 +1,32 @@
-//! What a check found.
+//! The findings of the checks.
 
 use std::fmt;
 
 use crate::quality::{Finding, Severity};
 use crate::record::Record;
 
-/// How sure a check is.
+/// How certain it is that a unit or sign is wrong.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Certainty {
-    /// Unusual, but a flight can look like this.
+    /// The values are unusual, but a flight can look like this.
     Doubtful,
-    /// No flight looks like this.
+    /// No flight can look like this.
     Certain,
 }
 
-/// Channels whose unit or sign looks wrong.
+/// Channels whose unit or sign is implausible.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Doubt {
-    /// The channel to blame; several where they contradict one another and any of them may be wrong.
+    /// The channel that is wrong; several if they contradict each other and any of them may be wrong.
     pub channels: Vec<String>,
-    /// How sure.
+    /// How certain it is that they are wrong.
     pub certainty: Certainty,
-    /// What was found, what was expected, what to do.
+    /// What was found, what was expected, and what the user can do, as a sentence without its subject.
     pub message: String,
 }
 
 impl Doubt {
-    /// The channels in words: `alpha`, `theta and q`.
+    /// The names of the channels in a phrase: `alpha`, `theta and q`.
     pub fn place(&self) -> String {
         self.channels.join(" and ")
     }
@@ -40,7 +40,7 @@ impl fmt::Display for Doubt {
 }
 
 impl From<Doubt> for Finding {
-    /// A warning if it is certain, else a note.
+    /// Makes a warning if it is certain, else a note.
     fn from(doubt: Doubt) -> Self {
         let severity = match doubt.certainty {
             Certainty::Certain => Severity::Warning,
@@ -50,14 +50,14 @@ impl From<Doubt> for Finding {
     }
 }
 
-/// The findings so far, and the record that they are about.
+/// The record that is checked, and the findings so far.
 pub(super) struct Doubts<'a> {
     pub(super) record: &'a Record,
     pub(super) found: Vec<Doubt>,
 }
 
 impl<'a> Doubts<'a> {
-    /// Values of a channel, if it is there and as long as the time.
+    /// The values of a channel, if the record has it and it is as long as the time.
     pub(super) fn values(&self, name: &str) -> Option<&'a [f64]> {
         let values = &self.record.channel(name)?.values;
         (values.len() == self.record.time.len()).then_some(values)
@@ -67,7 +67,7 @@ impl<'a> Doubts<'a> {
         &self.record.time
     }
 
-    /// Unit in which the file gave a channel; none for a record made in memory.
+    /// The unit that the channel had in the file; `None` for a record that was filled in memory.
     pub(super) fn unit(&self, name: &str) -> Option<&'a str> {
         self.record.quality.channels.iter().find(|entry| entry.name == name).map(|entry| entry.unit.as_str())
     }
@@ -85,14 +85,14 @@ impl<'a> Doubts<'a> {
         self.found.push(Doubt { channels, certainty, message });
     }
 
-    /// Like `add`, in place of what was said before about these channels alone: it had the same cause.
+    /// As `add`, but replaces earlier findings about one of these channels alone, because they have the same cause.
     pub(super) fn replace(&mut self, channels: &[&str], certainty: Certainty, message: String) {
         self.found.retain(|doubt| !(doubt.channels.len() == 1 && channels.contains(&doubt.channels[0].as_str())));
         self.add(channels, certainty, message);
     }
 }
 
-/// What to do about a channel that is in degrees and was read as radians.
+/// The advice for a channel that is in degrees and was read as radians.
 pub(super) fn write_degrees(channel: &str, unit: &str) -> String {
     let suffix = unit.replace('/', "_");
     format!(
