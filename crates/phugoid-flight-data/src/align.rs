@@ -23,7 +23,7 @@ use serde::Serialize;
 
 /// Largest number of values of a channel that wait for their base time; the oldest is dropped beyond it. No base step of a
 /// real flight holds nearly as many.
-const MOST_WAITING: usize = 4096;
+const MAX_WAITING: usize = 4096;
 
 /// For how long a value of a channel is used.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -123,7 +123,7 @@ impl Aligner {
         // Nearly always 0: of a source that keeps the order no value has to be searched for.
         let behind = channel.waiting.iter().rev().take_while(|(stamp, _)| *stamp > time_s).count();
         channel.waiting.insert(channel.waiting.len() - behind, (time_s, value));
-        if channel.waiting.len() > MOST_WAITING
+        if channel.waiting.len() > MAX_WAITING
             && let Some((_, lost)) = channel.waiting.pop_front()
         {
             channel.statistics.refused += usize::from(!lost.is_nan());

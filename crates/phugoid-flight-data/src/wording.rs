@@ -55,7 +55,7 @@ pub(crate) struct Lines {
 }
 
 impl Lines {
-    const SHOWN: usize = 8;
+    const MAX_SHOWN: usize = 8;
 
     pub(crate) fn of(counted: Counted) -> Self {
         Self { counted, ..Self::default() }
@@ -63,7 +63,7 @@ impl Lines {
 
     pub(crate) fn add(&mut self, line: usize) {
         self.count += 1;
-        if self.first.len() < Self::SHOWN {
+        if self.first.len() < Self::MAX_SHOWN {
             self.first.push(line);
         }
     }
@@ -93,9 +93,9 @@ pub(crate) fn plural(count: usize, what: &str) -> String {
 
 /// The headers in one line, at most 20 of them, for messages.
 pub(crate) fn list(headers: &[String]) -> String {
-    const SHOWN: usize = 20;
-    let shown: Vec<String> = headers.iter().take(SHOWN).map(|header| cut(header, 40)).collect();
-    let more = headers.len().saturating_sub(SHOWN);
+    const MAX_SHOWN: usize = 20;
+    let shown: Vec<String> = headers.iter().take(MAX_SHOWN).map(|header| cut(header, 40)).collect();
+    let more = headers.len().saturating_sub(MAX_SHOWN);
     if more > 0 { format!("{}, ... and {more} more", shown.join(", ")) } else { shown.join(", ") }
 }
 

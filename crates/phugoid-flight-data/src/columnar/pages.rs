@@ -8,7 +8,7 @@ use std::io::{BufReader, Read};
 use ::parquet::file::reader::ChunkReader;
 
 /// Structs are never nested deeper than this in a page header.
-const DEEPEST: usize = 8;
+const MAX_DEPTH: usize = 8;
 /// The longest header that is read, bytes; statistics in it may hold text.
 const LONGEST_HEADER: u64 = 1 << 20;
 
@@ -126,7 +126,7 @@ impl<R: Read> Thrift<R> {
     }
 
     fn skip(&mut self, kind: u8, depth: usize) -> Result<(), String> {
-        if depth > DEEPEST {
+        if depth > MAX_DEPTH {
             return Err("a page header of structs within structs".into());
         }
         match kind {

@@ -18,7 +18,7 @@ use crate::table::TableOptions;
 /// Number of rows per batch: a few thousand need little memory and few calls.
 const BATCH: usize = 8192;
 /// Number of damaged groups that are reported one by one.
-const MOST_FINDINGS: usize = 10;
+const MAX_FINDINGS: usize = 10;
 
 /// Reads every group of rows; of a damaged one the rows before the damage are kept. `open` opens the file, once for each group.
 pub(crate) fn read<R: ChunkReader + 'static>(
@@ -49,7 +49,7 @@ pub(crate) fn read<R: ChunkReader + 'static>(
         let Some(problem) = problem else { continue };
         lost += 1;
         let place = format!("row group {} of {groups}", group + 1);
-        if lost <= MOST_FINDINGS {
+        if lost <= MAX_FINDINGS {
             report.warn(&place, format!("damaged ({problem}); the rows of it that could not be read are left out"));
         }
         first.get_or_insert((place, problem));

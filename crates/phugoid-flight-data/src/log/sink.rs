@@ -7,11 +7,11 @@ use super::{Field, Log, LogError, Message, Selection, Topic};
 use crate::quality::QualityReport;
 
 /// Largest number of fields of one topic; further ones are left out with a warning.
-const MOST_FIELDS: usize = 4096;
+const MAX_FIELDS: usize = 4096;
 /// Largest number of fields of all topics together.
-const MOST_FIELDS_IN_ALL: usize = 200_000;
+const MAX_FIELDS_IN_ALL: usize = 200_000;
 /// Largest number of topics, each instance counted.
-const MOST_TOPICS: usize = 4096;
+const MAX_TOPICS: usize = 4096;
 
 /// What a reader learns about a log apart from its samples.
 #[derive(Clone, Debug, Default)]
@@ -94,7 +94,7 @@ impl Layout {
         let (next, key) = (self.topics.len(), (topic.to_owned(), instance));
         let index = match self.topics.get(&key) {
             Some(&index) => index,
-            None if next < MOST_TOPICS => {
+            None if next < MAX_TOPICS => {
                 self.topics.insert(key, next);
                 self.columns.push(HashMap::new());
                 next
@@ -111,7 +111,7 @@ impl Layout {
             let next = columns.len();
             let column = match columns.get(name) {
                 Some(&column) => column,
-                None if next < MOST_FIELDS && self.fields < MOST_FIELDS_IN_ALL => {
+                None if next < MAX_FIELDS && self.fields < MAX_FIELDS_IN_ALL => {
                     columns.insert(name.clone(), next);
                     self.fields += 1;
                     next
@@ -138,11 +138,11 @@ impl Layout {
         for (topic, count) in &self.left_out {
             quality.warn(
                 topic.as_str(),
-                format!("{count} fields left out: a topic may have {MOST_FIELDS} fields, a log {MOST_FIELDS_IN_ALL}"),
+                format!("{count} fields left out: a topic may have {MAX_FIELDS} fields, a log {MAX_FIELDS_IN_ALL}"),
             );
         }
         if self.topics_left_out > 0 {
-            quality.warn("", format!("{} topics left out: a log may have {MOST_TOPICS}", self.topics_left_out));
+            quality.warn("", format!("{} topics left out: a log may have {MAX_TOPICS}", self.topics_left_out));
         }
     }
 }
@@ -203,7 +203,7 @@ impl<'s> Tables<'s> {
 impl Sink for Tables<'_> {
     fn open(&mut self, topic: &str, instance: u16, fields: &[String]) -> Option<Stream> {
         if !self.selection.has_topic(topic, instance) {
-            if self.others.len() < MOST_TOPICS && !self.others.iter().any(|other| other == topic) {
+            if self.others.len() < MAX_TOPICS && !self.others.iter().any(|other| other == topic) {
                 self.others.push(topic.to_owned());
             }
             return None;

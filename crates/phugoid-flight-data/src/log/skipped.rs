@@ -4,7 +4,7 @@ use crate::quality::QualityReport;
 use crate::wording::plural;
 
 /// Number of places that are reported one by one.
-const SHOWN: usize = 10;
+const MAX_SHOWN: usize = 10;
 
 /// The skipped parts of a file.
 #[derive(Debug, Default)]
@@ -28,7 +28,7 @@ impl Skipped {
             }
         } else {
             self.count += 1;
-            if self.places.len() < SHOWN {
+            if self.places.len() < MAX_SHOWN {
                 self.places.push((offset, bytes));
             }
         }
@@ -50,11 +50,11 @@ impl Skipped {
                 ),
             );
         }
-        if self.count > SHOWN {
+        if self.count > MAX_SHOWN {
             quality.warn(
                 "",
                 format!(
-                    "{} skipped in {}; the first {SHOWN} are listed",
+                    "{} skipped in {}; the first {MAX_SHOWN} are listed",
                     plural(self.bytes as usize, "byte"),
                     plural(self.count, "place")
                 ),
@@ -77,7 +77,7 @@ mod tests {
         skipped.report(&mut quality);
         assert_eq!(quality.findings[0].place, "byte 100");
         assert!(quality.findings[0].message.contains("12 bytes skipped up to byte 112"), "{quality}");
-        assert_eq!(quality.findings.len(), SHOWN + 1);
-        assert!(quality.findings[SHOWN].message.contains("32 bytes skipped in 21 places"), "{quality}");
+        assert_eq!(quality.findings.len(), MAX_SHOWN + 1);
+        assert!(quality.findings[MAX_SHOWN].message.contains("32 bytes skipped in 21 places"), "{quality}");
     }
 }

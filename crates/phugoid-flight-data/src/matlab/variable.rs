@@ -8,13 +8,13 @@ use super::ReadError;
 use super::element::{Input, Problem, Tag, bad, kind};
 use crate::quality::QualityReport;
 use crate::table::TableError;
-use crate::table::columns::MOST_COLUMNS;
+use crate::table::columns::MAX_COLUMNS;
 use crate::wording::cut;
 
 /// Structs that are nested deeper than this are left out.
-const DEEPEST: usize = 8;
+const MAX_DEPTH: usize = 8;
 /// Number of damaged variables that are reported one by one.
-const MOST_FINDINGS: usize = 20;
+const MAX_FINDINGS: usize = 20;
 /// The longest name or text kept, bytes.
 const LONGEST_TEXT: u64 = 1 << 16;
 
@@ -71,7 +71,7 @@ pub(super) fn read_all(
                     Problem::TooLarge { .. } => String::new(),
                 };
                 let rest = if outcome.resumes { "" } else { "; everything after it is lost too" };
-                if report.findings.len() < MOST_FINDINGS {
+                if report.findings.len() < MAX_FINDINGS {
                     report.warn(
                         format!("byte {offset}"),
                         format!("the variable that begins here is left out, it is damaged ({problem}){rest}"),
@@ -256,7 +256,7 @@ fn numeric(input: &mut Input<'_>, dimensions: &[usize], budget: &mut usize, name
     let (&[rows, columns], Some(count)) = (dimensions, count) else {
         return Ok(Value::Other(format!("an array of {}", in_words(dimensions))));
     };
-    if rows.min(columns) > MOST_COLUMNS {
+    if rows.min(columns) > MAX_COLUMNS {
         return Ok(Value::Other(format!("a matrix of {}", in_words(dimensions))));
     }
     let tag = input.tag()?;
@@ -285,7 +285,7 @@ pub(super) fn in_words(dimensions: &[usize]) -> String {
 fn characters(input: &mut Input<'_>, dimensions: &[usize]) -> Result<Value, Problem> {
     let &[rows, columns] = dimensions else { return Ok(Value::Other("an array of text".into())) };
     let tag = input.tag()?;
-    if tag.size > LONGEST_TEXT || rows > MOST_COLUMNS {
+    if tag.size > LONGEST_TEXT || rows > MAX_COLUMNS {
         return Ok(Value::Other("a long text".into()));
     }
     let mut units: Vec<u16> = Vec::new();
@@ -322,7 +322,7 @@ fn characters(input: &mut Input<'_>, dimensions: &[usize]) -> Result<Value, Prob
 fn cells(input: &mut Input<'_>, dimensions: &[usize], budget: &mut usize, depth: usize) -> Result<Value, Problem> {
     let other = || Ok(Value::Other("a cell array".into()));
     let count = dimensions.iter().try_fold(1_usize, |product, &size| product.checked_mul(size));
-    let Some(count) = count.filter(|&count| count <= MOST_COLUMNS && depth < DEEPEST) else { return other() };
+    let Some(count) = count.filter(|&count| count <= MAX_COLUMNS && depth < MAX_DEPTH) else { return other() };
     let mut list = Vec::new();
     for _ in 0..count {
         let tag = matrix_tag(input)?;
@@ -348,7 +348,7 @@ fn structs(input: &mut Input<'_>, dimensions: &[usize], budget: &mut usize, dept
     };
     let names: Vec<String> = bytes(input)?.chunks(length).map(to_text).collect();
     let count = dimensions.iter().try_fold(1_usize, |product, &size| product.checked_mul(size)).unwrap_or(0);
-    if depth >= DEEPEST || names.is_empty() || names.len() > MOST_COLUMNS || count == 0 {
+    if depth >= MAX_DEPTH || names.is_empty() || names.len() > MAX_COLUMNS || count == 0 {
         return Ok(Value::Other("a nested or empty struct".into()));
     }
     if count == 1 {

@@ -121,12 +121,12 @@ fn nearest<'a>(wanted: &str, names: impl Iterator<Item = &'a str>) -> Option<&'a
 
 /// The names of the topics of a log in one line, cut to 30, for messages.
 pub(super) fn present(log: &Log) -> String {
-    const SHOWN: usize = 30;
+    const MAX_SHOWN: usize = 30;
     let mut names: Vec<&str> =
         log.topics.iter().map(|topic| topic.name.as_str()).chain(log.others.iter().map(String::as_str)).collect();
     names.sort_unstable();
     names.dedup();
-    let more = names.len().saturating_sub(SHOWN);
-    names.truncate(SHOWN);
+    let more = names.len().saturating_sub(MAX_SHOWN);
+    names.truncate(MAX_SHOWN);
     if more > 0 { format!("{}, ... and {more} more", names.join(", ")) } else { names.join(", ") }
 }

@@ -11,7 +11,7 @@ use crate::units::{self, Unit};
 use crate::wording::{Short, list};
 
 /// The largest number of columns that a table may have.
-pub(crate) const MOST_COLUMNS: usize = 5000;
+pub(crate) const MAX_COLUMNS: usize = 5000;
 
 /// The head of a table: one header per column, and perhaps a row of units below.
 pub(crate) struct Head<'a> {
@@ -111,12 +111,12 @@ pub(crate) struct Plan {
 
 /// Decides for every column what it becomes, and reports what was assumed.
 pub(crate) fn plan(head: &Head<'_>, options: &TableOptions, report: &mut QualityReport) -> Result<Plan, TableError> {
-    if head.headers.len() > MOST_COLUMNS {
+    if head.headers.len() > MAX_COLUMNS {
         return Err(TableError::TooManyColumns {
             source_name: head.source.to_owned(),
             line: head.line,
             columns: head.headers.len(),
-            max_columns: MOST_COLUMNS,
+            max_columns: MAX_COLUMNS,
         });
     }
     let mut uses = Vec::new();

@@ -195,7 +195,7 @@ pub(crate) fn longest_rising(time: &[f64], rows: &[usize]) -> Vec<usize> {
 
 /// Reports gaps, missing rows and jitter of a strictly increasing time.
 pub(crate) fn report_steps(time: &[f64], median: f64, gap_factor: f64, report: &mut QualityReport) {
-    const SHOWN: usize = 10;
+    const MAX_SHOWN: usize = 10;
     if median <= 0.0 {
         return;
     }
@@ -207,7 +207,7 @@ pub(crate) fn report_steps(time: &[f64], median: f64, gap_factor: f64, report: &
         if step > gap_factor * median {
             gaps += 1;
             gap_time += step - median;
-            if gaps <= SHOWN {
+            if gaps <= MAX_SHOWN {
                 report.warn(
                     format!("{} s to {} s", Short(before), Short(after)),
                     format!(
@@ -226,9 +226,11 @@ pub(crate) fn report_steps(time: &[f64], median: f64, gap_factor: f64, report: &
             longest = longest.max(step);
         }
     }
-    if gaps > SHOWN {
-        report
-            .warn("", format!("{gaps} gaps in all, {} s without data; the first {SHOWN} are listed", Short(gap_time)));
+    if gaps > MAX_SHOWN {
+        report.warn(
+            "",
+            format!("{gaps} gaps in all, {} s without data; the first {MAX_SHOWN} are listed", Short(gap_time)),
+        );
     }
     if single > 0 {
         report

@@ -1,4 +1,4 @@
-//! What a log has defined so far: the layouts of messages, and which topic is logged under which number.
+//! The definitions of a log so far: the layouts of messages, and the topics with the numbers of their messages.
 
 use std::rc::Rc;
 
@@ -6,16 +6,16 @@ use super::format::{Formats, Layout};
 use crate::log::decode::Place;
 use crate::log::sink::Stream;
 
-/// What was defined so far.
+/// The definitions read so far.
 #[derive(Debug, Default)]
 pub(super) struct Definitions {
     pub(super) formats: Formats,
-    /// By the number under which a topic is logged.
+    /// The topics, indexed by the number that their messages carry.
     pub(super) topics: Vec<Option<Box<Subscription>>>,
 }
 
 impl Definitions {
-    /// Least and greatest size of a sample of this number.
+    /// Smallest and largest size of a sample with this number, bytes; `None` if the number is not known.
     #[inline]
     pub(super) fn sizes(&self, id: u16) -> Option<(usize, usize)> {
         let topic = self.topics.get(usize::from(id))?.as_ref()?;
@@ -23,25 +23,24 @@ impl Definitions {
     }
 }
 
-/// A topic under its number.
+/// A topic that the log has announced under a number.
 #[derive(Debug)]
 pub(super) struct Subscription {
     pub(super) name: String,
     pub(super) instance: u16,
     pub(super) layout: Rc<Layout>,
     pub(super) state: State,
-    /// The clock of a satellite receiver, where the topic has one.
+    /// The field with the UTC of a satellite receiver, if the topic has one.
     pub(super) utc: Option<Place>,
 }
 
+/// What is done with the samples of a topic.
 #[derive(Debug)]
 pub(super) enum State {
-    /// No sample yet.
+    /// No sample has come yet.
     Announced,
-    /// Nothing of it is wanted, or it has no time.
+    /// They are not selected, or have no time.
     Unwanted,
-    Open {
-        stream: Stream,
-        places: Vec<Place>,
-    },
+    /// They go to the sink.
+    Open { stream: Stream, places: Vec<Place> },
 }
