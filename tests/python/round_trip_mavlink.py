@@ -13,7 +13,7 @@ from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from common import EXAMPLES, same
 
-PROFILE = pathlib.Path(__file__).parents[2] / "data/profiles/mavlink.toml"
+PROFILE = pathlib.Path(__file__).parents[2] / "crates/phugoid-flight-data/profiles/mavlink.toml"
 MARKERS = {0xFD, 0xFE}
 WHOLE = {"uint8_t": (0, 2**8), "int8_t": (-(2**7), 2**7), "uint16_t": (0, 2**16), "int16_t": (-(2**15), 2**15), "uint32_t": (0, 2**32),
          "int32_t": (-(2**31), 2**31), "uint64_t": (0, 2**64), "int64_t": (-(2**63), 2**63)}

@@ -1,16 +1,16 @@
-//! From the airspeed that an autopilot shows to the true one.
+//! True airspeed from equivalent airspeed and the density of the air.
 //!
 //! An autopilot's airspeed is `sqrt(2 qc / rho0)` of the impact pressure `qc` and the density of the standard atmosphere at sea level
-//! (PX4 `calc_IAS`, ArduPilot `AP_Airspeed`), calibrated or not for the position of the probe: an equivalent airspeed, but for the
-//! compressibility of the air. True airspeed follows with the density of the air (Gracey, Measurement of Aircraft Speed and Altitude,
+//! (PX4 `calc_IAS`, ArduPilot `AP_Airspeed`), whether it is corrected for the position of the probe or not. Apart from the
+//! compressibility of the air this is an equivalent airspeed. True airspeed follows with the density of the air (Gracey, Measurement of Aircraft Speed and Altitude,
 //! NASA RP-1046, 1980, chapter III; PX4 `calc_TAS_from_CAS`):
 //!
 //! ```text
 //! V = V_e sqrt(rho0 / rho)        rho = p / (R T)
 //! ```
 //!
-//! What this leaves out is the compressibility: `qc/p = (1 + 0.2 M^2)^3.5 - 1 = 0.7 M^2 (1 + M^2/4 + ...)`, so that `V` comes out too
-//! large by the part `M^2/8`: 0.1 % at 30 m/s, 0.5 % at 70 m/s, 1.1 % at Mach 0.3. Moist air is lighter by at most 1.8 % at 30 degC and
+//! This neglects compressibility: `qc/p = (1 + 0.2 M^2)^3.5 - 1 = 0.7 M^2 (1 + M^2/4 + ...)`, so that `V` comes out too
+//! large by `M^2/8` of its value: 0.1 % at 30 m/s, 0.5 % at 70 m/s, 1.1 % at Mach 0.3. Moist air is lighter by at most 1.8 % at 30 degC and
 //! 100 % humidity, which makes `V` 0.9 % too small.
 
 /// Density of the standard atmosphere at sea level (ISO 2533), kg/m^3.
@@ -18,7 +18,15 @@ pub const SEA_LEVEL_DENSITY: f64 = 1.225;
 /// Gas constant of dry air (ISO 2533), J/(kg K).
 const GAS_CONSTANT: f64 = 287.052_87;
 
-/// Density, kg/m^3, of dry air of this static pressure, Pa, and static temperature, K; NaN where one is missing or not positive.
+/// Density of dry air, kg/m^3, from static pressure, Pa, and static temperature, K. NaN if one of them is NaN or not
+/// positive.
+///
+/// ```
+/// use phugoid_flight_data::airspeed::{SEA_LEVEL_DENSITY, density};
+/// // The standard atmosphere at sea level (ISO 2533).
+/// assert!((density(101_325.0, 288.15) - SEA_LEVEL_DENSITY).abs() < 1e-4);
+/// assert!(density(0.0, 288.15).is_nan());
+/// ```
 pub fn density(static_pressure: f64, temperature: f64) -> f64 {
     match static_pressure > 0.0 && temperature > 0.0 {
         true => static_pressure / (GAS_CONSTANT * temperature),
@@ -26,7 +34,8 @@ pub fn density(static_pressure: f64, temperature: f64) -> f64 {
     }
 }
 
-/// True airspeed over equivalent airspeed in air of this density, kg/m^3; NaN where it is missing or not positive.
+/// Ratio of true to equivalent airspeed, `sqrt(rho0 / rho)`, in air of this density, kg/m^3. NaN if the density is NaN or not
+/// positive.
 ///
 /// ```
 /// use phugoid_flight_data::airspeed::{density, true_over_equivalent};

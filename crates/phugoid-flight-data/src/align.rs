@@ -1,7 +1,9 @@
-//! Signals of different rates on one time base, without inventing data: causal, and by the same code in a log and in a live stream.
+//! Puts signals of different rates on one time base, causally and without interpolation. Logs and live streams use the same
+//! code.
 //!
-//! A value is shown at a base time not before its own stamp, never earlier, never between two values, and a sampled one once
-//! only. What this costs is a delay, at most one step of the base where the source is prompt; [`Aligner::statistics`] states it.
+//! A value appears at the first base time at or after its own time stamp; values are not interpolated, and a sampled value
+//! appears only once. The cost is a delay of at most one base step if the source delivers in time; [`Aligner::statistics`]
+//! gives it.
 //!
 //! ```
 //! use phugoid_flight_data::align::{Aligner, Hold};
@@ -19,45 +21,49 @@ use std::collections::VecDeque;
 
 use serde::Serialize;
 
-/// Values per channel that may wait for their base time; beyond it the oldest goes. Far more than any base step holds.
-const MOST_WAITING: usize = 4096;
+/// Largest number of values of a channel that wait for their base time; the oldest is dropped beyond it. No base step of a
+/// real flight holds nearly as many.
+const MAX_WAITING: usize = 4096;
 
-/// How long a value of a channel may stand for.
+/// For how long a value of a channel is used.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Hold {
-    /// A measurement: it appears once, at the first base time not before its stamp; NaN elsewhere.
+    /// A measurement: it appears once, at the first base time at or after its stamp; other base times get NaN.
     Sampled,
-    /// A level that lasts (a surface position, a density): the last value until it is older than this.
+    /// A level that changes slowly or in steps (a surface position, a density): the last value is used until it is older than
+    /// `stale_after_s`.
     Held {
-        /// Greatest age of a value that is shown, s.
+        /// Largest age at which a value is still used, s.
         stale_after_s: f64,
     },
 }
 
-/// What alignment did to one channel. Every finite value put is shown, passed over, too old or out of order, or still waiting.
+/// What alignment did to the values of one channel. Every finite value received is counted once: as shown, passed over, too
+/// old, out of order or refused, unless it still waits for its base time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Statistics {
-    /// Finite values that were put.
+    /// Finite values received by [`Aligner::put`].
     pub received: usize,
-    /// Values that were shown; a held one counts once.
+    /// Values that appeared at a base time; one that was held over several base times counts once.
     pub shown: usize,
-    /// Values passed over for a newer one of the same base step: the source is faster than the base.
+    /// Values dropped because a newer one came within the same base step: the source is faster than the base.
     pub passed_over: usize,
-    /// Values dropped because they were older than one that had been shown.
+    /// Values dropped because their stamp is not later than that of a value that had appeared already.
     pub out_of_order: usize,
-    /// Values dropped because no base time came within the longest delay after their stamp, or they were stale when it came.
+    /// Values dropped because the next base time came too late: after the longest delay, or after they were stale.
     pub too_old: usize,
-    /// Values that arrived after the base time at which they belonged; shown at the next one, unless out of order or too old.
+    /// Values that arrived after the base time at which they should have appeared. They are counted above as well: shown at the
+    /// next base time, or dropped.
     pub late: usize,
-    /// Values without a usable time (NaN, infinite), and those that overflowed the bounded memory.
+    /// Values dropped because their stamp was NaN or infinite, or because too many values were waiting.
     pub refused: usize,
-    /// Greatest time from a value's stamp to its first showing, s.
+    /// Largest delay from the stamp of a value to the base time at which it appeared first, s.
     pub largest_delay_s: f64,
-    /// Sum of these times over all values shown, s: over `shown` it is the mean delay.
+    /// Sum of these delays, s; divided by `shown` it is the mean delay.
     pub total_delay_s: f64,
 }
 
-/// Puts channels of different rates on the times of one of them.
+/// Puts channels of different rates on the base times that the caller gives, usually those of the fastest channel.
 #[derive(Clone, Debug)]
 pub struct Aligner {
     channels: Vec<Channel>,
@@ -68,7 +74,7 @@ pub struct Aligner {
 #[derive(Clone, Debug)]
 struct Channel {
     hold: Hold,
-    /// Stamp and value, by rising stamp, all later than `shown_s`.
+    /// Stamps and values that no frame has taken yet, by rising stamp, all later than `shown_s`.
     waiting: VecDeque<(f64, f64)>,
     /// Stamp of the newest value that a frame has taken.
     shown_s: f64,
@@ -77,7 +83,7 @@ struct Channel {
 }
 
 impl Aligner {
-    /// One entry per channel; channels are numbered in this order.
+    /// An aligner with one channel per entry; channels are numbered in this order, from 0.
     pub fn new(channels: &[Hold]) -> Self {
         let channel = |&hold| Channel {
             hold,
@@ -90,15 +96,15 @@ impl Aligner {
         Self { channels, base_s: f64::NEG_INFINITY, longest_delay_s: f64::INFINITY }
     }
 
-    /// Drops sampled values that would be shown more than this after their stamp, s (the base has a gap there). Without it
-    /// none is too old.
+    /// Drops sampled values that would appear more than this time, s, after their stamp, because the base has a gap there.
+    /// Without this call none is dropped for its age.
     pub fn with_longest_delay(mut self, longest_delay_s: f64) -> Self {
         self.longest_delay_s = longest_delay_s;
         self
     }
 
-    /// Takes a value of one channel with its own stamp. A NaN is no measurement, and ends a held value. A number that is no
-    /// channel is ignored.
+    /// Takes a value of the channel with this number and its time stamp, s. A value that is NaN or infinite means "no
+    /// measurement" and ends a held value. An unknown channel number is ignored.
     pub fn put(&mut self, channel: usize, time_s: f64, value: f64) {
         let base_s = self.base_s;
         let Some(channel) = self.channels.get_mut(channel) else { return };
@@ -114,19 +120,21 @@ impl Aligner {
         }
         channel.statistics.late += usize::from(counts && time_s <= base_s);
         let value = if counts { value } else { f64::NAN };
-        // Nearly always at the end: sources that keep order cost no search.
+        // Nearly always 0: of a source that keeps the order no value has to be searched for.
         let behind = channel.waiting.iter().rev().take_while(|(stamp, _)| *stamp > time_s).count();
         channel.waiting.insert(channel.waiting.len() - behind, (time_s, value));
-        if channel.waiting.len() > MOST_WAITING
+        if channel.waiting.len() > MAX_WAITING
             && let Some((_, lost)) = channel.waiting.pop_front()
         {
             channel.statistics.refused += usize::from(!lost.is_nan());
         }
     }
 
-    /// The values of all channels at a base time, from what is stamped at or before it; NaN where there is none.
+    /// Writes the values of all channels at a base time, s, into `out`, from values stamped at or before it; NaN where a channel
+    /// has none.
     ///
-    /// Base times have to rise: for one that does not, nothing changes, everything in `out` is NaN, and the answer is `false`.
+    /// Base times have to rise. For one that does not, or is not finite, the aligner stays as it is, `out` is filled with NaN,
+    /// and `false` is returned.
     pub fn frame(&mut self, time_s: f64, out: &mut [f64]) -> bool {
         out.fill(f64::NAN);
         if !time_s.is_finite() || time_s <= self.base_s {
@@ -142,7 +150,8 @@ impl Aligner {
         true
     }
 
-    /// Forgets all values and times, for a source whose clock began anew. The statistics go on.
+    /// Drops all waiting and held values and forgets the last base time, for a source whose clock has started again. The
+    /// statistics are kept.
     pub fn restart(&mut self) {
         self.base_s = f64::NEG_INFINITY;
         for channel in &mut self.channels {
@@ -154,7 +163,7 @@ impl Aligner {
         }
     }
 
-    /// What alignment did to a channel so far.
+    /// The statistics of the channel with this number so far; `None` if there is no such channel.
     pub fn statistics(&self, channel: usize) -> Option<&Statistics> {
         self.channels.get(channel).map(|channel| &channel.statistics)
     }
@@ -162,7 +171,7 @@ impl Aligner {
 
 impl Channel {
     fn at(&mut self, time_s: f64, longest_delay_s: f64) -> f64 {
-        // The newest that is a measurement is shown; a NaN after it ends a held level only.
+        // The newest measurement appears; a NaN that follows it ends a held level only.
         let mut newest: Option<(f64, f64)> = None;
         let mut ended = false;
         while let Some(&(stamp, value)) = self.waiting.front()

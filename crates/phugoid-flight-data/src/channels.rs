@@ -1,28 +1,38 @@
-//! The channels that are known by name: canonical names, quantities, signs and synonyms.
+//! The table of known channels: canonical names, quantities, signs and synonyms.
 //!
 //! Axes are body axes: x forward, y to the right wing, z down. Angles and rates follow the right-hand rule about them.
 //! `docs/units-and-signs.md` shows this table; a test keeps the two alike.
+//!
+//! ```
+//! use phugoid_flight_data::channels::{by_any_name, by_name, nearest};
+//! let alpha = by_name("alpha").expect("it is in the table");
+//! assert_eq!((alpha.quantity.si_unit(), alpha.sign), ("rad", "air from below"));
+//! // `q` alone can be a pitch rate or a dynamic pressure: the unit decides.
+//! let meanings: Vec<&str> = by_any_name("q").iter().map(|spec| spec.name).collect();
+//! assert_eq!(meanings, ["q", "dynamic_pressure"]);
+//! assert_eq!(nearest("aplha"), Some("alpha"));
+//! ```
 
-use crate::record::Quantity;
+use crate::units::Quantity;
 use Quantity::{
     Acceleration, Angle, AngularAcceleration, AngularRate, Density, Force, Inertia, Length, Mass, Number, Pressure,
     Speed, Temperature, Time,
 };
 
-/// One known channel.
+/// The entry of one known channel in [`CHANNELS`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ChannelSpec {
     /// Canonical name, as used in records and model files.
     pub name: &'static str,
-    /// What it is; values inside are in the SI unit of this quantity.
+    /// Its physical quantity; values in records are in the SI unit of this quantity.
     pub quantity: Quantity,
-    /// What it is, in words.
+    /// What the channel is, in words.
     pub description: &'static str,
-    /// Which way is positive; empty where there is no question.
+    /// Which direction is positive; empty for quantities that have no direction, such as a pressure.
     pub sign: &'static str,
-    /// Other header names that are understood. Case, spaces and underscores do not matter.
+    /// Other names that are understood in headers. Case, spaces and underscores do not matter.
     pub synonyms: &'static [&'static str],
-    /// Is it a signal that moves in a manoeuvre? A constant value is then worth a word.
+    /// True if the signal changes in any manoeuvre, so that a constant value is worth a note in the quality report.
     pub moves: bool,
 }
 
@@ -46,7 +56,7 @@ const fn slow(
     ChannelSpec { name, quantity, description, sign, synonyms, moves: false }
 }
 
-/// Every known channel. Where two share a synonym (`q` is a pitch rate or a dynamic pressure, `t` a time or a
+/// All known channels. Where two share a synonym (`q` is a pitch rate or a dynamic pressure, `t` a time or a
 /// temperature) the unit decides, and without a unit the first one here is meant.
 #[rustfmt::skip]
 pub const CHANNELS: &[ChannelSpec] = &[
@@ -123,7 +133,8 @@ pub const CHANNELS: &[ChannelSpec] = &[
     slow("fuel", Mass, "fuel on board", "", &["fuel_mass", "fuel_quantity", "fuel_weight", "fuel_total"]),
 ];
 
-/// Header names that could mean several channels and are never guessed, with what they could mean.
+/// Names that could mean several channels, and the channels that they could mean. A column of such a name becomes a known
+/// channel only if its unit leaves one meaning.
 pub const AMBIGUOUS: &[(&str, &[&str])] = &[
     ("airspeed", &["true_airspeed", "calibrated_airspeed", "indicated_airspeed"]),
     ("speed", &["true_airspeed", "calibrated_airspeed", "indicated_airspeed", "ground_speed"]),
@@ -132,12 +143,13 @@ pub const AMBIGUOUS: &[(&str, &[&str])] = &[
     ("m", &["mach", "mass"]),
 ];
 
-/// The channel with this canonical name (exactly).
+/// The channel with exactly this canonical name, or `None`.
 pub fn by_name(name: &str) -> Option<&'static ChannelSpec> {
     CHANNELS.iter().find(|channel| channel.name == name)
 }
 
-/// All channels that this name, in any spelling, can mean: canonical name or synonym; the likeliest first.
+/// All channels that have this name as canonical name or synonym, in the order of [`CHANNELS`], which puts the more likely
+/// one first. Case, spaces and underscores do not matter.
 pub fn by_any_name(name: &str) -> Vec<&'static ChannelSpec> {
     let key = key(name);
     CHANNELS
@@ -146,13 +158,14 @@ pub fn by_any_name(name: &str) -> Vec<&'static ChannelSpec> {
         .collect()
 }
 
-/// Least likeness (one less the edits per letter) of a misspelt name with the right one.
-const LIKE: f64 = 0.75;
+/// Names are taken for misspellings of each other from this similarity on: 1 - edits / letters.
+const MIN_SIMILARITY: f64 = 0.75;
 
-/// The canonical name nearest to a misspelt one, if any is near: `aplha` gives `alpha`.
+/// The canonical name of the channel whose name or synonym is most similar to a misspelt name; `None` if none is similar.
 pub fn nearest(name: &str) -> Option<&'static str> {
     let key = key(name);
-    // Short names are all near one another, so that only turned letters count (`beat`: beta); the `delta_e` kind too.
+    // Short names are all similar to each other, so that only swapped letters count (`beat`: beta). For the same reason
+    // synonyms such as `delta_e` are left out below.
     if key.len() < 4 {
         return None;
     }
@@ -167,17 +180,18 @@ pub fn nearest(name: &str) -> Option<&'static str> {
         std::iter::once(channel.name).chain(synonyms.copied()).map(move |spelling| (channel.name, spelling))
     });
     spellings
-        .filter(|(_, spelling)| may_be_like(spelling, &key))
+        .filter(|(_, spelling)| may_be_similar(spelling, &key))
         .map(|(name, spelling)| (name, spelling, strsim::normalized_damerau_levenshtein(&key, &self::key(spelling))))
-        .filter(|&(_, spelling, likeness)| likeness >= LIKE && near_enough(spelling))
+        .filter(|&(_, spelling, likeness)| likeness >= MIN_SIMILARITY && near_enough(spelling))
         .max_by(|a, b| a.2.total_cmp(&b.2))
         .map(|(name, ..)| name)
 }
 
-/// A quick no for most words: an edit changes the length by one at most and brings or takes one letter at most.
-fn may_be_like(spelling: &str, key: &str) -> bool {
+/// False for most words that are not similar, without computing the distance: an edit changes the length by at most one,
+/// and adds or removes at most one letter.
+fn may_be_similar(spelling: &str, key: &str) -> bool {
     let length = spelling.bytes().filter(|&b| b != b'_').count();
-    let edits = ((1.0 - LIKE) * length.max(key.len()) as f64) as u32;
+    let edits = ((1.0 - MIN_SIMILARITY) * length.max(key.len()) as f64) as u32;
     let letters = |text: &str| {
         text.bytes().filter(u8::is_ascii_lowercase).fold(0_u32, |letters, byte| letters | 1 << (byte - b'a'))
     };
@@ -187,7 +201,8 @@ fn may_be_like(spelling: &str, key: &str) -> bool {
         && (theirs & !ours).count_ones() <= edits
 }
 
-/// Letters and digits alone, lower case: `True Airspeed`, `true_airspeed` and `TrueAirspeed` are one name.
+/// The name in lower case with letters and digits only, so that `True Airspeed`, `true_airspeed` and `TrueAirspeed` are
+/// equal.
 pub(crate) fn key(name: &str) -> String {
     name.chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect()
 }
@@ -221,7 +236,7 @@ mod tests {
         }
     }
 
-    /// The quick no never hides a name that a full comparison would find.
+    /// The quick comparison never rejects a name that the full comparison would find.
     #[test]
     fn the_quick_comparison_agrees_with_the_full_one() {
         let words = CHANNELS.iter().flat_map(|c| std::iter::once(c.name).chain(c.synonyms.iter().copied()));
@@ -231,7 +246,10 @@ mod tests {
                 let misspelt = word.replacen(letter, if index % 2 == 0 { "x" } else { "" }, 1);
                 for other in &words {
                     let likeness = strsim::normalized_damerau_levenshtein(&misspelt, other);
-                    assert!(likeness < LIKE || may_be_like(other, &misspelt), "{misspelt} {other} {likeness}");
+                    assert!(
+                        likeness < MIN_SIMILARITY || may_be_similar(other, &misspelt),
+                        "{misspelt} {other} {likeness}"
+                    );
                 }
             }
         }

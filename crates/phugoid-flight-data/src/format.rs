@@ -1,53 +1,69 @@
-//! Which format a file is in, by what it begins with and not by its name.
+//! Recognises the format of a file by its first bytes, whatever its name.
+//!
+//! ```
+//! use phugoid_flight_data::format::Format;
+//! assert_eq!(Format::sniff(b"time_s,alpha_deg\n"), Format::Csv);
+//! assert_eq!(Format::sniff(b"PK\x03\x04"), Format::Zip); // recognised, but not read
+//! let (format, reader) = Format::of(std::fs::File::open("examples/flight.ulg")?)?;
+//! assert_eq!(format, Format::Ulog);
+//! # drop(reader);
+//! # Ok::<(), std::io::Error>(())
+//! ```
 
 use std::io::{self, Cursor, Read};
 
-use crate::log::{dataflash, ulog};
+/// How a ULog file begins.
+pub(crate) const ULOG_MAGIC: [u8; 7] = [b'U', b'L', b'o', b'g', 0x01, 0x12, 0x35];
+/// How every message of a DataFlash log begins, and with it the file.
+pub(crate) const DATAFLASH_MAGIC: [u8; 2] = [0xA3, 0x95];
+/// How an MCAP file begins.
+pub(crate) const MCAP_MAGIC: [u8; 8] = *b"\x89MCAP0\r\n";
 
-/// As many bytes of the beginning as tell every format.
+/// Number of bytes that are enough to recognise every format.
 const SNIFFED: usize = 64;
 
-/// A format that is known by its beginning; not all of them can be read.
+/// A format that is recognised; not all of them can be read. [`Format::feature`] says which need a feature.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Format {
-    /// Text: a table with a header.
+    /// A table as text with a header line, and everything that is not recognised as another format.
     Csv,
-    /// A PX4 log.
+    /// A PX4 log (ULog).
     Ulog,
-    /// An ArduPilot DataFlash log, binary.
+    /// A binary ArduPilot DataFlash log (`.BIN`).
     DataFlash,
-    /// An ArduPilot DataFlash log as text.
+    /// An ArduPilot DataFlash log converted to text (`.log`); not read.
     DataFlashText,
-    /// MCAP, a container of messages.
+    /// MCAP, a container of messages; read with the feature `mcap`.
     Mcap,
-    /// Apache Parquet, a table.
+    /// Apache Parquet, a table; read with the feature `parquet`.
     Parquet,
-    /// Apache Arrow IPC file or stream, or Feather, a table.
+    /// Apache Arrow IPC file or stream, or Feather, a table; read with the feature `parquet`.
     Arrow,
-    /// MATLAB level 5 file.
+    /// MATLAB file of level 5 (`save -v6`, `save -v7`); read with the feature `matlab`.
     Mat5,
-    /// HDF5, also MATLAB 7.3.
+    /// HDF5, which is also MATLAB 7.3; not read.
     Hdf5,
-    /// Compressed by gzip.
+    /// A file compressed by gzip; not read.
     Gzip,
-    /// A zip archive, which spreadsheets are too.
+    /// A zip archive or a spreadsheet (`.xlsx`, `.ods`); not read.
     Zip,
-    /// UTF-16 text.
+    /// Text in UTF-16, known by its byte-order mark; not read.
     Utf16,
 }
 
 impl Format {
-    /// The format of a file that begins so; what is not known is taken as [`Format::Csv`], whose reader refuses what is no text.
+    /// The format of a file with this beginning (64 bytes are enough). What is not recognised is taken as [`Format::Csv`],
+    /// whose reader refuses binary data.
     pub fn sniff(start: &[u8]) -> Self {
         let is = |magic: &[u8]| start.starts_with(magic);
         match start {
-            _ if is(&ulog::MAGIC) => Format::Ulog,
-            _ if is(&dataflash::MAGIC) => Format::DataFlash,
+            _ if is(&ULOG_MAGIC) => Format::Ulog,
+            _ if is(&DATAFLASH_MAGIC) => Format::DataFlash,
             _ if is(b"FMT, 128,") => Format::DataFlashText,
-            _ if is(b"\x89MCAP0\r\n") => Format::Mcap,
+            _ if is(&MCAP_MAGIC) => Format::Mcap,
             _ if is(b"PAR1") => Format::Parquet,
-            // The mark of a message: a stream of Arrow IPC has no name of its own. Text has no such bytes.
+            // A stream of Arrow IPC begins with the marker of its first message. Text has no such bytes.
             _ if is(b"ARROW1") || is(b"FEA1") || is(&[0xFF; 4]) => Format::Arrow,
             _ if is(b"MATLAB 5.0") => Format::Mat5,
             _ if is(b"\x89HDF") || is(b"MATLAB 7.3") => Format::Hdf5,
@@ -58,22 +74,23 @@ impl Format {
         }
     }
 
-    /// The format of what a reader gives, and a reader that gives the same from its beginning.
+    /// The format of what a reader gives, and a reader that gives the same bytes again from the beginning.
     ///
     /// # Errors
-    /// The reader's own.
+    /// The error of the reader, if it fails within the first bytes.
     pub fn of<R: Read>(mut reader: R) -> io::Result<(Self, impl Read)> {
         let mut start = Vec::with_capacity(SNIFFED);
         reader.by_ref().take(SNIFFED as u64).read_to_end(&mut start)?;
         Ok((Self::sniff(&start), Cursor::new(start).chain(reader)))
     }
 
-    /// Is it a log of an autopilot or a recorder, and no table, that this build reads?
+    /// True if it is a log of an autopilot or a recorder (not a table) and this build reads it.
     pub(crate) fn is_log(self) -> bool {
         matches!(self, Format::Ulog | Format::DataFlash) || (cfg!(feature = "mcap") && self == Format::Mcap)
     }
 
-    /// The feature of this crate (and of the command line) that reads it, if it is one that may be switched off.
+    /// The cargo feature that this format needs, of this crate and of the command line; `None` if it needs none or is never
+    /// read.
     pub fn feature(self) -> Option<&'static str> {
         match self {
             Format::Mat5 => Some("matlab"),
@@ -83,7 +100,7 @@ impl Format {
         }
     }
 
-    /// What it is, in a sentence.
+    /// The format as a noun with its article, for messages: `a Parquet file`.
     pub fn in_words(self) -> &'static str {
         match self {
             Format::Csv => "a table as text (CSV)",
@@ -102,7 +119,7 @@ impl Format {
     }
 }
 
-/// What to do where a format's feature is off.
+/// What the user can do where the feature of a format is off.
 pub(crate) fn build_with(feature: &str) -> String {
     format!("build it with this format: cargo install --path crates/phugoid-cli --features {feature} (or all-formats)")
 }

@@ -1,19 +1,24 @@
-//! Flight records: named channels in SI units on one time base, with readers, writers and a quality report.
+#![doc = include_str!("../README.md")]
 //!
-//! A [`record::Record`] is what every other part of the project takes: strictly increasing time, channels under the
-//! canonical names of [`channels::CHANNELS`] in SI units and radians, NaN where a value is missing. [`csv::read`]
-//! makes one from a text file and writes everything that it found, converted, mended or left out into the record's
-//! [`quality::QualityReport`]. Nothing is interpolated, resampled or invented.
+//! ## Modules
 //!
-//! ```
-//! use phugoid_flight_data::csv::{self, CsvOptions};
-//! let file = "time_s,alpha_deg,tas_kt\n0.0,2.5,250\n0.1,2.6,\n0.2,2.7,251\n";
-//! let record = csv::read(file.as_bytes(), "example.csv", &CsvOptions::default())?;
-//! let alpha = record.channel("alpha").expect("alpha is in the file");
-//! assert!((alpha.values[0] - 2.5_f64.to_radians()).abs() < 1e-15);
-//! assert!(record.channel("true_airspeed").expect("so is the airspeed").values[1].is_nan());
-//! # Ok::<(), csv::ReadError>(())
-//! ```
+//! | module | what it is for |
+//! |---|---|
+//! | [`record`] | the [`Record`](record::Record): time and channels, which every other module makes or takes |
+//! | [`reader`] | opens a file of any format; options, mappings, survey of what is in a log |
+//! | [`csv`] | reads and writes CSV, whole files or row by row |
+//! | [`log`] | logs of autopilots as they were written: topics with times and units of their own |
+//! | `matlab`, `parquet`, `arrow` | these formats, under the features of the table above |
+//! | [`table`] | makes a record of columns in memory; mappings of columns to channels |
+//! | [`profile`] | which fields of a log are which channels |
+//! | [`align`] | puts signals of different rates on one time base, causally, for logs and live streams |
+//! | [`quality`] | the report on what a reader found |
+//! | [`plausibility`] | checks of units and signs by physics |
+//! | [`channels`] | the table of known channels: name, quantity, sign, synonyms |
+//! | [`units`], [`quantity`] | conversion of units; numbers with units in text (`"20000 ft"`) |
+//! | [`airspeed`] | true airspeed from equivalent airspeed and air density |
+//! | [`statistics`] | median and quantile |
+//! | [`format`](mod@format) | the format of a file by its first bytes |
 pub mod airspeed;
 pub mod align;
 #[cfg(feature = "parquet")]
@@ -32,12 +37,10 @@ pub mod quality;
 pub mod quantity;
 pub mod reader;
 pub mod record;
+pub mod statistics;
 pub mod table;
 pub mod units;
 
 #[cfg(feature = "parquet")]
 mod columnar;
-mod columns;
-mod header;
-mod signals;
-mod time_base;
+mod wording;

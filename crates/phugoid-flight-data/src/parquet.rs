@@ -1,12 +1,23 @@
 //! Reads and writes flight records as Parquet.
 //!
-//! Every flat column of numbers, truth values, timestamps or durations is a channel by its name and unit, exactly as a CSV
-//! column is by its header; the unit may also stand in the field's metadata under `unit`. Timestamps become seconds from 1970.
-//! Text, dictionaries and nested columns are left out and named. Groups of rows are read one after the other, in bounded
-//! memory; of a damaged one what can be read is kept.
+//! Every flat column of numbers, truth values, timestamps or durations becomes a channel by its name and unit, as a CSV column does
+//! by its header; the unit may also be in the metadata of the field under `unit`. Timestamps become seconds from 1970. Text,
+//! dictionaries and nested columns are left out, and the report names them. Groups of rows are read one after the other, in
+//! bounded memory; of a damaged group the readable rows are kept.
 //!
-//! Compression by Snappy, Zstandard, LZ4 (raw) or none is read; the library would unpack gzip, Brotli and Hadoop's LZ4 without
-//! a bound.
+//! Files that are compressed by Snappy, Zstandard or raw LZ4, or not at all, are read. Gzip, Brotli and Hadoop's LZ4 are refused,
+//! because the library would unpack them without a bound on memory.
+//!
+//! ```
+//! use phugoid_flight_data::{parquet, record::Record, table::TableOptions};
+//! let record = Record::from_columns("example", [("time_s", vec![0.0, 0.1]), ("alpha_rad", vec![0.05, 0.06])])?;
+//! let path = std::env::temp_dir().join(format!("phugoid-example-{}.parquet", std::process::id()));
+//! parquet::write_path(&record, &path)?;
+//! let again = parquet::read_path(&path, &TableOptions::default())?;
+//! std::fs::remove_file(&path)?;
+//! assert_eq!(again.channels, record.channels);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 use std::fs::File;
 use std::path::Path;
@@ -20,12 +31,12 @@ pub use crate::csv::WriteError;
 use crate::record::Record;
 use crate::table::TableOptions;
 
-/// Reads a Parquet file from the disk into a record in SI units. Channels, units and what is said in `record.quality` are as
-/// [`crate::csv::read`] has them, with rows counted from 1.
+/// Reads a Parquet file from the disk into a record in SI units. Channels, units and the findings in `record.quality` are as
+/// those of [`crate::csv::read`], with rows counted from 1.
 ///
 /// # Errors
-/// [`ReadError`] if the file cannot be read, is no Parquet file, holds no group of rows that could be read, or its columns make
-/// no record.
+/// [`ReadError`] if the file cannot be read, is no Parquet file, holds no group of rows that could be read, or no record
+/// can be made of its columns.
 pub fn read_path(path: &Path, options: &TableOptions) -> Result<Record, ReadError> {
     row_groups::read(|| File::open(path), &path.display().to_string(), options)
 }
@@ -55,7 +66,7 @@ pub fn write_path(record: &Record, path: &Path) -> Result<(), WriteError> {
     }
 }
 
-/// Writes a table that is no flight: named columns of one length.
+/// Writes a general table, which need not be a flight: named columns of the same length.
 ///
 /// # Errors
 /// [`WriteError::Io`]: the file cannot be written, or the columns differ in length.

@@ -1,23 +1,39 @@
-//! Profiles: which topics and fields of a log or a stream are which channels. They are data, `data/profiles/*.toml`.
+//! Profiles say which topics and fields of a log or a stream are which channels. They are data: TOML files such as
+//! `profiles/px4.toml` of this crate.
 //!
 //! ```toml
 //! name = "PX4"
-//! time_base = ["vehicle_angular_velocity", "vehicle_attitude"]   # the first that is there gives the times
+//! time_base = ["vehicle_angular_velocity", "vehicle_attitude"]   # the first one that the log has gives the times
 //! surfaces = "px4"                                               # how commands of surfaces are found
 //!
-//! [mixed]                                                        # commands that several surfaces make together, and their factors
+//! [mixed]                                                        # commands that are made of several surfaces, with factors
 //! elevator_command = [{ left_elevon_command = 0.5, right_elevon_command = 0.5 }]
 //!
 //! [channel.theta]
 //! sources = [{ field = "vehicle_attitude.q", transform = "quaternion_theta", unit = "rad" }]
 //!
 //! [channel.air_density]
-//! held_s = 5.0                                                   # a level: stands until it is this old
+//! held_s = 5.0                                                   # a level: its last value is used until it is this old
 //! sources = [{ field = "vehicle_air_data.rho", unit = "kg/m^3", note = "as PX4 computes it" }]
 //! ```
 //!
-//! `data/profiles/px4.toml` tells every key. The units of a log's own metadata win over those of the profile, and the mappings
-//! of a model file over both.
+//! The comments of `profiles/px4.toml` explain every key. Units stated by the log itself come before those of the profile, and
+//! mappings of the caller come before both.
+//!
+//! ```
+//! use phugoid_flight_data::profile::Profile;
+//! let text = r#"
+//! name = "my logger"
+//! time_base = ["imu"]
+//! [channel.q]
+//! sources = [{ field = "imu.gyro[1]", unit = "deg/s", scale = -1.0 }]
+//! "#;
+//! let profile = Profile::parse("logger.toml", text)?;
+//! let q = profile.channel("q").expect("it is in the profile");
+//! assert_eq!(q.sources[0].field.to_string(), "imu.gyro[1]");
+//! assert!(Profile::parse("logger.toml", &text.replace("deg/s", "kg")).is_err()); // no unit of an angular rate
+//! # Ok::<(), phugoid_flight_data::profile::ProfileError>(())
+//! ```
 
 use std::collections::BTreeMap;
 use std::str::FromStr;
@@ -29,22 +45,22 @@ use crate::align::Hold;
 use crate::channels;
 use crate::units;
 
-/// Which fields are which channels.
+/// Which fields of a kind of log are which channels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Profile {
-    /// Whose it is, for messages.
+    /// Name of the profile in messages, such as `PX4`.
     pub name: String,
-    /// Topics whose times a record takes, in order of preference.
+    /// Topics whose times become those of the record, in order of preference; the first with two samples is taken.
     pub time_base: Vec<String>,
-    /// How commands of control surfaces are found.
+    /// The rule by which commands of control surfaces are found; `None` if there is no such rule.
     pub surfaces: Option<SurfaceRule>,
-    /// Commands that several surfaces make together.
+    /// Commands that are made of the commands of several surfaces, as those of elevons.
     pub mixed: Vec<Mixture>,
-    /// Channels, in the order of [`channels::CHANNELS`].
+    /// The channels in the order of [`channels::CHANNELS`].
     pub channels: Vec<ChannelProfile>,
 }
 
-/// Where the commands of control surfaces are said.
+/// Where a log states which servo moves which control surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SurfaceRule {
@@ -54,107 +70,109 @@ pub enum SurfaceRule {
     Ardupilot,
 }
 
-/// The command of a surface that is no surface of its own: the elevator of an aircraft with elevons.
+/// A command that is made of the commands of several surfaces: the elevator of an aircraft with elevons.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mixture {
-    /// Name of the command, `elevator_command`.
+    /// Name of the resulting command, such as `elevator_command`.
     pub command: String,
-    /// The commands of the surfaces that make it, and their factors.
+    /// Names of the commands that are added, each with its factor.
     pub of: Vec<(String, f64)>,
 }
 
-/// One channel and where it may come from.
+/// One channel and the fields that can give it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ChannelProfile {
-    /// Canonical name.
+    /// Canonical name of the channel.
     pub channel: String,
-    /// Does a value appear once or last?
+    /// Whether a value is used once or until it is stale.
     pub hold: Hold,
-    /// Fields, in order of preference.
+    /// The fields that can give it, in order of preference.
     pub sources: Vec<Source>,
 }
 
-/// A field that is a channel.
+/// A field that gives a channel, and what is computed of it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Source {
-    /// The field; for a transform of several, their common name, or the first and the last of them (`q1..q4`).
+    /// The field. For a transform of four fields it is their common name (`q` for `q[0]` to `q[3]`), or the first and the last of
+    /// them (`q1..q4`).
     pub field: FieldName,
-    /// Unit where the log does not say it; a pure number without.
+    /// The unit, used where the log does not state one; `None` for a pure number.
     pub unit: Option<String>,
-    /// Factor before the unit is converted.
+    /// Factor by which values are multiplied before the unit is converted; -1 reverses the sign.
     pub scale: f64,
-    /// What is computed of it.
+    /// What is computed of the field or fields.
     pub transform: Transform,
-    /// What multiplies it.
+    /// A slower field by which the result is multiplied.
     pub factor: Option<Factor>,
-    /// What a user has to know.
+    /// What the user has to know about this source; it goes into the quality report.
     pub note: Option<String>,
 }
 
-/// `topic.field` or `topic#instance.field`.
+/// The name of a field in a log, written `topic.field` or `topic#instance.field`.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct FieldName {
-    /// The log's name of the topic.
+    /// Name of the topic in the log.
     pub topic: String,
-    /// Which instance; the first that is there if not given.
+    /// Number of the instance; the lowest one that the log has if not given.
     pub instance: Option<u16>,
-    /// Name within the topic, which may have dots of its own.
+    /// Name of the field within the topic; it may contain dots.
     pub field: String,
 }
 
-/// What is computed of a field's numbers.
+/// What is computed of the numbers of a source.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Transform {
-    /// Nothing.
+    /// The value of the field is taken as it is.
     #[default]
     None,
     /// Bank angle of `field[0]` to `field[3]`, a quaternion from north-east-down to body axes, scalar first; rad.
     QuaternionPhi,
-    /// Pitch attitude of it, rad.
+    /// Pitch attitude of the same quaternion, rad.
     QuaternionTheta,
-    /// Heading of it, rad.
+    /// Heading of the same quaternion, rad, zero at north.
     QuaternionPsi,
 }
 
-/// A slower field that multiplies a channel, with its last value before each sample.
+/// A slower field by which a channel is multiplied; its last value before each sample is used.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Factor {
-    /// The field itself.
+    /// The value of the field is the factor.
     Times(FieldName),
-    /// The root of 1.225 kg/m^3 over the field, a density in kg/m^3: from equivalent to true airspeed.
+    /// The field is the density of the air, kg/m^3, and the factor is the root of 1.225 kg/m^3 over it, which makes true airspeed
+    /// of equivalent airspeed (see [`crate::airspeed`]).
     Density(FieldName),
 }
 
 impl Profile {
-    /// PX4, fixed wing.
+    /// The built-in profile of PX4 logs (ULog), fixed wing.
     ///
     /// # Errors
-    /// None in a build that passed its tests; the profile is part of the library.
+    /// Never in a released build: the profile is part of the library, and a test reads it.
     pub fn px4() -> Result<Self, ProfileError> {
-        Self::parse("px4.toml", include_str!("../../../data/profiles/px4.toml"))
+        Self::parse("px4.toml", include_str!("../profiles/px4.toml"))
     }
 
-    /// ArduPilot, fixed wing.
+    /// The built-in profile of ArduPilot DataFlash logs, fixed wing.
     ///
     /// # Errors
     /// As [`Profile::px4`].
     pub fn ardupilot() -> Result<Self, ProfileError> {
-        Self::parse("ardupilot.toml", include_str!("../../../data/profiles/ardupilot.toml"))
+        Self::parse("ardupilot.toml", include_str!("../profiles/ardupilot.toml"))
     }
 
-    /// MAVLink, where a topic is a message and units are those of the protocol's definitions.
+    /// The built-in profile of MAVLink streams, fixed wing: a topic is a message, and units are those of the protocol.
     ///
     /// # Errors
     /// As [`Profile::px4`].
     pub fn mavlink() -> Result<Self, ProfileError> {
-        Self::parse("mavlink.toml", include_str!("../../../data/profiles/mavlink.toml"))
+        Self::parse("mavlink.toml", include_str!("../profiles/mavlink.toml"))
     }
 
-    /// Reads a profile. `name` is its file's, for messages.
+    /// Reads a profile from the text of a TOML file. `name` is the name of the file in messages.
     ///
     /// # Errors
-    /// [`ProfileError`] with line and word if it is no profile, names no known channel, or a unit that does not suit one.
+    /// [`ProfileError`] if the text is no valid profile, or names an unknown channel or a unit that does not suit its channel.
     pub fn parse(name: &str, text: &str) -> Result<Self, ProfileError> {
         let wrong = |problem: String| ProfileError { file: name.to_owned(), problem };
         let file: File = toml::from_str(text).map_err(|error| wrong(error.to_string()))?;
@@ -192,12 +210,12 @@ impl Profile {
         Ok(Self { name: file.name, time_base: file.time_base, surfaces: file.surfaces, mixed, channels })
     }
 
-    /// The entry of a channel.
+    /// The entry of the channel with this canonical name, or `None`.
     pub fn channel(&self, name: &str) -> Option<&ChannelProfile> {
         self.channels.iter().find(|entry| entry.channel == name)
     }
 
-    /// Every field that a profile may take something from, those of transforms one by one.
+    /// All fields that the profile can use, those of transforms one by one; a field may come several times.
     pub fn fields(&self) -> impl Iterator<Item = FieldName> {
         self.channels.iter().flat_map(|entry| &entry.sources).flat_map(Source::inputs)
     }
@@ -217,8 +235,8 @@ impl Mixture {
 }
 
 impl Source {
-    /// The fields whose numbers [`Source::value`] takes, in its order: those of the transform, all of one topic, and then the
-    /// factor's.
+    /// The fields whose numbers [`Source::value`] takes, in this order: those of the transform, which are all of one topic, and
+    /// then that of the factor.
     pub fn inputs(&self) -> Vec<FieldName> {
         let mut inputs = match self.transform {
             Transform::None => vec![self.field.clone()],
@@ -234,7 +252,8 @@ impl Source {
         inputs
     }
 
-    /// The channel's value from the numbers of [`Source::inputs`], in the source's unit, before `scale`; NaN if one is missing.
+    /// The value of the channel from the numbers of the fields [`Source::inputs`], in the unit of the source, before `scale`. NaN if
+    /// a number is missing or NaN, and for a quaternion whose norm is not 1.
     pub fn value(&self, inputs: &[f64]) -> f64 {
         let (value, rest) = match self.transform {
             Transform::None => (inputs.first().copied(), inputs.get(1..)),
@@ -250,7 +269,7 @@ impl Source {
     }
 }
 
-/// `q1..q4`: the four fields `q1`, `q2`, `q3`, `q4`.
+/// The four names that `q1..q4` stands for: `q1`, `q2`, `q3`, `q4`. `None` if it is no such range.
 fn numbered(field: &str) -> Option<Vec<String>> {
     let (first, last) = field.split_once("..")?;
     let name = first.trim_end_matches(|c: char| c.is_ascii_digit());
@@ -260,10 +279,10 @@ fn numbered(field: &str) -> Option<Vec<String>> {
 }
 
 /// Euler angles (3-2-1: heading, pitch, bank) of a quaternion, scalar first (Stevens and Lewis, Aircraft Control and
-/// Simulation, section 1.8). What is no rotation is none: PX4 writes zeros before its estimator runs.
+/// Simulation, section 1.8). NaN if the norm is not 1: PX4 writes zeros before its estimator runs.
 fn euler(transform: Transform, [w, x, y, z]: &[f64; 4]) -> f64 {
     let norm = w * w + x * x + y * y + z * z;
-    // Written as float32, a unit quaternion is one to about 1e-7.
+    // The norm of a unit quaternion in single precision differs from 1 by about 1e-7.
     if !(0.98..1.02).contains(&norm) {
         return f64::NAN;
     }
@@ -301,13 +320,13 @@ impl std::fmt::Display for FieldName {
     }
 }
 
-/// A profile cannot be used.
+/// Why a profile cannot be used.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("profile {file}: {problem}")]
 pub struct ProfileError {
-    /// Its file.
+    /// Name of the file, as given to [`Profile::parse`].
     pub file: String,
-    /// What was found, and what is accepted.
+    /// What was found and what is accepted, as a clause; errors of TOML with their line.
     pub problem: String,
 }
 
@@ -409,8 +428,8 @@ mod tests {
     fn wrong_profiles_are_answered_with_the_place() {
         let head = "name = \"x\"\ntime_base = []\n";
         let wrong = |text: &str| Profile::parse("my.toml", &format!("{head}{text}")).unwrap_err().to_string();
-        let told = wrong("[channel.aplha]\nsources = []\n");
-        assert!(told.contains("my.toml: 'aplha' is no channel; did you mean 'alpha'?"), "{told}");
+        let message = wrong("[channel.aplha]\nsources = []\n");
+        assert!(message.contains("my.toml: 'aplha' is no channel; did you mean 'alpha'?"), "{message}");
         assert!(
             wrong("[channel.alpha]\nsources = [{ field = \"a.b\", unit = \"kg\" }]\n").contains("not one of rad, deg")
         );

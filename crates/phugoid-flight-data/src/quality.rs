@@ -1,31 +1,45 @@
-//! What a reader found in a record, mended and left out.
+//! The quality report: what a reader found in a file, what it assumed, converted and left out.
+//!
+//! ```
+//! use phugoid_flight_data::csv::{self, CsvOptions};
+//! let text = "time_s,alpha\n0.0,0.05\n0.1,0.06\n0.1,0.06\n0.2,\n"; // no unit, a double row, a missing value
+//! let record = csv::read(text.as_bytes(), "flight.csv", &CsvOptions::default())?;
+//! let quality = &record.quality;
+//! assert_eq!((quality.rows_read, quality.rows_kept), (4, 3));
+//! assert!(quality.warnings().any(|finding| finding.message.contains("no unit is written")));
+//! let alpha = quality.channels.iter().find(|channel| channel.name == "alpha").expect("alpha was read");
+//! assert!(alpha.unit_assumed && alpha.missing == 1);
+//! # Ok::<(), csv::ReadError>(())
+//! ```
 
 use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
+use crate::wording::Short;
+
 /// How much a finding matters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Severity {
-    /// Worth knowing; nothing was changed.
+    /// Worth knowing; results are not affected.
     Note,
-    /// Data were converted, dropped or mended; results hold with that in mind.
+    /// Data were left out, changed or assumed, or are probably wrong: check it before results are trusted.
     Warning,
 }
 
-/// One finding.
+/// One thing that a reader or a check found in the data.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Finding {
-    /// How much it matters.
+    /// Whether it may affect results.
     pub severity: Severity,
-    /// Where: a channel, a row, a time span; empty for the whole record.
+    /// Where it was found: a channel, a column, rows or a span of time; empty if it concerns the whole record.
     pub place: String,
-    /// What was found, what was done about it, and what the user can do.
+    /// What was found, what was done about it, and what the user can do, as a sentence.
     pub message: String,
 }
 
-/// Where one channel came from and what is missing in it.
+/// Where one channel came from, how it was converted, and how much of it is missing.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ChannelQuality {
     /// Canonical name, as in the record.
@@ -34,24 +48,24 @@ pub struct ChannelQuality {
     pub header: String,
     /// The unit it was converted from, e.g. `deg`; `-` for a pure number.
     pub unit: String,
-    /// Was the unit assumed, because none was written?
+    /// True if the file states no unit and SI was assumed.
     pub unit_assumed: bool,
-    /// The factor of an explicit mapping (its sign or scale); 1 otherwise.
+    /// The factor of an explicit mapping, by which values were multiplied before the unit was converted; 1 otherwise.
     pub scale: f64,
     /// Values missing among the rows kept: empty cells, NaN, infinities and text.
     pub missing: usize,
-    /// Values that stand alone far away from their neighbours (kept as they are).
+    /// Number of single values far away from both neighbours; they are kept as they are.
     pub spikes: usize,
 }
 
-/// Data-quality section of a record.
+/// The quality report of a record or a log. Its `Display` form is a text of one line per finding.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct QualityReport {
-    /// Data rows read.
+    /// Number of data rows that the file has.
     pub rows_read: usize,
-    /// Rows kept in the record.
+    /// Number of rows that are in the record.
     pub rows_kept: usize,
-    /// Median sample time, s.
+    /// Median time from one row to the next, s; 0 if not known.
     pub sample_time_s: f64,
     /// Findings in the order in which they were made.
     pub findings: Vec<Finding>,
@@ -61,17 +75,17 @@ pub struct QualityReport {
 }
 
 impl QualityReport {
-    /// Adds a [`Severity::Note`].
+    /// Adds a finding of [`Severity::Note`].
     pub fn note(&mut self, place: impl Into<String>, message: impl Into<String>) {
         self.findings.push(Finding { severity: Severity::Note, place: place.into(), message: message.into() });
     }
 
-    /// Adds a [`Severity::Warning`].
+    /// Adds a finding of [`Severity::Warning`].
     pub fn warn(&mut self, place: impl Into<String>, message: impl Into<String>) {
         self.findings.push(Finding { severity: Severity::Warning, place: place.into(), message: message.into() });
     }
 
-    /// The warnings alone.
+    /// The findings of [`Severity::Warning`], in their order.
     pub fn warnings(&self) -> impl Iterator<Item = &Finding> {
         self.findings.iter().filter(|finding| finding.severity == Severity::Warning)
     }
@@ -96,123 +110,5 @@ impl fmt::Display for QualityReport {
             }
         }
         Ok(())
-    }
-}
-
-/// A number to at most six significant digits without trailing zeros, for messages.
-pub(crate) struct Short(pub(crate) f64);
-
-impl fmt::Display for Short {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let value = self.0;
-        if value == 0.0 || !value.is_finite() {
-            return write!(f, "{value}");
-        }
-        let magnitude = value.abs().log10().floor();
-        if !(-4.0..9.0).contains(&magnitude) {
-            return write!(f, "{value:.4e}");
-        }
-        let decimals = (5.0 - magnitude).clamp(0.0, 9.0) as usize;
-        let text = format!("{value:.decimals$}");
-        let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
-        f.write_str(text)
-    }
-}
-
-/// What a place in a table is counted in: lines of a text file, as an editor shows them, or rows of numbers; from 1.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) enum Counted {
-    #[default]
-    Lines,
-    Rows,
-}
-
-impl Counted {
-    pub(crate) fn one(self) -> &'static str {
-        match self {
-            Counted::Lines => "line",
-            Counted::Rows => "row",
-        }
-    }
-
-    pub(crate) fn several(self) -> &'static str {
-        match self {
-            Counted::Lines => "lines",
-            Counted::Rows => "rows",
-        }
-    }
-}
-
-/// How many, and the line (or row) numbers of the first few.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Lines {
-    counted: Counted,
-    count: usize,
-    first: Vec<usize>,
-}
-
-impl Lines {
-    const SHOWN: usize = 8;
-
-    pub(crate) fn of(counted: Counted) -> Self {
-        Self { counted, ..Self::default() }
-    }
-
-    pub(crate) fn add(&mut self, line: usize) {
-        self.count += 1;
-        if self.first.len() < Self::SHOWN {
-            self.first.push(line);
-        }
-    }
-
-    pub(crate) fn count(&self) -> usize {
-        self.count
-    }
-
-    /// `line 7`, `rows 7, 9, 12` or `lines 7, 9, ... (40 in all)`.
-    pub(crate) fn place(&self) -> String {
-        let shown: Vec<_> = self.first.iter().map(usize::to_string).collect();
-        let shown = shown.join(", ");
-        match self.count {
-            1 => format!("{} {shown}", self.counted.one()),
-            count if count > self.first.len() => {
-                format!("{} {shown}, ... ({count} in all)", self.counted.several())
-            }
-            _ => format!("{} {shown}", self.counted.several()),
-        }
-    }
-}
-
-/// `1 row`, `2 rows`.
-pub(crate) fn plural(count: usize, what: &str) -> String {
-    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn short_numbers() {
-        for (value, text) in [
-            (0.0, "0"),
-            (0.1, "0.1"),
-            (-12.5, "-12.5"),
-            (123456.7, "123457"),
-            (9.80665, "9.80665"),
-            (1e12, "1.0000e12"),
-            (2e-7, "2.0000e-7"),
-            (1000.0, "1000"),
-            (0.001, "0.001"),
-        ] {
-            assert_eq!(Short(value).to_string(), text);
-        }
-    }
-
-    #[test]
-    fn long_lists_of_lines_are_cut() {
-        let mut lines = Lines::default();
-        (1..=40).for_each(|line| lines.add(line));
-        assert_eq!(lines.place(), "lines 1, 2, 3, 4, 5, 6, 7, 8, ... (40 in all)");
     }
 }

@@ -1,21 +1,30 @@
-//! Quantities as people write them: a number with its unit, `20000ft`, `-2 deg`, `300 ft^2`, `55814 slug*ft^2`.
+//! Numbers with units in text: `20000ft`, `-2 deg`, `300 ft^2`, `55814 slug*ft^2`.
 //!
-//! Command lines, scenario files and model files all read them here, and every factor is that of [`crate::units`].
+//! Command lines, scenario files and model files all read them here. The factors are those of [`crate::units`].
+//!
+//! ```
+//! use phugoid_flight_data::quantity::{Dimension, QuantityError};
+//! assert_eq!(Dimension::LENGTH.parse("20000 ft"), Ok(6096.0));
+//! assert!((Dimension::INERTIA.parse("1 slug*ft^2")? - 1.355_818).abs() < 1e-6);
+//! assert!(matches!(Dimension::ANGLE.parse("2"), Err(QuantityError::NoUnit { .. })));
+//! assert_eq!(Dimension::ANGLE.parse_or_si("2"), Ok(2.0));
+//! assert!(matches!(Dimension::ANGLE.parse("5 m"), Err(QuantityError::WrongUnit { .. })));
+//! # Ok::<(), QuantityError>(())
+//! ```
 
-use crate::record::Quantity;
-use crate::units::{self, UNITS};
+use crate::units::{self, Quantity, UNITS};
 
 /// Powers of length, mass, time, angle and temperature.
 type Powers = [i8; 5];
 
-/// What a quantity is measured in: powers of the base units, and words for messages.
+/// The dimension of a quantity as powers of the base units, with the words that messages need.
 ///
-/// Angles have a dimension of their own here, although SI has none for them: it catches `5 m` written for an angle.
+/// Angles have a dimension of their own here, which SI does not give them, so that `5 m` is refused for an angle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Dimension {
     powers: Powers,
     name: &'static str,
-    /// The SI unit first; all are examples of what is understood.
+    /// Examples of units that are understood, the SI unit first.
     units: &'static [&'static str],
 }
 
@@ -44,74 +53,75 @@ impl Dimension {
     const fn of(quantity: Quantity, units: &'static [&'static str]) -> Self {
         Self { powers: powers(quantity), name: quantity.in_words(), units }
     }
-    /// A pure number.
+    /// A pure number, with no unit or in percent.
     pub const NUMBER: Self = Self::of(Quantity::Number, &["a pure number", "%"]);
-    /// m
+    /// A length; SI unit m.
     pub const LENGTH: Self = Self::of(Quantity::Length, &["m", "ft", "km", "nmi", "cm", "mm", "in"]);
-    /// m^2
+    /// An area; SI unit m^2.
     pub const AREA: Self = Self { powers: [2, 0, 0, 0, 0], name: "an area", units: &["m^2", "ft^2", "in^2"] };
-    /// kg
+    /// A mass; SI unit kg.
     pub const MASS: Self = Self::of(Quantity::Mass, &["kg", "lb", "slug", "t"]);
-    /// kg m^2
+    /// A moment of inertia; SI unit kg m^2.
     pub const INERTIA: Self = Self::of(Quantity::Inertia, &["kg*m^2", "slug*ft^2", "lb*ft^2"]);
-    /// kg m^2/s
+    /// An angular momentum, as of a rotor; SI unit kg m^2/s.
     pub const ANGULAR_MOMENTUM: Self =
         Self { powers: [2, 1, -1, 0, 0], name: "an angular momentum", units: &["kg*m^2/s", "slug*ft^2/s"] };
-    /// s
+    /// A time or duration; SI unit s.
     pub const TIME: Self = Self::of(Quantity::Time, &["s", "ms", "min", "h"]);
-    /// Hz
+    /// A frequency; SI unit Hz.
     pub const FREQUENCY: Self = Self::of(Quantity::Frequency, &["Hz", "kHz"]);
-    /// rad
+    /// An angle; SI unit rad.
     pub const ANGLE: Self = Self::of(Quantity::Angle, &["rad", "deg", "mrad"]);
-    /// rad/s
+    /// An angular rate; SI unit rad/s.
     pub const ANGULAR_RATE: Self = Self::of(Quantity::AngularRate, &["rad/s", "deg/s"]);
-    /// rad/s^2
+    /// An angular acceleration; SI unit rad/s^2.
     pub const ANGULAR_ACCELERATION: Self = Self::of(Quantity::AngularAcceleration, &["rad/s^2", "deg/s^2"]);
-    /// m/s
+    /// A speed; SI unit m/s.
     pub const SPEED: Self = Self::of(Quantity::Speed, &["m/s", "ft/s", "kt", "km/h", "mph", "ft/min"]);
-    /// m/s^2
+    /// An acceleration; SI unit m/s^2.
     pub const ACCELERATION: Self = Self::of(Quantity::Acceleration, &["m/s^2", "ft/s^2", "g", "mg"]);
-    /// N
+    /// A force; SI unit N.
     pub const FORCE: Self = Self::of(Quantity::Force, &["N", "kN", "lbf"]);
-    /// kg/m^3
+    /// A density of the air; SI unit kg/m^3.
     pub const DENSITY: Self = Self::of(Quantity::Density, &["kg/m^3", "slug/ft^3", "lb/ft^3"]);
-    /// m^2/s^3, the spectral density of a speed's rate
+    /// The spectral density of the noise that drives a speed; SI unit m^2/s^3.
     pub const SPEED_NOISE: Self = Self {
         powers: [2, 0, -3, 0, 0],
         name: "a spectral density of an acceleration",
         units: &["m^2/s^3", "ft^2/s^3"],
     };
-    /// rad^2/s, the spectral density of an angle's rate
+    /// The spectral density of the noise that drives an angle; SI unit rad^2/s.
     pub const ANGLE_NOISE: Self = Self {
         powers: [0, 0, -1, 2, 0],
         name: "a spectral density of an angular rate",
         units: &["rad^2/s", "deg^2/s"],
     };
-    /// rad^2/s^3, the spectral density of an angular rate's rate
+    /// The spectral density of the noise that drives an angular rate; SI unit rad^2/s^3.
     pub const ANGULAR_RATE_NOISE: Self = Self {
         powers: [0, 0, -3, 2, 0],
         name: "a spectral density of an angular acceleration",
         units: &["rad^2/s^3", "deg^2/s^3"],
     };
 
-    /// The SI unit of this dimension as text.
+    /// The SI unit of this dimension as text, such as `m/s^2`.
     pub fn si_unit(&self) -> &'static str {
         self.units.first().copied().unwrap_or_default()
     }
 
-    /// What it is in a sentence: `a length`, `an angle`.
+    /// The quantity as a noun with its article, for messages: `a length`, `an angle`.
     pub fn in_words(&self) -> &'static str {
         self.name
     }
 
-    /// A number with its unit, in SI. A bare number is refused, because `alpha = 2` means two very different things to two
-    /// people; only a pure number needs no unit.
+    /// Reads a number with its unit and converts it to SI. A number without a unit is refused, because one person reads
+    /// `alpha = 2` as degrees and the next as radians; only a pure number needs no unit.
     ///
     /// The unit is a product of units with whole powers: `ft/s^2`, `slug*ft^2`, `kg m^2`, `deg/s`; `/` divides by the next
     /// factor alone. Where a symbol has two meanings (`lb`, `kn`) the one that gives this dimension is taken.
     ///
     /// # Errors
-    /// [`QuantityError`]: no number, no unit, an unknown unit, a unit of something else.
+    /// [`QuantityError`]: there is no number or no unit, or the unit is unknown or one of another quantity. The result is
+    /// always finite: `nan` and `inf` are no numbers here.
     pub fn parse(&self, text: &str) -> Result<f64, QuantityError> {
         match self.split(text)? {
             (_, "") if *self != Self::NUMBER => Err(QuantityError::NoUnit {
@@ -124,17 +134,17 @@ impl Dimension {
         }
     }
 
-    /// As [`Self::parse`]; a bare number is in SI.
+    /// As [`Self::parse`], but a number without a unit is taken as SI.
     ///
     /// # Errors
-    /// As [`Self::parse`], but for the missing unit.
+    /// As [`Self::parse`], without [`QuantityError::NoUnit`].
     pub fn parse_or_si(&self, text: &str) -> Result<f64, QuantityError> {
         let (number, unit) = self.split(text)?;
         self.convert(text, number, unit)
     }
 
-    /// Where the number ends and the unit begins: the longest prefix that is a number. `1e3m` is a thousand metres, and
-    /// the `e` of `1ev` belongs to nothing.
+    /// Separates number and unit. The number is the longest beginning that is one: `1e3m` is a thousand metres, and in
+    /// `1ev` the `e` belongs to the unit.
     fn split<'a>(&self, text: &'a str) -> Result<(f64, &'a str), QuantityError> {
         let trimmed = text.trim();
         // `inf` and `nan` parse as numbers in Rust and are none here.
@@ -157,7 +167,7 @@ impl Dimension {
         if unit.is_empty() {
             return Ok(number);
         }
-        // A temperature has a zero of its own.
+        // The zero of degC and degF is not that of SI: they need more than a factor.
         let value = match units::find(unit).into_iter().find(|u| u.offset != 0.0 && powers(u.quantity) == self.powers) {
             Some(with_zero) => Some(with_zero.to_si(number)),
             None => self.factor(text, unit)?.map(|factor| number * factor),
@@ -170,7 +180,7 @@ impl Dimension {
         })
     }
 
-    /// SI units per unit; none if the unit is one of something else.
+    /// SI units per one of the unit; `None` if it is a unit of another dimension.
     fn factor(&self, text: &str, unit: &str) -> Result<Option<f64>, QuantityError> {
         // Every meaning of the words so far; few words have more than one.
         let mut meanings: Vec<(f64, [i32; 5])> = vec![(1.0, [0; 5])];
@@ -189,7 +199,7 @@ impl Dimension {
             meanings = meanings
                 .iter()
                 .flat_map(|(factor, total)| {
-                    // What has a zero of its own makes no products.
+                    // Units with an offset (degC) have no meaning in products.
                     found.iter().filter(|u| u.offset == 0.0).map(move |u| {
                         let powers = powers(u.quantity);
                         let total = std::array::from_fn(|i| total[i] + sign * power * i32::from(powers[i]));
@@ -208,7 +218,7 @@ impl Dimension {
         let near = symbols
             .map(|symbol| (strsim::jaro_winkler(&word.to_lowercase(), &symbol.to_lowercase()), symbol))
             .filter(|(likeness, _)| *likeness > 0.75)
-            // The first of equals: the units of this quantity come first.
+            // Of equally similar symbols the first, because the units of this dimension come first.
             .fold(
                 None,
                 |best: Option<(f64, &str)>, next| if best.is_none_or(|b| next.0 > b.0) { Some(next) } else { best },
@@ -237,60 +247,60 @@ fn name_and_power(word: &str) -> Option<(&str, i32)> {
     power.parse().ok().filter(|power: &i32| power.abs() <= 6).map(|power| (name, power))
 }
 
-/// Why a text is not a quantity.
+/// Why a text cannot be read as a quantity of the wanted dimension.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum QuantityError {
-    /// A number without a unit.
+    /// The text is a number without a unit.
     #[error("`{text}` has no unit: write {kind} as in `{text}{first}` (units: {units})")]
     NoUnit {
-        /// What was written.
+        /// The text as it was written.
         text: String,
-        /// The quantity, with its article.
+        /// The wanted quantity as a noun with its article.
         kind: &'static str,
-        /// The SI unit.
+        /// The SI unit of the wanted dimension.
         first: &'static str,
-        /// Units understood.
+        /// Examples of units of the wanted dimension, separated by commas.
         units: String,
     },
-    /// No number in front.
+    /// The text does not begin with a number.
     #[error("`{text}` does not start with a number: write {kind} as in `10 {first}` (units: {units})")]
     NoNumber {
-        /// What was written.
+        /// The text as it was written.
         text: String,
-        /// The quantity, with its article.
+        /// The wanted quantity as a noun with its article.
         kind: &'static str,
-        /// The SI unit.
+        /// The SI unit of the wanted dimension.
         first: &'static str,
-        /// Units understood.
+        /// Examples of units of the wanted dimension, separated by commas.
         units: String,
     },
-    /// A unit of something else.
+    /// The unit is known, but is a unit of another dimension.
     #[error("`{unit}` in `{text}` is not a unit of {kind}: expected {units} or its like")]
     WrongUnit {
-        /// What was written.
+        /// The text as it was written.
         text: String,
         /// The part that was taken for the unit.
         unit: String,
-        /// The quantity, with its article.
+        /// The wanted quantity as a noun with its article.
         kind: &'static str,
-        /// Units understood.
+        /// Examples of units of the wanted dimension, separated by commas.
         units: String,
     },
-    /// No unit at all.
+    /// A word of the unit is not known.
     #[error("unknown unit `{word}` in `{text}`{}", match near {
         Some(near) => format!(": did you mean `{near}`?"),
         None => format!(", which should be {kind}: expected {units} or its like"),
     })]
     UnknownUnit {
-        /// What was written.
+        /// The text as it was written.
         text: String,
-        /// The word that is no unit.
+        /// The word that is not known.
         word: String,
-        /// The quantity, with its article.
+        /// The wanted quantity as a noun with its article.
         kind: &'static str,
         /// The unit with the most similar symbol.
         near: Option<&'static str>,
-        /// Units understood.
+        /// Examples of units of the wanted dimension, separated by commas.
         units: String,
     },
 }

@@ -1,142 +1,53 @@
-//! A flight record in memory.
-
-use serde::{Deserialize, Serialize};
+//! The flight record: time and named channels in SI units.
 
 use crate::channels;
 use crate::quality::QualityReport;
+use crate::statistics;
+pub use crate::units::Quantity;
 
-/// The physical quantity of a channel: it decides which unit suffixes are understood and the SI unit kept inside.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Quantity {
-    /// s
-    Time,
-    /// Hz
-    Frequency,
-    /// rad
-    Angle,
-    /// rad/s
-    AngularRate,
-    /// rad/s^2
-    AngularAcceleration,
-    /// m/s
-    Speed,
-    /// m/s^2
-    Acceleration,
-    /// m
-    Length,
-    /// Pa
-    Pressure,
-    /// kg/m^3
-    Density,
-    /// N
-    Force,
-    /// kg
-    Mass,
-    /// kg m^2
-    Inertia,
-    /// K
-    Temperature,
-    /// A pure number (throttle, Mach number, flags)
-    Number,
-}
-
-impl Quantity {
-    /// The SI unit as printed: `rad/s`, `kg m^2`, `-` for a pure number.
-    pub fn si_unit(self) -> &'static str {
-        match self {
-            Quantity::Time => "s",
-            Quantity::Frequency => "Hz",
-            Quantity::Angle => "rad",
-            Quantity::AngularRate => "rad/s",
-            Quantity::AngularAcceleration => "rad/s^2",
-            Quantity::Speed => "m/s",
-            Quantity::Acceleration => "m/s^2",
-            Quantity::Length => "m",
-            Quantity::Pressure => "Pa",
-            Quantity::Density => "kg/m^3",
-            Quantity::Force => "N",
-            Quantity::Mass => "kg",
-            Quantity::Inertia => "kg m^2",
-            Quantity::Temperature => "K",
-            Quantity::Number => "-",
-        }
-    }
-
-    /// The SI unit as a header suffix: `rad_s`, `kg_m2`, empty for a pure number.
-    pub fn si_suffix(self) -> &'static str {
-        match self {
-            Quantity::Time => "s",
-            Quantity::Frequency => "hz",
-            Quantity::Angle => "rad",
-            Quantity::AngularRate => "rad_s",
-            Quantity::AngularAcceleration => "rad_s2",
-            Quantity::Speed => "m_s",
-            Quantity::Acceleration => "m_s2",
-            Quantity::Length => "m",
-            Quantity::Pressure => "pa",
-            Quantity::Density => "kg_m3",
-            Quantity::Force => "n",
-            Quantity::Mass => "kg",
-            Quantity::Inertia => "kg_m2",
-            Quantity::Temperature => "k",
-            Quantity::Number => "",
-        }
-    }
-
-    /// What it is in a sentence: `an angle`, `a speed`.
-    pub const fn in_words(self) -> &'static str {
-        match self {
-            Quantity::Time => "a time",
-            Quantity::Frequency => "a frequency",
-            Quantity::Angle => "an angle",
-            Quantity::AngularRate => "an angular rate",
-            Quantity::AngularAcceleration => "an angular acceleration",
-            Quantity::Speed => "a speed",
-            Quantity::Acceleration => "an acceleration",
-            Quantity::Length => "a length",
-            Quantity::Pressure => "a pressure",
-            Quantity::Density => "a density",
-            Quantity::Force => "a force",
-            Quantity::Mass => "a mass",
-            Quantity::Inertia => "a moment of inertia",
-            Quantity::Temperature => "a temperature",
-            Quantity::Number => "a pure number",
-        }
-    }
-}
-
-/// One measured or computed signal on the record's time base.
+/// One measured or computed signal, with one value per time of its record.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Channel {
     /// Canonical name without a unit, such as `alpha`, `q`, `true_airspeed`, `elevator`, `ax`.
     pub name: String,
-    /// What it is; values are in the SI unit of this quantity.
+    /// Its physical quantity; the values are in the SI unit of this quantity.
     pub quantity: Quantity,
     /// One value per time, SI; NaN where the value is missing.
     pub values: Vec<f64>,
 }
 
-/// A flight record: strictly increasing time and channels of the same length.
+/// A flight record: strictly increasing time, and channels of the same length.
+///
+/// Channels have the canonical names of [`crate::channels::CHANNELS`] where they are known, else names of their own. Readers
+/// make records that keep these rules; who fills the public fields has to keep them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Record {
     /// Where it came from (a file name or the name of a scenario), for messages and reports.
     pub source: String,
-    /// Time, s, strictly increasing.
+    /// Times of the samples, s, finite and strictly increasing.
     pub time: Vec<f64>,
-    /// Channels, in the order of the file.
+    /// The channels in the order of the file, without the time.
     pub channels: Vec<Channel>,
-    /// What the reader found, mended and left out.
+    /// What the reader found, assumed and left out; empty for a record that was filled in memory.
     pub quality: QualityReport,
 }
 
 impl Record {
-    /// The channel with this canonical name.
+    /// The channel with this name (the exact canonical name, no synonym), or `None`.
     pub fn channel(&self, name: &str) -> Option<&Channel> {
         self.channels.iter().find(|c| c.name == name)
     }
 
-    /// The channel with this canonical name, or an error that says what there is instead.
+    /// The channel with this name, or an error that names the channels that there are.
+    ///
+    /// ```
+    /// use phugoid_flight_data::record::Record;
+    /// let record = Record::from_columns("example", [("time_s", vec![0.0, 0.1]), ("alpha_rad", vec![0.05, 0.06])])?;
+    /// assert_eq!(record.require("alpha")?.values, [0.05, 0.06]);
+    /// let error = record.require("alhpa").expect_err("it is misspelt");
+    /// assert_eq!(error.alike.as_deref(), Some("alpha"));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     ///
     /// # Errors
     /// [`MissingChannel`] if the record has no channel of this name.
@@ -164,19 +75,21 @@ impl Record {
         })
     }
 
-    /// Number of times.
+    /// Number of samples: times, and values of each channel.
     pub fn len(&self) -> usize {
         self.time.len()
     }
 
-    /// True if there is no time at all.
+    /// True if the record has no samples.
     pub fn is_empty(&self) -> bool {
         self.time.is_empty()
     }
 
-    /// The part from one time (s) to another, both included; none if no time lies between them.
+    /// A copy of the part from one time (s) to another, both included (within 1e-9 s); `None` if no sample lies there.
+    ///
+    /// The quality report is copied whole: it describes the file.
     pub fn between(&self, from_s: f64, to_s: f64) -> Option<Self> {
-        // Times written with few digits: a bound that is meant to be one of them is.
+        // A bound that a user reads off the file may differ from the time in its last digit.
         let first = self.time.partition_point(|time| *time < from_s - 1e-9);
         let end = self.time.partition_point(|time| *time <= to_s + 1e-9);
         let time = self.time.get(first..end).filter(|time| !time.is_empty())?.to_vec();
@@ -189,15 +102,13 @@ impl Record {
         Some(Self { source: self.source.clone(), time, channels, quality: self.quality.clone() })
     }
 
-    /// Median of the time steps, s; zero if there are fewer than two times.
+    /// Median of the time steps, s (see [`statistics::median_step`]); 0 if there are fewer than two samples.
     pub fn sample_time_s(&self) -> f64 {
-        let mut steps: Vec<f64> = self.time.windows(2).map(|pair| pair[1] - pair[0]).collect();
-        steps.sort_by(f64::total_cmp);
-        steps.get(steps.len() / 2).copied().unwrap_or(0.0)
+        statistics::median_step(&self.time).unwrap_or(0.0)
     }
 }
 
-/// A channel that was needed and is not in the record.
+/// Error of [`Record::require`]: the channel is not in the record.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "{source_name}: there is no channel '{channel}'{}. The record has: {}. \
@@ -208,12 +119,12 @@ impl Record {
 pub struct MissingChannel {
     /// Where the record came from.
     pub source_name: String,
-    /// The channel that was asked for.
+    /// Name of the channel that was asked for.
     pub channel: String,
     /// A header that would have been read as this channel.
     pub header: String,
-    /// A channel of the record with a similar name.
+    /// The channel of the record with the most similar name, if one is similar enough to be a misspelling.
     pub alike: Option<String>,
-    /// The channels that there are.
+    /// Names of the channels that the record has.
     pub available: Vec<String>,
 }

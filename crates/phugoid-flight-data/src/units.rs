@@ -1,27 +1,137 @@
-//! Units that are understood in headers, unit rows and mappings, and their conversion to SI.
+//! Physical quantities, the units that are understood in headers, unit rows and mappings, and their conversion to SI.
+//!
+//! ```
+//! use phugoid_flight_data::units::{Quantity, accepted, find_for};
+//! let knots = find_for("KTS", Quantity::Speed).expect("knots are known");
+//! assert!((knots.to_si(100.0) - 51.444).abs() < 1e-3);
+//! assert_eq!(find_for("deg/s", Quantity::AngularRate), find_for("Deg per sec", Quantity::AngularRate));
+//! assert_eq!(find_for("deg", Quantity::Speed), None);
+//! assert_eq!(accepted(Quantity::Angle), "rad, deg, mrad");
+//! ```
 
-use crate::record::Quantity;
+use serde::{Deserialize, Serialize};
 
-/// One unit: `SI value = scale * value + offset`.
+/// The physical quantity of a channel: it decides which unit suffixes are understood and the SI unit kept inside.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Quantity {
+    /// A time or a duration; SI unit s.
+    Time,
+    /// A frequency; SI unit Hz.
+    Frequency,
+    /// An angle; SI unit rad.
+    Angle,
+    /// An angular rate; SI unit rad/s.
+    AngularRate,
+    /// An angular acceleration; SI unit rad/s^2.
+    AngularAcceleration,
+    /// A speed or a component of a velocity; SI unit m/s.
+    Speed,
+    /// An acceleration or a specific force; SI unit m/s^2.
+    Acceleration,
+    /// A length, a distance or an altitude; SI unit m.
+    Length,
+    /// A pressure; SI unit Pa.
+    Pressure,
+    /// The density of a gas or liquid; SI unit kg/m^3.
+    Density,
+    /// A force; SI unit N.
+    Force,
+    /// A mass; SI unit kg.
+    Mass,
+    /// A moment or product of inertia; SI unit kg m^2.
+    Inertia,
+    /// A temperature above absolute zero; SI unit K.
+    Temperature,
+    /// A pure number: throttle, Mach number, load factor, a flag. No unit.
+    Number,
+}
+
+impl Quantity {
+    /// The SI unit as printed: `rad/s`, `kg m^2`, `-` for a pure number.
+    pub fn si_unit(self) -> &'static str {
+        match self {
+            Quantity::Time => "s",
+            Quantity::Frequency => "Hz",
+            Quantity::Angle => "rad",
+            Quantity::AngularRate => "rad/s",
+            Quantity::AngularAcceleration => "rad/s^2",
+            Quantity::Speed => "m/s",
+            Quantity::Acceleration => "m/s^2",
+            Quantity::Length => "m",
+            Quantity::Pressure => "Pa",
+            Quantity::Density => "kg/m^3",
+            Quantity::Force => "N",
+            Quantity::Mass => "kg",
+            Quantity::Inertia => "kg m^2",
+            Quantity::Temperature => "K",
+            Quantity::Number => "-",
+        }
+    }
+
+    /// The SI unit as a header suffix: `rad_s`, `kg_m2`, empty for a pure number.
+    pub fn si_suffix(self) -> &'static str {
+        match self {
+            Quantity::Time => "s",
+            Quantity::Frequency => "hz",
+            Quantity::Angle => "rad",
+            Quantity::AngularRate => "rad_s",
+            Quantity::AngularAcceleration => "rad_s2",
+            Quantity::Speed => "m_s",
+            Quantity::Acceleration => "m_s2",
+            Quantity::Length => "m",
+            Quantity::Pressure => "pa",
+            Quantity::Density => "kg_m3",
+            Quantity::Force => "n",
+            Quantity::Mass => "kg",
+            Quantity::Inertia => "kg_m2",
+            Quantity::Temperature => "k",
+            Quantity::Number => "",
+        }
+    }
+
+    /// The quantity as a noun with its article, for messages: `an angle`, `a speed`.
+    pub const fn in_words(self) -> &'static str {
+        match self {
+            Quantity::Time => "a time",
+            Quantity::Frequency => "a frequency",
+            Quantity::Angle => "an angle",
+            Quantity::AngularRate => "an angular rate",
+            Quantity::AngularAcceleration => "an angular acceleration",
+            Quantity::Speed => "a speed",
+            Quantity::Acceleration => "an acceleration",
+            Quantity::Length => "a length",
+            Quantity::Pressure => "a pressure",
+            Quantity::Density => "a density",
+            Quantity::Force => "a force",
+            Quantity::Mass => "a mass",
+            Quantity::Inertia => "a moment of inertia",
+            Quantity::Temperature => "a temperature",
+            Quantity::Number => "a pure number",
+        }
+    }
+}
+
+/// A unit of a quantity: `SI value = scale * value + offset`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Unit {
     /// How it is written in messages and in header suffixes, e.g. `ft_s2`.
     pub symbol: &'static str,
-    /// What it measures.
+    /// The quantity that it measures.
     pub quantity: Quantity,
-    /// SI units per unit.
+    /// SI units per one of this unit.
     pub scale: f64,
-    /// SI value of zero in this unit; other than zero only for temperatures.
+    /// SI value of zero in this unit; not 0 only for temperatures such as degC.
     pub offset: f64,
 }
 
 impl Unit {
-    /// `value` in this unit, converted to SI.
+    /// Converts a value in this unit to SI. NaN stays NaN.
     pub fn to_si(&self, value: f64) -> f64 {
         self.scale * value + self.offset
     }
 
-    /// `value` in SI, converted to this unit.
+    /// Converts a value in SI to this unit. NaN stays NaN.
     pub fn from_si(&self, value: f64) -> f64 {
         (value - self.offset) / self.scale
     }
@@ -46,8 +156,8 @@ use Quantity::{
     Pressure, Speed, Temperature, Time,
 };
 
-/// Every unit understood. The first of a quantity is its SI unit. A symbol may stand under two quantities (`lb`, `kn`):
-/// the channel decides.
+/// All units that are understood. The first one of a quantity is its SI unit. A symbol may stand under two quantities
+/// (`lb` is a mass and a force, `kn` a speed and a force); the channel decides which is meant.
 #[rustfmt::skip]
 pub const UNITS: &[Unit] = &[
     unit("s", Time, 1.0), unit("ms", Time, 1e-3), unit("us", Time, 1e-6), unit("ns", Time, 1e-9),
@@ -105,14 +215,14 @@ pub const UNITS: &[Unit] = &[
     unit("-", Number, 1.0), unit("1", Number, 1.0), unit("nd", Number, 1.0), unit("pct", Number, 0.01),
 ];
 
-/// The units a text can mean, at most one per quantity; empty if it means none. Case, spaces and the usual spellings
-/// do not matter: `deg/s`, `deg_s`, `Deg per sec`, `°/s` and `deg s-1` are one unit.
+/// The units that a text can mean, at most one per quantity; empty if it is no unit. Case, spaces and the usual
+/// spellings do not matter: `deg/s`, `deg_s`, `Deg per sec`, `°/s` and `deg s-1` are the same unit.
 pub fn find(text: &str) -> Vec<Unit> {
     let symbol = normalise(text);
     UNITS.iter().copied().filter(|unit| unit.symbol == symbol).collect()
 }
 
-/// The unit that a text means for this quantity.
+/// The unit of this quantity that a text means; `None` if it is no unit, or one of another quantity.
 pub fn find_for(text: &str, quantity: Quantity) -> Option<Unit> {
     find(text).into_iter().find(|unit| unit.quantity == quantity)
 }
@@ -123,7 +233,7 @@ pub fn accepted(quantity: Quantity) -> String {
     symbols.join(", ")
 }
 
-/// A unit as typed, brought to the form of the table: lower case, factors joined by `_`, exponents as digits.
+/// Brings a unit as typed to the spelling of [`UNITS`]: lower case, factors joined by `_`, exponents as digits.
 fn normalise(text: &str) -> String {
     let text = text.trim().to_lowercase().replace("**", "");
     match text.as_str() {
@@ -158,7 +268,7 @@ fn normalise(text: &str) -> String {
     factors.join("_")
 }
 
-/// One factor of a unit in the table's spelling.
+/// Brings one factor of a unit to the spelling of [`UNITS`].
 fn factor(word: &str) -> &str {
     match word {
         "per" => "",

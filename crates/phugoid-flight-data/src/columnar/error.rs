@@ -1,4 +1,4 @@
-//! Why a Parquet or Arrow file could not be read.
+//! Errors of reading Parquet and Arrow files.
 
 use crate::table::TableError;
 
@@ -8,32 +8,32 @@ pub enum ReadError {
     /// The operating system could not open or read it.
     #[error("{source_name}: cannot be read: {error}")]
     Io {
-        /// File or stream.
+        /// Name of the file or stream, as the caller gave it.
         source_name: String,
-        /// What the system says.
+        /// The error of the operating system.
         error: std::io::Error,
     },
-    /// It is something else, or a kind of it that is not read.
+    /// The file is in another format, or in a variant of the format that is not read.
     #[error("{source_name}: this is {found}. {advice}")]
     NotRead {
-        /// File or stream.
+        /// Name of the file or stream, as the caller gave it.
         source_name: String,
-        /// What it is.
+        /// What the file is, as a noun with its article.
         found: String,
-        /// What to do.
+        /// What the user can do about it, as a sentence.
         advice: &'static str,
     },
-    /// Nothing in it could be read.
+    /// The file is damaged, and not one row of it could be read.
     #[error("{source_name}, {place}: the file is damaged: {problem}. Copy or write it again")]
     Damaged {
-        /// File or stream.
+        /// Name of the file or stream, as the caller gave it.
         source_name: String,
-        /// Byte, row group or footer.
+        /// Where the damage is: a byte offset, a group of rows, or the footer.
         place: String,
-        /// What was found and expected.
+        /// What was found there and what was expected, as a clause.
         problem: String,
     },
-    /// The numbers were read, but make no record.
+    /// The numbers were read, but no record can be made of them.
     #[error(transparent)]
     Table(#[from] TableError),
 }

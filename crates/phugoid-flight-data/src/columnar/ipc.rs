@@ -1,7 +1,7 @@
-//! Arrow IPC: a schema and batches of columns, one message after the other.
+//! Reads Arrow IPC: a schema and batches of columns, one message after the other.
 //!
-//! Read as a stream whether it is one or a file (Feather version 2): a file is a stream between `ARROW1` and a footer, which
-//! only serves to find batches out of order. So a file that was cut off gives the batches before the cut.
+//! Files (Feather version 2) are read as streams too: a file is a stream between `ARROW1` and a footer, which is needed only to
+//! find batches out of order. So a file that was cut off gives the batches before the cut.
 
 use std::collections::HashMap;
 use std::io::{self, Read};
@@ -18,7 +18,7 @@ use crate::quality::QualityReport;
 use crate::record::Record;
 use crate::table::TableOptions;
 
-/// The longest description of a message, bytes; that of a schema of thousands of columns has a few million.
+/// The longest description of a message that is read, bytes. The schema of thousands of columns has a few million.
 const LONGEST_DESCRIPTION: u64 = 64 << 20;
 const CONTINUATION: [u8; 4] = [0xFF; 4];
 
@@ -61,8 +61,9 @@ pub(crate) fn read(reader: impl Read, source: &str, options: &TableOptions) -> R
 }
 
 enum Problem {
-    /// From here on nothing can be read.
+    /// The file is damaged, and nothing after this place can be read.
     Damaged(String),
+    /// Reading has to stop with this error.
     Stop(ReadError),
 }
 
@@ -84,7 +85,7 @@ struct Stream<'a, R> {
 }
 
 impl<R: Read> Stream<'_, R> {
-    /// The first four bytes of the first message, if they were read in looking what this is.
+    /// The first four bytes of the first message, if they had to be read to recognise the format.
     fn start(&mut self) -> Result<Option<[u8; 4]>, ReadError> {
         let mut first = [0; 4];
         let not_read = |found: &str, advice| ReadError::NotRead {
@@ -125,7 +126,7 @@ impl<R: Read> Stream<'_, R> {
         }
     }
 
-    /// This many bytes. Memory is taken as they come, not as they are announced.
+    /// Reads this many bytes. Memory is taken as they arrive, because the announced number may be wrong.
     fn bytes(&mut self, count: u64) -> Result<Vec<u8>, Problem> {
         let mut bytes = Vec::new();
         let read = self
@@ -145,7 +146,7 @@ impl<R: Read> Stream<'_, R> {
         let before = self.offset;
         match self.bytes(4) {
             Ok(bytes) => Ok(bytes.try_into().ok()),
-            // A stream may end without saying so.
+            // A stream may end without an end marker.
             Err(Problem::Damaged(_)) if self.offset == before => Ok(None),
             Err(problem) => Err(problem),
         }
@@ -162,7 +163,7 @@ impl<R: Read> Stream<'_, R> {
             None => self.word()?,
         };
         let Some(first) = first else { return Ok(Got::End) };
-        // Before version 0.15 the length stood at once.
+        // Before version 0.15 of Arrow a message began with its length, without a marker.
         let length = if first == CONTINUATION { self.word()?.unwrap_or_default() } else { first };
         let length = u64::from(u32::from_le_bytes(length));
         if length == 0 {
@@ -245,7 +246,7 @@ impl<R: Read> Stream<'_, R> {
     }
 }
 
-/// Does everything that the batch announces lie in its body and within the bound on memory?
+/// Checks that everything the batch announces lies in its body and within the bound on memory.
 fn check(batch: RecordBatch<'_>, body: &[u8], max_values: usize) -> Result<(), String> {
     let rows = batch.nodes().into_iter().flatten().map(|node| (node.length(), node.null_count()));
     for (length, missing) in rows {
@@ -253,7 +254,7 @@ fn check(batch: RecordBatch<'_>, body: &[u8], max_values: usize) -> Result<(), S
             return Err(format!("a column of {length} values, {missing} of them missing"));
         }
     }
-    // Numbers of eight bytes in every column, and as much again for which values are there and for text.
+    // Eight bytes per value, and as much again for validity bits and text.
     let most = 16 * max_values as u64 + (1 << 20);
     let mut unpacked = 0_u64;
     for buffer in batch.buffers().into_iter().flatten() {
@@ -267,7 +268,7 @@ fn check(batch: RecordBatch<'_>, body: &[u8], max_values: usize) -> Result<(), S
             let Some(size) = bytes.first_chunk::<8>().map(|size| i64::from_le_bytes(*size)) else {
                 return Err(format!("compressed data of {length} bytes, which have no room for their size"));
             };
-            // -1: not compressed after all.
+            // A size of -1 marks a buffer that is not compressed.
             unpacked = unpacked.saturating_add(u64::try_from(size).unwrap_or(if size == -1 { 0 } else { u64::MAX }));
             if unpacked > most {
                 return Err(format!("compressed data that want {size} bytes, more than the bound on memory"));

@@ -1,4 +1,4 @@
-//! What Parquet and Arrow files share: which columns are signals, their units, and their values as `f64`.
+//! Code that Parquet and Arrow files share: which columns are signals, their units, and their values as `f64`.
 
 mod error;
 mod numbers;
@@ -19,7 +19,7 @@ use crate::table::{self, Column, LeftOut, TableError, TableOptions};
 
 /// The columns of numbers of a schema, and their values so far.
 pub(crate) struct Columns {
-    /// Places of the columns in the schema.
+    /// Indices of the columns in the schema.
     pub(crate) chosen: Vec<usize>,
     columns: Vec<Column>,
     left_out: Vec<LeftOut>,
@@ -42,19 +42,19 @@ impl Columns {
         columns
     }
 
-    /// Rows so far.
+    /// Number of rows so far.
     pub(crate) fn rows(&self) -> usize {
         self.columns.first().map_or(0, |column| column.values.len())
     }
 
-    /// Appends a batch that holds the chosen columns alone. On an error the rows before it stay.
+    /// Appends a batch that holds only the chosen columns. On an error the rows before it are kept.
     pub(crate) fn add(&mut self, batch: &RecordBatch, source: &str, options: &TableOptions) -> Result<(), AddError> {
         if batch.num_columns() != self.columns.len() {
             let (found, expected) = (batch.num_columns(), self.columns.len());
             return Err(AddError::Damaged(format!("a batch of {found} columns, where {expected} are expected")));
         }
         let before = self.rows();
-        // Two more per row: its time and its number.
+        // Besides the values each row has a time and a number.
         let most = options.max_values / (self.columns.len() + 2);
         if before + batch.num_rows() > most {
             return Err(AddError::Table(TableError::TooLarge {
@@ -92,7 +92,7 @@ pub(crate) enum AddError {
     Table(TableError),
 }
 
-/// The unit in a field's metadata, as our writer and others put it.
+/// The unit in the metadata of a field, where this crate and other programs write it.
 fn unit_of(field: &Field) -> Option<String> {
     let metadata = field.metadata();
     let unit = ["unit", "units", "Unit", "Units"].iter().find_map(|&key| metadata.get(key));

@@ -1,4 +1,4 @@
-//! Arrow arrays as `f64`, NaN where a value is missing.
+//! Converts Arrow arrays to `f64`, with NaN for missing values.
 
 use arrow_array::cast::AsArray;
 use arrow_array::types::{
@@ -10,19 +10,19 @@ use arrow_array::types::{
 use arrow_array::{Array, ArrowPrimitiveType};
 use arrow_schema::{DataType, TimeUnit};
 
-/// What the values of a column are.
+/// The kind of the values of a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
-    /// Numbers in a unit that the name or the metadata says.
+    /// Numbers, whose unit is in the name or the metadata.
     Number,
-    /// Points in time (from 1970, or from midnight), which become seconds.
+    /// Points in time, which become seconds from 1970 or from midnight.
     Time,
-    /// Durations, which become seconds.
+    /// Durations, which are converted to seconds.
     Duration,
 }
 
 impl Kind {
-    /// The unit of the values after [`append`], where the type says it.
+    /// The unit of the values after [`append`], if the type determines it.
     pub(super) fn unit(self) -> Option<&'static str> {
         (self != Kind::Number).then_some("s")
     }
@@ -32,7 +32,7 @@ impl Kind {
     }
 }
 
-/// What the values of this type are, or what it is if they are no numbers.
+/// The kind of the values of this type. The error says what they are instead of numbers.
 pub(super) fn kind(data_type: &DataType) -> Result<Kind, String> {
     use DataType::{
         Binary, BinaryView, Boolean, Date32, Dictionary, Duration, FixedSizeBinary, FixedSizeList, Float16, Float32,
@@ -58,7 +58,7 @@ pub(super) fn kind(data_type: &DataType) -> Result<Kind, String> {
     }
 }
 
-/// Appends the values of an array; nothing if it is not of a type that [`kind`] takes.
+/// Appends the values of an array; nothing if its type is not one that [`kind`] accepts.
 pub(super) fn append(array: &dyn Array, values: &mut Vec<f64>) {
     use DataType::{
         Boolean, Date32, Duration, Float16, Float32, Float64, Int8, Int16, Int32, Int64, Time32, Time64, Timestamp,
@@ -107,7 +107,8 @@ fn all<T: ArrowPrimitiveType>(array: &dyn Array, values: &mut Vec<f64>, number: 
     }
 }
 
-/// Whole seconds and the rest apart: nanoseconds since 1970 have more digits than a double.
+/// Converts to seconds. Whole seconds and the remainder are converted apart, because nanoseconds since 1970 have more digits than
+/// a double.
 fn seconds(value: i64, per_second: i64) -> f64 {
     value.div_euclid(per_second) as f64 + value.rem_euclid(per_second) as f64 / per_second as f64
 }

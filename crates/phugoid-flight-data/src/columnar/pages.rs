@@ -1,15 +1,15 @@
-//! The headers of a Parquet column's pages, looked through before anything is unpacked: the library takes memory as they say.
+//! Checks the page headers of a Parquet column before anything is unpacked, because the library allocates what they announce.
 //!
-//! They are structs in Thrift's compact protocol ("Apache Thrift compact protocol encoding"; "Parquet: PageHeader" in
+//! The headers are structs in Thrift's compact protocol ("Apache Thrift compact protocol encoding"; "Parquet: PageHeader" in
 //! `parquet.thrift`), of which only the sizes and counts are needed.
 
 use std::io::{BufReader, Read};
 
 use ::parquet::file::reader::ChunkReader;
 
-/// Structs within structs deeper than this are in no page header.
-const DEEPEST: usize = 8;
-/// The longest header: statistics in it may hold a text.
+/// Structs are never nested deeper than this in a page header.
+const MAX_DEPTH: usize = 8;
+/// The longest header that is read, bytes; statistics in it may hold text.
 const LONGEST_HEADER: u64 = 1 << 20;
 
 /// Checks the pages in `from..from + length`: none may be unpacked to more than `most_bytes` or hold more than `most_values`.
@@ -47,7 +47,7 @@ pub(crate) fn check(
     Ok(())
 }
 
-/// What a page header says of sizes, bytes, and the most values (or missing ones, or rows) that it says to have.
+/// The sizes in a page header, bytes, and the largest count in it (values, missing values or rows).
 #[derive(Default)]
 struct Sizes {
     packed: i64,
@@ -57,7 +57,7 @@ struct Sizes {
 
 struct Thrift<R> {
     input: BufReader<R>,
-    /// Bytes read.
+    /// Number of bytes read so far.
     read: u64,
 }
 
@@ -126,7 +126,7 @@ impl<R: Read> Thrift<R> {
     }
 
     fn skip(&mut self, kind: u8, depth: usize) -> Result<(), String> {
-        if depth > DEEPEST {
+        if depth > MAX_DEPTH {
             return Err("a page header of structs within structs".into());
         }
         match kind {

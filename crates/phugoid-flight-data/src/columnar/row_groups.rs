@@ -1,4 +1,4 @@
-//! Parquet: groups of rows, each read on its own, in batches.
+//! Reads Parquet: groups of rows, each on its own, in batches.
 
 use std::io;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -15,13 +15,12 @@ use crate::quality::QualityReport;
 use crate::record::Record;
 use crate::table::TableOptions;
 
-/// Rows per batch: a few thousand keep what is in flight small and the calls few.
+/// Number of rows per batch: a few thousand need little memory and few calls.
 const BATCH: usize = 8192;
-/// Groups that are named one by one if they are damaged.
-const MOST_FINDINGS: usize = 10;
+/// Number of damaged groups that are reported one by one.
+const MAX_FINDINGS: usize = 10;
 
-/// Reads every group of rows; of a damaged one the rows before the damage are kept. `open` gives the file, for each group
-/// anew.
+/// Reads every group of rows; of a damaged one the rows before the damage are kept. `open` opens the file, once for each group.
 pub(crate) fn read<R: ChunkReader + 'static>(
     open: impl Fn() -> io::Result<R>,
     source: &str,
@@ -34,7 +33,7 @@ pub(crate) fn read<R: ChunkReader + 'static>(
         problem,
     };
     let file = open().map_err(io)?;
-    let metadata = fenced(|| ArrowReaderMetadata::load(&file, ArrowReaderOptions::new()))
+    let metadata = catching_panics(|| ArrowReaderMetadata::load(&file, ArrowReaderOptions::new()))
         .map_err(|problem| damaged("footer", problem))?;
     let mut columns = Columns::of(metadata.schema());
     let mut report = QualityReport::default();
@@ -50,7 +49,7 @@ pub(crate) fn read<R: ChunkReader + 'static>(
         let Some(problem) = problem else { continue };
         lost += 1;
         let place = format!("row group {} of {groups}", group + 1);
-        if lost <= MOST_FINDINGS {
+        if lost <= MAX_FINDINGS {
             report.warn(&place, format!("damaged ({problem}); the rows of it that could not be read are left out"));
         }
         first.get_or_insert((place, problem));
@@ -61,7 +60,7 @@ pub(crate) fn read<R: ChunkReader + 'static>(
     }
 }
 
-/// What is wrong with a group of rows, before anything of it is unpacked.
+/// What is wrong with a group of rows, found before anything of it is unpacked; `None` if nothing is.
 fn check(
     file: &impl ChunkReader,
     metadata: &Arc<ParquetMetaData>,
@@ -100,7 +99,7 @@ fn check(
     Ok(None)
 }
 
-/// Adds the rows of a group; what was wrong, if something was.
+/// Adds the rows of a group to the columns. Returns what is wrong with it, or `None`.
 fn one_group<R: ChunkReader + 'static>(
     file: R,
     metadata: &ArrowReaderMetadata,
@@ -110,7 +109,7 @@ fn one_group<R: ChunkReader + 'static>(
     source: &str,
     options: &TableOptions,
 ) -> Result<Option<String>, ReadError> {
-    let reader = fenced(|| {
+    let reader = catching_panics(|| {
         ParquetRecordBatchReaderBuilder::new_with_metadata(file, metadata.clone())
             .with_row_groups(vec![group])
             .with_projection(mask.clone())
@@ -122,7 +121,7 @@ fn one_group<R: ChunkReader + 'static>(
         Err(problem) => return Ok(Some(problem)),
     };
     loop {
-        let batch = match fenced(|| reader.next().transpose()) {
+        let batch = match catching_panics(|| reader.next().transpose()) {
             Ok(Some(batch)) => batch,
             Ok(None) => return Ok(None),
             Err(problem) => return Ok(Some(problem)),
@@ -135,9 +134,9 @@ fn one_group<R: ChunkReader + 'static>(
     }
 }
 
-/// What the library gives or says. It panics on some damaged pages (one that refers to a dictionary which is not there), where
-/// it should say so; what it was reading is given up then, as with an error.
-fn fenced<T, E: ToString>(read: impl FnOnce() -> Result<T, E>) -> Result<T, String> {
+/// Runs a call of the library and turns a panic into an error. It panics on some damaged pages, such as one that refers to a
+/// dictionary that does not exist.
+fn catching_panics<T, E: ToString>(read: impl FnOnce() -> Result<T, E>) -> Result<T, String> {
     match catch_unwind(AssertUnwindSafe(read)) {
         Ok(result) => result.map_err(|error| error.to_string()),
         Err(cause) => {

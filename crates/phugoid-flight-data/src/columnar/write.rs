@@ -1,4 +1,4 @@
-//! From a record, or columns of any kind, to a Parquet file.
+//! Writes a record, or columns of any kind, as Parquet.
 
 use std::collections::HashMap;
 use std::io::Write;
@@ -14,7 +14,7 @@ use arrow_schema::{DataType, Field, Schema};
 use crate::csv::WriteError;
 use crate::record::{Quantity, Record};
 
-/// Rows given to the writer at once: it needs them as columns of its own.
+/// Number of rows given to the writer at once; it needs a copy of them.
 const CHUNK: usize = 1 << 16;
 
 /// Writes a record under the headers of its columns, time first.
@@ -44,7 +44,7 @@ pub(crate) fn write(
         let mut columns: Vec<ArrayRef> = vec![Arc::new(times.copied().collect::<Float64Array>())];
         for channel in &record.channels {
             let values = channel.values.iter().skip(start).take(CHUNK);
-            // Missing is null, as an empty cell is in CSV.
+            // A missing value becomes null, as it becomes an empty cell in CSV.
             columns.push(Arc::new(values.map(|value| (!value.is_nan()).then_some(*value)).collect::<Float64Array>()));
         }
         let batch = RecordBatch::try_new(Arc::clone(&schema), columns);
@@ -58,18 +58,18 @@ fn properties() -> WriterProperties {
     WriterProperties::builder().set_compression(Compression::SNAPPY).build()
 }
 
-/// The values of a column of a table that is no flight.
+/// The values of one column of a general table, for [`crate::parquet::write_columns`].
 #[derive(Clone, Debug, PartialEq)]
 pub enum Values {
-    /// Text.
+    /// Text, one per row.
     Words(Vec<String>),
-    /// Numbers, null where there is none.
+    /// Numbers; `None` is written as null.
     Numbers(Vec<Option<f64>>),
-    /// Yes or no.
+    /// Truth values, one per row.
     Flags(Vec<bool>),
 }
 
-/// Writes named columns of one length.
+/// Writes named columns of the same length.
 pub(crate) fn write_columns(
     columns: &[(&str, Values)],
     writer: impl Write + Send,

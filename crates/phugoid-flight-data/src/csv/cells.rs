@@ -1,17 +1,17 @@
-//! One cell of text as a number.
+//! Reads one cell of text as a number or a time.
 
-/// What a cell holds.
+/// The content of a cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Cell {
-    /// A finite number.
+    /// The cell holds a finite number.
     Value(f64),
-    /// Nothing, or a word for it.
+    /// The cell is empty, or holds a word for a missing value or a number that is not finite.
     Missing,
-    /// Text that is no number.
+    /// The cell holds text that is no number.
     Text,
 }
 
-/// Reads a cell. With `decimal_comma`, `1,5` is one and a half and `1.5` is text, since it may mean 15 hundred.
+/// Reads a cell. With `decimal_comma`, `1,5` is one and a half, and `1.5` is text because the point may separate thousands.
 pub(super) fn parse(text: &str, decimal_comma: bool) -> Cell {
     let text = text.trim();
     if text.is_empty() {
@@ -30,7 +30,7 @@ pub(super) fn parse(text: &str, decimal_comma: bool) -> Cell {
     }
 }
 
-/// `1.5D+03`, as Fortran writes double precision.
+/// Reads a number such as `1.5D+03`, as Fortran writes double precision.
 fn fortran(text: &str) -> Option<f64> {
     let first = text.bytes().next()?;
     let is_number = first.is_ascii_digit() || matches!(first, b'+' | b'-' | b'.');
@@ -44,21 +44,21 @@ fn is_word_for_missing(text: &str) -> bool {
     WORDS.iter().any(|word| text.eq_ignore_ascii_case(word)) || is_nan_with_payload(text)
 }
 
-/// `nan(ind)`, `-1.#IND`, `1.#QNAN`, `1.#INF`, as C libraries print them.
+/// True for `nan(ind)`, `-1.#IND`, `1.#QNAN`, `1.#INF`, as C libraries print them.
 fn is_nan_with_payload(text: &str) -> bool {
     let lower = text.to_ascii_lowercase();
     let body = lower.trim_start_matches(['+', '-']);
     body.starts_with("nan(") || body.starts_with("1.#")
 }
 
-/// `1,5` or `-0,03e-2`: a number with a decimal comma.
+/// True for a number with a decimal comma, such as `1,5` or `-0,03e-2`.
 pub(super) fn has_decimal_comma(text: &str) -> bool {
     let text = text.trim();
     text.matches(',').count() == 1 && !text.contains('.') && text.replacen(',', ".", 1).parse::<f64>().is_ok()
 }
 
-/// A time of day in seconds, `12:34:56.78`, with a date before it counted from 1970: `2024-05-01T12:34:56Z`.
-/// The second value says whether there was a date.
+/// Reads a time of day such as `12:34:56.78` as seconds from midnight, and one with a date such as `2024-05-01T12:34:56Z` as
+/// seconds from 1970. The second value is true if there was a date.
 pub(super) fn clock(text: &str) -> Option<(f64, bool)> {
     let text = text.trim().trim_end_matches(['Z', 'z']);
     let (date, time) = match text.split_once(['T', 't', ' ']) {

@@ -1,4 +1,4 @@
-//! Why a file could not be read or written.
+//! Errors of reading and writing CSV.
 
 use crate::table::TableError;
 
@@ -8,57 +8,57 @@ pub enum ReadError {
     /// The operating system could not open or read it.
     #[error("{source_name}: cannot be read: {error}")]
     Io {
-        /// File or stream.
+        /// Name of the file or stream, as the caller gave it.
         source_name: String,
-        /// What the system says.
+        /// The error of the operating system.
         error: std::io::Error,
     },
     /// It is not a text file.
     #[error("{source_name}: this is not a text file but {found}. A CSV file (UTF-8 text) is expected: {advice}")]
     NotText {
-        /// File or stream.
+        /// Name of the file or stream, as the caller gave it.
         source_name: String,
-        /// What it seems to be.
+        /// What the file seems to be, such as `a zip archive`.
         found: &'static str,
-        /// What to do.
+        /// What the user can do about it, as a sentence.
         advice: &'static str,
     },
-    /// No line at all.
+    /// The file has no line with cells: it is empty, or holds only blank lines and comments.
     #[error(
         "{source_name}: the file is empty. A header line with names and units and at least two rows of numbers are \
          expected, such as\n  time_s,alpha_deg,q_deg_s\n  0.00,2.41,0.02\n  0.01,2.42,0.05"
     )]
     Empty {
-        /// File or stream.
+        /// Name of the file or stream, as the caller gave it.
         source_name: String,
     },
-    /// The first line is numbers.
+    /// The first row holds numbers where the names of the columns are expected.
     #[error(
         "{source_name}, line {line}: a header line with the names of the columns is expected, found numbers: \
          {found}. Put a line with names and units above it, such as time_s,alpha_deg,q_deg_s"
     )]
     NoHeader {
-        /// File or stream.
+        /// Name of the file or stream, as the caller gave it.
         source_name: String,
         /// Line number in the file, from 1.
         line: usize,
-        /// The line, cut.
+        /// The beginning of that line.
         found: String,
     },
-    /// A line without an end.
+    /// A line is longer than any row of a table.
     #[error(
         "{source_name}, line {line}: the line is longer than {max_bytes} bytes; this is hardly a table of text. Check \
          that it is a CSV file with one row per line"
     )]
     LineTooLong {
-        /// File or stream.
+        /// Name of the file or stream, as the caller gave it.
         source_name: String,
-        /// Line number, from 1.
+        /// Line number in the file, from 1.
         line: usize,
-        /// The bound.
+        /// The longest line that is read, bytes.
         max_bytes: usize,
     },
-    /// The cells were read, but make no record.
+    /// The cells were read, but no record can be made of them.
     #[error(transparent)]
     Table(#[from] TableError),
 }
@@ -69,31 +69,31 @@ pub enum WriteError {
     /// The operating system could not create or write it.
     #[error("{target}: cannot be written: {error}")]
     Io {
-        /// File or stream.
+        /// Name of the file or stream, as the caller gave it.
         target: String,
-        /// What the system says.
+        /// The error of the operating system.
         error: std::io::Error,
     },
     /// A channel is not as long as the time.
     #[error("{target}: channel '{channel}' has {found} values, but there are {expected} times; nothing was written")]
     Length {
-        /// File or stream.
+        /// Name of the file or stream, as the caller gave it.
         target: String,
-        /// Canonical name.
+        /// Name of the channel.
         channel: String,
-        /// Its values.
+        /// Number of its values.
         found: usize,
-        /// The record's times.
+        /// Number of times of the record.
         expected: usize,
     },
-    /// A name that could not be read back as what it is.
+    /// A channel name that could not be read back as the same channel.
     #[error("{target}: the channel name '{channel}' {problem}; rename it in the record; nothing was written")]
     Name {
-        /// File or stream.
+        /// Name of the file or stream, as the caller gave it.
         target: String,
-        /// The name.
+        /// The name of the channel.
         channel: String,
-        /// Why.
+        /// What is wrong with it, as a clause after the name.
         problem: &'static str,
     },
 }

@@ -1,4 +1,4 @@
-//! How a file is laid out: what separates cells and lines, and which mark stands before decimals.
+//! The layout of a CSV file: what separates cells and lines, and the decimal mark.
 
 use super::ReadError;
 use super::cells::{self, Cell};
@@ -20,7 +20,7 @@ pub(super) struct Format {
 }
 
 impl Format {
-    /// The cells of a line; `scratch` holds them if there were quotes to take off.
+    /// The cells of a line. `scratch` holds them if quotes had to be removed.
     pub(super) fn cells<'a>(&self, line: &'a str, scratch: &'a mut ::csv::StringRecord) -> Vec<&'a str> {
         match self.delimiter {
             Delimiter::Blanks => line.split_whitespace().collect(),
@@ -33,7 +33,7 @@ impl Format {
                     .delimiter(byte)
                     .from_reader(line.as_bytes());
                 scratch.clear();
-                // A line of text from memory cannot fail to be read; if it did, it has no cells and is reported so.
+                // Reading text from memory does not fail; if it did, the line would have no cells and be reported.
                 let _ = reader.read_record(scratch);
                 scratch.iter().collect()
             }
@@ -45,7 +45,7 @@ impl Format {
     }
 }
 
-/// Refuses what is no text, by its first bytes, with a word on what it is.
+/// Refuses files that are no text, by their first bytes, and says what they are.
 pub(super) fn refuse_binary(source: &str, start: &[u8]) -> Result<(), ReadError> {
     let (found, advice) = match start {
         [b'U', b'L', b'o', b'g', 0x01, 0x12, 0x35, ..] => {
@@ -68,7 +68,7 @@ pub(super) fn refuse_binary(source: &str, start: &[u8]) -> Result<(), ReadError>
     Err(ReadError::NotText { source_name: source.to_owned(), found, advice })
 }
 
-/// Finds the layout from the beginning of a file. `complete` says whether the sample is the whole file.
+/// Finds the layout from the beginning of a file. `complete` is true if the sample is the whole file.
 pub(super) fn sniff(sample: &[u8], complete: bool, wanted: Option<char>) -> Format {
     let line_end = if sample.contains(&b'\n') || !sample.contains(&b'\r') { b'\n' } else { b'\r' };
     let text = decode(sample);
@@ -99,7 +99,7 @@ pub(super) fn sniff(sample: &[u8], complete: bool, wanted: Option<char>) -> Form
     format
 }
 
-/// The delimiter under which most of the first rows have as many cells as the header; of equals, the one with the most.
+/// The delimiter with which most of the first rows have as many cells as the header; of equally good ones, that with more cells.
 fn best_delimiter(rows: &[&str], with: impl Fn(Delimiter) -> Format) -> Delimiter {
     let candidates = [
         Delimiter::Byte(b','),
@@ -120,20 +120,20 @@ fn best_delimiter(rows: &[&str], with: impl Fn(Delimiter) -> Format) -> Delimite
     best.0
 }
 
-/// `sep=;`, as spreadsheets write it in the first line.
+/// The separator of a first line such as `sep=;`, as spreadsheets write it; `None` for other lines.
 pub(super) fn separator_line(line: &str) -> Option<char> {
     let mark = line.trim_end_matches(['\r', '\n']).strip_prefix("sep=")?;
     let mut chars = mark.chars();
     chars.next().filter(|c| c.is_ascii() && !c.is_alphanumeric() && chars.next().is_none())
 }
 
-/// Neither blank, nor a comment, nor a spreadsheet's `sep=` line.
+/// True for a line that is neither blank, nor a comment, nor the `sep=` line of a spreadsheet.
 pub(super) fn is_row(line: &str) -> bool {
     let line = line.trim();
     !line.is_empty() && !line.starts_with('#') && separator_line(line).is_none()
 }
 
-/// UTF-8, or Latin-1 where it is not (a degree sign from an old instrument).
+/// Decodes UTF-8, or Latin-1 if it is not valid UTF-8, as the degree sign of an old instrument.
 pub(super) fn decode(bytes: &[u8]) -> std::borrow::Cow<'_, str> {
     match std::str::from_utf8(bytes) {
         Ok(text) => text.into(),

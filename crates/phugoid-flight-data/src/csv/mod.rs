@@ -1,13 +1,31 @@
 //! Reads and writes flight records as CSV.
 //!
-//! What is understood: a header line with names and units in any usual form (`alpha_deg`, `Alpha [deg]`, `KTAS`), also
-//! behind a comment mark, with a row of units below it, quoted, with a byte-order mark; comma, semicolon, tab, bar or
-//! blanks between the cells, decimal commas where the cells are not separated by commas; comment lines (`#`); Unix,
-//! Windows and old Mac line ends; empty cells, `NaN`, `inf`, `NA` as missing values; times in any unit of time or as a
-//! clock (`12:34:56.7`, `2024-05-01T12:34:56Z`).
+//! These variants are understood:
 //!
-//! What is wrong in single rows is left out and reported with line numbers; what makes the whole file doubtful is an
-//! error. Lines are counted as an editor shows them, from 1.
+//! - a header line with names and units in any usual form (`alpha_deg`, `Alpha [deg]`, `KTAS`), also as a comment, in quotes,
+//!   with a byte-order mark, or with a row of units below it;
+//! - comma, semicolon, tab, bar or blanks between the cells, and decimal commas where cells are not separated by commas;
+//! - comment lines (`#`), and line ends of Unix, Windows and old Macs;
+//! - empty cells, `NaN`, `inf` and `NA` as missing values;
+//! - times in any unit of time, or as a clock (`12:34:56.7`, `2024-05-01T12:34:56Z`).
+//!
+//! A wrong row is left out and reported with its line number; what puts the whole file in doubt is an error. Lines are counted
+//! as an editor shows them, from 1.
+//!
+//! ```
+//! use phugoid_flight_data::csv::{self, CsvOptions};
+//! let file = "time_s;alpha [deg];KTAS\n0,0;2,5;250\n0,1;2,6;\n0,2;2,7;251\n"; // decimal commas, a missing value
+//! let record = csv::read(file.as_bytes(), "example.csv", &CsvOptions::default())?;
+//! assert!((record.require("alpha")?.values[0] - 2.5_f64.to_radians()).abs() < 1e-15);
+//! assert!(record.require("true_airspeed")?.values[1].is_nan());
+//!
+//! let mut written = Vec::new();
+//! csv::write(&record, &mut written)?;
+//! assert!(written.starts_with(b"time_s,alpha_rad,true_airspeed_m_s\n"));
+//! let again = csv::read(written.as_slice(), "example.csv", &CsvOptions::default())?;
+//! assert_eq!(again.channels[0], record.channels[0]); // to the last bit
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod cells;
 mod error;
@@ -28,19 +46,19 @@ pub use write::{write, write_path};
 use crate::table::TableOptions;
 pub use crate::table::{ColumnMapping, TableError};
 
-/// How a CSV file is to be read. The default reads every file that explains itself.
+/// How a CSV file is to be read. The default reads every file whose headers name the time, the channels and their units.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CsvOptions {
-    /// Columns mapped by hand; all others are taken by their headers.
+    /// Columns mapped by hand; all others become channels by their headers.
     pub columns: Vec<ColumnMapping>,
-    /// The character between cells; found by itself if not given. One of `,` `;` tab `|` blank.
+    /// The character between cells, one of `,` `;` tab `|` blank; found automatically if not given.
     pub delimiter: Option<char>,
-    /// Time from one row to the next, s, for files without a time or with a bad one: the rows are then at 0, h, 2h, ...
-    /// and a time column, if there is one, is left out.
+    /// Time step `h` from one row to the next, s, for files without a time or with a bad one: the rows are then at 0, h, 2h, ...,
+    /// and a time column, if there is one, is left out. Positive.
     pub sample_time_s: Option<f64>,
     /// A step in time longer than this many median steps is reported as a gap. More than 1.
     pub gap_factor: f64,
-    /// Bound on memory: rows times columns, 8 bytes each (default 100 million, 0.8 GB).
+    /// Bound on memory: largest number of rows times columns, 8 bytes each (default 100 million, 0.8 GB).
     pub max_values: usize,
 }
 
@@ -52,7 +70,7 @@ impl Default for CsvOptions {
 }
 
 impl CsvOptions {
-    /// What is not about text.
+    /// The options that do not concern text, as other formats of tables take them.
     pub fn table(&self) -> TableOptions {
         TableOptions {
             columns: self.columns.clone(),

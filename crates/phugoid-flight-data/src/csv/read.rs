@@ -1,4 +1,4 @@
-//! From the text of a CSV file to a record.
+//! Reads the text of a CSV file into a record.
 
 use std::fs::File;
 use std::io::Read;
@@ -7,10 +7,10 @@ use std::path::Path;
 use super::rows::Rows;
 use super::text_file::TextFile;
 use super::{CsvOptions, ReadError};
-use crate::columns::{self, Head};
 use crate::quality::QualityReport;
 use crate::record::Record;
 use crate::table::TableError;
+use crate::table::columns::{self, Head};
 
 /// Reads a CSV file from the disk; otherwise as [`read()`].
 ///
@@ -26,13 +26,13 @@ pub fn read_path(path: &Path, options: &CsvOptions) -> Result<Record, ReadError>
 
 /// Reads CSV text into a record in SI units. `source` is its name in messages and reports.
 ///
-/// Channels get their canonical names where the header (or a mapping) tells which they are, and keep their own name
-/// otherwise. Rows keep the order of time: rows that go back in time are left out, rows of equal time merged, and of a
-/// file whose clock starts again the longest part is taken. Missing values are NaN. All of it is said in `record.quality`.
+/// Channels get their canonical names where the header or a mapping identifies them, and keep their own names otherwise. The
+/// times of the record increase strictly: rows that go back in time are left out, rows of equal time are merged, and if the
+/// clock starts again, only the longest part is taken. Missing values are NaN. `record.quality` reports all of this.
 ///
 /// # Errors
-/// [`ReadError`] if the file cannot be read, is no table of text, has no header, no time, two columns for one channel,
-/// contradicting units, no usable row, or is larger than `options.max_values`; or if a mapping is wrong.
+/// [`ReadError`] if the file cannot be read, is no table of text, has no header, no time, two columns for the same channel,
+/// contradicting units, fewer than two usable rows, or more values than `options.max_values`; or if a mapping is wrong.
 pub fn read(reader: impl Read, source: &str, options: &CsvOptions) -> Result<Record, ReadError> {
     check(options)?;
     let mut file = TextFile::open(reader, source, options.delimiter)?;

@@ -1,16 +1,17 @@
-//! The rows of a file: which are kept, and what is wrong with the others.
+//! Collects the rows of a CSV file, and counts what is wrong with those that are left out.
 
 use super::cells::{self, Cell};
 use super::format::Format;
 use super::text_file::Row;
 use super::{CsvOptions, ReadError};
-use crate::columns::{self, Plan};
-use crate::quality::{Counted, Lines, QualityReport, Short, plural};
+use crate::quality::QualityReport;
 use crate::record::Record;
+use crate::table::columns::Plan;
+use crate::table::time_base::Table;
 use crate::table::{self, Read, TableError, TableOptions};
-use crate::time_base::Table;
+use crate::wording::{Counted, Lines, Short, cut, plural};
 
-/// The rows read so far and what was wrong with the others.
+/// The rows read so far, and what was wrong with those that were left out.
 pub(super) struct Rows {
     plan: Plan,
     fields: usize,
@@ -24,11 +25,12 @@ pub(super) struct Rows {
     no_time: Lines,
     cut: Option<usize>,
     unended: Option<usize>,
-    /// Fewest characters in the last cell of a row that has its line end.
+    /// Smallest number of characters in the last cell of the rows that have a line end.
     shortest_last: usize,
-    /// The last row's last number where it is shorter than in any other row, as in a file that was cut off inside it.
-    half_number: Option<(usize, String)>,
-    /// Cells per channel that are text, and the first of them.
+    /// Line and text of the last number of the file, if it is shorter than in all other rows and has no line end: the file was
+    /// probably cut off inside it.
+    truncated_number: Option<(usize, String)>,
+    /// Per channel: the rows whose cell is text, and the first such text.
     text: Vec<(Lines, String)>,
     clock: bool,
     midnights: f64,
@@ -56,7 +58,7 @@ impl Rows {
             cut: None,
             unended: None,
             shortest_last: usize::MAX,
-            half_number: None,
+            truncated_number: None,
             text: vec![(Lines::default(), String::new()); count],
             clock: false,
             midnights: 0.0,
@@ -84,7 +86,7 @@ impl Rows {
         }
         let last = self.fields.saturating_sub(1);
         let last_cell = cells.get(last).map_or("", |cell| cell.trim());
-        // With two rows before it a length says something.
+        // With fewer than two rows before it the length of the cell cannot be judged.
         let half = !row.ended && self.table.time.len() >= 2 && last_cell.len() < self.shortest_last;
         if row.ended {
             self.shortest_last = self.shortest_last.min(last_cell.len());
@@ -92,7 +94,7 @@ impl Rows {
             self.cut = Some(row.line);
             return Ok(());
         } else if half {
-            self.half_number = Some((row.line, columns::cut(last_cell, 20)));
+            self.truncated_number = Some((row.line, cut(last_cell, 20)));
         } else {
             self.unended = Some(row.line);
         }
@@ -100,7 +102,7 @@ impl Rows {
             self.no_time.add(row.line);
             return Ok(());
         };
-        // Two more per row: its time and its line.
+        // Besides the values each row has a time and a line number.
         if (self.table.time.len() + 1).saturating_mul(self.table.columns.len() + 2) > options.max_values {
             return Err(ReadError::Table(TableError::TooLarge {
                 source_name: source.to_owned(),
@@ -121,7 +123,7 @@ impl Rows {
                     Cell::Missing => f64::NAN,
                     Cell::Text => {
                         if text.0.count() == 0 {
-                            text.1 = columns::cut(cell, 20);
+                            text.1 = cut(cell, 20);
                         }
                         text.0.add(row.line);
                         f64::NAN
@@ -236,7 +238,7 @@ impl Rows {
                 "the last row has no line end; it is kept, but if the file was cut off there its last number may be short",
             );
         }
-        if let Some((line, cell)) = &self.half_number {
+        if let Some((line, cell)) = &self.truncated_number {
             report.warn(
                 format!("line {line}"),
                 format!(

@@ -1,23 +1,36 @@
-//! Rows that come one at a time: the same headers and units as in a file, for streams that have no end.
+//! Reads rows one at a time, for streams without an end. Headers and units are understood as in files.
 
 use super::cells::{self, Cell};
 use super::format::{self, Format};
 use super::{CsvOptions, ReadError};
-use crate::columns::{self, Head, Plan};
 use crate::quality::QualityReport;
+use crate::table::columns::{self, Head, Plan};
 use crate::table::{TableError, TableOptions};
+use crate::wording::cut;
 
-/// What the columns of a stream are: how numbers under given headers become channels in SI.
+/// The columns of a stream: how numbers under given headers become channels in SI.
+///
+/// ```
+/// use phugoid_flight_data::csv::StreamColumns;
+/// use phugoid_flight_data::table::TableOptions;
+/// let headers = ["time_ms".to_owned(), "alpha_deg".to_owned()];
+/// let columns = StreamColumns::new("telemetry", &headers, &TableOptions::default())?;
+/// let mut values = Vec::new();
+/// let time_s = columns.row(|column| [Some(1500.0), Some(2.0)][column], &mut values);
+/// assert_eq!(time_s, Some(1.5));
+/// assert!((values[0] - 2.0_f64.to_radians()).abs() < 1e-15);
+/// # Ok::<(), phugoid_flight_data::table::TableError>(())
+/// ```
 pub struct StreamColumns {
     plan: Plan,
     quality: QualityReport,
 }
 
 impl StreamColumns {
-    /// Decides for every header as a file's reader does. `source` is the stream's name in messages.
+    /// Interprets the headers as the reader of a file does. `source` is the name of the stream in messages.
     ///
     /// # Errors
-    /// [`TableError`]: no time, two columns for one channel, contradicting units, a wrong mapping.
+    /// [`TableError`]: no time, two columns for the same channel, contradicting units, or a wrong mapping.
     pub fn new(source: &str, headers: &[String], options: &TableOptions) -> Result<Self, TableError> {
         let mut quality = QualityReport::default();
         let head = Head { source, line: None, headers, units: None };
@@ -25,18 +38,19 @@ impl StreamColumns {
         Ok(Self { plan, quality })
     }
 
-    /// Canonical names of the channels (own names where a header is no known one), in the order of the values.
+    /// Names of the channels in the order of the values: canonical where the header is known, else the name in the header.
     pub fn channels(&self) -> impl Iterator<Item = &str> {
         self.plan.channels.iter().map(|column| column.name.as_str())
     }
 
-    /// What was assumed and what is doubtful.
+    /// What was assumed about the headers, and what is doubtful in them.
     pub fn quality(&self) -> &QualityReport {
         &self.quality
     }
 
-    /// One row: `number(column)` is the finite number that stands in a column, counted from 0 in the order of the headers.
-    /// `values` becomes one value per channel, SI, NaN where there is none; the answer is the time, s, if there is one.
+    /// Converts one row. `number(column)` gives the finite number in a column, counted from 0 in the order of the headers, or
+    /// `None`. `values` is filled with one value per channel in SI, NaN where there is no number. Returns the time, s, or `None`
+    /// if the row has none.
     pub fn row(&self, number: impl Fn(usize) -> Option<f64>, values: &mut Vec<f64>) -> Option<f64> {
         values.clear();
         let number = |column| number(column).unwrap_or(f64::NAN);
@@ -46,7 +60,17 @@ impl StreamColumns {
     }
 }
 
-/// Reads the rows of a CSV stream one at a time.
+/// Reads the lines of a CSV stream one at a time.
+///
+/// ```
+/// use phugoid_flight_data::csv::{BadRow, CsvOptions, RowReader};
+/// let reader = RowReader::new("telemetry", "time_s,tas_kt", "", &CsvOptions::default())?;
+/// let mut values = Vec::new();
+/// assert_eq!(reader.row("0.5,100", &mut values), Ok(0.5));
+/// assert!((values[0] - 51.444).abs() < 1e-3); // m/s
+/// assert_eq!(reader.row("0.6", &mut values), Err(BadRow::Cells { found: 1, expected: 2 }));
+/// # Ok::<(), phugoid_flight_data::csv::ReadError>(())
+/// ```
 pub struct RowReader {
     columns: StreamColumns,
     format: Format,
@@ -56,30 +80,30 @@ pub struct RowReader {
 /// Why a row of a stream was left out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BadRow {
-    /// Other than the header's number of cells.
+    /// The row has more or fewer cells than the header.
     Cells {
-        /// How many the row has.
+        /// Number of cells in the row.
         found: usize,
-        /// How many the header has.
+        /// Number of cells in the header.
         expected: usize,
     },
-    /// No time in it.
+    /// The cell of the time is empty or holds no time.
     NoTime,
 }
 
 impl RowReader {
-    /// Reads the header line. The first rows (`rows`, may be empty) tell the layout: what separates cells, and decimal
-    /// commas.
+    /// Interprets the header line. The first rows (`rows`, may be empty) help to find the layout: what separates cells, and
+    /// whether there are decimal commas.
     ///
     /// # Errors
-    /// [`ReadError`]: as [`StreamColumns::new`], and a header that is numbers.
+    /// [`ReadError`]: as [`StreamColumns::new`], and [`ReadError::NoHeader`] if the header holds numbers.
     pub fn new(source: &str, header: &str, rows: &str, options: &CsvOptions) -> Result<Self, ReadError> {
         let format = format::sniff(format!("{header}\n{rows}").as_bytes(), true, options.delimiter);
         let mut scratch = ::csv::StringRecord::new();
         let header = header.trim_start_matches('\u{feff}').trim_start_matches('#').trim();
         let cells = format.cells(header, &mut scratch);
         if cells.iter().any(|cell| matches!(cells::parse(cell, format.decimal_comma), Cell::Value(_))) {
-            let found = columns::cut(header, 60);
+            let found = cut(header, 60);
             return Err(ReadError::NoHeader { source_name: source.to_owned(), line: 1, found });
         }
         let headers: Vec<String> = cells.into_iter().map(str::to_owned).collect();
@@ -87,15 +111,16 @@ impl RowReader {
         Ok(Self { columns, format, fields: headers.len() })
     }
 
-    /// What the columns are.
+    /// The columns of the stream and the channels that they become.
     pub fn columns(&self) -> &StreamColumns {
         &self.columns
     }
 
-    /// One line: its time, s, and one value per channel in `values`, SI, NaN where a cell is empty or no number.
+    /// Converts one line. Returns its time, s, and fills `values` with one value per channel in SI, NaN where a cell is empty or
+    /// holds no number.
     ///
     /// # Errors
-    /// [`BadRow`]; `values` is then of no use.
+    /// [`BadRow`]; `values` is then undefined.
     pub fn row(&self, line: &str, values: &mut Vec<f64>) -> Result<f64, BadRow> {
         let mut scratch = ::csv::StringRecord::new();
         let cells = self.format.cells(line, &mut scratch);

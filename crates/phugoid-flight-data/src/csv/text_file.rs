@@ -6,9 +6,10 @@ use super::ReadError;
 use super::cells::{self, Cell};
 use super::format::{self, Format};
 use crate::quality::QualityReport;
-use crate::{columns, units};
+use crate::units;
+use crate::wording::cut;
 
-/// How much of the beginning is looked at to find the layout, bytes.
+/// Number of bytes at the beginning from which the layout is found.
 const SAMPLE: usize = 64 * 1024;
 /// The longest line accepted, bytes.
 const LONGEST_LINE: usize = 1024 * 1024;
@@ -17,7 +18,7 @@ const LONGEST_LINE: usize = 1024 * 1024;
 pub(super) struct Row {
     pub(super) line: usize,
     pub(super) text: String,
-    /// Did it end with a line end?
+    /// True if a line end follows; false for the last line of a file without one.
     pub(super) ended: bool,
 }
 
@@ -80,7 +81,7 @@ impl<'s, R: Read> TextFile<'s, R> {
         self.format.cells(text, &mut scratch).into_iter().map(str::to_owned).collect()
     }
 
-    /// The header's line and cells, and a row that was read beyond it.
+    /// Line number and cells of the header, and the row after it if that had to be read to find the header.
     pub(super) fn header(
         &mut self,
         report: &mut QualityReport,
@@ -107,14 +108,10 @@ impl<'s, R: Read> TextFile<'s, R> {
                 return Ok((line, names, Some(first)));
             }
         }
-        Err(ReadError::NoHeader {
-            source_name: self.source.to_owned(),
-            line: first.line,
-            found: columns::cut(&first.text, 60),
-        })
+        Err(ReadError::NoHeader { source_name: self.source.to_owned(), line: first.line, found: cut(&first.text, 60) })
     }
 
-    /// A row of units below the header, if there is one, else the row that was read in looking for it.
+    /// The row of units below the header, if there is one, else the first row of data, which had to be read.
     pub(super) fn unit_row(
         &mut self,
         headers: &[String],

@@ -1,4 +1,4 @@
-//! From a record to the text of a CSV file.
+//! Writes a record as the text of a CSV file.
 
 use std::fs::File;
 use std::io::{BufWriter, Write};
@@ -6,8 +6,8 @@ use std::path::Path;
 
 use super::WriteError;
 use crate::channels;
-use crate::header::{self, Meaning};
 use crate::record::{Channel, Quantity, Record};
+use crate::table::header::{self, Meaning};
 
 /// Writes a CSV file to the disk; otherwise as [`write()`].
 ///
@@ -23,7 +23,7 @@ pub fn write_path(record: &Record, path: &Path) -> Result<(), WriteError> {
 }
 
 /// Writes a record as CSV in SI units, `time_s` first, with the unit in every header (`alpha_rad`, `true_airspeed_m_s`)
-/// and every digit that is needed to read the same number back. Missing values are empty cells. The quality report is
+/// and as many digits as are needed to read the same numbers back. Missing values are empty cells. The quality report is
 /// not written.
 ///
 /// # Errors
@@ -60,7 +60,8 @@ pub(crate) fn headers(record: &Record, target: &str) -> Result<Vec<String>, Writ
     Ok(headers)
 }
 
-/// A header that is read back as this channel: with a suffix, or in brackets where the suffix would not be understood.
+/// A header that is read back as this channel: with the unit as a suffix, or in brackets where the suffix would be misread.
+/// `None` if there is none.
 fn header_of(channel: &Channel) -> Option<String> {
     let (name, quantity) = (&channel.name, channel.quantity);
     let with_suffix = |name: &str| match quantity {
@@ -68,7 +69,7 @@ fn header_of(channel: &Channel) -> Option<String> {
         _ => format!("{name}_{}", quantity.si_suffix()),
     };
     let bracket = format!("{name} [{}]", if quantity == Quantity::Number { "-" } else { quantity.si_unit() });
-    // `v` alone is ambiguous, `v_body` is not.
+    // `v` alone is ambiguous, its synonym `v_body` is not.
     let synonyms = channels::by_name(name).map(|spec| spec.synonyms).unwrap_or_default();
     let synonyms = synonyms.iter().map(|synonym| with_suffix(synonym));
     [with_suffix(name), bracket].into_iter().chain(synonyms).find(|header| match header::interpret(header, None) {

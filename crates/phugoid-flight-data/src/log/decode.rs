@@ -1,6 +1,6 @@
-//! Numbers in the bytes of a message.
+//! Decodes numbers in the bytes of a message.
 
-/// How a number is stored; all are little-endian.
+/// The type in which a number is stored; all are little-endian.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     I8,
@@ -17,7 +17,7 @@ pub(super) enum Kind {
 }
 
 impl Kind {
-    /// Bytes that it takes.
+    /// Size in bytes.
     pub(super) fn size(self) -> usize {
         match self {
             Kind::I8 | Kind::U8 => 1,
@@ -28,9 +28,7 @@ impl Kind {
     }
 }
 
-/// Where one number stands in a message, and what it is multiplied and divided by.
-///
-/// Both, because a hundredth is no binary number: 123 / 100 is the nearest number to 1.23, 123 * 0.01 is not always.
+/// Where a number is in a message, its type, and its factor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Place {
     pub(super) offset: usize,
@@ -38,7 +36,8 @@ pub(super) struct Place {
     pub(super) scale: Scale,
 }
 
-/// A factor, exact where it is a whole number or one over a whole number.
+/// A factor, stored as a multiplier and a divisor so that decimal fractions are exact: 123 / 100 is the double nearest to 1.23,
+/// and 123 * 0.01 is not always.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Scale {
     multiply: f64,
@@ -48,7 +47,7 @@ pub(super) struct Scale {
 impl Scale {
     pub(super) const ONE: Self = Self { multiply: 1.0, divide: 1.0 };
 
-    /// This factor; what is no factor (0, NaN) is one.
+    /// This factor; 1 for what is no factor (0, NaN, infinite).
     pub(super) fn new(factor: f64) -> Self {
         let inverse = (1.0 / factor).round();
         if !factor.is_finite() || factor == 0.0 {
@@ -66,7 +65,7 @@ impl Scale {
 }
 
 impl Place {
-    /// The number; NaN where the message ends before it.
+    /// Decodes the number; NaN if the message ends before it.
     #[inline]
     pub(super) fn read(&self, message: &[u8]) -> f64 {
         let Some(bytes) = message.get(self.offset..) else { return f64::NAN };
@@ -92,7 +91,7 @@ impl Place {
     }
 }
 
-/// IEEE 754 binary16.
+/// Converts the bits of a half-precision number (IEEE 754 binary16).
 fn half(bits: u16) -> f64 {
     let sign = if bits >> 15 == 1 { -1.0 } else { 1.0 };
     let (exponent, fraction) = (i32::from((bits >> 10) & 0x1F), f64::from(bits & 0x3FF));

@@ -1,4 +1,4 @@
-//! Why a log could not be read at all. What is damaged within it is no error, but said in its quality report.
+//! Errors of logs that cannot be read at all. Damage within a log is no error: the quality report names it.
 
 /// Why a log could not be read.
 #[derive(Debug, thiserror::Error)]
@@ -6,51 +6,51 @@ pub enum LogError {
     /// The operating system could not open or read it.
     #[error("{source_name}: cannot be read: {error}")]
     Io {
-        /// File or stream.
+        /// Name of the file or stream, as the caller gave it.
         source_name: String,
-        /// What the system says.
+        /// The error of the operating system.
         error: std::io::Error,
     },
-    /// It is another format, or not even its head is there.
+    /// The file is in another format, or ends before its header does.
     #[error("{source_name}: this is no {format}: {problem}")]
     NotThisFormat {
-        /// File or stream.
+        /// Name of the file or stream, as the caller gave it.
         source_name: String,
         /// The format that was expected.
         format: &'static str,
         /// What was found and what was expected.
         problem: String,
     },
-    /// The log says of itself that a reader of this version would misread it.
+    /// The log declares that a reader of this version would misread it (incompatible flags of ULog).
     #[error(
         "{source_name}: the log uses {feature}, which this version does not know, and says that its data are misread \
          without it. Read it with a newer version, or convert it with the tools of the autopilot"
     )]
     Incompatible {
-        /// File or stream.
+        /// Name of the file or stream, as the caller gave it.
         source_name: String,
-        /// What it uses.
+        /// What it uses that is not known here, as a noun.
         feature: String,
     },
-    /// There is nothing in it that could be read.
+    /// Not one sample of the log could be read.
     #[error(
         "{source_name}: the log holds no data{reason}. No sample of it could be read; if it was cut off or damaged, copy it again"
     )]
     NoData {
-        /// File or stream.
+        /// Name of the file or stream, as the caller gave it.
         source_name: String,
-        /// `: ...` why, or empty.
+        /// The cause, beginning with `: `; empty if none is known.
         reason: String,
     },
-    /// More than fits into the set bound.
+    /// The selected topics hold more values than [`super::Selection::max_values`].
     #[error(
         "{source_name}: the topics asked for hold more than {max_values} values, the set bound on memory. Ask for fewer topics \
          or fields, or raise `max_values`"
     )]
     TooLarge {
-        /// File or stream.
+        /// Name of the file or stream, as the caller gave it.
         source_name: String,
-        /// The bound.
+        /// The bound that was exceeded, values.
         max_values: usize,
     },
 }

@@ -1,4 +1,4 @@
-//! Reads a log of any format, by content.
+//! Reads a log of any format, recognised by its content.
 
 use std::fs::File;
 use std::io::Read;
@@ -6,9 +6,9 @@ use std::path::Path;
 
 #[cfg(feature = "mcap")]
 use super::mcap;
-use super::sink::{Head, Sink, Tables};
-use super::survey::{Counts, Survey};
-use super::surveyed::Surveyed;
+use super::sink::{Head, Sink, into_log};
+use super::survey::{Survey, into_survey};
+use super::survey_and_tables::SurveyAndTables;
 use super::{Log, LogError, Selection, dataflash, ulog};
 use crate::format::Format;
 
@@ -30,16 +30,17 @@ pub fn survey_path(path: &Path) -> Result<Survey, LogError> {
     survey(file, &source)
 }
 
-/// Reads a log in whatever format it is. `source` is its name in messages and reports.
+/// Reads the selected part of a log of any format that this build reads. `source` is its name in messages and reports.
 ///
 /// # Errors
-/// [`LogError`] if it is no log of a known format, or as the reader of its format says.
+/// [`LogError`]: it cannot be read, is no log of a format that is read, holds no sample, or more values than the selection allows.
+/// Damage within the log is no error; `quality` names what was skipped.
 pub fn read(reader: impl Read, source: &str, selection: &Selection) -> Result<Log, LogError> {
     let (format, reader) = sniff(reader, source)?;
     read_as(format, reader, source, selection)
 }
 
-/// What is in a log of whatever format, in memory that does not grow with it.
+/// Surveys a log of any format that this build reads, in memory that does not grow with the log.
 ///
 /// # Errors
 /// As [`read()`].
@@ -48,50 +49,30 @@ pub fn survey(reader: impl Read, source: &str) -> Result<Survey, LogError> {
     survey_as(format, reader, source)
 }
 
-/// As [`read()`], of a format that is known.
+/// As [`read()`], for a format that is known already.
 pub(crate) fn read_as(format: Format, reader: impl Read, source: &str, selection: &Selection) -> Result<Log, LogError> {
     into_log(source, selection, |sink| run(format, reader, source, sink))
 }
 
-/// As [`survey()`], of a format that is known.
+/// As [`survey()`], for a format that is known already.
 pub(crate) fn survey_as(format: Format, reader: impl Read, source: &str) -> Result<Survey, LogError> {
     into_survey(|sink| run(format, reader, source, sink))
 }
 
-/// A survey of the whole log and the part of it that is selected, in one pass; that part is an error of its own where it is more
-/// than the selection's bound.
+/// Surveys the whole log and reads the selected part of it in one pass. If that part exceeds the bound of the selection, only its
+/// own result is an error.
 pub(crate) fn survey_and_read_as(
     format: Format,
     reader: impl Read,
     source: &str,
     selection: &Selection,
 ) -> Result<(Survey, Result<Log, LogError>), LogError> {
-    let mut sink = Surveyed::new(selection);
+    let mut sink = SurveyAndTables::new(selection);
     let head = run(format, reader, source, &mut sink)?.unwrap_or_default();
     Ok(sink.finish(head, source))
 }
 
-/// The log that the run of a format's reader gives; an error if it is more than the selection's bound.
-pub(super) fn into_log<'s>(
-    source: &str,
-    selection: &'s Selection,
-    run: impl FnOnce(&mut Tables<'s>) -> Result<Option<Head>, LogError>,
-) -> Result<Log, LogError> {
-    let mut tables = Tables::new(selection);
-    match run(&mut tables)? {
-        Some(head) => Ok(tables.finish(head)),
-        None => Err(tables.too_large(source)),
-    }
-}
-
-/// The survey of what the run of a format's reader gives. It is never full.
-pub(super) fn into_survey(run: impl FnOnce(&mut Counts) -> Result<Option<Head>, LogError>) -> Result<Survey, LogError> {
-    let mut counts = Counts::default();
-    let head = run(&mut counts)?.unwrap_or_default();
-    Ok(counts.finish(head))
-}
-
-/// Reads a log of this format into a sink; none if the sink is full.
+/// Reads a log of this format into a sink; `None` if the sink is full.
 fn run<S: Sink>(format: Format, reader: impl Read, source: &str, sink: &mut S) -> Result<Option<Head>, LogError> {
     match format {
         Format::Ulog => ulog::run(reader, source, sink),

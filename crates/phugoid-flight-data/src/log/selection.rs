@@ -1,22 +1,22 @@
-//! Which part of a log is kept.
+//! Selects the part of a log that is kept in memory.
 
-/// Which topics and fields are kept; all others are read past.
+/// Which topics and fields of a log are kept. The default keeps everything up to 100 million values.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Selection {
-    /// What to keep; everything if there is no list.
+    /// What is kept; everything if `None`.
     pub topics: Option<Vec<Wanted>>,
-    /// Bound on memory: values and times kept, 8 bytes each (default 100 million, 0.8 GB).
+    /// Bound on memory: largest number of values and times kept, 8 bytes each (default 100 million, 0.8 GB).
     pub max_values: usize,
 }
 
-/// One topic to keep.
+/// A topic that is to be kept, whole or in part.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Wanted {
-    /// The log's name of it.
+    /// Name of the topic in the log.
     pub topic: String,
-    /// Which instance; all if not given.
+    /// Number of the instance; all instances if `None`.
     pub instance: Option<u16>,
-    /// Names of fields; all if not given.
+    /// Names of the fields; all fields if `None`.
     pub fields: Option<Vec<String>>,
 }
 
@@ -27,25 +27,25 @@ impl Default for Selection {
 }
 
 impl Selection {
-    /// These topics with all their instances and fields.
+    /// Selects these topics with all their instances and fields.
     pub fn topics<'a>(names: impl IntoIterator<Item = &'a str>) -> Self {
         let wanted = |name: &str| Wanted { topic: name.to_owned(), instance: None, fields: None };
         Self { topics: Some(names.into_iter().map(wanted).collect()), ..Self::default() }
     }
 
-    /// Is anything of this topic kept?
+    /// True if anything of this topic is kept.
     pub fn has_topic(&self, topic: &str, instance: u16) -> bool {
         self.entries(topic, instance).is_none_or(|mut entries| entries.next().is_some())
     }
 
-    /// Is this field of a topic kept?
+    /// True if this field of the topic is kept.
     pub fn has_field(&self, topic: &str, instance: u16, field: &str) -> bool {
         let named =
             |wanted: &Wanted| wanted.fields.as_ref().is_none_or(|fields| fields.iter().any(|name| name == field));
         self.entries(topic, instance).is_none_or(|mut entries| entries.any(named))
     }
 
-    /// The entries about a topic; none where everything is kept.
+    /// The entries about a topic; `None` if everything is kept.
     fn entries<'a>(&'a self, topic: &'a str, instance: u16) -> Option<impl Iterator<Item = &'a Wanted>> {
         let same = move |wanted: &&Wanted| wanted.topic == topic && wanted.instance.is_none_or(|one| one == instance);
         Some(self.topics.as_ref()?.iter().filter(same))

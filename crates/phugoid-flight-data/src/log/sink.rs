@@ -1,4 +1,4 @@
-//! Where a reader puts what it reads: into tables of values, or into a survey that keeps none.
+//! Where the reader of a format puts the samples: into tables that keep them, or into a survey that only counts.
 
 use std::collections::HashMap;
 
@@ -6,14 +6,14 @@ use super::decode::Scale;
 use super::{Field, Log, LogError, Message, Selection, Topic};
 use crate::quality::QualityReport;
 
-/// Fields of one topic that are kept; beyond it they are left out, and said so.
-const MOST_FIELDS: usize = 4096;
-/// Fields of all topics together.
-const MOST_FIELDS_IN_ALL: usize = 200_000;
-/// Topics, with their instances.
-const MOST_TOPICS: usize = 4096;
+/// Largest number of fields of one topic; further ones are left out with a warning.
+const MAX_FIELDS: usize = 4096;
+/// Largest number of fields of all topics together.
+const MAX_FIELDS_IN_ALL: usize = 200_000;
+/// Largest number of topics, each instance counted.
+const MAX_TOPICS: usize = 4096;
 
-/// What a reader knows of a log beside its samples.
+/// What a reader learns about a log apart from its samples.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Head {
     pub(super) source: String,
@@ -22,18 +22,18 @@ pub(super) struct Head {
     /// Times in microseconds of the autopilot's clock.
     pub(super) messages: Vec<Message>,
     pub(super) quality: QualityReport,
-    /// Time zero, microseconds of the autopilot's clock, whatever of the log is kept; none in a log without samples.
+    /// Time zero of the log, microseconds of the autopilot's clock, the same for every selection; `None` without samples.
     pub(super) start_us: Option<f64>,
-    /// What is added to the autopilot's clock to give seconds from 1970, if a satellite said so.
+    /// Offset from the autopilot's clock to seconds from 1970, UTC, if a satellite receiver gave the time.
     pub(super) utc_offset_s: Option<f64>,
 }
 
 impl Head {
-    /// Puts the texts on the log's time, and says when it began; gives time zero, microseconds.
+    /// Converts the times of messages to seconds from the start of the log, and notes its date. Returns time zero, microseconds.
     pub(super) fn settle(&mut self) -> f64 {
         let start_us = self.start_us.unwrap_or_default();
         for message in &mut self.messages {
-            // What was said before the first stamp was said at the start.
+            // A message before the first time stamp is put at the start.
             message.time_s = if message.time_s.is_nan() { 0.0 } else { (message.time_s - start_us) * 1e-6 };
         }
         if let Some(offset_s) = self.utc_offset_s {
@@ -43,36 +43,36 @@ impl Head {
     }
 }
 
-/// Samples of one layout on their way into a topic.
+/// Describes how samples of one layout go into the columns of a topic.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Stream {
     topic: usize,
-    /// Of the fields offered, those that are kept.
+    /// Indices, among the fields of the samples, of those that are kept.
     pub(super) kept: Vec<usize>,
-    /// Where each of them goes in the topic.
+    /// The column of the topic into which each of them goes.
     columns: Vec<usize>,
     in_order: bool,
-    /// Where a second sink takes a part of them: its stream, and which of the values kept here it takes.
+    /// For a second sink that takes a part of the values: its stream, and the indices of its values among those kept here.
     selected: Option<Box<(Stream, Vec<usize>)>>,
 }
 
-/// Takes samples.
+/// Receives the samples of a log from the reader of a format.
 pub(super) trait Sink {
-    /// Announces samples of a topic with these fields; none if nothing of it is wanted.
+    /// Announces samples of a topic with these fields; `None` if the sink needs none of them.
     fn open(&mut self, topic: &str, instance: u16, fields: &[String]) -> Option<Stream>;
-    /// Takes one sample: values of the fields kept, in their order.
+    /// Receives one sample: the values of the fields in `stream.kept`, in this order.
     fn row(&mut self, stream: &Stream, time_us: f64, values: &[f64]) -> Result<(), Full>;
-    /// The unit of the `kept`-th field, and a factor for the values taken so far.
+    /// Sets the unit of the field with index `kept` in `stream.kept`, and multiplies its values received so far by a factor.
     fn describe(&mut self, stream: &Stream, kept: usize, unit: Option<&str>, factor: Scale);
-    /// Forgets all samples taken of a topic; says how many there were.
+    /// Drops all samples received of a topic, and returns their number.
     fn forget(&mut self, stream: &Stream) -> usize;
 }
 
-/// The bound on memory is reached.
+/// Error of a sink: the bound on memory is reached.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Full;
 
-/// Which columns a topic has, for every kind of sink.
+/// The columns of every topic, which all kinds of sinks share.
 #[derive(Debug, Default)]
 pub(super) struct Layout {
     topics: HashMap<(String, u16), usize>,
@@ -83,7 +83,7 @@ pub(super) struct Layout {
 }
 
 impl Layout {
-    /// The stream of a topic; its columns are made where they are new. `wanted` says which fields are kept.
+    /// The stream for samples of a topic; columns are added for new fields. `wanted` selects the fields that are kept.
     fn stream(
         &mut self,
         topic: &str,
@@ -94,7 +94,7 @@ impl Layout {
         let (next, key) = (self.topics.len(), (topic.to_owned(), instance));
         let index = match self.topics.get(&key) {
             Some(&index) => index,
-            None if next < MOST_TOPICS => {
+            None if next < MAX_TOPICS => {
                 self.topics.insert(key, next);
                 self.columns.push(HashMap::new());
                 next
@@ -111,7 +111,7 @@ impl Layout {
             let next = columns.len();
             let column = match columns.get(name) {
                 Some(&column) => column,
-                None if next < MOST_FIELDS && self.fields < MOST_FIELDS_IN_ALL => {
+                None if next < MAX_FIELDS && self.fields < MAX_FIELDS_IN_ALL => {
                     columns.insert(name.clone(), next);
                     self.fields += 1;
                     next
@@ -121,7 +121,7 @@ impl Layout {
                     continue;
                 }
             };
-            // Of two fields of one name the first is kept.
+            // Of two fields with the same name the first is kept.
             if !stream.columns.contains(&column) {
                 stream.kept.push(field);
                 stream.columns.push(column);
@@ -138,16 +138,16 @@ impl Layout {
         for (topic, count) in &self.left_out {
             quality.warn(
                 topic.as_str(),
-                format!("{count} fields left out: a topic may have {MOST_FIELDS} fields, a log {MOST_FIELDS_IN_ALL}"),
+                format!("{count} fields left out: a topic may have {MAX_FIELDS} fields, a log {MAX_FIELDS_IN_ALL}"),
             );
         }
         if self.topics_left_out > 0 {
-            quality.warn("", format!("{} topics left out: a log may have {MOST_TOPICS}", self.topics_left_out));
+            quality.warn("", format!("{} topics left out: a log may have {MAX_TOPICS}", self.topics_left_out));
         }
     }
 }
 
-/// Keeps all values.
+/// A sink that keeps all selected values.
 #[derive(Debug)]
 pub(super) struct Tables<'s> {
     selection: &'s Selection,
@@ -163,7 +163,7 @@ struct Table {
     instance: u16,
     time_us: Vec<f64>,
     columns: Vec<Field>,
-    /// Has it had several layouts, so that a row may lack columns?
+    /// True if its samples had several layouts, so that a sample may lack columns.
     mixed: bool,
 }
 
@@ -203,7 +203,7 @@ impl<'s> Tables<'s> {
 impl Sink for Tables<'_> {
     fn open(&mut self, topic: &str, instance: u16, fields: &[String]) -> Option<Stream> {
         if !self.selection.has_topic(topic, instance) {
-            if self.others.len() < MOST_TOPICS && !self.others.iter().any(|other| other == topic) {
+            if self.others.len() < MAX_TOPICS && !self.others.iter().any(|other| other == topic) {
                 self.others.push(topic.to_owned());
             }
             return None;
@@ -265,7 +265,20 @@ impl Sink for Tables<'_> {
     }
 }
 
-/// What a survey keeps of a topic is its business; which columns there are is decided here.
+/// Makes a log of what the reader of a format gives; an error if it exceeds the bound of the selection.
+pub(super) fn into_log<'s>(
+    source: &str,
+    selection: &'s Selection,
+    run: impl FnOnce(&mut Tables<'s>) -> Result<Option<Head>, LogError>,
+) -> Result<Log, LogError> {
+    let mut tables = Tables::new(selection);
+    match run(&mut tables)? {
+        Some(head) => Ok(tables.finish(head)),
+        None => Err(tables.too_large(source)),
+    }
+}
+
+/// The stream for all fields of a topic, as a survey needs it.
 pub(super) fn open_all(layout: &mut Layout, topic: &str, instance: u16, fields: &[String]) -> Option<Stream> {
     layout.stream(topic, instance, fields, |_| true)
 }
@@ -275,7 +288,7 @@ impl Stream {
         self.topic
     }
 
-    /// Are the columns 0, 1, 2, ...?
+    /// True if the columns are 0, 1, 2, ..., so that a sample can be taken as it is.
     #[inline]
     pub(super) fn in_order(&self) -> bool {
         self.in_order
@@ -285,9 +298,9 @@ impl Stream {
         &self.columns
     }
 
-    /// The same samples, a part of whose values a second sink takes as `selected`.
+    /// The same stream, of which a second sink takes a part of the values through `selected`.
     pub(super) fn with_selected(self, selected: Option<Stream>) -> Self {
-        // A field that is not kept here, of a topic with too many, is missing there.
+        // A field that is not kept here (the topic has too many) is missing in the second sink.
         let place = |field: &usize| self.kept.iter().position(|own| own == field).unwrap_or(usize::MAX);
         let selected = selected.map(|stream| {
             let places = stream.kept.iter().map(place).collect();
@@ -296,7 +309,7 @@ impl Stream {
         Self { selected, ..self }
     }
 
-    /// The stream of the second sink, and which of the values kept here are its.
+    /// The stream of the second sink, and the indices of its values among those kept here.
     #[inline]
     pub(super) fn selected(&self) -> Option<(&Stream, &[usize])> {
         self.selected.as_deref().map(|(stream, places)| (stream, places.as_slice()))

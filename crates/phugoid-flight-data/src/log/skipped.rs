@@ -1,11 +1,12 @@
-//! What of a log was damaged and left out.
+//! Counts the damaged parts of a log that were skipped, and reports them.
 
-use crate::quality::{QualityReport, plural};
+use crate::quality::QualityReport;
+use crate::wording::plural;
 
-/// How many places are named one by one.
-const SHOWN: usize = 10;
+/// Number of places that are reported one by one.
+const MAX_SHOWN: usize = 10;
 
-/// Stretches of a file that are no messages.
+/// The skipped parts of a file.
 #[derive(Debug, Default)]
 pub(super) struct Skipped {
     places: Vec<(u64, u64)>,
@@ -15,7 +16,7 @@ pub(super) struct Skipped {
 }
 
 impl Skipped {
-    /// Leaves out `bytes` from `offset` on; stretches that touch are one.
+    /// Adds a skipped part of `bytes` from `offset` on; adjoining parts are counted as one.
     pub(super) fn add(&mut self, offset: u64, bytes: u64) {
         if bytes == 0 {
             return;
@@ -27,7 +28,7 @@ impl Skipped {
             }
         } else {
             self.count += 1;
-            if self.places.len() < SHOWN {
+            if self.places.len() < MAX_SHOWN {
                 self.places.push((offset, bytes));
             }
         }
@@ -49,11 +50,11 @@ impl Skipped {
                 ),
             );
         }
-        if self.count > SHOWN {
+        if self.count > MAX_SHOWN {
             quality.warn(
                 "",
                 format!(
-                    "{} skipped in {}; the first {SHOWN} are listed",
+                    "{} skipped in {}; the first {MAX_SHOWN} are listed",
                     plural(self.bytes as usize, "byte"),
                     plural(self.count, "place")
                 ),
@@ -76,7 +77,7 @@ mod tests {
         skipped.report(&mut quality);
         assert_eq!(quality.findings[0].place, "byte 100");
         assert!(quality.findings[0].message.contains("12 bytes skipped up to byte 112"), "{quality}");
-        assert_eq!(quality.findings.len(), SHOWN + 1);
-        assert!(quality.findings[SHOWN].message.contains("32 bytes skipped in 21 places"), "{quality}");
+        assert_eq!(quality.findings.len(), MAX_SHOWN + 1);
+        assert!(quality.findings[MAX_SHOWN].message.contains("32 bytes skipped in 21 places"), "{quality}");
     }
 }

@@ -1,29 +1,29 @@
-//! What is in a log, without keeping it: counts, times, gaps and ranges, in memory that does not grow with the log.
+//! A survey of a log: counts, times, gaps and ranges of every topic, in memory that does not grow with the log.
 
 use serde::Serialize;
 
 use super::decode::Scale;
 use super::sink::{self, Full, Head, Layout, Sink, Stream};
-use super::{Log, Message};
+use super::{Log, LogError, Message};
 use crate::quality::QualityReport;
 
-/// A step in time longer than this many median steps is a gap, as for records.
+/// A time step longer than this many median steps is counted as a gap, as for records.
 const GAP_FACTOR: f64 = 3.5;
-/// Classes per doubling of the step, for its median: the median is known to a sixteenth part.
+/// Classes per doubling of the time step in the histogram for the median, which so is accurate to 1/16 of its value.
 const CLASSES_PER_OCTAVE: usize = 8;
-/// Classes of steps, from one microsecond to 2^36 (nineteen hours).
+/// Number of classes of the histogram, from 1 to 2^36 microseconds (nineteen hours).
 const CLASSES: usize = 36 * 8;
 
-/// What a log holds, in numbers.
+/// What is in a log, without its values.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Survey {
-    /// Where it came from.
+    /// Name of the file or stream.
     pub source: String,
-    /// What the log says of itself: name and value.
+    /// What the log states about itself, as pairs of name and value.
     pub information: Vec<(String, String)>,
     /// Parameters of the autopilot at the start of the log.
     pub parameters: Vec<(String, f64)>,
-    /// What the autopilot said in words.
+    /// Text messages of the autopilot.
     pub messages: Vec<Message>,
     /// Topics in the order of their first appearance.
     pub topics: Vec<TopicSurvey>,
@@ -31,55 +31,55 @@ pub struct Survey {
     pub quality: QualityReport,
 }
 
-/// One topic, in numbers.
+/// Counts, times and gaps of one topic.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct TopicSurvey {
-    /// The log's name of it.
+    /// Name of the topic in the log.
     pub name: String,
-    /// Which of several equal sources, from 0.
+    /// Number of the instance, from 0.
     pub instance: u16,
-    /// Samples.
+    /// Number of samples.
     pub samples: usize,
-    /// Time of the first sample, s.
+    /// Time of the first sample, s from the start of the log.
     pub first_s: f64,
-    /// Time of the last one, s.
+    /// Time of the last sample, s from the start of the log.
     pub last_s: f64,
-    /// Median step from sample to sample, s, to a sixteenth part; zero if there are fewer than two samples.
+    /// Median time from sample to sample, s, accurate to 1/16 of its value; 0 if there are fewer than two samples.
     pub step_s: f64,
-    /// Steps longer than 3.5 median ones.
+    /// Number of time steps longer than 3.5 median steps.
     pub gaps: usize,
-    /// The longest step, s.
+    /// The longest time from one sample to the next, s.
     pub longest_step_s: f64,
-    /// Where the longest step begins, s.
+    /// Time at which the longest step begins, s from the start of the log.
     pub longest_step_at_s: f64,
-    /// Samples that are not later than the one before.
+    /// Number of samples that are not later than the one before.
     pub backwards: usize,
-    /// Fields in the order of the log.
+    /// The fields in the order of the log.
     pub fields: Vec<FieldSurvey>,
 }
 
-/// One field, in numbers.
+/// Range and missing values of one field.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct FieldSurvey {
-    /// Name within the topic.
+    /// Name of the field within the topic.
     pub name: String,
-    /// Unit as the log gives it.
+    /// Unit as the log states it; `None` if it does not.
     pub unit: Option<String>,
-    /// Smallest value; none if there is no value at all.
+    /// Smallest finite value; `None` if there is no finite value.
     pub min: Option<f64>,
-    /// Largest value.
+    /// Largest finite value; `None` if there is no finite value.
     pub max: Option<f64>,
-    /// Samples without a finite value.
+    /// Number of samples without a finite value.
     pub missing: usize,
 }
 
 impl Survey {
-    /// The topic of this name and instance.
+    /// The topic with this name and instance, or `None`.
     pub fn topic(&self, name: &str, instance: u16) -> Option<&TopicSurvey> {
         self.topics.iter().find(|topic| topic.name == name && topic.instance == instance)
     }
 
-    /// The survey of a log that is in memory.
+    /// Makes the survey of a log that is in memory.
     pub fn of(log: &Log) -> Self {
         let mut counts = Counts::default();
         for topic in &log.topics {
@@ -109,7 +109,7 @@ impl Survey {
     }
 }
 
-/// Counts instead of keeping.
+/// A sink that counts samples and keeps none.
 #[derive(Debug, Default)]
 pub(super) struct Counts {
     layout: Layout,
@@ -126,10 +126,11 @@ struct TopicCount {
     longest_us: f64,
     longest_at_us: f64,
     backwards: usize,
-    /// How many steps are how long, in classes of equal ratio.
+    /// Histogram of the time steps, in classes of equal ratio.
     steps: Vec<u32>,
     fields: Vec<FieldCount>,
-    /// Smallest and largest value and how many there are, by field; apart from the names, so that a row is one pass over numbers.
+    /// Smallest and largest finite value and number of finite values, per field. They are not in [`FieldCount`], so that a row is
+    /// one fast pass over numbers.
     min: Vec<f64>,
     max: Vec<f64>,
     present: Vec<u64>,
@@ -174,7 +175,7 @@ impl TopicCount {
         self.present.push(0);
     }
 
-    /// The finite ones of these values, field by field.
+    /// Counts the finite ones of these values, field by field.
     #[inline]
     fn values(&mut self, values: &[f64]) {
         let ranges = self.min.iter_mut().zip(&mut self.max).zip(&mut self.present);
@@ -246,13 +247,14 @@ impl TopicCount {
     }
 }
 
-/// Equal parts of each octave: exponent and first three bits of the fraction, so that no logarithm is taken per sample.
+/// The class of a time step, microseconds: exponent and first three bits of the fraction of the double, which is faster than a
+/// logarithm per sample.
 fn class_of(step_us: f64) -> usize {
     let bits = step_us.max(1.0).to_bits() >> (52 - 3);
     ((bits - (1023 << 3)) as usize).min(CLASSES - 1)
 }
 
-/// Where a class begins, us.
+/// Lower limit of a class, microseconds.
 fn class_begin(class: usize) -> f64 {
     let (octave, part) = (class / CLASSES_PER_OCTAVE, class % CLASSES_PER_OCTAVE);
     2_f64.powi(octave as i32) * (1.0 + part as f64 / CLASSES_PER_OCTAVE as f64)
@@ -327,6 +329,13 @@ impl Sink for Counts {
         topic.clear();
         count
     }
+}
+
+/// Makes a survey of what the reader of a format gives. A survey is never full.
+pub(super) fn into_survey(run: impl FnOnce(&mut Counts) -> Result<Option<Head>, LogError>) -> Result<Survey, LogError> {
+    let mut counts = Counts::default();
+    let head = run(&mut counts)?.unwrap_or_default();
+    Ok(counts.finish(head))
 }
 
 #[cfg(test)]

@@ -1,9 +1,9 @@
-//! Points in time, in words and by the clock of the satellites.
+//! Dates: GPS time to UTC, and UTC as text.
 
-/// GPS time began at 1980-01-06T00:00:00 UTC.
+/// The beginning of GPS time, 1980-01-06T00:00:00 UTC, in seconds from 1970.
 const GPS_EPOCH_S: f64 = 315_964_800.0;
 
-/// First second (UTC, Unix) from which GPS time is ahead of UTC by so many seconds: leap seconds since 2006, IERS Bulletin C.
+/// Leap seconds since 2006 (IERS Bulletin C): from this UTC second from 1970 on, GPS time is ahead of UTC by this many seconds.
 const LEAP_SECONDS: [(f64, f64); 5] = [
     (1_483_228_800.0, 18.0), // 2017-01-01
     (1_435_708_800.0, 17.0), // 2015-07-01
@@ -12,15 +12,21 @@ const LEAP_SECONDS: [(f64, f64); 5] = [
     (f64::NEG_INFINITY, 14.0),
 ];
 
-/// Seconds from 1970-01-01T00:00:00 UTC of a GPS week and a time of week in seconds.
+/// Seconds from 1970-01-01T00:00:00 UTC, of a GPS week (counted from 1980, without rollover) and a time of week, s.
 pub(super) fn from_gps(week: f64, time_of_week_s: f64) -> f64 {
     let gps = GPS_EPOCH_S + week * 604_800.0 + time_of_week_s;
     let leap = LEAP_SECONDS.iter().find(|(from, leap)| gps - leap >= *from).map_or(14.0, |(_, leap)| *leap);
     gps - leap
 }
 
-/// Seconds from 1970-01-01T00:00:00 UTC as `2024-05-01T12:34:56.789Z` (ISO 8601); none outside the years 1980 to 2200, which no log
-/// has.
+/// Writes seconds from 1970-01-01T00:00:00 UTC as a date, `2024-05-01T12:34:56.789Z` (ISO 8601). `None` outside the years 1980 to
+/// 2200, where a log has no clock, and for NaN.
+///
+/// ```
+/// use phugoid_flight_data::log::utc::text;
+/// assert_eq!(text(1_714_566_896.789).as_deref(), Some("2024-05-01T12:34:56.789Z"));
+/// assert_eq!(text(0.0), None);
+/// ```
 pub fn text(unix_s: f64) -> Option<String> {
     if !(GPS_EPOCH_S..7_258_118_400.0).contains(&unix_s) {
         return None;
@@ -41,7 +47,7 @@ pub fn text(unix_s: f64) -> Option<String> {
     Some(format!("{year:04}-{month:02}-{day:02}T{hour:02}:{minute:02}:{second:02}.{millisecond:03}Z"))
 }
 
-/// What goes into the information of a log: when its time zero was, in words and in seconds from 1970.
+/// The entries for the information of a log that say when its time zero was, as a date and in seconds from 1970.
 pub(super) fn information(unix_s_at_zero: f64) -> Vec<(String, String)> {
     let Some(words) = text(unix_s_at_zero) else { return Vec::new() };
     vec![("utc_at_start".into(), words), ("unix_s_at_start".into(), format!("{unix_s_at_zero:.3}"))]

@@ -1,11 +1,11 @@
-//! A stream seen through a window of bounded size.
+//! Reads a stream through a window of bounded size.
 
 use std::io::{ErrorKind, Read};
 
-/// Bytes of the window; several times the longest message of any format, so that few are moved.
+/// Size of the window, bytes: several times the longest message of any format, so that bytes are seldom moved.
 const SIZE: usize = 1 << 20;
 
-/// What of a stream is in memory: a stretch of at most one mebibyte that moves forward.
+/// The part of a stream that is in memory: at most one mebibyte, moving forward.
 pub(super) struct Window<R> {
     reader: R,
     memory: Vec<u8>,
@@ -20,7 +20,7 @@ impl<R: Read> Window<R> {
         Self { reader, memory: vec![0; SIZE], start: 0, end: 0, offset: 0, ended: false }
     }
 
-    /// Sees to it that this many bytes are in the window (at most [`SIZE`]), fewer only at the end of the stream.
+    /// Reads until this many bytes are in the window (at most [`SIZE`]); fewer only at the end of the stream.
     #[inline]
     pub(super) fn fill(&mut self, bytes: usize) -> std::io::Result<()> {
         if self.end - self.start >= bytes || self.ended { Ok(()) } else { self.refill(bytes) }
@@ -42,24 +42,24 @@ impl<R: Read> Window<R> {
         Ok(())
     }
 
-    /// What is in the window.
+    /// The bytes in the window.
     #[inline]
     pub(super) fn bytes(&self) -> &[u8] {
         self.memory.get(self.start..self.end).unwrap_or_default()
     }
 
-    /// Is the end of the stream in the window?
+    /// True if the stream has ended and its last bytes are in the window.
     pub(super) fn has_end(&self) -> bool {
         self.ended
     }
 
-    /// Where in the stream the window begins.
+    /// Position in the stream at which the window begins, bytes.
     #[inline]
     pub(super) fn offset(&self) -> u64 {
         self.offset
     }
 
-    /// Moves the window forward, at most to its end.
+    /// Moves the beginning of the window forward by this many bytes, at most to its end.
     #[inline]
     pub(super) fn advance(&mut self, bytes: usize) {
         let step = bytes.min(self.end - self.start);

@@ -1,15 +1,15 @@
-//! Data elements: a tag (type and size), and numbers of a type in one of two byte orders.
+//! Reads data elements: a tag with type and size, then numbers in one of two byte orders.
 
 use std::io::{self, Read};
 
-/// What can be wrong with one variable. The others may still be good.
+/// What can be wrong with one variable. Other variables may still be readable.
 #[derive(Debug)]
 pub(super) enum Problem {
-    /// Not as the format asks.
+    /// The bytes contradict the format.
     Bad(String),
-    /// Reading the bytes failed: the file ends, or compressed data are damaged.
+    /// The bytes cannot be read: the file ends, or compressed data are damaged.
     Io(io::Error),
-    /// More values than the bound on memory.
+    /// The values exceed the bound on memory.
     TooLarge { variable: String },
 }
 
@@ -41,7 +41,7 @@ pub(super) mod kind {
     pub(in crate::matlab) const UTF16: u32 = 17;
 }
 
-/// Type and size of a data element; a small one carries its data in the tag.
+/// Type and size of a data element; a small element has its data in the tag.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Tag {
     pub(super) kind: u32,
@@ -55,11 +55,11 @@ impl Tag {
     }
 }
 
-/// Reads data elements up to the end of the one that holds them.
+/// Reads data elements up to the end of the element that contains them.
 pub(super) struct Input<'r> {
     reader: &'r mut dyn Read,
     pub(super) big_endian: bool,
-    /// Bytes left in the element that is being read.
+    /// Number of bytes left in the element that is being read.
     left: u64,
 }
 
@@ -91,7 +91,7 @@ impl<'r> Input<'r> {
         Ok(())
     }
 
-    /// The four bytes of a number in the order of the file.
+    /// The number of four bytes in the byte order of the file.
     fn word(&self, bytes: [u8; 4]) -> u32 {
         if self.big_endian { u32::from_be_bytes(bytes) } else { u32::from_le_bytes(bytes) }
     }
@@ -110,7 +110,7 @@ impl<'r> Input<'r> {
         }
     }
 
-    /// Runs `inner` on the element of this tag, then skips what it left of it and the padding to eight bytes.
+    /// Runs `inner` on the element of this tag, then skips what `inner` did not read and the padding to eight bytes.
     pub(super) fn within<T>(
         &mut self,
         tag: Tag,
@@ -130,12 +130,12 @@ impl<'r> Input<'r> {
         self.skip(self.left)?;
         self.left = after;
         let padding = tag.size.wrapping_neg() % 8;
-        // The last element of a matrix need not be padded.
+        // The last element of a matrix may lack its padding.
         self.skip(padding.min(self.left))?;
         Ok(result)
     }
 
-    /// The numbers of an element, each given to `take` until it says no.
+    /// Gives the numbers of an element to `take`, one by one, until it returns false.
     pub(super) fn numbers(&mut self, kind: u32, mut take: impl FnMut(f64) -> bool) -> Result<(), Problem> {
         let width = match kind {
             kind::INT8 | kind::UINT8 => 1,
@@ -165,7 +165,7 @@ impl<'r> Input<'r> {
     }
 }
 
-/// A number in little-endian bytes; integers beyond 2^53 are rounded.
+/// The number in little-endian bytes; integers beyond 2^53 are rounded.
 fn number(kind: u32, bytes: &[u8]) -> f64 {
     match (kind, bytes) {
         (kind::INT8, &[a]) => f64::from(a.cast_signed()),

@@ -1,4 +1,4 @@
-//! Why a MATLAB file could not be read.
+//! Errors of reading MATLAB files.
 
 use crate::table::TableError;
 
@@ -8,35 +8,35 @@ pub enum ReadError {
     /// The operating system could not open or read it.
     #[error("{source_name}: cannot be read: {error}")]
     Io {
-        /// File or stream.
+        /// Name of the file or stream, as the caller gave it.
         source_name: String,
-        /// What the system says.
+        /// The error of the operating system.
         error: std::io::Error,
     },
     /// It is not a MATLAB file of level 5.
     #[error("{source_name}: this is no MATLAB 5 file but {found}. {advice}")]
     NotMatlab {
-        /// File or stream.
+        /// Name of the file or stream, as the caller gave it.
         source_name: String,
-        /// What it seems to be.
+        /// What the file seems to be, such as `a zip archive`.
         found: &'static str,
-        /// What to do.
+        /// What the user can do about it, as a sentence.
         advice: &'static str,
     },
-    /// Nothing in it could be read.
+    /// The file is damaged, and not one variable of it could be read.
     #[error(
         "{source_name}, byte {offset}: the file is damaged ({problem}), and no variable before that place could be read. \
          Copy or save it again"
     )]
     Damaged {
-        /// File or stream.
+        /// Name of the file or stream, as the caller gave it.
         source_name: String,
         /// Where the first damaged variable begins.
         offset: u64,
-        /// What was found and expected.
+        /// What was found there and what was expected, as a clause.
         problem: String,
     },
-    /// The numbers were read, but make no record.
+    /// The numbers were read, but no record can be made of them.
     #[error(transparent)]
     Table(#[from] TableError),
 }

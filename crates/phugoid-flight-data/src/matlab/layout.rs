@@ -1,13 +1,13 @@
-//! Which variables are the columns of the table, what they are called, and in which units.
+//! Decides which variables are the columns of the table, and finds their names and units.
 
 use std::collections::HashMap;
 
 use super::variable::{Value, in_words};
-use crate::header::{self, Meaning};
 use crate::quality::QualityReport;
+use crate::table::header::{self, Meaning};
 use crate::table::{Column, LeftOut, TableOptions};
 
-/// A real matrix and where it stands: `["flight", "alpha"]`.
+/// A real matrix and its path of struct fields: `["flight", "alpha"]`.
 struct Matrix {
     path: Vec<String>,
     unit: Option<String>,
@@ -23,7 +23,7 @@ struct Found {
     left_out: Vec<LeftOut>,
 }
 
-/// The columns of the longest table that the variables make, and what is none of it.
+/// The columns of the table that the variables make, and what is not part of it.
 pub(super) fn columns(
     variables: Vec<(String, Value)>,
     options: &TableOptions,
@@ -39,13 +39,14 @@ pub(super) fn columns(
     for matrix in matrices {
         let Matrix { path, unit, rows, columns: width, values } = matrix;
         let dimensions = in_words(&[rows, width]);
-        let unit = unit.or_else(|| unit_beside(&path, &texts));
+        let unit = unit.or_else(|| unit_for_column(&path, &texts));
         if values.len() == length && (rows == 1 || width == 1) {
             let header = path.last().cloned().unwrap_or_default();
             columns.push((path, Column { header, unit, values, is_time: false }));
         } else if (rows == length || width == length) && rows > 1 && width > 1 {
             let count = if rows == length { width } else { rows };
-            let (names, units) = (list_beside(&path, &texts, &NAMES, count), list_beside(&path, &texts, &UNITS, count));
+            let (names, units) =
+                (list_for_matrix(&path, &texts, &NAMES, count), list_for_matrix(&path, &texts, &UNITS, count));
             for index in 0..count {
                 let last = path.last().map(String::as_str).unwrap_or_default();
                 let header = match names.and_then(|names| names.get(index)).filter(|name| !name.is_empty()) {
@@ -67,10 +68,11 @@ pub(super) fn columns(
             left_out.push(LeftOut { header: path.join("."), why });
         }
     }
-    (name_apart(columns, report), left_out)
+    (make_names_unique(columns, report), left_out)
 }
 
-/// Names of the lists that name the columns of a matrix beside them, and of those that say their units.
+/// Names of lists that hold the names of the columns of a matrix beside them; below, those that hold their units, and the names
+/// of fields that hold values.
 const NAMES: [&str; 8] = ["names", "headers", "header", "labels", "columns", "channels", "signals", "variables"];
 const UNITS: [&str; 2] = ["units", "unit"];
 const VALUES: [&str; 3] = ["values", "data", "value"];
@@ -94,7 +96,7 @@ fn walk(path: Vec<String>, value: Value, found: &mut Found) {
             for (name, value) in fields {
                 let mut inner = path.clone();
                 match (value, &unit) {
-                    // `alpha.values` with `alpha.unit` is `alpha`.
+                    // `alpha.values` with `alpha.unit` becomes the column `alpha`.
                     (Value::Numbers { rows, columns, values }, Some(unit)) if is_one_of(&name, &VALUES) => {
                         found.matrices.push(Matrix { path: inner, unit: Some(unit.clone()), rows, columns, values });
                     }
@@ -108,7 +110,7 @@ fn walk(path: Vec<String>, value: Value, found: &mut Found) {
     }
 }
 
-/// The length of the time, else the length that most columns have (of equals the longest).
+/// The length of the time, else the length that most columns have; of equally frequent ones the longest.
 fn length_of_table(matrices: &[Matrix], texts: &[(Vec<String>, Vec<String>)], options: &TableOptions) -> usize {
     let mapped =
         options.columns.iter().find(|mapping| mapping.channel == "time").map(|mapping| mapping.header.as_str());
@@ -124,11 +126,11 @@ fn length_of_table(matrices: &[Matrix], texts: &[(Vec<String>, Vec<String>)], op
     }
     let mut columns: HashMap<usize, usize> = HashMap::new();
     for matrix in matrices {
-        // A list that names the rows of a matrix, and not its columns, says that the rows are the channels.
-        let named = |count: usize| list_beside(&matrix.path, texts, &NAMES, count).is_some();
+        // If a list has as many names as a matrix has rows, and not as many as columns, the rows are the channels.
+        let named = |count: usize| list_for_matrix(&matrix.path, texts, &NAMES, count).is_some();
         let turned = matrix.rows == 1 || (named(matrix.rows) && !named(matrix.columns));
         let (rows, width) = if turned { (matrix.columns, matrix.rows) } else { (matrix.rows, matrix.columns) };
-        // A single number is a setting.
+        // A single number is a setting, not a column.
         if rows > 1 {
             *columns.entry(rows).or_default() += width;
         }
@@ -137,7 +139,7 @@ fn length_of_table(matrices: &[Matrix], texts: &[(Vec<String>, Vec<String>)], op
 }
 
 /// The unit of a column in a struct of units (`units.alpha`) or in a text of its own (`alpha_unit`), beside it or in the file.
-fn unit_beside(path: &[String], texts: &[(Vec<String>, Vec<String>)]) -> Option<String> {
+fn unit_for_column(path: &[String], texts: &[(Vec<String>, Vec<String>)]) -> Option<String> {
     let (name, scope) = path.split_last()?;
     texts.iter().find_map(|(place, text)| {
         let [text] = text.as_slice() else { return None };
@@ -148,8 +150,8 @@ fn unit_beside(path: &[String], texts: &[(Vec<String>, Vec<String>)]) -> Option<
     })
 }
 
-/// A list of this length beside a matrix.
-fn list_beside<'t>(
+/// The list of this length, under one of these names, that belongs to a matrix.
+fn list_for_matrix<'t>(
     path: &[String],
     texts: &'t [(Vec<String>, Vec<String>)],
     words: &[&str],
@@ -167,8 +169,8 @@ fn list_beside<'t>(
     texts.iter().find(|(place, text)| fits(place, text)).map(|(_, text)| text.as_slice())
 }
 
-/// Columns are called by their last name, and by their whole path where two would have one name.
-fn name_apart(columns: Vec<(Vec<String>, Column)>, report: &mut QualityReport) -> Vec<Column> {
+/// Names columns by the last part of their path, and by the whole path where two would have the same name.
+fn make_names_unique(columns: Vec<(Vec<String>, Column)>, report: &mut QualityReport) -> Vec<Column> {
     let mut count: HashMap<String, usize> = HashMap::new();
     for (_, column) in &columns {
         *count.entry(column.header.clone()).or_default() += 1;

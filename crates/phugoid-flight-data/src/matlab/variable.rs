@@ -1,4 +1,4 @@
-//! Variables: numeric arrays, text, structs and lists of text; everything else by its name alone.
+//! Reads variables: numeric arrays, text, structs and lists of text. Of everything else only the name is kept.
 
 use std::io::{self, BufRead, Read};
 
@@ -6,31 +6,32 @@ use flate2::read::ZlibDecoder;
 
 use super::ReadError;
 use super::element::{Input, Problem, Tag, bad, kind};
-use crate::columns::{MOST_COLUMNS, cut};
 use crate::quality::QualityReport;
 use crate::table::TableError;
+use crate::table::columns::MAX_COLUMNS;
+use crate::wording::cut;
 
-/// Structs within structs deeper than this are left out.
-const DEEPEST: usize = 8;
-/// Damaged variables that are named one by one.
-const MOST_FINDINGS: usize = 20;
+/// Structs that are nested deeper than this are left out.
+const MAX_DEPTH: usize = 8;
+/// Number of damaged variables that are reported one by one.
+const MAX_FINDINGS: usize = 20;
 /// The longest name or text kept, bytes.
 const LONGEST_TEXT: u64 = 1 << 16;
 
-/// What a variable holds.
+/// The content of a variable.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Value {
-    /// A real matrix in the order of its columns.
+    /// A real matrix, column by column.
     Numbers { rows: usize, columns: usize, values: Vec<f64> },
     /// One text, or the rows of a matrix of text, or a cell array of text.
     Texts(Vec<String>),
-    /// Fields in the order of the file.
+    /// A struct: names and values of its fields in the order of the file.
     Struct(Vec<(String, Value)>),
-    /// Something else, and what.
+    /// Anything else; the text says what it is, as it follows "it is".
     Other(String),
 }
 
-/// The variables of a file that can be read; the report says which were lost, and where.
+/// The variables of a file that can be read; the report names those that were lost, and where.
 pub(super) fn read_all(
     reader: &mut impl BufRead,
     source: &str,
@@ -59,7 +60,7 @@ pub(super) fn read_all(
                 let place = format!("variable '{}'", cut(&variable, 40));
                 return Err(TableError::TooLarge { source_name: source.to_owned(), place, max_values }.into());
             }
-            Err(Problem::Io(error)) if !matters_only_here(&error) => return Err(io(error)),
+            Err(Problem::Io(error)) if !is_damage_of_one_variable(&error) => return Err(io(error)),
             Err(problem) => {
                 let problem = match problem {
                     Problem::Bad(problem) => problem,
@@ -70,7 +71,7 @@ pub(super) fn read_all(
                     Problem::TooLarge { .. } => String::new(),
                 };
                 let rest = if outcome.resumes { "" } else { "; everything after it is lost too" };
-                if report.findings.len() < MOST_FINDINGS {
+                if report.findings.len() < MAX_FINDINGS {
                     report.warn(
                         format!("byte {offset}"),
                         format!("the variable that begins here is left out, it is damaged ({problem}){rest}"),
@@ -90,13 +91,13 @@ pub(super) fn read_all(
     }
 }
 
-/// Errors that come from the bytes of one variable, not from the disk.
-fn matters_only_here(error: &io::Error) -> bool {
+/// True for errors that come from the bytes of one variable, not from the disk.
+fn is_damage_of_one_variable(error: &io::Error) -> bool {
     use io::ErrorKind::{InvalidData, InvalidInput, UnexpectedEof};
     matches!(error.kind(), UnexpectedEof | InvalidData | InvalidInput)
 }
 
-/// Is the file big-endian? Or what it is instead, and what to do.
+/// True if the file is big-endian. The error says what the file is instead, and what the user can do.
 fn byte_order(header: &[u8]) -> Result<bool, (&'static str, &'static str)> {
     const SAVE: &str = "In MATLAB: load it and save it with save('flight.mat', '-v7', ...)";
     if header.starts_with(b"MATLAB 7.3") || header.starts_with(b"\x89HDF") {
@@ -113,15 +114,15 @@ fn byte_order(header: &[u8]) -> Result<bool, (&'static str, &'static str)> {
     }
 }
 
-/// How much of the file one element took.
+/// How much of the file an element took.
 #[derive(Default)]
 struct Element {
     read: u64,
-    /// Was its end found, so that the next one can be read even if this one was damaged?
+    /// True if its end was found, so that the next element can be read even if this one was damaged.
     resumes: bool,
 }
 
-/// One element of the file: a variable, compressed or not; none if it is of another kind.
+/// Reads one element of the file: a variable, compressed or not; `None` if it is of another kind.
 fn element(
     reader: &mut impl BufRead,
     big_endian: bool,
@@ -139,12 +140,12 @@ fn element(
         kind::COMPRESSED => compressed(&mut inside, big_endian, budget),
         kind::MATRIX => matrix(&mut Input::new(&mut inside, big_endian, tag.size), budget, 0).map(Some),
         1..=18 => Ok(None),
-        // Its size is as little worth as its type: nothing after it can be found.
+        // If the type is wrong, the size is probably wrong too, and the next element cannot be found.
         other => return bad(format!("a data element of type {other}, which there is not")),
     };
     let disk = |result: io::Result<u64>| result.map_err(Problem::Io);
     let rest = disk(io::copy(&mut inside, &mut io::sink()))?;
-    // Elements are padded to eight bytes, but for compressed ones.
+    // All elements but compressed ones are padded to eight bytes.
     let padding = if tag.kind == kind::COMPRESSED { 0 } else { tag.size.wrapping_neg() % 8 };
     let missing = inside.limit();
     let padded = disk(io::copy(&mut reader.by_ref().take(padding), &mut io::sink()))?;
@@ -171,7 +172,7 @@ fn compressed(packed: &mut dyn Read, big_endian: bool, budget: &mut usize) -> Re
     Ok(Some(variable))
 }
 
-/// An array: name and value. Its tag has been read, and `input` ends where it ends.
+/// Reads an array: its name and value. Its tag has been read, and `input` ends where the array ends.
 fn matrix(input: &mut Input<'_>, budget: &mut usize, depth: usize) -> Result<(String, Value), Problem> {
     // An empty element stands for an empty array, as MATLAB writes it into structs.
     if input.left() == 0 {
@@ -182,7 +183,7 @@ fn matrix(input: &mut Input<'_>, budget: &mut usize, depth: usize) -> Result<(St
     input.within(tag, |input| input.numbers(tag.kind, |word| push(&mut flags, word, 2)))?;
     let Some(&flags) = flags.first() else { return bad("no array flags") };
     let (class, complex) = (flags as u32 & 0xFF, flags as u32 & 0x0800 != 0);
-    // Objects have no dimensions: they are in a format that is not documented.
+    // Objects are stored in a format that is not documented, without dimensions.
     if matches!(class, 3 | 17) {
         let value = "an object of MATLAB such as a table, a timetable or a datetime; save its columns as arrays, e.g. s = \
                      table2struct(t, 'ToScalar', true); save('flight.mat', '-struct', 's', '-v7')";
@@ -204,7 +205,7 @@ fn matrix(input: &mut Input<'_>, budget: &mut usize, depth: usize) -> Result<(St
     Ok((name, value))
 }
 
-/// Keeps a number while there are fewer than `most`.
+/// Adds a number if there are fewer than `most`; false if there is no room.
 fn push(numbers: &mut Vec<f64>, number: f64, most: usize) -> bool {
     let room = numbers.len() < most;
     if room {
@@ -223,7 +224,7 @@ fn dimensions(input: &mut Input<'_>) -> Result<Vec<usize>, Problem> {
     Ok(sizes.into_iter().map(|size| size as usize).collect())
 }
 
-/// A name or a block of names.
+/// Reads the bytes of a name or of a block of names.
 fn bytes(input: &mut Input<'_>) -> Result<Vec<u8>, Problem> {
     let tag = input.tag()?;
     if tag.size > LONGEST_TEXT {
@@ -244,7 +245,7 @@ fn text(input: &mut Input<'_>) -> Result<String, Problem> {
     Ok(to_text(&bytes(input)?))
 }
 
-/// A name up to its first zero byte.
+/// The name in these bytes, up to the first zero byte.
 fn to_text(bytes: &[u8]) -> String {
     let name = bytes.split(|&byte| byte == 0).next().unwrap_or_default();
     String::from_utf8_lossy(name).into_owned()
@@ -255,7 +256,7 @@ fn numeric(input: &mut Input<'_>, dimensions: &[usize], budget: &mut usize, name
     let (&[rows, columns], Some(count)) = (dimensions, count) else {
         return Ok(Value::Other(format!("an array of {}", in_words(dimensions))));
     };
-    if rows.min(columns) > MOST_COLUMNS {
+    if rows.min(columns) > MAX_COLUMNS {
         return Ok(Value::Other(format!("a matrix of {}", in_words(dimensions))));
     }
     let tag = input.tag()?;
@@ -275,16 +276,16 @@ fn numeric(input: &mut Input<'_>, dimensions: &[usize], budget: &mut usize, name
     Ok(Value::Numbers { rows, columns, values })
 }
 
-/// `3 x 4`.
+/// Dimensions as text: `3 x 4`.
 pub(super) fn in_words(dimensions: &[usize]) -> String {
     dimensions.iter().map(usize::to_string).collect::<Vec<_>>().join(" x ")
 }
 
-/// The rows of a matrix of characters.
+/// Reads the rows of a matrix of characters.
 fn characters(input: &mut Input<'_>, dimensions: &[usize]) -> Result<Value, Problem> {
     let &[rows, columns] = dimensions else { return Ok(Value::Other("an array of text".into())) };
     let tag = input.tag()?;
-    if tag.size > LONGEST_TEXT || rows > MOST_COLUMNS {
+    if tag.size > LONGEST_TEXT || rows > MAX_COLUMNS {
         return Ok(Value::Other("a long text".into()));
     }
     let mut units: Vec<u16> = Vec::new();
@@ -308,7 +309,7 @@ fn characters(input: &mut Input<'_>, dimensions: &[usize]) -> Result<Value, Prob
     if rows <= 1 {
         return Ok(Value::Texts(vec![whole.trim_end().to_owned()]));
     }
-    // Column by column; a row is every `rows`-th character.
+    // Characters are stored column by column, so that a row is every `rows`-th character.
     let all: Vec<char> = whole.chars().collect();
     if all.len() != rows.saturating_mul(columns) {
         return bad(format!("text of {} with {} characters", in_words(dimensions), all.len()));
@@ -317,15 +318,15 @@ fn characters(input: &mut Input<'_>, dimensions: &[usize]) -> Result<Value, Prob
     Ok(Value::Texts((0..rows).map(row).collect()))
 }
 
-/// A cell array of text is a list; of other things nothing is kept.
+/// Reads a cell array. One of text is a list; the content of others is not kept.
 fn cells(input: &mut Input<'_>, dimensions: &[usize], budget: &mut usize, depth: usize) -> Result<Value, Problem> {
     let other = || Ok(Value::Other("a cell array".into()));
     let count = dimensions.iter().try_fold(1_usize, |product, &size| product.checked_mul(size));
-    let Some(count) = count.filter(|&count| count <= MOST_COLUMNS && depth < DEEPEST) else { return other() };
+    let Some(count) = count.filter(|&count| count <= MAX_COLUMNS && depth < MAX_DEPTH) else { return other() };
     let mut list = Vec::new();
     for _ in 0..count {
         let tag = matrix_tag(input)?;
-        // The numbers in it are not kept, so they take nothing of the budget.
+        // The numbers in it are not kept and so do not count towards the bound on memory.
         let mut apart = *budget;
         let (_, value) = input.within(tag, |input| matrix(input, &mut apart, depth + 1))?;
         match value {
@@ -336,7 +337,7 @@ fn cells(input: &mut Input<'_>, dimensions: &[usize], budget: &mut usize, depth:
     Ok(Value::Texts(list))
 }
 
-/// A struct, or an array of structs whose fields are single numbers: each field is then a column.
+/// Reads a struct, or an array of structs whose fields are single numbers: each field is then a column.
 fn structs(input: &mut Input<'_>, dimensions: &[usize], budget: &mut usize, depth: usize) -> Result<Value, Problem> {
     let tag = input.tag()?;
     let mut lengths = Vec::new();
@@ -347,7 +348,7 @@ fn structs(input: &mut Input<'_>, dimensions: &[usize], budget: &mut usize, dept
     };
     let names: Vec<String> = bytes(input)?.chunks(length).map(to_text).collect();
     let count = dimensions.iter().try_fold(1_usize, |product, &size| product.checked_mul(size)).unwrap_or(0);
-    if depth >= DEEPEST || names.is_empty() || names.len() > MOST_COLUMNS || count == 0 {
+    if depth >= MAX_DEPTH || names.is_empty() || names.len() > MAX_COLUMNS || count == 0 {
         return Ok(Value::Other("a nested or empty struct".into()));
     }
     if count == 1 {

@@ -1,35 +1,35 @@
-//! What an accelerometer shows in steady flight.
+//! Checks of accelerations: specific force and load factor in steady flight.
 
-use super::statistics::{median, windows};
-use super::{Certainty, Doubts};
-use crate::quality::Short;
+use super::doubt::{Certainty, Doubts};
+use super::robust::{median_of_finite, windows};
+use crate::wording::Short;
 
-/// Bank beyond which a flight is not taken for level, rad.
+/// Largest bank angle of flight that counts as level, rad.
 const BANKED: f64 = 0.5;
 
-/// Standard gravity, m/s^2; flight is nowhere off it by more than a hundredth.
+/// Standard gravity, m/s^2; gravity differs from it by less than 1 % wherever aircraft fly.
 const GRAVITY: f64 = 9.80665;
 
-/// Median of the samples with the wings level, where the bank is known.
+/// Median of a channel over the samples with level wings; over all samples if the bank angle is not known.
 fn level_median(doubts: &Doubts, name: &str) -> Option<f64> {
     let values = doubts.values(name)?;
     let bank = doubts.values("phi").filter(|_| !doubts.any(&["phi"]));
     let level = |k: &usize| bank.is_none_or(|phi| phi[*k].abs() < BANKED);
-    median((0..values.len()).filter(level).map(|k| values[k]))
+    median_of_finite((0..values.len()).filter(level).map(|k| values[k]))
 }
 
-/// What of gravity turns the path, without sideslip: `g (cos a cos phi cos theta + sin a sin theta)`, m/s^2.
+/// The part of gravity that turns the flight path, without sideslip: `g (cos a cos phi cos theta + sin a sin theta)`, m/s^2.
 pub(super) fn gravity_across_path(alpha: f64, theta: f64, phi: f64) -> f64 {
     GRAVITY * (alpha.cos() * phi.cos() * theta.cos() + alpha.sin() * theta.sin())
 }
 
-/// Bank by sample; zero where it is not known.
+/// The bank angle by sample, rad; 0 if it is not known.
 pub(super) fn bank<'a>(doubts: &Doubts<'a>) -> impl Fn(usize) -> f64 + use<'a> {
     let bank = doubts.values("phi").filter(|_| !doubts.any(&["phi"]));
     move |k| bank.map_or(0.0, |phi| phi[k])
 }
 
-/// True if the path turns as `az` says, `V (alpha' - q) = az cos a - ax sin a + (gravity)`, in means over a second.
+/// True if the flight path turns as `az` says, in averages over a second: `V (alpha' - q) = az cos a - ax sin a + (gravity)`.
 fn is_manoeuvre(doubts: &Doubts) -> bool {
     let names = ["true_airspeed", "alpha", "theta", "q", "az"];
     let [Some(speed), Some(alpha), Some(theta), Some(q), Some(az)] = names.map(|name| doubts.values(name)) else {
@@ -40,7 +40,7 @@ fn is_manoeuvre(doubts: &Doubts) -> bool {
         let forward = ax.map_or(0.0, |ax| ax[k]);
         (forward * alpha[k].sin() - gravity_across_path(alpha[k], theta[k], bank(k))) / alpha[k].cos()
     };
-    let Some(typical) = median(speed.iter().map(|speed| speed.abs())) else { return false };
+    let Some(typical) = median_of_finite(speed.iter().map(|speed| speed.abs())) else { return false };
     let over = |rate: &dyn Fn(usize) -> f64| windows(doubts.time(), alpha, rate, 1.0);
     let (pitching, rest, measured, duration) = (over(&|k| q[k]), over(&rest), over(&|k| az[k]), over(&|_| 1.0));
     let pairs: Vec<(f64, f64)> = (0..duration.len())
@@ -52,21 +52,21 @@ fn is_manoeuvre(doubts: &Doubts) -> bool {
         })
         .filter(|(expected, measured)| expected.is_finite() && measured.is_finite())
         .collect();
-    let missing = median(pairs.iter().map(|(expected, measured)| (measured - expected).abs()));
-    let size = median(pairs.iter().map(|(expected, _)| expected.abs()));
+    let missing = median_of_finite(pairs.iter().map(|(expected, measured)| (measured - expected).abs()));
+    let size = median_of_finite(pairs.iter().map(|(expected, _)| expected.abs()));
     // Noise of alpha, and a sensor off the centre of gravity, cost one or two m/s^2; another unit or sign costs nine.
     missing.zip(size).is_some_and(|(missing, size)| missing < 2.0_f64.max(0.25 * size))
 }
 
-/// Along body z, down: -9.8 m/s^2 in steady flight; in a manoeuvre what turns the path.
+/// Checks `az`, the specific force along body z (down): -9.8 m/s^2 in steady flight, and in a manoeuvre what turns the path.
 pub(super) fn vertical(doubts: &mut Doubts) {
     use Certainty::{Certain, Doubtful};
     let Some(az) = level_median(doubts, "az") else { return };
-    // A short record may be all manoeuvre.
+    // A short record may consist of a manoeuvre only, so that its median is not that of steady flight.
     if (-20.0..=-5.0).contains(&az) || is_manoeuvre(doubts) {
         return;
     }
-    // A record of small deviations has no airspeed and no attitude, and its accelerations are deviations too.
+    // A record without airspeed and attitude may hold deviations from trim, accelerations too.
     let whole = ["true_airspeed", "alpha", "theta"].iter().any(|name| doubts.values(name).is_some());
     let (certainty, advice) = match az {
         a if (5.0..=20.0).contains(&a) => {
@@ -77,7 +77,7 @@ pub(super) fn vertical(doubts: &mut Doubts) {
             Certain,
             "it looks like load factor in g, positive up: name the column `nz`, or `az_g` and map it with scale -1",
         ),
-        // One g in ft/s^2 is 32.2; further off it is a turn sooner than an error.
+        // One g is 32.2 ft/s^2; values further away are more probably a turn than an error.
         a if (-36.0..=-28.0).contains(&a) => (Certain, "it looks like ft/s^2: name the column `az_ft_s2`"),
         a if (28.0..=36.0).contains(&a) => {
             (Certain, "it looks like ft/s^2, positive up: name the column `az_ft_s2` and map it with scale -1")
@@ -86,7 +86,7 @@ pub(super) fn vertical(doubts: &mut Doubts) {
             (Certain, "gravity seems to have been removed: give what an accelerometer measures, with gravity's share")
         }
         a if a.abs() < 0.5 => (Doubtful, "a deviation from trim, or gravity was taken out"),
-        // Between one unit and the next: a manoeuvre sooner than an error.
+        // Between the sizes of two units: more probably a manoeuvre than an error.
         a if a.abs() < 50.0 => return,
         _ => (Doubtful, "check its unit and sign"),
     };
@@ -98,7 +98,7 @@ pub(super) fn vertical(doubts: &mut Doubts) {
     doubts.add(&["az"], certainty, message);
 }
 
-/// Upwards: +1.
+/// Checks `nz`, the load factor, positive up: +1 in steady flight.
 pub(super) fn load_factor(doubts: &mut Doubts) {
     let Some(nz) = level_median(doubts, "nz") else { return };
     let advice = match nz {

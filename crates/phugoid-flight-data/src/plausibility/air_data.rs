@@ -1,17 +1,17 @@
-//! Airspeed, pressure and altitude against each other and against the motion.
+//! Checks of airspeed, pressure and altitude against each other and against the motion.
 
 use super::accelerations::{bank, gravity_across_path};
-use super::statistics::{Fit, fit, median, regress, windows};
-use super::{Certainty, Doubts};
-use crate::quality::Short;
+use super::doubt::{Certainty, Doubts};
+use super::robust::{Fit, fit, median_of_finite, regress, windows};
+use crate::wording::Short;
 
-/// Dynamic pressure and airspeed must imply a density that the atmosphere has (below 20 km: 0.08 to 1.5 kg/m^3).
+/// Checks that dynamic pressure and airspeed give an air density that occurs (below 20 km: 0.08 to 1.5 kg/m^3).
 pub(super) fn density(doubts: &mut Doubts) {
     let (Some(pressure), Some(speed)) = (doubts.values("dynamic_pressure"), doubts.values("true_airspeed")) else {
         return;
     };
     let implied = pressure.iter().zip(speed).map(|(q, v)| 2.0 * q / (v * v));
-    let Some(density) = median(implied).filter(|density| !(0.08..1.5).contains(density)) else { return };
+    let Some(density) = median_of_finite(implied).filter(|density| !(0.08..1.5).contains(density)) else { return };
     // Aircraft do fly above 20 km, but not where there is a hundredth of the air.
     let certainty = if (0.01..1.6).contains(&density) { Certainty::Doubtful } else { Certainty::Certain };
     let message = format!(
@@ -22,7 +22,7 @@ pub(super) fn density(doubts: &mut Doubts) {
     doubts.replace(&["dynamic_pressure", "true_airspeed"], certainty, message);
 }
 
-/// `h' = V (cos a sin theta - sin a cos phi cos theta)`, without sideslip.
+/// Checks the rate of climb, without sideslip: `h' = V (cos a sin theta - sin a cos phi cos theta)`.
 pub(super) fn climb(doubts: &mut Doubts) {
     let names = ["altitude", "true_airspeed", "theta", "alpha"];
     let [Some(altitude), Some(speed), Some(theta), Some(alpha)] = names.map(|name| doubts.values(name)) else { return };
@@ -43,8 +43,7 @@ pub(super) fn climb(doubts: &mut Doubts) {
     }
 }
 
-/// `V (alpha' - q) = az cos a - ax sin a + (gravity across the path)`: the accelerometer turns the path, the speed says
-/// how fast.
+/// Checks the airspeed by the turning of the flight path: `V (alpha' - q) = az cos a - ax sin a + (gravity across the path)`.
 pub(super) fn turning(doubts: &mut Doubts) {
     let names = ["true_airspeed", "alpha", "theta", "q", "az", "ax"];
     let [Some(speed), Some(alpha), Some(theta), Some(q), Some(az), Some(ax)] = names.map(|name| doubts.values(name))
@@ -59,7 +58,7 @@ pub(super) fn turning(doubts: &mut Doubts) {
         let (sin, cos) = alpha[k].sin_cos();
         az[k] * cos - ax[k] * sin + gravity_across_path(alpha[k], theta[k], bank(k))
     };
-    let Some(typical) = median(speed.iter().copied()) else { return };
+    let Some(typical) = median_of_finite(speed.iter().copied()) else { return };
     let forces = windows(doubts.time(), alpha, force, 1.0);
     let pitching = windows(doubts.time(), alpha, |k| q[k], 1.0);
     let pairs: Vec<(f64, f64)> = forces

@@ -1,32 +1,33 @@
-//! Angles are the integrals of their rates.
+//! Checks that angles are the integrals of their rates.
 
-use super::statistics::{Fit, fit, median, reach, span};
-use super::{Certainty, Doubts, write_degrees};
-use crate::quality::Short;
+use super::doubt::{Certainty, Doubts, write_degrees};
+use super::robust::{Fit, fit, largest_size, span};
+use crate::statistics::median_step;
+use crate::wording::Short;
 
-/// Degrees per radian.
+/// Number of degrees in a radian.
 const DEGREES: f64 = 180.0 / std::f64::consts::PI;
-/// Bank up to which `theta' = q` holds well enough, rad.
+/// Largest bank angle at which `theta' = q` holds well enough for the check, rad.
 const LEVEL: f64 = 0.35;
 
 fn near(value: f64, target: f64) -> bool {
     value > 0.6 * target && value < 1.6 * target
 }
 
-/// `theta' = q` with the wings level, and `phi' = p` with the nose not too high: a ratio near 57.3 or its reciprocal is a
-/// unit, not a manoeuvre.
+/// Checks `theta' = q` with level wings, and `phi' = p` with the nose not too high. A ratio near 57.3 or its reciprocal comes
+/// from a wrong unit, not from a manoeuvre.
 pub(super) fn attitude_and_rate(doubts: &mut Doubts, attitude: &str, rate: &str) {
     let (Some(angle), Some(turning)) = (doubts.values(attitude), doubts.values(rate)) else { return };
-    // Where the bank itself is in doubt it cannot say what is level.
+    // If the bank angle itself is in doubt, it cannot select level flight.
     let bank = (attitude == "theta" && !doubts.any(&["phi"])).then(|| doubts.values("phi")).flatten();
     let level = |k: usize| bank.is_none_or(|phi| phi[k].abs() < LEVEL);
     let rate_at = |k: usize| if level(k) { turning[k] } else { f64::NAN };
-    let step = median(doubts.time().windows(2).map(|pair| pair[1] - pair[0])).unwrap_or(0.0);
+    let step = median_step(doubts.time()).unwrap_or(0.0);
     let Some(Fit { slope, correlation }) = fit(doubts.time(), angle, rate_at, window(doubts.time(), step)) else {
         return;
     };
     let found = format!("{attitude} changes {} times as fast as {rate} says", Short(slope.abs()));
-    let size = |values: &[f64]| span(values).map_or(0.0, reach);
+    let size = |values: &[f64]| span(values).map_or(0.0, largest_size);
     if correlation > 0.8 && near(slope, DEGREES) {
         // In degrees an attitude moves by more than half a unit; if it does not, the rate is 57 times too small.
         let to_blame = size(angle) > 0.5 || doubts.is_certain(attitude);
@@ -79,14 +80,15 @@ pub(super) fn attitude_and_rate(doubts: &mut Doubts, attitude: &str, rate: &str)
     }
 }
 
-/// Half a second; of a slow record, or one whose milliseconds are read as seconds, up to fifty samples, as long as there are
-/// some twenty windows of them.
+/// Length of the windows, s: half a second. For a slow record, or one whose milliseconds are read as seconds, up to fifty
+/// samples, as long as about twenty windows remain.
 fn window(time: &[f64], step: f64) -> f64 {
     let length = time.last().zip(time.first()).map_or(0.0, |(last, first)| last - first);
     if step < 0.25 { 0.5 } else { (50.0 * step).min(length / 20.0).max(1.01 * step) }
 }
 
-/// Says it of the channel alone whose size is impossible too, else of the pair; in both cases only once.
+/// Reports the finding for one channel alone if its size is impossible too, else for the pair; it replaces what was reported
+/// before.
 fn blame(doubts: &mut Doubts, culprit: &str, pair: [&str; 2], message: String) {
     if doubts.is_certain(culprit) {
         doubts.replace(&[culprit], Certainty::Certain, message);
@@ -95,7 +97,7 @@ fn blame(doubts: &mut Doubts, culprit: &str, pair: [&str; 2], message: String) {
     }
 }
 
-/// A quick pitch motion changes alpha by at most about as much as the pitch angle.
+/// Checks that alpha follows a quick pitch motion: it changes by at most about as much as the pitch angle.
 pub(super) fn angle_of_attack(doubts: &mut Doubts) {
     let (Some(alpha), Some(q)) = (doubts.values("alpha"), doubts.values("q")) else { return };
     if doubts.any(&["alpha", "q"]) {

@@ -1,20 +1,21 @@
-//! Values larger than an aeroplane flies with.
+//! Checks of sizes: values larger than those of any flying aeroplane.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use super::statistics::{median, reach, span};
-use super::{Certainty, Doubts, write_degrees};
+use super::doubt::{Certainty, Doubts, write_degrees};
+use super::robust::{largest_size, median_of_finite, span};
 use crate::channels;
-use crate::quality::Short;
 use crate::record::Quantity;
+use crate::wording::Short;
 
-/// What 95 % of the samples of an angle (rad) or a rate (rad/s) stay below: in ordinary flight, and in any flight.
+/// Limits that 95 % of the samples of an angle (rad) or a rate (rad/s) stay below: in ordinary flight, and in any flight.
+/// `None` for other channels.
 fn limits(name: &str, quantity: Quantity) -> Option<(f64, f64)> {
     Some(match (name, quantity) {
         ("alpha" | "beta", _) => (0.6, 1.2),
         ("theta", _) => (1.2, 1.05 * FRAC_PI_2),
         ("elevator" | "aileron" | "rudder", _) => (0.7, 1.05),
-        // Some count the bank and the longitude from 0 to 360 degrees.
+        // Some files have bank angle and longitude from 0 to 360 degrees.
         ("phi" | "longitude", _) => (1.02 * PI, 2.04 * PI),
         ("psi", _) => (2.04 * PI, 2.04 * PI),
         (_, Quantity::Angle) => (1.02 * FRAC_PI_2, 1.02 * FRAC_PI_2),
@@ -24,14 +25,14 @@ fn limits(name: &str, quantity: Quantity) -> Option<(f64, f64)> {
     })
 }
 
-/// Degrees that were read as radians show by their size.
+/// Checks angles and rates: degrees that were read as radians are too large.
 pub(super) fn angles(doubts: &mut Doubts) {
     for channel in &doubts.record.channels {
         let name = channel.name.as_str();
         let Some((unusual, impossible)) = limits(name, channel.quantity) else { continue };
         let Some(values) = doubts.values(name).filter(|_| channels::by_name(name).is_some()) else { continue };
-        let Some(span) = span(values).filter(|span| reach(*span) > unusual) else { continue };
-        let size = reach(span);
+        let Some(span) = span(values).filter(|span| largest_size(*span) > unusual) else { continue };
+        let size = largest_size(span);
         let certainty = if size > impossible { Certainty::Certain } else { Certainty::Doubtful };
         let (si, degrees) = if channel.quantity == Quantity::AngularRate { ("rad/s", "deg/s") } else { ("rad", "deg") };
         let found = format!("reaches {} {si}, i.e. {} {degrees}", Short(size), Short(size.to_degrees()));
@@ -43,8 +44,8 @@ pub(super) fn angles(doubts: &mut Doubts) {
         };
         doubts.add(&[name], certainty, message);
     }
-    // The other way round there is only one hint: nobody flies with an angle of attack below a third of a degree.
-    if let Some(size) = doubts.values("alpha").and_then(span).map(|span| reach(span).to_degrees())
+    // Radians read as degrees show only in the angle of attack: no aeroplane flies with less than a third of a degree.
+    if let Some(size) = doubts.values("alpha").and_then(span).map(|span| largest_size(span).to_degrees())
         && doubts.unit("alpha") == Some("deg")
         && size > 0.0
         && size < 0.35
@@ -57,9 +58,9 @@ pub(super) fn angles(doubts: &mut Doubts) {
     }
 }
 
-/// Speed, altitude and throttle.
+/// Checks the sizes of airspeed, altitude and throttle.
 pub(super) fn others(doubts: &mut Doubts) {
-    let size = |name: &str| median(doubts.values(name)?.iter().map(|value| value.abs()));
+    let size = |name: &str| median_of_finite(doubts.values(name)?.iter().map(|value| value.abs()));
     let (speed, altitude) = (size("true_airspeed"), size("altitude"));
     if let Some(speed) = speed.filter(|speed| !(5.0..=1200.0).contains(speed)) {
         let message = format!("is about {} m/s, and no aeroplane flies at that: check its unit", Short(speed));
@@ -72,7 +73,7 @@ pub(super) fn others(doubts: &mut Doubts) {
         );
         doubts.add(&["altitude"], Certainty::Doubtful, message);
     }
-    if let Some(throttle) = doubts.values("throttle").and_then(span).map(reach).filter(|size| *size > 1.5) {
+    if let Some(throttle) = doubts.values("throttle").and_then(span).map(largest_size).filter(|size| *size > 1.5) {
         let message = format!("reaches {}; 0 to 1 is expected. If it is percent, write throttle_pct", Short(throttle));
         doubts.add(&["throttle"], Certainty::Certain, message);
     }

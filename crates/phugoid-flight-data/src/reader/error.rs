@@ -13,29 +13,30 @@ pub enum ReadError {
     /// The operating system could not open or read it.
     #[error("{source_name}: cannot be read: {error}")]
     Io {
-        /// File or stream.
+        /// Name of the file or stream, as the caller gave it.
         source_name: String,
-        /// What the system says.
+        /// The error of the operating system.
         error: std::io::Error,
     },
-    /// The format is known, but this build does not read it.
+    /// The format is known, but this build does not read it: it is never read, or its feature is switched off
+    /// ([`Format::feature`]).
     #[error("{source_name}: this is {}; {}", format.in_words(), advice(*format))]
     NotRead {
-        /// File or stream.
+        /// Name of the file or stream, as the caller gave it.
         source_name: String,
-        /// What it is.
+        /// The format of the file.
         format: Format,
     },
-    /// A table as text could not be read.
+    /// A CSV file could not be read, or no record can be made of it.
     #[error(transparent)]
     Csv(#[from] csv::ReadError),
-    /// The columns make no record.
+    /// No record can be made of the columns of a table or the signals of a log.
     #[error(transparent)]
     Table(#[from] TableError),
     /// A log could not be read.
     #[error(transparent)]
     Log(#[from] LogError),
-    /// The profile is wrong.
+    /// The profile that was given, or a built-in one, is not valid.
     #[error(transparent)]
     Profile(#[from] ProfileError),
     /// A Parquet or Arrow file could not be read.
@@ -46,39 +47,39 @@ pub enum ReadError {
     #[cfg(feature = "matlab")]
     #[error(transparent)]
     Matlab(#[from] crate::matlab::ReadError),
-    /// A mapping names a field that is not in the log.
+    /// A mapping names a topic or a field that is not in the log.
     #[error("{source_name}: channel '{channel}' is mapped to '{header}', but {problem}")]
     NoSuchField {
-        /// File or stream.
+        /// Name of the file or stream, as the caller gave it.
         source_name: String,
-        /// The mapping's channel.
+        /// The channel that the mapping names.
         channel: String,
-        /// The mapping's header.
+        /// The column or field that the mapping names.
         header: String,
-        /// What is not there, what is, and the nearest.
+        /// What is missing, what the log has instead, and the most similar name.
         problem: String,
     },
-    /// No topic can give the times.
+    /// None of the topics whose times a record could take has two samples.
     #[error("{source_name}: no topic that could give the times of a record: {wanted}. The log has: {present}")]
     NoTimeBase {
-        /// File or stream.
+        /// Name of the file or stream, as the caller gave it.
         source_name: String,
-        /// What was looked for.
+        /// The topics that were looked for, as a clause.
         wanted: String,
-        /// The topics that there are.
+        /// The topics that the log has, separated by commas; long lists are cut.
         present: String,
     },
-    /// The log has nothing that is a channel.
+    /// No field of the log is a channel by the profile or the mappings.
     #[error(
         "{source_name}: nothing in the log is a channel that is known to the profile '{profile}'. The log has: {present}. Map \
          fields in the model file: [channels] q = {{ header = \"topic.field\", unit = \"rad/s\" }}"
     )]
     NothingUsable {
-        /// File or stream.
+        /// Name of the file or stream, as the caller gave it.
         source_name: String,
-        /// The profile's name.
+        /// Name of the profile that was used.
         profile: String,
-        /// The topics that there are.
+        /// The topics that the log has, separated by commas; long lists are cut.
         present: String,
     },
 }

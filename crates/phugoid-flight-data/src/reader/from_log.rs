@@ -1,4 +1,4 @@
-//! From a log with many rates to a record with one.
+//! Makes a record with one time base of a log whose topics have times of their own.
 
 use super::mapped::{mapped, present};
 use super::signals::{self, Signal};
@@ -7,18 +7,20 @@ use crate::align::{Aligner, Hold, Statistics};
 use crate::channels;
 use crate::log::{Log, Selection, Topic, Wanted};
 use crate::profile::{Factor, FieldName, Profile, Source};
-use crate::quality::{QualityReport, Short, plural};
+use crate::quality::QualityReport;
 use crate::record::Record;
+use crate::statistics;
 use crate::table::{self, Column, ColumnMapping, TableError, TableOptions};
 use crate::units;
+use crate::wording::{Short, plural};
 
-/// A source is passed over for a later one with so many times its samples.
+/// A source is not used if a later one of the profile has more than this many times its samples.
 const MANY_TIMES: usize = 10;
-/// Channels whose absence is worth a word of its own.
+/// Channels that an estimation usually needs: their absence gets a note in the quality report.
 const EXPECTED: &[&str] =
     &["phi", "theta", "p", "q", "r", "ax", "ay", "az", "true_airspeed", "alpha", "beta", "air_density"];
 
-/// What has to be read of a log to make a record of it.
+/// The part of a log that has to be read to make a record of it by this profile and these options.
 pub fn selection(profile: &Profile, options: &ReadOptions) -> Selection {
     let mut topics: Vec<Wanted> = Vec::new();
     for FieldName { topic, instance, field } in profile.fields() {
@@ -34,11 +36,22 @@ pub fn selection(profile: &Profile, options: &ReadOptions) -> Selection {
     Selection { topics: Some(topics), max_values: options.table.max_values }
 }
 
-/// Makes a record of a log by a profile: every channel at the times of one topic, causally, without inventing data; its quality
-/// report says which topic that is, the rate of each, and the delays that this costs.
+/// Makes a record of a log by a profile: all channels at the times of one topic, causally and without interpolation (see
+/// [`crate::align`]). The quality report names that topic, and the rate and the delay of every other one.
+///
+/// ```
+/// use phugoid_flight_data::profile::Profile;
+/// use phugoid_flight_data::reader::{self, ReadOptions};
+/// let (profile, options) = (Profile::px4()?, ReadOptions::default());
+/// let log = phugoid_flight_data::log::read_path("examples/flight.ulg".as_ref(), &reader::selection(&profile, &options))?;
+/// let record = reader::record(&log, &profile, &options)?;
+/// assert_eq!(record.len(), 81); // the samples of vehicle_angular_velocity
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Errors
-/// [`ReadError`] if a mapping names what is not there, no topic can give the times, or nothing is a channel.
+/// [`ReadError`]: a mapping names a topic or field that the log does not have, no topic can give the times, or no field is a
+/// channel.
 pub fn record(log: &Log, profile: &Profile, options: &ReadOptions) -> Result<Record, ReadError> {
     let mut quality = log.quality.clone();
     vehicle::report(log, &mut quality);
@@ -98,7 +111,7 @@ fn absent(log: &Log, channel: &str, sources: &[Source]) -> String {
     text
 }
 
-/// The first source that is there, unless a later one has many times its samples.
+/// The first source that the log has, unless a later one has many times its samples.
 fn choose<'a>(log: &Log, sources: &'a [Source], channel: &str, quality: &mut QualityReport) -> Option<&'a Source> {
     let there: Vec<(&Source, usize)> =
         sources.iter().filter_map(|source| Some((source, signals::samples(log, source)?))).collect();
@@ -115,7 +128,7 @@ fn choose<'a>(log: &Log, sources: &'a [Source], channel: &str, quality: &mut Qua
     }
 }
 
-/// The log's unit wins over the profile's, if it is one of the channel.
+/// Keeps the unit that the log states if it is one of the quantity of the channel; else takes that of the profile, with a warning.
 fn check_unit(signal: &mut Signal, source: &Source, quality: &mut QualityReport) {
     let Some(quantity) = channels::by_name(&signal.channel).map(|spec| spec.quantity) else { return };
     let Some(unit) = signal.unit.clone().filter(|unit| units::find_for(unit, quantity).is_none()) else { return };
@@ -131,7 +144,7 @@ fn check_unit(signal: &mut Signal, source: &Source, quality: &mut QualityReport)
     );
 }
 
-/// The topic whose times the record takes.
+/// The topic whose times become the times of the record.
 fn base<'a>(log: &'a Log, profile: &Profile, options: &ReadOptions) -> Result<&'a Topic, ReadError> {
     let wanted = match &options.time_base {
         Some(topic) => std::slice::from_ref(topic),
@@ -145,7 +158,7 @@ fn base<'a>(log: &'a Log, profile: &Profile, options: &ReadOptions) -> Result<&'
     })
 }
 
-/// Puts all signals on the times of the base.
+/// Puts all signals on the times of the base topic and makes the record.
 fn align(
     log: &Log,
     base: &Topic,
@@ -160,9 +173,7 @@ fn align(
         let place = base.name.clone();
         return Err(TableError::TooLarge { source_name: log.source.clone(), place, max_values }.into());
     }
-    let mut steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    let middle = steps.len() / 2;
-    let step_s = if steps.is_empty() { 0.0 } else { *steps.select_nth_unstable_by(middle, f64::total_cmp).1 };
+    let step_s = statistics::median_step(&times).unwrap_or(0.0);
     let label = signals::label(log, base);
     quality.note(
         "time",
@@ -182,7 +193,7 @@ fn align(
         );
     }
     let holds: Vec<Hold> = signals.iter().map(|signal| signal.hold).collect();
-    // The base steps on at least every other median step, except in a gap, across which nothing is carried.
+    // Steps of the base longer than two median ones are gaps; no value is carried across a gap.
     let mut aligner = Aligner::new(&holds).with_longest_delay(2.0 * step_s);
     let mut columns: Vec<Vec<f64>> = signals.iter().map(|_| Vec::with_capacity(times.len())).collect();
     let mut next = vec![0_usize; signals.len()];
@@ -199,12 +210,12 @@ fn align(
         aligner.frame(time, &mut frame);
         columns.iter_mut().zip(&frame).for_each(|(column, value)| column.push(*value));
     }
-    say_delays(&signals, &aligner, &label, &mut quality);
+    report_delays(&signals, &aligner, &label, &mut quality);
 
     let mut table = vec![Column { header: "time".into(), unit: Some("s".into()), values: times, is_time: true }];
     let mut mappings = vec![ColumnMapping::new("time", "time").with_unit("s")];
     for (signal, values) in signals.into_iter().zip(columns) {
-        // Two channels of one field are one column, or, if they are held differently, two.
+        // Two channels of the same field share a column, unless they are held differently and so differ in values.
         let mut header = signal.header;
         if let Some(other) = table.iter().find(|column| column.header == header)
             && !same(&other.values, &values)
@@ -232,8 +243,8 @@ fn hertz(step_s: f64) -> f64 {
     if step_s > 0.0 { (10.0 / step_s).round() / 10.0 } else { 0.0 }
 }
 
-/// One line per topic: its channels, rate and delays.
-fn say_delays(signals: &[Signal], aligner: &Aligner, base: &str, quality: &mut QualityReport) {
+/// Reports one line per topic: its channels, its rate and its delays.
+fn report_delays(signals: &[Signal], aligner: &Aligner, base: &str, quality: &mut QualityReport) {
     let mut topics: Vec<&str> = Vec::new();
     for signal in signals {
         if !topics.contains(&signal.topic.as_str()) {

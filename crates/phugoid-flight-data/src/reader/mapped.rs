@@ -1,4 +1,4 @@
-//! What a caller maps to a channel: fields of a log, and commands of surfaces, by their names.
+//! Channels that the caller maps by hand to fields of a log or to commands of surfaces.
 
 use super::signals::{self, Signal};
 use super::{ReadError, surfaces};
@@ -7,7 +7,7 @@ use crate::log::Log;
 use crate::profile::{FieldName, Profile, Source, Transform};
 use crate::table::ColumnMapping;
 
-/// Channels that are levels of something that is set, not measurements.
+/// Channels that change slowly or in steps: without an entry in the profile their last value is held.
 const LEVELS: &[&str] = &[
     "elevator",
     "aileron",
@@ -29,7 +29,7 @@ const LEVELS: &[&str] = &[
     "static_pressure",
 ];
 
-/// A mapping of the caller.
+/// The signal of a mapping of the caller.
 pub(super) fn mapped(
     log: &Log,
     profile: &Profile,
@@ -50,7 +50,7 @@ pub(super) fn mapped(
             problem,
         };
         let signal = named(log, header, &mapping.channel, hold, commands).map_err(&fail)?;
-        // What the caller says comes before what the log says.
+        // The unit that the caller gives comes before that of the log.
         let signal = Signal { unit: mapping.unit.clone().or(signal.unit), ..signal };
         if let Some((first, _)) = found.first().filter(|(first, _): &&(Signal, f64)| first.unit != signal.unit) {
             let unit = |signal: &Signal| signal.unit.clone().unwrap_or_else(|| "no unit".to_owned());
@@ -76,10 +76,10 @@ pub(super) fn mapped(
     })
 }
 
-/// What a caller calls by a field of the log, or by the command of a surface.
+/// The signal with this name: a command of a surface, or a field of the log as `topic.field`.
 ///
 /// # Errors
-/// What is wrong with the name.
+/// What is wrong with the name, as a clause.
 fn named(log: &Log, header: &str, channel: &str, hold: Hold, commands: &[Signal]) -> Result<Signal, String> {
     if let Some(command) = commands.iter().find(|command| command.channel == header.trim()) {
         return Ok(Signal { channel: channel.to_owned(), unit: None, ..command.clone() });
@@ -119,14 +119,14 @@ fn nearest<'a>(wanted: &str, names: impl Iterator<Item = &'a str>) -> Option<&'a
         .map(|(name, _)| name)
 }
 
-/// The topics of a log, for messages.
+/// The names of the topics of a log in one line, cut to 30, for messages.
 pub(super) fn present(log: &Log) -> String {
-    const SHOWN: usize = 30;
+    const MAX_SHOWN: usize = 30;
     let mut names: Vec<&str> =
         log.topics.iter().map(|topic| topic.name.as_str()).chain(log.others.iter().map(String::as_str)).collect();
     names.sort_unstable();
     names.dedup();
-    let more = names.len().saturating_sub(SHOWN);
-    names.truncate(SHOWN);
+    let more = names.len().saturating_sub(MAX_SHOWN);
+    names.truncate(MAX_SHOWN);
     if more > 0 { format!("{}, ... and {more} more", names.join(", ")) } else { names.join(", ") }
 }

@@ -1,16 +1,29 @@
-//! One way to a flight record from a file of any format, which is known by its content.
+//! Reads a file of any format, recognised by its content, into a flight record.
 //!
-//! Tables (CSV, and under features Parquet, Arrow and MATLAB) become a record by their headers; logs of autopilots by a
-//! [`Profile`] (MCAP: by the names of its fields) and on one time base, by [`crate::align::Aligner`]. In both, mappings of the caller come first: their `header` is a
+//! Tables (CSV, and under features Parquet, Arrow and MATLAB) become a record by their headers. Logs of autopilots become one by
+//! a [`Profile`], which says which fields are which channels (for MCAP the names of the fields say it), and
+//! [`crate::align::Aligner`] puts the channels on one time base. Mappings of the caller come before both: their `header` is a
 //! column of the table, or `topic.field` or `topic#instance.field` of the log.
 //!
-//! To add a format: its place in [`Format`]; of a log, its reader in [`crate::log`] and, unless its fields say themselves what they
-//! are, its profile in `built_in`; of a table, an arm in `table`.
+//! ```
+//! use phugoid_flight_data::reader::{ReadOptions, read_path};
+//! use phugoid_flight_data::table::ColumnMapping;
+//! // The log knows the command of the elevator servo; that command 1 is -20 deg only the user knows.
+//! let elevator = ColumnMapping::new("elevator", "elevator_command").with_scale(-20.0).with_unit("deg");
+//! let flight = read_path("examples/flight.ulg".as_ref(), &ReadOptions::with_columns(vec![elevator]))?;
+//! let largest = flight.require("elevator")?.values.iter().copied().fold(0.0, f64::max);
+//! assert!((largest.to_degrees() - 2.0).abs() < 1e-3);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! To add a format, add it to [`Format`]. A log also needs a reader in [`crate::log`] and, unless the names of its fields say
+//! which channels they are, a profile in `built_in`; a table needs an arm in `table`.
 
+mod by_field_names;
 mod error;
 mod from_log;
 mod mapped;
-mod self_explained;
+mod options;
 mod signals;
 mod surfaces;
 mod vehicle;
@@ -21,6 +34,7 @@ use std::path::Path;
 
 pub use error::ReadError;
 pub use from_log::{record, selection};
+pub use options::ReadOptions;
 
 use crate::csv::{self, CsvOptions};
 use crate::format::Format;
@@ -28,27 +42,7 @@ use crate::log;
 use crate::log::survey::Survey;
 use crate::profile::{Profile, ProfileError};
 use crate::record::Record;
-use crate::table::{ColumnMapping, TableOptions};
-
-/// How a flight is to be read. The default reads every file that explains itself.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct ReadOptions {
-    /// Mappings by hand, the bound on memory, what is a gap.
-    pub table: TableOptions,
-    /// Text only: the character between cells.
-    pub delimiter: Option<char>,
-    /// Logs only: which fields are which channels; the built-in profile of the format if not given.
-    pub profile: Option<Profile>,
-    /// Logs only: the topic whose times the record takes; the profile's choice if not given.
-    pub time_base: Option<String>,
-}
-
-impl ReadOptions {
-    /// The default with these mappings.
-    pub fn with_columns(columns: Vec<ColumnMapping>) -> Self {
-        Self { table: TableOptions { columns, ..TableOptions::default() }, ..Self::default() }
-    }
-}
+use crate::table::TableOptions;
 
 impl Record {
     /// Opens a flight of any format that this build reads, with the default options.
@@ -73,11 +67,12 @@ impl Record {
     }
 }
 
-/// Reads a flight from the disk into a record in SI units, whatever its format.
+/// Reads a flight of any format from the disk into a record in SI units.
 ///
 /// # Errors
-/// [`ReadError`] as the reader of the format says; if the format is known, but not read by this build; if a log has nothing
-/// that the profile or the mappings name.
+/// [`ReadError`]: the file cannot be read or is damaged as a whole; this build does not read its format
+/// ([`ReadError::NotRead`]); a table has no time or contradicts itself ([`ReadError::Table`]); a log has nothing that the profile
+/// or the mappings name ([`ReadError::NothingUsable`]).
 pub fn read_path(path: &Path, options: &ReadOptions) -> Result<Record, ReadError> {
     let (format, reader, source) = open(path)?;
     if !format.is_log() {
@@ -88,24 +83,36 @@ pub fn read_path(path: &Path, options: &ReadOptions) -> Result<Record, ReadError
             let log = log::read_as(format, reader, &source, &selection(&profile, options))?;
             record(&log, &profile, options)
         }
-        None => of_named_fields(&log::survey_as(format, reader, &source)?, path, options),
+        None => record_by_field_names(&log::survey_as(format, reader, &source)?, path, options),
     }
 }
 
-/// A file as it is, and the flight in it.
+/// What is in a file, and the flight record that it makes.
 #[derive(Debug)]
 pub struct Surveyed {
-    /// Of a log: what is in it, topic by topic, as it was written.
+    /// The topics of a log with their rates, ranges and gaps; `None` for a table.
     pub survey: Option<Survey>,
-    /// The flight, or why the log makes none.
+    /// The flight record, or why none can be made of the log.
     pub record: Result<Record, ReadError>,
 }
 
-/// As [`read_path`], and of a log what is in it, in one pass over the file (of one whose fields have to be known before it is known
-/// which are channels, two). Kept is what the record needs, within the bound of the options; the survey keeps no values.
+/// Reads a flight as [`read_path`] does and surveys a log at the same time, in one pass over the file (in two for a log such as
+/// MCAP, whose fields have to be known before the channels are). Only the values that the record needs are kept, within the
+/// bound of the options; the survey keeps no values.
+///
+/// ```
+/// use phugoid_flight_data::reader::{ReadOptions, survey_path};
+/// let surveyed = survey_path("examples/flight.ulg".as_ref(), &ReadOptions::default())?;
+/// let survey = surveyed.survey.expect("it is a log");
+/// let attitude = survey.topic("vehicle_attitude", 0).expect("it is in the log");
+/// assert_eq!((attitude.samples, attitude.gaps), (81, 0));
+/// assert!(surveyed.record?.channel("theta").is_some());
+/// # Ok::<(), phugoid_flight_data::reader::ReadError>(())
+/// ```
 ///
 /// # Errors
-/// As [`read_path`] for a table, and for a log that cannot be read at all. That a log makes no flight is no error here.
+/// As [`read_path`] for a table and for a log that cannot be read at all. If no record can be made of a log, that error is in
+/// [`Surveyed::record`].
 pub fn survey_path(path: &Path, options: &ReadOptions) -> Result<Surveyed, ReadError> {
     let (format, reader, source) = open(path)?;
     if !format.is_log() {
@@ -113,7 +120,7 @@ pub fn survey_path(path: &Path, options: &ReadOptions) -> Result<Surveyed, ReadE
     }
     let Some(profile) = profile(format, options)? else {
         let survey = log::survey_as(format, reader, &source)?;
-        let record = of_named_fields(&survey, path, options);
+        let record = record_by_field_names(&survey, path, options);
         return Ok(Surveyed { survey: Some(survey), record });
     };
     let (survey, log) = log::survey_and_read_as(format, reader, &source, &selection(&profile, options))?;
@@ -133,7 +140,7 @@ fn open(path: &Path) -> Result<(Format, impl Read, String), ReadError> {
     }
 }
 
-/// The profile of the options, else the built-in one; none for a log whose fields say themselves what they are.
+/// The profile of the options, else the built-in one; `None` for a log whose fields are channels by their names.
 fn profile(format: Format, options: &ReadOptions) -> Result<Option<Profile>, ProfileError> {
     match &options.profile {
         Some(profile) => Ok(Some(profile.clone())),
@@ -141,7 +148,7 @@ fn profile(format: Format, options: &ReadOptions) -> Result<Option<Profile>, Pro
     }
 }
 
-/// The profile that a format of logs has by itself.
+/// The built-in profile of a format of logs; `None` if it has none.
 fn built_in(format: Format) -> Option<Result<Profile, ProfileError>> {
     match format {
         Format::Ulog => Some(Profile::px4()),
@@ -150,22 +157,22 @@ fn built_in(format: Format) -> Option<Result<Profile, ProfileError>> {
     }
 }
 
-/// The record of a log whose fields say themselves what they are. What is in it has to be known before it is known what to keep.
-fn of_named_fields(survey: &Survey, path: &Path, options: &ReadOptions) -> Result<Record, ReadError> {
-    let profile = self_explained::profile(survey);
+/// The record of a log whose fields are channels by their names. The survey is needed first: it says which fields to keep.
+fn record_by_field_names(survey: &Survey, path: &Path, options: &ReadOptions) -> Result<Record, ReadError> {
+    let profile = by_field_names::profile(survey);
     let log = log::read_path(path, &selection(&profile, options))?;
     record(&log, &profile, options)
 }
 
-/// Reads a table.
+/// Reads a file that is no log.
 fn table(format: Format, reader: impl Read, path: &Path, options: &ReadOptions) -> Result<Record, ReadError> {
     let source = path.display().to_string();
     match format {
-        // The reader of text says best what to do with these.
+        // The reader of CSV has the best messages for files that are no text.
         Format::Csv | Format::Gzip | Format::Zip | Format::Utf16 => {
             Ok(csv::read(reader, &source, &csv_options(options))?)
         }
-        // Its columns are found from its end.
+        // Parquet has its table of contents at the end, so that it needs the file and not a stream.
         #[cfg(feature = "parquet")]
         Format::Parquet => Ok(crate::parquet::read_path(path, &options.table)?),
         #[cfg(feature = "parquet")]

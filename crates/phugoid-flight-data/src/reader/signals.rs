@@ -1,42 +1,42 @@
-//! One channel out of a log: times of its own, values in the log's unit.
+//! One channel of a log, at the times of its topic and in the unit of the log.
 
 use crate::align::Hold;
 use crate::log::{Field, Log, Topic};
 use crate::profile::{FieldName, Source, Transform};
-use crate::time_base;
+use crate::table::time_base;
 
-/// A channel on times of its own.
+/// A channel of a log at the times of its topic.
 #[derive(Clone, Debug)]
 pub(super) struct Signal {
-    /// Name of the channel.
+    /// Canonical name of the channel.
     pub(super) channel: String,
-    /// What it was made of, for the user.
+    /// The field or fields it was made of, in words, for the quality report.
     pub(super) header: String,
-    /// Unit of the values; none for the caller to say.
+    /// Unit of the values; `None` if neither the log nor the profile states one.
     pub(super) unit: Option<String>,
-    /// Factor before the unit is converted.
+    /// Factor by which the values are to be multiplied before the unit is converted.
     pub(super) scale: f64,
     pub(super) hold: Hold,
     /// The topic it came from, with the instance where there are several.
     pub(super) topic: String,
-    /// Rising.
+    /// Times of the samples, s from the start of the log, strictly increasing.
     pub(super) time_s: Vec<f64>,
     pub(super) values: Vec<f64>,
     pub(super) note: Option<String>,
-    /// Samples of the topic that stand against the order of time.
+    /// Number of samples left out because their time is not in order.
     pub(super) out_of_order: usize,
 }
 
-/// Greatest age of the last value of a field that multiplies another, s.
+/// Largest age at which the last value of a factor is used, s.
 const FACTOR_STALE_S: f64 = 5.0;
 
-/// A topic by name; without an instance the first that is there.
+/// The topic with this name and instance; without an instance the one with the lowest number.
 pub(super) fn topic<'a>(log: &'a Log, name: &str, instance: Option<u16>) -> Option<&'a Topic> {
     let same = log.topics.iter().filter(|topic| topic.name == name && instance.is_none_or(|one| one == topic.instance));
     same.min_by_key(|topic| topic.instance)
 }
 
-/// `IMU`, or `IMU#1` where there are several.
+/// The name of a topic for messages: `IMU`, or `IMU#1` where the log has several instances.
 pub(super) fn label(log: &Log, topic: &Topic) -> String {
     let several = log.topics.iter().filter(|other| other.name == topic.name).count() > 1;
     if several { format!("{}#{}", topic.name, topic.instance) } else { topic.name.clone() }
@@ -47,7 +47,7 @@ fn field<'a>(log: &'a Log, name: &FieldName) -> Option<(&'a Topic, &'a Field)> {
     Some((topic, topic.field(&name.field)?))
 }
 
-/// How many samples a source would give; none if it is not in the log.
+/// Number of samples that a source would give; `None` if the log lacks one of its fields or has fewer than two samples.
 pub(super) fn samples(log: &Log, source: &Source) -> Option<usize> {
     let inputs: Option<Vec<_>> = source.inputs().iter().map(|name| field(log, name)).collect();
     let inputs = inputs?;
@@ -56,13 +56,13 @@ pub(super) fn samples(log: &Log, source: &Source) -> Option<usize> {
     Some(first.1.values.iter().filter(|value| value.is_finite()).count()).filter(|&count| count >= 2)
 }
 
-/// The channel that a source gives, its factor applied.
+/// The signal that a source gives, with its transform, factor and scale applied. `None` if the log lacks one of its fields.
 pub(super) fn signal(log: &Log, source: &Source, channel: &str, hold: Hold) -> Option<Signal> {
     let inputs: Option<Vec<_>> = source.inputs().iter().map(|name| field(log, name)).collect();
     let inputs = inputs?;
     let (topic, first) = *inputs.first()?;
     let kept = rising(&topic.time_s);
-    let mut factors = vec![Held::default(); inputs.len()];
+    let mut factors = vec![LastValue::default(); inputs.len()];
     let mut row = vec![f64::NAN; inputs.len()];
     let (mut time_s, mut values) = (Vec::with_capacity(kept.len()), Vec::with_capacity(kept.len()));
     for &sample in &kept {
@@ -104,13 +104,14 @@ pub(super) fn signal(log: &Log, source: &Source, channel: &str, hold: Hold) -> O
     })
 }
 
-/// Signals times their factors, added, at the times of the first; what has other times counts with its last value before, as long as
-/// that is not older than `stale_after_s`. Channel, unit and hold are those of the first; none without a signal.
+/// The sum of signals times their factors, at the times of the first one. Signals with other times contribute their last value
+/// before, if it is not older than `stale_after_s`, else NaN. Channel, unit and hold are those of the first; `None` without a
+/// signal.
 pub(super) fn sum(terms: &[(&Signal, f64)], stale_after_s: f64) -> Option<Signal> {
     let (first, _) = *terms.first()?;
     let mut values = vec![0.0; first.time_s.len()];
     for (signal, factor) in terms {
-        let mut held = Held::default();
+        let mut held = LastValue::default();
         for (sum, &time) in values.iter_mut().zip(&first.time_s) {
             *sum += factor * signal.scale * held.at(time, &signal.time_s, &signal.values, stale_after_s);
         }
@@ -128,14 +129,14 @@ pub(super) fn sum(terms: &[(&Signal, f64)], stale_after_s: f64) -> Option<Signal
     })
 }
 
-/// The last value at or before a time, for times that rise.
+/// Gives the last value at or before a time, for times that rise from call to call.
 #[derive(Clone, Debug, Default)]
-struct Held {
+struct LastValue {
     next: usize,
     last: Option<(f64, f64)>,
 }
 
-impl Held {
+impl LastValue {
     fn at(&mut self, time_s: f64, times: &[f64], values: &[f64], stale_after_s: f64) -> f64 {
         while let (Some(&stamp), Some(&value)) = (times.get(self.next), values.get(self.next))
             && stamp <= time_s
@@ -149,14 +150,14 @@ impl Held {
     }
 }
 
-/// Which samples rise in time, without those that stand against the order.
+/// Indices of the samples whose times are finite and in order; the fewest possible are left out.
 pub(super) fn rising(time_s: &[f64]) -> Vec<usize> {
     let rows: Vec<usize> =
         (0..time_s.len()).filter(|&row| time_s.get(row).is_some_and(|time| time.is_finite())).collect();
     time_base::longest_rising(time_s, &rows)
 }
 
-/// Units of ArduPilot's `UNIT` table that say more than the unit.
+/// The plain unit of a unit of ArduPilot's `UNIT` table, some of which also say what is measured.
 pub(super) fn plain_unit(unit: &str) -> &str {
     match unit {
         "degheading" | "deglatitude" | "deglongitude" => "deg",

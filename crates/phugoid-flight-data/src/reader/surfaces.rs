@@ -1,5 +1,5 @@
-//! Commands of control surfaces. An autopilot logs what it asks of a servo, not the angle of the surface: the angle is for the
-//! user to say, and none is invented.
+//! Commands of control surfaces. An autopilot logs the command of a servo, not the angle of the surface. The user has to give the
+//! angle at full command; none is assumed here.
 
 use super::signals::{self, Signal, label, rising, topic};
 use crate::align::Hold;
@@ -7,10 +7,10 @@ use crate::log::Log;
 use crate::profile::{Mixture, SurfaceRule};
 use crate::quality::QualityReport;
 
-/// A command stands until it is this old, s.
+/// Largest age at which the last command is used, s.
 pub(super) const STALE_AFTER_S: f64 = 0.5;
 
-/// Topics that commands are taken from.
+/// The topics that hold the commands of servos.
 pub(super) fn topics(rule: SurfaceRule) -> &'static [&'static str] {
     match rule {
         SurfaceRule::Px4 => &["actuator_servos"],
@@ -18,18 +18,18 @@ pub(super) fn topics(rule: SurfaceRule) -> &'static [&'static str] {
     }
 }
 
-/// One servo and its surface.
+/// A servo and the surface that it moves.
 struct Servo {
-    /// `elevator`, `left_elevon`.
+    /// The surface, such as `elevator` or `left_elevon`.
     surface: &'static str,
-    /// Field of the topic.
+    /// The field of the topic that holds its command.
     field: String,
-    /// The log's words for why it is this surface.
+    /// The parameter of the log that assigns the surface, for the quality report.
     reason: String,
     pulse: Option<Pulse>,
 }
 
-/// Pulse widths of a servo, us.
+/// Range of the pulse width of a servo, microseconds.
 #[derive(Clone, Copy)]
 struct Pulse {
     min: f64,
@@ -39,7 +39,7 @@ struct Pulse {
 }
 
 impl Pulse {
-    /// -1 to 1; NaN while there is no pulse.
+    /// The command from -1 to 1 of a pulse width; NaN if the width is not positive, which means no pulse.
     fn normalised(self, width: f64) -> f64 {
         if width <= 0.0 {
             return f64::NAN;
@@ -50,7 +50,8 @@ impl Pulse {
     }
 }
 
-/// Commands, -1 to 1, under the names `elevator_command`, `aileron_command` and so on, and those that several make together.
+/// The commands of all known surfaces, -1 to 1, named `elevator_command`, `aileron_command` and so on, and those that the profile
+/// mixes of several surfaces.
 pub(super) fn commands(log: &Log, rule: SurfaceRule, mixed: &[Mixture]) -> Vec<Signal> {
     let servos = match rule {
         SurfaceRule::Px4 => px4(log),
@@ -87,7 +88,7 @@ pub(super) fn commands(log: &Log, rule: SurfaceRule, mixed: &[Mixture]) -> Vec<S
         let known = |name: &str| signals.iter().find(|signal| signal.channel == name);
         let parts: Option<Vec<(&Signal, f64)>> =
             of.iter().map(|(name, factor)| Some((known(name)?, *factor))).collect();
-        // A surface of its own comes first.
+        // A surface with a servo of its own comes before a mixture.
         if let (None, Some(sum)) = (known(command), parts.and_then(|parts| signals::sum(&parts, STALE_AFTER_S))) {
             signals.push(Signal { channel: command.clone(), ..sum });
         }
@@ -95,7 +96,7 @@ pub(super) fn commands(log: &Log, rule: SurfaceRule, mixed: &[Mixture]) -> Vec<S
     signals
 }
 
-/// Says of every surface that the log knows only as a command what to write into the model file.
+/// Tells the user, for every surface of which the log has only the command, what to write into the model file.
 pub(super) fn report(
     log: &Log,
     commands: &[Signal],
@@ -155,7 +156,7 @@ pub(super) fn report(
     }
 }
 
-/// Why there is not even a command.
+/// Why there is not even a command of this surface, as a clause.
 fn unknown(log: &Log, surface: &str, rule: SurfaceRule) -> String {
     let has = |name: &str| log.others.iter().any(|other| other == name) || topic(log, name, None).is_some();
     match rule {
@@ -209,11 +210,11 @@ fn px4(log: &Log) -> Vec<Servo> {
         let reason = format!("by {name} = {}", parameter(log, &name)?);
         Some(Servo { surface, field: format!("control[{index}]"), reason, pulse: None })
     };
-    (0..8).filter_map(servo).map(right_for_both).collect()
+    (0..8).filter_map(servo).map(right_aileron_for_both).collect()
 }
 
-/// Of two ailerons the right one stands for both, as the sign of the channel is told by it.
-fn right_for_both(servo: Servo) -> Servo {
+/// The right one of two ailerons is taken as the aileron, because the sign of the channel is defined by it.
+fn right_aileron_for_both(servo: Servo) -> Servo {
     match servo.surface {
         "right_aileron" => Servo { surface: "aileron", ..servo },
         _ => servo,
@@ -239,7 +240,7 @@ fn ardupilot(log: &Log) -> Vec<Servo> {
             _ => return None,
         };
         let of = |what: &str, otherwise: f64| parameter(log, &format!("SERVO{number}_{what}")).unwrap_or(otherwise);
-        // ArduPilot's own defaults.
+        // Where the log has no such parameter, the defaults of ArduPilot.
         let pulse = Pulse {
             min: of("MIN", 1100.0),
             trim: of("TRIM", 1500.0),

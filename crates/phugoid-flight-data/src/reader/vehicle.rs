@@ -1,9 +1,9 @@
-//! What kind of vehicle a log is of: the models are of aircraft that fly on wings.
+//! The kind of vehicle that a log is of. The models of this project are of fixed-wing aircraft.
 
 use crate::log::Log;
 use crate::quality::QualityReport;
 
-/// Says so where the log is not of a fixed-wing aircraft.
+/// Warns if the log is not of a fixed-wing aircraft.
 pub(super) fn report(log: &Log, quality: &mut QualityReport) {
     if let Some(kind) = kind(log) {
         quality.warn(
@@ -16,7 +16,7 @@ pub(super) fn report(log: &Log, quality: &mut QualityReport) {
     }
 }
 
-/// What flies without wings, or with them only now and then.
+/// The vehicle as a noun with its article, if it is no aeroplane; `None` for an aeroplane or where the log does not say.
 fn kind(log: &Log) -> Option<String> {
     // MAV_TYPE of the MAVLink common dialect.
     let mav_type = log.parameters.iter().find(|(name, _)| name == "MAV_TYPE").map(|(_, value)| *value as i64);

@@ -1,34 +1,35 @@
-//! From the rows of a table, converted to SI, to the record they make.
+//! Makes the record of the rows of a table that are already converted to SI.
 
 use crate::channels;
-use crate::columns::{self, ColumnUse, Plan};
-use crate::quality::{ChannelQuality, Finding, Lines, QualityReport, Short, plural};
+use crate::plausibility;
+use crate::quality::{ChannelQuality, Finding, QualityReport};
 use crate::record::{Channel, Record};
-use crate::table::{TableError, TableOptions};
-use crate::time_base::{self, Table};
-use crate::{plausibility, signals};
+use crate::table::columns::{self, ColumnUse, Plan};
+use crate::table::time_base::{self, Table};
+use crate::table::{TableError, TableOptions, stuck_and_spikes};
+use crate::wording::{Lines, Short, plural};
 
-/// What was read of a table: the rows that have a time.
+/// The rows of a table that have a time, and what its reader noticed on the way.
 pub(crate) struct Read<'a> {
     pub(crate) source: &'a str,
     pub(crate) header_line: Option<usize>,
-    /// Rows seen, kept or not.
+    /// Number of rows of the table, kept or not.
     pub(crate) seen: usize,
     pub(crate) plan: Plan,
     /// One column per channel of the plan.
     pub(crate) table: Table,
-    /// Cells per channel that are text, and the first of them.
+    /// Per channel: the rows whose cell is text, and the first such text.
     pub(crate) text: Vec<(Lines, String)>,
-    /// Have the signals rates of their own, so that most values are missing and that is no finding?
+    /// True if the signals have rates of their own, so that missing values are normal and not reported.
     pub(crate) sparse: bool,
 }
 
-/// Puts the rows in the order of time and says everything that there is to say about them.
+/// Puts the rows in the order of time, makes the channels, and completes the quality report.
 pub(crate) fn record(read: Read<'_>, options: &TableOptions, mut report: QualityReport) -> Result<Record, TableError> {
     let Read { source, header_line, seen, plan, mut table, text, sparse } = read;
     let time_header = plan.time.as_ref().map_or("(row number)", |column| column.header.as_str()).to_owned();
     if let Some(column) = plan.time.as_ref().filter(|column| column.unit_assumed) {
-        columns::say_assumed(column, &mut report);
+        columns::report_assumed_unit(column, &mut report);
     }
     time_base::put_in_order(&mut table, source, &time_header, &mut report)?;
     if table.time.len() < 2 {
@@ -56,21 +57,21 @@ pub(crate) fn record(read: Read<'_>, options: &TableOptions, mut report: Quality
             ..ChannelQuality::default()
         },
     });
-    let mut holes = Vec::new();
+    let mut few_missing = Vec::new();
     for ((column, values), (text, example)) in plan.channels.into_iter().zip(table.columns).zip(text) {
-        if let Some(channel) = keep(&column, values, &text, &example, sparse, &mut holes, &mut report) {
+        if let Some(channel) = make_channel(&column, values, &text, &example, sparse, &mut few_missing, &mut report) {
             report.channels.push(quality_of(&column, channel.values.iter().filter(|value| value.is_nan()).count()));
             record.channels.push(channel);
         }
     }
-    if !holes.is_empty() && !sparse {
+    if !few_missing.is_empty() && !sparse {
         report.note(
             "",
-            format!("values missing in {} rows: {}; nothing is filled in", report.rows_kept, holes.join(", ")),
+            format!("values missing in {} rows: {}; nothing is filled in", report.rows_kept, few_missing.join(", ")),
         );
     }
     record.quality = report;
-    signals::check(&mut record);
+    stuck_and_spikes::check(&mut record);
     let doubts = plausibility::check(&record);
     record.quality.findings.extend(doubts.into_iter().map(Finding::from));
     Ok(record)
@@ -88,15 +89,15 @@ fn quality_of(column: &ColumnUse, missing: usize) -> ChannelQuality {
     }
 }
 
-/// The channel of a column, with a word on what is missing in it (a few missing values go to `holes`); none for columns
-/// of text.
-fn keep(
+/// Makes the channel of a column and reports what is missing in it (a few missing values go to `few_missing`, to be reported
+/// together). `None` for a column without numbers that is no known channel.
+fn make_channel(
     column: &ColumnUse,
     values: Vec<f64>,
     text: &Lines,
     example: &str,
     sparse: bool,
-    holes: &mut Vec<String>,
+    few_missing: &mut Vec<String>,
     report: &mut QualityReport,
 ) -> Option<Channel> {
     let place = format!("column '{}'", column.header);
@@ -130,7 +131,7 @@ fn keep(
                     Short(percent)
                 ),
             ),
-            false => holes.push(format!("{missing} in {}", column.name)),
+            false => few_missing.push(format!("{missing} in {}", column.name)),
         }
     }
     Some(Channel { name: column.name.clone(), quantity: column.unit.quantity, values })

@@ -1,27 +1,27 @@
-//! Why a table makes no record, whatever file it stood in.
+//! Errors of tables, whatever file they came from.
 
 use super::ColumnMapping;
 
-/// Why a table makes no record. Every message says where, what was found, what was expected and what to do.
+/// Why no record can be made of a table. Every message says where, what was found, what was expected and what to do.
 #[derive(Debug, thiserror::Error)]
 pub enum TableError {
-    /// No column is the time.
+    /// No column can be recognised as the time.
     #[error(
         "{source_name}{}: no column is the time. Found: {headers}.{nearest} Call the time column time_s \
          (or time_ms, time_us), map it (channel 'time'), or give the sample time of the rows",
         at(*line)
     )]
     NoTime {
-        /// File or stream.
+        /// Name of the file or stream, as the caller gave it.
         source_name: String,
-        /// Line of the header, in a file of lines.
+        /// Line of the header, counted from 1; `None` where the table is no text file.
         line: Option<usize>,
-        /// The headers found.
+        /// The headers found, separated by commas; long lists are cut.
         headers: String,
         /// A sentence about a header that looks like the time, or empty.
         nearest: String,
     },
-    /// Two columns claim to be one channel.
+    /// Two columns have headers of the same channel.
     #[error(
         "{source_name}{}: columns {} ('{}') and {} ('{}') are both {channel}. Rename one of them, or map {channel} to \
          the one that is to be used",
@@ -32,33 +32,33 @@ pub enum TableError {
         columns[1].1
     )]
     TwoColumns {
-        /// File or stream.
+        /// Name of the file or stream, as the caller gave it.
         source_name: String,
-        /// Line of the header, in a file of lines.
+        /// Line of the header, counted from 1; `None` where the table is no text file.
         line: Option<usize>,
         /// The channel, by its canonical name.
         channel: String,
         /// Number (from 1) and header of each of them.
         columns: Box<[(usize, String); 2]>,
     },
-    /// Two units for one column.
+    /// The header of a column states two different units, or its header and the row of units do.
     #[error(
         "{source_name}{}, column {column} ('{header}'): the unit is given twice and differently, as \
          '{first}' and as '{second}'. Correct one of them, or map the column with its unit",
         at(*line)
     )]
     TwoUnits {
-        /// File or stream.
+        /// Name of the file or stream, as the caller gave it.
         source_name: String,
-        /// Line of the header, in a file of lines.
+        /// Line of the header, counted from 1; `None` where the table is no text file.
         line: Option<usize>,
-        /// Column number, from 1.
+        /// Number of the column, counted from 1.
         column: usize,
-        /// The header.
+        /// The header of the column, as written.
         header: String,
-        /// One unit.
+        /// The unit that was found first, as written.
         first: String,
-        /// The other.
+        /// The unit that contradicts it, as written.
         second: String,
     },
     /// A mapping names a column that is not in the file.
@@ -70,76 +70,76 @@ pub enum TableError {
         mapping.header
     )]
     MappedColumnMissing {
-        /// File or stream.
+        /// Name of the file or stream, as the caller gave it.
         source_name: String,
-        /// Line of the header, in a file of lines.
+        /// Line of the header, counted from 1; `None` where the table is no text file.
         line: Option<usize>,
-        /// The mapping.
+        /// The mapping that was asked for.
         mapping: Box<ColumnMapping>,
         /// `; did you mean '...'?` or empty.
         nearest: String,
-        /// The headers found.
+        /// The headers found, separated by commas; long lists are cut.
         headers: String,
     },
-    /// A mapping is wrong in itself.
+    /// A mapping is wrong whatever the file holds: no channel name, a misspelt one, a unit or factor that does not fit.
     #[error("the mapping of channel '{channel}' to column '{header}': {problem}")]
     BadMapping {
-        /// The mapping's channel.
+        /// The channel that the mapping names.
         channel: String,
-        /// The mapping's header.
+        /// The column or field that the mapping names.
         header: String,
-        /// What was found, what is accepted.
+        /// What was found and what is accepted, as a clause.
         problem: String,
     },
     /// An option is out of its range.
     #[error("reader option {option}: {problem}")]
     BadOption {
-        /// The option's name.
+        /// Name of the option in [`super::TableOptions`] or [`crate::csv::CsvOptions`].
         option: &'static str,
-        /// What was found, what is accepted.
+        /// What was found and what is accepted, as a clause.
         problem: String,
     },
-    /// A header and nothing, or nothing usable, below it.
+    /// There are fewer rows with a usable time than a record needs (two).
     #[error(
         "{source_name}: no usable row of data{}: {reason}",
         line.map(|line| format!(" below the header in line {line}")).unwrap_or_default()
     )]
     NoRows {
-        /// File or stream.
+        /// Name of the file or stream, as the caller gave it.
         source_name: String,
-        /// Line of the header, in a file of lines.
+        /// Line of the header, counted from 1; `None` where the table is no text file.
         line: Option<usize>,
         /// What was wrong with the rows that there are.
         reason: String,
     },
-    /// The time column is no time.
+    /// The time column rises in fewer than half of the rows.
     #[error(
         "{source_name}: column '{header}' does not work as the time: it rises in only {rising} of {rows} rows. Expected \
          are times that increase from row to row. {hint}"
     )]
     TimeDoesNotRise {
-        /// File or stream.
+        /// Name of the file or stream, as the caller gave it.
         source_name: String,
-        /// The time column's header.
+        /// Header of the time column.
         header: String,
         /// Rows in the longest rising sequence.
         rising: usize,
-        /// Rows with a time.
+        /// Number of rows that have a time.
         rows: usize,
-        /// What to do.
+        /// What the user can do about it, as a sentence.
         hint: &'static str,
     },
-    /// More than fits into the set bound.
+    /// The table holds more values than [`super::TableOptions::max_values`].
     #[error(
         "{source_name}, {place}: the file holds more than {max_values} values, the set bound on memory. Cut it into \
          pieces, leave out columns, or raise `max_values`"
     )]
     TooLarge {
-        /// File or stream.
+        /// Name of the file or stream, as the caller gave it.
         source_name: String,
         /// Line, row or variable at which the bound was reached.
         place: String,
-        /// The bound.
+        /// The bound that was exceeded, values.
         max_values: usize,
     },
     /// More columns than any flight record has.
@@ -149,28 +149,28 @@ pub enum TableError {
         at(*line)
     )]
     TooManyColumns {
-        /// File or stream.
+        /// Name of the file or stream, as the caller gave it.
         source_name: String,
-        /// Line of the header, in a file of lines.
+        /// Line of the header, counted from 1; `None` where the table is no text file.
         line: Option<usize>,
-        /// Columns found.
+        /// Number of columns found.
         columns: usize,
-        /// The bound.
+        /// The largest number of columns that is read.
         max_columns: usize,
     },
-    /// Columns of different lengths.
+    /// The columns have different numbers of values.
     #[error(
         "{source_name}: column '{header}' has {found} values, the first column has {expected}. The columns of a table \
          have one value per row"
     )]
     Length {
-        /// File or stream.
+        /// Name of the file or stream, as the caller gave it.
         source_name: String,
-        /// The column's header.
+        /// Header of the column whose length differs.
         header: String,
-        /// Its values.
+        /// Number of its values.
         found: usize,
-        /// Values of the first column.
+        /// Number of values of the first column.
         expected: usize,
     },
 }

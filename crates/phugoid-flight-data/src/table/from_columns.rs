@@ -1,37 +1,39 @@
-//! From columns of numbers to a record.
+//! Makes a record of columns of numbers.
 
 use super::assemble::{Read, record};
 use super::{ColumnMapping, TableError, TableOptions};
-use crate::columns::{self, ColumnUse, Head, Plan};
-use crate::header::{self, Meaning};
-use crate::quality::{Counted, Lines, QualityReport, plural};
+use crate::quality::QualityReport;
 use crate::record::Record;
-use crate::time_base::Table;
+use crate::table::columns::{self, ColumnUse, Head, Plan};
+use crate::table::header::{self, Meaning};
+use crate::table::time_base::Table;
+use crate::wording::{Counted, Lines, plural};
 
-/// One column of a table: a header that says what it is, and one number per row.
+/// One column of a table: a header and one number per row.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Column {
-    /// The name in the file, which may say the unit: `alpha_deg`, `Alpha [deg]`, `KTAS`.
+    /// The name in the file, which may contain the unit: `alpha_deg`, `Alpha [deg]`, `KTAS`.
     pub header: String,
-    /// The unit where the file has it apart from the name.
+    /// The unit, where the file states it apart from the name.
     pub unit: Option<String>,
     /// Values in that unit; NaN where one is missing. An infinity counts as missing.
     pub values: Vec<f64>,
-    /// Does the file itself say that these are points in time? Such a column is the time if no header is.
+    /// True if the file itself declares the values as points in time. Such a column is the time if no header names it.
     pub is_time: bool,
 }
 
-/// A column that is no signal, and why, so that nobody looks for it in vain.
+/// A column that is not read as a signal, and the reason, which the quality report names.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LeftOut {
     /// The name in the file.
     pub header: String,
-    /// What it is instead of a column of numbers, after "it is": `text`, `a list`.
+    /// What it is instead of a column of numbers, as it follows "it is": `text`, `a list`.
     pub why: String,
 }
 
-/// Makes a record in SI units of columns, by their headers and units, exactly as [`crate::csv::read`] does of cells; rows
-/// are counted from 1. `source` is the table's name in messages, `report` what its reader has to say.
+/// Makes a record in SI units of columns, by their headers and units, exactly as [`crate::csv::read`] does of cells. Rows are
+/// counted from 1 in messages. `source` is the name of the table in messages, `left_out` are the columns that its reader did
+/// not take, and `report` is what the reader has found so far. [`Record::from_columns`] is the short form.
 ///
 /// # Errors
 /// [`TableError`] if the columns differ in length, none is the time, two are one channel, units contradict each other,
@@ -43,7 +45,7 @@ pub fn from_columns(
     options: &TableOptions,
     report: QualityReport,
 ) -> Result<Record, TableError> {
-    make(source, columns, left_out, options, report, false)
+    make_record(source, columns, left_out, options, report, false)
 }
 
 impl Record {
@@ -78,17 +80,17 @@ impl Record {
     }
 }
 
-/// The same for columns whose signals have rates of their own, so that most of their values are missing and none is missed.
+/// As [`from_columns`], for the signals of a log: each has its own rate, so that missing values are normal and not reported.
 pub(crate) fn from_sparse_columns(
     source: &str,
     columns: Vec<Column>,
     options: &TableOptions,
     report: QualityReport,
 ) -> Result<Record, TableError> {
-    make(source, columns, &[], options, report, true)
+    make_record(source, columns, &[], options, report, true)
 }
 
-fn make(
+fn make_record(
     source: &str,
     columns: Vec<Column>,
     left_out: &[LeftOut],
@@ -98,7 +100,7 @@ fn make(
 ) -> Result<Record, TableError> {
     options.check()?;
     let rows = same_length(source, &columns)?;
-    // Two more per row: its time and its number.
+    // Besides the values each row has a time and a number.
     if rows.saturating_mul(columns.len() + 2) > options.max_values {
         let place = format!("row {}", options.max_values / (columns.len() + 2) + 1);
         return Err(TableError::TooLarge { source_name: source.to_owned(), place, max_values: options.max_values });
@@ -109,10 +111,10 @@ fn make(
     let headers: Vec<String> = columns.iter().map(|column| column.header.clone()).collect();
     let units: Vec<String> = columns.iter().map(|column| column.unit.clone().unwrap_or_default()).collect();
     let mut options = options.clone();
-    refuse_left_out(&headers, left_out, &options)?;
+    refuse_mapped_left_out(&headers, left_out, &options)?;
     time_by_type(&columns, &mut options, &mut report);
     let head = Head { source, line: None, headers: &headers, units: Some(&units) };
-    let plan = columns::plan(&head, &options, &mut report).map_err(|error| hint(error, left_out))?;
+    let plan = columns::plan(&head, &options, &mut report).map_err(|error| with_hint(error, left_out))?;
     let (table, untimed) = table(&plan, columns, rows, &options);
     if untimed.count() > 0 {
         let what = plural(untimed.count(), "row");
@@ -142,8 +144,8 @@ fn same_length(source: &str, columns: &[Column]) -> Result<usize, TableError> {
     }
 }
 
-/// A mapping to a column of text is answered with what the column is.
-fn refuse_left_out(headers: &[String], left_out: &[LeftOut], options: &TableOptions) -> Result<(), TableError> {
+/// Refuses a mapping to a column that was left out, with what the column is.
+fn refuse_mapped_left_out(headers: &[String], left_out: &[LeftOut], options: &TableOptions) -> Result<(), TableError> {
     let same = |wanted: &str, header: &str| wanted.trim().eq_ignore_ascii_case(header.trim());
     let terms = options.columns.iter().flat_map(|mapping| mapping.terms().map(move |(wanted, _)| (mapping, wanted)));
     for (mapping, wanted) in terms {
@@ -159,7 +161,7 @@ fn refuse_left_out(headers: &[String], left_out: &[LeftOut], options: &TableOpti
     Ok(())
 }
 
-/// The one column of points in time is the time, whatever it is called, if nothing else says what is.
+/// If neither a header nor a mapping names the time, and exactly one column is declared as points in time, it is the time.
 fn time_by_type(columns: &[Column], options: &mut TableOptions, report: &mut QualityReport) {
     let mapped = options.sample_time_s.is_some() || options.columns.iter().any(|mapping| mapping.channel == "time");
     let named = columns.iter().any(|column| {
@@ -175,8 +177,8 @@ fn time_by_type(columns: &[Column], options: &mut TableOptions, report: &mut Qua
     }
 }
 
-/// No time, but a column left out that looks like it.
-fn hint(error: TableError, left_out: &[LeftOut]) -> TableError {
+/// Adds to the error "no time" the name of a column that was left out but looks like the time.
+fn with_hint(error: TableError, left_out: &[LeftOut]) -> TableError {
     let alike = left_out.iter().find(|column| column.header.to_lowercase().contains("time"));
     match (error, alike) {
         (TableError::NoTime { source_name, line, headers, nearest }, Some(column)) if nearest.is_empty() => {
@@ -187,14 +189,14 @@ fn hint(error: TableError, left_out: &[LeftOut]) -> TableError {
     }
 }
 
-/// The rows that have a time, in SI, and which have none.
+/// The rows that have a time, converted to SI, and the numbers of those that have none.
 fn table(plan: &Plan, columns: Vec<Column>, rows: usize, options: &TableOptions) -> (Table, Lines) {
     let mut columns: Vec<Vec<f64>> = columns.into_iter().map(|column| column.values).collect();
-    // Two mappings may take one column.
+    // Two mappings may use the same column.
     let mut uses = vec![0_usize; columns.len()];
     let used = plan.time.iter().chain(&plan.channels).flat_map(ColumnUse::columns);
     used.for_each(|column| uses.get_mut(column).into_iter().for_each(|count| *count += 1));
-    // A column that nothing else needs is converted where it stands.
+    // A column that nothing else uses is converted in place, without a copy.
     let mut si = |used: &ColumnUse| -> Vec<f64> {
         let mut own = match (columns.get_mut(used.column), uses.get(used.column)) {
             (Some(values), Some(1)) => std::mem::take(values),

@@ -1,9 +1,13 @@
-//! Tables of numbers, one named column per signal, and the record that they make: the one road of CSV, Parquet, Arrow
-//! and MATLAB files once their cells are numbers.
+//! From a table of numbers, one named column per signal, to a record. CSV, Parquet, Arrow and MATLAB files all take this way
+//! once their cells are numbers.
 
 mod assemble;
+pub(crate) mod columns;
 mod error;
 mod from_columns;
+pub(crate) mod header;
+mod stuck_and_spikes;
+pub(crate) mod time_base;
 
 pub(crate) use assemble::{Read, record};
 pub use error::TableError;
@@ -12,33 +16,45 @@ pub use from_columns::{Column, LeftOut, from_columns};
 
 use serde::{Deserialize, Serialize};
 
-/// Maps a column to a channel by hand, where the header does not say it or says it wrongly; or several columns that make it together.
+/// Maps a column to a channel by hand, where its header does not name the channel or names a wrong one. Several columns can be
+/// added to make one channel.
+///
+/// ```
+/// use phugoid_flight_data::csv::{self, ColumnMapping, CsvOptions};
+/// let text = "time_s,left,right\n0.0,2.0,4.0\n0.1,2.5,3.5\n"; // two elevons, deg, positive trailing edge up
+/// let elevator = ColumnMapping::new("elevator", "left").with_scale(-0.5).plus("right", -0.5).with_unit("deg");
+/// let options = CsvOptions { columns: vec![elevator], ..CsvOptions::default() };
+/// let record = csv::read(text.as_bytes(), "flight.csv", &options)?;
+/// assert!((record.require("elevator")?.values[0] + 3.0_f64.to_radians()).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ColumnMapping {
-    /// Canonical channel name (see [`crate::channels::CHANNELS`]), or a free name for a signal of your own.
+    /// Canonical channel name (see [`crate::channels::CHANNELS`]), or any other name for a signal of your own.
     pub channel: String,
-    /// The column's header as it stands in the file, e.g. `ELEV_POS_2`; case does not matter if that is unambiguous.
+    /// Header of the column as in the file, such as `ELEV_POS_2`; case does not matter if only one column fits. Of a log
+    /// `topic.field` or `topic#instance.field`.
     pub header: String,
-    /// The column's unit, e.g. `deg`; without it, the unit in the header, else SI with a warning.
+    /// Unit of the column, such as `deg`. Without it the unit of the header is taken, else SI with a warning.
     #[serde(default)]
     pub unit: Option<String>,
-    /// Multiplies the column's values before the unit is converted; -1 turns the sign. Finite, not zero.
+    /// Factor by which the values are multiplied before the unit is converted; -1 reverses the sign. Finite, not 0.
     #[serde(default = "one")]
     pub scale: f64,
-    /// Further columns, each times a factor of its own, that are added before the unit is converted: two elevons make an elevator
-    /// together. They are in the unit of the first; where one has no value, the sum has none.
+    /// Further columns, each times a factor of its own, that are added before the unit is converted: two elevons together make
+    /// an elevator. They are in the unit of the first column. Where one value is missing, the sum is missing.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub plus: Vec<Addend>,
 }
 
-/// A column that is added to another.
+/// A column that is added to another one, with its factor.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Addend {
-    /// The column's header as it stands in the file.
+    /// Header of the column as in the file.
     pub header: String,
-    /// Multiplies its values. Finite, not zero.
+    /// Factor by which its values are multiplied. Finite, not 0.
     #[serde(default = "one")]
     pub scale: f64,
 }
@@ -48,50 +64,50 @@ fn one() -> f64 {
 }
 
 impl ColumnMapping {
-    /// A mapping with the unit of the header and no change of sign.
+    /// Maps the column `header` to `channel`, with the unit of the header and the factor 1.
     pub fn new(channel: impl Into<String>, header: impl Into<String>) -> Self {
         Self { channel: channel.into(), header: header.into(), unit: None, scale: 1.0, plus: Vec::new() }
     }
 
-    /// The same with the unit given.
+    /// Returns the mapping with the unit of the column set.
     #[must_use]
     pub fn with_unit(mut self, unit: impl Into<String>) -> Self {
         self.unit = Some(unit.into());
         self
     }
 
-    /// The same with a factor, such as -1 for a sign.
+    /// Returns the mapping with the factor set, such as -1 to reverse the sign.
     #[must_use]
     pub fn with_scale(mut self, scale: f64) -> Self {
         self.scale = scale;
         self
     }
 
-    /// The same with a further column added, times a factor.
+    /// Returns the mapping with a further column added, times a factor.
     #[must_use]
     pub fn plus(mut self, header: impl Into<String>, scale: f64) -> Self {
         self.plus.push(Addend { header: header.into(), scale });
         self
     }
 
-    /// All its columns: header and factor.
+    /// Header and factor of all its columns, the first one first.
     pub fn terms(&self) -> impl Iterator<Item = (&str, f64)> {
         let further = self.plus.iter().map(|addend| (addend.header.as_str(), addend.scale));
         [(self.header.as_str(), self.scale)].into_iter().chain(further)
     }
 }
 
-/// How a table is to be read. The default reads every table that explains itself.
+/// How a table is to be read. The default reads every table whose headers name the time, the channels and their units.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TableOptions {
-    /// Columns mapped by hand; all others are taken by their headers.
+    /// Columns mapped by hand; all others become channels by their headers.
     pub columns: Vec<ColumnMapping>,
-    /// Time from one row to the next, s, for tables without a time or with a bad one: the rows are then at 0, h, 2h, ...
-    /// and a time column, if there is one, is left out.
+    /// Time step `h` from one row to the next, s, for tables without a time or with a bad one: the rows are then at 0, h, 2h,
+    /// ..., and a time column, if there is one, is left out. Positive.
     pub sample_time_s: Option<f64>,
     /// A step in time longer than this many median steps is reported as a gap. More than 1.
     pub gap_factor: f64,
-    /// Bound on memory: rows times columns, 8 bytes each (default 100 million, 0.8 GB).
+    /// Bound on memory: largest number of rows times columns, 8 bytes each (default 100 million, 0.8 GB).
     pub max_values: usize,
 }
 

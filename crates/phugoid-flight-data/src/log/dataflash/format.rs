@@ -1,23 +1,24 @@
-//! Definitions of messages (`FMT`) and what is said of their fields (`FMTU`, `UNIT`, `MULT`).
+//! Definitions of messages (`FMT`), and the units and multipliers of their fields (`FMTU`, `UNIT`, `MULT`).
 
 use std::collections::HashMap;
 
 use crate::log::decode::{Kind, Place, Scale};
 use crate::log::sink::{Sink, Stream};
 
-/// Bytes before the payload.
+/// Number of bytes before the payload: two marker bytes and the type.
 pub(super) const HEADER: usize = 3;
-/// Instances of one message that are kept.
-const MOST_INSTANCES: usize = 256;
+/// Largest number of instances of one message that are kept.
+const MAX_INSTANCES: usize = 256;
 
-/// One label of a definition.
+/// One field of a definition, under the label that the log gives it.
 #[derive(Clone, Debug, PartialEq)]
 struct Label {
     name: String,
     offset: usize,
     size: usize,
-    /// A number, and whether its format has a multiplier of its own.
+    /// Type and factor of the number; `None` for text.
     number: Option<(Kind, Scale)>,
+    /// True if its type itself implies a factor: hundredths, or ten-millionths of a degree.
     own_multiplier: bool,
 }
 
@@ -33,31 +34,31 @@ pub(super) enum Purpose {
     Data,
 }
 
-/// The clock of a message.
+/// Where the time of a message comes from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Stamp {
-    /// A field, and microseconds per count.
+    /// From this field, whose factor converts it to microseconds.
     Field(Place),
-    /// It has none.
+    /// From the message before it: it has no time of its own.
     Before,
 }
 
-/// One definition.
+/// The definition of one type of message, and where its samples go.
 #[derive(Debug)]
 pub(super) struct Format {
     pub(super) name: String,
-    /// Bytes of a message with its header.
+    /// Size of a message with its header, bytes.
     pub(super) length: usize,
     pub(super) purpose: Purpose,
     pub(super) stamp: Stamp,
-    /// Definition as given, to know it again.
+    /// The definition as written (types, labels), to recognise a repetition.
     text: (String, String),
     labels: Vec<Label>,
-    /// Names of the numeric fields without the stamp, elements of arrays one by one; and where they are.
+    /// Names of the numeric fields without the time stamp, elements of arrays one by one, in the order of `fields`.
     names: Vec<String>,
     fields: Vec<FieldOf>,
     instance: Option<Place>,
-    /// Characters of `FMTU`, one per label.
+    /// Unit and multiplier characters of `FMTU`, one per label.
     ids: Option<(Vec<u8>, Vec<u8>)>,
     streams: Vec<(u16, Option<Open>)>,
 }
@@ -69,14 +70,14 @@ struct FieldOf {
     described: bool,
 }
 
-/// Samples of one instance on their way.
+/// Where the samples of one instance go, and the places of the values that are kept.
 #[derive(Debug)]
 pub(super) struct Open {
     pub(super) stream: Stream,
     pub(super) places: Vec<Place>,
 }
 
-/// What `UNIT` and `MULT` said.
+/// The tables of units and multipliers in the log (`UNIT`, `MULT`), by their characters.
 #[derive(Debug, Default)]
 pub(super) struct Tables {
     pub(super) units: HashMap<u8, String>,
@@ -84,13 +85,13 @@ pub(super) struct Tables {
 }
 
 impl Format {
-    /// The definition of definitions, which a log needs not give.
+    /// The definition of `FMT` itself, which a log may lack.
     pub(super) fn of_formats() -> Self {
         let format = Self::new("FMT", 89, "BBnNZ", "Type,Length,Name,Format,Columns");
         format.unwrap_or_else(|_| Self::unreadable("FMT", 89))
     }
 
-    /// A definition; the error says what is wrong with it.
+    /// Makes a definition of its parts; the error says what is wrong with it.
     pub(super) fn new(name: &str, length: usize, letters: &str, columns: &str) -> Result<Self, String> {
         let names: Vec<&str> = columns.split(',').filter(|name| !name.is_empty()).collect();
         if names.len() != letters.len() {
@@ -141,7 +142,7 @@ impl Format {
         Ok(format)
     }
 
-    /// A message that can only be read past.
+    /// A definition that cannot be used: messages of this length are skipped.
     pub(super) fn unreadable(name: &str, length: usize) -> Self {
         Self {
             name: name.to_owned(),
@@ -158,7 +159,7 @@ impl Format {
         }
     }
 
-    /// Is this the same definition?
+    /// True if this is the same definition.
     pub(super) fn is(&self, name: &str, length: usize, letters: &str, columns: &str) -> bool {
         self.name == name && self.length == length && self.text.0 == letters && self.text.1 == columns
     }
@@ -167,31 +168,31 @@ impl Format {
         !self.fields.is_empty()
     }
 
-    /// A number of the message by its label.
+    /// The number with this label in a message.
     pub(super) fn number(&self, label: &str, payload: &[u8]) -> Option<f64> {
         let label = self.labels.iter().find(|other| other.name == label)?;
         label.place().map(|place| place.read(payload))
     }
 
-    /// A text of the message by its label, to its first zero.
+    /// The text with this label in a message, up to its first zero byte.
     pub(super) fn text<'a>(&self, label: &str, payload: &'a [u8]) -> Option<&'a [u8]> {
         let label = self.labels.iter().find(|other| other.name == label)?;
         let bytes = payload.get(label.offset..label.offset + label.size)?;
         Some(bytes.split(|&byte| byte == 0).next().unwrap_or_default())
     }
 
-    /// Which instance a message is of.
+    /// The number of the instance that a message belongs to; 0 if there is no such field.
     #[inline]
     pub(super) fn instance(&self, payload: &[u8]) -> u16 {
         self.instance.map_or(0, |place| place.read(payload) as u16)
     }
 
-    /// Where samples of this instance go; none if they are not wanted.
+    /// Where samples of this instance go; `None` if they are not selected.
     #[inline]
     pub(super) fn open<S: Sink>(&mut self, instance: u16, tables: &Tables, sink: &mut S) -> Option<&Open> {
         let index = match self.streams.iter().position(|(other, _)| *other == instance) {
             Some(index) => index,
-            None if self.streams.len() >= MOST_INSTANCES => return None,
+            None if self.streams.len() >= MAX_INSTANCES => return None,
             None => {
                 let open = sink.open(&self.name, instance, &self.names).map(|stream| {
                     let place = |&field: &usize| self.fields.get(field).map(|field| field.place);
@@ -211,7 +212,7 @@ impl Format {
         self.streams.get(index).and_then(|(_, open)| open.as_ref())
     }
 
-    /// Takes the characters of `FMTU`; says how many samples had to be forgotten because their instance was not known.
+    /// Takes the characters of `FMTU`. Returns the number of samples that had to be dropped because their instance was not known.
     pub(super) fn take_ids<S: Sink>(
         &mut self,
         units: &[u8],
@@ -236,7 +237,7 @@ impl Format {
         forgotten
     }
 
-    /// Applies what is known of units and multipliers to the fields that are not described yet.
+    /// Applies the units and multipliers known so far to the fields that have none yet.
     pub(super) fn describe<S: Sink>(&mut self, tables: &Tables, sink: &mut S) {
         let Some((units, multipliers)) = self.ids.clone() else { return };
         for index in 0..self.fields.len() {
@@ -247,7 +248,7 @@ impl Format {
             if unit.is_none() && factor.is_none() {
                 continue;
             }
-            // c, C, e, E and L are hundredths and ten-millionths already, and MULT repeats that.
+            // The types c, C, e, E and L imply their factor, and MULT repeats it.
             let scale = if own { Scale::ONE } else { factor.map_or(Scale::ONE, Scale::new) };
             let unit = self.unit(field.label, tables).map(str::to_owned);
             if let Some(field) = self.fields.get_mut(index) {
@@ -279,7 +280,7 @@ impl Label {
     }
 }
 
-/// Which label is the stamp, and how many microseconds it counts in.
+/// The index of the label that is the time stamp, and the microseconds of one of its counts.
 fn clock_of(name: &str, labels: &[Label]) -> Option<(usize, f64)> {
     let position = |wanted: &str| labels.iter().position(|label| label.name == wanted);
     match labels.first().map(|label| label.name.as_str()) {
@@ -287,15 +288,15 @@ fn clock_of(name: &str, labels: &[Label]) -> Option<(usize, f64)> {
         Some("TimeMS") => return Some((0, 1000.0)),
         _ => {}
     }
-    // Until 2015 the receiver's messages had their time of week in TimeMS, and the autopilot's clock in T.
+    // Until 2015 GPS messages had the time of week in TimeMS, and the clock of the autopilot in T.
     if matches!(name, "GPS" | "GPS2") { position("T").map(|index| (index, 1000.0)) } else { None }
 }
 
-/// How a type is stored.
+/// How a type, given by a letter, is stored.
 #[derive(Clone, Copy, Debug)]
 struct Letter {
     size: usize,
-    /// None if it is text.
+    /// Type and factor of the number; `None` for text.
     number: Option<(Kind, Scale)>,
     own_multiplier: bool,
 }

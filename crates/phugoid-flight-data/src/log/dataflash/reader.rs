@@ -1,29 +1,29 @@
-//! The messages of a log, one after the other.
+//! Reads the messages of a log, one after the other.
 
 use std::collections::{BTreeMap, HashMap};
 use std::io::Read;
 
-use super::MAGIC;
 use super::format::{Format, HEADER, Purpose, Stamp, Tables};
+use crate::format::DATAFLASH_MAGIC as MAGIC;
 use crate::log::sink::{Full, Head, Sink};
 use crate::log::skipped::Skipped;
 use crate::log::utc;
 use crate::log::window::Window;
 use crate::log::{LogError, Message};
-use crate::quality::{Short, plural};
+use crate::wording::{Short, plural};
 
-/// The longest message; lengths are one byte.
+/// Largest size of a message, bytes: lengths are stored in one byte.
 const LONGEST: usize = 255;
-/// Bytes looked at together: a message, and the search for the next one.
+/// Number of bytes that are examined together, for a message and the search for the next one.
 const VIEW: usize = 64 * 1024;
-/// Texts that are kept, and parameters; far more than a flight has.
-const MOST_TEXTS: usize = 10_000;
-/// Changes that are named one by one.
-const SHOWN: usize = 5;
-/// How often late units may be applied to what was read before.
-const MOST_PASSES: usize = 2000;
+/// Largest number of messages and of parameters that are kept; no flight has nearly as many.
+const MAX_TEXTS: usize = 10_000;
+/// Number of changes that are reported one by one.
+const MAX_SHOWN: usize = 5;
+/// How often units that come late may be applied to samples read before: each time all formats are visited.
+const MAX_PASSES: usize = 2000;
 
-/// Reads all messages into the sink; none if the sink is full.
+/// Reads all messages into the sink; `None` if the sink is full.
 pub(in crate::log) fn run<R: Read, S: Sink>(reader: R, source: &str, sink: &mut S) -> Result<Option<Head>, LogError> {
     let io = |error| LogError::Io { source_name: source.to_owned(), error };
     let mut window = Window::new(reader);
@@ -46,7 +46,7 @@ pub(in crate::log) fn run<R: Read, S: Sink>(reader: R, source: &str, sink: &mut 
                 log.end(offset, bytes);
                 log.find(bytes).unwrap_or(bytes.len())
             }
-            // Where nothing follows, bytes may be missing within: then the next message begins inside.
+            // If no message follows, bytes may be missing inside this one, and the next message begins within its length.
             Some(length) if begins(bytes.get(length..)) || log.find(bytes).is_none_or(|next| next >= length) => {
                 if log.take(bytes.get(..length).unwrap_or_default(), sink, offset) == Err(Full) {
                     return Ok(None);
@@ -83,7 +83,7 @@ pub(in crate::log) fn run<R: Read, S: Sink>(reader: R, source: &str, sink: &mut 
     log.finish(source).map(Some)
 }
 
-/// Does a message begin here, or do the bytes end?
+/// True if a message begins here, or if there are too few bytes to decide.
 #[inline]
 fn begins(bytes: Option<&[u8]>) -> bool {
     match bytes {
@@ -93,7 +93,7 @@ fn begins(bytes: Option<&[u8]>) -> bool {
     }
 }
 
-/// A log on its way.
+/// The state of the reader: what was read of a log so far.
 struct Reading {
     head: Head,
     formats: Vec<Option<Box<Format>>>,
@@ -106,7 +106,7 @@ struct Reading {
     parameters: HashMap<String, usize>,
     changes: Vec<(f64, String, f64)>,
     change_count: usize,
-    /// Messages of types that were never defined: how many, and where and how long the first is.
+    /// Messages whose type was never defined, by type: their number, and position and length of the first.
     undefined: BTreeMap<u8, (u64, u64, u64)>,
     /// Messages without a stamp of their own.
     stampless: BTreeMap<String, u64>,
@@ -139,7 +139,7 @@ impl Reading {
         }
     }
 
-    /// Length of the message that begins here; none if none does, or it is not defined.
+    /// Length of the message that begins here; `None` if no message begins here or its type is not defined.
     #[inline]
     fn length(&self, bytes: &[u8]) -> Option<usize> {
         let &[first, second, kind] = bytes.first_chunk::<HEADER>()?;
@@ -147,7 +147,7 @@ impl Reading {
         format.filter(|_| [first, second] == MAGIC).map(|format| format.length)
     }
 
-    /// The nearest place after the first byte at which a defined message begins and another follows, or the end.
+    /// The nearest position after the first byte at which a defined message begins, followed by another one or by the end.
     fn find(&self, bytes: &[u8]) -> Option<usize> {
         let mut from = 1;
         while let Some(at) = bytes.get(from..)?.iter().position(|&byte| byte == MAGIC[0]).map(|at| from + at) {
@@ -160,7 +160,7 @@ impl Reading {
         None
     }
 
-    /// Bytes at the end that are no whole message.
+    /// Notes that the log ends with bytes that are no whole message.
     fn end(&mut self, offset: u64, bytes: &[u8]) {
         if bytes.iter().all(|&byte| matches!(byte, 0 | 0xFF)) {
             self.filling = bytes.len();
@@ -197,7 +197,7 @@ impl Reading {
             }
         }
         let Some(time_us) = time_us else { return Ok(()) };
-        // Whether it is kept or not, so that a survey and every selection of the log have one time.
+        // Set for samples that are not kept too, so that a survey and every selection of the log have the same time zero.
         self.head.start_us.get_or_insert(time_us);
         self.samples += 1;
         if self.head.utc_offset_s.is_none() && format.name == "GPS" {
@@ -263,7 +263,7 @@ impl Reading {
                 }
             }
             Purpose::Text => {
-                if self.head.messages.len() < MOST_TEXTS {
+                if self.head.messages.len() < MAX_TEXTS {
                     let text = text("Message").unwrap_or_default();
                     self.head.messages.push(Message { time_s: time_us, text });
                 }
@@ -303,10 +303,10 @@ impl Reading {
         }));
     }
 
-    /// Units and multipliers may come after the definitions that use them, and after data.
+    /// Applies new units and multipliers to all definitions: they may come after the definitions that use them, and after data.
     fn describe_all<S: Sink>(&mut self, sink: &mut S) {
         self.passes += 1;
-        if self.passes <= MOST_PASSES {
+        if self.passes <= MAX_PASSES {
             self.formats.iter_mut().flatten().for_each(|format| format.describe(&self.tables, sink));
         }
     }
@@ -316,11 +316,11 @@ impl Reading {
             Some((_, known)) if *known == value => {}
             Some(_) => {
                 self.change_count += 1;
-                if self.changes.len() < SHOWN {
+                if self.changes.len() < MAX_SHOWN {
                     self.changes.push((time_us, name, value));
                 }
             }
-            None if self.parameters.len() < MOST_TEXTS => {
+            None if self.parameters.len() < MAX_TEXTS => {
                 self.parameters.insert(name.clone(), self.head.parameters.len());
                 self.head.parameters.push((name, value));
             }
@@ -330,7 +330,7 @@ impl Reading {
 
     fn finish(mut self, source: &str) -> Result<Head, LogError> {
         let quality = &mut self.head.quality;
-        // A type that is there once is hardly one: its header is damaged.
+        // A type that occurs only once is probably no type, but a damaged header.
         for (_, offset, bytes) in self.undefined.values().filter(|(count, ..)| *count == 1) {
             self.skipped.add(*offset, *bytes);
         }
@@ -359,7 +359,7 @@ impl Reading {
         if self.change_count > 0 {
             let shown: Vec<String> =
                 self.changes.iter().map(|(_, name, value)| format!("{name} = {}", Short(*value))).collect();
-            let more = if self.change_count > SHOWN { ", ..." } else { "" };
+            let more = if self.change_count > MAX_SHOWN { ", ..." } else { "" };
             let count = plural(self.change_count, "parameter");
             quality.note("", format!("{count} changed while the log ran: {}{more}", shown.join(", ")));
         }
@@ -374,7 +374,7 @@ impl Reading {
     }
 }
 
-/// What is added to the autopilot's clock to give seconds from 1970; none until the receiver knows the time.
+/// The offset from the clock of the autopilot to seconds from 1970, UTC; `None` while the receiver does not know the time.
 fn satellite_clock(format: &Format, payload: &[u8], time_us: f64) -> Option<f64> {
     let number = |label: &str| format.number(label, payload);
     let week = number("GWk").or_else(|| number("Week"))?;

@@ -1,18 +1,18 @@
-//! The records in a chunk, unpacked and checked against its check sum before the first of them is given out.
+//! Unpacks the records in a chunk, after its check sum has been verified.
 
 use ::mcap::parse_record;
 use ::mcap::records::{Record, op};
 use ::mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
-/// The longest chunk, packed or unpacked, and the longest record, bytes: a chunk is held twice, and what is unpacked of it once. Recorders
-/// close a chunk at a few million.
+/// The longest chunk, packed or unpacked, and the longest record that are read, bytes. Memory holds a chunk twice and its unpacked
+/// content once. Recorders close a chunk at a few million bytes.
 pub(super) const LONGEST: u64 = 48 << 20;
-/// Bytes given to the library at once: it makes room for them, whatever is announced.
+/// Number of bytes given to the library at once: it allocates this much, whatever length is announced.
 const STEP: usize = 1 << 20;
 
-/// Gives every record of a chunk to `take`, until it says no; what is wrong with the chunk.
+/// Gives every record of a chunk to `take`, until that returns false. The error says what is wrong with the chunk.
 pub(super) fn each_record(chunk: &[u8], mut take: impl FnMut(u8, &[u8]) -> bool) -> Result<(), String> {
-    // Of records that are not packed the library (0.26.0) does not ask whether they end with the chunk, and counts below zero.
+    // The library (0.26.0) does not check whether records that are not packed end with the chunk, and its count underflows.
     if let Ok(Record::Chunk { header, data }) = parse_record(op::CHUNK, chunk)
         && header.compression.is_empty()
         && !is_filled(&data)
@@ -50,7 +50,7 @@ pub(super) fn each_record(chunk: &[u8], mut take: impl FnMut(u8, &[u8]) -> bool)
     Ok(())
 }
 
-/// Does the last of these records end with them?
+/// True if the last of these records ends where the bytes end.
 fn is_filled(mut records: &[u8]) -> bool {
     while let [_, rest @ ..] = records {
         let Some((length, rest)) = rest.split_first_chunk() else { return false };

@@ -1,11 +1,11 @@
-//! The numbers in a JSON document, by their paths.
+//! Finds the numbers in a JSON document and names them by their paths.
 
 use serde_json::Value;
 
-/// Numbers of one message kept; a picture or a scan has more, and is no signal.
-const MOST_NUMBERS: usize = 4096;
+/// Largest number of values kept of one message. An image or a laser scan has more, and is no signal.
+const MAX_NUMBERS: usize = 4096;
 
-/// Names and values of the numbers and truth values in a document, in its order. What is null was a number, and is missing.
+/// Writes the names and values of all numbers and truth values in a document, in its order. A null is a missing number (NaN).
 pub(super) fn flatten(document: &Value, names: &mut Vec<String>, values: &mut Vec<f64>) {
     names.clear();
     values.clear();
@@ -13,7 +13,7 @@ pub(super) fn flatten(document: &Value, names: &mut Vec<String>, values: &mut Ve
 }
 
 fn walk(path: &mut String, value: &Value, names: &mut Vec<String>, values: &mut Vec<f64>) {
-    if values.len() >= MOST_NUMBERS {
+    if values.len() >= MAX_NUMBERS {
         return;
     }
     let length = path.len();
@@ -29,7 +29,7 @@ fn walk(path: &mut String, value: &Value, names: &mut Vec<String>, values: &mut 
             }
         }
         Value::Array(elements) => {
-            for (index, element) in elements.iter().enumerate().take(MOST_NUMBERS) {
+            for (index, element) in elements.iter().enumerate().take(MAX_NUMBERS) {
                 path.push_str(&format!("[{index}]"));
                 walk(path, element, names, values);
                 path.truncate(length);

@@ -1,4 +1,4 @@
-//! The records of a file: what the channels are, and their messages.
+//! Reads the records of a file: channels and their messages.
 
 use std::collections::{BTreeMap, HashMap};
 use std::io::{self, BufReader, Read};
@@ -8,17 +8,19 @@ use ::mcap::records::{MessageHeader, Record, op};
 
 use super::chunk::{self, LONGEST};
 use super::flatten::flatten;
-use super::{LogError, MAGIC};
-use crate::columns::cut;
+use crate::format::MCAP_MAGIC as MAGIC;
+use crate::log::LogError;
 use crate::log::sink::{Full, Head, Sink, Stream};
-use crate::quality::{QualityReport, plural};
+use crate::quality::QualityReport;
+use crate::wording::cut;
+use crate::wording::plural;
 
-/// The longest message read, bytes: a document in memory is many times its text.
+/// The longest message that is read, bytes: the parsed document needs many times the memory of its text.
 const LONGEST_MESSAGE: usize = 4 << 20;
-/// Damaged chunks that are named one by one.
-const MOST_FINDINGS: usize = 10;
+/// Number of damaged chunks that are reported one by one.
+const MAX_FINDINGS: usize = 10;
 
-/// Reads a file into a sink; none if the sink is full.
+/// Reads a file into a sink; `None` if the sink is full.
 pub(in crate::log) fn run(reader: impl Read, source: &str, sink: &mut dyn Sink) -> Result<Option<Head>, LogError> {
     let io = |error| LogError::Io { source_name: source.to_owned(), error };
     let mut reader = BufReader::with_capacity(1 << 16, reader);
@@ -76,20 +78,20 @@ pub(in crate::log) fn run(reader: impl Read, source: &str, sink: &mut dyn Sink) 
         }
         if let Err(problem) = result {
             damaged += 1;
-            if damaged <= MOST_FINDINGS {
+            if damaged <= MAX_FINDINGS {
                 let message = format!("the record that begins here is left out, it is damaged: {}", cut(&problem, 200));
                 state.head.quality.warn(format!("byte {offset}"), message);
             }
         }
         offset = offset.saturating_add(9).saturating_add(length);
     }
-    if damaged > MOST_FINDINGS {
-        state.head.quality.warn("", format!("{damaged} damaged records in all; the first {MOST_FINDINGS} are listed"));
+    if damaged > MAX_FINDINGS {
+        state.head.quality.warn("", format!("{damaged} damaged records in all; the first {MAX_FINDINGS} are listed"));
     }
     state.finish(source).map(Some)
 }
 
-/// As much as there is, up to the length of `target`.
+/// Reads until `target` is full or the file ends, and returns the number of bytes read.
 fn take(reader: &mut impl Read, target: &mut [u8]) -> io::Result<usize> {
     let mut read = 0;
     while let Some(room) = target.get_mut(read..).filter(|room| !room.is_empty()) {
@@ -108,7 +110,7 @@ struct State<'s> {
     head: Head,
     schemas: HashMap<u16, String>,
     channels: BTreeMap<u16, Channel>,
-    /// Log time of the first message, ns: times are counted from it, since a double has no room for nanoseconds since 1970.
+    /// Log time of the first message, ns. Times are counted from it, because nanoseconds since 1970 have more digits than a double.
     start_ns: Option<u64>,
     messages: u64,
     unreadable: u64,
@@ -124,10 +126,10 @@ struct Channel {
     instance: u16,
     encoding: String,
     schema: String,
-    /// Messages seen that are in another encoding.
+    /// Number of messages left out because they are not JSON.
     skipped: u64,
     wanted: Option<bool>,
-    /// The fields of the last message, and where they go.
+    /// Names of the fields of the last message, and where its values go.
     layout: Option<(Vec<String>, Stream)>,
 }
 
@@ -171,7 +173,7 @@ impl<'s> State<'s> {
     }
 
     fn channel(&mut self, channel: ::mcap::records::Channel) {
-        // Every chunk and the summary say it again.
+        // Every chunk and the summary repeat the definitions of channels.
         if self.channels.contains_key(&channel.id) {
             return;
         }
@@ -216,7 +218,7 @@ impl<'s> State<'s> {
         let Some((_, stream)) = &channel.layout else { return Ok(()) };
         self.row.clear();
         self.row.extend(stream.kept.iter().map(|&field| self.values.get(field).copied().unwrap_or(f64::NAN)));
-        // Stamps may be in any order: signed.
+        // Messages may be in any order, so that the difference can be negative.
         let time_us = (i128::from(header.log_time) - i128::from(start_ns)) as f64 / 1e3;
         let result = self.sink.row(stream, time_us, &self.row);
         self.full |= result.is_err();
@@ -251,17 +253,17 @@ impl<'s> State<'s> {
         }
         // Stamps are counted from the first message already.
         self.head.start_us = Some(0.0);
-        // A recorder without a clock counts from its start.
+        // A recorder without a clock counts from its start; such times are no dates and are left out later.
         self.head.utc_offset_s = self.start_ns.map(|start_ns| start_ns as f64 * 1e-9);
         Ok(self.head)
     }
 }
 
-/// What was left out of one encoding, and what to do.
+/// The message about topics that were left out because of their encoding, with advice.
 fn left_out(encoding: &str, topics: &[String]) -> String {
-    const SHOWN: usize = 8;
-    let shown = topics.iter().take(SHOWN).cloned().collect::<Vec<_>>().join(", ");
-    let more = topics.len().saturating_sub(SHOWN);
+    const MAX_SHOWN: usize = 8;
+    let shown = topics.iter().take(MAX_SHOWN).cloned().collect::<Vec<_>>().join(", ");
+    let more = topics.len().saturating_sub(MAX_SHOWN);
     let more = if more > 0 { format!(", and {more} more") } else { String::new() };
     let package = match encoding {
         "cdr" | "ros1" => "; for instance with the Python packages mcap-ros2-support or mcap-ros1-support",

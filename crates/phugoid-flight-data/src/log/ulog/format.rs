@@ -1,42 +1,43 @@
-//! Definitions of messages: which fields lie where.
+//! Definitions of messages: which field is at which place.
 
 use std::collections::HashMap;
 use std::rc::Rc;
 
 use crate::log::decode::{Kind, Place, Scale};
 
-/// A message carries at most this many bytes.
+/// Largest size of a message, bytes.
 const LARGEST: usize = u16::MAX as usize;
-/// Nested types go at most this deep.
-const DEEPEST: usize = 16;
-/// Fields and elements that are laid out in one log, so that a definition of a few bytes cannot ask for gigabytes.
-const MOST_LAID_OUT: usize = 500_000;
+/// Largest depth of nested types.
+const MAX_DEPTH: usize = 16;
+/// Largest number of fields and elements that are laid out in one log. Without it a definition of a few bytes could need
+/// gigabytes.
+const MAX_LAID_OUT: usize = 500_000;
 
-/// One field of a definition: `float[4] q`.
+/// One field of a definition, such as `float[4] q`.
 #[derive(Clone, Debug, PartialEq)]
 struct Declared {
     type_name: String,
-    /// Number of elements; none if it is no array.
+    /// Number of elements; `None` if it is no array.
     elements: Option<usize>,
     name: String,
 }
 
-/// A definition with nested types resolved: where every number lies.
+/// A definition with nested types resolved: the place of every number.
 #[derive(Debug, Default)]
 pub(super) struct Layout {
     /// Names of the numeric fields, without the time stamp and padding.
     pub(super) names: Vec<String>,
     pub(super) places: Vec<Place>,
-    /// The stamp in microseconds; without it the samples have no time.
+    /// The time stamp, microseconds; without it the samples have no time.
     pub(super) timestamp: Option<Place>,
-    /// Bytes of a message without the padding at its end, which a writer may leave out.
+    /// Size of a message without the padding at its end, which a writer may omit, bytes.
     pub(super) least: usize,
-    /// Bytes with it.
+    /// Size of a message with the padding at its end, bytes.
     pub(super) most: usize,
 }
 
 impl Layout {
-    /// Where a field of this name lies.
+    /// The place of the numeric field with this name.
     pub(super) fn place(&self, name: &str) -> Option<Place> {
         let index = self.names.iter().position(|other| other == name)?;
         self.places.get(index).copied()
@@ -52,7 +53,7 @@ pub(super) struct Formats {
 }
 
 impl Formats {
-    /// Takes the text of a definition, `name:type field;type[4] field;`; none if it is not one.
+    /// Adds the text of a definition, `name:type field;type[4] field;`. `None` if the text is no definition.
     pub(super) fn add(&mut self, text: &str) -> Option<()> {
         let (name, fields) = parse(text)?;
         if self.declared.get(&name) != Some(&fields) {
@@ -66,7 +67,7 @@ impl Formats {
         self.declared.contains_key(name)
     }
 
-    /// The layout of a message.
+    /// The layout of a message, computed once; the error says what is wrong with its definition.
     pub(super) fn layout(&mut self, name: &str) -> Result<Rc<Layout>, String> {
         if let Some(layout) = self.laid_out.get(name) {
             return Ok(Rc::clone(layout));
@@ -118,8 +119,8 @@ struct Walk<'a> {
 impl Walk<'_> {
     fn message(&mut self, name: &str, prefix: &str, depth: usize) -> Result<(), String> {
         let declared = self.declared.get(name).ok_or_else(|| format!("the type '{name}' is not defined"))?;
-        if depth > DEEPEST {
-            return Err(format!("its types are nested more than {DEEPEST} deep"));
+        if depth > MAX_DEPTH {
+            return Err(format!("its types are nested more than {MAX_DEPTH} deep"));
         }
         for field in declared {
             for element in 0..field.elements.unwrap_or(1) {
@@ -128,8 +129,8 @@ impl Walk<'_> {
                     None => format!("{prefix}{}", field.name),
                 };
                 self.work += 1;
-                if self.work > MOST_LAID_OUT {
-                    return Err(format!("the log defines more than {MOST_LAID_OUT} fields"));
+                if self.work > MAX_LAID_OUT {
+                    return Err(format!("the log defines more than {MAX_LAID_OUT} fields"));
                 }
                 match kind(&field.type_name) {
                     None => self.message(&field.type_name, &format!("{name}."), depth + 1)?,
@@ -147,7 +148,7 @@ impl Walk<'_> {
             return Err(format!("it is longer than {LARGEST} bytes"));
         }
         let is_padding = last_name.starts_with("_padding");
-        // Only padding of the message itself may be left out at its end, not that of a type nested in it.
+        // Only the padding of the message itself may be omitted at its end, not that of a nested type.
         if !is_padding || name.contains('.') {
             self.layout.least = self.end;
         }
@@ -168,7 +169,7 @@ impl Walk<'_> {
     }
 }
 
-/// How a basic type is stored, and its bytes; a character is no number. None if it is no basic type.
+/// Kind and size of a basic type; a character has a size but no kind of number. `None` if it is no basic type.
 pub(super) fn kind(type_name: &str) -> Option<(Option<Kind>, usize)> {
     let kind = match type_name {
         "int8_t" => Kind::I8,

@@ -1,30 +1,31 @@
-//! Is this a message? A log has no check sums: the length has to fit the kind, and the contents the definitions.
+//! Decides whether bytes are a message. ULog has no check sums: the length has to fit the kind of the message, and the content the
+//! definitions.
 
-use super::Definitions;
+use super::definitions::Definitions;
 use super::format;
 
-/// Bytes before the payload: its size and the kind.
+/// Number of bytes before the payload: its size and the kind of the message.
 pub(super) const HEADER: usize = 3;
-/// Longest message with its header.
+/// Largest size of a message with its header, bytes.
 pub(super) const LONGEST: usize = HEADER + u16::MAX as usize;
 
 const KINDS: &[u8] = b"DSFIPALCMQROB";
-/// Longest name of a topic that is believed, bytes.
+/// Names of topics longer than this, bytes, are taken as damage.
 const LONGEST_NAME: usize = 256;
 const SYNC: [u8; 8] = [0x2F, 0x73, 0x13, 0x20, 0x25, 0x0C, 0xBB, 0x12];
 
-/// How sure it is that bytes are a message.
+/// How certain it is that bytes are a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Trust {
-    /// They are none.
+    /// The bytes are no message.
     No,
-    /// They may be; what follows has to look like a message too.
+    /// The bytes can be a message if what follows looks like one too.
     Weak,
-    /// Size and contents fit what was defined before.
+    /// Size and content agree with the definitions.
     Strong,
 }
 
-/// Kind and payload of the message at the beginning of `bytes`; none if there are too few.
+/// Kind and payload of the message at the beginning of `bytes`; `None` if its end is not among them.
 #[inline]
 pub(super) fn split(bytes: &[u8]) -> Option<(u8, &[u8])> {
     let &[low, high, kind] = bytes.first_chunk::<HEADER>()?;
@@ -32,7 +33,7 @@ pub(super) fn split(bytes: &[u8]) -> Option<(u8, &[u8])> {
     Some((kind, bytes.get(HEADER..HEADER + size)?))
 }
 
-/// Does it look as if a message of a known kind begins here, or the bytes end?
+/// True if a message of a known kind can begin here, or if there are too few bytes to decide.
 #[inline]
 pub(super) fn may_begin(bytes: &[u8], definitions: &Definitions) -> bool {
     match (bytes.get(2), split(bytes)) {
@@ -42,7 +43,7 @@ pub(super) fn may_begin(bytes: &[u8], definitions: &Definitions) -> bool {
     }
 }
 
-/// How sure it is that this is a message.
+/// How certain it is that this is a message.
 #[inline]
 pub(super) fn trust(kind: u8, payload: &[u8], definitions: &Definitions) -> Trust {
     let sure = |is: bool| if is { Trust::Strong } else { Trust::No };
@@ -70,7 +71,7 @@ pub(super) fn trust(kind: u8, payload: &[u8], definitions: &Definitions) -> Trus
             None => Trust::No,
         },
         b'F' => {
-            // Only as far as a name goes: this is asked at every byte of a damaged stretch.
+            // Only as many bytes as a name can have, because this runs at every byte of a damaged part.
             let mut name = payload.iter().take(LONGEST_NAME).take_while(|&&byte| byte != b':').peekable();
             let all = name.peek().is_some() && name.all(|byte| format::is_name_byte(*byte));
             sure(all && payload.iter().take(LONGEST_NAME).any(|&byte| byte == b':'))
@@ -86,7 +87,7 @@ pub(super) fn trust(kind: u8, payload: &[u8], definitions: &Definitions) -> Trus
     }
 }
 
-/// The key, `type name`, and the bytes of the value of an information or a parameter.
+/// The key (`type name`) and the bytes of the value of an information message or a parameter; `None` if there is no valid key.
 pub(super) fn key_and_value(payload: &[u8]) -> Option<(&str, &[u8])> {
     let length = usize::from(*payload.first()?);
     let key = std::str::from_utf8(payload.get(1..1 + length)?).ok()?;

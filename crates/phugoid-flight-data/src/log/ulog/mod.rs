@@ -1,56 +1,41 @@
 //! Reads PX4 ULog files, streaming, as their public description says (PX4 User Guide, "ULog File Format").
 //!
-//! Read are definitions (`B F I M P Q`), data (`A R D L C S O`), appended data, multi-instance topics, nested types and arrays.
-//! A log has no check sums. Where a message does not fit the definitions, the reader looks for the next one that does, keeps
-//! everything else, and says which bytes it skipped. A length in the file allocates nothing.
+//! The reader understands definitions (`B F I M P Q`), data (`A R D L C S O`), appended data, multi-instance topics, nested types
+//! and arrays. ULog has no check sums: where a message does not fit the definitions, the reader searches for the next one that
+//! does, keeps everything else, and reports the bytes that it skipped. No memory is allocated for a length before its bytes have
+//! been read.
 //!
-//! Times are seconds from the log's start as its head gives it. The format has no units; the profiles know them.
+//! Times are seconds from the start of the log that its header gives. The format has no units; [`crate::profile`] knows those of
+//! PX4.
 
+mod definitions;
 mod format;
 mod message;
 mod reader;
 
 use std::io::Read;
 
-use self::format::Formats;
-use super::read::{into_log, into_survey};
-use super::survey::Survey;
+use super::sink::into_log;
+use super::survey::{Survey, into_survey};
 use super::{Log, LogError, Selection};
 pub(super) use reader::run;
 
-/// How a ULog file begins.
-pub const MAGIC: [u8; 7] = [b'U', b'L', b'o', b'g', 0x01, 0x12, 0x35];
+/// The first bytes of a ULog file.
+pub const MAGIC: [u8; 7] = crate::format::ULOG_MAGIC;
 
-/// Reads a log. `source` is its name in messages and reports.
+/// Reads the selected part of a log. `source` is its name in messages and reports.
 ///
 /// # Errors
 /// [`LogError`] if it cannot be read, does not begin as a ULog file, needs a newer reader, has no samples at all, or holds
-/// more than `selection.max_values`. Damage within it is no error; `quality` says what was skipped.
+/// more than `selection.max_values`. Damage within the log is no error; `quality` names what was skipped.
 pub fn read(reader: impl Read, source: &str, selection: &Selection) -> Result<Log, LogError> {
     into_log(source, selection, |sink| run(reader, source, sink))
 }
 
-/// What is in a log, in memory that does not grow with it.
+/// Surveys a log, in memory that does not grow with it.
 ///
 /// # Errors
-/// As [`read()`]; there is no bound on its length.
+/// As [`read()`], but a survey has no bound on the number of values.
 pub fn survey(reader: impl Read, source: &str) -> Result<Survey, LogError> {
     into_survey(|sink| run(reader, source, sink))
-}
-
-/// What was defined so far.
-#[derive(Debug, Default)]
-struct Definitions {
-    formats: Formats,
-    /// By the number under which a topic is logged.
-    topics: Vec<Option<Box<reader::Subscription>>>,
-}
-
-impl Definitions {
-    /// Least and greatest size of a sample of this number.
-    #[inline]
-    fn sizes(&self, id: u16) -> Option<(usize, usize)> {
-        let topic = self.topics.get(usize::from(id))?.as_ref()?;
-        Some((topic.layout.least, topic.layout.most))
-    }
 }

@@ -1,50 +1,28 @@
-//! The messages of a log, one after the other.
+//! Reads the messages of a log, one after the other.
 
 use std::collections::{BTreeMap, HashMap};
 use std::io::Read;
-use std::rc::Rc;
 
-use super::format::{self, Layout};
+use super::definitions::{Definitions, State, Subscription};
+use super::format;
 use super::message::{self, HEADER, LONGEST, Trust};
-use super::{Definitions, MAGIC};
+use crate::format::ULOG_MAGIC as MAGIC;
 use crate::log::decode::{Kind, Place, Scale};
-use crate::log::sink::{Full, Head, Sink, Stream};
+use crate::log::sink::{Full, Head, Sink};
 use crate::log::skipped::Skipped;
 use crate::log::window::Window;
 use crate::log::{LogError, Message};
-use crate::quality::{QualityReport, Short, plural};
+use crate::quality::QualityReport;
+use crate::wording::{Short, plural};
 
-/// Texts, changes and pieces of information that are kept; far more than a flight has.
-const MOST_TEXTS: usize = 10_000;
-/// Characters of a text that are kept.
+/// Largest number of messages and entries of information that are kept; no flight has nearly as many.
+const MAX_TEXTS: usize = 10_000;
+/// Largest length of a text that is kept, bytes.
 const LONGEST_TEXT: usize = 400;
-/// Dropouts and changes that are named one by one.
-const SHOWN: usize = 5;
+/// Number of dropouts and changes that are reported one by one.
+const MAX_SHOWN: usize = 5;
 
-/// A topic under its number.
-#[derive(Debug)]
-pub(super) struct Subscription {
-    name: String,
-    instance: u16,
-    pub(super) layout: Rc<Layout>,
-    state: State,
-    /// The clock of a satellite receiver, where the topic has one.
-    utc: Option<Place>,
-}
-
-#[derive(Debug)]
-enum State {
-    /// No sample yet.
-    Announced,
-    /// Nothing of it is wanted, or it has no time.
-    Unwanted,
-    Open {
-        stream: Stream,
-        places: Vec<Place>,
-    },
-}
-
-/// Reads all messages into the sink; none if the sink is full.
+/// Reads all messages into the sink; `None` if the sink is full.
 pub(in crate::log) fn run<R: Read, S: Sink>(reader: R, source: &str, sink: &mut S) -> Result<Option<Head>, LogError> {
     let io = |error| LogError::Io { source_name: source.to_owned(), error };
     let mut window = Window::new(reader);
@@ -68,7 +46,7 @@ pub(in crate::log) fn run<R: Read, S: Sink>(reader: R, source: &str, sink: &mut 
     window.advance(16);
     let mut lost = false;
     loop {
-        // Two messages, so that the one after a doubtful one can be looked at.
+        // Room for two messages: whether a doubtful one is valid depends on the next one.
         window.fill(2 * LONGEST).map_err(io)?;
         let offset = window.offset();
         let cut = log.appended.iter().copied().find(|&begin| begin > offset).map(|begin| begin - offset);
@@ -78,7 +56,7 @@ pub(in crate::log) fn run<R: Read, S: Sink>(reader: R, source: &str, sink: &mut 
             break;
         }
         let Some((kind, payload)) = message::split(bytes) else {
-            // Cut by the end, or a wrong length: inside may still be messages.
+            // The log ends here, or the length is wrong. There may still be messages inside.
             let rest = bytes.len();
             match log.find(bytes) {
                 Some(step) => {
@@ -96,7 +74,7 @@ pub(in crate::log) fn run<R: Read, S: Sink>(reader: R, source: &str, sink: &mut 
         let length = HEADER + payload.len();
         let follows = bytes.get(length..).is_some_and(|rest| message::may_begin(rest, &log.definitions));
         let good = match trust {
-            // Where nothing follows, bytes may be missing within: then the next message begins inside.
+            // If no message follows, bytes may be missing inside this one, and the next message begins within its length.
             Trust::Strong => {
                 follows || log.find(bytes.get(..length + LONGEST).unwrap_or(bytes)).is_none_or(|at| at >= length)
             }
@@ -124,12 +102,12 @@ fn hex(bytes: &[u8]) -> String {
     if shown.is_empty() { "an empty file".into() } else { shown.join(" ") }
 }
 
-/// A log on its way.
+/// The state of the reader: what was read of a log so far.
 #[derive(Debug, Default)]
 struct Reading {
     head: Head,
     definitions: Definitions,
-    /// Where appended data begin, bytes from the start of the file, rising.
+    /// Positions at which appended data begin, bytes from the start of the file, rising.
     appended: Vec<u64>,
     in_data: bool,
     last_us: f64,
@@ -155,7 +133,7 @@ enum Taken {
     Full,
 }
 
-/// The log says that it must not be read by this version.
+/// Error: the log has flags which say that a reader that does not know them must not read it.
 #[derive(Debug)]
 struct UnknownFlags(Vec<u8>);
 
@@ -170,9 +148,9 @@ impl UnknownFlags {
 }
 
 impl Reading {
-    /// The nearest place after the first byte at which there certainly is a message.
+    /// The nearest position after the first byte at which there certainly is a message.
     fn find(&self, bytes: &[u8]) -> Option<usize> {
-        // A place so near the end that its message is not in the window is looked at when more of the stream is.
+        // If a message does not end within the window, it is judged when more of the stream has been read.
         (1..bytes.len()).find(|&at| {
             let kind = bytes.get(at + 2).copied().unwrap_or_default();
             matches!(kind, b'D' | b'S' | b'A' | b'F' | b'I' | b'P' | b'M' | b'Q')
@@ -214,7 +192,7 @@ impl Reading {
                 let milliseconds = Place { offset: 0, kind: Kind::U16, scale: Scale::ONE }.read(payload);
                 self.dropout_count += 1;
                 self.dropout_ms += milliseconds;
-                if self.dropouts.len() < SHOWN {
+                if self.dropouts.len() < MAX_SHOWN {
                     self.dropouts.push((self.last_us, milliseconds));
                 }
             }
@@ -240,7 +218,7 @@ impl Reading {
             && self.head.utc_offset_s.is_none()
         {
             let utc_us = utc.read(data);
-            // Before a receiver knows the time it says 0.
+            // A receiver that does not know the time yet gives 0.
             if utc_us > 0.0 {
                 self.head.utc_offset_s = Some((utc_us - time_us) * 1e-6);
             }
@@ -271,7 +249,7 @@ impl Reading {
         let Some((incompatible, offsets)) = payload.get(8..40).and_then(|rest| rest.split_at_checked(8)) else {
             return Ok(());
         };
-        // Bit 0 of byte 0: data are appended.
+        // Bit 0 of byte 0 means that data are appended to the log; no other flag is known.
         let unknown = incompatible.iter().enumerate().any(|(index, &flags)| flags & !u8::from(index == 0) != 0);
         if unknown && !self.in_data {
             return Err(UnknownFlags(incompatible.to_vec()));
@@ -292,7 +270,7 @@ impl Reading {
             (false, Some((Some(kind), _))) => Place { offset: 0, kind, scale: Scale::ONE }.read(value).to_string(),
             _ => return,
         };
-        let room = self.head.information.len() < MOST_TEXTS;
+        let room = self.head.information.len() < MAX_TEXTS;
         match self.information.get(name).and_then(|&index| self.head.information.get_mut(index)) {
             Some((_, known)) if continued && known.len() < LONGEST_TEXT => *known += &text,
             Some(_) if continued => {}
@@ -315,7 +293,7 @@ impl Reading {
             Some((_, known)) if *known == value => {}
             Some(_) => {
                 self.change_count += 1;
-                if self.changes.len() < SHOWN {
+                if self.changes.len() < MAX_SHOWN {
                     self.changes.push((self.last_us, name.to_owned(), value));
                 }
             }
@@ -356,7 +334,7 @@ impl Reading {
     }
 
     fn leave_out(&mut self, name: &str, problem: &str) {
-        if self.left_out.len() < MOST_TEXTS {
+        if self.left_out.len() < MAX_TEXTS {
             self.left_out.insert(name.to_owned(), problem.to_owned());
         }
     }
@@ -364,7 +342,7 @@ impl Reading {
     fn text(&mut self, payload: &[u8], stamp: usize, text: usize) {
         self.in_data = true;
         let time_s = Place { offset: stamp, kind: Kind::U64, scale: Scale::ONE }.read(payload);
-        if self.head.messages.len() < MOST_TEXTS {
+        if self.head.messages.len() < MAX_TEXTS {
             let bytes = payload.get(text..).unwrap_or_default();
             let text =
                 String::from_utf8_lossy(bytes.get(..LONGEST_TEXT).unwrap_or(bytes)).trim_end_matches('\0').to_owned();
@@ -384,7 +362,7 @@ impl Reading {
         if self.dropout_count > 0 {
             let shown: Vec<String> =
                 self.dropouts.iter().map(|(time, ms)| format!("{ms} ms at {} s", seconds(*time))).collect();
-            let more = if self.dropout_count > SHOWN { ", ..." } else { "" };
+            let more = if self.dropout_count > MAX_SHOWN { ", ..." } else { "" };
             quality.warn(
                 "",
                 format!(
@@ -410,7 +388,7 @@ impl Reading {
                 .iter()
                 .map(|(time, name, value)| format!("{name} = {} at {} s", Short(*value), seconds(*time)))
                 .collect();
-            let more = if self.change_count > SHOWN { ", ..." } else { "" };
+            let more = if self.change_count > MAX_SHOWN { ", ..." } else { "" };
             let count = plural(self.change_count, "parameter");
             quality.note("", format!("{count} changed while the log ran: {}{more}", shown.join(", ")));
         }

@@ -1,4 +1,4 @@
-//! Which field is which channel: by the model file, by name, and by the profile `data/profiles/mavlink.toml`.
+//! Which field is which channel: by the model file, by name, and by the profile `crates/phugoid-flight-data/profiles/mavlink.toml`.
 
 use std::collections::BTreeMap;
 

@@ -1,27 +1,28 @@
-//! Which column becomes which channel.
+//! Decides which column becomes which channel.
 
 use std::collections::HashMap;
 
 use crate::channels::{self, ChannelSpec};
-use crate::header::{self, Conflict, Doubt, Meaning};
-use crate::quality::{QualityReport, Short};
+use crate::quality::QualityReport;
 use crate::record::Quantity;
+use crate::table::header::{self, Conflict, Doubt, Meaning};
 use crate::table::{ColumnMapping, TableError, TableOptions};
 use crate::units::{self, Unit};
+use crate::wording::{Short, list};
 
-/// The most columns accepted.
-pub(crate) const MOST_COLUMNS: usize = 5000;
+/// The largest number of columns that a table may have.
+pub(crate) const MAX_COLUMNS: usize = 5000;
 
-/// The head of a file: one header per column, and perhaps a row of units below.
+/// The head of a table: one header per column, and perhaps a row of units below.
 pub(crate) struct Head<'a> {
     pub(crate) source: &'a str,
-    /// Line of the header, in a file of lines.
+    /// Line of the header, counted from 1; `None` where the table is no text file.
     pub(crate) line: Option<usize>,
     pub(crate) headers: &'a [String],
     pub(crate) units: Option<&'a [String]>,
 }
 
-/// What every header means, and the known channels among them.
+/// The meanings of all headers, and the known channels among them.
 struct Meanings {
     headers: Vec<Result<Meaning, Conflict>>,
     present: Vec<&'static str>,
@@ -42,7 +43,8 @@ impl Meanings {
                 _ => None,
             })
             .collect();
-        // `T` beside `time_s` is hardly a second time: where another column says the unit, a bare namesake is in doubt.
+        // `T` beside `time_s` is hardly a second time. If another column has the same channel with a unit, a column without a unit
+        // whose name has several meanings is left undecided.
         let stated: Vec<&str> = headers
             .iter()
             .filter_map(|meaning| match meaning {
@@ -71,7 +73,7 @@ impl Meanings {
     }
 }
 
-/// One column and what it becomes.
+/// One column and the channel that it becomes.
 #[derive(Clone, Debug)]
 pub(crate) struct ColumnUse {
     pub(crate) column: usize,
@@ -81,40 +83,40 @@ pub(crate) struct ColumnUse {
     pub(crate) unit: Unit,
     pub(crate) unit_assumed: bool,
     pub(crate) scale: f64,
-    /// Further columns that are added, and their factors.
+    /// Further columns that are added, with their factors.
     pub(crate) plus: Vec<(usize, f64)>,
 }
 
 impl ColumnUse {
-    /// The value in SI from the numbers that stand in its columns; NaN if one is missing.
+    /// The value in SI from the numbers in its columns; NaN if one is missing.
     pub(crate) fn value(&self, mut number: impl FnMut(usize) -> f64) -> f64 {
         let first = self.scale * number(self.column);
         let sum = self.plus.iter().fold(first, |sum, (column, scale)| sum + scale * number(*column));
         let si = self.unit.to_si(sum);
-        // A finite number may overflow in the conversion.
+        // The conversion of a finite number may overflow.
         if si.is_finite() { si } else { f64::NAN }
     }
 
-    /// Its columns.
+    /// The indices of all its columns.
     pub(crate) fn columns(&self) -> impl Iterator<Item = usize> {
         [self.column].into_iter().chain(self.plus.iter().map(|(column, _)| *column))
     }
 }
 
-/// The time column (none if the sample time is given) and the channels in the order of the file.
+/// The time column (`None` if the sample time is given) and the channels in the order of the file.
 pub(crate) struct Plan {
     pub(crate) time: Option<ColumnUse>,
     pub(crate) channels: Vec<ColumnUse>,
 }
 
-/// Decides for every column, and says in the report what was assumed.
+/// Decides for every column what it becomes, and reports what was assumed.
 pub(crate) fn plan(head: &Head<'_>, options: &TableOptions, report: &mut QualityReport) -> Result<Plan, TableError> {
-    if head.headers.len() > MOST_COLUMNS {
+    if head.headers.len() > MAX_COLUMNS {
         return Err(TableError::TooManyColumns {
             source_name: head.source.to_owned(),
             line: head.line,
             columns: head.headers.len(),
-            max_columns: MOST_COLUMNS,
+            max_columns: MAX_COLUMNS,
         });
     }
     let mut uses = Vec::new();
@@ -135,7 +137,7 @@ pub(crate) fn plan(head: &Head<'_>, options: &TableOptions, report: &mut Quality
         }
     }
     uses.sort_by_key(|column| column.column);
-    name_apart(&mut uses, report);
+    make_names_unique(&mut uses, report);
 
     let mut time = uses.iter().position(|column| column.name == "time").map(|index| uses.remove(index));
     if let (Some(step), Some(column)) = (options.sample_time_s, &time) {
@@ -149,13 +151,13 @@ pub(crate) fn plan(head: &Head<'_>, options: &TableOptions, report: &mut Quality
         return Err(no_time(head));
     }
     for column in uses.iter().filter(|column| column.unit_assumed) {
-        say_assumed(column, report);
+        report_assumed_unit(column, report);
     }
     Ok(Plan { time, channels: uses })
 }
 
-/// The warning about a column without a unit.
-pub(crate) fn say_assumed(column: &ColumnUse, report: &mut QualityReport) {
+/// Warns that a column has no unit and is taken as SI.
+pub(crate) fn report_assumed_unit(column: &ColumnUse, report: &mut QualityReport) {
     let quantity = column.unit.quantity;
     let header = &column.header;
     let other = units::UNITS.iter().filter(|unit| unit.quantity == quantity).nth(1).map(|unit| unit.symbol);
@@ -234,7 +236,7 @@ fn mapped(head: &Head<'_>, mapping: &ColumnMapping, report: &mut QualityReport) 
     Ok(ColumnUse { column, header, name, spec, unit, unit_assumed, scale, plus })
 }
 
-/// The column of one of the headers of a mapping.
+/// The index of the column with this header of a mapping.
 fn find_column(head: &Head<'_>, mapping: &ColumnMapping, header: &str) -> Result<usize, TableError> {
     let wanted = header.trim();
     let alike = |loose: bool| -> Vec<usize> {
@@ -277,6 +279,7 @@ fn find_column(head: &Head<'_>, mapping: &ColumnMapping, header: &str) -> Result
     }
 }
 
+/// Decides by its header what a column that is not mapped becomes; `None` if it is left out.
 fn automatic(
     head: &Head<'_>,
     column: usize,
@@ -326,7 +329,7 @@ fn automatic(
             if name.is_empty() {
                 name = format!("column_{}", column + 1);
             }
-            // A foreign column must not pass for a known channel (`airspeed` mapped by hand, `v` in doubt).
+            // A column that was not recognised must not have the name of a known channel (`v`, which is ambiguous).
             if channels::by_name(&name).is_some() {
                 name = format!("{name}?");
             }
@@ -337,7 +340,7 @@ fn automatic(
     }
 }
 
-/// `v` beside `u` or `w` is the lateral velocity; alone it may as well be the airspeed.
+/// Decides that `v` is the lateral velocity if the table also has `u` or `w`; alone it could be the airspeed as well.
 fn body_velocity(meaning: Meaning, meanings: &Meanings) -> Meaning {
     let Meaning::Unknown { unit, doubt: Some(Doubt::Ambiguous(names)), .. } = &meaning else { return meaning };
     let Some(spec) = names.iter().find(|name| **name == "v").and_then(|name| channels::by_name(name)) else {
@@ -391,8 +394,8 @@ fn doubtful(place: &str, header: &str, doubt: &Doubt, meanings: &Meanings, repor
     }
 }
 
-/// Gives unknown columns of the same name different names; known ones have been refused before.
-fn name_apart(uses: &mut [ColumnUse], report: &mut QualityReport) {
+/// Gives unknown columns of the same name different names. Two columns of a known channel are an error before this.
+fn make_names_unique(uses: &mut [ColumnUse], report: &mut QualityReport) {
     let mut taken: HashMap<String, usize> =
         uses.iter().filter(|c| c.spec.is_some()).map(|c| (c.name.clone(), 1)).collect();
     for this in uses.iter_mut().filter(|column| column.spec.is_none()) {
@@ -453,21 +456,5 @@ fn no_time(head: &Head<'_>) -> TableError {
         line: head.line,
         headers: list(head.headers),
         nearest: nearest.unwrap_or_default(),
-    }
-}
-
-/// The headers in one line, cut to what a screen shows.
-pub(crate) fn list(headers: &[String]) -> String {
-    const SHOWN: usize = 20;
-    let shown: Vec<String> = headers.iter().take(SHOWN).map(|header| cut(header, 40)).collect();
-    let more = headers.len().saturating_sub(SHOWN);
-    if more > 0 { format!("{}, ... and {more} more", shown.join(", ")) } else { shown.join(", ") }
-}
-
-/// At most `length` characters of a text, for messages.
-pub(crate) fn cut(text: &str, length: usize) -> String {
-    match text.char_indices().nth(length) {
-        Some((end, _)) => format!("{}...", text.get(..end).unwrap_or_default()),
-        None => text.to_owned(),
     }
 }

@@ -1,37 +1,37 @@
-//! What a header means: a name and perhaps a unit.
+//! Interprets the header of a column: a name and perhaps a unit.
 
 use crate::channels::{self, AMBIGUOUS, ChannelSpec};
 use crate::record::Quantity;
 use crate::units::{self, Unit};
 
-/// What a header means.
+/// The meaning of a header.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Meaning {
-    /// A channel of the table, with the unit if one was written.
+    /// A known channel, with the unit if one was written.
     Known { spec: &'static ChannelSpec, unit: Option<Unit> },
-    /// Another channel, kept under its own name.
+    /// No known channel: the column is kept under its own name.
     Unknown { name: String, unit: Option<Unit>, doubt: Option<Doubt> },
 }
 
 /// Why a header was not taken for a known channel although it looks like one.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Doubt {
-    /// The name is known, but the unit belongs to another quantity or is no unit.
+    /// The name is known, but the unit is one of another quantity (`found`) or is not known.
     Unit { spec: &'static ChannelSpec, text: String, found: Option<Quantity> },
     /// The name could mean several channels.
     Ambiguous(Vec<&'static str>),
-    /// Probably a misspelt name.
+    /// The name is probably a misspelling of this channel.
     Near(&'static str),
 }
 
-/// A header says one unit and the row of units below it (or its own brackets) another.
+/// Two different units are stated for one column: in its header, in brackets, or in the row of units below.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Conflict {
     pub(crate) first: String,
     pub(crate) second: String,
 }
 
-/// What a header means, with the text below it in the row of units if there is one.
+/// The meaning of a header and of the text below it in the row of units, if there is one.
 pub(crate) fn interpret(header: &str, unit_below: Option<&str>) -> Result<Meaning, Conflict> {
     let header = header.trim();
     let below = unit_below.map(str::trim).filter(|text| !text.is_empty());
@@ -50,14 +50,14 @@ pub(crate) fn interpret(header: &str, unit_below: Option<&str>) -> Result<Meanin
     }
 }
 
-/// A unit written in a header or below it that suits a quantity, whatever the name says.
+/// A unit of this quantity that is written in a header or below it, whatever the name of the column is.
 pub(crate) fn unit_for(header: &str, unit_below: Option<&str>, quantity: Quantity) -> Option<Unit> {
     let (name, bracket) = split_bracket(header.trim());
     let stated = bracket.into_iter().chain(unit_below).find_map(|text| units::find_for(text, quantity));
     stated.or_else(|| splits(name, true).into_iter().find_map(|(_, suffix)| units::find_for(suffix, quantity)))
 }
 
-/// `alpha [deg]`, `alpha (deg)`, `alpha {deg}`, `Alpha, deg`: the name and the unit's text.
+/// Splits `alpha [deg]`, `alpha (deg)`, `alpha {deg}` or `Alpha, deg` into the name and the text of the unit.
 fn split_bracket(header: &str) -> (&str, Option<&str>) {
     for (open, close) in [('[', ']'), ('(', ')'), ('{', '}')] {
         if let Some(inner) = header.strip_suffix(close)
@@ -98,7 +98,7 @@ fn with_unit(header: &str, name: &str, unit_text: &str) -> Result<Meaning, Confl
         let doubt = Doubt::Unit { spec, text: unit_text.to_owned(), found: found.first().map(|unit| unit.quantity) };
         return Ok(Meaning::Unknown { name: header.to_owned(), unit: None, doubt: Some(doubt) });
     }
-    // `alpha_deg [deg]`: the name says a unit too.
+    // In `alpha_deg [deg]` the name contains a unit too.
     let by_name = with_suffix(name);
     if let Meaning::Known { unit: Some(suffix), .. } | Meaning::Unknown { unit: Some(suffix), .. } = &by_name
         && !found.is_empty()
@@ -108,7 +108,7 @@ fn with_unit(header: &str, name: &str, unit_text: &str) -> Result<Meaning, Confl
             false => Err(Conflict { first: suffix.symbol.to_owned(), second: unit_text.to_owned() }),
         };
     }
-    // With an unknown unit the text in brackets stays part of the name.
+    // If the unit is not known, the text in brackets stays part of the name.
     let (name, unit) = match found.first() {
         Some(unit) => (name, Some(*unit)),
         None => (header, None),
@@ -146,7 +146,7 @@ fn with_suffix(header: &str) -> Meaning {
                 return Meaning::Known { spec, unit: Some(unit) };
             }
         }
-        // One letter may be an index or a mark (`theta_c`: commanded) as well as a unit.
+        // A single letter can be an index or a mark (`theta_c`: commanded) as well as a unit.
         if let (Some(spec), None, true) = (specs.first(), &doubt, suffix.len() > 1) {
             doubt = Some(Doubt::Unit { spec, text: suffix.to_owned(), found: Some(first.quantity) });
         }
@@ -154,7 +154,7 @@ fn with_suffix(header: &str) -> Meaning {
     if doubt.is_some() {
         return unknown(header, None, doubt);
     }
-    // Under an unknown name only an unmistakable suffix is a unit: `delta_Cm` is no length, `theta_c` no temperature.
+    // After an unknown name only an unmistakable suffix is taken as a unit: `delta_Cm` is no length, `theta_c` no temperature.
     let unmistakable = splits(header, false).into_iter().find_map(|(name, suffix)| {
         let unit = units::find(suffix).first().copied()?;
         UNMISTAKABLE.contains(&unit.symbol).then_some((name, unit))
@@ -171,6 +171,7 @@ fn with_suffix(header: &str) -> Meaning {
     }
 }
 
+/// Suffixes that are units also after a name that is not known.
 const UNMISTAKABLE: &[&str] = &[
     "rad", "deg", "rad_s", "deg_s", "dps", "rad_s2", "deg_s2", "m_s", "ft_s", "kt", "m_s2", "ft_s2", "ft", "pa", "hpa",
     "kpa", "psf", "kg", "lbf", "slug", "kg_m2", "slug_ft2", "kg_m3", "slug_ft3", "degc", "degf",
@@ -181,7 +182,7 @@ fn ambiguous(name: &str) -> Option<&'static [&'static str]> {
     AMBIGUOUS.iter().find(|(ambiguous, _)| *ambiguous == key).map(|(_, meanings)| *meanings)
 }
 
-/// The one channel among the meanings that the unit suits: `m_kg` is the mass.
+/// The only channel among the meanings whose quantity has this unit: `m_kg` is the mass. `None` if there is none or several.
 fn only_one(meanings: &[&str], found: &[Unit]) -> Option<Meaning> {
     let mut suiting = meanings.iter().filter_map(|name| channels::by_name(name)).filter_map(|spec| {
         let unit = found.iter().find(|unit| unit.quantity == spec.quantity)?;
@@ -190,14 +191,14 @@ fn only_one(meanings: &[&str], found: &[Unit]) -> Option<Meaning> {
     suiting.next().filter(|_| suiting.next().is_none())
 }
 
-/// A load factor in `g` is a pure number.
+/// For a load factor in `g`, the unit of a pure number; `None` for everything else.
 fn load_factor_unit(spec: &ChannelSpec, text: &str) -> Option<Unit> {
     let is_load_factor = matches!(spec.name, "nx" | "ny" | "nz");
     let in_g = units::find_for(text, Quantity::Acceleration).is_some_and(|unit| unit.symbol == "g");
     (is_load_factor && in_g).then(|| units::find_for("-", Quantity::Number)).flatten()
 }
 
-/// `KTAS`, `KIAS`, `KCAS`, `KEAS`: the unit stands first.
+/// Interprets `KTAS`, `KIAS`, `KCAS` and `KEAS`, airspeeds in knots; `None` for other names.
 fn knots(header: &str) -> Option<Meaning> {
     let key = channels::key(header);
     let name = key.strip_prefix('k').filter(|name| matches!(*name, "tas" | "ias" | "cas" | "eas"))?;
@@ -205,8 +206,8 @@ fn knots(header: &str) -> Option<Meaning> {
     Some(Meaning::Known { spec, unit: units::find_for("kt", Quantity::Speed) })
 }
 
-/// Ways to cut a header into a name and a suffix, the longest suffix first. Words begin after a separator and, where
-/// asked for, at a capital after a small letter (`TimeUS`).
+/// All ways to split a header into a name and a suffix, the longest suffix first. Words begin after a separator and, with
+/// `camel_case`, at a capital after a small letter (`TimeUS`).
 fn splits(header: &str, camel_case: bool) -> Vec<(&str, &str)> {
     let mut starts = Vec::new();
     let mut previous = ' ';

@@ -1,13 +1,13 @@
-//! A profile for a log whose fields say themselves what they are, as the headers of a table do: `air.tas_kt`.
+//! Makes a profile for a log whose fields are named like channels, as the headers of a table are: `air.tas_kt`.
 
 use crate::align::Hold;
-use crate::header::{self, Meaning};
 use crate::log::survey::Survey;
 use crate::profile::{ChannelProfile, FieldName, Profile, Source, Transform};
 use crate::record::Quantity;
+use crate::table::header::{self, Meaning};
 
-/// Every field whose name, or the last part of its path, is that of a channel; times are those of the topic with the most
-/// samples among them. A field without a unit is taken as SI, and its note says so.
+/// The profile with every field whose name, or the last part of its path, is that of a channel. The topic with the most samples
+/// among them gives the times. A field without a unit is taken as SI, which its note says.
 pub(super) fn profile(survey: &Survey) -> Profile {
     let mut channels: Vec<ChannelProfile> = Vec::new();
     let mut bases: Vec<(bool, usize, &str)> = Vec::new();

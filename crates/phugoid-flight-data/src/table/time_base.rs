@@ -1,25 +1,26 @@
-//! One strictly increasing time base out of whatever the file has.
+//! Makes strictly increasing times of the times in a file.
 
-use crate::quality::{Counted, Lines, QualityReport, Short, plural};
+use crate::quality::QualityReport;
 use crate::table::TableError;
+use crate::wording::{Counted, Lines, Short, plural};
 
-/// Rows as read: a finite time, the line (or row) in the file, and one value per channel.
+/// The rows as read: a finite time, the number of the line or row in the file, and one value per channel.
 pub(crate) struct Table {
     pub(crate) time: Vec<f64>,
-    /// What `lines` counts.
+    /// Whether `lines` holds line numbers or row numbers.
     pub(crate) counted: Counted,
     pub(crate) lines: Vec<usize>,
     pub(crate) columns: Vec<Vec<f64>>,
 }
 
-/// Rows that a clock must run on both sides of a jump back before the jump counts as a new start of the clock.
+/// Number of rows that the clock has to run before and after a jump back for the jump to count as a restart of the clock.
 const RESTART_ROWS: usize = 10;
 
-/// What to do where a column is no time.
+/// Advice for a time column that holds no time.
 const OTHER_TIME: &str = "If another column is the time, map the channel 'time' to it";
 
-/// Makes the time strictly increasing: takes the longest part between starts of the clock, merges rows of equal time
-/// and leaves out the fewest rows that stand against the order.
+/// Makes the times strictly increasing: takes the longest part between restarts of the clock, merges rows of equal time, and
+/// leaves out the fewest rows that are not in order.
 pub(crate) fn put_in_order(
     table: &mut Table,
     source: &str,
@@ -30,7 +31,7 @@ pub(crate) fn put_in_order(
     merge_equal_times(table, &mut rows, report);
     let rising = longest_rising(&table.time, &rows);
     if 2 * rising.len() < rows.len() {
-        // Of the whole table: where the clock seems to start again and again, a part says nothing.
+        // Counted over the whole table: if the clock seems to restart again and again, one part is not representative.
         let all: Vec<usize> = (0..table.time.len()).collect();
         let back: Vec<usize> = all.iter().rev().copied().collect();
         let falls = longest_rising(&table.time, &back).len() == all.len();
@@ -69,7 +70,7 @@ pub(crate) fn put_in_order(
     Ok(())
 }
 
-/// The rows of the longest part between two starts of the clock (the first of equals).
+/// The rows of the longest part between two restarts of the clock; of equally long parts the first.
 fn longest_part(table: &Table, report: &mut QualityReport) -> Vec<usize> {
     let time = &table.time;
     let mut starts = vec![0];
@@ -123,7 +124,7 @@ fn longest_part(table: &Table, report: &mut QualityReport) -> Vec<usize> {
     (longest.0..longest.1).collect()
 }
 
-/// Merges neighbouring rows of equal time into the first of them: its missing values are taken from the later ones.
+/// Merges neighbouring rows of equal time into the first one, whose missing values are filled from the later ones.
 fn merge_equal_times(table: &mut Table, rows: &mut Vec<usize>, report: &mut QualityReport) {
     let mut merged = Lines::of(table.counted);
     let (mut filled, mut differing) = (0_usize, 0_usize);
@@ -163,14 +164,14 @@ fn merge_equal_times(table: &mut Table, rows: &mut Vec<usize>, report: &mut Qual
     *rows = kept;
 }
 
-/// The longest strictly rising sequence of times among these rows; of two swapped rows the later in the file goes.
+/// The longest sequence among these rows whose times rise strictly; of two swapped rows the later one is left out.
 pub(crate) fn longest_rising(time: &[f64], rows: &[usize]) -> Vec<usize> {
     let at = |position: usize| rows.get(position).and_then(|&row| time.get(row)).copied().unwrap_or(f64::NAN);
     if (1..rows.len()).all(|position| at(position - 1) < at(position)) {
         return rows.to_vec();
     }
-    // Patience sorting from the end with the order turned: `tails[n]` is the start of the falling sequence of length
-    // n + 1 with the largest start.
+    // Longest increasing subsequence by patience sorting, from the end: `tails[n]` is the first row of the sequence of length
+    // n + 1 whose first time is the largest.
     let mut tails: Vec<usize> = Vec::new();
     let mut next = vec![usize::MAX; rows.len()];
     for position in (0..rows.len()).rev() {
@@ -194,7 +195,7 @@ pub(crate) fn longest_rising(time: &[f64], rows: &[usize]) -> Vec<usize> {
 
 /// Reports gaps, missing rows and jitter of a strictly increasing time.
 pub(crate) fn report_steps(time: &[f64], median: f64, gap_factor: f64, report: &mut QualityReport) {
-    const SHOWN: usize = 10;
+    const MAX_SHOWN: usize = 10;
     if median <= 0.0 {
         return;
     }
@@ -206,7 +207,7 @@ pub(crate) fn report_steps(time: &[f64], median: f64, gap_factor: f64, report: &
         if step > gap_factor * median {
             gaps += 1;
             gap_time += step - median;
-            if gaps <= SHOWN {
+            if gaps <= MAX_SHOWN {
                 report.warn(
                     format!("{} s to {} s", Short(before), Short(after)),
                     format!(
@@ -225,9 +226,11 @@ pub(crate) fn report_steps(time: &[f64], median: f64, gap_factor: f64, report: &
             longest = longest.max(step);
         }
     }
-    if gaps > SHOWN {
-        report
-            .warn("", format!("{gaps} gaps in all, {} s without data; the first {SHOWN} are listed", Short(gap_time)));
+    if gaps > MAX_SHOWN {
+        report.warn(
+            "",
+            format!("{gaps} gaps in all, {} s without data; the first {MAX_SHOWN} are listed", Short(gap_time)),
+        );
     }
     if single > 0 {
         report

@@ -1,43 +1,41 @@
-//! Quantiles and slopes that single wild values do not move.
+//! Medians, ranges and slopes that single wild values do not move.
 
-/// Median of what is there.
-pub(super) fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
-    let mut present: Vec<f64> = values.filter(|value| value.is_finite()).collect();
-    if present.is_empty() {
-        return None;
-    }
-    let middle = present.len() / 2;
-    Some(*present.select_nth_unstable_by(middle, f64::total_cmp).1)
+use crate::statistics::{self, Rank};
+
+/// Median of the finite values; `None` if there is none.
+pub(super) fn median_of_finite(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let mut finite: Vec<f64> = values.filter(|value| value.is_finite()).collect();
+    statistics::median(&mut finite)
 }
 
-/// The 5 and 95 % quantiles: the span a signal really uses, outliers aside.
+/// The 5 and 95 % quantiles of the finite values: the range of the signal without its outliers.
 pub(super) fn span(values: &[f64]) -> Option<(f64, f64)> {
-    let mut present: Vec<f64> = values.iter().copied().filter(|value| value.is_finite()).collect();
-    let last = present.len().checked_sub(1)?;
-    let mut at = |part: f64| *present.select_nth_unstable_by((last as f64 * part).round() as usize, f64::total_cmp).1;
-    Some((at(0.05), at(0.95)))
+    let mut finite: Vec<f64> = values.iter().copied().filter(|value| value.is_finite()).collect();
+    let mut at = |fraction| statistics::quantile(&mut finite, fraction, Rank::Nearest);
+    Some((at(0.05)?, at(0.95)?))
 }
 
-/// The end of a span that is further from zero, its sign aside.
-pub(super) fn reach((low, high): (f64, f64)) -> f64 {
+/// The larger absolute value of the two ends of a range.
+pub(super) fn largest_size((low, high): (f64, f64)) -> f64 {
     low.abs().max(high.abs())
 }
 
-/// How a signal follows its cause.
+/// The regression of a signal on what should cause it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Fit {
     /// Change of the signal per change of the cause.
     pub(super) slope: f64,
+    /// Correlation coefficient of the two, from -1 to 1.
     pub(super) correlation: f64,
 }
 
-/// Changes of a signal over windows of about `width` seconds, with the integrals over the same windows of what should
-/// cause them, regressed on each other. None for fewer than ten whole windows, or where nothing moves.
+/// Regression of the changes of a signal over windows of about `width` seconds on the integrals of `rate` over the same windows.
+/// `None` for fewer than ten whole windows, or if one of the two does not move.
 pub(super) fn fit(time: &[f64], signal: &[f64], rate: impl Fn(usize) -> f64, width: f64) -> Option<Fit> {
     regress(&windows(time, signal, rate, width))
 }
 
-/// Change and integral of each window in which both are known.
+/// The change of the signal and the integral of the rate (trapezoidal rule) for each window; windows across a gap are left out.
 pub(super) fn windows(time: &[f64], signal: &[f64], rate: impl Fn(usize) -> f64, width: f64) -> Vec<(f64, f64)> {
     let mut pairs = Vec::new();
     let mut start = 0;
@@ -48,7 +46,7 @@ pub(super) fn windows(time: &[f64], signal: &[f64], rate: impl Fn(usize) -> f64,
             integral += 0.5 * (rate(end) + rate(end + 1)) * (time[end + 1] - time[end]);
             end += 1;
         }
-        // Windows across a gap say nothing.
+        // A window that is much too long lies across a gap.
         if time[end] - time[start] < 1.5 * width {
             pairs.push((signal[end] - signal[start], integral));
         }
@@ -57,6 +55,8 @@ pub(super) fn windows(time: &[f64], signal: &[f64], rate: impl Fn(usize) -> f64,
     pairs
 }
 
+/// Regression of the first of each pair on the second; pairs that are not finite are left out. `None` for fewer than ten pairs,
+/// or if one of the two is constant.
 pub(super) fn regress(pairs: &[(f64, f64)]) -> Option<Fit> {
     let pairs: Vec<(f64, f64)> = pairs.iter().copied().filter(|(a, b)| a.is_finite() && b.is_finite()).collect();
     if pairs.len() < 10 {

@@ -1,13 +1,13 @@
-//! A survey of a whole log and the tables of a selection, in one pass over it.
+//! A sink that surveys a whole log and keeps the tables of a selection, in one pass.
 
 use super::decode::Scale;
 use super::sink::{Full, Head, Sink, Stream, Tables};
 use super::survey::{Counts, Survey};
 use super::{Log, LogError, Selection};
 
-/// Counts everything, and keeps what is selected until that is too much.
+/// Counts everything, and keeps what is selected until it exceeds the bound on memory.
 #[derive(Debug)]
-pub(super) struct Surveyed<'s> {
+pub(super) struct SurveyAndTables<'s> {
     counts: Counts,
     tables: Tables<'s>,
     full: Option<Full>,
@@ -15,7 +15,7 @@ pub(super) struct Surveyed<'s> {
     row: Vec<f64>,
 }
 
-impl<'s> Surveyed<'s> {
+impl<'s> SurveyAndTables<'s> {
     pub(super) fn new(selection: &'s Selection) -> Self {
         Self { counts: Counts::default(), tables: Tables::new(selection), full: None, row: Vec::new() }
     }
@@ -29,7 +29,7 @@ impl<'s> Surveyed<'s> {
     }
 }
 
-impl Sink for Surveyed<'_> {
+impl Sink for SurveyAndTables<'_> {
     fn open(&mut self, topic: &str, instance: u16, fields: &[String]) -> Option<Stream> {
         let counted = self.counts.open(topic, instance, fields)?;
         let selected = self.tables.open(topic, instance, fields);
@@ -43,7 +43,7 @@ impl Sink for Surveyed<'_> {
             self.row.extend(places.iter().map(|&place| values.get(place).copied().unwrap_or(f64::NAN)));
             if self.tables.row(selected, time_us, &self.row) == Err(Full) {
                 self.full = Some(Full);
-                // What is no use any more frees its memory; the survey goes on.
+                // The tables cannot be used any more: free their memory. The survey goes on.
                 self.tables.clear();
             }
         }

@@ -1,10 +1,11 @@
-//! Stuck channels and spikes: counted and said, never changed.
+//! Reports stuck channels and spikes. Values are never changed.
 
 use crate::channels;
-use crate::quality::{Short, plural};
 use crate::record::{Channel, Record};
+use crate::statistics::{Rank, quantile};
+use crate::wording::{Short, plural};
 
-/// Notes on constant channels, frozen stretches and lone outliers.
+/// Adds notes on constant channels, on stretches in which a channel is frozen, and on spikes.
 pub(crate) fn check(record: &mut Record) {
     let mut stretches: Vec<((usize, usize), Vec<&str>)> = Vec::new();
     for channel in &record.channels {
@@ -56,15 +57,15 @@ pub(crate) fn check(record: &mut Record) {
     }
 }
 
-/// The one value of a channel that has no other.
+/// The value of a channel that has only one value; `None` for other channels. NaN is left out.
 fn constant(values: &[f64]) -> Option<f64> {
     let mut present = values.iter().copied().filter(|value| !value.is_nan());
     let first = present.next()?;
     present.all(|value| value == first).then_some(first)
 }
 
-/// Stretches in which a channel that otherwise changes from row to row stays at one value for at least a second and ten
-/// rows: first and last row of each, at most three.
+/// The first and last row of each stretch (at most three) in which a channel that otherwise changes from row to row keeps its value
+/// for at least one second and ten rows.
 fn frozen(channel: &Channel, time: &[f64], sample_time: f64) -> Vec<(usize, usize)> {
     let values = &channel.values;
     let pairs = values.windows(2).filter(|pair| !pair[0].is_nan() && !pair[1].is_nan());
@@ -85,7 +86,7 @@ fn frozen(channel: &Channel, time: &[f64], sample_time: f64) -> Vec<(usize, usiz
         start = row;
     }
     let in_runs: usize = runs.iter().map(|(start, end)| end - start).sum();
-    // Outside these stretches it must really move: a quantised or slowly sampled channel repeats its values anyway.
+    // A quantised or slowly sampled channel repeats values everywhere; it is not frozen.
     let moves_elsewhere = 10 * equal.saturating_sub(in_runs) < all.saturating_sub(in_runs);
     if !moves_elsewhere {
         return Vec::new();
@@ -94,8 +95,8 @@ fn frozen(channel: &Channel, time: &[f64], sample_time: f64) -> Vec<(usize, usiz
     runs
 }
 
-/// Rows whose value stands alone: on the same side of both neighbours, and from both further than six times what the
-/// upper quarter of all steps in this channel is (ten sigma of white noise), and than a twentieth of the channel's range.
+/// The rows with a spike: a value above or below both neighbours, and further from both than six times the upper quartile of all
+/// steps of the channel (ten standard deviations of white noise) and than 5 % of its range.
 fn spikes(values: &[f64]) -> Vec<usize> {
     let present: Vec<(usize, f64)> = values.iter().copied().enumerate().filter(|(_, value)| !value.is_nan()).collect();
     if present.len() < 20 {
@@ -104,8 +105,10 @@ fn spikes(values: &[f64]) -> Vec<usize> {
     let mut steps: Vec<f64> = present.windows(2).map(|pair| (pair[1].1 - pair[0].1).abs()).collect();
     steps.retain(|step| *step > 0.0);
     let mut sorted: Vec<f64> = present.iter().map(|(_, value)| *value).collect();
-    let range = quantile(&mut sorted, 0.95) - quantile(&mut sorted, 0.05);
-    let bound = (6.0 * quantile(&mut steps, 0.75)).max(0.05 * range);
+    let mut range = |fraction| quantile(&mut sorted, fraction, Rank::Nearest).unwrap_or(f64::NAN);
+    let range = range(0.95) - range(0.05);
+    let upper_quarter = quantile(&mut steps, 0.75, Rank::Nearest).unwrap_or(f64::NAN);
+    let bound = (6.0 * upper_quarter).max(0.05 * range);
     present
         .windows(3)
         .filter(|three| {
@@ -114,14 +117,6 @@ fn spikes(values: &[f64]) -> Vec<usize> {
         })
         .map(|three| three[1].0)
         .collect()
-}
-
-fn quantile(values: &mut [f64], fraction: f64) -> f64 {
-    if values.is_empty() {
-        return f64::NAN;
-    }
-    let index = ((values.len() - 1) as f64 * fraction).round() as usize;
-    *values.select_nth_unstable_by(index, f64::total_cmp).1
 }
 
 #[cfg(test)]
