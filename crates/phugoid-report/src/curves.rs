@@ -2,7 +2,7 @@
 
 use crate::decimate;
 use crate::figure::{Colour, Kind, Series, Stroke};
-use crate::layout::Map;
+use crate::plot_area::PlotArea;
 use crate::scene::{Scene, Shape};
 
 /// Width of a curve, px.
@@ -15,7 +15,7 @@ pub(crate) const MARK: f64 = 6.0;
 pub(crate) const BAND_OPACITY: f64 = 0.28;
 
 /// Draws one series.
-pub(crate) fn draw(scene: &mut Scene, map: &Map, series: &Series) {
+pub(crate) fn draw(scene: &mut Scene, map: &PlotArea, series: &Series) {
     let gap = if series.joined { f64::INFINITY } else { longest_step(&series.x) };
     let points = |y: &[f64]| -> Vec<[f64; 2]> { broken(near(map, &series.x, y), gap).map(|p| place(map, p)).collect() };
     let colour = series.colour;
@@ -74,7 +74,7 @@ pub(crate) fn draw(scene: &mut Scene, map: &Map, series: &Series) {
 }
 
 /// Draws a bar of states; states later in the list over earlier ones, none narrower than a pixel.
-pub(crate) fn draw_strip(scene: &mut Scene, map: &Map, x: &[f64], state: &[usize], states: &[(String, Colour)]) {
+pub(crate) fn draw_strip(scene: &mut Scene, map: &PlotArea, x: &[f64], state: &[usize], states: &[(String, Colour)]) {
     let count = x.len().min(state.len());
     for (index, (_, colour)) in states.iter().enumerate() {
         let mut outlines: Vec<Vec<[f64; 2]>> = Vec::new();
@@ -113,7 +113,7 @@ pub(crate) fn draw_strip(scene: &mut Scene, map: &Map, x: &[f64], state: &[usize
 }
 
 /// Samples within the abscissa's limits, and the neighbours just outside so that lines run to the border.
-fn near<'a>(map: &Map, x: &'a [f64], y: &'a [f64]) -> impl Iterator<Item = [f64; 2]> + use<'a> {
+fn near<'a>(map: &PlotArea, x: &'a [f64], y: &'a [f64]) -> impl Iterator<Item = [f64; 2]> + use<'a> {
     let limits = map.x;
     let count = x.len().min(y.len());
     let first = x.partition_point(|v| *v < limits[0]).saturating_sub(1);
@@ -142,7 +142,7 @@ fn broken(samples: impl Iterator<Item = [f64; 2]>, gap: f64) -> impl Iterator<It
     })
 }
 
-fn place(map: &Map, point: [f64; 2]) -> [f64; 2] {
+fn place(map: &PlotArea, point: [f64; 2]) -> [f64; 2] {
     if point[0].is_finite() && point[1].is_finite() { map.at(point) } else { [f64::NAN; 2] }
 }
 
@@ -157,7 +157,14 @@ fn steps(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     out
 }
 
-fn draw_lines(scene: &mut Scene, map: &Map, lines: Vec<Vec<[f64; 2]>>, colour: Colour, width: f64, stroke: Stroke) {
+fn draw_lines(
+    scene: &mut Scene,
+    map: &PlotArea,
+    lines: Vec<Vec<[f64; 2]>>,
+    colour: Colour,
+    width: f64,
+    stroke: Stroke,
+) {
     let mut inside: Vec<Vec<[f64; 2]>> = Vec::new();
     for line in lines {
         if let [only] = line.as_slice() {

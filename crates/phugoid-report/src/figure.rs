@@ -2,10 +2,6 @@
 
 use std::sync::Arc;
 
-use crate::error::ReportError;
-use crate::scene::Theme;
-use crate::{layout, png, svg};
-
 /// A figure: panels in rows and columns under one title, drawn as SVG or PNG with the same result.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Figure {
@@ -309,24 +305,3 @@ pub enum Colour {
 /// Colours for several curves of equal rank in one panel, in this order; repeats after the last.
 pub const LINE_COLOURS: [Colour; 6] =
     [Colour::Blue, Colour::Vermillion, Colour::Green, Colour::Purple, Colour::Orange, Colour::Sky];
-
-impl Figure {
-    /// The figure as a free-standing SVG document with its title, on white, text as text.
-    pub fn to_svg(&self) -> String {
-        svg::document(&layout::scene(self, true), &self.title, Theme::Paper)
-    }
-
-    /// The figure as an `<svg>` element for a page that defines the colours of [`Colour`] as style variables
-    /// (`--ink`, `--blue`, ...) and shows title and caption itself.
-    pub fn to_inline_svg(&self) -> String {
-        svg::document(&layout::scene(self, false), &self.title, Theme::Variables)
-    }
-
-    /// The figure as a PNG file, 1920 px wide.
-    ///
-    /// # Errors
-    /// [`ReportError::Raster`] if the figure is too large for a picture or the encoder fails.
-    pub fn to_png(&self) -> Result<Vec<u8>, ReportError> {
-        png::encode(&layout::scene(self, true), &self.title)
-    }
-}

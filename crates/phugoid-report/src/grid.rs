@@ -2,8 +2,8 @@
 
 use crate::figure::{Cell, Colour, Grid};
 use crate::font::{Fonts, reserved_width};
-use crate::layout::{WIDTH, text};
-use crate::scene::{Anchor, Scene, Shape};
+use crate::lettering::text;
+use crate::scene::{Anchor, Scene, Shape, WIDTH};
 use crate::sheet::{LABEL, climb, column_name, titled, widest};
 
 const WORDS: f64 = 11.5;

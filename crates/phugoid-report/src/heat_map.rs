@@ -3,7 +3,7 @@
 use crate::clip::Frame;
 use crate::figure::{Colour, HeatMap, Stroke};
 use crate::font::{Fonts, reserved_width};
-use crate::layout::{NORMAL, SMALL, axis_text, fitted, text};
+use crate::lettering::{NORMAL, SMALL, axis_text, fitted, text};
 use crate::scene::{Anchor, Scene, Shape};
 use crate::ticks::{Ticks, compact, fixed, logarithmic_ticks, significant, ticks};
 

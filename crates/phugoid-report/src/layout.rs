@@ -4,16 +4,12 @@ use crate::clip::Frame;
 use crate::figure::{At, Axis, Body, Colour, Figure, HeatMap, Kind, Panel, Reference, Series, Stroke};
 use crate::font::{Fonts, reserved_width};
 use crate::legend::{self, Entry, Swatch};
-use crate::scene::{Anchor, Scene, Shape};
-use crate::ticks::{Ticks, superscript, ticks};
+use crate::lettering::{NORMAL, SMALL, axis_text, fitted, text};
+use crate::plot_area::PlotArea;
+use crate::scene::{Anchor, Scene, Shape, WIDTH};
+use crate::ticks::{Ticks, ticks};
 use crate::{curves, grid, heat_map, matrix};
 
-/// Width of a figure, px.
-pub(crate) const WIDTH: f64 = 960.0;
-/// Size of tick labels, px.
-pub(crate) const SMALL: f64 = 12.0;
-/// Size of axis labels and legend, px.
-pub(crate) const NORMAL: f64 = 13.0;
 const TITLE: f64 = 17.0;
 const RIGHT_MARGIN: f64 = 18.0;
 const COLUMN_GAP: f64 = 22.0;
@@ -123,7 +119,7 @@ impl<'a> Plan<'a> {
         } else {
             ticks(self.x, (((frame.right - frame.left) / 85.0) as usize).clamp(2, 12))
         };
-        let map = Map { x: self.x, y: self.y, frame };
+        let map = PlotArea { x: self.x, y: self.y, frame };
         if self.heat_map().is_none() {
             self.draw_grid(scene, &map, &x_ticks);
         }
@@ -173,7 +169,7 @@ impl<'a> Plan<'a> {
         }
     }
 
-    fn draw_grid(&self, scene: &mut Scene, map: &Map, x_ticks: &Ticks) {
+    fn draw_grid(&self, scene: &mut Scene, map: &PlotArea, x_ticks: &Ticks) {
         let frame = map.frame;
         let mut lines: Vec<Vec<[f64; 2]>> = x_ticks
             .values
@@ -193,7 +189,7 @@ impl<'a> Plan<'a> {
         }
     }
 
-    fn draw_events(&self, scene: &mut Scene, figure: &Figure, map: &Map) {
+    fn draw_events(&self, scene: &mut Scene, figure: &Figure, map: &PlotArea) {
         if self.panel.x.is_some() {
             return;
         }
@@ -214,26 +210,7 @@ impl<'a> Plan<'a> {
     }
 }
 
-/// From values to px.
-pub(crate) struct Map {
-    pub(crate) x: [f64; 2],
-    pub(crate) y: [f64; 2],
-    pub(crate) frame: Frame,
-}
-
-impl Map {
-    /// Position of a point; far outside values are held near the sheet so that they stay drawable.
-    pub(crate) fn at(&self, point: [f64; 2]) -> [f64; 2] {
-        let share = |v: f64, [low, high]: [f64; 2]| ((v - low) / (high - low)).clamp(-1e3, 1e3);
-        let frame = &self.frame;
-        [
-            frame.left + share(point[0], self.x) * (frame.right - frame.left),
-            frame.bottom - share(point[1], self.y) * (frame.bottom - frame.top),
-        ]
-    }
-}
-
-fn draw_reference(scene: &mut Scene, map: &Map, reference: &Reference) {
+fn draw_reference(scene: &mut Scene, map: &PlotArea, reference: &Reference) {
     let frame = map.frame;
     let ends = match reference.at {
         At::Horizontal(value) | At::HorizontalIfVisible(value) => {
@@ -430,50 +407,6 @@ impl Limits {
             [self.low - half, self.high + half]
         }
     }
-}
-
-/// `label (unit)`, with the power of ten that the tick labels leave out.
-pub(crate) fn axis_text(axis: &Axis, exponent: i32) -> String {
-    let power = if exponent == 0 { String::new() } else { format!("10{}", superscript(exponent)) };
-    let unit = match (power.is_empty(), axis.unit.is_empty() || (axis.unit == "–" && !power.is_empty())) {
-        (true, true) => String::new(),
-        (true, false) => format!(" ({})", axis.unit),
-        (false, true) => format!(" ({power})"),
-        (false, false) => format!(" ({power} {})", axis.unit),
-    };
-    format!("{}{unit}", axis.label)
-}
-
-/// The text in the first of these sizes in which it is not wider than the room; in the last one shortened in front of its
-/// unit if it has to be.
-pub(crate) fn fitted<const N: usize>(
-    fonts: Option<&Fonts>,
-    label: String,
-    sizes: [f64; N],
-    bold: bool,
-    room: f64,
-) -> (String, f64) {
-    let fits = |text: &str, size: f64| reserved_width(fonts, text, size, bold) <= room;
-    let smallest = sizes.last().copied().unwrap_or(SMALL);
-    if let Some(size) = sizes.into_iter().find(|size| fits(&label, *size)) {
-        return (label, size);
-    }
-    let (name, unit) = match label.rfind(" (") {
-        Some(at) => label.split_at(at),
-        None => (label.as_str(), ""),
-    };
-    let mut kept: Vec<char> = name.chars().collect();
-    loop {
-        kept.pop();
-        let shorter = format!("{}…{unit}", kept.iter().collect::<String>());
-        if kept.is_empty() || fits(&shorter, smallest) {
-            return (shorter, smallest);
-        }
-    }
-}
-
-pub(crate) fn text(words: &str, at: [f64; 2], size: f64, anchor: Anchor, bold: bool, colour: Colour) -> Shape {
-    Shape::Text { text: words.to_owned(), at, size, anchor, bold, colour, rotation: 0.0 }
 }
 
 fn line(lines: Vec<Vec<[f64; 2]>>, colour: Colour, width: f64) -> Shape {

@@ -5,7 +5,7 @@ use crate::curves::{BAND_OPACITY, DOT, LINE_WIDTH, MARK};
 use crate::figure::{Colour, Kind, Series, Stroke};
 use crate::font::{Fonts, reserved_width};
 use crate::heat_map;
-use crate::layout::{NORMAL, text};
+use crate::lettering::{NORMAL, text};
 use crate::scene::{Anchor, Scene, Shape};
 
 const SAMPLE: f64 = 24.0;

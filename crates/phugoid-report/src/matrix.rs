@@ -2,8 +2,8 @@
 
 use crate::figure::Colour;
 use crate::font::Fonts;
-use crate::layout::{WIDTH, text};
-use crate::scene::{Anchor, Scene, Shape};
+use crate::lettering::text;
+use crate::scene::{Anchor, Scene, Shape, WIDTH};
 use crate::sheet::{LABEL, climb, column_name, titled, widest};
 use crate::ticks::fixed;
 

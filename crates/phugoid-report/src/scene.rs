@@ -2,6 +2,9 @@
 
 use crate::figure::{Colour, Stroke};
 
+/// Width of a figure, px; a matrix or a grid may be narrower.
+pub(crate) const WIDTH: f64 = 960.0;
+
 /// Shapes in drawing order on a sheet.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Scene {

@@ -2,7 +2,7 @@
 
 use crate::figure::Colour;
 use crate::font::{Fonts, reserved_width};
-use crate::layout::text;
+use crate::lettering::text;
 use crate::scene::{Anchor, Scene, Shape};
 
 /// Size of the names of rows and columns.

@@ -1,6 +1,6 @@
 //! The correlation matrix of the parameters.
 
-use super::Context;
+use super::context::Context;
 use crate::figure::{Axis, Body, Figure, Panel};
 
 pub(super) fn figure(context: &Context) -> Option<(String, Figure)> {

@@ -2,7 +2,7 @@
 
 use phugoid_identification::estimation::{ParameterHistory, ParameterResult};
 
-use super::{Context, scaled};
+use super::context::{Context, scaled};
 use crate::figure::{At, Axis, Colour, Figure, Kind, Panel, Reference, Series, Stroke};
 use crate::names::HumanUnit;
 use crate::ticks::with_error;

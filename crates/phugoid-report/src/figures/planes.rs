@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{Context, scaled};
+use super::context::{Context, scaled};
 use crate::figure::{At, Axis, Colour, Figure, Kind, Panel, Reference, Series, Stroke};
 
 /// Planes drawn at most and at least; between them only pairs at least this strongly correlated.

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::Context;
+use super::context::Context;
 use crate::figure::{At, Axis, Colour, Figure, Kind, Panel, Reference, Series, Stroke};
 use crate::names::signal_label;
 use crate::statistics::{autocorrelation, median_step};

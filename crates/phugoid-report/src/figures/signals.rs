@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use phugoid_identification::estimation::Signal;
 
-use super::{Context, human_axis, scaled};
+use super::context::{Context, human_axis, scaled};
 use crate::figure::{Axis, Colour, Figure, Kind, LINE_COLOURS, Panel, Series};
 use crate::names::{human_unit, legend_label, signal_label};
 

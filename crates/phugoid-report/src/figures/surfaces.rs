@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::Context;
+use super::context::Context;
 use crate::figure::{At, Axis, Body, Colour, Figure, Kind, Panel, Reference, Series, Stroke};
 
 const PER_FIGURE: usize = 8;

@@ -13,6 +13,7 @@ use crate::ticks::significant;
 mod arena;
 mod batch;
 mod offer;
+mod options;
 mod page;
 mod readiness;
 mod reproduction;
@@ -20,20 +21,10 @@ mod study;
 mod tables;
 
 pub use arena::arena_html;
+pub use options::HtmlOptions;
 use page::{Section, prose, trimmed};
 pub use reproduction::{NotRun, ReproductionOptions, reproduction_html};
 pub use study::{StudyPage, StudySection, study_html};
-
-/// What a page says beyond the estimation itself.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct HtmlOptions {
-    /// Heading; `Parameter estimation: SOURCE` where none.
-    pub title: Option<String>,
-    /// Paragraphs shown under the heading, e.g. what was flown and how to repeat it.
-    pub notes: Vec<String>,
-    /// Settings of the estimator as name and value, in the order to show them.
-    pub settings: Vec<(String, String)>,
-}
 
 /// The estimation as one self-contained HTML page: no scripts, no links to anywhere else, figures inline. Two calls
 /// with the same estimation and options give the same bytes.

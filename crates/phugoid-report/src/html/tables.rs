@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use phugoid_flight_data::quality::{QualityReport, Severity};
 use phugoid_identification::estimation::{Estimation, ParameterResult};
 
-use super::HtmlOptions;
+use super::options::HtmlOptions;
 use super::page::{END_OF_TABLE, head, prose, table, trimmed};
 use crate::escape::escape;
 use crate::figures::{event_kind, unit_of};

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use phugoid_studies::reproduction::result::{Behaviour, Cell, Outcome, ParameterOutcome, Reproduction, Table};
 
 use super::super::page::{self, END_OF_TABLE, prose, table};
-use super::{met_of, status};
+use super::parts::{met_of, status};
 use crate::chart::chart_figure;
 use crate::escape::escape;
 use crate::ticks::{compact, fixed, significant};

@@ -6,7 +6,8 @@ use phugoid_studies::reproduction::result::{Behaviour, Outcome, Reproduction, Ro
 
 use super::super::page::{self, END_OF_TABLE, prose, table};
 use super::case::behaviour;
-use super::{NotRun, grouped, link, met_of, status};
+use super::options::NotRun;
+use super::parts::{grouped, link, met_of, status};
 use crate::escape::escape;
 use crate::ticks::significant;
 

@@ -1,0 +1,37 @@
+//! Groups of cases, links to them, and coloured words.
+
+use phugoid_studies::reproduction::group::{Group, group_of};
+use phugoid_studies::reproduction::result::{Reproduction, Requirement};
+
+use crate::escape::escape;
+
+/// Neighbours of one group together, in the order given.
+pub(super) fn grouped(reproductions: &[Reproduction]) -> Vec<(&'static Group, Vec<&Reproduction>)> {
+    let mut groups: Vec<(&Group, Vec<&Reproduction>)> = Vec::new();
+    for reproduction in reproductions {
+        let group = group_of(&reproduction.id);
+        match groups.iter_mut().find(|(known, _)| known.id == group.id) {
+            Some((_, members)) => members.push(reproduction),
+            None => groups.push((group, vec![reproduction])),
+        }
+    }
+    groups
+}
+
+pub(super) fn link(id: &str) -> String {
+    format!("<a href=\"#{id}\">{id}</a>", id = escape(id))
+}
+
+/// How many of these requirements are met, in words and colour.
+pub(super) fn met_of(requirements: &[Requirement]) -> String {
+    let met = requirements.iter().filter(|r| r.met).count();
+    match requirements.len() {
+        0 => "–".to_owned(),
+        all if met == all => status("good", &format!("{met} of {all}")),
+        all => status("bad", &format!("{met} of {all}")),
+    }
+}
+
+pub(super) fn status(class: &str, words: &str) -> String {
+    format!("<span class=\"status {class}\">{}</span>", escape(words))
+}
