@@ -21,7 +21,9 @@
 //! | `tui` | the terminal view (feature `tui`) |
 #![cfg_attr(not(test), deny(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
+mod airspeed;
 pub mod arrival;
+mod audience;
 pub mod document;
 pub mod engine;
 pub mod link;

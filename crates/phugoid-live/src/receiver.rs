@@ -1,19 +1,17 @@
 //! From what arrives to samples on one time base. Nothing here depends on anything but arrivals and their stamps, so that a
 //! recording gives the same samples as the flight.
 
-mod airspeed;
 mod stream;
 
 use std::collections::{BTreeMap, HashMap};
 
 use phugoid_flight_data::csv::{ColumnMapping, CsvOptions};
 
+use crate::airspeed::{self, TrueAirspeed};
 use crate::arrival::{Arrival, Content};
 use crate::link::Counts;
 use crate::mavlink::map::{Assembler, MavlinkOptions};
 use crate::timing::{Judgement, SenderClock};
-pub(crate) use airspeed::COST as AIRSPEED_COST;
-use airspeed::TrueAirspeed;
 use stream::{Piece, Stream};
 
 /// How what arrives is to be understood.

@@ -11,6 +11,7 @@ use phugoid_identification::model_file::ModelFile;
 use phugoid_identification::stack::STACK_BYTES;
 
 use crate::arrival::{Clock, wall_ns};
+pub use crate::audience::Audience;
 use crate::document::Kind;
 use crate::engine::{Beside, Engine};
 use crate::publish::{Lines, WhenSlow};
@@ -44,12 +45,6 @@ pub struct Live<'a> {
     pub replayed: bool,
     /// When what is replayed was received, ns since 1970-01-01 UTC; none for what is received now.
     pub started_wall_ns: Option<u64>,
-}
-
-/// Who gets the documents beside the lines.
-pub trait Audience: Send {
-    /// A document; it has to return at once.
-    fn hear(&mut self, kind: Kind, document: &str);
 }
 
 /// How it ended.

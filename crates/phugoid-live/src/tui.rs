@@ -11,8 +11,8 @@ use std::time::{Duration, Instant};
 
 use ratatui::crossterm::event::{self, Event, KeyCode, KeyEvent, KeyEventKind, KeyModifiers};
 
+use crate::audience::Audience;
 use crate::document::Kind;
-use crate::run::Audience;
 use crate::stop::{Stop, Why};
 pub use state::State;
 

@@ -7,8 +7,8 @@ use std::time::{Duration, Instant};
 use serde_json::Value;
 
 use super::{definitions, frame};
+use crate::audience::Audience;
 use crate::document::Kind;
-use crate::run::Audience;
 
 /// Between two estimates that are sent.
 const BETWEEN: Duration = Duration::from_millis(200);

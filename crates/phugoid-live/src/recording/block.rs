@@ -14,7 +14,7 @@ const STAMPS: usize = 19;
 /// What a block is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BlockKind {
-    /// [`super::Header`] as JSON.
+    /// [`super::header::Header`] as JSON.
     Header,
     /// A peer appeared: its name.
     Opened,

@@ -4,8 +4,8 @@ use std::fs::File;
 use std::io::{self, BufReader, Read};
 use std::path::Path;
 
-use super::block::{Block, HEAD, LARGEST, MARK};
-use super::{BlockKind, Header, VERSION};
+use super::block::{Block, BlockKind, HEAD, LARGEST, MARK};
+use super::header::{Header, VERSION};
 use crate::arrival::Arrival;
 
 /// Why a file is no recording that can be read.

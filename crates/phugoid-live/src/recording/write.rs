@@ -9,8 +9,8 @@ use std::sync::mpsc::{self, Receiver, SyncSender, TryRecvError, TrySendError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use super::block::{Block, append};
-use super::{BlockKind, Header};
+use super::block::{Block, BlockKind, append};
+use super::header::Header;
 use crate::arrival::{Arrival, wall_ns};
 
 /// What was received is with the operating system after this long at most: a kill of the program loses no more.

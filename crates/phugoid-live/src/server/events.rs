@@ -8,7 +8,7 @@ use std::time::Duration;
 use hyper::body::{Body, Bytes, Frame};
 use tokio::sync::mpsc;
 
-use super::Hub;
+use super::hub::Hub;
 
 /// Events that wait for a client's connection; what is beyond it waits in the hub, and is passed over there.
 const WAITING: usize = 16;

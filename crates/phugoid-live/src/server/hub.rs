@@ -6,8 +6,8 @@ use std::sync::{Arc, Mutex, MutexGuard};
 use serde_json::Value;
 use tokio::sync::watch;
 
+use crate::audience::Audience;
 use crate::document::Kind;
-use crate::run::Audience;
 
 /// Documents behind which a client may be; one that is further behind goes on with the newest.
 const RECENT: usize = 256;

@@ -4,9 +4,12 @@ use std::io;
 use std::net::{SocketAddr, TcpListener, TcpStream, UdpSocket};
 use std::time::Duration;
 
-use super::{DATAGRAM, LOOK, PEERS, Run, pieces, waits};
+use super::outlet::{LOOK, Run};
+use super::stream::{DATAGRAM, pieces, waits};
 use crate::arrival::Content;
 
+/// Peers that are told apart at one time.
+const PEERS: u16 = 64;
 /// Before a lost connection is tried again.
 const AGAIN: Duration = Duration::from_secs(1);
 

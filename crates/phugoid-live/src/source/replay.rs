@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use phugoid_flight_data::csv;
 use phugoid_flight_data::record::{Channel, Record};
 
-use super::Outlet;
+use super::outlet::{LOOK, Outlet};
 use crate::arrival::{Arrival, Content};
 use crate::recording::{Damage, Reader, RecordingError};
 
@@ -177,7 +177,7 @@ impl Pacer {
                 if outlet.stopped() {
                     return false;
                 }
-                std::thread::sleep(left.min(super::LOOK));
+                std::thread::sleep(left.min(LOOK));
             }
         }
         outlet.pass(arrival)

@@ -7,10 +7,10 @@ use phugoid_identification::session::Layout;
 use serde::Deserialize;
 use serde_json::Value;
 
+use super::finished::{Event, FinalParameter, Finished, Hello, ViewError};
 use super::thinned::{Row, Thinned};
-use super::{Event, FinalParameter, Finished, Hello, ViewError};
+use crate::audience::Audience;
 use crate::document::Kind;
-use crate::run::Audience;
 
 /// Longest line that is taken for a document; an estimate of 48 parameters has some twenty thousand characters.
 const LINE_BYTES: u64 = 1 << 24;

@@ -6,8 +6,8 @@ use phugoid_identification::estimation::ParameterResult;
 use phugoid_identification::session::{Layout, ParameterLayout, SignalLayout};
 use serde::Deserialize;
 
+use super::finished::{Event, FinalParameter, Finished, Hello, ViewError};
 use super::thinned::{Row, Thinned};
-use super::{Event, FinalParameter, Finished, Hello, ViewError};
 
 #[derive(Deserialize)]
 struct Document {

@@ -1,6 +1,6 @@
 //! Columns of bounded size: of more samples than a picture can show, the least and greatest values of groups are kept.
 
-use super::Columns;
+use super::finished::Columns;
 
 /// Rows kept at most: more than the pixels of any screen across, so that some zooming still shows more.
 const MOST_GROUPS: usize = 16_384;

@@ -9,8 +9,8 @@ use phugoid_flight_data::record::Quantity;
 use phugoid_flight_data::units;
 
 use super::conversion::{Conversion, by_hand};
+use crate::airspeed;
 use crate::mavlink::definitions::{self, Field, Message};
-use crate::receiver::AIRSPEED_COST;
 
 /// A message that gave a channel and has been silent for this long, s, leaves it to the next.
 const GIVEN_UP_S: f64 = 1.0;
@@ -187,7 +187,7 @@ fn doubt(mapping: &ColumnMapping, profile: &Profile) -> Option<String> {
     let speeds = ["equivalent_airspeed", "calibrated_airspeed", "indicated_airspeed"];
     let mut others = speeds.iter().filter_map(|name| profile.channel(name)).flat_map(|entry| &entry.sources);
     let is_other = mapping.channel == "true_airspeed" && others.any(|source| source.field.to_string() == header);
-    is_other.then(|| format!("[channels] takes {header} for the true airspeed V, which it is not: {AIRSPEED_COST}"))
+    is_other.then(|| format!("[channels] takes {header} for the true airspeed V, which it is not: {}", airspeed::COST))
 }
 
 /// The message of a profile's source, what is read of it, and how it becomes SI: units of the definitions win over the profile's.

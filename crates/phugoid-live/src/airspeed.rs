@@ -3,7 +3,7 @@
 use phugoid_flight_data::airspeed::{density, true_over_equivalent};
 
 /// Channels of which it is computed, beside those that are asked for: speeds, the best first, then what gives the density.
-pub(super) const NEEDED: [&str; 6] = [
+pub(crate) const NEEDED: [&str; 6] = [
     "equivalent_airspeed",
     "calibrated_airspeed",
     "indicated_airspeed",
@@ -19,7 +19,7 @@ const PATIENCE_S: f64 = 2.0;
 
 /// What becomes of the airspeed.
 #[derive(Clone, Debug)]
-pub(super) struct TrueAirspeed {
+pub(crate) struct TrueAirspeed {
     /// Place of `true_airspeed` in a sample.
     place: usize,
     /// Places of [`NEEDED`].
@@ -45,7 +45,7 @@ struct State {
 
 impl TrueAirspeed {
     /// For samples with these channels; none if no true airspeed is asked for.
-    pub(super) fn new(channels: &[String]) -> Option<Self> {
+    pub(crate) fn new(channels: &[String]) -> Option<Self> {
         let place = |name: &str| channels.iter().position(|channel| channel == name);
         let mut needed = [0; NEEDED.len()];
         for (slot, name) in needed.iter_mut().zip(NEEDED) {
@@ -55,17 +55,17 @@ impl TrueAirspeed {
     }
 
     /// With a density that is stated, kg/m^3.
-    pub(super) fn with_density(self, stated: Option<f64>) -> Self {
+    pub(crate) fn with_density(self, stated: Option<f64>) -> Self {
         Self { stated, ..self }
     }
 
     /// Another flight begins.
-    pub(super) fn restart(&mut self) {
+    pub(crate) fn restart(&mut self) {
         self.state = State::default();
     }
 
     /// Why there is no true airspeed although another one comes.
-    pub(super) fn lacking(&self) -> Option<String> {
+    pub(crate) fn lacking(&self) -> Option<String> {
         let speed = self.state.speed.and_then(|speed| NEEDED.get(speed))?;
         self.state
             .lacking
@@ -73,7 +73,7 @@ impl TrueAirspeed {
     }
 
     /// Fills in the true airspeed of a sample; what is worth saying goes to `say`.
-    pub(super) fn fill(&mut self, time_s: f64, values: &mut [f64], say: &mut dyn FnMut(String)) {
+    pub(crate) fn fill(&mut self, time_s: f64, values: &mut [f64], say: &mut dyn FnMut(String)) {
         let state = &mut self.state;
         let at = |values: &[f64], place: usize| values.get(place).copied().filter(|value| value.is_finite());
         state.given |= at(values, self.place).is_some();
