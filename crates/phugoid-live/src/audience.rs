@@ -1,9 +1,10 @@
-//! Who gets the documents.
+//! Receivers of the published documents beside the lines of text: the server, the terminal view, MAVLink debug messages.
 
-use crate::document::Kind;
+use crate::document::DocumentKind;
 
-/// Who gets the documents beside the lines.
+/// A receiver of the published documents.
 pub trait Audience: Send {
-    /// A document; it has to return at once.
-    fn hear(&mut self, kind: Kind, document: &str);
+    /// Takes a document, which is one line of JSON without its end. It is called by the estimation's thread, so it has to return at once; a
+    /// receiver that is slow has to leave documents out.
+    fn hear(&mut self, kind: DocumentKind, document: &str);
 }

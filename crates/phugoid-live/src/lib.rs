@@ -11,6 +11,7 @@
 //! | [`mavlink`] | frames and messages of MAVLink, and which field is which channel |
 //! | [`engine`] | from arrivals to documents: receiver and estimation, without threads |
 //! | [`document`] | the documents that are published, as JSON |
+//! | [`event`] | kinds of events |
 //! | [`link`] | counts of the link and the latency |
 //! | [`run`] | a live estimation with its threads |
 //! | [`publish`] | documents as lines of text |
@@ -26,6 +27,7 @@ pub mod arrival;
 mod audience;
 pub mod document;
 pub mod engine;
+pub mod event;
 pub mod link;
 pub mod mavlink;
 pub mod page;

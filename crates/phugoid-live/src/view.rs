@@ -1,5 +1,5 @@
-//! A finished result, made ready for the page: the JSON of `phugoid estimate --json --history`, or the documents that
-//! `phugoid live` has published, or publishes of a recording.
+//! A finished result, made ready for the page. It comes from the JSON of `phugoid estimate --json --history`, from the documents that `phugoid
+//! live` has published, or from a recording that is estimated again.
 
 mod documents;
 mod estimation;
@@ -16,10 +16,11 @@ use std::path::Path;
 use serde_json::Value;
 
 impl Finished {
-    /// Reads a result; by its content it is one document or one per line.
+    /// Reads a result from a file, which holds either one document or one per line. Lines that cannot be read are left out, and the page
+    /// says so.
     ///
     /// # Errors
-    /// [`ViewError`]. Lines that cannot be read are left out and said so in the page, as are those cut off at the end.
+    /// [`ViewError`] if the file cannot be read, is no result, or has no histories.
     pub fn read_path(path: &Path) -> Result<Self, ViewError> {
         let mut file = BufReader::new(File::open(path)?);
         let lines = is_lines(&mut file)?;
@@ -28,10 +29,10 @@ impl Finished {
     }
 }
 
-/// Longest first line that is looked at: a `hello` of the largest model has some ten thousand characters.
+/// Longest first line that is examined. The `hello` of the largest model has some ten thousand characters.
 const FIRST_LINE_BYTES: u64 = 1 << 20;
 
-/// Whether the first line is a document of its own that says its type.
+/// Whether the first line is a whole document with a type, so that the file has one document per line.
 fn is_lines(file: &mut BufReader<File>) -> Result<bool, ViewError> {
     let mut line = Vec::new();
     let mut beginning = file.take(FIRST_LINE_BYTES);

@@ -2,32 +2,32 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Version of the format.
+/// Version of the format that is written; later ones are not read.
 pub const VERSION: u32 = 1;
 
-/// The first block: all that is needed to estimate again.
+/// The first block: what is needed to estimate again, with the model file as text.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Header {
-    /// Version of the format.
+    /// Version of the format, [`VERSION`].
     pub version: u32,
-    /// Version of the program that wrote it.
+    /// Version of the program that wrote the recording.
     pub program: String,
-    /// Where it was received from, as on the command line.
+    /// Where the data came from, as on the command line.
     pub source: String,
     /// Start of the reception, ns since 1970-01-01 UTC.
     pub started_wall_ns: u64,
-    /// Name of the model file.
+    /// Name of the model file, for people.
     pub model_name: String,
-    /// Text of the model file.
+    /// Whole text of the model file (TOML).
     pub model_text: String,
-    /// Estimator, if one was chosen beside the model file.
+    /// Name of the estimator, if one was chosen on the command line.
     pub method: Option<String>,
-    /// Whether changes are looked for, if it was chosen beside the model file.
+    /// Whether changes are detected, if that was chosen on the command line.
     pub change_detection: Option<bool>,
-    /// How long MAVLink messages wait for earlier ones, ns.
+    /// How long samples wait for MAVLink messages that are missing, ns.
     pub reorder_ns: u64,
-    /// The MAVLink system that is listened to.
+    /// Number of the MAVLink vehicle, if one was chosen.
     pub system: Option<u8>,
-    /// The MAVLink message that is the time base.
+    /// Name of the MAVLink message that gives the times, if one was chosen.
     pub base: Option<String>,
 }

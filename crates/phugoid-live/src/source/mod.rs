@@ -1,4 +1,4 @@
-//! Where data come from.
+//! Where data come from: UDP, TCP, a serial line, standard input, or a replay.
 
 mod network;
 mod outlet;
@@ -15,18 +15,18 @@ pub use replay::{Pace, Replay, ReplayError};
 pub use spec::{SourceSpec, SpecError};
 use stream::read_all;
 
-/// A source that has been opened.
+/// A source that has been opened and can be run once.
 pub struct Source {
     run: Run,
-    /// What it is, as people call it: an address, a device.
+    /// Name for people, such as `udp://127.0.0.1:14550`.
     pub name: String,
 }
 
 impl Source {
-    /// Opens a source. Its name has the address at which it listens: the port is the system's choice if 0 was asked for.
+    /// Opens a source. If port 0 was asked for, the name has the port that the operating system chose.
     ///
     /// # Errors
-    /// What the operating system says, with what to do.
+    /// What the operating system says: an address in use, a device that is missing or is no serial line.
     pub fn open(spec: &SourceSpec) -> io::Result<Self> {
         let (run, spec): (Run, SourceSpec) = match spec {
             SourceSpec::Udp(address) => {
@@ -49,7 +49,7 @@ impl Source {
         Ok(Self { run, name: spec.to_string() })
     }
 
-    /// Receives until the source ends or is stopped.
+    /// Receives until the source ends, or until the stop of the outlet is set or nobody takes the arrivals any more.
     pub fn run(self, outlet: &Outlet) {
         (self.run)(outlet);
     }

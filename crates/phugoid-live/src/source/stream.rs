@@ -5,10 +5,10 @@ use std::io::{self, Read};
 use super::outlet::Outlet;
 use crate::arrival::Content;
 
-/// The largest datagram.
+/// Largest datagram and largest piece of a stream, bytes.
 pub(super) const DATAGRAM: usize = 65_536;
 
-/// Passes on a stream until its end.
+/// Passes a stream on until its end, as the only sender of its source.
 pub(super) fn read_all(mut input: impl Read, peer: &str, outlet: &Outlet) {
     if !outlet.put(0, Content::Opened(peer.to_owned())) {
         return;
@@ -16,7 +16,7 @@ pub(super) fn read_all(mut input: impl Read, peer: &str, outlet: &Outlet) {
     pieces(&mut input, 0, outlet);
 }
 
-/// Passes on the pieces of one peer's stream, and why it ended.
+/// Passes the pieces of the stream of one sender on, then the reason for its end.
 pub(super) fn pieces(input: &mut impl Read, origin: u16, outlet: &Outlet) {
     let mut bytes = vec![0; DATAGRAM];
     let reason = loop {
@@ -39,7 +39,7 @@ pub(super) fn pieces(input: &mut impl Read, origin: u16, outlet: &Outlet) {
     outlet.put(origin, Content::Closed(reason));
 }
 
-/// Nothing there yet, or interrupted: no error.
+/// Whether an error only means that there are no data yet, or that a signal interrupted the call.
 pub(super) fn waits(error: &io::Error) -> bool {
     matches!(error.kind(), io::ErrorKind::WouldBlock | io::ErrorKind::TimedOut | io::ErrorKind::Interrupted)
 }
