@@ -1,4 +1,4 @@
-//! Where everything goes: from what a figure says to shapes on paper.
+//! Layout: from what a figure shows to shapes at their places.
 
 use crate::clip::Frame;
 use crate::figure::{At, Axis, Body, Colour, Figure, HeatMap, Kind, Panel, Reference, Series, Stroke};
@@ -10,15 +10,20 @@ use crate::scene::{Anchor, Scene, Shape, WIDTH};
 use crate::ticks::{Ticks, ticks};
 use crate::{curves, grid, heat_map, matrix};
 
+/// Font size of the title, px.
 const TITLE: f64 = 17.0;
+/// Room to the right of the panels, px.
 const RIGHT_MARGIN: f64 = 18.0;
+/// Room between two columns of panels, px.
 const COLUMN_GAP: f64 = 22.0;
+/// Room above a panel for the label of its ordinate, px.
 const LABEL_ROOM: f64 = 26.0;
+/// Room below a panel without labels of its abscissa, px.
 const ROW_GAP: f64 = 12.0;
 
-/// The shapes of a figure; with its title, or without where the page around it shows one.
+/// The shapes of a figure, with its title or, for a page that shows the title itself, without.
 pub(crate) fn scene(figure: &Figure, with_title: bool) -> Scene {
-    // Only a damaged build has no font; then widths are guessed here, and a picture is refused where it is drawn.
+    // Only a damaged build has no font. Widths are then estimated here, and the writer of PNG returns an error.
     let fonts = Fonts::load().ok();
     let fonts = fonts.as_ref();
     if let [Panel { body: Body::Matrix { labels, values }, .. }] = figure.panels.as_slice() {
@@ -69,14 +74,16 @@ pub(crate) fn scene(figure: &Figure, with_title: bool) -> Scene {
     scene
 }
 
-/// One panel with its limits settled.
+/// A panel with its limits and the ticks of its ordinate.
 struct Plan<'a> {
     panel: &'a Panel,
     x_axis: &'a Axis,
     x: [f64; 2],
     y: [f64; 2],
     y_ticks: Ticks,
+    /// Width of the widest label of the ordinate, px.
     tick_width: f64,
+    /// There is nothing to draw.
     empty: bool,
 }
 
@@ -193,7 +200,7 @@ impl<'a> Plan<'a> {
         if self.panel.x.is_some() {
             return;
         }
-        // One shape per colour and one line per pixel: a record may have a thousand gaps.
+        // One shape for each colour and one line for each pixel, because a record may have a thousand gaps.
         let mut groups: Vec<(Colour, Vec<Vec<[f64; 2]>>)> = Vec::new();
         for event in figure.events.iter().filter(|e| e.x >= self.x[0] && e.x <= self.x[1]) {
             let x = map.at([event.x, self.y[0]])[0];
@@ -237,7 +244,7 @@ fn draw_reference(scene: &mut Scene, map: &PlotArea, reference: &Reference) {
     });
 }
 
-/// Legend entries of a figure in order of appearance, each once.
+/// The legend entries of a figure in the order in which they first appear.
 fn entries(figure: &Figure) -> Vec<Entry> {
     let mut entries: Vec<Entry> = Vec::new();
     let mut add = |label: &str, colour: Colour, swatch: Swatch| {
@@ -284,7 +291,7 @@ fn entries(figure: &Figure) -> Vec<Entry> {
     entries
 }
 
-/// Limits of the common abscissa.
+/// Limits of the common abscissa: those of the figure, else those of the data.
 fn shared_limits(figure: &Figure) -> [f64; 2] {
     if let Some(range) = figure.x.range {
         return range;
@@ -304,13 +311,14 @@ fn shared_limits(figure: &Figure) -> [f64; 2] {
     rounded_out(limits.or_unit())
 }
 
-/// Limits moved out to the next tick where that is near: a record of 2000 samples at 100 Hz ends at 19.99 s, its axis
-/// at 20.
+/// Limits that are moved out to the next tick if that is within 1 % of the span. So the axis of a record of 2000 samples at 100 Hz, which ends at
+/// 19.99 s, ends at 20 s.
 fn rounded_out([low, high]: [f64; 2]) -> [f64; 2] {
     let values = ticks([low - 0.01 * (high - low), high + 0.01 * (high - low)], 10).values;
     [values.first().map_or(low, |v| v.min(low)), values.last().map_or(high, |v| v.max(high))]
 }
 
+/// Limits of an abscissa that belongs to one panel only.
 fn own_limits(panel: &Panel, axis: &Axis) -> [f64; 2] {
     if let Some(range) = axis.range {
         return range;
@@ -329,7 +337,7 @@ fn own_limits(panel: &Panel, axis: &Axis) -> [f64; 2] {
     [low - pad * (high - low), high + pad * (high - low)]
 }
 
-/// Limits of the ordinate from the data within the abscissa's limits, and whether there is nothing to show.
+/// Limits of the ordinate from the data within the limits of the abscissa, and whether there are no data.
 fn ordinate_limits(axis: &Axis, series: &[Series], references: &[Reference], x: [f64; 2]) -> ([f64; 2], bool) {
     let mut limits = Limits::default();
     for series in series {
@@ -367,7 +375,7 @@ fn ordinate_limits(axis: &Axis, series: &[Series], references: &[Reference], x: 
     ([low - pad, high + pad], empty)
 }
 
-/// Smallest and largest finite value seen.
+/// The smallest and the largest finite value.
 struct Limits {
     low: f64,
     high: f64,
@@ -391,11 +399,12 @@ impl Limits {
         values.iter().for_each(|v| self.add(*v));
     }
 
+    /// Whether there was no finite value.
     fn none(&self) -> bool {
         self.low > self.high
     }
 
-    /// The limits, 0 to 1 where nothing was seen, and room around a constant.
+    /// The limits; 0 to 1 if there was no value, and 5 % to both sides of a constant.
     fn or_unit(&self) -> [f64; 2] {
         let size = self.low.abs().max(self.high.abs());
         if self.none() {

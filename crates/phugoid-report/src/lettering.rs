@@ -5,12 +5,12 @@ use crate::font::{Fonts, reserved_width};
 use crate::scene::{Anchor, Shape};
 use crate::ticks::superscript;
 
-/// Size of tick labels, px.
+/// Font size of tick labels, px.
 pub(crate) const SMALL: f64 = 12.0;
-/// Size of axis labels and legend, px.
+/// Font size of axis labels and legend, px.
 pub(crate) const NORMAL: f64 = 13.0;
 
-/// `label (unit)`, with the power of ten that the tick labels leave out.
+/// `label (unit)`; with the power of ten that was taken out of the tick labels, `label (10³ unit)`.
 pub(crate) fn axis_text(axis: &Axis, exponent: i32) -> String {
     let power = if exponent == 0 { String::new() } else { format!("10{}", superscript(exponent)) };
     let unit = match (power.is_empty(), axis.unit.is_empty() || (axis.unit == "–" && !power.is_empty())) {
@@ -22,8 +22,8 @@ pub(crate) fn axis_text(axis: &Axis, exponent: i32) -> String {
     format!("{}{unit}", axis.label)
 }
 
-/// The text in the first of these sizes in which it is not wider than the room; in the last one shortened in front of its
-/// unit if it has to be.
+/// The text and the first of these sizes, px, in which it fits into `room`, px. If none fits, the text is shortened in front of its unit and
+/// has the last size.
 pub(crate) fn fitted<const N: usize>(
     fonts: Option<&Fonts>,
     label: String,
@@ -50,6 +50,7 @@ pub(crate) fn fitted<const N: usize>(
     }
 }
 
+/// One line of text, not rotated. `at` is a point on its baseline.
 pub(crate) fn text(words: &str, at: [f64; 2], size: f64, anchor: Anchor, bold: bool, colour: Colour) -> Shape {
     Shape::Text { text: words.to_owned(), at, size, anchor, bold, colour, rotation: 0.0 }
 }

@@ -1,8 +1,8 @@
-//! Where a value stands on paper.
+//! From values to positions on the sheet.
 
 use crate::clip::Frame;
 
-/// From values to px.
+/// The area of a panel in which values are drawn: the limits of abscissa and ordinate, and the rectangle, px.
 pub(crate) struct PlotArea {
     pub(crate) x: [f64; 2],
     pub(crate) y: [f64; 2],
@@ -10,7 +10,7 @@ pub(crate) struct PlotArea {
 }
 
 impl PlotArea {
-    /// Position of a point; far outside values are held near the sheet so that they stay drawable.
+    /// Position of a point, px. A value far outside the limits is moved to 1000 times the size of the area, so that coordinates stay finite.
     pub(crate) fn at(&self, point: [f64; 2]) -> [f64; 2] {
         let share = |v: f64, [low, high]: [f64; 2]| ((v - low) / (high - low)).clamp(-1e3, 1e3);
         let frame = &self.frame;

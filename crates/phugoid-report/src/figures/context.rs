@@ -5,9 +5,9 @@ use std::sync::Arc;
 use phugoid_identification::estimation::{Estimation, ParameterHistory, ParameterResult};
 
 use crate::figure::{Axis, Colour, EventMark, Figure};
-use crate::names::{HumanUnit, human_unit, parameter_unit};
+use crate::names::{DisplayUnit, display_unit, parameter_unit};
 
-/// The estimation with what all figures share.
+/// The estimation, and what all its figures share.
 pub(super) struct Context<'a> {
     pub(super) estimation: &'a Estimation,
     pub(super) time: Arc<[f64]>,
@@ -15,6 +15,7 @@ pub(super) struct Context<'a> {
 }
 
 impl<'a> Context<'a> {
+    /// Reads times and events once for all figures.
     pub(super) fn new(estimation: &'a Estimation) -> Self {
         let events = estimation
             .events
@@ -27,6 +28,7 @@ impl<'a> Context<'a> {
         Self { estimation, time: Arc::from(estimation.history.time_s.as_slice()), events }
     }
 
+    /// A figure over time with the events of the estimation and without panels.
     pub(super) fn figure(&self, title: &str, caption: &str) -> Figure {
         Figure {
             title: title.to_owned(),
@@ -38,8 +40,8 @@ impl<'a> Context<'a> {
         }
     }
 
-    /// Parameters that were estimated, with their histories and units: the wanted ones or the nuisance ones.
-    pub(super) fn parameters(&self, nuisance: bool) -> Vec<(&'a ParameterResult, &'a ParameterHistory, HumanUnit)> {
+    /// The estimated parameters with their histories and units; either the nuisance parameters or all others.
+    pub(super) fn parameters(&self, nuisance: bool) -> Vec<(&'a ParameterResult, &'a ParameterHistory, DisplayUnit)> {
         self.estimation
             .parameters
             .iter()
@@ -53,7 +55,7 @@ impl<'a> Context<'a> {
 }
 
 /// The unit in which a parameter of this estimation is shown.
-pub(crate) fn unit_of(estimation: &Estimation, parameter: &str) -> HumanUnit {
+pub(crate) fn unit_of(estimation: &Estimation, parameter: &str) -> DisplayUnit {
     parameter_unit(parameter, |channel| {
         let history = &estimation.history;
         let mut known = history.measured.iter().chain(&estimation.noise);
@@ -61,7 +63,7 @@ pub(crate) fn unit_of(estimation: &Estimation, parameter: &str) -> HumanUnit {
     })
 }
 
-/// Words and colour for a kind of event.
+/// The words and the colour for a kind of event; for an unknown kind its name and grey.
 pub(crate) fn event_kind(kind: &str) -> (String, Colour) {
     let (words, colour) = match kind {
         "in_doubt" => ("bounds in doubt", Colour::Purple),
@@ -75,11 +77,13 @@ pub(crate) fn event_kind(kind: &str) -> (String, Colour) {
     (words.to_owned(), colour)
 }
 
-pub(super) fn scaled(values: &[f64], unit: &HumanUnit) -> Vec<f64> {
+/// SI values in the unit in which they are shown.
+pub(super) fn scaled(values: &[f64], unit: &DisplayUnit) -> Vec<f64> {
     values.iter().map(|v| v * unit.factor).collect()
 }
 
-pub(super) fn human_axis(label: String, si: &str) -> (Axis, HumanUnit) {
-    let unit = human_unit(si);
+/// The axis of an SI quantity in the unit in which it is shown.
+pub(super) fn display_axis(label: String, si: &str) -> (Axis, DisplayUnit) {
+    let unit = display_unit(si);
     (Axis::new(label, unit.text.clone()), unit)
 }

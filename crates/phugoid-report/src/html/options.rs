@@ -1,12 +1,12 @@
-//! What a page of an estimation says beyond it.
+//! What a page of an estimation shows beside the estimation.
 
-/// What a page says beyond the estimation itself.
+/// What the page of [`html`](crate::html()) shows beside the estimation.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct HtmlOptions {
-    /// Heading; `Parameter estimation: SOURCE` where none.
+    /// Heading; `None` gives `Parameter estimation:` and the name of the record.
     pub title: Option<String>,
-    /// Paragraphs shown under the heading, e.g. what was flown and how to repeat it.
+    /// Paragraphs under the heading, such as what was flown and how to repeat it. Text between backticks is set as code.
     pub notes: Vec<String>,
-    /// Settings of the estimator as name and value, in the order to show them.
+    /// Settings of the estimator as name and value, in the order in which they are shown.
     pub settings: Vec<(String, String)>,
 }

@@ -15,8 +15,8 @@ pub(super) use case::plain_table;
 pub use options::{NotRun, ReproductionOptions};
 use parts::grouped;
 
-/// Reproduced cases and studies as one self-contained HTML page, in the order given, by group: no scripts, no links to
-/// anywhere else, figures inline. Two calls with the same arguments give the same bytes. Ids have to be different.
+/// Reproduced cases and studies as one HTML page without scripts and without links to other files, by group and in the order given. Their ids
+/// have to be different. Two calls with the same arguments give the same bytes.
 pub fn reproduction_html(reproductions: &[Reproduction], options: &ReproductionOptions) -> String {
     let title = options.title.clone().unwrap_or_else(|| "The thesis, case by case".to_owned());
     let mut sections = vec![
@@ -24,15 +24,15 @@ pub fn reproduction_html(reproductions: &[Reproduction], options: &ReproductionO
         Section::new("cases", "All cases", overview::cases(reproductions)),
     ];
     for (group, members) in grouped(reproductions) {
-        let mut body = read_beside(group);
+        let mut body = further_reading(group);
         body.extend(members.iter().map(|reproduction| case::case(reproduction)));
         sections.push(Section::new(group.id, group.title, body));
     }
     page::document(&title, "Reproduced by Phugoid", &options.notes, &overview::facts(reproductions), &sections)
 }
 
-/// Theory and code to read beside the cases of a group.
-fn read_beside(group: &Group) -> String {
+/// Where theory and code of a group can be read.
+fn further_reading(group: &Group) -> String {
     let mut parts = Vec::new();
     if !group.theory.is_empty() {
         let headings: Vec<String> = group.theory.iter().map(|h| format!("“{}”", escape(h))).collect();

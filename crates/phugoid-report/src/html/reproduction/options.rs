@@ -1,11 +1,11 @@
-//! What a page of reproductions says beyond them.
+//! What a page of reproductions shows beside them.
 
-/// What a page of reproductions says beyond them.
+/// What the page of [`reproduction_html`](crate::reproduction_html) shows beside the cases.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ReproductionOptions {
-    /// Heading; `The thesis, case by case` where none.
+    /// Heading; `None` gives `The thesis, case by case`.
     pub title: Option<String>,
-    /// Paragraphs shown under the heading, e.g. how to repeat it.
+    /// Paragraphs under the heading, such as how to repeat the cases. Text between backticks is set as code.
     pub notes: Vec<String>,
     /// Cases and studies that ended without a result.
     pub not_run: Vec<NotRun>,
@@ -14,8 +14,8 @@ pub struct ReproductionOptions {
 /// A case or study without a result.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct NotRun {
-    /// Id.
+    /// Id of the case, such as `noise/2`.
     pub id: String,
-    /// Why.
+    /// Why there is no result, for people.
     pub reason: String,
 }

@@ -1,11 +1,11 @@
-//! Groups of cases, links to them, and coloured words.
+//! Parts that overview and cases share: groups, links, coloured words.
 
 use phugoid_studies::reproduction::group::{Group, group_of};
 use phugoid_studies::reproduction::result::{Reproduction, Requirement};
 
 use crate::escape::escape;
 
-/// Neighbours of one group together, in the order given.
+/// The cases by group, in the order given.
 pub(super) fn grouped(reproductions: &[Reproduction]) -> Vec<(&'static Group, Vec<&Reproduction>)> {
     let mut groups: Vec<(&Group, Vec<&Reproduction>)> = Vec::new();
     for reproduction in reproductions {
@@ -18,11 +18,12 @@ pub(super) fn grouped(reproductions: &[Reproduction]) -> Vec<(&'static Group, Ve
     groups
 }
 
+/// A link to a case in the page.
 pub(super) fn link(id: &str) -> String {
     format!("<a href=\"#{id}\">{id}</a>", id = escape(id))
 }
 
-/// How many of these requirements are met, in words and colour.
+/// The number of requirements that are met, such as `3 of 4`, in colour.
 pub(super) fn met_of(requirements: &[Requirement]) -> String {
     let met = requirements.iter().filter(|r| r.met).count();
     match requirements.len() {
@@ -32,6 +33,7 @@ pub(super) fn met_of(requirements: &[Requirement]) -> String {
     }
 }
 
+/// Words in the colour of a class (`good`, `waiting`, `bad`).
 pub(super) fn status(class: &str, words: &str) -> String {
     format!("<span class=\"status {class}\">{}</span>", escape(words))
 }
