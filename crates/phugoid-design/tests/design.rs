@@ -7,7 +7,6 @@ use phugoid_design::modes::ModeFrequencies;
 use phugoid_design::predict::predict;
 use phugoid_design::{Kind, Request, files, shape, spectrum};
 use phugoid_evaluation::accuracy::accuracy;
-use phugoid_evaluation::published;
 use phugoid_flight_data::csv;
 use phugoid_identification::estimate::EstimateOptions;
 use phugoid_identification::model_file::ModelFile;

@@ -2,7 +2,6 @@
 #![allow(clippy::unwrap_used, clippy::panic)] // tests may
 
 use phugoid_evaluation::accuracy::bound;
-use phugoid_evaluation::named::model;
 use phugoid_identification::inspect::model_support;
 use phugoid_identification::manoeuvres::{Settings, find};
 use phugoid_identification::model_file::ModelFile;

@@ -1,100 +1,119 @@
-//! The documents that are published, one JSON object each (`docs/live.md`).
+//! The documents that are published, one JSON object each. `docs/live.md` describes their fields.
 
 use phugoid_identification::estimation::ParameterReadiness;
 use phugoid_identification::session::{Layout, LiveParameter, Snapshot};
-use serde::{Serialize, Serializer};
+use serde::{Deserialize, Serialize, Serializer};
+use serde_json::Value;
 
+use crate::event::EventKind;
 use crate::link::{Counts, LatencyMs};
 
-/// A document. New fields may be added; none is renamed.
+/// A document. Later versions may add fields; no field is renamed.
+///
+/// ```
+/// use phugoid_live::document::{Document, DocumentType};
+/// use phugoid_live::event::LiveEventKind;
+///
+/// let document = Document::Event {
+///     time_s: None,
+///     arrival_s: 12.5,
+///     kind: &LiveEventKind::Silent.into(),
+///     message: "nothing has arrived for 2 s",
+/// };
+/// let json = document.text();
+/// assert!(json.starts_with(r#"{"type":"event","time_s":null,"arrival_s":12.5,"kind":"silent","#));
+/// let read: serde_json::Value = serde_json::from_str(&json)?;
+/// assert_eq!(DocumentType::of(&read), DocumentType::Event);
+/// # Ok::<(), serde_json::Error>(())
+/// ```
 #[derive(Clone, Debug, Serialize)]
 #[serde(tag = "type", rename_all = "snake_case")]
 pub enum Document<'a> {
-    /// What the arrays of the estimates are: first, and again after a restart of the sender.
+    /// Says what the arrays of the estimates hold. It is the first document, and comes again after a restart of the sender.
     Hello {
-        /// Version of this program.
+        /// Version of this crate.
         version: &'static str,
-        /// Where the data come from.
+        /// Where the data come from, as on the command line.
         source: &'a str,
-        /// Start of the reception, UTC, ISO 8601; none if the clock of this machine was not set.
+        /// Start of the reception, UTC, ISO 8601; `None` if the clock of this machine was not set.
         started: Option<&'a str>,
-        /// Counts the starts of the sender's clock, from 0.
+        /// Number of times that the sender's clock has started again, from 0.
         flight: u64,
-        /// Names and units.
+        /// Names and units of parameters, outputs and inputs, in the order of the arrays.
         layout: &'a Layout,
     },
-    /// An estimate.
+    /// An estimate. Numbers that are not finite become `null`.
     Estimate {
         /// As in the last `hello`.
         flight: u64,
-        /// As in [`Snapshot`].
+        /// Time of the sample by the sender's clock, s.
         time_s: f64,
-        /// As in [`Snapshot`].
+        /// Phase of the estimator, as in [`Snapshot`].
         phase: &'a str,
-        /// As in [`Snapshot`].
+        /// State of the change detection, as in [`Snapshot`].
         change: &'a str,
-        /// As in [`Snapshot`].
+        /// Whether the estimate moved, as in [`Snapshot`].
         moved: bool,
-        /// Parameters.
+        /// Parameters in the order of the layout.
         parameters: Parameters<'a>,
-        /// As in [`Snapshot`].
+        /// Measured outputs, SI.
         outputs: &'a [f64],
-        /// As in [`Snapshot`].
+        /// Outputs that were predicted one sample ahead, SI.
         predicted: &'a [f64],
-        /// As in [`Snapshot`].
+        /// Whitened residuals, in standard deviations.
         residuals: &'a [f64],
-        /// As in [`Snapshot`].
+        /// Inputs, SI.
         inputs: &'a [f64],
     },
-    /// Something that happened.
+    /// Something happened that a person should know.
     Event {
-        /// Time of the sender, s; none if it is about the link.
+        /// Time by the sender's clock, s; `None` for an event of the link.
         time_s: Option<f64>,
         /// Time since the start of the reception, s.
         arrival_s: f64,
-        /// One word.
-        kind: &'a str,
-        /// A sentence.
+        /// What it is about, one word.
+        kind: &'a EventKind,
+        /// What happened, one sentence.
         message: &'a str,
     },
-    /// What the link did, once a second.
+    /// What the link did since the start; published once a second.
     Link {
         /// Time since the start of the reception, s.
         arrival_s: f64,
-        /// Counts.
+        /// Counts since the start.
         #[serde(flatten)]
         counts: Counts,
-        /// From arrival to estimate, ms.
+        /// Quantiles of the time from arrival to estimate, ms.
         latency_ms: LatencyMs,
-        /// Bytes of the recording.
+        /// Bytes of the recording so far.
         recorded_bytes: u64,
         /// Arrivals that could not be recorded.
         recording_dropped: u64,
-        /// Estimates that a reader of the documents was too slow for.
+        /// Estimates that were left out for a slow reader of the lines.
         published_dropped: u64,
-        /// What the estimation waits for, if it has not begun.
+        /// What the estimation waits for; `None` once it has begun.
         waiting: Option<&'a str>,
     },
-    /// The last one.
+    /// The last document.
     End {
-        /// Why.
+        /// Why the estimation ended, for people.
         reason: &'a str,
         /// Counts at the end.
         #[serde(flatten)]
         counts: Counts,
-        /// Estimates made.
+        /// Number of estimates that were made; not all of them are published.
         estimates: u64,
-        /// From arrival to estimate, ms.
+        /// Quantiles of the time from arrival to estimate, ms.
         latency_ms: LatencyMs,
     },
 }
 
-/// Parameters of an estimate. Their readiness is a text that changes seldom: it is written where it was renewed, and stands until the
-/// next.
+/// The parameters of an estimate. Their readiness (verdict, reason, advice) seldom changes and is long, so it is written only into the
+/// documents where it was renewed and holds until the next of them.
 #[derive(Clone, Copy, Debug)]
 pub struct Parameters<'a> {
     parameters: &'a [LiveParameter],
-    readiness: bool,
+    with_readiness: bool,
 }
 
 #[derive(Serialize)]
@@ -112,48 +131,77 @@ impl Serialize for Parameters<'_> {
             value: parameter.value,
             std_error: parameter.std_error,
             status: parameter.status.word(),
-            readiness: parameter.readiness.as_ref().filter(|_| self.readiness),
+            readiness: parameter.readiness.as_ref().filter(|_| self.with_readiness),
         }))
     }
 }
 
-/// What kind of document a text is, for those who pass it on.
+/// What kind of document a text is. Those who pass documents on decide by it, so that they need not read the JSON.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
-    /// Is kept for newcomers.
+pub enum DocumentKind {
+    /// Names and units. It has to be kept for readers that come later.
     Hello,
-    /// May be left out where a reader is slow; `shown` for those that a page gets.
+    /// An estimate. It may be left out for a slow reader.
     Estimate {
-        /// One of the at most fifty a second for pages.
+        /// True for the estimates that the page and the terminal view get, at most fifty a second.
         shown: bool,
-        /// It has the readiness of the parameters.
+        /// True if the readiness of the parameters is in it.
         readiness: bool,
     },
-    /// Is never left out.
+    /// An event. It must not be left out.
     Event,
-    /// The latest counts.
+    /// Counts of the link; a later one replaces it.
     Link,
-    /// The last.
+    /// The last document.
     End,
 }
 
-impl Kind {
-    /// False for estimates beyond those for pages.
+impl DocumentKind {
+    /// False only for estimates that the page and the terminal view do not get.
     pub fn is_shown(self) -> bool {
         !matches!(self, Self::Estimate { shown: false, .. })
     }
 }
 
+/// The `type` of a document that was read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum DocumentType {
+    /// [`Document::Hello`].
+    Hello,
+    /// [`Document::Estimate`].
+    Estimate,
+    /// [`Document::Event`].
+    Event,
+    /// [`Document::Link`].
+    Link,
+    /// [`Document::End`].
+    End,
+    /// No type, or one that a later version has added. Such a document is to be passed over.
+    #[serde(other)]
+    Unknown,
+}
+
+impl DocumentType {
+    /// The type of a document as JSON.
+    pub fn of(document: &Value) -> Self {
+        document.get("type").and_then(|word| Self::deserialize(word).ok()).unwrap_or(Self::Unknown)
+    }
+}
+
+/// A function that gets every document: its kind, and its JSON on one line without the line end.
+pub type Publish<'a> = &'a mut dyn FnMut(DocumentKind, &str);
+
 impl<'a> Document<'a> {
-    /// The document of a snapshot, with the readiness of the parameters or without.
-    pub fn estimate(flight: u64, snapshot: &'a Snapshot, readiness: bool) -> Self {
+    /// The document of a snapshot. `flight` counts the restarts of the sender; the readiness of the parameters is written only if asked for.
+    pub fn estimate(flight: u64, snapshot: &'a Snapshot, with_readiness: bool) -> Self {
         Self::Estimate {
             flight,
             time_s: snapshot.time_s,
             phase: snapshot.phase.word(),
             change: snapshot.change.word(),
             moved: snapshot.moved,
-            parameters: Parameters { parameters: &snapshot.parameters, readiness },
+            parameters: Parameters { parameters: &snapshot.parameters, with_readiness },
             outputs: &snapshot.outputs,
             predicted: &snapshot.predicted,
             residuals: &snapshot.residuals,
@@ -163,7 +211,18 @@ impl<'a> Document<'a> {
 
     /// The document as one line of JSON, without a line end. Numbers that are not finite become `null`.
     pub fn text(&self) -> String {
-        // Plain data: nothing in it can fail to be written.
+        // Plain data cannot fail to be serialised.
         serde_json::to_string(self).unwrap_or_default()
     }
+}
+
+/// Publishes an event that happened `now_ns` after the start of the reception; `time_s` is the sender's time where the event has one.
+pub(crate) fn publish_event(time_s: Option<f64>, now_ns: u64, kind: &EventKind, message: &str, publish: Publish<'_>) {
+    let document = Document::Event { time_s, arrival_s: seconds(now_ns), kind, message };
+    publish(DocumentKind::Event, &document.text());
+}
+
+/// Nanoseconds as seconds.
+pub(crate) fn seconds(ns: u64) -> f64 {
+    ns as f64 / 1e9
 }

@@ -1,24 +1,24 @@
-//! The page that the server shows: one file that needs nothing from the network.
+//! The page of the dashboard: one file that needs nothing from the network.
 //!
-//! `assets/dashboard` holds it in parts; `index.html` names them, in the order in which they are put into it.
+//! Its parts are in `assets/dashboard`. `index.html` names them, and each is put in place of its name.
 
 use std::sync::LazyLock;
 
 use serde::Serialize;
 
-/// One file of the page.
+/// A file that the server gives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Asset {
     /// Path under which the server gives it; `/` is the page itself.
     pub path: &'static str,
     /// MIME type, with the character set where it is text.
     pub content_type: &'static str,
-    /// Content.
+    /// Bytes of the file.
     pub body: &'static [u8],
 }
 
-/// The files of the page. They read the documents of `events` beside it (server-sent events) and show them; what the page's address
-/// has after `?` goes along.
+/// The files of the page. The page reads the documents from `events` in the same folder (server-sent events). It sends the query of its own
+/// address, in which the token may be, along with that request.
 pub static ASSETS: LazyLock<Vec<Asset>> =
     LazyLock::new(|| vec![Asset { path: "/", content_type: "text/html; charset=utf-8", body: PAGE.as_bytes() }]);
 
@@ -28,7 +28,7 @@ macro_rules! parts {
     ($($name:literal),* $(,)?) => { &[$(($name, include_str!(concat!("../assets/dashboard/", $name)))),*] };
 }
 
-/// What `index.html` names, by name.
+/// The files that `index.html` names, with their names.
 const PARTS: &[(&str, &str)] = parts![
     "style.css",
     "format.js",
@@ -45,10 +45,10 @@ const PARTS: &[(&str, &str)] = parts![
     "main.js",
 ];
 
-/// Where a result stands in a page that has its data inside.
+/// The place in the page where the data of a result are put.
 const DATA: &str = "<!-- data -->";
 
-/// The page with all its parts inside.
+/// The page with all its parts in place.
 static PAGE: LazyLock<String> = LazyLock::new(|| {
     let mut page = INDEX.to_owned();
     for (name, text) in PARTS {
@@ -59,12 +59,18 @@ static PAGE: LazyLock<String> = LazyLock::new(|| {
     page
 });
 
-/// The page with a result inside, to be kept as a file or served: it asks nothing of a server.
+/// The page with the data of a result inside, to be kept as a file or served. It needs no server.
+///
+/// ```
+/// let page = phugoid_live::page::with_result(&"a </script> in a name")?;
+/// assert!(page.contains(r#"id="data">"a \u003c/script> in a name"</script>"#));
+/// # Ok::<(), serde_json::Error>(())
+/// ```
 ///
 /// # Errors
-/// Those of serialisation.
+/// What `serde_json` says if the result cannot be serialised.
 pub fn with_result<T: Serialize>(result: &T) -> Result<String, serde_json::Error> {
-    // Within a script element only `<` could end it; JSON has it in strings alone, where it may be written so.
+    // Only `<` could end the script element. In JSON it occurs in strings only, where it may be written as an escape.
     let data = serde_json::to_string(result)?.replace('<', "\\u003c");
     Ok(PAGE.replacen(DATA, &format!("<script type=\"application/json\" id=\"data\">{data}</script>"), 1))
 }

@@ -1,4 +1,4 @@
-//! Documents as lines of text, on a thread of their own.
+//! Documents as lines of text, written by a thread of their own so that the estimation does not wait for the reader.
 
 use std::io::{self, Write};
 use std::sync::Arc;
@@ -6,19 +6,19 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::mpsc::{self, Receiver, SyncSender, TrySendError};
 use std::thread::JoinHandle;
 
-/// Lines that wait for a reader that is slow.
+/// Lines that may wait for a slow reader.
 const WAITING: usize = 16_384;
 
-/// What happens where the reader of the lines is slower than what is published.
+/// What happens if the reader of the lines is slower than the estimation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WhenSlow {
-    /// Estimates are left out and counted: a flight does not wait.
+    /// Documents are left out and counted. For a flight, which does not wait.
     LeaveOut,
-    /// Everything waits: a replay as fast as possible.
+    /// The estimation waits. For a replay as fast as possible, and for data from a pipe.
     Wait,
 }
 
-/// Writes lines.
+/// Writes lines from a queue of 16,384 lines.
 pub struct Lines {
     queue: Option<SyncSender<String>>,
     thread: Option<JoinHandle<io::Result<()>>>,
@@ -31,7 +31,7 @@ impl Lines {
     /// Starts a thread that writes to `out`.
     ///
     /// # Errors
-    /// The system gives no thread.
+    /// What the system says if it gives no further thread.
     pub fn new(out: impl Write + Send + 'static, when_slow: WhenSlow) -> io::Result<Self> {
         let (queue, lines) = mpsc::sync_channel(WAITING);
         let gone = Arc::new(AtomicBool::new(false));
@@ -44,12 +44,12 @@ impl Lines {
         Ok(Self { queue: Some(queue), thread: Some(thread), when_slow, dropped: Arc::default(), gone })
     }
 
-    /// Writes a line.
+    /// Puts a line, without its end, into the queue. With [`WhenSlow::LeaveOut`] it is dropped if the queue is full.
     pub fn send(&self, line: &str) {
         let Some(queue) = &self.queue else { return };
         match self.when_slow {
             WhenSlow::Wait => {
-                // Nobody reads any more: `gone` says so.
+                // This fails only if writing has failed; `is_gone` tells the caller.
                 let _ = queue.send(line.to_owned());
             }
             WhenSlow::LeaveOut => {
@@ -60,20 +60,20 @@ impl Lines {
         }
     }
 
-    /// Lines that were left out.
+    /// Number of lines that were dropped.
     pub fn dropped(&self) -> u64 {
         self.dropped.load(Ordering::Relaxed)
     }
 
-    /// True if nobody reads any more.
+    /// True once writing has failed, usually because the reader is gone.
     pub fn is_gone(&self) -> bool {
         self.gone.load(Ordering::Relaxed)
     }
 
-    /// Writes what waits.
+    /// Writes the lines that still wait and ends the thread.
     ///
     /// # Errors
-    /// What the system said when writing failed.
+    /// What the system said when writing failed; [`io::ErrorKind::BrokenPipe`] if the reader was gone.
     pub fn finish(mut self) -> io::Result<()> {
         self.queue = None;
         match self.thread.take().map(JoinHandle::join) {
@@ -88,7 +88,7 @@ fn write(out: impl Write, lines: &Receiver<String>) -> io::Result<()> {
     let mut out = io::BufWriter::new(out);
     while let Ok(line) = lines.recv() {
         writeln!(out, "{line}")?;
-        // One write for all that is there.
+        // All lines that wait go out in one write.
         while let Ok(line) = lines.try_recv() {
             writeln!(out, "{line}")?;
         }

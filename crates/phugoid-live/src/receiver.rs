@@ -1,69 +1,90 @@
-//! From what arrives to samples on one time base. Nothing here depends on anything but arrivals and their stamps, so that a
-//! recording gives the same samples as the flight.
+//! From arrivals to samples on one time base. The result depends on the arrivals and their stamps only, so a recording gives the same
+//! samples as the flight.
 
-mod airspeed;
 mod stream;
 
 use std::collections::{BTreeMap, HashMap};
 
 use phugoid_flight_data::csv::{ColumnMapping, CsvOptions};
 
+use crate::airspeed::{self, TrueAirspeed};
 use crate::arrival::{Arrival, Content};
+use crate::event::LiveEventKind;
 use crate::link::Counts;
 use crate::mavlink::map::{Assembler, MavlinkOptions};
 use crate::timing::{Judgement, SenderClock};
-pub(crate) use airspeed::COST as AIRSPEED_COST;
-use airspeed::TrueAirspeed;
 use stream::{Piece, Stream};
 
-/// How what arrives is to be understood.
+/// How the bytes that arrive are interpreted.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ReceiverOptions {
-    /// Columns mapped by hand (the model file's `[channels]`): headers of CSV, keys of JSON, or `MESSAGE.field` of MAVLink.
+    /// Columns that the model file maps to channels (`[channels]`): headers of CSV, keys of JSON, or `MESSAGE.field` of MAVLink.
     pub columns: Vec<ColumnMapping>,
-    /// What is particular to MAVLink.
+    /// Options that concern MAVLink only.
     pub mavlink: MavlinkOptions,
 }
 
-/// What reception gives.
+/// What the receiver hands over.
 #[derive(Debug, PartialEq)]
 pub enum Reception<'a> {
-    /// A sample: values in the order of the channels that were asked for, SI, NaN where missing.
+    /// A sample. The times of the samples increase, except after [`Reception::Restart`].
     Sample {
-        /// Time of the sender, s.
+        /// Time by the sender's clock, s.
         time_s: f64,
-        /// When what completed it arrived, ns.
+        /// Arrival of the message or row that completed the sample, ns.
         arrival_ns: u64,
-        /// Values.
+        /// Values in the order of the channels that were asked for, SI; NaN where a value is missing.
         values: &'a [f64],
     },
-    /// The sender's clock has begun anew: what follows is another flight.
+    /// The sender's clock has started again. The samples that follow belong to another flight.
     Restart {
-        /// The last time before, s.
+        /// Last time before the restart, s.
         from_s: f64,
-        /// The first time after, s.
+        /// First time after the restart, s.
         to_s: f64,
     },
-    /// Something worth a sentence.
+    /// Something happened that a person should know.
     Event {
-        /// One word: `origin`, `payload`, `columns`, `airspeed`, `refused`, `late`, `stalled`, `silent`.
-        kind: &'static str,
-        /// The sentence.
+        /// What it is about.
+        kind: LiveEventKind,
+        /// What happened, one sentence.
         message: String,
     },
 }
 
-/// Says of each kind of trouble only this many times; the counts go on.
-const SAID: u32 = 5;
-/// Another peer is heard only when the one that was heard has been silent for this long, ns.
+/// Events of one kind that are published at most; further ones only count.
+const MOST_EVENTS: u32 = 5;
+/// Rows of another sender are used only if the current one has been silent for this long, ns.
 const HANDOVER_NS: u64 = 1_000_000_000;
-/// No data at all for this long, ns, is worth a word.
+/// An event is published if nothing has arrived for this long, ns.
 const SILENCE_NS: u64 = 2_000_000_000;
 
-/// Understands what arrives.
+/// Turns bytes into samples. It recognises MAVLink, CSV and JSON lines by their content.
+///
+/// ```
+/// use phugoid_live::arrival::{Arrival, Content};
+/// use phugoid_live::receiver::{Receiver, ReceiverOptions, Reception};
+///
+/// let channels = ["alpha", "q"].map(str::to_owned);
+/// let mut receiver = Receiver::new(&channels, &ReceiverOptions::default())?;
+/// let line = br#"{"time_s": 1.25, "alpha_deg": 90.0}"#.to_vec();
+/// let arrival = Arrival { arrival_ns: 1, wall_ns: 0, origin: 0, content: Content::Datagram(line) };
+/// let mut samples = Vec::new();
+/// receiver.take(&arrival, &mut |reception| {
+///     if let Reception::Sample { time_s, values, .. } = reception {
+///         samples.push((time_s, values.to_vec()));
+///     }
+/// });
+/// let [(time_s, values)] = samples.as_slice() else { panic!("one sample is expected") };
+/// assert_eq!(*time_s, 1.25);
+/// assert!((values[0] - std::f64::consts::FRAC_PI_2).abs() < 1e-12, "degrees become radians");
+/// assert!(values[1].is_nan(), "the pitch rate was not sent");
+/// # Ok::<(), String>(())
+/// ```
 pub struct Receiver {
-    /// Those that were asked for, then those of which others are computed.
+    /// Channels that were asked for, then those from which the true airspeed can be computed.
     channels: Vec<String>,
+    /// How many of the channels were asked for.
     asked: usize,
     airspeed: Option<TrueAirspeed>,
     csv: CsvOptions,
@@ -71,26 +92,29 @@ pub struct Receiver {
     clock: SenderClock,
     mavlink: Assembler,
     counts: Counts,
-    said: BTreeMap<&'static str, u32>,
-    /// The text stream that is heard, and when it was last.
-    heard: Option<(u16, u64)>,
+    /// How many events of each kind have been published.
+    published: BTreeMap<LiveEventKind, u32>,
+    /// The sender whose rows of text are used, and the arrival of its last row, ns.
+    text_sender: Option<(u16, u64)>,
     row: Vec<f64>,
     values: Vec<f64>,
+    /// Arrival of the last packet, ns.
     newest_ns: u64,
-    silence_said: bool,
+    silence_published: bool,
 }
 
 impl Receiver {
-    /// `asked_for`: canonical names of what the samples hold, in this order.
+    /// A receiver for samples that hold the channels `asked_for` (canonical names), in this order.
     ///
     /// # Errors
-    /// A mapping of the model file that no stream could fulfil, in words.
+    /// A sentence for people, if a column mapping names a field that its MAVLink message does not have, a unit that does not suit the channel, or
+    /// a command without a scale.
     pub fn new(asked_for: &[String], options: &ReceiverOptions) -> Result<Self, String> {
         let asked = asked_for.len();
         let mut channels = asked_for.to_vec();
         if channels.iter().any(|channel| channel == "true_airspeed") {
             let is_new = |name: &&str| !asked_for.iter().any(|channel| channel == name);
-            channels.extend(airspeed::NEEDED.into_iter().filter(is_new).map(str::to_owned));
+            channels.extend(airspeed::SOURCES.into_iter().filter(is_new).map(str::to_owned));
         }
         Ok(Self {
             asked,
@@ -100,50 +124,52 @@ impl Receiver {
             streams: HashMap::new(),
             clock: SenderClock::default(),
             counts: Counts::default(),
-            said: BTreeMap::new(),
-            heard: None,
+            published: BTreeMap::new(),
+            text_sender: None,
             row: Vec::new(),
             values: vec![f64::NAN; channels.len()],
             channels,
             newest_ns: 0,
-            silence_said: false,
+            silence_published: false,
         })
     }
 
-    /// With the density of the air that the model states, kg/m^3, if it does: with it another airspeed becomes the true one.
-    pub fn with_air_density(mut self, stated: Option<f64>) -> Self {
-        self.airspeed = self.airspeed.map(|airspeed| airspeed.with_density(stated));
+    /// Sets the density of the air that the model file states, kg/m^3. The true airspeed is then computed with it from another airspeed, if
+    /// the sender gives no true one. `None` leaves the density to the channels that arrive.
+    pub fn with_air_density(mut self, density: Option<f64>) -> Self {
+        self.airspeed = self.airspeed.map(|airspeed| airspeed.with_density(density));
         self
     }
 
-    /// Counts so far.
+    /// Counts of the link since the start.
     pub fn counts(&self) -> &Counts {
         &self.counts
     }
 
-    /// What is missing for a sample to be of use although something like it comes, in words.
-    pub fn lacking(&self) -> Option<String> {
-        self.airspeed.as_ref().and_then(TrueAirspeed::lacking)
+    /// What is missing for the true airspeed although another airspeed arrives, as a sentence; `None` if nothing is missing.
+    pub fn missing(&self) -> Option<String> {
+        self.airspeed.as_ref().and_then(TrueAirspeed::missing)
     }
 
-    /// When [`Receiver::advance`] has to be called if nothing arrives before, ns.
+    /// The time at which [`Receiver::advance`] has to be called if nothing arrives before, ns; `None` if nothing waits.
     pub fn deadline_ns(&self) -> Option<u64> {
-        let silence = (!self.silence_said && self.newest_ns > 0).then_some(self.newest_ns.saturating_add(SILENCE_NS));
+        let silence =
+            (!self.silence_published && self.newest_ns > 0).then_some(self.newest_ns.saturating_add(SILENCE_NS));
         [self.mavlink.deadline_ns(), silence].into_iter().flatten().min()
     }
 
-    /// Does what was due at or before this time, ns.
+    /// Does what was due until this time, ns: hands over samples that have waited long enough for missing messages, and reports silence.
     pub fn advance(&mut self, now_ns: u64, out: &mut dyn FnMut(Reception<'_>)) {
         while let Some(due_ns) = self.deadline_ns().filter(|due| *due <= now_ns) {
-            if !self.silence_said && self.newest_ns > 0 && due_ns >= self.newest_ns.saturating_add(SILENCE_NS) {
-                self.silence_said = true;
-                out(event("silent", format!("nothing has arrived for {:.0} s", SILENCE_NS as f64 / 1e9)));
+            if !self.silence_published && self.newest_ns > 0 && due_ns >= self.newest_ns.saturating_add(SILENCE_NS) {
+                self.silence_published = true;
+                out(event(LiveEventKind::Silent, format!("nothing has arrived for {:.0} s", SILENCE_NS as f64 / 1e9)));
             }
             self.emit_mavlink(due_ns, out);
         }
     }
 
-    /// Takes what arrived. What was due before is done first.
+    /// Takes an arrival and hands over the samples and events that follow from it. What was due before its time is done first.
     pub fn take(&mut self, arrival: &Arrival, out: &mut dyn FnMut(Reception<'_>)) {
         let now_ns = arrival.arrival_ns;
         self.advance(now_ns, out);
@@ -151,24 +177,24 @@ impl Receiver {
             Content::Opened(peer) => {
                 self.streams.insert(arrival.origin, Stream::new(peer));
                 self.mavlink.forget(arrival.origin);
-                out(event("origin", format!("receiving from {peer}")));
+                out(event(LiveEventKind::Origin, format!("receiving from {peer}")));
             }
             Content::Closed(reason) => {
                 let mut stream = self.streams.remove(&arrival.origin).unwrap_or_else(|| Stream::new(""));
                 self.pieces(&mut stream, arrival, &[], true, out);
-                if self.heard.is_some_and(|(origin, _)| origin == arrival.origin) {
-                    self.heard = None;
+                if self.text_sender.is_some_and(|(origin, _)| origin == arrival.origin) {
+                    self.text_sender = None;
                 }
-                out(event("origin", format!("{}: {reason}", stream.peer())));
+                out(event(LiveEventKind::Origin, format!("{}: {reason}", stream.peer())));
             }
             Content::Datagram(bytes) | Content::Piece(bytes) => {
                 self.counts.packets += 1;
                 self.counts.bytes += bytes.len() as u64;
-                if self.silence_said {
+                if self.silence_published {
                     let silent_s = now_ns.saturating_sub(self.newest_ns) as f64 / 1e9;
-                    out(event("silent", format!("data again, after {silent_s:.1} s without")));
+                    out(event(LiveEventKind::Silent, format!("data again, after {silent_s:.1} s without")));
                 }
-                (self.newest_ns, self.silence_said) = (now_ns.max(1), false);
+                (self.newest_ns, self.silence_published) = (now_ns.max(1), false);
                 let ends = matches!(arrival.content, Content::Datagram(_));
                 let mut stream = self.streams.remove(&arrival.origin).unwrap_or_else(|| Stream::new("the stream"));
                 self.pieces(&mut stream, arrival, bytes, ends, out);
@@ -177,7 +203,7 @@ impl Receiver {
         }
     }
 
-    /// Does what is still waiting, at the end.
+    /// Hands over the samples that still wait. To be called at the end.
     pub fn finish(&mut self, out: &mut dyn FnMut(Reception<'_>)) {
         self.emit_mavlink(u64::MAX, out);
     }
@@ -193,12 +219,12 @@ impl Receiver {
         let csv = std::mem::take(&mut self.csv);
         let mut row = std::mem::take(&mut self.row);
         stream.push(bytes, ends, &csv, &mut row, &mut |piece| match piece {
-            Piece::Payload(name) => out(event("payload", format!("this is {name}"))),
-            Piece::Columns(told) => told.into_iter().for_each(|message| out(event("columns", message))),
+            Piece::Payload(payload) => out(event(LiveEventKind::Payload, format!("this is {}", payload.words()))),
+            Piece::Columns(notes) => notes.into_iter().for_each(|message| out(event(LiveEventKind::Columns, message))),
             Piece::Row { time_s, names, values } => self.row(arrival, time_s, names, values, out),
             Piece::Refused(reason) => {
                 self.counts.refused += 1;
-                self.say("refused", reason, out);
+                self.publish(LiveEventKind::Refused, reason, out);
             }
             Piece::Garbage(bytes) => self.counts.garbage_bytes += bytes as u64,
             Piece::BadChecksum => self.counts.checksum_failures += 1,
@@ -207,16 +233,19 @@ impl Receiver {
                 let mut events = Vec::new();
                 self.mavlink.take(&frame, arrival.origin, arrival.arrival_ns, &mut self.counts, &mut events);
                 if self.counts.received == 1 {
-                    self.mavlink.doubts().into_iter().for_each(|message| out(event("airspeed", message)));
+                    self.mavlink
+                        .warnings()
+                        .into_iter()
+                        .for_each(|message| out(event(LiveEventKind::Airspeed, message)));
                 }
-                events.into_iter().for_each(|(kind, message)| self.say(kind, message, out));
+                events.into_iter().for_each(|(kind, message)| self.publish(kind, message, out));
                 self.emit_mavlink(arrival.arrival_ns, out);
             }
         });
         (self.csv, self.row) = (csv, row);
     }
 
-    /// Hands over what MAVLink has ready at this time.
+    /// Hands over the MAVLink samples that are ready at this time.
     fn emit_mavlink(&mut self, now_ns: u64, out: &mut dyn FnMut(Reception<'_>)) {
         while let Some(base) = self.mavlink.ready(now_ns) {
             if !self.judge(base.time_s, base.arrival_ns, out) {
@@ -236,15 +265,19 @@ impl Receiver {
         out: &mut dyn FnMut(Reception<'_>),
     ) {
         self.counts.received += 1;
-        match self.heard {
+        match self.text_sender {
             Some((origin, last_ns))
                 if origin != arrival.origin && arrival.arrival_ns.saturating_sub(last_ns) < HANDOVER_NS =>
             {
                 self.counts.refused += 1;
-                self.say("refused", "a second sender at the same time: only the first is used".to_owned(), out);
+                self.publish(
+                    LiveEventKind::Refused,
+                    "a second sender at the same time: only the first is used".to_owned(),
+                    out,
+                );
                 return;
             }
-            _ => self.heard = Some((arrival.origin, arrival.arrival_ns)),
+            _ => self.text_sender = Some((arrival.origin, arrival.arrival_ns)),
         }
         if !self.judge(time_s, arrival.arrival_ns, out) {
             return;
@@ -256,29 +289,32 @@ impl Receiver {
         self.sample(time_s, arrival.arrival_ns, out);
     }
 
-    /// Completes the values of a sample and hands it over.
+    /// Computes the true airspeed where that is needed, and hands the sample over.
     fn sample(&mut self, time_s: f64, arrival_ns: u64, out: &mut dyn FnMut(Reception<'_>)) {
         if let Some(airspeed) = &mut self.airspeed {
-            airspeed.fill(time_s, &mut self.values, &mut |message| out(event("airspeed", message)));
+            airspeed.fill(time_s, &mut self.values, &mut |message| out(event(LiveEventKind::Airspeed, message)));
         }
         self.counts.samples += 1;
         out(Reception::Sample { time_s, arrival_ns, values: self.values.get(..self.asked).unwrap_or_default() });
     }
 
-    /// Is a sample of this time to be used?
+    /// Whether a sample with this time is to be used. Counts and publishes what its time means.
     fn judge(&mut self, time_s: f64, arrival_ns: u64, out: &mut dyn FnMut(Reception<'_>)) -> bool {
         match self.clock.judge(time_s, arrival_ns) {
             Judgement::Forward => return true,
             Judgement::Repeated => self.counts.duplicated += 1,
             Judgement::Stalled => {
                 self.counts.stalled += 1;
-                out(event("stalled", format!("samples come, but the sender's clock stands still at {time_s:.3} s")));
+                out(event(
+                    LiveEventKind::Stalled,
+                    format!("samples come, but the sender's clock stands still at {time_s:.3} s"),
+                ));
             }
             Judgement::Late => self.counts.late += 1,
             Judgement::Doubtful => {
                 self.counts.refused += 1;
-                self.say(
-                    "refused",
+                self.publish(
+                    LiveEventKind::Refused,
                     format!("a time far from the others, {time_s} s: left out unless it goes on so"),
                     out,
                 );
@@ -294,17 +330,18 @@ impl Receiver {
         false
     }
 
-    fn say(&mut self, kind: &'static str, message: String, out: &mut dyn FnMut(Reception<'_>)) {
-        let said = self.said.entry(kind).or_default();
-        *said += 1;
-        match *said {
-            0..SAID => out(event(kind, message)),
-            SAID => out(event(kind, format!("{message} (further ones are counted, not said)"))),
+    /// Publishes an event, unless there have been too many of its kind.
+    fn publish(&mut self, kind: LiveEventKind, message: String, out: &mut dyn FnMut(Reception<'_>)) {
+        let published = self.published.entry(kind).or_default();
+        *published += 1;
+        match *published {
+            0..MOST_EVENTS => out(event(kind, message)),
+            MOST_EVENTS => out(event(kind, format!("{message} (further ones are counted, not said)"))),
             _ => {}
         }
     }
 }
 
-fn event(kind: &'static str, message: String) -> Reception<'static> {
+fn event(kind: LiveEventKind, message: String) -> Reception<'static> {
     Reception::Event { kind, message }
 }

@@ -1,4 +1,4 @@
-//! A live estimation with its threads: a source that receives, the estimation, and those who record and publish.
+//! A live estimation with its threads: one receives, one estimates, others record and publish.
 
 use std::io::{self, Write};
 use std::path::PathBuf;
@@ -11,83 +11,80 @@ use phugoid_identification::model_file::ModelFile;
 use phugoid_identification::stack::STACK_BYTES;
 
 use crate::arrival::{Clock, wall_ns};
-use crate::document::Kind;
-use crate::engine::{Beside, Engine};
+pub use crate::audience::Audience;
+use crate::document::DocumentKind;
+use crate::engine::{Engine, WriterCounts};
+use crate::event::LiveEventKind;
 use crate::publish::{Lines, WhenSlow};
 use crate::receiver::ReceiverOptions;
 use crate::recording::{Header, Recorder, VERSION};
 use crate::source::{Outlet, Source};
 use crate::stop::{Stop, Why};
 
-/// Arrivals that wait for the estimation; beyond it the operating system's buffers hold what comes.
+/// Arrivals that may wait for the estimation. Further ones stay in the operating system's buffers.
 const WAITING: usize = 8192;
-/// How often it is looked whether to stop, and told about the link.
+/// Longest time without a look at whether to stop and whether a document about the link is due, ns.
 const LOOK_NS: u64 = 100_000_000;
 
-/// What a live estimation is made of.
+/// Everything that a live estimation is made from. [`Live::run`] runs it.
 pub struct Live<'a> {
-    /// The aircraft.
+    /// The model of the aircraft.
     pub model: &'a ModelFile,
-    /// Text of the model file, for the recording.
+    /// Text of the model file, which goes into the recording.
     pub model_text: &'a str,
-    /// Choices of the estimation.
+    /// Estimator and its options.
     pub options: &'a EstimateOptions,
-    /// How what arrives is to be understood.
+    /// How the bytes that arrive are interpreted.
     pub receiver: &'a ReceiverOptions,
-    /// Where the recording goes, if anywhere.
+    /// File of the recording, which must not exist; `None` records nothing.
     pub record: Option<PathBuf>,
-    /// Every estimate on the lines, not only those for pages.
+    /// Writes every estimate, not only the fifty a second for the page.
     pub all: bool,
-    /// What happens where the reader of the lines is slow.
+    /// What happens if the reader of the lines is slow.
     pub when_slow: WhenSlow,
-    /// What arrives has stamps of another time: only they count, no clock.
+    /// True for a replay: the arrivals have the stamps of another time, so no clock of this machine is used and there is no latency.
     pub replayed: bool,
-    /// When what is replayed was received, ns since 1970-01-01 UTC; none for what is received now.
+    /// For a replay, the start of the original reception, ns since 1970-01-01 UTC; `None` for what is received now.
     pub started_wall_ns: Option<u64>,
 }
 
-/// Who gets the documents beside the lines.
-pub trait Audience: Send {
-    /// A document; it has to return at once.
-    fn hear(&mut self, kind: Kind, document: &str);
-}
-
-/// How it ended.
+/// Counts at the end of a live estimation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Summary {
-    /// Samples handed to the estimation.
+    /// Number of samples that the estimation got.
     pub samples: u64,
-    /// Estimates made.
+    /// Number of estimates that were made.
     pub estimates: u64,
 }
 
-/// Why a live estimation could not begin, or could not be written.
+/// Why a live estimation could not begin, or why its documents or recording could not be written.
 #[derive(Debug, thiserror::Error)]
 pub enum LiveError {
-    /// The model or the options.
+    /// The model and the options cannot be estimated live.
     #[error(transparent)]
     Estimate(#[from] EstimateError),
-    /// The recording.
+    /// The recording cannot be created or written.
     #[error("the recording `{}` cannot be written: {error}", file.display())]
     Recording {
-        /// File.
+        /// File of the recording.
         file: PathBuf,
-        /// What the system says.
+        /// What the operating system said.
         error: io::Error,
     },
-    /// The documents.
+    /// The lines of the documents cannot be written.
     #[error("the documents cannot be written: {0}")]
     Documents(io::Error),
-    /// A thread.
+    /// The operating system gives no further thread.
     #[error("the system gives no further thread: {0}")]
     Thread(io::Error),
 }
 
 impl Live<'_> {
-    /// Receives from `source` until it ends or `stop` is asked for; lines go to `out`, documents to the audience too.
+    /// Receives from `source` until it ends, `stop` is set, or nobody reads the lines any more. Every document goes to `out` as a line of JSON
+    /// and to each audience. The estimation runs on a thread with the stack that large models need; this call waits for it.
     ///
     /// # Errors
-    /// [`LiveError`]. What was received is recorded all the same.
+    /// [`LiveError`]. What was received until then is in the recording.
     pub fn run(
         &self,
         source: Source,
@@ -119,20 +116,20 @@ impl Live<'_> {
         let recorder = self.recorder(&source.name, started_wall_ns)?;
         let recorded = recorder.as_ref().map(Recorder::recorded).unwrap_or_default();
         let lines = Lines::new(out, self.when_slow).map_err(LiveError::Thread)?;
-        let mut publish = |kind: Kind, document: &str| {
+        let mut publish = |kind: DocumentKind, document: &str| {
             lines.send(document);
             audience.iter_mut().for_each(|listener| listener.hear(kind, document));
         };
         let clock = Clock::start();
         let (queue, arrivals) = mpsc::sync_channel(WAITING);
         let outlet = Outlet::new(queue, Arc::clone(stop), clock);
-        // Standard input cannot be asked to stop: the thread is left behind at the end.
+        // Reading standard input cannot be interrupted, so this thread is left behind at the end.
         std::thread::Builder::new()
             .name("source".to_owned())
             .spawn(move || source.run(&outlet))
             .map_err(LiveError::Thread)?;
         engine.begin(&mut publish);
-        // A replay has no latency: its stamps are of another time.
+        // A replay has no latency, because its stamps are of another time.
         let finished = || if self.replayed { 0 } else { clock.now_ns() };
         let mut recording_failed = false;
         let reason = loop {
@@ -154,28 +151,28 @@ impl Live<'_> {
                     }
                 }
                 Err(RecvTimeoutError::Timeout) => {}
-                // A source that was asked to end may have done so first.
+                // A source that was asked to stop may end before the reason is read here.
                 Err(RecvTimeoutError::Disconnected) => break stop.asked().map_or("the source has ended", Why::words),
             }
             let now_ns = clock.now_ns();
             if !self.replayed {
                 engine.advance(now_ns, &finished, &mut publish);
             }
-            let beside = Beside {
+            let writers = WriterCounts {
                 recorded_bytes: recorded.bytes(),
                 recording_dropped: recorded.dropped(),
                 published_dropped: lines.dropped(),
             };
             if recorded.failed() && !recording_failed {
                 recording_failed = true;
-                engine.tell(
+                engine.publish_event(
                     now_ns,
-                    "recording",
+                    LiveEventKind::Recording,
                     "the recording cannot be written any more; the estimation goes on",
                     &mut publish,
                 );
             }
-            engine.tell_link(now_ns, beside, &mut publish);
+            engine.publish_link(now_ns, writers, &mut publish);
         };
         engine.end(reason, &finished, &mut publish);
         stop.ask(Why::Over);
@@ -185,7 +182,7 @@ impl Live<'_> {
             recorder.finish().map_err(|error| LiveError::Recording { file: file.clone(), error })?;
         }
         match written {
-            // `head` has seen enough.
+            // The reader has closed the pipe, as `head` does.
             Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(summary),
             other => other.map(|()| summary).map_err(LiveError::Documents),
         }

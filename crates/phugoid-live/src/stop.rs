@@ -1,24 +1,35 @@
-//! The wish that a live estimation end, and why.
+//! The wish that a live estimation end, shared by its threads, with the reason.
 
 use std::sync::atomic::{AtomicU8, Ordering};
 
-/// Says to all threads that they are to end.
+/// A flag that asks all threads to end.
+///
+/// ```
+/// use phugoid_live::stop::{Stop, Why};
+///
+/// let stop = Stop::default();
+/// assert_eq!(stop.asked(), None);
+/// assert!(stop.ask(Why::Signal));
+/// // The first reason stays.
+/// assert!(!stop.ask(Why::Over));
+/// assert_eq!(stop.asked(), Some(Why::Signal));
+/// ```
 #[derive(Debug, Default)]
 pub struct Stop(AtomicU8);
 
-/// Why it is to end.
+/// Why the estimation has to end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Why {
-    /// Ctrl-C, or a signal of the system.
+    /// Ctrl-C was pressed, or the operating system sent a signal.
     Signal,
     /// The terminal view was left.
     ViewLeft,
-    /// There is nothing more to be done.
+    /// The estimation is finished.
     Over,
 }
 
 impl Why {
-    /// In words.
+    /// The reason as a clause for people.
     pub fn words(self) -> &'static str {
         match self {
             Self::Signal => "it was ended by Ctrl-C, or by a signal of the system",
@@ -29,7 +40,7 @@ impl Why {
 }
 
 impl Stop {
-    /// Asks for the end. The first reason stays; false if there was one already.
+    /// Asks all threads to end. Returns false if that had been asked before; the first reason stays.
     pub fn ask(&self, why: Why) -> bool {
         let code = match why {
             Why::Signal => 1,
@@ -39,7 +50,7 @@ impl Stop {
         self.0.compare_exchange(0, code, Ordering::Relaxed, Ordering::Relaxed).is_ok()
     }
 
-    /// Why it is to end, if it is.
+    /// The reason, once the end has been asked for.
     pub fn asked(&self) -> Option<Why> {
         match self.0.load(Ordering::Relaxed) {
             0 => None,

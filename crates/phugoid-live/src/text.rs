@@ -1,13 +1,13 @@
-//! Lines of text: JSON objects, or rows of CSV below a header line, one sample each.
+//! Lines of text, one sample each: JSON objects, or rows of CSV below a header line.
 
 use std::collections::HashMap;
 
 use phugoid_flight_data::csv::{BadRow, CsvOptions, RowReader, StreamColumns};
 use serde_json::Value;
 
-/// The longest line, bytes.
-const LONGEST: usize = 64 * 1024;
-/// Different keys of JSON objects at most.
+/// Longest line that is accepted, bytes.
+const LONGEST_LINE: usize = 64 * 1024;
+/// Different keys of JSON objects that are kept; further ones are ignored.
 const MOST_KEYS: usize = 512;
 
 /// Cuts pieces of a stream into lines.
@@ -17,8 +17,8 @@ pub(crate) struct Lines {
 }
 
 impl Lines {
-    /// Adds a piece and gives its complete lines, without their ends; a datagram's end is the end of a line too. The second is
-    /// how many bytes were dropped because a line was longer than any can be.
+    /// Adds bytes and returns the lines that are complete now, without their ends and without blank lines. With `ends` the last byte ends a
+    /// line too, as in a datagram. The second value is the number of bytes that were dropped because a line was longer than 64 KiB.
     pub(crate) fn push(&mut self, bytes: &[u8], ends: bool) -> (Vec<Vec<u8>>, usize) {
         let mut lines = Vec::new();
         self.buffer.extend_from_slice(bytes);
@@ -32,27 +32,27 @@ impl Lines {
             lines.push(rest.to_vec());
             rest = &[];
         }
-        let dropped = if rest.len() > LONGEST { rest.len() } else { 0 };
+        let dropped = if rest.len() > LONGEST_LINE { rest.len() } else { 0 };
         self.buffer = if dropped > 0 { Vec::new() } else { rest.to_vec() };
         lines.retain(|line| !line.iter().all(u8::is_ascii_whitespace));
         (lines, dropped)
     }
 }
 
-/// A row that was understood, or not.
+/// What a line was.
 #[derive(Debug, PartialEq)]
 pub(crate) enum Row {
-    /// Time, s; the values stand in the caller's buffer, one for each of [`Rows::columns`].
+    /// A sample with this time, s. Its values are in the caller's buffer, one for each of [`Rows::columns`].
     Sample(f64),
-    /// Nothing to say: a comment, a header that is known.
+    /// A comment, or the header line once more.
     Nothing,
-    /// New columns, with what is to be said about them.
+    /// New columns: notes for people about them.
     Columns(Vec<String>),
-    /// Left out, for this reason.
+    /// The line was left out, for this reason.
     Refused(String),
 }
 
-/// How the rows of one stream are understood.
+/// Reads the lines of one stream.
 pub(crate) struct Rows {
     source: String,
     options: CsvOptions,
@@ -65,15 +65,15 @@ enum Form {
     Json(Box<Objects>),
 }
 
-/// Columns of JSON objects, which need not all have the same keys.
+/// The columns of JSON objects. Objects of one stream need not all have the same keys.
 #[derive(Default)]
 struct Objects {
-    /// In the order of their first appearance.
+    /// Keys in the order of their first appearance.
     keys: Vec<String>,
     index: HashMap<String, usize>,
     columns: Option<StreamColumns>,
-    /// Why there are no columns.
-    broken: Option<String>,
+    /// Why the keys give no columns, such as that none is a time.
+    failure: Option<String>,
 }
 
 impl Rows {
@@ -81,7 +81,7 @@ impl Rows {
         Self { source: source.to_owned(), options: options.clone(), form: Form::Unknown }
     }
 
-    /// What is known of the columns.
+    /// The columns; `None` before they are known.
     pub(crate) fn columns(&self) -> Option<&StreamColumns> {
         match &self.form {
             Form::Unknown => None,
@@ -90,7 +90,7 @@ impl Rows {
         }
     }
 
-    /// Takes a line.
+    /// Reads a line; the values of a sample go into `values`.
     pub(crate) fn take(&mut self, line: &[u8], values: &mut Vec<f64>) -> Row {
         let Ok(line) = std::str::from_utf8(line) else {
             return Row::Refused("a line that is no text (UTF-8)".to_owned());
@@ -107,7 +107,7 @@ impl Rows {
 
     fn csv(&mut self, line: &str, values: &mut Vec<f64>) -> Row {
         if let Form::Csv { header, reader, rows } = &mut self.form {
-            // The first row tells whether decimals are written with a comma.
+            // The first row shows whether the decimal separator is a comma.
             if *rows == 0
                 && let Ok(better) = RowReader::new(&self.source, header, line, &self.options)
             {
@@ -118,7 +118,7 @@ impl Rows {
                 Ok(time_s) => return Row::Sample(time_s),
                 Err(_) if line == *header => return Row::Nothing,
                 Err(bad) => {
-                    // A sender that was changed may send another header.
+                    // The sender may have been set up anew and send another header.
                     if !RowReader::new(&self.source, line, "", &self.options)
                         .is_ok_and(|new| new.columns().channels().count() > 0)
                     {
@@ -129,9 +129,9 @@ impl Rows {
         }
         match RowReader::new(&self.source, line, "", &self.options) {
             Ok(reader) => {
-                let told = told(reader.columns());
+                let notes = column_notes(reader.columns());
                 self.form = Form::Csv { header: line.to_owned(), reader: Box::new(reader), rows: 0 };
-                Row::Columns(told)
+                Row::Columns(notes)
             }
             Err(error) => Row::Refused(error.to_string()),
         }
@@ -147,7 +147,7 @@ impl Rows {
             self.form = Form::Json(Box::default());
         }
         let Form::Json(objects) = &mut self.form else { return Row::Nothing };
-        let Objects { keys, index, columns, broken } = objects.as_mut();
+        let Objects { keys, index, columns, failure } = objects.as_mut();
         let known = keys.len();
         for (key, value) in &object {
             if (value.is_number() || value.is_null()) && !index.contains_key(key) && keys.len() < MOST_KEYS {
@@ -156,24 +156,24 @@ impl Rows {
             }
         }
         let mut news = None;
-        if keys.len() > known || (columns.is_none() && broken.is_none()) {
-            // Mappings of columns that have not come yet are no mistake in a stream whose objects differ.
+        if keys.len() > known || (columns.is_none() && failure.is_none()) {
+            // A mapping of a key that has not come yet is no error, because later objects may have it.
             let mut options = self.options.table();
             options.columns.retain(|mapping| keys.iter().any(|key| key.eq_ignore_ascii_case(mapping.header.trim())));
             match StreamColumns::new(&self.source, keys, &options) {
                 Ok(found) => {
-                    news = Some(told(&found));
-                    (*columns, *broken) = (Some(found), None);
+                    news = Some(column_notes(&found));
+                    (*columns, *failure) = (Some(found), None);
                 }
-                Err(error) => (*columns, *broken) = (None, Some(error.to_string())),
+                Err(error) => (*columns, *failure) = (None, Some(error.to_string())),
             }
         }
         if let Some(news) = news {
-            // The caller learns the columns first, and gives the line again.
+            // The caller gets the new columns first and then passes the same line again.
             return Row::Columns(news);
         }
         let Some(columns) = columns else {
-            return Row::Refused(broken.clone().unwrap_or_default());
+            return Row::Refused(failure.clone().unwrap_or_default());
         };
         let number = |column: usize| keys.get(column).and_then(|key| object.get(key)).and_then(Value::as_f64);
         match columns.row(number, values) {
@@ -182,14 +182,15 @@ impl Rows {
         }
     }
 
-    /// True where the line that told new columns is a sample itself.
-    pub(crate) fn again(&self) -> bool {
+    /// Whether the line that gave new columns is a sample too (JSON), so that it has to be passed once more. A CSV header is not.
+    pub(crate) fn columns_come_with_a_sample(&self) -> bool {
         matches!(self.form, Form::Json(_))
     }
 }
 
-/// Could this be the beginning of such a stream? A JSON object, or a header line with a time.
-pub(crate) fn begins(line: &[u8], options: &CsvOptions) -> Result<(), Option<String>> {
+/// Whether a text stream can begin with this line: a JSON object, or a header line with a time. The error is the reason why a header line
+/// cannot, if the line looks like one.
+pub(crate) fn can_begin(line: &[u8], options: &CsvOptions) -> Result<(), Option<String>> {
     let line = std::str::from_utf8(line).map_err(|_| None)?.trim();
     if line.starts_with('{') {
         return serde_json::from_str::<serde_json::Map<String, Value>>(line).map(|_| ()).map_err(|_| None);
@@ -207,9 +208,10 @@ fn bad_row(bad: BadRow) -> String {
     }
 }
 
-fn told(columns: &StreamColumns) -> Vec<String> {
+/// Notes for people: which channels were found, and what was doubtful about their names and units.
+fn column_notes(columns: &StreamColumns) -> Vec<String> {
     let names: Vec<&str> = columns.channels().collect();
-    let mut told = vec![format!("channels: {}", names.join(", "))];
-    told.extend(columns.quality().findings.iter().map(|finding| format!("{}: {}", finding.place, finding.message)));
-    told
+    let mut notes = vec![format!("channels: {}", names.join(", "))];
+    notes.extend(columns.quality().findings.iter().map(|finding| format!("{}: {}", finding.place, finding.message)));
+    notes
 }

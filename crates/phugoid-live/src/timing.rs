@@ -1,40 +1,42 @@
-//! The sender's clock: going on, going back, standing still.
+//! The sender's clock: whether the time of a sample goes on, goes back or stands still.
 
-/// Falling back by more than this, s, is a restart of the sender, less is a late sample.
+/// A time that is earlier than the last one by more than this, s, means that the sender was restarted; by less, that the sample is late.
 const RESTART_S: f64 = 1.0;
-/// A step ahead of more than this, s, is another time and not a gap.
+/// A time that is later than the last one by more than this, s, is taken for another time scale and not for a gap.
 const AHEAD_S: f64 = 60.0;
-/// Samples in a row that have to agree on another time: one alone may be damaged.
+/// Samples in a row that have to agree on another time scale before it is accepted, because a single time may be damaged.
 const AGREEING: u8 = 3;
-/// A time that stays the same this long, ns of arrival, while samples come, is a clock that stands still.
+/// The clock counts as standing still if the time is the same for this long, ns of arrival, while samples arrive.
 const STALL_NS: u64 = 1_000_000_000;
 
-/// What a sample's time says.
+/// What the time of a sample means.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Judgement {
-    /// It goes on.
+    /// It is later than the last one. The sample is used.
     Forward,
-    /// The same time as before.
+    /// It equals the last one.
     Repeated,
-    /// The same time as before, for so long that the clock stands still; said once.
+    /// It has equalled the last one for so long that the clock stands still. Given once until the clock moves again.
     Stalled,
-    /// Earlier than one before.
+    /// It is a little earlier than the last one.
     Late,
-    /// Far away from the others, and not yet confirmed.
+    /// It is far from the last one, and not yet confirmed by further samples.
     Doubtful,
-    /// Confirmed: the clock has another time than before, s.
+    /// Further samples have confirmed that the clock has another time than before. The sample is used.
     Restarted {
-        /// The last time before, s.
+        /// Last time before the restart, s.
         from_s: f64,
     },
 }
 
-/// The clock of a sender.
+/// Follows the clock of a sender from sample to sample.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct SenderClock {
     last_s: Option<f64>,
+    /// Arrival of the last sample with a new time, ns.
     advanced_ns: u64,
     stalled: bool,
+    /// Last time that is not yet confirmed, s, and how many samples agree with it.
     doubtful: Option<(f64, u8)>,
 }
 

@@ -1,8 +1,8 @@
-//! The terminal view: the documents of a live estimation as a table, for those who are on ssh.
+//! The terminal view: the documents of a live estimation as a table, for work over ssh.
 
-mod course;
 mod draw;
 mod number;
+mod sparkline;
 mod state;
 
 use std::io;
@@ -11,39 +11,39 @@ use std::time::{Duration, Instant};
 
 use ratatui::crossterm::event::{self, Event, KeyCode, KeyEvent, KeyEventKind, KeyModifiers};
 
-use crate::document::Kind;
-use crate::run::Audience;
+use crate::audience::Audience;
+use crate::document::DocumentKind;
 use crate::stop::{Stop, Why};
 pub use state::State;
 
-/// Documents that wait for the screen.
+/// Documents that may wait for the screen; further ones are left out.
 const WAITING: usize = 256;
-/// Time between two pictures; a terminal over ssh takes no more.
-const PICTURE: Duration = Duration::from_millis(100);
+/// Time between two redraws. More would be too much for a terminal over ssh.
+const REDRAW_INTERVAL: Duration = Duration::from_millis(100);
 
-/// Gets the documents for the screen.
+/// Passes the documents on to the terminal view.
 pub struct Listener(SyncSender<String>);
 
 impl Audience for Listener {
-    fn hear(&mut self, kind: Kind, document: &str) {
+    fn hear(&mut self, kind: DocumentKind, document: &str) {
         if kind.is_shown() {
-            // Where the screen is slow, or closed, a document is left out: the flight waits for neither.
+            // If the screen is slow or closed, the document is left out, because the estimation must not wait.
             let _ = self.0.try_send(document.to_owned());
         }
     }
 }
 
-/// The listener to be handed to the estimation, and the documents that it gets.
+/// A listener for the estimation, and the end at which [`run`] receives its documents.
 pub fn channel() -> (Listener, Receiver<String>) {
     let (send, receive) = mpsc::sync_channel(WAITING);
     (Listener(send), receive)
 }
 
-/// Shows the documents on the terminal until `q` or Ctrl-C is pressed, which sets `stop`, or until `stop` is set and no more
-/// documents come. Takes the whole screen meanwhile and gives it back in any case.
+/// Shows the documents on the terminal until `q` or Ctrl-C is pressed, which sets `stop`, or until `stop` is set and no more documents come.
+/// It uses the whole screen and restores it at the end, also after an error.
 ///
 /// # Errors
-/// The terminal cannot be read or written.
+/// What the operating system says if the terminal cannot be read or written.
 pub fn run(documents: &Receiver<String>, stop: &Stop) -> io::Result<()> {
     let mut terminal = ratatui::try_init()?;
     let result = show(&mut terminal, documents, stop);
@@ -56,26 +56,26 @@ fn show(terminal: &mut ratatui::DefaultTerminal, documents: &Receiver<String>, s
     let mut state = State::default();
     loop {
         let now = Instant::now();
-        let open = take(documents, &mut state, now + PICTURE);
+        let open = take(documents, &mut state, now + REDRAW_INTERVAL);
         terminal.draw(|frame| draw::draw(frame, &state, Instant::now()))?;
         while event::poll(Duration::ZERO)? {
             if let Event::Key(key) = event::read()?
-                && leaves(key, &mut state)
+                && handle_key(key, &mut state)
             {
                 return Ok(());
             }
         }
         if !open {
-            // What was told last stays on the screen until a key is pressed, unless the program is to stop.
+            // The last state stays on the screen until a key is pressed, unless the program has to stop.
             if stop.asked().is_some() && !state.has_ended() {
                 return Ok(());
             }
-            std::thread::sleep(PICTURE);
+            std::thread::sleep(REDRAW_INTERVAL);
         }
     }
 }
 
-/// Takes what comes until `until`; false where nothing can come any more.
+/// Takes the documents that come until the time `until`; false if no more can come.
 fn take(documents: &Receiver<String>, state: &mut State, until: Instant) -> bool {
     loop {
         match documents.recv_timeout(until.saturating_duration_since(Instant::now())) {
@@ -86,8 +86,8 @@ fn take(documents: &Receiver<String>, state: &mut State, until: Instant) -> bool
     }
 }
 
-/// Does what a key says; true where the view is to be left.
-fn leaves(key: KeyEvent, state: &mut State) -> bool {
+/// Handles a key; true if the view has to be left.
+fn handle_key(key: KeyEvent, state: &mut State) -> bool {
     if key.kind == KeyEventKind::Release {
         return false;
     }

@@ -8,7 +8,7 @@ mod telemetry;
 use phugoid_identification::estimate::EstimateOptions;
 use phugoid_identification::model_file::ModelFile;
 use phugoid_live::arrival::{Arrival, Content};
-use phugoid_live::document::Kind;
+use phugoid_live::document::DocumentKind;
 use phugoid_live::engine::Engine;
 use phugoid_live::receiver::ReceiverOptions;
 use serde_json::Value;
@@ -21,9 +21,9 @@ fn engine() -> Engine {
 }
 
 /// What is published of lines of text that come at once.
-fn published(mut engine: Engine, text: String) -> Vec<(Kind, Value)> {
+fn published(mut engine: Engine, text: String) -> Vec<(DocumentKind, Value)> {
     let mut documents = Vec::new();
-    let mut publish = |kind: Kind, text: &str| documents.push((kind, serde_json::from_str(text).unwrap()));
+    let mut publish = |kind: DocumentKind, text: &str| documents.push((kind, serde_json::from_str(text).unwrap()));
     engine.begin(&mut publish);
     let arrival = Arrival { arrival_ns: 1, wall_ns: 0, origin: 0, content: Content::Datagram(text.into_bytes()) };
     engine.take(&arrival, &|| 0, &mut publish);
@@ -36,11 +36,11 @@ fn flight() -> String {
 }
 
 /// Estimates for pages with the readiness that stands, by those who keep the last of what they get.
-fn whole(documents: &[(Kind, Value)], only_shown: bool) -> Vec<Value> {
+fn whole(documents: &[(DocumentKind, Value)], only_shown: bool) -> Vec<Value> {
     let mut standing: Vec<Value> = Vec::new();
     let mut estimates = Vec::new();
     for (kind, document) in documents {
-        let Kind::Estimate { shown, readiness } = kind else { continue };
+        let DocumentKind::Estimate { shown, readiness } = kind else { continue };
         if only_shown && !shown {
             continue;
         }
@@ -65,8 +65,8 @@ fn whole(documents: &[(Kind, Value)], only_shown: bool) -> Vec<Value> {
 fn readiness_is_told_where_it_was_renewed_and_stands() {
     let every = published(engine().with_every_estimate(), flight());
     let shown = published(engine(), flight());
-    let estimates = |documents: &[(Kind, Value)], told: bool| {
-        let of = |kind: &Kind| matches!(kind, Kind::Estimate { readiness, .. } if !told || *readiness);
+    let estimates = |documents: &[(DocumentKind, Value)], told: bool| {
+        let of = |kind: &DocumentKind| matches!(kind, DocumentKind::Estimate { readiness, .. } if !told || *readiness);
         documents.iter().filter(|(kind, _)| of(kind)).count()
     };
     // Two seconds of estimates, of which pages get fifty a second; renewed ten times a second.
@@ -95,10 +95,10 @@ fn calibrated(names: &str, values: &str) -> String {
 
 #[test]
 fn a_calibrated_airspeed_becomes_the_true_one_with_the_density_of_the_air() {
-    let speeds = |documents: &[(Kind, Value)]| -> Vec<f64> {
+    let speeds = |documents: &[(DocumentKind, Value)]| -> Vec<f64> {
         let outputs = documents[0].1["layout"]["outputs"].as_array().unwrap();
         let place = outputs.iter().position(|output| output["name"] == "true_airspeed").unwrap();
-        let estimates = documents.iter().filter(|(kind, _)| matches!(kind, Kind::Estimate { .. }));
+        let estimates = documents.iter().filter(|(kind, _)| matches!(kind, DocumentKind::Estimate { .. }));
         estimates.map(|(_, estimate)| estimate["outputs"][place].as_f64().unwrap()).collect()
     };
     let sent = speeds(&published(engine(), flight()));

@@ -11,7 +11,7 @@ use std::path::PathBuf;
 use phugoid_identification::estimate::EstimateOptions;
 use phugoid_identification::model_file::ModelFile;
 use phugoid_live::arrival::{Arrival, Content};
-use phugoid_live::document::Kind;
+use phugoid_live::document::DocumentKind;
 use phugoid_live::engine::Engine;
 use phugoid_live::receiver::ReceiverOptions;
 use phugoid_live::recording::{Header, Reader, Recorder, VERSION};
@@ -85,8 +85,8 @@ fn engine() -> Engine {
 fn published(arrivals: &[Arrival], timer_ns: Option<u64>) -> Vec<String> {
     let mut engine = engine();
     let mut documents = Vec::new();
-    let mut publish = |kind: Kind, text: &str| {
-        if kind != Kind::Link {
+    let mut publish = |kind: DocumentKind, text: &str| {
+        if kind != DocumentKind::Link {
             documents.push(text.to_owned());
         }
     };
@@ -145,7 +145,7 @@ fn a_recording_gives_the_same_estimates() {
     let recorder = Recorder::create(&path, &header).unwrap();
     let mut engine = engine();
     let mut live = Vec::new();
-    let mut publish = |_: Kind, text: &str| live.push(text.to_owned());
+    let mut publish = |_: DocumentKind, text: &str| live.push(text.to_owned());
     engine.begin(&mut publish);
     for arrival in &arrivals {
         engine.advance(arrival.arrival_ns.saturating_sub(10_000), &|| 0, &mut publish);

@@ -1,15 +1,16 @@
-//! Figures of a comparison: scenarios by methods.
+//! Figures of a comparison of methods: one row for each scenario, one column for each method.
 
 use phugoid_evaluation::arena::{Arena, Checkpoint, EntryResult, MethodResult, Unit};
 
 use crate::figure::{Axis, Body, Cell, Figure, Grid, Panel};
 use crate::ticks::compact;
 
-/// A ratio of this size has the full colour of a bad one.
+/// A ratio of this size or more has the strongest orange.
 const BAD_RATIO: f64 = 5.0;
 
-/// Figures of an arena, with a name for each: error over the bound after the last checkpoint, coverage after each of them, time to
-/// 5 %, changes found.
+/// The figures of a comparison, each with a name that can serve as file name: error over the bound after the last checkpoint (`error`), coverage
+/// after each checkpoint (`coverage-0`, ...), time until all parameters are within 5 % (`settled`), and, if there was damage, the changes found
+/// (`changes`).
 pub fn arena_figures(arena: &Arena) -> Vec<(String, Figure)> {
     let mut figures = vec![("error".to_owned(), error(arena))];
     let checkpoints = arena.entries.iter().flat_map(|e| &e.methods).map(|m| m.checkpoints.len()).max().unwrap_or(0);
@@ -23,6 +24,7 @@ pub fn arena_figures(arena: &Arena) -> Vec<(String, Figure)> {
     figures
 }
 
+/// A figure with a cell for each of these scenarios and each method.
 fn figure(
     arena: &Arena,
     title: String,
@@ -43,16 +45,18 @@ fn all(arena: &Arena) -> Vec<&EntryResult> {
     arena.entries.iter().collect()
 }
 
+/// A cell without a value.
 fn absent(words: &str) -> Cell {
     Cell { words: words.to_owned(), tone: f64::NAN, strong: false }
 }
 
-/// A method that ended without an estimate in every flight.
-fn gone(method: &MethodResult) -> Option<Cell> {
+/// The cell of a method that failed in every flight; `None` for the others.
+fn failed(method: &MethodResult) -> Option<Cell> {
     let empty = method.checkpoints.iter().all(|c| c.accuracy.is_none()) && method.failed > 0;
     empty.then(|| Cell { words: "failed".to_owned(), tone: -1.0, strong: false })
 }
 
+/// The duration until a checkpoint in words.
 fn cycles(arena: &Arena, checkpoint: usize) -> String {
     let of = |m: &MethodResult| m.checkpoints.get(checkpoint).map(|c| c.cycles);
     let cycles = arena.entries.iter().flat_map(|e| &e.methods).find_map(of).unwrap_or(f64::NAN);
@@ -67,12 +71,12 @@ fn error(arena: &Arena) -> Figure {
                    Orange: the more, the farther from the bound, or in the marked rows from the best.";
     let mut figure = figure(arena, title, caption, &all(arena), |entry, method| {
         let of = |m: &MethodResult| m.checkpoints.last().and_then(|c| c.accuracy);
-        let Some(error) = of(method) else { return gone(method).unwrap_or_else(|| absent("–")) };
+        let Some(error) = of(method) else { return failed(method).unwrap_or_else(|| absent("–")) };
         let best = entry.methods.iter().filter_map(of).fold(f64::INFINITY, f64::min);
         let tone = match entry.unit {
             Unit::CramerRao if error <= 1.15 => 0.35,
             Unit::CramerRao => -((error / 1.15).ln() / BAD_RATIO.ln()).min(1.0),
-            // The bound is not within reach: the best of the row is the measure.
+            // The bound cannot be reached here, so the best method of the row is the reference.
             _ if error <= 1.15 * best => 0.35,
             _ => -((error / best / 1.15).ln() / BAD_RATIO.ln()).min(1.0),
         };
@@ -97,7 +101,7 @@ fn coverage(arena: &Arena, checkpoint: usize) -> Figure {
     figure(arena, title, caption, &all(arena), |_, method| {
         let Some(c) = method.checkpoints.get(checkpoint).and_then(|c: &Checkpoint| c.coverage) else {
             let silent = if method.without_bounds > 0 { absent("no bounds") } else { absent("–") };
-            return gone(method).unwrap_or(silent);
+            return failed(method).unwrap_or(silent);
         };
         let tone = match c.fraction {
             _ if c.interval[1] < 0.9 => -(0.15 + (0.9 - c.fraction) / 0.5).min(1.0),
@@ -121,7 +125,7 @@ fn settled(arena: &Arena) -> Figure {
                 let tone = if late < 0.06 { 0.35 } else { -late };
                 Cell { words: format!("{time:.2}"), tone, strong: time <= soonest }
             }
-            None => gone(method).unwrap_or_else(|| absent("–")),
+            None => failed(method).unwrap_or_else(|| absent("–")),
         }
     })
 }
@@ -134,7 +138,7 @@ fn changes(arena: &Arena) -> Figure {
     figure(arena, title, caption, &damaged, |_, method| {
         let d = &method.detection;
         if d.found == 0 {
-            return gone(method).unwrap_or_else(|| absent("–"));
+            return failed(method).unwrap_or_else(|| absent("–"));
         }
         let missed = 1.0 - d.found as f64 / d.damaged.max(1) as f64;
         let after = d.latency_median_s.map_or_else(String::new, |t| format!(": {t:.2}"));
@@ -143,7 +147,7 @@ fn changes(arena: &Arena) -> Figure {
     })
 }
 
-/// A ratio with as many digits as it deserves.
+/// A ratio with about three significant digits.
 pub(crate) fn ratio(value: f64) -> String {
     match value {
         v if !v.is_finite() => "–".to_owned(),

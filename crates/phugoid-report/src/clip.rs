@@ -1,6 +1,6 @@
-//! Lines cut off at the border of a panel.
+//! Cutting lines off at the border of a panel.
 
-/// A rectangle, px.
+/// A rectangle, px; y points down.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Frame {
     pub(crate) left: f64,
@@ -10,16 +10,17 @@ pub(crate) struct Frame {
 }
 
 impl Frame {
+    /// Whether a point lies inside or on the border.
     pub(crate) fn contains(&self, p: &[f64; 2]) -> bool {
         (self.left..=self.right).contains(&p[0]) && (self.top..=self.bottom).contains(&p[1])
     }
 
-    /// The nearest point inside.
+    /// The point of the rectangle that is nearest.
     pub(crate) fn clamp(&self, p: [f64; 2]) -> [f64; 2] {
         [p[0].clamp(self.left, self.right), p[1].clamp(self.top, self.bottom)]
     }
 
-    /// The parts of a line inside.
+    /// The parts of a line that lie inside, in their order.
     pub(crate) fn clip(&self, line: &[[f64; 2]]) -> Vec<Vec<[f64; 2]>> {
         if line.iter().all(|p| self.contains(p)) {
             return if line.is_empty() { Vec::new() } else { vec![line.to_vec()] };
@@ -47,7 +48,7 @@ impl Frame {
         parts
     }
 
-    /// The part of a segment inside (Liang and Barsky 1984).
+    /// The part of a segment that lies inside, after Liang and Barsky (1984); `None` if there is none.
     fn segment(&self, a: [f64; 2], b: [f64; 2]) -> Option<([f64; 2], [f64; 2])> {
         let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
         let d = [b[0] - a[0], b[1] - a[1]];

@@ -1,21 +1,21 @@
-//! Series and state bars inside a panel.
+//! Drawing of series and of bars of states inside a panel.
 
 use crate::decimate;
 use crate::figure::{Colour, Kind, Series, Stroke};
-use crate::layout::Map;
+use crate::plot_area::PlotArea;
 use crate::scene::{Scene, Shape};
 
 /// Width of a curve, px.
 pub(crate) const LINE_WIDTH: f64 = 1.5;
-/// Diameter of a sample's dot, px.
+/// Diameter of the dot of a sample, px.
 pub(crate) const DOT: f64 = 2.6;
-/// Diameter of a marked sample's dot, px.
+/// Diameter of a large dot, px.
 pub(crate) const MARK: f64 = 6.0;
-/// Opacity of a band.
+/// Opacity of the area of a band.
 pub(crate) const BAND_OPACITY: f64 = 0.28;
 
-/// Draws one series.
-pub(crate) fn draw(scene: &mut Scene, map: &Map, series: &Series) {
+/// Draws one series, cut off at the border of the panel.
+pub(crate) fn draw(scene: &mut Scene, map: &PlotArea, series: &Series) {
     let gap = if series.joined { f64::INFINITY } else { longest_step(&series.x) };
     let points = |y: &[f64]| -> Vec<[f64; 2]> { broken(near(map, &series.x, y), gap).map(|p| place(map, p)).collect() };
     let colour = series.colour;
@@ -73,8 +73,8 @@ pub(crate) fn draw(scene: &mut Scene, map: &Map, series: &Series) {
     }
 }
 
-/// Draws a bar of states; states later in the list over earlier ones, none narrower than a pixel.
-pub(crate) fn draw_strip(scene: &mut Scene, map: &Map, x: &[f64], state: &[usize], states: &[(String, Colour)]) {
+/// Draws a bar of states. States later in the list are drawn over earlier ones, and none is narrower than a pixel.
+pub(crate) fn draw_strip(scene: &mut Scene, map: &PlotArea, x: &[f64], state: &[usize], states: &[(String, Colour)]) {
     let count = x.len().min(state.len());
     for (index, (_, colour)) in states.iter().enumerate() {
         let mut outlines: Vec<Vec<[f64; 2]>> = Vec::new();
@@ -85,7 +85,7 @@ pub(crate) fn draw_strip(scene: &mut Scene, map: &Map, x: &[f64], state: &[usize
                 end += 1;
             }
             if state[start] == index {
-                // A state holds until the next sample; the last one until the end of the axis.
+                // A state is valid until the next sample, the last one until the end of the axis.
                 let from = map.at([x[start], 0.0])[0].max(map.frame.left);
                 let to = map.at([x.get(end).copied().unwrap_or(map.x[1]), 0.0])[0].min(map.frame.right);
                 let (from, to) =
@@ -112,8 +112,8 @@ pub(crate) fn draw_strip(scene: &mut Scene, map: &Map, x: &[f64], state: &[usize
     }
 }
 
-/// Samples within the abscissa's limits, and the neighbours just outside so that lines run to the border.
-fn near<'a>(map: &Map, x: &'a [f64], y: &'a [f64]) -> impl Iterator<Item = [f64; 2]> + use<'a> {
+/// The samples within the limits of the abscissa and one neighbour on each side, so that lines reach the border.
+fn near<'a>(map: &PlotArea, x: &'a [f64], y: &'a [f64]) -> impl Iterator<Item = [f64; 2]> + use<'a> {
     let limits = map.x;
     let count = x.len().min(y.len());
     let first = x.partition_point(|v| *v < limits[0]).saturating_sub(1);
@@ -121,8 +121,7 @@ fn near<'a>(map: &Map, x: &'a [f64], y: &'a [f64]) -> impl Iterator<Item = [f64;
     (first..last.max(first)).map(|i| [x[i], y[i]])
 }
 
-/// Steps of the abscissa beyond which there was nothing between two samples, so that no line may join them: six median
-/// steps.
+/// The longest step of the abscissa over which a line is drawn: six median steps. A longer step is a gap in the data.
 fn longest_step(x: &[f64]) -> f64 {
     let mut steps: Vec<f64> = x.windows(2).map(|w| w[1] - w[0]).filter(|d| d.is_finite()).collect();
     if steps.len() < 2 {
@@ -132,7 +131,7 @@ fn longest_step(x: &[f64]) -> f64 {
     6.0 * *steps.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
-/// The samples with one that is not finite put into every gap.
+/// The samples, with a sample of NaN put into every gap.
 fn broken(samples: impl Iterator<Item = [f64; 2]>, gap: f64) -> impl Iterator<Item = [f64; 2]> {
     let mut before = f64::NAN;
     samples.flat_map(move |sample| {
@@ -142,10 +141,12 @@ fn broken(samples: impl Iterator<Item = [f64; 2]>, gap: f64) -> impl Iterator<It
     })
 }
 
-fn place(map: &Map, point: [f64; 2]) -> [f64; 2] {
+/// Position of a point, px; NaN if it is not finite.
+fn place(map: &PlotArea, point: [f64; 2]) -> [f64; 2] {
     if point[0].is_finite() && point[1].is_finite() { map.at(point) } else { [f64::NAN; 2] }
 }
 
+/// The corners of a step curve through the points.
 fn steps(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let mut out = Vec::with_capacity(2 * points.len());
     for (i, point) in points.iter().enumerate() {
@@ -157,7 +158,15 @@ fn steps(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     out
 }
 
-fn draw_lines(scene: &mut Scene, map: &Map, lines: Vec<Vec<[f64; 2]>>, colour: Colour, width: f64, stroke: Stroke) {
+/// Draws lines with few points, cut off at the border of the panel.
+fn draw_lines(
+    scene: &mut Scene,
+    map: &PlotArea,
+    lines: Vec<Vec<[f64; 2]>>,
+    colour: Colour,
+    width: f64,
+    stroke: Stroke,
+) {
     let mut inside: Vec<Vec<[f64; 2]>> = Vec::new();
     for line in lines {
         if let [only] = line.as_slice() {

@@ -1,11 +1,11 @@
-//! Long records thinned out for drawing: one pixel column needs no more than its first, lowest, highest and last
-//! sample (Jugel et al. 2014, M4: the picture is the same, spikes included). Points are in px.
+//! Long records thinned out for drawing. In one pixel column only the first, lowest, highest and last sample are needed for the same
+//! picture with all spikes (method M4 of Jugel et al. 2014, Proceedings of the VLDB Endowment 7(10)). Points are in px.
 
-/// Samples per pixel column above which thinning begins; below, it would save nothing.
+/// Lines are thinned out if there are more samples per pixel column than this; with fewer it would save nothing.
 const SAMPLES_PER_COLUMN: f64 = 4.0;
 
-/// Unbroken lines through the points. A point that is not finite breaks the line; where samples are so dense that
-/// several share a pixel column, only a column without any finite sample does.
+/// Uninterrupted lines through the points. A point that is not finite interrupts the line. If samples are so dense that several share a pixel
+/// column, only a column without any finite sample does.
 pub(crate) fn lines(points: &[[f64; 2]]) -> Vec<Vec<[f64; 2]>> {
     let mut lines = Vec::new();
     let mut line: Vec<[f64; 2]> = Vec::new();
@@ -35,7 +35,7 @@ pub(crate) fn lines(points: &[[f64; 2]]) -> Vec<Vec<[f64; 2]>> {
     lines
 }
 
-/// The points that are finite, thinned out in the same way.
+/// The finite points, thinned out in the same way.
 pub(crate) fn points(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     if dense(points) {
         columns(points).flat_map(extremes).collect()
@@ -44,7 +44,7 @@ pub(crate) fn points(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     }
 }
 
-/// Areas between two curves (`[x, lower, upper]`, px) as closed outlines; per pixel column the widest extent is kept.
+/// Areas between two curves (`[x, lower, upper]`, px) as closed outlines. Of each pixel column the widest extent is kept.
 pub(crate) fn areas(samples: &[[f64; 3]]) -> Vec<Vec<[f64; 2]>> {
     let mut spans: Vec<[f64; 3]> = Vec::new();
     let mut outlines = Vec::new();
@@ -72,7 +72,7 @@ pub(crate) fn areas(samples: &[[f64; 3]]) -> Vec<Vec<[f64; 2]>> {
 }
 
 fn close(spans: &mut Vec<[f64; 3]>, outlines: &mut Vec<Vec<[f64; 2]>>) {
-    // A lone sample gets half a pixel to both sides: an area of no width would not be seen.
+    // A single sample is widened by half a pixel to both sides, because an area of no width would not be visible.
     if let [only] = spans.as_slice() {
         let only = *only;
         *spans = vec![[only[0] - 0.5, only[1], only[2]], [only[0] + 0.5, only[1], only[2]]];
@@ -85,7 +85,7 @@ fn close(spans: &mut Vec<[f64; 3]>, outlines: &mut Vec<Vec<[f64; 2]>>) {
     }
 }
 
-/// Points of a curve in any order of abscissa with steps below half a pixel left out; the last one stays.
+/// The points of a curve in any order of abscissa, without those that are less than half a pixel from the one before. The last one stays.
 pub(crate) fn trajectory(points: &[[f64; 2]]) -> Vec<Vec<[f64; 2]>> {
     let mut lines = Vec::new();
     let mut line: Vec<[f64; 2]> = Vec::new();
@@ -113,9 +113,9 @@ pub(crate) fn trajectory(points: &[[f64; 2]]) -> Vec<Vec<[f64; 2]>> {
     lines
 }
 
-/// The line without points that lie within a tenth of a pixel of the straight line between those kept: a smooth curve
-/// needs few. One pass; the open cone of directions that meet all points so far decides (Williams 1978, The Computer
-/// Journal 21(4)).
+/// The line without the points that lie within a tenth of a pixel of the straight line between those that are kept. A smooth curve needs only
+/// a few. The method is that of Williams (1978, The Computer Journal 21(4)): it keeps the cone of the directions that meet all points since the last
+/// one kept.
 pub(crate) fn straightened(line: &[[f64; 2]]) -> Vec<[f64; 2]> {
     const TOLERANCE: f64 = 0.1;
     let Some((first, rest)) = line.split_first() else { return Vec::new() };
@@ -125,7 +125,7 @@ pub(crate) fn straightened(line: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let mut last = *first;
     for point in rest {
         let (mut dx, mut dy) = (point[0] - anchor[0], point[1] - anchor[1]);
-        // The cone is one of slopes: it closes where the line turns back or stands upright.
+        // The cone is one of slopes, so a line that turns back or is vertical ends it.
         let inside =
             dx > TOLERANCE && point[0] >= last[0] && cone.is_none_or(|[low, high]| (low..=high).contains(&(dy / dx)));
         if !inside && last != anchor {
@@ -138,7 +138,7 @@ pub(crate) fn straightened(line: &[[f64; 2]]) -> Vec<[f64; 2]> {
             let [low, high] = cone.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
             cone = Some([low.max((dy - TOLERANCE) / dx), high.min((dy + TOLERANCE) / dx)]);
         } else {
-            // An upright step is kept as it is: no slope stands for it.
+            // A vertical step has no slope and is kept as it is.
             cone = Some([f64::INFINITY, f64::NEG_INFINITY]);
         }
         last = *point;
@@ -153,24 +153,26 @@ fn finite(point: &[f64; 2]) -> bool {
     point[0].is_finite() && point[1].is_finite()
 }
 
+/// Whether there are so many points per pixel column that they are thinned out.
 fn dense(points: &[[f64; 2]]) -> bool {
     points.len() as f64 > SAMPLES_PER_COLUMN * extent(points.iter().map(|p| p[0]))
 }
 
+/// Width of the points in pixel columns.
 fn extent(abscissas: impl Iterator<Item = f64>) -> f64 {
     let (low, high) = abscissas
         .filter(|x| x.is_finite())
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
-    // At least one column, also when there is nothing.
+    // At least one column, also without points.
     (high - low).max(1.0)
 }
 
-/// Runs of points in the same pixel column; a point without a finite abscissa stays with the one before.
+/// Runs of points in the same pixel column. A point whose abscissa is not finite belongs to the column of the one before.
 fn columns(points: &[[f64; 2]]) -> impl Iterator<Item = &[[f64; 2]]> {
     points.chunk_by(|a, b| !b[0].is_finite() || !a[0].is_finite() || a[0].floor() == b[0].floor())
 }
 
-/// First, lowest, highest and last finite point, in their order, each once.
+/// The first, lowest, highest and last finite point in their order, each only once.
 fn extremes(column: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let finite: Vec<usize> = (0..column.len()).filter(|i| finite(&column[*i])).collect();
     let (Some(first), Some(last)) = (finite.first(), finite.last()) else { return Vec::new() };

@@ -1,4 +1,4 @@
-//! Errors of drawing and writing.
+//! Errors of drawing figures and of writing files.
 
 use std::path::PathBuf;
 
@@ -11,9 +11,9 @@ pub enum ReportError {
         path = path.display()
     )]
     Write {
-        /// File or folder.
+        /// The file or folder that could not be written.
         path: PathBuf,
-        /// The system's reason.
+        /// What the operating system said.
         source: std::io::Error,
     },
     /// A figure could not be turned into a picture of pixels.
@@ -23,9 +23,9 @@ pub enum ReportError {
     Raster {
         /// Title of the figure.
         figure: String,
-        /// Width, px.
+        /// Width of the picture, pixels.
         width: u32,
-        /// Height, px.
+        /// Height of the picture, pixels.
         height: u32,
         /// What the rasteriser or the encoder said.
         reason: String,

@@ -1,36 +1,69 @@
-//! What a figure says, without a word on how it is drawn.
+//! What a figure shows, as plain data: panels, axes, curves and colours. How it is drawn is decided elsewhere.
 
 use std::sync::Arc;
 
-use crate::error::ReportError;
-use crate::scene::Theme;
-use crate::{layout, png, svg};
-
-/// A figure: panels in rows and columns under one title, drawn as SVG or PNG with the same result.
+/// A figure: panels in rows and columns under one title. SVG and PNG show the same.
+///
+/// ```
+/// use std::sync::Arc;
+///
+/// use phugoid_report::Figure;
+/// use phugoid_report::figure::{Axis, Colour, EventMark, Kind, Panel, Series};
+///
+/// let time_s: Arc<[f64]> = Arc::from([0.0, 1.0, 2.0]);
+/// let elevator = Series::new("commanded", Colour::Blue, &time_s, Kind::Step(vec![0.0, -2.0, 0.0]));
+/// let figure = Figure {
+///     title: "Pull-up <1>".to_owned(),
+///     x: Axis::new("Time", "s"),
+///     panels: vec![Panel::plot(Axis::new("Elevator", "deg"), vec![elevator])],
+///     columns: 1,
+///     events: vec![EventMark { x: 1.0, label: "gust".to_owned(), colour: Colour::Orange }],
+///     ..Figure::default()
+/// };
+/// let svg = figure.to_svg();
+/// // Text is escaped, and every label appears.
+/// assert!(svg.contains(">Pull-up &lt;1&gt;</text>") && svg.contains(">gust</text>"));
+/// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Figure {
     /// Title, drawn above the legend.
     pub title: String,
-    /// What to see in it, in a sentence or two; goes beside the figure in a page, and is not drawn.
+    /// What the reader should see in the figure, in a sentence or two. It stands below the figure in a page and is not drawn.
     pub caption: String,
-    /// Abscissa of all panels that do not have their own.
+    /// Abscissa of all panels that have no abscissa of their own.
     pub x: Axis,
-    /// Panels, filled row by row.
+    /// Panels, row by row from the top, each row from the left.
     pub panels: Vec<Panel>,
-    /// Panels per row; 0 counts as 1.
+    /// Number of panels in a row; 0 counts as 1.
     pub columns: usize,
-    /// Instants marked by a vertical line through every plot panel on the common abscissa.
+    /// Instants that are marked by a vertical line through every panel with the common abscissa.
     pub events: Vec<EventMark>,
 }
 
 /// A quantity along an axis.
+///
+/// Tick labels are at multiples of 1, 2 or 5 times a power of ten, and have as many decimals as the step needs:
+///
+/// ```
+/// use std::sync::Arc;
+///
+/// use phugoid_report::Figure;
+/// use phugoid_report::figure::{Axis, Colour, Kind, Panel, Series};
+///
+/// let x: Arc<[f64]> = Arc::from([0.0, 10.0]);
+/// let line = Series::new("", Colour::Ink, &x, Kind::Line(vec![-0.31, 0.12]));
+/// let y = Axis::new("Cm", "–").with_range(-0.31, 0.12);
+/// let figure = Figure { panels: vec![Panel::plot(y, vec![line])], ..Figure::default() };
+/// let svg = figure.to_svg();
+/// assert!(svg.contains(">−0.2</text>") && svg.contains(">0.1</text>") && !svg.contains(">−0.4</text>"));
+/// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Axis {
-    /// Quantity, e.g. `Time`.
+    /// Name of the quantity, such as `Time`.
     pub label: String,
-    /// Unit as printed, e.g. `s`; `–` for a pure number.
+    /// Unit as it is printed, such as `s`; `–` for a pure number; empty for none.
     pub unit: String,
-    /// Limits; from the data where none.
+    /// Lower and upper limit; `None` takes them from the data.
     pub range: Option<[f64; 2]>,
 }
 
@@ -40,7 +73,7 @@ impl Axis {
         Self { label: label.into(), unit: unit.into(), range: None }
     }
 
-    /// The same axis with fixed limits; what lies outside is cut off.
+    /// The same axis with fixed limits. Curves are cut off there. Limits that are not finite or not ascending are ignored.
     pub fn with_range(mut self, lower: f64, upper: f64) -> Self {
         self.range = (lower.is_finite() && upper.is_finite() && lower < upper).then_some([lower, upper]);
         self
@@ -50,96 +83,96 @@ impl Axis {
 /// One panel of a figure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Panel {
-    /// Ordinate. Its label and unit stand above the panel, where long names have room.
+    /// Ordinate. Its label and unit are printed above the panel, where there is room for long names.
     pub y: Axis,
-    /// Abscissa of this panel alone; the figure's where none.
+    /// Abscissa of this panel; `None` takes that of the figure.
     pub x: Option<Axis>,
-    /// Height of the plot area, in px at a figure width of 960 px.
+    /// Height of the plot area, px. A figure is 960 px wide.
     pub height: f64,
-    /// What is drawn.
+    /// What the panel shows.
     pub body: Body,
 }
 
-/// The content of a panel.
+/// What a panel shows.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Body {
-    /// Curves and reference lines.
+    /// Curves and reference lines against the abscissa.
     Plot {
-        /// Curves, first one lowest.
+        /// Curves; later ones are drawn over earlier ones, but bands are always drawn first.
         series: Vec<Series>,
-        /// Reference lines, beneath the curves.
+        /// Reference lines, which are drawn under the curves unless they ask for the top.
         references: Vec<Reference>,
     },
     /// A coloured bar along the abscissa that shows which of a few states holds at each sample.
     Strip {
-        /// Abscissa of each sample, increasing.
+        /// Abscissa of each sample; it has to increase.
         x: Arc<[f64]>,
-        /// Index into `states` for each sample.
+        /// For each sample the index of its state in `states`.
         state: Vec<usize>,
-        /// Names and colours; a later one is drawn over an earlier one, so that a single sample of it stays visible.
+        /// Name and colour of each state. Later ones are drawn over earlier ones, so rare states should come last.
         states: Vec<(String, Colour)>,
     },
-    /// A symmetric matrix with entries between -1 and 1 as coloured cells.
+    /// A symmetric matrix with entries between -1 and 1 as coloured cells. It has to be the only panel of its figure.
     Matrix {
-        /// Names of rows and columns.
+        /// Names of the rows, which are those of the columns too.
         labels: Vec<String>,
-        /// Entries, row by row.
+        /// Entries, row by row. The diagonal is not shown; an entry that is not finite is a dash.
         values: Vec<Vec<f64>>,
     },
-    /// A quantity over a grid.
+    /// A quantity over two others, as coloured cells.
     HeatMap(HeatMap),
-    /// Named rows and columns as coloured cells with words in them: the only panel of its figure.
+    /// A table of coloured cells with words. It has to be the only panel of its figure.
     Grid(Grid),
 }
 
-/// Named rows and columns as coloured cells with words in them.
+/// A table of coloured cells with words in them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Grid {
-    /// Names of the rows, from above.
+    /// Names of the rows, from the top.
     pub rows: Vec<String>,
-    /// Names of the columns.
+    /// Names of the columns, from the left.
     pub columns: Vec<String>,
-    /// Cells, one row per row name, one per column name in it.
+    /// Cells: one row for each row name, and in it one cell for each column name. A missing cell is drawn empty.
     pub cells: Vec<Vec<Cell>>,
 }
 
-/// A cell of a grid.
+/// A cell of a [`Grid`].
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Cell {
-    /// What stands in it.
+    /// Text in the cell.
     pub words: String,
-    /// From -1, orange and bad, over 0, plain, to 1, blue and good; NaN for a cell without a value.
+    /// Colour: -1 is orange (bad), 0 is plain, 1 is blue (good); between them the colour is fainter. NaN is a cell without a value.
     pub tone: f64,
-    /// Whether the words are bold.
+    /// Whether the text is bold.
     pub strong: bool,
 }
 
-/// A quantity over a grid, as coloured cells of equal size beside a colour bar. Abscissa and ordinate are the panel's.
+/// A quantity over two others, as coloured cells of equal size with a colour bar. The labels of abscissa and ordinate are those of the panel.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct HeatMap {
-    /// Abscissa of each column of cells, printed below it.
+    /// Abscissa of each column of cells, which is printed below it.
     pub x: Vec<f64>,
-    /// Ordinate of each row of cells from below, printed beside it.
+    /// Ordinate of each row of cells from the bottom, which is printed beside it.
     pub y: Vec<f64>,
-    /// The quantity shown; its limits are those of the colours.
+    /// The quantity that the colours show; its limits are those of the colour bar.
     pub value: Axis,
-    /// Values, one row per `y`, one per `x` in it. Those that are not finite are hatched.
+    /// Values: one row for each `y`, and in it one value for each `x`. Cells with a value that is not finite are hatched.
     pub values: Vec<Vec<f64>>,
-    /// Colours in the logarithm of the value; values that are not positive are hatched then.
+    /// Whether the colours follow the logarithm of the value. Cells with a value that is not positive are then hatched.
     pub logarithmic: bool,
     /// Legend entry of the hatched cells.
     pub absent: String,
-    /// A cell to frame: its legend entry and its place, the nearest cell if it is not on the grid.
+    /// A cell to be framed: its legend entry, and abscissa and ordinate of the place. The nearest cell is taken.
     pub marked: Option<(String, [f64; 2])>,
 }
 
 impl Panel {
-    /// A plot panel of the usual height.
+    /// A panel with curves, 120 px high, without reference lines.
     pub fn plot(y: Axis, series: Vec<Series>) -> Self {
         Self { y, x: None, height: 120.0, body: Body::Plot { series, references: Vec::new() } }
     }
 
-    /// The same panel with another height, px.
+    /// The same panel with another height of its plot area, px.
     pub fn with_height(mut self, height: f64) -> Self {
         self.height = height;
         self
@@ -151,7 +184,7 @@ impl Panel {
         self
     }
 
-    /// The same panel with one more reference line (plots only; other panels stay as they are).
+    /// The same panel with one more reference line. A panel that is no plot stays as it is.
     pub fn with_reference(mut self, reference: Reference) -> Self {
         if let Body::Plot { references, .. } = &mut self.body {
             references.push(reference);
@@ -161,50 +194,72 @@ impl Panel {
 }
 
 /// A curve with its entry in the legend.
+///
+/// Long records are thinned out when they are drawn, but every spike stays visible:
+///
+/// ```
+/// use std::sync::Arc;
+///
+/// use phugoid_report::Figure;
+/// use phugoid_report::figure::{Axis, Colour, Kind, Panel, Series};
+///
+/// let x: Arc<[f64]> = (0..200_000).map(f64::from).collect();
+/// let draw = |spike: f64| {
+///     let mut y = vec![0.0; x.len()];
+///     y[123_456] = spike;
+///     let line = Series::new("", Colour::Blue, &x, Kind::Line(y));
+///     let panel = Panel::plot(Axis::new("y", "").with_range(-1.0, 1.0), vec![line]);
+///     Figure { panels: vec![panel], ..Figure::default() }.to_svg()
+/// };
+/// let (flat, spiked) = (draw(0.0), draw(0.9));
+/// assert!(spiked.len() < 10_000, "{} bytes for 200,000 samples", spiked.len());
+/// assert_ne!(flat, spiked);
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Series {
-    /// Legend entry; empty for none. Equal entries (label, colour, kind) of several panels appear once.
+    /// Legend entry; empty for none. Entries with equal label, colour and kind appear only once in a figure.
     pub label: String,
-    /// Colour.
+    /// Colour of line, dots or area.
     pub colour: Colour,
-    /// How its line is drawn, where it has one.
+    /// Stroke of the line, if the kind has one.
     pub stroke: Stroke,
-    /// Whether a line runs on over an abscissa without samples; else it breaks there, as in a record with a gap.
+    /// Whether a line goes on over a gap in the abscissa. If false, it is interrupted where a step is longer than six median steps, as in a
+    /// record with missing data.
     pub joined: bool,
-    /// Abscissa, ascending except for curves and trajectories.
+    /// Abscissa. It has to ascend, except for curves and trajectories.
     pub x: Arc<[f64]>,
-    /// Shape and ordinates.
+    /// How the series is drawn, with its ordinates.
     pub kind: Kind,
 }
 
-/// How a series is drawn. Ordinates that are not finite interrupt it.
+/// How a series is drawn, with its ordinates, one for each abscissa. Ordinates that are not finite interrupt it.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Kind {
     /// Straight lines between samples.
     Line(Vec<f64>),
-    /// Each value holds until the next sample.
+    /// Steps: each value is valid until the next sample.
     Step(Vec<f64>),
-    /// One dot per sample.
+    /// One small dot for each sample.
     Points(Vec<f64>),
-    /// One large dot per sample, for the few that deserve a look.
+    /// One large dot for each sample, where there are only a few.
     Marks(Vec<f64>),
-    /// Vertical bars from zero.
+    /// A vertical bar from zero for each sample.
     Bars(Vec<f64>),
-    /// The area between two curves.
+    /// The area between two curves, such as a 2-sigma band.
     Band {
-        /// Lower curve.
+        /// Ordinates of the lower curve.
         lower: Vec<f64>,
-        /// Upper curve.
+        /// Ordinates of the upper curve.
         upper: Vec<f64>,
     },
-    /// Straight lines between samples in any order of abscissa.
+    /// Straight lines between samples whose abscissas may have any order.
     Curve(Vec<f64>),
-    /// As [`Kind::Curve`], thinner, with a dot at the end: the path of something.
+    /// As [`Kind::Curve`], but thinner and with a dot at the end, such as the path of an estimate in the plane of two parameters.
     Trajectory(Vec<f64>),
 }
 
 impl Series {
-    /// A series; samples beyond the shorter of abscissa and ordinates are not drawn.
+    /// A series with a solid stroke. If abscissa and ordinates differ in length, the samples beyond the shorter one are not drawn.
     pub fn new(label: impl Into<String>, colour: Colour, x: &Arc<[f64]>, kind: Kind) -> Self {
         Self { label: label.into(), colour, stroke: Stroke::Solid, joined: false, x: Arc::clone(x), kind }
     }
@@ -215,7 +270,7 @@ impl Series {
         self
     }
 
-    /// The same series with lines that run on where samples are far apart.
+    /// The same series with lines that go on where samples are far apart.
     pub fn joined(mut self) -> Self {
         self.joined = true;
         self
@@ -225,51 +280,51 @@ impl Series {
 /// How a line is drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Stroke {
-    /// Without gaps.
+    /// A line without gaps.
     #[default]
     Solid,
-    /// Dashes.
+    /// A line of dashes.
     Dashed,
-    /// Dots.
+    /// A line of dots.
     Dotted,
-    /// A dash and a dot in turn.
+    /// A line of dashes and dots in turn.
     DashDotted,
 }
 
-/// A straight reference line.
+/// A straight reference line, such as a limit or the true value.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reference {
     /// Legend entry; empty for none.
     pub label: String,
-    /// Colour.
+    /// Colour of the line.
     pub colour: Colour,
-    /// Stroke.
+    /// Stroke of the line.
     pub stroke: Stroke,
-    /// Where.
+    /// Direction and place.
     pub at: At,
-    /// Drawn over the curves instead of under them; a dashed one lets them shine through.
+    /// Whether the line is drawn over the curves instead of under them. It should be dashed then, so that they stay visible.
     pub on_top: bool,
 }
 
-/// Position of a reference line.
+/// Direction and place of a reference line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum At {
-    /// A horizontal line at this ordinate; the ordinate's limits are widened to show it.
+    /// A horizontal line at this ordinate. Limits that follow from the data are widened to show it.
     Horizontal(f64),
-    /// A horizontal line that is drawn only if it lies within limits set by everything else.
+    /// A horizontal line at this ordinate, which is drawn only if it lies within the limits of everything else.
     HorizontalIfVisible(f64),
-    /// A vertical line at this abscissa.
+    /// A vertical line at this abscissa, which is drawn only if it lies within the limits.
     Vertical(f64),
 }
 
-/// An instant marked across the whole figure.
+/// An instant that is marked across the whole figure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EventMark {
-    /// Abscissa.
+    /// Abscissa of the instant.
     pub x: f64,
-    /// Legend entry; equal ones appear once.
+    /// Legend entry; equal ones appear only once.
     pub label: String,
-    /// Colour.
+    /// Colour of the vertical line.
     pub colour: Colour,
 }
 
@@ -277,56 +332,35 @@ pub struct EventMark {
 /// Universal Design), and two greys.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Colour {
-    /// Text and measured data.
+    /// Near black: text and measured data.
     Ink,
-    /// Secondary text, axes, plain reference lines.
+    /// Grey: secondary text, axes, plain reference lines.
     Muted,
-    /// Blue.
+    /// Blue of Okabe and Ito.
     Blue,
-    /// Orange.
+    /// Orange of Okabe and Ito.
     Orange,
-    /// Bluish green.
+    /// Bluish green of Okabe and Ito.
     Green,
-    /// Vermillion.
+    /// Vermillion of Okabe and Ito.
     Vermillion,
-    /// Reddish purple.
+    /// Reddish purple of Okabe and Ito.
     Purple,
-    /// Sky blue.
+    /// Sky blue of Okabe and Ito.
     Sky,
-    /// Yellow; for areas, too faint for lines.
+    /// Yellow of Okabe and Ito. It is too faint for lines; use it for areas.
     Yellow,
-    /// Grid lines.
+    /// Light grey: grid lines and empty cells.
     Grid,
-    /// Text on strongly coloured areas.
+    /// Dark text on strongly coloured areas, also in a dark page.
     OnColour,
-    /// Text on dark areas.
+    /// White text on dark areas.
     OnDark,
-    /// A step of the scale of heat maps, dark to light, the same in light and dark pages: Cividis, in equal steps for the
-    /// eye with any kind of colour vision (Nuñez, Anderton and Renslow 2018, PLoS ONE 13(7)).
+    /// A step of the colour scale of heat maps, from 0 (dark) to 255 (light), the same in light and dark pages. The scale is Cividis, whose steps
+    /// look equal with any kind of colour vision (Nuñez, Anderton and Renslow 2018, PLoS ONE 13(7)).
     Scale(u8),
 }
 
-/// Colours for several curves of equal rank in one panel, in this order; repeats after the last.
+/// Colours for several curves in one panel, in the order in which they are to be used.
 pub const LINE_COLOURS: [Colour; 6] =
     [Colour::Blue, Colour::Vermillion, Colour::Green, Colour::Purple, Colour::Orange, Colour::Sky];
-
-impl Figure {
-    /// The figure as a free-standing SVG document with its title, on white, text as text.
-    pub fn to_svg(&self) -> String {
-        svg::document(&layout::scene(self, true), &self.title, Theme::Paper)
-    }
-
-    /// The figure as an `<svg>` element for a page that defines the colours of [`Colour`] as style variables
-    /// (`--ink`, `--blue`, ...) and shows title and caption itself.
-    pub fn to_inline_svg(&self) -> String {
-        svg::document(&layout::scene(self, false), &self.title, Theme::Variables)
-    }
-
-    /// The figure as a PNG file, 1920 px wide.
-    ///
-    /// # Errors
-    /// [`ReportError::Raster`] if the figure is too large for a picture or the encoder fails.
-    pub fn to_png(&self) -> Result<Vec<u8>, ReportError> {
-        png::encode(&layout::scene(self, true), &self.title)
-    }
-}

@@ -1,4 +1,4 @@
-//! The embedded font: widths for layout and outlines for pictures.
+//! The embedded font: widths of text for the layout, and outlines for pictures.
 
 use ab_glyph::{Font, FontRef, OutlineCurve};
 
@@ -7,13 +7,14 @@ use crate::error::ReportError;
 const REGULAR: &[u8] = include_bytes!("../assets/Inter-Regular.otf");
 const SEMI_BOLD: &[u8] = include_bytes!("../assets/Inter-SemiBold.otf");
 
-/// The two weights of the figures' font.
+/// The two weights of the font of the figures, Inter.
 pub(crate) struct Fonts {
     regular: FontRef<'static>,
     semi_bold: FontRef<'static>,
 }
 
 impl Fonts {
+    /// Reads the embedded font.
     pub(crate) fn load() -> Result<Self, ReportError> {
         let read = |name, bytes| {
             FontRef::try_from_slice(bytes).map_err(|error| ReportError::Font { name, reason: error.to_string() })
@@ -25,7 +26,7 @@ impl Fonts {
         if bold { &self.semi_bold } else { &self.regular }
     }
 
-    /// Curves of a text in units of the em, baseline at 0, y up, starting at x = 0.
+    /// Outlines of a text in units of the font size (em): baseline at 0, y up, starting at x = 0.
     pub(crate) fn outline(&self, text: &str, bold: bool) -> Vec<OutlineCurve> {
         let face = self.face(bold);
         let em = face.units_per_em().unwrap_or(2048.0);
@@ -46,7 +47,7 @@ impl Fonts {
         curves
     }
 
-    /// Width of a text in units of the em.
+    /// Width of a text in units of the font size (em).
     pub(crate) fn width_in_em(&self, text: &str, bold: bool) -> f64 {
         let face = self.face(bold);
         let em = face.units_per_em().unwrap_or(2048.0);
@@ -55,10 +56,10 @@ impl Fonts {
     }
 }
 
-/// Width that layout reserves for a text of this size, px. Readers of an SVG may lack the font and set the text in a
-/// wider one, so a little is added.
+/// Width that the layout reserves for a text of this font size, px. It is 4 % more than the font needs, because a reader of the SVG may not
+/// have the font and use a wider one.
 pub(crate) fn reserved_width(fonts: Option<&Fonts>, text: &str, size: f64, bold: bool) -> f64 {
-    // Without a font (only in a damaged build) the mean width of Latin text, .6 em, serves.
+    // Without a font, which happens only in a damaged build, a mean width of 0.6 em is assumed.
     let em = fonts.map_or_else(|| 0.6 * text.chars().count() as f64, |fonts| fonts.width_in_em(text, bold));
     1.04 * em * size
 }

@@ -1,26 +1,28 @@
-//! Named rows and columns as coloured cells with words in them.
+//! Drawing of a table of coloured cells with words in them.
 
 use crate::figure::{Cell, Colour, Grid};
 use crate::font::{Fonts, reserved_width};
-use crate::layout::{WIDTH, text};
-use crate::scene::{Anchor, Scene, Shape};
-use crate::sheet::{LABEL, climb, column_name, titled, widest};
+use crate::lettering::text;
+use crate::scene::{Anchor, Scene, Shape, WIDTH};
+use crate::sheet::{LABEL, column_name, slanted_extent, titled, widest};
 
+/// Font size in the cells, px.
 const WORDS: f64 = 11.5;
+/// Height of a row, px.
 const ROW: f64 = 24.0;
-/// Widest cell: a grid of two columns need not fill the page.
+/// Width of a cell at most, px, so that a grid of two columns does not fill the page.
 const WIDEST: f64 = 96.0;
 
-/// The sheet of a grid, as wide as it needs to be.
+/// The shapes of a grid, on a sheet as wide as it needs to be.
 pub(crate) fn scene(fonts: Option<&Fonts>, title: Option<&str>, grid: &Grid) -> Scene {
-    let climb = climb(widest(fonts, &grid.columns));
+    let slanted = slanted_extent(widest(fonts, &grid.columns));
     let left = widest(fonts, &grid.rows) + 16.0;
     let words = grid.cells.iter().flatten().map(|c| reserved_width(fonts, &c.words, WORDS, false)).fold(0.0, f64::max);
-    let room = (WIDTH - left - climb - 10.0) / grid.columns.len().max(1) as f64;
+    let room = (WIDTH - left - slanted - 10.0) / grid.columns.len().max(1) as f64;
     let width = room.min(WIDEST).max(words + 8.0);
     let (mut scene, mut top) = titled(fonts, title);
-    top += climb + 6.0;
-    scene.width = scene.width.max(left + width * grid.columns.len() as f64 + climb + 10.0);
+    top += slanted + 6.0;
+    scene.width = scene.width.max(left + width * grid.columns.len() as f64 + slanted + 10.0);
     scene.height = top + ROW * grid.rows.len() as f64 + 10.0;
     for (column, name) in grid.columns.iter().enumerate() {
         scene.shapes.push(column_name(name, [left + width * (column as f64 + 0.5) + 4.0, top - 6.0]));
@@ -47,7 +49,7 @@ fn draw_cell(scene: &mut Scene, [x, y]: [f64; 2], [width, height]: [f64; 2], cel
     if tone != 0.0 {
         let colour = if tone > 0.0 { Colour::Sky } else { Colour::Orange };
         scene.shapes.push(Shape::Areas { outlines: vec![outline], colour, opacity: 0.8 * tone.abs() });
-        // From here on dark text reads better than light on a dark page; on white both are dark.
+        // On a stronger colour dark text is easier to read in a dark page, where the usual text is light.
         let dark_from = if tone > 0.0 { 0.6 } else { 0.75 };
         if tone.abs() >= dark_from {
             on = Colour::OnColour;

@@ -1,29 +1,29 @@
-//! A quantity over a grid as coloured cells, with its colour bar.
+//! Drawing of a heat map: coloured cells with a colour bar.
 
 use crate::clip::Frame;
 use crate::figure::{Colour, HeatMap, Stroke};
 use crate::font::{Fonts, reserved_width};
-use crate::layout::{NORMAL, SMALL, axis_text, fitted, text};
+use crate::lettering::{NORMAL, SMALL, axis_text, fitted, text};
 use crate::scene::{Anchor, Scene, Shape};
 use crate::ticks::{Ticks, compact, fixed, logarithmic_ticks, significant, ticks};
 
-/// Steps of the colour scale; [`Colour::Scale`] counts them.
+/// Number of the last step of the colour scale; see [`Colour::Scale`].
 const STEPS: f64 = 255.0;
-/// Width that the colour bar with its ticks and label takes from the panel, px.
+/// Width of the panel that the colour bar with its ticks and label needs, px.
 pub(crate) const BAR_ROOM: f64 = 104.0;
 const BAR_GAP: f64 = 20.0;
 const BAR_WIDTH: f64 = 14.0;
-/// Distance of the lines that hatch a cell without a value, px.
+/// Distance of the lines in a hatched cell, px.
 const HATCH: f64 = 6.0;
 
-/// Draws the cells within `frame` and the colour bar right of it.
+/// Draws the cells within `frame` and the colour bar to its right.
 pub(crate) fn draw(scene: &mut Scene, fonts: Option<&Fonts>, map: &HeatMap, frame: Frame) {
     let scale = ColourScale::of(map);
     cells(scene, fonts, map, &scale, frame);
     bar(scene, fonts, map, &scale, frame);
 }
 
-/// Ticks at the middle of cells, in cells from 0; as many as have room (px) for their labels in the direction drawn.
+/// Ticks in the middle of cells, in numbers of cells from 0. There are as many as fit into `room`, px; `needed` gives the room for a label.
 pub(crate) fn grid_ticks(grid: &[f64], room: f64, needed: impl Fn(&str) -> f64) -> Ticks {
     let labels: Vec<String> = grid.iter().map(|v| compact(*v, 3)).collect();
     let widest = labels.iter().map(|l| needed(l)).fold(1.0, f64::max);
@@ -37,7 +37,7 @@ pub(crate) fn grid_ticks(grid: &[f64], room: f64, needed: impl Fn(&str) -> f64) 
 struct ColourScale {
     limits: [f64; 2],
     logarithmic: bool,
-    /// Whether a value lies below, above the limits.
+    /// Whether a value lies below and whether one lies above the limits.
     beyond: [bool; 2],
 }
 
@@ -55,7 +55,7 @@ impl ColourScale {
         if map.logarithmic && lower <= 0.0 {
             [lower, upper] = [found[0].max(f64::MIN_POSITIVE), upper.max(found[1])];
         }
-        // A map of one value is drawn in the middle of the scale.
+        // If all values are equal, they have the middle of the scale.
         if upper <= lower {
             [lower, upper] = if map.logarithmic { [0.5 * lower, 2.0 * lower] } else { [lower - 0.5, lower + 0.5] };
         }
@@ -67,7 +67,7 @@ impl ColourScale {
         }
     }
 
-    /// Place on the scale, 0 to 1; none for a value that does not exist or has no logarithm.
+    /// Place on the scale, 0 to 1; `None` for a value that is not finite or has no logarithm.
     fn share(&self, value: f64) -> Option<f64> {
         let along = |v: f64| if self.logarithmic { v.ln() } else { v };
         let [low, high] = self.limits.map(along);
@@ -80,6 +80,7 @@ impl ColourScale {
     }
 }
 
+/// Draws the cells.
 fn cells(scene: &mut Scene, fonts: Option<&Fonts>, map: &HeatMap, scale: &ColourScale, frame: Frame) {
     let (columns, rows) = (map.x.len(), map.y.len());
     if columns == 0 || rows == 0 {
@@ -94,7 +95,7 @@ fn cells(scene: &mut Scene, fonts: Option<&Fonts>, map: &HeatMap, scale: &Colour
         top: frame.bottom - height * (row + 1) as f64,
         bottom: frame.bottom - height * row as f64,
     };
-    // One shape per colour: a fine map has thousands of cells.
+    // One shape for each colour, because a fine map has thousands of cells.
     let mut by_step: Vec<Vec<Vec<[f64; 2]>>> = vec![Vec::new(); STEPS as usize + 1];
     let mut absent: Vec<Frame> = Vec::new();
     let mut words = Vec::new();
@@ -118,7 +119,7 @@ fn cells(scene: &mut Scene, fonts: Option<&Fonts>, map: &HeatMap, scale: &Colour
         let colour = Colour::Scale(u8::try_from(step).unwrap_or(u8::MAX));
         scene.shapes.push(Shape::Areas { outlines, colour, opacity: 1.0 });
     }
-    // Values in some cells alone would look as if the others had none.
+    // Values are printed in all cells or in none, because a cell without a number would look as if it had no value.
     if height >= 17.0 && widest + 4.0 <= width {
         scene.shapes.extend(words);
     }
@@ -130,7 +131,7 @@ fn cells(scene: &mut Scene, fonts: Option<&Fonts>, map: &HeatMap, scale: &Colour
     }
 }
 
-/// A cell without a value: grey with oblique lines that run on from cell to cell.
+/// The shapes of cells without a value: grey with oblique lines, which continue from cell to cell.
 pub(crate) fn hatched(cells: &[Frame]) -> Vec<Shape> {
     if cells.is_empty() {
         return Vec::new();
@@ -151,7 +152,7 @@ pub(crate) fn hatched(cells: &[Frame]) -> Vec<Shape> {
     ]
 }
 
-/// The frame around a marked cell: dark on light, so that it is seen on any colour.
+/// The frame around a marked cell: a coloured line on a wider white one, so that it is visible on any colour.
 pub(crate) fn frame_mark(cell: &Frame) -> [Shape; 2] {
     let inside =
         Frame { left: cell.left + 2.0, right: cell.right - 2.0, top: cell.top + 2.0, bottom: cell.bottom - 2.0 };
@@ -166,15 +167,16 @@ pub(crate) fn frame_mark(cell: &Frame) -> [Shape; 2] {
     })
 }
 
+/// Draws the colour bar.
 fn bar(scene: &mut Scene, fonts: Option<&Fonts>, map: &HeatMap, scale: &ColourScale, frame: Frame) {
     let (left, right) = (frame.right + BAR_GAP, frame.right + BAR_GAP + BAR_WIDTH);
-    // Where values lie beyond the limits the bar ends in a point.
+    // The bar has a pointed end if values lie beyond its limit.
     let point = |beyond: bool| if beyond { 12.0 } else { 0.0 };
     let [top, bottom] = [frame.top + point(scale.beyond[1]), frame.bottom - point(scale.beyond[0])];
     const PIECES: usize = 64;
     for piece in 0..PIECES {
         let at = |k: usize| bottom - (bottom - top) * k as f64 / PIECES as f64;
-        // Each piece reaches under the next one, so that no seam is seen.
+        // Each piece overlaps the next one, so that there is no visible line between them.
         let upper = if piece + 1 == PIECES { at(piece + 1) } else { at(piece + 1) - 0.6 };
         let place = Frame { left, right, top: upper, bottom: at(piece) };
         let step = (STEPS * (piece as f64 + 0.5) / PIECES as f64).round() as u8;
@@ -218,7 +220,7 @@ fn bar(scene: &mut Scene, fonts: Option<&Fonts>, map: &HeatMap, scale: &ColourSc
     });
 }
 
-/// Two or three digits, as a cell has room for.
+/// A value with two or three digits, for which a cell has room.
 fn short(value: f64) -> String {
     match value.abs() {
         size if (0.1..99.5).contains(&size) => significant(value, 2),
@@ -227,6 +229,7 @@ fn short(value: f64) -> String {
     }
 }
 
+/// Index of the nearest value of a grid.
 fn nearest(grid: &[f64], value: f64) -> Option<usize> {
     let distance = |k: &usize| (grid[*k] - value).abs();
     (0..grid.len()).filter(|k| distance(k).is_finite()).min_by(|a, b| distance(a).total_cmp(&distance(b)))
@@ -237,7 +240,7 @@ fn outline(cell: &Frame) -> Vec<[f64; 2]> {
 }
 
 impl HeatMap {
-    /// Whether a cell has no value.
+    /// Whether any cell has no value that can be drawn.
     pub(crate) fn has_absent(&self) -> bool {
         let scale = ColourScale::of(self);
         let value = |row: usize, column: usize| self.values.get(row).and_then(|r| r.get(column)).copied();
@@ -246,7 +249,7 @@ impl HeatMap {
     }
 }
 
-/// Limits of a heat map's axes, in cells.
+/// Limits of an axis of a heat map, in numbers of cells.
 pub(crate) fn extent(grid: &[f64]) -> [f64; 2] {
     [0.0, grid.len().max(1) as f64]
 }

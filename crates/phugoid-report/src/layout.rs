@@ -1,28 +1,29 @@
-//! Where everything goes: from what a figure says to shapes on paper.
+//! Layout: from what a figure shows to shapes at their places.
 
 use crate::clip::Frame;
 use crate::figure::{At, Axis, Body, Colour, Figure, HeatMap, Kind, Panel, Reference, Series, Stroke};
 use crate::font::{Fonts, reserved_width};
 use crate::legend::{self, Entry, Swatch};
-use crate::scene::{Anchor, Scene, Shape};
-use crate::ticks::{Ticks, superscript, ticks};
+use crate::lettering::{NORMAL, SMALL, axis_text, fitted, text};
+use crate::plot_area::PlotArea;
+use crate::scene::{Anchor, Scene, Shape, WIDTH};
+use crate::ticks::{Ticks, ticks};
 use crate::{curves, grid, heat_map, matrix};
 
-/// Width of a figure, px.
-pub(crate) const WIDTH: f64 = 960.0;
-/// Size of tick labels, px.
-pub(crate) const SMALL: f64 = 12.0;
-/// Size of axis labels and legend, px.
-pub(crate) const NORMAL: f64 = 13.0;
+/// Font size of the title, px.
 const TITLE: f64 = 17.0;
+/// Room to the right of the panels, px.
 const RIGHT_MARGIN: f64 = 18.0;
+/// Room between two columns of panels, px.
 const COLUMN_GAP: f64 = 22.0;
+/// Room above a panel for the label of its ordinate, px.
 const LABEL_ROOM: f64 = 26.0;
+/// Room below a panel without labels of its abscissa, px.
 const ROW_GAP: f64 = 12.0;
 
-/// The shapes of a figure; with its title, or without where the page around it shows one.
+/// The shapes of a figure, with its title or, for a page that shows the title itself, without.
 pub(crate) fn scene(figure: &Figure, with_title: bool) -> Scene {
-    // Only a damaged build has no font; then widths are guessed here, and a picture is refused where it is drawn.
+    // Only a damaged build has no font. Widths are then estimated here, and the writer of PNG returns an error.
     let fonts = Fonts::load().ok();
     let fonts = fonts.as_ref();
     if let [Panel { body: Body::Matrix { labels, values }, .. }] = figure.panels.as_slice() {
@@ -73,14 +74,16 @@ pub(crate) fn scene(figure: &Figure, with_title: bool) -> Scene {
     scene
 }
 
-/// One panel with its limits settled.
+/// A panel with its limits and the ticks of its ordinate.
 struct Plan<'a> {
     panel: &'a Panel,
     x_axis: &'a Axis,
     x: [f64; 2],
     y: [f64; 2],
     y_ticks: Ticks,
+    /// Width of the widest label of the ordinate, px.
     tick_width: f64,
+    /// There is nothing to draw.
     empty: bool,
 }
 
@@ -123,7 +126,7 @@ impl<'a> Plan<'a> {
         } else {
             ticks(self.x, (((frame.right - frame.left) / 85.0) as usize).clamp(2, 12))
         };
-        let map = Map { x: self.x, y: self.y, frame };
+        let map = PlotArea { x: self.x, y: self.y, frame };
         if self.heat_map().is_none() {
             self.draw_grid(scene, &map, &x_ticks);
         }
@@ -173,7 +176,7 @@ impl<'a> Plan<'a> {
         }
     }
 
-    fn draw_grid(&self, scene: &mut Scene, map: &Map, x_ticks: &Ticks) {
+    fn draw_grid(&self, scene: &mut Scene, map: &PlotArea, x_ticks: &Ticks) {
         let frame = map.frame;
         let mut lines: Vec<Vec<[f64; 2]>> = x_ticks
             .values
@@ -193,11 +196,11 @@ impl<'a> Plan<'a> {
         }
     }
 
-    fn draw_events(&self, scene: &mut Scene, figure: &Figure, map: &Map) {
+    fn draw_events(&self, scene: &mut Scene, figure: &Figure, map: &PlotArea) {
         if self.panel.x.is_some() {
             return;
         }
-        // One shape per colour and one line per pixel: a record may have a thousand gaps.
+        // One shape for each colour and one line for each pixel, because a record may have a thousand gaps.
         let mut groups: Vec<(Colour, Vec<Vec<[f64; 2]>>)> = Vec::new();
         for event in figure.events.iter().filter(|e| e.x >= self.x[0] && e.x <= self.x[1]) {
             let x = map.at([event.x, self.y[0]])[0];
@@ -214,26 +217,7 @@ impl<'a> Plan<'a> {
     }
 }
 
-/// From values to px.
-pub(crate) struct Map {
-    pub(crate) x: [f64; 2],
-    pub(crate) y: [f64; 2],
-    pub(crate) frame: Frame,
-}
-
-impl Map {
-    /// Position of a point; far outside values are held near the sheet so that they stay drawable.
-    pub(crate) fn at(&self, point: [f64; 2]) -> [f64; 2] {
-        let share = |v: f64, [low, high]: [f64; 2]| ((v - low) / (high - low)).clamp(-1e3, 1e3);
-        let frame = &self.frame;
-        [
-            frame.left + share(point[0], self.x) * (frame.right - frame.left),
-            frame.bottom - share(point[1], self.y) * (frame.bottom - frame.top),
-        ]
-    }
-}
-
-fn draw_reference(scene: &mut Scene, map: &Map, reference: &Reference) {
+fn draw_reference(scene: &mut Scene, map: &PlotArea, reference: &Reference) {
     let frame = map.frame;
     let ends = match reference.at {
         At::Horizontal(value) | At::HorizontalIfVisible(value) => {
@@ -260,7 +244,7 @@ fn draw_reference(scene: &mut Scene, map: &Map, reference: &Reference) {
     });
 }
 
-/// Legend entries of a figure in order of appearance, each once.
+/// The legend entries of a figure in the order in which they first appear.
 fn entries(figure: &Figure) -> Vec<Entry> {
     let mut entries: Vec<Entry> = Vec::new();
     let mut add = |label: &str, colour: Colour, swatch: Swatch| {
@@ -307,7 +291,7 @@ fn entries(figure: &Figure) -> Vec<Entry> {
     entries
 }
 
-/// Limits of the common abscissa.
+/// Limits of the common abscissa: those of the figure, else those of the data.
 fn shared_limits(figure: &Figure) -> [f64; 2] {
     if let Some(range) = figure.x.range {
         return range;
@@ -327,13 +311,14 @@ fn shared_limits(figure: &Figure) -> [f64; 2] {
     rounded_out(limits.or_unit())
 }
 
-/// Limits moved out to the next tick where that is near: a record of 2000 samples at 100 Hz ends at 19.99 s, its axis
-/// at 20.
+/// Limits that are moved out to the next tick if that is within 1 % of the span. So the axis of a record of 2000 samples at 100 Hz, which ends at
+/// 19.99 s, ends at 20 s.
 fn rounded_out([low, high]: [f64; 2]) -> [f64; 2] {
     let values = ticks([low - 0.01 * (high - low), high + 0.01 * (high - low)], 10).values;
     [values.first().map_or(low, |v| v.min(low)), values.last().map_or(high, |v| v.max(high))]
 }
 
+/// Limits of an abscissa that belongs to one panel only.
 fn own_limits(panel: &Panel, axis: &Axis) -> [f64; 2] {
     if let Some(range) = axis.range {
         return range;
@@ -352,7 +337,7 @@ fn own_limits(panel: &Panel, axis: &Axis) -> [f64; 2] {
     [low - pad * (high - low), high + pad * (high - low)]
 }
 
-/// Limits of the ordinate from the data within the abscissa's limits, and whether there is nothing to show.
+/// Limits of the ordinate from the data within the limits of the abscissa, and whether there are no data.
 fn ordinate_limits(axis: &Axis, series: &[Series], references: &[Reference], x: [f64; 2]) -> ([f64; 2], bool) {
     let mut limits = Limits::default();
     for series in series {
@@ -390,7 +375,7 @@ fn ordinate_limits(axis: &Axis, series: &[Series], references: &[Reference], x: 
     ([low - pad, high + pad], empty)
 }
 
-/// Smallest and largest finite value seen.
+/// The smallest and the largest finite value.
 struct Limits {
     low: f64,
     high: f64,
@@ -414,11 +399,12 @@ impl Limits {
         values.iter().for_each(|v| self.add(*v));
     }
 
+    /// Whether there was no finite value.
     fn none(&self) -> bool {
         self.low > self.high
     }
 
-    /// The limits, 0 to 1 where nothing was seen, and room around a constant.
+    /// The limits; 0 to 1 if there was no value, and 5 % to both sides of a constant.
     fn or_unit(&self) -> [f64; 2] {
         let size = self.low.abs().max(self.high.abs());
         if self.none() {
@@ -430,50 +416,6 @@ impl Limits {
             [self.low - half, self.high + half]
         }
     }
-}
-
-/// `label (unit)`, with the power of ten that the tick labels leave out.
-pub(crate) fn axis_text(axis: &Axis, exponent: i32) -> String {
-    let power = if exponent == 0 { String::new() } else { format!("10{}", superscript(exponent)) };
-    let unit = match (power.is_empty(), axis.unit.is_empty() || (axis.unit == "–" && !power.is_empty())) {
-        (true, true) => String::new(),
-        (true, false) => format!(" ({})", axis.unit),
-        (false, true) => format!(" ({power})"),
-        (false, false) => format!(" ({power} {})", axis.unit),
-    };
-    format!("{}{unit}", axis.label)
-}
-
-/// The text in the first of these sizes in which it is not wider than the room; in the last one shortened in front of its
-/// unit if it has to be.
-pub(crate) fn fitted<const N: usize>(
-    fonts: Option<&Fonts>,
-    label: String,
-    sizes: [f64; N],
-    bold: bool,
-    room: f64,
-) -> (String, f64) {
-    let fits = |text: &str, size: f64| reserved_width(fonts, text, size, bold) <= room;
-    let smallest = sizes.last().copied().unwrap_or(SMALL);
-    if let Some(size) = sizes.into_iter().find(|size| fits(&label, *size)) {
-        return (label, size);
-    }
-    let (name, unit) = match label.rfind(" (") {
-        Some(at) => label.split_at(at),
-        None => (label.as_str(), ""),
-    };
-    let mut kept: Vec<char> = name.chars().collect();
-    loop {
-        kept.pop();
-        let shorter = format!("{}…{unit}", kept.iter().collect::<String>());
-        if kept.is_empty() || fits(&shorter, smallest) {
-            return (shorter, smallest);
-        }
-    }
-}
-
-pub(crate) fn text(words: &str, at: [f64; 2], size: f64, anchor: Anchor, bold: bool, colour: Colour) -> Shape {
-    Shape::Text { text: words.to_owned(), at, size, anchor, bold, colour, rotation: 0.0 }
 }
 
 fn line(lines: Vec<Vec<[f64; 2]>>, colour: Colour, width: f64) -> Shape {

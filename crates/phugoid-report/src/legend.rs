@@ -1,19 +1,21 @@
-//! The legend: one row or a few above the panels, where no curve can run through it.
+//! The legend, which stands in one or a few rows above the panels, where no curve can cross it.
 
 use crate::clip::Frame;
 use crate::curves::{BAND_OPACITY, DOT, LINE_WIDTH, MARK};
 use crate::figure::{Colour, Kind, Series, Stroke};
 use crate::font::{Fonts, reserved_width};
 use crate::heat_map;
-use crate::layout::{NORMAL, text};
+use crate::lettering::{NORMAL, text};
 use crate::scene::{Anchor, Scene, Shape};
 
+/// Width of the sample of a line or an area, px.
 const SAMPLE: f64 = 24.0;
-/// Width of the samples that are as high as wide or narrower.
+/// Width of the sample of a dot or a vertical line, px.
 const NARROW: f64 = 8.0;
+/// Distance of the rows, px.
 const ROW: f64 = 20.0;
 
-/// One entry.
+/// One entry of the legend.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Entry {
     pub(crate) label: String,
@@ -21,7 +23,7 @@ pub(crate) struct Entry {
     pub(crate) swatch: Swatch,
 }
 
-/// The sample drawn before an entry's label.
+/// The sample that is drawn in front of the label.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Swatch {
     Line(Stroke),
@@ -30,13 +32,14 @@ pub(crate) enum Swatch {
     Band,
     Strip,
     Event(Stroke),
-    /// Cells without a value.
+    /// Hatched cells, which have no value.
     Hatched,
-    /// A framed cell.
+    /// A cell with a frame.
     Framed,
 }
 
 impl Swatch {
+    /// The sample for a series.
     pub(crate) fn of(series: &Series) -> Self {
         match series.kind {
             Kind::Line(_) | Kind::Step(_) | Kind::Bars(_) | Kind::Curve(_) | Kind::Trajectory(_) => {
@@ -49,7 +52,7 @@ impl Swatch {
     }
 }
 
-/// Draws the entries from `at` (left, top) with line breaks before `right`; gives the bottom.
+/// Draws the entries from `at` (left, top), px, with line breaks before `right`. Returns the lower edge.
 pub(crate) fn draw(scene: &mut Scene, fonts: Option<&Fonts>, entries: &[Entry], at: [f64; 2], right: f64) -> f64 {
     if entries.is_empty() {
         return at[1];

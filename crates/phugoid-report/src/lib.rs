@@ -1,16 +1,21 @@
-//! Figures and self-contained HTML reports of an estimation.
+#![doc = include_str!("../README.md")]
 //!
-//! An [`Estimation`](phugoid_identification::estimation::Estimation) is plain data; [`figures()`] turns it into
-//! [`Figure`]s that know what is shown but not how, `layout` places them, and one writer each makes SVG and PNG of the
-//! same shapes. [`html()`] puts the figures and tables into one page without any reference to the network.
+//! # Modules
 //!
-//! Nothing is estimated here. The only numbers computed are descriptions of residuals, in [`statistics`].
+//! | module | holds |
+//! |---|---|
+//! | [`figure`] | what a figure shows: panels, axes, curves, colours, as plain data |
+//! | [`statistics`] | the fit of each output and the autocorrelation of residuals |
+//!
+//! Everything else is private; its functions are re-exported here. A [`Figure`] knows what is shown; the private module `layout` decides
+//! where it stands, and one writer each makes SVG and PNG of the same shapes.
 
 mod arena;
 mod chart;
 mod clip;
 mod curves;
 mod decimate;
+mod draw;
 mod error;
 mod escape;
 pub mod figure;
@@ -21,8 +26,10 @@ mod heat_map;
 mod html;
 mod layout;
 mod legend;
+mod lettering;
 mod matrix;
 mod names;
+mod plot_area;
 mod png;
 mod scene;
 mod sheet;

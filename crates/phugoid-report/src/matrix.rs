@@ -1,22 +1,22 @@
-//! A matrix of correlations as coloured cells.
+//! Drawing of a matrix of correlations as coloured cells.
 
 use crate::figure::Colour;
 use crate::font::Fonts;
-use crate::layout::{WIDTH, text};
-use crate::scene::{Anchor, Scene, Shape};
-use crate::sheet::{LABEL, climb, column_name, titled, widest};
+use crate::lettering::text;
+use crate::scene::{Anchor, Scene, Shape, WIDTH};
+use crate::sheet::{LABEL, column_name, slanted_extent, titled, widest};
 use crate::ticks::fixed;
 
-/// The sheet of a matrix figure, as wide as it needs to be.
+/// The shapes of a matrix, on a sheet as wide as it needs to be.
 pub(crate) fn scene(fonts: Option<&Fonts>, title: Option<&str>, labels: &[String], values: &[Vec<f64>]) -> Scene {
     let count = labels.len();
     let label_width = widest(fonts, labels);
-    let climb = climb(label_width);
+    let slanted = slanted_extent(label_width);
     let left = label_width + 16.0;
-    let cell = ((WIDTH - left - climb - 10.0) / count.max(1) as f64).clamp(14.0, 46.0);
+    let cell = ((WIDTH - left - slanted - 10.0) / count.max(1) as f64).clamp(14.0, 46.0);
     let (mut scene, mut top) = titled(fonts, title);
-    top += climb + 6.0;
-    scene.width = scene.width.max(left + cell * count as f64 + climb + 10.0);
+    top += slanted + 6.0;
+    scene.width = scene.width.max(left + cell * count as f64 + slanted + 10.0);
     scene.height = top + cell * count as f64 + 10.0;
 
     for (row, name) in labels.iter().enumerate() {
@@ -35,7 +35,7 @@ fn draw_cell(scene: &mut Scene, [x, y]: [f64; 2], cell: f64, value: f64, diagona
     let size = cell - 1.5;
     let square = vec![[x, y], [x + size, y], [x + size, y + size], [x, y + size]];
     let centre = [x + size / 2.0, y + size / 2.0 + 4.0];
-    // An empty cell first, so that a small correlation still has a visible place.
+    // The cell is drawn grey first, so that a small correlation has a visible place.
     scene.shapes.push(Shape::Areas { outlines: vec![square.clone()], colour: Colour::Grid, opacity: 0.5 });
     if diagonal {
         return;
@@ -50,9 +50,9 @@ fn draw_cell(scene: &mut Scene, [x, y]: [f64; 2], cell: f64, value: f64, diagona
     let (wide, narrow) = (cell >= 34.0, cell >= 24.0);
     if wide || (narrow && strength >= 0.3) {
         let size = if wide { 11.5 } else { 9.5 };
-        // Narrow cells have no room for the zero before the point.
+        // A narrow cell has no room for the zero before the decimal point.
         let words = if wide { fixed(value, 2) } else { fixed(value, 2).replace("0.", ".") };
-        // From here on dark text reads better than light on a dark page; on white both are dark.
+        // On a stronger colour dark text is easier to read in a dark page, where the usual text is light.
         let dark_from = if value > 0.0 { 0.6 } else { 0.75 };
         let on = if strength >= dark_from { Colour::OnColour } else { Colour::Ink };
         scene.shapes.push(text(&words, centre, size, Anchor::Middle, strength >= 0.9, on));

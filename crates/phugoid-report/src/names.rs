@@ -1,15 +1,15 @@
-//! What signals and parameters are called on paper, and the units in which people read them.
+//! Names of signals and parameters in figures, and the units in which they are shown.
 
-/// A unit as printed and the factor from SI to it.
+/// A unit as it is printed, and the factor from SI to it.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct HumanUnit {
+pub(crate) struct DisplayUnit {
     pub(crate) text: String,
     pub(crate) factor: f64,
 }
 
-/// The unit in which a flight-test engineer reads an SI quantity: angles in degrees, the rest as it is, with true
-/// superscripts. A pure number (`-`, `1` or nothing) is an en dash.
-pub(crate) fn human_unit(si: &str) -> HumanUnit {
+/// The unit in which an SI quantity is shown: angles in degrees, all others as they are, with superscripts. The unit of a pure number (`-`, `1` or
+/// nothing) is an en dash.
+pub(crate) fn display_unit(si: &str) -> DisplayUnit {
     let factor = match si {
         "rad" | "rad/s" | "rad/s^2" => 180.0 / std::f64::consts::PI,
         _ => 1.0,
@@ -21,19 +21,20 @@ pub(crate) fn human_unit(si: &str) -> HumanUnit {
         "rad/s^2" => "deg/s²".to_owned(),
         other => other.replace("^2", "²").replace("^3", "³").replace('*', "·"),
     };
-    HumanUnit { text, factor }
+    DisplayUnit { text, factor }
 }
 
-/// The words for a canonical channel name; the name itself as a heading where there are none.
+/// The words for a canonical channel name, as a heading; the name itself with a capital letter if there are none.
 pub(crate) fn signal_label(name: &str) -> String {
     known_label(name).map_or_else(|| heading(name), str::to_owned)
 }
 
-/// The words for a canonical channel name; the name itself as it is, for a legend, where there are none.
+/// The words for a canonical channel name, for a legend; the name itself with blanks if there are none.
 pub(crate) fn legend_label(name: &str) -> String {
     known_label(name).map_or_else(|| name.replace('_', " "), str::to_owned)
 }
 
+/// The words for the channels that have words of their own.
 fn known_label(name: &str) -> Option<&'static str> {
     Some(match name {
         "true_airspeed" => "True airspeed V",
@@ -64,7 +65,7 @@ fn known_label(name: &str) -> Option<&'static str> {
     })
 }
 
-/// `air_density` as `Air density`; a single letter is a symbol and stays.
+/// `air_density` as `Air density`. A single letter is a symbol and stays as it is.
 fn heading(name: &str) -> String {
     let words = name.replace('_', " ");
     let mut characters = words.chars();
@@ -76,14 +77,14 @@ fn heading(name: &str) -> String {
     }
 }
 
-/// The unit of a parameter, from its name: `bias_alpha` has the unit of its channel (given by `unit_of_channel`, SI),
-/// derivatives such as `Cm_alpha` or `CL_alpha_elevator` are per radian once for each angle or normalised angular rate
-/// they multiply, everything else is a pure number.
-pub(crate) fn parameter_unit(name: &str, unit_of_channel: impl Fn(&str) -> Option<String>) -> HumanUnit {
+/// The unit of a parameter, from its name. `bias_alpha` has the unit of its channel, which `unit_of_channel` gives in SI. A derivative such as
+/// `Cm_alpha` or `CL_alpha_elevator` is per radian, once for each angle or normalised angular rate that it multiplies. Everything else is a
+/// pure number.
+pub(crate) fn parameter_unit(name: &str, unit_of_channel: impl Fn(&str) -> Option<String>) -> DisplayUnit {
     if let Some(unit) = name.strip_prefix("bias_").and_then(unit_of_channel) {
-        return human_unit(&unit);
+        return display_unit(&unit);
     }
-    let pure = HumanUnit { text: "–".to_owned(), factor: 1.0 };
+    let pure = DisplayUnit { text: "–".to_owned(), factor: 1.0 };
     if name.starts_with("offset_") {
         return pure;
     }
@@ -98,12 +99,13 @@ pub(crate) fn parameter_unit(name: &str, unit_of_channel: impl Fn(&str) -> Optio
         .sum();
     match radians {
         0 => pure,
-        1 => HumanUnit { text: "1/rad".to_owned(), factor: 1.0 },
-        2 => HumanUnit { text: "1/rad²".to_owned(), factor: 1.0 },
-        n => HumanUnit { text: format!("1/rad{}", crate::ticks::superscript(n as i32)), factor: 1.0 },
+        1 => DisplayUnit { text: "1/rad".to_owned(), factor: 1.0 },
+        2 => DisplayUnit { text: "1/rad²".to_owned(), factor: 1.0 },
+        n => DisplayUnit { text: format!("1/rad{}", crate::ticks::superscript(n as i32)), factor: 1.0 },
     }
 }
 
+/// Whether a variable of a derivative is an angle or a normalised angular rate.
 fn is_angle(variable: &str) -> bool {
     matches!(
         variable,
@@ -152,7 +154,7 @@ mod tests {
         }
         assert_eq!(signal_label("air_density"), "Air density");
         assert_eq!((signal_label("u"), signal_label("")), ("u".to_owned(), String::new()));
-        assert!((human_unit("rad/s").factor - 57.295_779_513).abs() < 1e-6);
-        assert_eq!(human_unit("m/s^2"), HumanUnit { text: "m/s²".into(), factor: 1.0 });
+        assert!((display_unit("rad/s").factor - 57.295_779_513).abs() < 1e-6);
+        assert_eq!(display_unit("m/s^2"), DisplayUnit { text: "m/s²".into(), factor: 1.0 });
     }
 }

@@ -1,4 +1,4 @@
-//! A scene as a PNG picture, with the same shapes and the same font metrics as the SVG.
+//! A scene as a PNG picture, with the same shapes and the same text widths as the SVG.
 
 use ab_glyph::OutlineCurve;
 use tiny_skia::{FillRule, LineCap, LineJoin, Paint, Path, PathBuilder, Pixmap, Stroke, StrokeDash, Transform};
@@ -8,10 +8,10 @@ use crate::figure::Colour;
 use crate::font::Fonts;
 use crate::scene::{Anchor, Scene, Shape};
 
-/// Picture pixels per layout pixel: 960 px become 1920, sharp in print at half a page.
+/// Pixels of the picture for each px of the layout: 960 px become 1920 pixels, which is sharp in print on half a page.
 const SCALE: f64 = 2.0;
 
-/// The scene on white, PNG encoded.
+/// The scene on white as the bytes of a PNG file; `title` names the figure in an error.
 pub(crate) fn encode(scene: &Scene, title: &str) -> Result<Vec<u8>, ReportError> {
     let (width, height) = ((scene.width * SCALE).ceil() as u32, (scene.height * SCALE).ceil() as u32);
     let fail = |reason: String| ReportError::Raster { figure: title.to_owned(), width, height, reason };
@@ -34,7 +34,7 @@ fn draw(pixmap: &mut Pixmap, shape: &Shape, fonts: &Fonts) {
                 width: *width as f32,
                 line_cap: if pattern.is_empty() { LineCap::Round } else { LineCap::Butt },
                 line_join: LineJoin::Round,
-                // Without lengths there is no dash and the line is solid.
+                // Without lengths this is `None`, and the line is solid.
                 dash: StrokeDash::new(pattern, 0.0),
                 ..Stroke::default()
             };
@@ -91,13 +91,14 @@ fn path(lines: &[Vec<[f64; 2]>], closed: bool) -> Option<Path> {
         if closed {
             builder.close();
         } else if line.len() == 1 {
-            // A hair, because a rasteriser may drop a line of no length.
+            // A very short line, because a rasteriser may leave out a line of no length.
             builder.line_to(first[0] as f32 + 0.01, first[1] as f32);
         }
     }
     builder.finish()
 }
 
+/// The outlines of a text in units of the font size, baseline at 0, y up.
 fn text_path(fonts: &Fonts, text: &str, bold: bool) -> Option<Path> {
     let mut builder = PathBuilder::new();
     let mut here: Option<ab_glyph::Point> = None;

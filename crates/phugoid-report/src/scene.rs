@@ -1,8 +1,11 @@
-//! Shapes on paper: what layout hands to the SVG and PNG writers. Lengths in px, x right, y down.
+//! Shapes at their places: what the layout hands to the writers of SVG and PNG. Lengths are in px, x to the right, y down.
 
 use crate::figure::{Colour, Stroke};
 
-/// Shapes in drawing order on a sheet.
+/// Width of a figure, px; a matrix or a grid may be narrower.
+pub(crate) const WIDTH: f64 = 960.0;
+
+/// A sheet with its shapes in the order in which they are drawn.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Scene {
     pub(crate) width: f64,
@@ -10,21 +13,21 @@ pub(crate) struct Scene {
     pub(crate) shapes: Vec<Shape>,
 }
 
-/// A shape.
+/// A shape with colour and opacity (0 to 1).
 #[derive(Clone, Debug)]
 pub(crate) enum Shape {
-    /// Open lines.
+    /// Open lines of straight pieces. A line of one point is drawn as a dot.
     Lines { lines: Vec<Vec<[f64; 2]>>, colour: Colour, width: f64, stroke: Stroke, opacity: f64 },
-    /// Round dots.
+    /// Round dots of equal size.
     Dots { centres: Vec<[f64; 2]>, colour: Colour, diameter: f64, opacity: f64 },
-    /// Filled areas.
+    /// Filled areas inside closed outlines.
     Areas { outlines: Vec<Vec<[f64; 2]>>, colour: Colour, opacity: f64 },
-    /// One line of text; `at` is on the baseline, rotation clockwise about it in degrees.
+    /// One line of text. `at` is a point on its baseline; the rotation about it is clockwise, deg.
     Text { text: String, at: [f64; 2], size: f64, anchor: Anchor, bold: bool, colour: Colour, rotation: f64 },
 }
 
 impl Stroke {
-    /// Lengths of dashes and of the gaps after them, px; none for a line without gaps.
+    /// Lengths of dashes and of the gaps after them in turn, px; empty for a line without gaps.
     pub(crate) fn pattern(self) -> &'static [f64] {
         match self {
             Stroke::Solid => &[],
@@ -35,7 +38,7 @@ impl Stroke {
     }
 }
 
-/// Which point of a text lies on its position.
+/// Which point of a text is at its position.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Anchor {
     Start,
@@ -43,17 +46,17 @@ pub(crate) enum Anchor {
     End,
 }
 
-/// Where colours come from.
+/// How colours are written into SVG.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Theme {
-    /// Fixed colours for white paper.
+    /// As fixed colours for white paper.
     Paper,
-    /// Style variables of the page around the figure.
+    /// As style variables of the page around the figure, which may be light or dark.
     Variables,
 }
 
 impl Colour {
-    /// Red, green, blue on white paper.
+    /// Red, green and blue of the colour on white paper.
     pub(crate) fn rgb(self) -> [u8; 3] {
         match self {
             Colour::Ink => [0x1b, 0x1f, 0x24],
@@ -72,12 +75,12 @@ impl Colour {
         }
     }
 
-    /// The colour of text on a step of the scale.
+    /// The colour of text that can be read on this step of the colour scale.
     pub(crate) fn on_scale(step: u8) -> Self {
         if step < 128 { Self::OnDark } else { Self::OnColour }
     }
 
-    /// Name of the style variable, without the two dashes; none for a colour that is the same on every page.
+    /// Name of the style variable, without the two dashes; `None` for a colour that is the same in every page.
     pub(crate) fn variable(self) -> Option<&'static str> {
         Some(match self {
             Colour::Ink => "ink",
@@ -95,7 +98,7 @@ impl Colour {
         })
     }
 
-    /// As an SVG paint.
+    /// The colour as the value of an SVG attribute.
     pub(crate) fn paint(self, theme: Theme) -> String {
         match self.variable().filter(|_| theme == Theme::Variables) {
             Some(name) => format!("var(--{name})"),

@@ -1,4 +1,4 @@
-//! What residuals say about the model: their fit, their spread and their colour.
+//! Descriptions of residuals: the fit of each output, the spread of the residuals and their correlation from sample to sample.
 
 use phugoid_identification::estimation::{Estimation, Signal};
 
@@ -10,7 +10,17 @@ use phugoid_identification::estimation::{Estimation, Signal};
 /// ```
 ///
 /// White noise of n samples stays within +-1.96/sqrt(n) at 95 % of the lags. Values that are not finite are left out.
-/// Empty if fewer than three values are finite or they are all equal; lags without a pair are NaN.
+/// The result is empty if fewer than three values are finite or if they are all equal; a lag without a pair is NaN.
+///
+/// ```
+/// use phugoid_report::statistics::autocorrelation;
+///
+/// // A value that changes its sign from sample to sample.
+/// let alternating: Vec<f64> = (0..100).map(|k| if k % 2 == 0 { 1.0 } else { -1.0 }).collect();
+/// let r = autocorrelation(&alternating, 2);
+/// assert!((r[0] - 1.0).abs() < 1e-12 && (r[1] + 1.0).abs() < 1e-12 && (r[2] - 1.0).abs() < 1e-12);
+/// assert!(autocorrelation(&[2.0; 50], 2).is_empty());
+/// ```
 pub fn autocorrelation(values: &[f64], max_lag: usize) -> Vec<f64> {
     let finite: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
     let count = finite.len() as f64;
@@ -31,28 +41,28 @@ pub fn autocorrelation(values: &[f64], max_lag: usize) -> Vec<f64> {
         .collect()
 }
 
-/// How well one output is explained.
+/// How well the model explains one measured output.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OutputFit {
     /// Canonical name of the output.
     pub name: String,
-    /// SI unit.
+    /// SI unit of `noise` and `rms_error`.
     pub unit: String,
-    /// Measurement noise used, one sigma, SI; none if the estimation does not say.
+    /// Standard deviation of the measurement noise that the estimation used, SI; `None` if it does not say.
     pub noise: Option<f64>,
-    /// Root mean square of measured minus one-step predicted, SI; NaN without common samples.
+    /// Root mean square of measured minus predicted one sample ahead, SI; NaN without common samples.
     pub rms_error: f64,
-    /// Root mean square of the whitened residual; 1 if model and noise are right.
+    /// Root mean square of the whitened residual; 1 if model and noise are right; NaN without residuals.
     pub residual_rms: f64,
-    /// Share of whitened residuals within +-2; 0.954 if model and noise are right.
+    /// Share of the whitened residuals within +-2; 0.954 if model and noise are right; NaN without residuals.
     pub within_two_sigma: f64,
-    /// Autocorrelation of the whitened residual at a lag of one sample; 0 if it is white.
+    /// Autocorrelation of the whitened residual at a lag of one sample; near 0 if it is white; NaN without residuals.
     pub lag_one: f64,
-    /// Samples with a residual.
+    /// Number of samples with a residual.
     pub samples: usize,
 }
 
-/// The fit of every measured output.
+/// The fit of every measured output, in the order of the history.
 pub fn output_fits(estimation: &Estimation) -> Vec<OutputFit> {
     let history = &estimation.history;
     let named = |signals: &[Signal], name: &str| signals.iter().position(|s| s.name == name);
@@ -83,7 +93,7 @@ pub fn output_fits(estimation: &Estimation) -> Vec<OutputFit> {
         .collect()
 }
 
-/// Median step of the finite times; NaN if there are fewer than two.
+/// Median of the steps between finite times, in their unit; the upper one of two middle steps. NaN if there is no step.
 pub(crate) fn median_step(time: &[f64]) -> f64 {
     let mut steps: Vec<f64> = time.windows(2).map(|w| w[1] - w[0]).filter(|d| d.is_finite()).collect();
     if steps.is_empty() {
@@ -93,6 +103,7 @@ pub(crate) fn median_step(time: &[f64]) -> f64 {
     steps[steps.len() / 2]
 }
 
+/// Root mean square; NaN without values.
 fn rms(values: impl Iterator<Item = f64>) -> f64 {
     let (sum, count) = values.fold((0.0, 0.0), |(sum, count), v| (sum + v * v, count + 1.0));
     (sum / count).sqrt()

@@ -1,28 +1,28 @@
 //! A scene as SVG.
 //!
-//! Coordinates are written as whole tenths of a pixel and relative to the point before: half the size of decimals, and
-//! no rounding error builds up because positions are rounded before they are subtracted.
+//! Coordinates are written as whole tenths of a pixel and relative to the point before, which needs half as many bytes as decimals. Rounding
+//! errors do not add up, because positions are rounded before they are subtracted.
 
 use std::fmt::Write as _;
 
 use crate::escape::escape;
 use crate::scene::{Anchor, Scene, Shape, Theme};
 
-/// Tenths of a pixel.
+/// Units of the SVG for each px: coordinates are in tenths of a pixel.
 const UNITS: f64 = 10.0;
 
-/// A whole `<svg>` element.
+/// The `<svg>` element of a scene; `title` is its label for screen readers.
 pub(crate) fn document(scene: &Scene, title: &str, theme: Theme) -> String {
     let mut out = String::new();
     let (w, h) = (tenths(scene.width), tenths(scene.height));
     let size = match theme {
         Theme::Paper => format!(" width=\"{}\" height=\"{}\"", scene.width, scene.height),
-        // As wide as the page allows; on a narrow screen it can be moved sideways rather than become too small to read.
+        // As wide as the page allows. On a narrow screen it can be scrolled sideways, so that the text stays readable.
         Theme::Variables => {
             format!(" style=\"max-width:{:.0}px;min-width:{:.0}px\"", scene.width, 0.74 * scene.width)
         }
     };
-    // Formatting into a String cannot fail, so the results of write! are dropped here and below.
+    // Writing into a String cannot fail, so the results of write! are ignored here and below.
     let _ = write!(
         out,
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {w} {h}\"{size} role=\"img\" aria-label=\"{}\" \
@@ -61,7 +61,7 @@ fn write_shape(out: &mut String, shape: &Shape, theme: Theme) {
             out.push_str("\"/>\n");
         }
         Shape::Dots { centres, colour, diameter, opacity } => {
-            // A line of no length with round ends is a dot; a tenth of the size of a circle element.
+            // A line of no length with round ends is a dot; it needs a tenth of the bytes of a circle element.
             let _ = write!(
                 out,
                 "<path fill=\"none\" stroke=\"{}\" stroke-width=\"{}\"",
@@ -123,7 +123,7 @@ fn write_opacity(out: &mut String, attribute: &str, opacity: f64) {
     }
 }
 
-/// `M x y l dx dy dx dy ...` with equal points and level runs joined.
+/// Writes `M x y l dx dy dx dy ...`, with equal points and horizontal runs joined.
 fn write_line(out: &mut String, line: &[[f64; 2]]) {
     let Some(first) = line.first() else { return };
     let mut here = [tenths(first[0]), tenths(first[1])];

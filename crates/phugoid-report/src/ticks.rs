@@ -1,17 +1,18 @@
-//! Tick marks and printed numbers.
+//! Tick marks of axes, and numbers as text.
 
 /// Ticks of one axis.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Ticks {
-    /// Values at the ticks.
+    /// Values at the ticks, ascending.
     pub(crate) values: Vec<f64>,
-    /// Printed at the ticks, in units of ten to the power of `exponent`.
+    /// Label of each tick: its value divided by ten to the power of `exponent`.
     pub(crate) labels: Vec<String>,
-    /// Power of ten taken out of the labels; a multiple of 3.
+    /// Power of ten that was taken out of the labels, a multiple of 3.
     pub(crate) exponent: i32,
 }
 
-/// Ticks at multiples of 1, 2 or 5 times a power of ten within the limits: about `wanted` of them, and at least three.
+/// Ticks at multiples of 1, 2 or 5 times a power of ten within the limits: about `wanted` of them, and at least three. There are none for
+/// limits that are not finite or not ascending.
 pub(crate) fn ticks(limits: [f64; 2], wanted: usize) -> Ticks {
     let [lower, upper] = limits;
     let span = upper - lower;
@@ -20,8 +21,8 @@ pub(crate) fn ticks(limits: [f64; 2], wanted: usize) -> Ticks {
     }
     let raw = span / wanted.max(1) as f64;
     let power = 10f64.powf(raw.log10().floor());
-    // From coarse to fine: the first step that is not too coarse for three ticks, starting where there are not more
-    // than wanted; the slack is for rounding.
+    // Steps from coarse to fine. The search starts at the smallest step that gives at most as many ticks as wanted, and ends at the first one
+    // that gives three. The factors near 1 allow for rounding.
     let steps = [10.0, 5.0, 2.0, 1.0, 0.5, 0.2, 0.1].map(|m| m * power);
     let smallest = steps.iter().copied().filter(|s| *s >= raw * 0.999).fold(10.0 * power, f64::min);
     let count_of = |step: f64| (upper / step + 1e-6).floor() - (lower / step - 1e-6).ceil() + 1.0;
@@ -42,8 +43,8 @@ pub(crate) fn ticks(limits: [f64; 2], wanted: usize) -> Ticks {
     Ticks { values, labels, exponent }
 }
 
-/// Ticks of a logarithmic axis at 1, 2 and 5 times powers of ten, or at powers of ten alone where those are enough: about
-/// `wanted` of them.
+/// Ticks of a logarithmic axis at 1, 2 and 5 times powers of ten, or at powers of ten only if those are enough: about `wanted` of them. There
+/// are none for limits that are not positive or not ascending.
 pub(crate) fn logarithmic_ticks([lower, upper]: [f64; 2], wanted: usize) -> Ticks {
     if !(lower > 0.0 && upper > lower && upper.is_finite()) {
         return Ticks { values: Vec::new(), labels: Vec::new(), exponent: 0 };
@@ -61,20 +62,19 @@ pub(crate) fn logarithmic_ticks([lower, upper]: [f64; 2], wanted: usize) -> Tick
         }
     }
     if values.len() < 2 {
-        // Less than a step between the limits: a linear axis serves.
+        // The limits are so close together that linear ticks are better.
         return ticks([lower, upper], wanted);
     }
     let labels = values.iter().map(|v| compact(*v, 4)).collect();
     Ticks { values, labels, exponent: 0 }
 }
 
-/// A number that is a setting rather than a result, to this many digits and without those that say nothing: `0.5`, `12`,
-/// `10⁻⁴`.
+/// A number that is a setting and not a result, with at most so many digits and without trailing zeros: `0.5`, `12`, `10⁻⁴`.
 pub(crate) fn compact(value: f64, digits: usize) -> String {
     let text = significant(value, digits);
     let (mantissa, power) = match text.split_once('·') {
         Some((mantissa, power)) => (mantissa, power),
-        // Small numbers are read by their power.
+        // A small number is easier to read with a power of ten.
         None if value != 0.0 && value.abs() < 1e-3 => {
             let exponent = value.abs().log10().floor() as i32;
             let power = format!("10{}", superscript(exponent));
@@ -85,6 +85,7 @@ pub(crate) fn compact(value: f64, digits: usize) -> String {
     compact_power(mantissa, power)
 }
 
+/// Mantissa and power of ten without trailing zeros and without a mantissa of 1.
 fn compact_power(mantissa: &str, power: &str) -> String {
     let short = if mantissa.contains('.') { mantissa.trim_end_matches('0').trim_end_matches('.') } else { mantissa };
     match (short, power) {
@@ -95,7 +96,7 @@ fn compact_power(mantissa: &str, power: &str) -> String {
     }
 }
 
-/// A number with a fixed count of decimals, a true minus sign and no negative zero.
+/// A number with so many decimals, with the sign `−` and without a negative zero.
 pub(crate) fn fixed(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
     match text.strip_prefix('-') {
@@ -105,8 +106,16 @@ pub(crate) fn fixed(value: f64, decimals: usize) -> String {
     }
 }
 
-/// A number with this many significant digits, as people write it: plain between 1e-4 and 1e6, else with a power of
-/// ten.
+/// A number with so many significant digits (1 to 15), as people write it: plain between 1e-4 and 1e6, else with a power of ten. A number that
+/// is not finite is a dash.
+///
+/// ```
+/// use phugoid_report::significant;
+///
+/// assert_eq!(significant(-0.200_34, 4), "−0.2003");
+/// assert_eq!(significant(7.5e8, 3), "7.50·10⁸");
+/// assert_eq!(significant(f64::NAN, 3), "–");
+/// ```
 pub fn significant(value: f64, digits: usize) -> String {
     if !value.is_finite() {
         return "–".to_owned();
@@ -115,7 +124,7 @@ pub fn significant(value: f64, digits: usize) -> String {
         return "0".to_owned();
     }
     let digits = digits.clamp(1, 15);
-    // Rounding first: 0.99996 has four digits as 1.000.
+    // Rounded before the exponent is known: 0.99996 with four digits is 1.000.
     let text = format!("{value:.*e}", digits - 1);
     let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "0"));
     let exponent: i32 = exponent.parse().unwrap_or(0);
@@ -127,9 +136,9 @@ pub fn significant(value: f64, digits: usize) -> String {
     }
 }
 
-/// A value with its error, both to the second digit of the error: `−0.1973 ± 0.0027`.
+/// A value with its error, both rounded to the second digit of the error: `−0.1973 ± 0.0027`.
 pub(crate) fn with_error(value: f64, error: f64) -> String {
-    // Rounding first: an error of 0.00996 is 0.010.
+    // Rounded before the exponent is known: an error of 0.00996 is 0.010.
     let rounded: Option<f64> = format!("{:.1e}", error.abs()).parse().ok();
     let magnitude = rounded.filter(|e| *e > 0.0 && e.is_finite()).map(|e| e.log10().floor() as i32);
     match magnitude {

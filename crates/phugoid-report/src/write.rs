@@ -1,4 +1,4 @@
-//! Figures as files.
+//! Writing figures as files.
 
 use std::path::{Path, PathBuf};
 
@@ -8,17 +8,16 @@ use crate::error::ReportError;
 use crate::figure::Figure;
 use crate::figures::figures;
 
-/// Writes every figure of an estimation as `NAME.svg` and `NAME.png` into a folder, which is made if it does not
-/// exist; gives the paths in the order written.
+/// Writes every figure of an estimation as `NAME.svg` and `NAME.png` into a folder, which is created if it does not exist. Returns the paths in
+/// the order in which they were written.
 ///
 /// # Errors
-/// [`ReportError::Write`] with the path that could not be written, [`ReportError::Raster`] for a figure that could not
-/// be drawn.
+/// [`ReportError::Write`] with the path that could not be written, [`ReportError::Raster`] for a figure that could not be drawn.
 pub fn write_figures(dir: &Path, estimation: &Estimation) -> Result<Vec<PathBuf>, ReportError> {
     write_named_figures(dir, &figures(estimation))
 }
 
-/// Writes figures as `NAME.svg` and `NAME.png` into a folder, as [`write_figures`] does.
+/// Writes figures, each with its name, as `NAME.svg` and `NAME.png` into a folder, as [`write_figures`] does.
 ///
 /// # Errors
 /// As [`write_figures`].

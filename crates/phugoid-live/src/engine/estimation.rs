@@ -1,46 +1,52 @@
-//! Samples become documents of estimates.
+//! From samples to the documents of their estimates.
 
 use phugoid_identification::estimate::EstimateOptions;
 use phugoid_identification::model_file::ModelFile;
 use phugoid_identification::session::{Session, Step};
 
-use super::{Publish, say};
-use crate::document::{Document, Kind};
+use crate::document::{Document, DocumentKind, Publish, publish_event};
+use crate::event::{EventKind, LiveEventKind};
 use crate::link::Latency;
 use crate::receiver::Reception;
 
-/// Between two estimates for pages, s: at most fifty a second.
-const SHOWN_S: f64 = 0.02;
+/// Least time between two estimates for the page, s: at most fifty a second.
+const SHOWN_INTERVAL_S: f64 = 0.02;
 
-/// One session after the other, as often as the sender begins anew.
+/// The running session, which is replaced by a new one whenever the sender's clock starts again.
 pub(super) struct Estimation {
     model: ModelFile,
     options: EstimateOptions,
     source: String,
     pub(super) started: Option<String>,
-    /// Give every estimate, not those for pages alone.
-    pub(super) every: bool,
+    /// Publish every estimate, not only those for the page.
+    pub(super) publish_all: bool,
     session: Session,
+    /// Number of restarts of the sender.
     flight: u64,
     pub(super) estimates: u64,
+    /// Time of the last estimate for the page, s.
     shown_s: f64,
-    told: Told,
+    readiness: ReadinessPublished,
     pub(super) latency: Latency,
+    /// What the session waits for before its first estimate.
     pub(super) waiting: Option<String>,
     refused: u64,
-    /// An estimation is impossible with what came: said, and tried again with the next flight.
-    broken: bool,
+    /// The session has failed. That is published once; the next flight is tried again.
+    failed: bool,
 }
 
-/// When the readiness that was told last was renewed, s: in any document, and in one for pages.
+/// The time, s, at which the readiness that was published last had been computed.
 #[derive(Clone, Copy, Debug, Default)]
-struct Told {
+struct ReadinessPublished {
+    /// In any document.
     any_s: Option<f64>,
+    /// In a document for the page.
     shown_s: Option<f64>,
 }
 
-impl Told {
-    /// Is the readiness to be told in a document, so that those who get every one have it and those who get those for pages too?
+impl ReadinessPublished {
+    /// Whether the next document has to hold the readiness, and notes that it does. Readers of every document and readers of those for the
+    /// page only must both get each readiness.
     fn is_due(&mut self, renewed_s: Option<f64>, shown: bool) -> bool {
         let due = renewed_s != self.any_s || (shown && renewed_s != self.shown_s);
         self.any_s = renewed_s;
@@ -58,16 +64,16 @@ impl Estimation {
             options: options.clone(),
             source: source.to_owned(),
             started: None,
-            every: false,
+            publish_all: false,
             session,
             flight: 0,
             estimates: 0,
             shown_s: f64::NEG_INFINITY,
-            told: Told::default(),
+            readiness: ReadinessPublished::default(),
             latency: Latency::default(),
             waiting: None,
             refused: 0,
-            broken: false,
+            failed: false,
         }
     }
 
@@ -79,7 +85,7 @@ impl Estimation {
             flight: self.flight,
             layout: self.session.layout(),
         };
-        publish(Kind::Hello, &document.text());
+        publish(DocumentKind::Hello, &document.text());
     }
 
     pub(super) fn take(
@@ -97,12 +103,12 @@ impl Estimation {
                 }
             }
             Reception::Restart { from_s, to_s } => self.restart(from_s, to_s, now_ns, publish),
-            Reception::Event { kind, message } => say(None, now_ns, kind, &message, publish),
+            Reception::Event { kind, message } => publish_event(None, now_ns, &kind.into(), &message, publish),
         }
     }
 
     fn sample(&mut self, time_s: f64, values: &[f64], now_ns: u64, publish: Publish<'_>) {
-        if self.broken {
+        if self.failed {
             return;
         }
         match self.session.update(time_s, values) {
@@ -110,15 +116,15 @@ impl Estimation {
                 self.waiting = None;
                 self.estimates += 1;
                 if let Some(snapshot) = self.session.snapshot() {
-                    // A hair less than the step, so that rounding does not halve a rate of exactly fifty a second.
-                    let shown = snapshot.time_s - self.shown_s >= SHOWN_S - 1e-6;
+                    // A little less than the interval, because rounding would otherwise halve a rate of exactly fifty a second.
+                    let shown = snapshot.time_s - self.shown_s >= SHOWN_INTERVAL_S - 1e-6;
                     if shown {
                         self.shown_s = snapshot.time_s;
                     }
-                    if shown || self.every {
-                        let readiness = self.told.is_due(snapshot.readiness_s, shown);
+                    if shown || self.publish_all {
+                        let readiness = self.readiness.is_due(snapshot.readiness_s, shown);
                         let document = Document::estimate(self.flight, snapshot, readiness);
-                        publish(Kind::Estimate { shown, readiness }, &document.text());
+                        publish(DocumentKind::Estimate { shown, readiness }, &document.text());
                     }
                 }
             }
@@ -129,16 +135,17 @@ impl Estimation {
             Ok(Step::Refused(reason)) => {
                 self.refused += 1;
                 if self.refused <= 5 {
-                    say(Some(time_s), now_ns, "refused", &reason, publish);
+                    publish_event(Some(time_s), now_ns, &LiveEventKind::Refused.into(), &reason, publish);
                 }
             }
             Err(error) => {
-                self.broken = true;
-                say(Some(time_s), now_ns, "impossible", &format!("no estimation of this flight: {error}"), publish);
+                self.failed = true;
+                let message = format!("no estimation of this flight: {error}");
+                publish_event(Some(time_s), now_ns, &LiveEventKind::Impossible.into(), &message, publish);
             }
         }
         for event in self.session.take_events() {
-            say(Some(event.time_s), now_ns, event.kind.word(), &event.message, publish);
+            publish_event(Some(event.time_s), now_ns, &EventKind::Estimation(event.kind), &event.message, publish);
         }
     }
 
@@ -146,14 +153,15 @@ impl Estimation {
         let message = format!(
             "the sender's clock went from {from_s:.3} s to {to_s:.3} s: it was restarted; the estimation begins anew"
         );
-        say(Some(to_s), now_ns, "restart", &message, publish);
+        publish_event(Some(to_s), now_ns, &LiveEventKind::Restart.into(), &message, publish);
         match Session::new(&self.model, &self.options) {
             Ok(session) => self.session = session,
-            // It could be made at the start, so that it can be made now.
-            Err(error) => say(None, now_ns, "impossible", &error.to_string(), publish),
+            // The same call succeeded at the start, so this is not expected.
+            Err(error) => publish_event(None, now_ns, &LiveEventKind::Impossible.into(), &error.to_string(), publish),
         }
         self.flight += 1;
-        (self.broken, self.shown_s, self.waiting, self.told) = (false, f64::NEG_INFINITY, None, Told::default());
+        (self.failed, self.shown_s, self.waiting) = (false, f64::NEG_INFINITY, None);
+        self.readiness = ReadinessPublished::default();
         self.hello(publish);
     }
 }

@@ -1,4 +1,4 @@
-//! Estimates as MAVLink debug messages, for ground stations that show such values.
+//! Estimates as MAVLink debug messages, for ground stations that show them.
 
 use std::io;
 use std::net::{ToSocketAddrs, UdpSocket};
@@ -7,28 +7,30 @@ use std::time::{Duration, Instant};
 use serde_json::Value;
 
 use super::{definitions, frame};
-use crate::document::Kind;
-use crate::run::Audience;
+use crate::audience::Audience;
+use crate::document::DocumentKind;
 
-/// Between two estimates that are sent.
-const BETWEEN: Duration = Duration::from_millis(200);
-/// System and component of the sender: MAV_COMP_ID_ONBOARD_COMPUTER of a system that is no vehicle of the link.
+/// Time between two estimates that are sent.
+const INTERVAL: Duration = Duration::from_millis(200);
+/// System and component of the sender: system 254, which no vehicle has, and MAV_COMP_ID_ONBOARD_COMPUTER.
 const SENDER: (u8, u8) = (254, 191);
 
-/// Sends, five times a second, one `NAMED_VALUE_FLOAT` per parameter (its name cut to ten characters), and all of them with
-/// their errors in one `DEBUG_FLOAT_ARRAY` named `phugoid`: value, standard error, value, standard error, ... of the first 29.
+/// Sends the newest estimate five times a second over UDP: one `NAMED_VALUE_FLOAT` per parameter (its name cut to ten characters), and one
+/// `DEBUG_FLOAT_ARRAY` named `phugoid` with value and standard error in turn, of the first 29 parameters. Units are those of the model
+/// (derivatives per radian); what does not exist is NaN.
 pub struct DebugMessages {
     socket: UdpSocket,
     names: Vec<String>,
     sequence: u8,
+    /// When the last estimate was sent.
     sent: Option<Instant>,
 }
 
 impl DebugMessages {
-    /// Sends to `udp://host:port`.
+    /// A sender to `udp://host:port`.
     ///
     /// # Errors
-    /// Another form of address, or what the system says.
+    /// [`io::ErrorKind::InvalidInput`] for an address of another form or an unknown host; else what the system says about the socket.
     pub fn to(address: &str) -> io::Result<Self> {
         let wrong = |problem: &str| {
             let message =
@@ -44,6 +46,7 @@ impl DebugMessages {
         Ok(Self { socket, names: Vec::new(), sequence: 0, sent: None })
     }
 
+    /// Sends one message. `fill` gives the bytes of an element of a field; elements without bytes are zero.
     fn send(&mut self, name: &str, fill: impl Fn(&str, usize) -> Option<Vec<u8>>) {
         let Some(message) = definitions::by_name(name) else { return };
         let mut payload = vec![0; message.length()];
@@ -58,7 +61,7 @@ impl DebugMessages {
             }
         }
         if let Some(bytes) = frame::encode(message.id, self.sequence, SENDER.0, SENDER.1, &payload) {
-            // A ground station that is not there is no trouble of the estimation's.
+            // The estimation goes on if no ground station receives.
             let _ = self.socket.send(&bytes);
             self.sequence = self.sequence.wrapping_add(1);
         }
@@ -93,18 +96,18 @@ impl DebugMessages {
 }
 
 impl Audience for DebugMessages {
-    fn hear(&mut self, kind: Kind, document: &str) {
-        let due = self.sent.is_none_or(|sent| sent.elapsed() >= BETWEEN);
+    fn hear(&mut self, kind: DocumentKind, document: &str) {
+        let due = self.sent.is_none_or(|sent| sent.elapsed() >= INTERVAL);
         let wanted = match kind {
-            Kind::Hello => true,
-            Kind::Estimate { .. } => due,
-            Kind::Event | Kind::Link | Kind::End => false,
+            DocumentKind::Hello => true,
+            DocumentKind::Estimate { .. } => due,
+            DocumentKind::Event | DocumentKind::Link | DocumentKind::End => false,
         };
         if !wanted {
             return;
         }
         let Ok(document) = serde_json::from_str::<Value>(document) else { return };
-        if kind == Kind::Hello {
+        if kind == DocumentKind::Hello {
             let names = document["layout"]["parameters"].as_array().into_iter().flatten();
             self.names = names.filter_map(|parameter| parameter["name"].as_str().map(str::to_owned)).collect();
         } else {

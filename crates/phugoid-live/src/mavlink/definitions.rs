@@ -1,48 +1,61 @@
-//! What the messages hold.
+//! The messages of the dialects `common` and `ardupilotmega`: their numbers, fields, types and units.
 
 use std::collections::BTreeMap;
 use std::sync::OnceLock;
 
-/// A message of the dialect.
+/// A message and its fields.
+///
+/// ```
+/// use phugoid_live::mavlink::definitions;
+///
+/// let attitude = definitions::by_name("ATTITUDE").expect("a message of the dialect `common`");
+/// assert_eq!((attitude.id, attitude.length()), (30, 28));
+/// let pitch = attitude.field("pitch").expect("a field of ATTITUDE");
+/// assert_eq!(pitch.unit, "rad");
+/// let mut payload = vec![0; attitude.length()];
+/// payload[pitch.offset..pitch.offset + 4].copy_from_slice(&0.25_f32.to_le_bytes());
+/// assert_eq!(pitch.value(&payload, 0), Some(0.25));
+/// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Message {
-    /// Number on the wire.
+    /// Number of the message, by which frames name it.
     pub id: u32,
-    /// Name, such as `HIGHRES_IMU`.
+    /// Name of the message, such as `HIGHRES_IMU`.
     pub name: &'static str,
-    /// Seed of the checksum, made of names and types: both sides have to mean the same message.
+    /// Last byte of the checksum (`CRC_EXTRA`), made from the names and types of the fields. It fails if sender and receiver have different
+    /// definitions of the message.
     pub crc_extra: u8,
-    /// Fields in the order of the wire, extensions last.
+    /// Fields in the order in which they stand in the payload, extensions last.
     pub fields: Vec<Field>,
 }
 
 /// A field of a message.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Field {
-    /// Name, such as `xacc`.
+    /// Name of the field, such as `xacc`.
     pub name: &'static str,
-    /// Type of a value, or of each element.
+    /// Type of the value, or of each element of an array.
     pub kind: Kind,
-    /// Elements; 0 for a single value.
+    /// Number of elements of an array; 0 for a single value.
     pub count: usize,
     /// Unit as MAVLink writes it (`cdeg`, `m/s/s`), empty if none.
     pub unit: &'static str,
-    /// First byte in the payload.
+    /// Place of the first byte in the payload.
     pub offset: usize,
 }
 
-/// Type of a value.
+/// Type of a field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// Unsigned integer of this many bytes.
+    /// Unsigned integer of so many bytes, little-endian.
     Unsigned(usize),
-    /// Signed integer of this many bytes.
+    /// Signed integer of so many bytes, little-endian.
     Signed(usize),
-    /// IEEE 754, four bytes.
+    /// IEEE 754 number of four bytes.
     Float,
-    /// IEEE 754, eight bytes.
+    /// IEEE 754 number of eight bytes.
     Double,
-    /// Text.
+    /// One byte of text.
     Character,
 }
 
@@ -64,7 +77,7 @@ impl Kind {
         })
     }
 
-    /// Bytes of one value.
+    /// Size of one value, bytes.
     pub fn size(self) -> usize {
         match self {
             Self::Unsigned(bytes) | Self::Signed(bytes) => bytes,
@@ -76,8 +89,9 @@ impl Kind {
 }
 
 impl Field {
-    /// The value of an element (0 for a single value) in the field's own unit; bytes that the sender cut off are zero (MAVLink
-    /// 2 cuts zeros at the end). None for text, and for an element that there is not.
+    /// The value of an element (0 for a single value) in the field's own unit, not converted. Bytes beyond the end of the payload count as
+    /// zero, because MAVLink 2 cuts zeros at the end off. `None` for text and for an element that the field does not have. 64-bit integers
+    /// beyond 2^53 are rounded.
     pub fn value(&self, payload: &[u8], element: usize) -> Option<f64> {
         if element >= self.count.max(1) {
             return None;
@@ -101,7 +115,7 @@ impl Field {
         })
     }
 
-    /// The text of a field of characters, up to the first zero.
+    /// The text of a field of characters, up to the first zero byte; `None` for another type and for text that is not UTF-8.
     pub fn text(&self, payload: &[u8]) -> Option<String> {
         if self.kind != Kind::Character {
             return None;
@@ -112,18 +126,21 @@ impl Field {
 }
 
 impl Message {
-    /// The field of this name.
+    /// The field with this name; `None` if the message has none.
     pub fn field(&self, name: &str) -> Option<&Field> {
         self.fields.iter().find(|field| field.name == name)
     }
 
-    /// Bytes of the payload with everything in it.
+    /// Length of the whole payload with all extensions, bytes.
     pub fn length(&self) -> usize {
         self.fields.last().map_or(0, |field| field.offset + field.kind.size() * field.count.max(1))
     }
 }
 
-/// All messages, by number.
+/// Number of the message `NAMED_VALUE_FLOAT`: a value under a name that the sender chooses.
+pub const NAMED_VALUE_FLOAT: u32 = 251;
+
+/// All messages by their numbers.
 pub fn messages() -> &'static BTreeMap<u32, Message> {
     static MESSAGES: OnceLock<BTreeMap<u32, Message>> = OnceLock::new();
     MESSAGES.get_or_init(|| {
@@ -132,7 +149,7 @@ pub fn messages() -> &'static BTreeMap<u32, Message> {
     })
 }
 
-/// The message of this name.
+/// The message with this name; `None` if neither dialect has it.
 pub fn by_name(name: &str) -> Option<&'static Message> {
     messages().values().find(|message| message.name == name)
 }
@@ -176,6 +193,7 @@ mod tests {
         // Zeros at the end need not be sent.
         assert_eq!(position.field("vx").unwrap().value(&payload[..10], 0), Some(0.0));
         let named = by_name("NAMED_VALUE_FLOAT").unwrap();
+        assert_eq!(named.id, NAMED_VALUE_FLOAT);
         let mut payload = vec![0; named.length()];
         payload[4..8].copy_from_slice(&1.5_f32.to_le_bytes());
         payload[8..13].copy_from_slice(b"alpha");

@@ -8,44 +8,56 @@ const START_2: u8 = 0xFD;
 const SIGNED: u8 = 0x01;
 const SIGNATURE: usize = 13;
 
-/// A frame whose checksum holds, or whose message is not known.
+/// A frame whose checksum is right, or whose message is not known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Frame<'a> {
-    /// Number of the message.
+    /// Number of the message; see [`definitions::messages`].
     pub id: u32,
-    /// Counts the frames of this component.
+    /// Counter of the frames that this component sends, modulo 256.
     pub sequence: u8,
-    /// Vehicle.
+    /// Number of the vehicle.
     pub system: u8,
-    /// Part of the vehicle.
+    /// Number of the part of the vehicle that sends.
     pub component: u8,
-    /// Content.
+    /// The fields of the message; zeros at the end may be missing.
     pub payload: &'a [u8],
-    /// False if the message is not in the dialect: its checksum cannot be verified.
+    /// False if the message is not in the dialects, so that its checksum cannot be verified.
     pub known: bool,
 }
 
-/// What stands at the beginning of a buffer.
+/// What stands at the beginning of a buffer. The number is always that of the bytes that it takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Found<'a> {
     /// A frame of this many bytes.
     Frame(Frame<'a>, usize),
-    /// A known message of this many bytes whose checksum does not hold. The next frame may begin within.
+    /// A known message of this many bytes with a wrong checksum. The next frame may begin inside it.
     BadChecksum(usize),
-    /// This many bytes that belong to no frame.
+    /// This many bytes, at least one, that belong to no frame.
     Garbage(usize),
-    /// Perhaps the beginning of a frame: more bytes are needed.
+    /// Perhaps the beginning of a frame; more bytes are needed to know.
     Incomplete,
 }
 
-/// Looks at the beginning of a buffer. Never answers with zero bytes.
+/// Looks at the beginning of a buffer.
+///
+/// ```
+/// use phugoid_live::mavlink::definitions::NAMED_VALUE_FLOAT;
+/// use phugoid_live::mavlink::frame::{self, Found};
+///
+/// let payload = [0, 0, 0, 0, 0, 0, 0xC0, 0x3F, b'q'];
+/// let mut bytes = frame::encode(NAMED_VALUE_FLOAT, 7, 1, 1, &payload).expect("a known message");
+/// let Found::Frame(found, length) = frame::next(&bytes) else { panic!("a frame is expected") };
+/// assert_eq!((found.id, found.sequence, found.payload, length), (NAMED_VALUE_FLOAT, 7, &payload[..], bytes.len()));
+/// bytes[12] ^= 1;
+/// assert_eq!(frame::next(&bytes), Found::BadChecksum(bytes.len()));
+/// ```
 pub fn next(bytes: &[u8]) -> Found<'_> {
     let (header, trailer) = match bytes {
         [] => return Found::Incomplete,
         [START_1, ..] => (6, 2),
         [START_2] => return Found::Incomplete,
         [START_2, _] => return Found::Incomplete,
-        // Flags that are not understood forbid to go on (the specification's word for them).
+        // By the specification a frame with an unknown incompatibility flag has to be discarded.
         [START_2, _, flags, ..] if flags & !SIGNED != 0 => return Found::Garbage(1),
         [START_2, _, flags, ..] => (10, if flags & SIGNED == 0 { 2 } else { 2 + SIGNATURE }),
         _ => {
@@ -63,7 +75,7 @@ pub fn next(bytes: &[u8]) -> Found<'_> {
     };
     let payload = frame.get(header..header + length).unwrap_or_default();
     let Some(message) = definitions::messages().get(&id) else {
-        // Without the seed of its checksum a frame is believed only where the next one follows it, or nothing does.
+        // The checksum cannot be verified without `CRC_EXTRA`, so the frame is accepted only if another one, or nothing, follows it.
         let followed = bytes.get(whole).is_none_or(|byte| [START_1, START_2].contains(byte));
         let frame = Frame { id, sequence, system, component, payload, known: false };
         return if followed { Found::Frame(frame, whole) } else { Found::Garbage(1) };
@@ -76,8 +88,24 @@ pub fn next(bytes: &[u8]) -> Found<'_> {
     Found::Frame(Frame { id, sequence, system, component, payload, known: true }, whole)
 }
 
-/// Gives everything in a buffer in turn, up to what may be the beginning of a frame; the number of bytes that were used up, after
-/// which the next call goes on with more. Of a frame whose checksum does not hold one byte is used up: another may begin within it.
+/// Hands everything in a buffer to `out` in turn, up to what may be the beginning of a frame, and returns the number of bytes that were used.
+/// The next call should begin after them, with more bytes. Of a frame with a wrong checksum only one byte is used, because another frame
+/// may begin inside it.
+///
+/// ```
+/// use phugoid_live::mavlink::frame::{self, Found};
+///
+/// let mut bytes = b"noise".to_vec();
+/// bytes.extend(frame::encode(0, 0, 1, 1, &[0; 9]).expect("HEARTBEAT is known"));
+/// bytes.push(0xFD);
+/// let mut messages = Vec::new();
+/// let used = frame::split(&bytes, &mut |found| {
+///     if let Found::Frame(frame, _) = found {
+///         messages.push(frame.id);
+///     }
+/// });
+/// assert_eq!((messages, used), (vec![0], bytes.len() - 1));
+/// ```
 pub fn split<'a>(bytes: &'a [u8], out: &mut dyn FnMut(Found<'a>)) -> usize {
     let mut at = 0;
     while let Some(rest) = bytes.get(at..) {
@@ -92,7 +120,12 @@ pub fn split<'a>(bytes: &'a [u8], out: &mut dyn FnMut(Found<'a>)) -> usize {
     at
 }
 
-/// CRC-16/MCRF4XX over a frame without its start and the seed of its message.
+/// The checksum of a frame: CRC-16/MCRF4XX over the bytes between its first byte and its checksum, then over `CRC_EXTRA` of its message.
+///
+/// ```
+/// // The catalogue of parametrised CRC algorithms gives 0x6F91 for the nine bytes `123456789`.
+/// assert_eq!(phugoid_live::mavlink::frame::checksum(b"12345678", b'9'), 0x6F91);
+/// ```
 pub fn checksum(bytes: &[u8], extra: u8) -> u16 {
     bytes.iter().chain(std::iter::once(&extra)).fold(0xFFFF_u16, |crc, byte| {
         let mixed = byte ^ (crc as u8);
@@ -101,8 +134,8 @@ pub fn checksum(bytes: &[u8], extra: u8) -> u16 {
     })
 }
 
-/// A MAVLink 2 frame of a known message, without signature; zeros at the end of the payload are cut off as the protocol wants
-/// it. None if the message is not known or the payload longer than 255 bytes.
+/// A MAVLink 2 frame of a known message, without signature. Zeros at the end of the payload are cut off, as the protocol requires. `None` if
+/// the message is not known or if more than 255 bytes of payload are left.
 pub fn encode(id: u32, sequence: u8, system: u8, component: u8, payload: &[u8]) -> Option<Vec<u8>> {
     let message = definitions::messages().get(&id)?;
     let used = payload.iter().rposition(|byte| *byte != 0).map_or(1, |last| last + 1).min(payload.len());

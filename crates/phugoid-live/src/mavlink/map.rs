@@ -1,4 +1,4 @@
-//! From messages to samples: which message is the time base, and which field is which channel.
+//! From messages to samples: which message gives the times of the samples, and which field is which channel.
 
 mod conversion;
 mod rules;
@@ -12,17 +12,19 @@ use phugoid_flight_data::profile::Profile;
 use super::definitions::{self, Message};
 use super::frame::Frame;
 use super::sequence::{Order, Sequence};
+use crate::event::LiveEventKind;
 use crate::link::Counts;
 use rules::{Reading, Rules};
 
-/// What is particular to MAVLink.
+/// Options of the reception of MAVLink.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MavlinkOptions {
-    /// How long a message of the time base waits for messages that were sent before it and have not come, ns; 0: not at all.
+    /// How long a sample waits for messages that were sent before its time base and have not come, ns; 0 switches waiting off.
     pub reorder_ns: u64,
-    /// The vehicle that is listened to; none: the first that sends a time base.
+    /// Number of the vehicle whose messages are used; `None` takes the first that sends a time base.
     pub system: Option<u8>,
-    /// The message whose times are the samples'; none: the first of the profile's that comes.
+    /// Name of the message whose times are those of the samples (the time base); `None` takes the best one of the profile that comes within a
+    /// second.
     pub base: Option<String>,
 }
 
@@ -32,23 +34,23 @@ impl Default for MavlinkOptions {
     }
 }
 
-/// A better base is waited for this long, ns, and a base that is silent for this long is given up.
+/// A better time base is waited for this long, ns, and a time base that is silent for this long is replaced.
 const CHOICE_NS: u64 = 1_000_000_000;
-/// A stamp this far, s, from the base's is of another clock: the message counts as sampled when it came.
+/// A stamp that differs from the time base by more than this, s, is of another clock; the message then counts as sampled when it came.
 const ANOTHER_CLOCK_S: f64 = 3600.0;
-/// Messages of the base that may wait; with the default window at 400 Hz there are two.
+/// Samples that may wait at one time. With the default window and 400 samples per second there are two.
 const MOST_WAITING: usize = 4096;
-/// Components whose sequence is followed.
+/// Components whose sequence numbers are followed; messages of further ones are ignored.
 const MOST_COMPONENTS: usize = 256;
 
-/// A sample's time that is ready.
+/// The time of a sample that need not wait any more.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Ready {
     pub(crate) time_s: f64,
     pub(crate) arrival_ns: u64,
 }
 
-/// A message of the base that waits for earlier ones.
+/// A message of the time base that waits for messages sent before it.
 #[derive(Clone, Copy, Debug)]
 struct Waiting {
     component: (u16, u8, u8),
@@ -56,38 +58,41 @@ struct Waiting {
     ready: Ready,
 }
 
-/// Puts messages together to samples.
+/// Puts messages together into samples.
 pub(crate) struct Assembler {
     options: MavlinkOptions,
-    /// Messages that can be the time base, the best first.
+    /// Names of the messages that can be the time base, the best first.
     bases: Vec<String>,
     rules: Rules,
     aligner: Aligner,
     sequences: HashMap<(u16, u8, u8), Sequence>,
     waiting: VecDeque<Waiting>,
     base: Base,
-    /// Stamp of the newest base message, s.
+    /// Stamp of the newest message of the time base, s.
     newest_s: Option<f64>,
-    /// Frames that looked like duplicates since the last in order: after a restart of the sender they were none.
-    provisional: u64,
+    /// Frames that looked like duplicates since the last one in order. If the sender turns out to have been restarted, they were none.
+    provisional_duplicates: u64,
 }
 
-/// Which message is the base.
+/// Which message is the time base. Each is a rank among the possible ones (0 is best) and the number of the vehicle.
 #[derive(Clone, Copy, Debug, Default)]
 struct Base {
-    /// Rank among the bases, and the vehicle.
+    /// The time base, once it is decided.
     chosen: Option<(usize, u8)>,
-    /// The best that came so far, and when the first came.
+    /// The best that has come so far, before it is decided.
     best: Option<(usize, u8)>,
+    /// Arrival of the first possible one, ns.
     since_ns: u64,
+    /// Last arrival of the chosen one, ns.
     heard_ns: u64,
 }
 
 impl Assembler {
-    /// The first `asked` of the channels are those of the samples; others are computed of the rest.
+    /// An assembler for these channels. The first `asked` of them are those of the samples; the rest serve to compute the true airspeed.
     ///
     /// # Errors
-    /// A field that the message does not have, a unit that does not suit, a base that is no message.
+    /// A sentence for people: a mapping to a field that the message does not have, a unit that does not suit the channel, or a time base that is no
+    /// message with a time.
     pub(crate) fn new(
         channels: &[String],
         asked: usize,
@@ -111,23 +116,23 @@ impl Assembler {
             waiting: VecDeque::new(),
             base: Base::default(),
             newest_s: None,
-            provisional: 0,
+            provisional_duplicates: 0,
         })
     }
 
-    /// What a user has to know of the mappings of the model file.
-    pub(crate) fn doubts(&self) -> Vec<String> {
-        self.rules.doubts.clone()
+    /// Warnings for people about the column mappings of the model file.
+    pub(crate) fn warnings(&self) -> Vec<String> {
+        self.rules.warnings.clone()
     }
 
-    /// Takes a frame; what is worth saying goes to `events`.
+    /// Takes a frame. Counts go to `counts`, events for people to `events`.
     pub(crate) fn take(
         &mut self,
         frame: &Frame<'_>,
         origin: u16,
         arrival_ns: u64,
         counts: &mut Counts,
-        events: &mut Vec<(&'static str, String)>,
+        events: &mut Vec<(LiveEventKind, String)>,
     ) {
         let component = (origin, frame.system, frame.component);
         if !self.sequences.contains_key(&component) && self.sequences.len() >= MOST_COMPONENTS {
@@ -135,10 +140,10 @@ impl Assembler {
         }
         let place = self.sequences.entry(component).or_default().take(frame.sequence, arrival_ns);
         match place.order {
-            Order::Next => self.provisional = 0,
+            Order::Next => self.provisional_duplicates = 0,
             Order::After(missing) => {
                 counts.lost += missing;
-                self.provisional = 0;
+                self.provisional_duplicates = 0;
             }
             Order::Reordered => {
                 counts.lost = counts.lost.saturating_sub(1);
@@ -146,12 +151,12 @@ impl Assembler {
             }
             Order::Duplicate => {
                 counts.duplicated += 1;
-                self.provisional += 1;
+                self.provisional_duplicates += 1;
             }
         }
         let Some(message) = definitions::messages().get(&frame.id) else { return };
         let base = self.is_base(message, frame, arrival_ns, events);
-        if !self.is_heard(frame.system) {
+        if !self.is_wanted(frame.system) {
             return;
         }
         let stamp_s = rules::stamp_s(message, frame.payload);
@@ -159,7 +164,7 @@ impl Assembler {
             self.newest_s = Some(time_s);
             self.queue(Waiting { component, index: place.index, ready: Ready { time_s, arrival_ns } });
         }
-        // A message without a time, or with one of another clock, was sampled when it came, as far as anyone knows.
+        // A message without a time, or with the time of another clock, counts as sampled at the newest time base.
         let stamp_s = match (stamp_s, self.newest_s) {
             (Some(stamp), Some(newest)) if (stamp - newest).abs() > ANOTHER_CLOCK_S => newest,
             (Some(stamp), _) => stamp,
@@ -172,7 +177,7 @@ impl Assembler {
         });
     }
 
-    /// The next sample whose turn it is at this time, ns.
+    /// The next sample that need not wait any longer at this time, ns; `None` if there is none.
     pub(crate) fn ready(&mut self, now_ns: u64) -> Option<Ready> {
         let first = self.waiting.front()?;
         let since_ns = now_ns.saturating_sub(self.options.reorder_ns).saturating_add(1);
@@ -183,32 +188,33 @@ impl Assembler {
         self.waiting.pop_front().map(|waiting| waiting.ready)
     }
 
-    /// When [`Assembler::ready`] has an answer if nothing arrives before, ns.
+    /// The time at which [`Assembler::ready`] will give a sample if nothing arrives before, ns; `None` if no sample waits.
     pub(crate) fn deadline_ns(&self) -> Option<u64> {
         let first = self.waiting.front()?;
         let shown = self.sequences.get(&first.component)?.latest_gap(first.index, 0)?;
         Some(shown.saturating_add(self.options.reorder_ns))
     }
 
-    /// The values of a sample.
+    /// Fills in the values of a sample, SI; NaN where a value is missing.
     pub(crate) fn frame(&mut self, time_s: f64, values: &mut [f64]) {
         self.aligner.frame(time_s, values);
     }
 
-    /// The sender's clock has begun anew. What waits stays: it is of the new time.
+    /// Forgets the sequence numbers and values from before a restart of the sender's clock. Samples that wait have the new time and stay.
     pub(crate) fn restart(&mut self, counts: &mut Counts) {
         self.aligner.restart();
-        counts.duplicated = counts.duplicated.saturating_sub(self.provisional);
-        self.provisional = 0;
+        counts.duplicated = counts.duplicated.saturating_sub(self.provisional_duplicates);
+        self.provisional_duplicates = 0;
         let waiting: Vec<_> = self.waiting.iter().map(|waiting| waiting.component).collect();
         self.sequences.retain(|component, _| waiting.contains(component));
     }
 
-    /// A peer has come anew: its numbers begin anew.
+    /// Forgets the sequence numbers of a sender whose connection begins again.
     pub(crate) fn forget(&mut self, origin: u16) {
         self.sequences.retain(|(from, ..), _| *from != origin);
     }
 
+    /// Inserts a message of the time base in the order in which its component sent it.
     fn queue(&mut self, new: Waiting) {
         let same = |other: &Waiting| other.component == new.component && other.index > new.index;
         let behind = self.waiting.iter().rev().take_while(|other| same(other)).count();
@@ -218,7 +224,8 @@ impl Assembler {
         }
     }
 
-    fn is_heard(&self, system: u8) -> bool {
+    /// Whether messages of this vehicle are used.
+    fn is_wanted(&self, system: u8) -> bool {
         match (self.options.system, self.base.chosen.or(self.base.best)) {
             (Some(wanted), _) => system == wanted,
             (None, Some((_, vehicle))) => system == vehicle,
@@ -226,13 +233,13 @@ impl Assembler {
         }
     }
 
-    /// Is this message the time base? Chooses one where there is none.
+    /// Whether this message is the time base. Chooses one where there is none.
     fn is_base(
         &mut self,
         message: &Message,
         frame: &Frame<'_>,
         arrival_ns: u64,
-        events: &mut Vec<(&'static str, String)>,
+        events: &mut Vec<(LiveEventKind, String)>,
     ) -> bool {
         let rank = match &self.options.base {
             Some(base) => (message.name == base).then_some(0),
@@ -263,7 +270,10 @@ impl Assembler {
             return false;
         }
         (self.base.chosen, self.base.heard_ns) = (Some(this), arrival_ns);
-        events.push(("base", format!("the samples have the times of {} of system {}", message.name, frame.system)));
+        events.push((
+            LiveEventKind::Base,
+            format!("the samples have the times of {} of system {}", message.name, frame.system),
+        ));
         true
     }
 }

@@ -1,54 +1,62 @@
-//! Sequence numbers: what was lost, came twice, or came in another order.
+//! Sequence numbers of MAVLink: which frames were lost, came twice, or came in another order.
 
 use std::collections::VecDeque;
 
-/// How far back a sequence number may lie and still belong to what was lost; half of the 256 that there are.
-const BACK: u8 = 128;
+/// How far back a sequence number may lie and still count as a lost frame that came late: half of the 256 numbers.
+const REACH: u8 = 128;
 
-/// The frames of one component.
+/// Follows the sequence numbers of one component.
 #[derive(Clone, Debug, Default)]
 pub struct Sequence {
-    /// The newest sequence number, and its place in the count without end.
+    /// The newest sequence number, and its index in a count that does not wrap.
     newest: Option<(u8, u64)>,
-    /// Places that have not come, oldest first, with the arrival (ns) of the frame that showed it.
+    /// Indices that have not come, oldest first, each with the arrival (ns) of the frame that showed the gap.
     missing: VecDeque<(u64, u64)>,
 }
 
-/// What a sequence number says.
+/// Where a frame belongs among the frames of its component.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Place {
-    /// Position in the count without end.
+    /// Index in a count that does not wrap.
     pub index: u64,
-    /// What kind.
+    /// How it follows the frames before it.
     pub order: Order,
 }
 
 /// How a frame follows those before it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Order {
-    /// The next one.
+    /// It is the next one.
     Next,
-    /// This many before it are missing.
+    /// It is ahead; so many frames before it are missing.
     After(u64),
-    /// One of the missing.
+    /// It is one of the missing frames, which came late.
     Reordered,
-    /// It was there already.
+    /// It had come before, or is older than the numbers can tell.
     Duplicate,
 }
 
 impl Sequence {
-    /// Takes the sequence number of a frame that arrived at this time (ns, not falling).
+    /// Takes the sequence number of a frame that arrived at this time, ns. The times must not decrease.
+    ///
+    /// ```
+    /// use phugoid_live::mavlink::sequence::{Order, Sequence};
+    ///
+    /// let mut sequence = Sequence::default();
+    /// let orders = [254, 0, 255, 255].map(|number| sequence.take(number, 0).order);
+    /// assert_eq!(orders, [Order::Next, Order::After(1), Order::Reordered, Order::Duplicate]);
+    /// ```
     pub fn take(&mut self, number: u8, arrival_ns: u64) -> Place {
         let Some((newest, index)) = self.newest else {
-            self.newest = Some((number, u64::from(BACK)));
-            return Place { index: u64::from(BACK), order: Order::Next };
+            self.newest = Some((number, u64::from(REACH)));
+            return Place { index: u64::from(REACH), order: Order::Next };
         };
         let ahead = number.wrapping_sub(newest);
-        if ahead != 0 && ahead <= BACK {
+        if ahead != 0 && ahead <= REACH {
             let next = index + u64::from(ahead);
             self.missing.extend((index + 1..next).map(|place| (place, arrival_ns)));
-            // What lies further back than the numbers reach is lost for good.
-            while self.missing.front().is_some_and(|(place, _)| place + u64::from(BACK) <= next) {
+            // A number this far back would be taken for a new one, so the frame cannot come late any more.
+            while self.missing.front().is_some_and(|(place, _)| place + u64::from(REACH) <= next) {
                 self.missing.pop_front();
             }
             self.newest = Some((number, next));
@@ -67,8 +75,8 @@ impl Sequence {
         Place { index: place, order }
     }
 
-    /// Arrival (ns) of the frame that first showed that one before `index` is missing, the latest of them that is later than
-    /// `since_ns`; none if nothing is missing since then.
+    /// The latest arrival, ns, at or after `since_ns`, of a frame that showed a gap before `index`; `None` if no frame before `index` is missing
+    /// since then.
     pub fn latest_gap(&self, index: u64, since_ns: u64) -> Option<u64> {
         self.missing.iter().filter(|(place, shown)| *place < index && *shown >= since_ns).map(|(_, shown)| *shown).max()
     }

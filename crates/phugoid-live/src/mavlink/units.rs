@@ -1,11 +1,11 @@
-//! Units as MAVLink's definitions write them.
+//! Units in the spelling of MAVLink's definitions.
 
 use phugoid_flight_data::units;
 
-/// SI units per unit, and the SI value of zero; none for a unit that is not understood.
+/// Factor and offset of a unit: SI value = factor * value + offset. `None` for a unit that is not known.
 pub(super) fn to_si(unit: &str) -> Option<(f64, f64)> {
     const DEGREE: f64 = std::f64::consts::PI / 180.0;
-    // Those that MAVLink alone writes (https://mavlink.io/en/messages/common.html#enums, "Unit").
+    // Spellings that only MAVLink has (https://mavlink.io/en/messages/common.html#enums, "Unit").
     Some(match unit {
         "" => (1.0, 0.0),
         "degE7" => (1e-7 * DEGREE, 0.0),
@@ -22,7 +22,7 @@ pub(super) fn to_si(unit: &str) -> Option<(f64, f64)> {
         "%" => (1e-2, 0.0),
         "d%" => (1e-3, 0.0),
         "c%" => (1e-4, 0.0),
-        // Standard gravity: MAVLink's mG is a thousandth of it.
+        // A thousandth of standard gravity.
         "mG" => (9.806_65e-3, 0.0),
         other => {
             let unit = units::find(other).first().copied()?;

@@ -1,31 +1,51 @@
-//! One peer's bytes: which payload they are, and its pieces.
+//! The bytes of one sender: whether they are MAVLink or text, and the frames or rows in them.
 
 use phugoid_flight_data::csv::CsvOptions;
 
 use crate::mavlink::frame::{self, Found, Frame};
 use crate::text::{self, Lines, Row, Rows};
 
-/// Bytes that are looked at before something is known; beyond it the older half is given up.
-const LOOKED_AT: usize = 8 * 1024;
+/// Bytes that are kept while the payload is not known; beyond this the older half is discarded.
+const UNKNOWN_BYTES: usize = 8 * 1024;
 
-/// What a stream consists of.
+/// What was found in a stream.
 pub(super) enum Piece<'a> {
-    /// It is known now what this is.
-    Payload(&'static str),
-    /// What the columns are.
+    /// The payload has been recognised.
+    Payload(Payload),
+    /// The columns of a text stream have been recognised: notes for people about them.
     Columns(Vec<String>),
-    /// A row of text.
+    /// A row of text: its time, the channels of its columns, and their values in SI.
     Row { time_s: f64, names: &'a [String], values: &'a [f64] },
-    /// A frame of MAVLink.
+    /// A MAVLink frame whose checksum is right, or whose message is unknown.
     Frame(Frame<'a>),
-    /// A known message whose checksum does not hold.
+    /// A known MAVLink message with a wrong checksum.
     BadChecksum,
-    /// Bytes that belong to nothing.
+    /// This many bytes that belong to no frame and no line.
     Garbage(usize),
-    /// Something left out, and why.
+    /// A row or bytes that were left out, and why.
     Refused(String),
 }
 
+/// What a sender gives.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Payload {
+    /// MAVLink 1 or 2.
+    Mavlink,
+    /// CSV or JSON lines.
+    Text,
+}
+
+impl Payload {
+    /// The payload for people.
+    pub(super) fn words(self) -> &'static str {
+        match self {
+            Self::Mavlink => "MAVLink",
+            Self::Text => "text, one sample per line",
+        }
+    }
+}
+
+/// The stream of one sender.
 pub(super) struct Stream {
     peer: String,
     form: Form,
@@ -47,7 +67,7 @@ impl Stream {
         &self.peer
     }
 
-    /// Takes bytes; `ends` where a line ends with them.
+    /// Takes bytes. `ends` is true if a line ends with the last of them, as in a datagram.
     pub(super) fn push(
         &mut self,
         bytes: &[u8],
@@ -76,14 +96,14 @@ impl Stream {
         read_frames(&mut self.buffer, out);
     }
 
-    /// Finds out what this is: the first frame whose checksum holds, or the first line that begins a table.
+    /// Looks for the first known frame whose checksum is right, or for the first line that can begin a text stream.
     fn recognise(&mut self, ends: bool, csv: &CsvOptions, out: &mut dyn FnMut(Piece<'_>)) {
         let mut at = 0;
         while let Some(rest) = self.buffer.get(at..) {
             match frame::next(rest) {
                 Found::Frame(frame, _) if frame.known => {
                     self.form = Form::Mavlink;
-                    out(Piece::Payload("MAVLink"));
+                    out(Piece::Payload(Payload::Mavlink));
                     return;
                 }
                 Found::Frame(..) | Found::BadChecksum(_) => at += 1,
@@ -98,32 +118,32 @@ impl Stream {
         while let Some(rest) = self.buffer.get(start..).filter(|rest| !rest.is_empty()) {
             let Some(end) = rest.iter().position(ending).or(ends.then_some(rest.len())) else { break };
             let line = rest.get(..end).unwrap_or_default();
-            match text::begins(line, csv) {
+            match text::can_begin(line, csv) {
                 Ok(()) => {
                     out(Piece::Garbage(start));
                     self.buffer.drain(..start);
                     let rows = Box::new(Rows::new(&self.peer, csv));
                     self.form = Form::Text { lines: Lines::default(), rows, names: Vec::new() };
-                    out(Piece::Payload("text, one sample per line"));
+                    out(Piece::Payload(Payload::Text));
                     return;
                 }
                 Err(why) => reason = why.or(reason),
             }
             start += end + 1;
         }
-        // Binary data may contain line ends: they are kept until a frame could have been found.
+        // Binary data may contain bytes that look like line ends, so they are kept until the longest frame would have been complete.
         let binary = self.buffer.iter().any(|byte| !byte.is_ascii_graphic() && !byte.is_ascii_whitespace());
-        let given_up = match binary {
-            true if self.buffer.len() > LOOKED_AT => self.buffer.len() / 2,
+        let discarded = match binary {
+            true if self.buffer.len() > UNKNOWN_BYTES => self.buffer.len() / 2,
             true => 0,
-            false if start < LOOKED_AT && self.buffer.len() - start.min(self.buffer.len()) > LOOKED_AT => {
+            false if start < UNKNOWN_BYTES && self.buffer.len() - start.min(self.buffer.len()) > UNKNOWN_BYTES => {
                 self.buffer.len()
             }
             false => start.min(self.buffer.len()),
         };
-        if given_up > 0 {
-            self.buffer.drain(..given_up);
-            out(Piece::Garbage(given_up));
+        if discarded > 0 {
+            self.buffer.drain(..discarded);
+            out(Piece::Garbage(discarded));
             let why = reason.unwrap_or_else(|| {
                 "neither a MAVLink frame, nor JSON, nor a header line with a time (time_s,alpha_deg,...)".to_owned()
             });
@@ -157,10 +177,10 @@ fn read_text(
     }
     for line in complete {
         let mut taken = rows.take(&line, row);
-        if let Row::Columns(told) = taken {
+        if let Row::Columns(notes) = taken {
             *names = rows.columns().map(|columns| columns.channels().map(str::to_owned).collect()).unwrap_or_default();
-            out(Piece::Columns(told));
-            taken = if rows.again() { rows.take(&line, row) } else { Row::Nothing };
+            out(Piece::Columns(notes));
+            taken = if rows.columns_come_with_a_sample() { rows.take(&line, row) } else { Row::Nothing };
         }
         match taken {
             Row::Sample(time_s) => out(Piece::Row { time_s, names, values: row }),

@@ -2,36 +2,36 @@
 
 use crate::arrival::{Arrival, Content};
 
-/// Every block begins with it.
+/// The bytes with which every block begins.
 pub(super) const MARK: [u8; 4] = *b"PHGL";
-/// Mark, length and checksum, bytes.
+/// Size of mark, length and checksum, bytes.
 pub(super) const HEAD: usize = 12;
-/// The largest body: a datagram has at most 65535 bytes, a header a model file.
+/// Largest body, bytes. A datagram has at most 65,535 bytes; a header holds a model file.
 pub(super) const LARGEST: usize = 4 << 20;
-/// Kind, arrival, wall clock and origin, bytes.
+/// Size of kind, arrival, wall clock and origin, bytes.
 const STAMPS: usize = 19;
 
-/// What a block is.
+/// What a block holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BlockKind {
-    /// [`super::Header`] as JSON.
+    /// The header ([`super::Header`]) as JSON.
     Header,
-    /// A peer appeared: its name.
+    /// A sender appeared; the content is its name.
     Opened,
-    /// A datagram.
+    /// A datagram as it was received.
     Datagram,
-    /// A piece of a stream.
+    /// Bytes of a stream as they were received.
     Piece,
-    /// A peer has gone: the reason.
+    /// A sender is gone; the content is the reason.
     Closed,
-    /// The reception was ended in order.
+    /// The reception ended normally, not by a kill.
     End,
 }
 
 impl BlockKind {
     const ALL: [Self; 6] = [Self::Header, Self::Opened, Self::Datagram, Self::Piece, Self::Closed, Self::End];
 
-    /// The number in the file.
+    /// The number of the kind in the file.
     pub fn code(self) -> u8 {
         match self {
             Self::Header => 0,
@@ -48,7 +48,7 @@ impl BlockKind {
     }
 }
 
-/// A block as it stands in the file.
+/// A block of the file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Block {
     pub(super) kind: BlockKind,
@@ -59,6 +59,7 @@ pub(super) struct Block {
 }
 
 impl Block {
+    /// Kind and content of the block of an arrival.
     pub(super) fn of(arrival: &Arrival) -> (BlockKind, &[u8]) {
         match &arrival.content {
             Content::Opened(peer) => (BlockKind::Opened, peer.as_bytes()),
@@ -68,7 +69,7 @@ impl Block {
         }
     }
 
-    /// What arrived; none for the header and the end.
+    /// The arrival that the block holds; `None` for the header and the end.
     pub(super) fn arrival(self) -> Option<Arrival> {
         let text = |bytes: Vec<u8>| String::from_utf8_lossy(&bytes).into_owned();
         let content = match self.kind {
@@ -81,7 +82,7 @@ impl Block {
         Some(Arrival { arrival_ns: self.arrival_ns, wall_ns: self.wall_ns, origin: self.origin, content })
     }
 
-    /// Reads a body.
+    /// Reads the body of a block; `None` if it is too short or its kind is not known.
     pub(super) fn parse(body: &[u8]) -> Option<Self> {
         let (stamps, content) = body.split_at_checked(STAMPS)?;
         let number = |from: usize| stamps.get(from..from + 8)?.try_into().ok().map(u64::from_le_bytes);
@@ -95,7 +96,7 @@ impl Block {
     }
 }
 
-/// Appends a block to a buffer.
+/// Appends a block to a buffer. Content beyond [`LARGEST`] is cut off.
 pub(super) fn append(
     buffer: &mut Vec<u8>,
     kind: BlockKind,

@@ -1,83 +1,85 @@
-//! Reading a recording, whole, cut off or damaged.
+//! Reading a recording, even one that is cut off or damaged.
 
 use std::fs::File;
 use std::io::{self, BufReader, Read};
 use std::path::Path;
 
-use super::block::{Block, HEAD, LARGEST, MARK};
-use super::{BlockKind, Header, VERSION};
+use super::block::{Block, BlockKind, HEAD, LARGEST, MARK};
+use super::header::{Header, VERSION};
 use crate::arrival::Arrival;
 
-/// Why a file is no recording that can be read.
+/// Why a recording cannot be read.
 #[derive(Debug, thiserror::Error)]
 pub enum RecordingError {
-    /// The operating system could not open or read it.
+    /// The operating system could not open or read the file.
     #[error("{file}: cannot be read: {error}")]
     Io {
-        /// File.
+        /// Name of the file.
         file: String,
-        /// What the system says.
+        /// What the operating system said.
         error: io::Error,
     },
-    /// Another kind of file.
+    /// The file is not a recording.
     #[error("{file}: this is no recording of `phugoid live`: it begins with {found:02x?}, expected {MARK:02x?} (PHGL)")]
     NoRecording {
-        /// File.
+        /// Name of the file.
         file: String,
         /// Its first bytes.
         found: Vec<u8>,
     },
-    /// The header is damaged or not there.
+    /// The header is damaged or missing, so that model and options are not known.
     #[error(
         "{file}: the first block is no header that can be read ({reason}): the model and the options are not known"
     )]
     NoHeader {
-        /// File.
+        /// Name of the file.
         file: String,
-        /// What is wrong.
+        /// What is wrong with the header.
         reason: String,
     },
-    /// Written by a later version.
+    /// The file was written by a later version of the program.
     #[error(
         "{file}: format {found} of the recording, this program reads up to {VERSION}: use the program that wrote it ({program})"
     )]
     Version {
-        /// File.
+        /// Name of the file.
         file: String,
-        /// Version of the format.
+        /// Version of the format in the file.
         found: u32,
-        /// Version of the program.
+        /// Version of the program that wrote the file.
         program: String,
     },
 }
 
-/// What could not be read.
+/// What could not be read of a recording so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Damage {
-    /// Bytes inside the file that belong to no whole block.
+    /// Bytes inside the file that belong to no undamaged block.
     pub skipped_bytes: u64,
-    /// Where the first of them is.
+    /// Position of the first such byte in the file.
     pub first_at: Option<u64>,
-    /// Bytes of a last block that was not written to its end.
+    /// Bytes of the last block, if it was not written to its end.
     pub cut_off_bytes: u64,
-    /// Whether the reception was ended in order: false after a kill.
+    /// Whether the reception ended normally; false after a kill. Known only after the last arrival.
     pub ended: bool,
 }
 
-/// Reads a recording block by block, in bounded memory.
-pub struct Reader {
+/// Reads a recording block by block, in bounded memory, from a file or any other input.
+pub struct Reader<I = BufReader<File>> {
     file: String,
-    input: BufReader<File>,
-    /// What was read and is not used up, and where it begins in the file.
+    input: I,
+    /// Bytes that were read and are not used yet.
     buffer: Vec<u8>,
+    /// Position of the buffer in the file.
     at: u64,
+    /// The input has ended.
     exhausted: bool,
     header: Header,
     damage: Damage,
 }
 
 impl Reader {
-    /// True if these are the first bytes of a recording.
+    /// Whether these are the first bytes of a recording; at least four are needed.
     pub fn is_recording(start: &[u8]) -> bool {
         start.starts_with(&MARK)
     }
@@ -85,13 +87,24 @@ impl Reader {
     /// Opens a recording and reads its header.
     ///
     /// # Errors
-    /// [`RecordingError`].
+    /// [`RecordingError`] if the file cannot be read, is not a recording, has no header, or is of a later version.
     pub fn open(path: &Path) -> Result<Self, RecordingError> {
         let file = path.display().to_string();
         let input = File::open(path).map_err(|error| RecordingError::Io { file: file.clone(), error })?;
+        Self::from_input(BufReader::with_capacity(1 << 16, input), &file)
+    }
+}
+
+impl<I: Read> Reader<I> {
+    /// Reads the header of a recording from any input, such as a slice of bytes. `name` stands in the messages of errors.
+    ///
+    /// # Errors
+    /// As [`Reader::open`].
+    pub fn from_input(input: I, name: &str) -> Result<Self, RecordingError> {
+        let file = name.to_owned();
         let mut reader = Self {
             file: file.clone(),
-            input: BufReader::with_capacity(1 << 16, input),
+            input,
             buffer: Vec::new(),
             at: 0,
             exhausted: false,
@@ -99,7 +112,7 @@ impl Reader {
             damage: Damage::default(),
         };
         reader.fill(HEAD)?;
-        if !Self::is_recording(&reader.buffer) {
+        if !reader.buffer.starts_with(&MARK) {
             let found = reader.buffer.get(..reader.buffer.len().min(8)).unwrap_or_default().to_vec();
             return Err(RecordingError::NoRecording { file, found });
         }
@@ -116,20 +129,20 @@ impl Reader {
         Ok(reader)
     }
 
-    /// The header.
+    /// The header of the recording.
     pub fn header(&self) -> &Header {
         &self.header
     }
 
-    /// What could not be read so far; whole after the last arrival.
+    /// What could not be read so far. It is complete once [`Reader::next_arrival`] has returned `None`.
     pub fn damage(&self) -> Damage {
         self.damage
     }
 
-    /// The next arrival; none at the end.
+    /// The next arrival; `None` at the end. Damaged blocks are skipped and counted.
     ///
     /// # Errors
-    /// [`RecordingError::Io`].
+    /// [`RecordingError::Io`] if the file cannot be read.
     pub fn next_arrival(&mut self) -> Result<Option<Arrival>, RecordingError> {
         while let Some(block) = self.next_block()? {
             if block.kind == BlockKind::End {
@@ -141,6 +154,7 @@ impl Reader {
         Ok(None)
     }
 
+    /// The next undamaged block; `None` at the end.
     fn next_block(&mut self) -> Result<Option<Block>, RecordingError> {
         loop {
             self.fill(HEAD)?;
@@ -160,7 +174,7 @@ impl Reader {
             }
             self.fill(HEAD + length)?;
             let Some(body) = self.buffer.get(HEAD..HEAD + length) else {
-                // Not written to its end, or a length that is damaged: then further blocks lie behind it.
+                // Either the block was not written to its end, or its length is damaged and further blocks follow.
                 if self.find_mark(1).is_some() {
                     self.skip();
                     continue;
@@ -179,11 +193,11 @@ impl Reader {
         }
     }
 
-    /// Leaves out everything up to the next mark.
+    /// Skips everything up to the next mark.
     fn skip(&mut self) {
         let bytes = self.find_mark(1).unwrap_or_else(|| match self.exhausted {
             true => self.buffer.len(),
-            // A mark may be cut by the end of what was read.
+            // The buffer may end within a mark.
             false => self.buffer.len().saturating_sub(MARK.len() - 1).max(1),
         });
         self.damage.first_at.get_or_insert(self.at);
@@ -191,6 +205,7 @@ impl Reader {
         self.consume(bytes);
     }
 
+    /// Place of the next mark in the buffer.
     fn find_mark(&self, from: usize) -> Option<usize> {
         let rest = self.buffer.get(from..)?;
         rest.windows(MARK.len()).position(|window| window == MARK).map(|found| found + from)

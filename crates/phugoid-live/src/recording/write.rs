@@ -1,4 +1,4 @@
-//! Writing a recording, beside the estimation and never in its way.
+//! Writing a recording on threads of its own, so that the estimation never waits for the disk.
 
 use std::fs::{File, OpenOptions};
 use std::io::{self, Write};
@@ -9,18 +9,18 @@ use std::sync::mpsc::{self, Receiver, SyncSender, TryRecvError, TrySendError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use super::block::{Block, append};
-use super::{BlockKind, Header};
+use super::block::{Block, BlockKind, append};
+use super::header::Header;
 use crate::arrival::{Arrival, wall_ns};
 
-/// What was received is with the operating system after this long at most: a kill of the program loses no more.
-const TO_THE_SYSTEM: Duration = Duration::from_millis(50);
-/// It is on the disk after this long: a loss of power loses no more, as far as the disk keeps its word.
-const TO_THE_DISK: Duration = Duration::from_secs(1);
-/// Arrivals that wait for a disk that is behind; at 2400 messages a second, 13 s.
+/// Data are handed to the operating system within this time. A kill of the program loses no more than that.
+const WRITE_WITHIN: Duration = Duration::from_millis(50);
+/// Data are put on the disk at this interval. A loss of power loses no more than about that, if the disk does what it reports.
+const SYNC_INTERVAL: Duration = Duration::from_secs(1);
+/// Arrivals that may wait for a slow disk: 13 s at 2400 messages a second.
 const WAITING: usize = 32_768;
 
-/// What became of what arrived.
+/// Counts of the recorder, shared with its thread.
 #[derive(Clone, Debug, Default)]
 pub struct Recorded {
     bytes: Arc<AtomicU64>,
@@ -29,23 +29,23 @@ pub struct Recorded {
 }
 
 impl Recorded {
-    /// Bytes handed to the operating system.
+    /// Bytes handed to the operating system so far.
     pub fn bytes(&self) -> u64 {
         self.bytes.load(Ordering::Relaxed)
     }
 
-    /// Arrivals that were not recorded, because the disk was too slow or full.
+    /// Number of arrivals that were not recorded because the disk was too slow or full.
     pub fn dropped(&self) -> u64 {
         self.dropped.load(Ordering::Relaxed)
     }
 
-    /// Whether writing has failed (a full disk).
+    /// Whether writing has failed, as on a full disk. Nothing more is recorded then.
     pub fn failed(&self) -> bool {
         self.failed.load(Ordering::Relaxed)
     }
 }
 
-/// Writes a recording on threads of its own.
+/// Writes a recording while it is received. [`write_whole`] writes one at once.
 pub struct Recorder {
     queue: Option<SyncSender<Arrival>>,
     thread: Option<JoinHandle<io::Result<()>>>,
@@ -53,29 +53,28 @@ pub struct Recorder {
 }
 
 impl Recorder {
-    /// Creates the file, which must not exist, and writes the header.
+    /// Creates the file and writes the header.
     ///
     /// # Errors
-    /// What the operating system says.
+    /// [`io::ErrorKind::AlreadyExists`] if the file exists; else what the operating system says.
     pub fn create(path: &Path, header: &Header) -> io::Result<Self> {
         let mut file = OpenOptions::new().write(true).create_new(true).open(path)?;
         let mut first = Vec::new();
-        let text = serde_json::to_vec(header).map_err(io::Error::other)?;
-        append(&mut first, BlockKind::Header, [0, header.started_wall_ns], 0, &text);
+        append_header(&mut first, header)?;
         file.write_all(&first)?;
         let recorded = Recorded::default();
         recorded.bytes.store(first.len() as u64, Ordering::Relaxed);
         let (queue, arrivals) = mpsc::sync_channel(WAITING);
-        let told = recorded.clone();
+        let shared = recorded.clone();
         let thread = std::thread::Builder::new().name("recorder".to_owned()).spawn(move || {
-            let result = write(file, &arrivals, &told);
-            told.failed.fetch_or(result.is_err(), Ordering::Relaxed);
+            let result = write(file, &arrivals, &shared);
+            shared.failed.fetch_or(result.is_err(), Ordering::Relaxed);
             result
         })?;
         Ok(Self { queue: Some(queue), thread: Some(thread), recorded })
     }
 
-    /// Hands over what arrived. Never waits: where the disk is too far behind, it is counted as dropped.
+    /// Hands over an arrival. This never waits: if the disk is too far behind, the arrival is dropped and counted.
     pub fn record(&self, arrival: Arrival) {
         let sent = self.queue.as_ref().map(|queue| queue.try_send(arrival));
         if let Some(Err(TrySendError::Full(_) | TrySendError::Disconnected(_))) = sent {
@@ -83,12 +82,12 @@ impl Recorder {
         }
     }
 
-    /// What became of it so far.
+    /// The counts, which go on changing while the recorder writes.
     pub fn recorded(&self) -> Recorded {
         self.recorded.clone()
     }
 
-    /// Writes what waits, the end, and puts it on the disk.
+    /// Writes the arrivals that still wait and the end, and puts everything on the disk.
     ///
     /// # Errors
     /// What the operating system said when writing failed.
@@ -102,27 +101,58 @@ impl Recorder {
     }
 }
 
+/// Writes a whole recording with its end: for conversions and tests. Stamps must not decrease from one arrival to the next.
+///
+/// # Errors
+/// What writing to `out` gives.
+pub fn write_whole<'a>(
+    mut out: impl Write,
+    header: &Header,
+    arrivals: impl IntoIterator<Item = &'a Arrival>,
+) -> io::Result<()> {
+    let mut buffer = Vec::new();
+    append_header(&mut buffer, header)?;
+    let mut last_ns = [0, header.started_wall_ns];
+    for arrival in arrivals {
+        append_arrival(&mut buffer, arrival);
+        last_ns = [arrival.arrival_ns, arrival.wall_ns];
+        out.write_all(&buffer)?;
+        buffer.clear();
+    }
+    append(&mut buffer, BlockKind::End, last_ns, 0, &[]);
+    out.write_all(&buffer)
+}
+
+fn append_header(buffer: &mut Vec<u8>, header: &Header) -> io::Result<()> {
+    let text = serde_json::to_vec(header).map_err(io::Error::other)?;
+    append(buffer, BlockKind::Header, [0, header.started_wall_ns], 0, &text);
+    Ok(())
+}
+
+fn append_arrival(buffer: &mut Vec<u8>, arrival: &Arrival) {
+    let (kind, content) = Block::of(arrival);
+    append(buffer, kind, [arrival.arrival_ns, arrival.wall_ns], arrival.origin, content);
+}
+
+/// The recorder's thread: writes arrivals until their sender is gone, then the end.
 fn write(mut file: File, arrivals: &Receiver<Arrival>, recorded: &Recorded) -> io::Result<()> {
-    // The disk may take its time: putting things there is the job of another thread.
+    // Putting data on the disk may take long, so another thread does it.
     let (sync, wanted) = mpsc::sync_channel::<()>(1);
     let same_file = file.try_clone()?;
     let syncing = std::thread::Builder::new().name("recorder-sync".to_owned()).spawn(move || {
         while wanted.recv().is_ok() {
-            // Without this the data are as safe as the system keeps them: nothing else to be done.
+            // If this fails, the data are still with the operating system; nothing else can be done.
             let _ = same_file.sync_data();
         }
     })?;
     let mut buffer = Vec::new();
     let mut synced = Instant::now();
     let result = loop {
-        // Asleep most of the time: to be woken by every arrival would cost more than to write them.
-        std::thread::sleep(TO_THE_SYSTEM / 2);
+        // The thread sleeps most of the time, because waking up for every arrival would cost more than writing.
+        std::thread::sleep(WRITE_WITHIN / 2);
         let ended = loop {
             match arrivals.try_recv() {
-                Ok(arrival) => {
-                    let (kind, content) = Block::of(&arrival);
-                    append(&mut buffer, kind, [arrival.arrival_ns, arrival.wall_ns], arrival.origin, content);
-                }
+                Ok(arrival) => append_arrival(&mut buffer, &arrival),
                 Err(TryRecvError::Empty) => break false,
                 Err(TryRecvError::Disconnected) => {
                     append(&mut buffer, BlockKind::End, [u64::MAX, wall_ns()], 0, &[]);
@@ -138,8 +168,8 @@ fn write(mut file: File, arrivals: &Receiver<Arrival>, recorded: &Recorded) -> i
         if ended {
             break file.sync_data();
         }
-        if synced.elapsed() >= TO_THE_DISK {
-            // Full: it is at it.
+        if synced.elapsed() >= SYNC_INTERVAL {
+            // A full queue means that the other thread is still at work.
             let _ = sync.try_send(());
             synced = Instant::now();
         }

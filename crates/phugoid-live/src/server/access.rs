@@ -1,19 +1,19 @@
-//! Who may look.
+//! Who may read the page and the documents.
 
 use std::io;
 
 use hyper::{Request, StatusCode, header};
 
-/// Who may look: with a token, those who know it; without, those of this machine.
+/// Who may read. With a token, those who know it; without one, requests to this machine under its own name.
 #[derive(Debug)]
 pub struct Access {
     token: Option<String>,
 }
 
-/// A token that nobody guesses: 128 random bits, hexadecimal.
+/// A new token: 128 random bits as 32 hexadecimal digits.
 ///
 /// # Errors
-/// The system has no random numbers.
+/// What the operating system says if it gives no random numbers.
 pub fn random_token() -> io::Result<String> {
     let mut bytes = [0_u8; 16];
     getrandom::fill(&mut bytes).map_err(io::Error::other)?;
@@ -25,11 +25,11 @@ impl Access {
         Self { token }
     }
 
-    /// The status and the sentence for who may not.
+    /// Checks a request. The error is the status and the sentence with which it is refused.
     pub(super) fn check<B>(&self, request: &Request<B>) -> Result<(), (StatusCode, &'static str)> {
         let header = |name| request.headers().get(name).and_then(|value| value.to_str().ok());
         let Some(token) = &self.token else {
-            // Another site's name that was made to point here (DNS rebinding) must not make a browser hand out the data.
+            // Protects against DNS rebinding: a web site whose name points to this machine must not read the data through a browser.
             let host = header(header::HOST).map(host_of);
             return match host {
                 Some("localhost" | "127.0.0.1" | "[::1]") => Ok(()),
@@ -40,7 +40,7 @@ impl Access {
             };
         };
         let in_header = header(header::AUTHORIZATION).and_then(|value| value.strip_prefix("Bearer "));
-        // EventSource can send no header: the address has to do.
+        // The EventSource of a browser cannot send a header, so the token may stand in the address.
         let in_address = || {
             let query = request.uri().query()?;
             query.split('&').find_map(|pair| pair.strip_prefix("token="))
@@ -63,10 +63,10 @@ fn host_of(host: &str) -> &str {
     }
 }
 
-/// Compares in a time that depends on the lengths alone.
+/// Compares in a time that depends only on the lengths, so that the time does not reveal a part of the token.
 fn same(given: &str, token: &str) -> bool {
     let different = given.bytes().zip(token.bytes()).fold(0, |different, (a, b)| different | (a ^ b));
-    // The optimiser must not end the loop early.
+    // Without this the optimiser could end the loop early.
     std::hint::black_box(different) == 0 && given.len() == token.len()
 }
 
@@ -84,7 +84,7 @@ mod tests {
     }
 
     #[test]
-    fn who_may_look() {
+    fn who_may_read() {
         let secret = Some("0123abcd");
         assert_eq!(check(secret, "/events?token=0123abcd", &[]), Ok(()));
         assert_eq!(check(secret, "/events?x=1&token=0123abcd", &[]), Ok(()));

@@ -8,16 +8,16 @@ use std::time::Duration;
 use hyper::body::{Body, Bytes, Frame};
 use tokio::sync::mpsc;
 
-use super::Hub;
+use super::hub::Hub;
 
-/// Events that wait for a client's connection; what is beyond it waits in the hub, and is passed over there.
+/// Events that may wait for the connection of a client. Further ones stay in the hub, which may leave them out.
 const WAITING: usize = 16;
-/// A connection that takes nothing for this long is given up.
+/// A connection that takes nothing for this long is closed.
 const STUCK: Duration = Duration::from_secs(30);
-/// How often a silent connection hears that it is still there.
+/// Interval of the comments that keep a connection without events open.
 const ALIVE: Duration = Duration::from_secs(15);
 
-/// The body of an answer that does not end.
+/// The body of a response that goes on as long as there are documents.
 pub(super) struct Events {
     frames: mpsc::Receiver<Bytes>,
 }
@@ -26,7 +26,7 @@ impl Events {
     pub(super) fn new(hub: Hub) -> Self {
         let (sender, frames) = mpsc::channel(WAITING);
         tokio::spawn(async move {
-            // None: the client has gone, or is stuck.
+            // It ends when the client has gone or takes nothing.
             let _: Option<()> = pump(&hub, &sender).await;
         });
         Self { frames }
@@ -37,7 +37,7 @@ async fn pump(hub: &Hub, client: &mpsc::Sender<Bytes>) -> Option<()> {
     let send =
         |text: String| async move { tokio::time::timeout(STUCK, client.send(Bytes::from(text))).await.ok()?.ok() };
     let mut changes = hub.watch();
-    let (past, mut place) = hub.newcomer();
+    let (past, mut place) = hub.new_client();
     for document in past {
         send(format!("data: {document}\n\n")).await?;
     }

@@ -1,4 +1,4 @@
-//! What clients get: a bounded past for newcomers, and the newest for everybody.
+//! The documents that clients get: a bounded past for new clients, and the newest for all.
 
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, MutexGuard};
@@ -6,18 +6,30 @@ use std::sync::{Arc, Mutex, MutexGuard};
 use serde_json::Value;
 use tokio::sync::watch;
 
-use crate::document::Kind;
-use crate::run::Audience;
+use crate::audience::Audience;
+use crate::document::DocumentKind;
 
-/// Documents behind which a client may be; one that is further behind goes on with the newest.
+/// Documents that are kept for clients that are behind. A client that is further behind goes on with the newest.
 const RECENT: usize = 256;
-/// Estimates of the past, at most; beyond it every second one goes, and half as many are added from then on. However long the
-/// flight, a newcomer sees all of it.
+/// Estimates of the past that are kept at most. When there are more, every second one is removed, and from then on half as many are kept. So
+/// a new client gets the whole flight, however long it is.
 const PAST: usize = 1200;
-/// Events of the past.
+/// Events of the past that are kept.
 const EVENTS: usize = 200;
 
-/// Shared by the estimation, which fills it, and the clients.
+/// The documents, shared between the estimation, which publishes, and the clients of the server. Clones share the same documents.
+///
+/// ```
+/// use phugoid_live::document::DocumentKind;
+/// use phugoid_live::server::Hub;
+///
+/// let hub = Hub::default();
+/// hub.publish(DocumentKind::Hello, r#"{"type":"hello"}"#);
+/// hub.publish(DocumentKind::Link, r#"{"type":"link","received":1}"#);
+/// hub.publish(DocumentKind::Link, r#"{"type":"link","received":2}"#);
+/// let latest = hub.clone().snapshot();
+/// assert_eq!(latest, r#"{"hello":{"type":"hello"},"estimate":null,"link":{"type":"link","received":2},"end":null}"#);
+/// ```
 #[derive(Clone)]
 pub struct Hub {
     documents: Arc<Mutex<Documents>>,
@@ -26,19 +38,23 @@ pub struct Hub {
 
 #[derive(Default)]
 struct Documents {
-    /// Number of the next document.
+    /// Number that the next document gets.
     next: u64,
+    /// The newest documents of all kinds.
     recent: VecDeque<Numbered>,
     hello: Option<Arc<str>>,
     link: Option<Arc<str>>,
     end: Option<Arc<str>>,
     events: VecDeque<Arc<str>>,
+    /// Estimates of the whole flight, evenly spaced.
     past: Vec<Numbered>,
-    /// Every how many estimates one is kept for the past, and how many came since the last.
+    /// One of so many estimates is kept for the past.
     stride: usize,
+    /// Estimates since the last one that was kept.
     since: usize,
+    /// The newest estimate.
     estimate: Option<Numbered>,
-    /// The newest estimate that has the readiness of the parameters: it stands for those after it.
+    /// The newest estimate that holds the readiness of the parameters; it is valid for the estimates after it.
     readiness: Option<Numbered>,
 }
 
@@ -52,8 +68,8 @@ impl Default for Hub {
 }
 
 impl Hub {
-    /// Takes a document.
-    pub fn publish(&self, kind: Kind, document: &str) {
+    /// Adds a document and wakes the clients. Estimates that are not for the page are ignored.
+    pub fn publish(&self, kind: DocumentKind, document: &str) {
         if !kind.is_shown() {
             return;
         }
@@ -64,8 +80,8 @@ impl Hub {
         self.changed.send_replace(next);
     }
 
-    /// What a newcomer gets, and the place from which it goes on.
-    pub(super) fn newcomer(&self) -> (Vec<Arc<str>>, u64) {
+    /// The documents for a new client, and the number of the document with which it goes on.
+    pub(super) fn new_client(&self) -> (Vec<Arc<str>>, u64) {
         let documents = self.lock();
         let mut estimates: Vec<Numbered> = documents.past.clone();
         estimates.extend(documents.readiness.iter().chain(&documents.estimate).cloned());
@@ -77,14 +93,14 @@ impl Hub {
         (all.collect(), documents.next)
     }
 
-    /// What came since a place, and how many documents are lost to a client that was too slow; moves the place on.
+    /// The documents from number `place` on, and how many were left out because the client was too slow. Sets `place` to the next number.
     pub(super) fn since(&self, place: &mut u64) -> (Vec<Arc<str>>, u64) {
         let documents = self.lock();
         let oldest = documents.recent.front().map_or(documents.next, |(number, _)| *number);
         let mut lost = oldest.saturating_sub(*place);
         let mut from = *place;
         if lost > 0 {
-            // The newest, not the oldest that is left: a client that is slow would stay so.
+            // It goes on with the newest document. With the oldest one that is left it would stay behind.
             from = documents.next.saturating_sub(1);
             lost = from.saturating_sub(*place);
         }
@@ -95,12 +111,14 @@ impl Hub {
         (news, lost)
     }
 
+    /// A signal that there are new documents.
     pub(super) fn watch(&self) -> watch::Receiver<u64> {
         self.changed.subscribe()
     }
 
-    /// The latest of everything, as one JSON object.
-    pub(super) fn snapshot(&self) -> String {
+    /// The latest `hello`, `estimate` (with the readiness that is valid), `link` and `end` as one JSON object; `null` for those that have not
+    /// come.
+    pub fn snapshot(&self) -> String {
         let documents = self.lock();
         let part = |name: &str, text: &Option<Arc<str>>| format!("\"{name}\":{}", text.as_deref().unwrap_or("null"));
         format!(
@@ -113,22 +131,22 @@ impl Hub {
     }
 
     fn lock(&self) -> MutexGuard<'_, Documents> {
-        // Nothing in here panics; if it did, what is there is still whole documents.
+        // No code panics while it holds the lock; if it did, the documents would still be whole.
         self.documents.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
     }
 }
 
 impl Audience for Hub {
-    fn hear(&mut self, kind: Kind, document: &str) {
+    fn hear(&mut self, kind: DocumentKind, document: &str) {
         self.publish(kind, document);
     }
 }
 
 impl Documents {
-    /// The newest estimate, with the readiness of the parameters that stands.
+    /// The newest estimate with the readiness that is valid for it.
     fn whole_estimate(&self) -> Option<Arc<str>> {
         let (number, estimate) = self.estimate.as_ref()?;
-        let Some((_, readiness)) = self.readiness.as_ref().filter(|(told, _)| told != number) else {
+        let Some((_, readiness)) = self.readiness.as_ref().filter(|(renewed, _)| renewed != number) else {
             return Some(Arc::clone(estimate));
         };
         let (Ok(mut whole), Ok(readiness)) =
@@ -137,24 +155,24 @@ impl Documents {
             return Some(Arc::clone(estimate));
         };
         let parameters = whole.get_mut("parameters").and_then(Value::as_array_mut).into_iter().flatten();
-        let told = readiness.get("parameters").and_then(Value::as_array).into_iter().flatten();
-        for (parameter, told) in parameters.zip(told) {
-            if let (Some(parameter), Some(readiness)) = (parameter.as_object_mut(), told.get("readiness")) {
+        let renewed = readiness.get("parameters").and_then(Value::as_array).into_iter().flatten();
+        for (parameter, renewed) in parameters.zip(renewed) {
+            if let (Some(parameter), Some(readiness)) = (parameter.as_object_mut(), renewed.get("readiness")) {
                 parameter.insert("readiness".to_owned(), readiness.clone());
             }
         }
         Some(whole.to_string().into())
     }
 
-    fn add(&mut self, kind: Kind, document: Arc<str>) {
+    fn add(&mut self, kind: DocumentKind, document: Arc<str>) {
         match kind {
-            Kind::Hello => {
-                // Another flight: its estimates have nothing to do with those before.
+            DocumentKind::Hello => {
+                // Another flight has begun; estimates of the one before do not belong to it.
                 (self.past, self.stride, self.since) = (Vec::new(), 1, 0);
                 (self.estimate, self.readiness) = (None, None);
                 self.hello = Some(Arc::clone(&document));
             }
-            Kind::Estimate { readiness, .. } => {
+            DocumentKind::Estimate { readiness, .. } => {
                 let numbered = (self.next, Arc::clone(&document));
                 self.since += 1;
                 if self.since >= self.stride {
@@ -174,14 +192,14 @@ impl Documents {
                 }
                 self.estimate = Some(numbered);
             }
-            Kind::Event => {
+            DocumentKind::Event => {
                 self.events.push_back(Arc::clone(&document));
                 if self.events.len() > EVENTS {
                     self.events.pop_front();
                 }
             }
-            Kind::Link => self.link = Some(Arc::clone(&document)),
-            Kind::End => self.end = Some(Arc::clone(&document)),
+            DocumentKind::Link => self.link = Some(Arc::clone(&document)),
+            DocumentKind::End => self.end = Some(Arc::clone(&document)),
         }
         self.recent.push_back((self.next, document));
         self.next += 1;
@@ -198,12 +216,12 @@ mod tests {
     #[test]
     fn the_past_is_bounded_and_whole() {
         let hub = Hub::default();
-        hub.publish(Kind::Hello, "hello");
+        hub.publish(DocumentKind::Hello, "hello");
         for k in 0..360_000 {
-            hub.publish(Kind::Estimate { shown: true, readiness: false }, &k.to_string());
-            hub.publish(Kind::Estimate { shown: false, readiness: true }, "not for pages");
+            hub.publish(DocumentKind::Estimate { shown: true, readiness: false }, &k.to_string());
+            hub.publish(DocumentKind::Estimate { shown: false, readiness: true }, "not for pages");
         }
-        let (past, _) = hub.newcomer();
+        let (past, _) = hub.new_client();
         assert!(past.len() <= PAST + 3, "{}", past.len());
         let numbers: Vec<u32> = past.iter().filter_map(|text| text.parse().ok()).collect();
         assert_eq!((numbers[0], numbers[numbers.len() - 1]), (0, 359_999));
@@ -215,31 +233,31 @@ mod tests {
     #[test]
     fn a_slow_client_goes_on_with_the_newest() {
         let hub = Hub::default();
-        let (_, mut place) = hub.newcomer();
-        (0..10).for_each(|k| hub.publish(Kind::Event, &k.to_string()));
+        let (_, mut place) = hub.new_client();
+        (0..10).for_each(|k| hub.publish(DocumentKind::Event, &k.to_string()));
         let (news, lost) = hub.since(&mut place);
         assert_eq!((news.len(), lost), (10, 0));
-        (10..2010).for_each(|k| hub.publish(Kind::Event, &k.to_string()));
+        (10..2010).for_each(|k| hub.publish(DocumentKind::Event, &k.to_string()));
         let (news, lost) = hub.since(&mut place);
         assert_eq!((news.iter().map(|text| &**text).collect::<Vec<_>>(), lost), (vec!["2009"], 1999));
         assert_eq!(hub.since(&mut place), (vec![], 0));
     }
 
-    /// Estimates whose readiness was told before: a newcomer, a slow client and `result.json` have it all the same.
+    /// Estimates without readiness, after one that had it: a new client, a slow client and `result.json` get it nevertheless.
     #[test]
     fn readiness_is_not_lost() {
         let hub = Hub::default();
-        hub.publish(Kind::Hello, "{}");
-        let (_, mut place) = hub.newcomer();
+        hub.publish(DocumentKind::Hello, "{}");
+        let (_, mut place) = hub.new_client();
         let estimate = |time_s: u32, readiness: bool| {
-            let told = if readiness { r#","readiness":{"verdict":"ready"}"# } else { "" };
-            let text = format!(r#"{{"time_s":{time_s},"parameters":[{{"value":{time_s}.5{told}}}]}}"#);
-            hub.publish(Kind::Estimate { shown: true, readiness }, &text);
+            let field = if readiness { r#","readiness":{"verdict":"ready"}"# } else { "" };
+            let text = format!(r#"{{"time_s":{time_s},"parameters":[{{"value":{time_s}.5{field}}}]}}"#);
+            hub.publish(DocumentKind::Estimate { shown: true, readiness }, &text);
         };
         (0..2000).for_each(|k| estimate(k, k % 100 == 50));
-        let (past, _) = hub.newcomer();
-        let last_told = past.iter().rposition(|text| text.contains("readiness")).unwrap();
-        assert!(past[last_told].contains(r#""time_s":1950,"#) && past.len() - last_told > 1, "{last_told}");
+        let (past, _) = hub.new_client();
+        let last_renewed = past.iter().rposition(|text| text.contains("readiness")).unwrap();
+        assert!(past[last_renewed].contains(r#""time_s":1950,"#) && past.len() - last_renewed > 1, "{last_renewed}");
         let times: Vec<u64> =
             past.iter().filter_map(|text| serde_json::from_str::<Value>(text).ok()?["time_s"].as_u64()).collect();
         assert!(times.is_sorted_by(|a, b| a < b));

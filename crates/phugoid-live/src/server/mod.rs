@@ -1,4 +1,4 @@
-//! The page and the stream of documents over HTTP, on a thread of their own that never holds up the estimation.
+//! The page and the stream of documents over HTTP, on a thread of its own, so that the estimation never waits for a client.
 
 mod access;
 mod events;
@@ -23,15 +23,15 @@ pub use access::{Access, random_token};
 use events::Events;
 pub use hub::Hub;
 
-/// Connections at one time; further ones wait.
+/// Connections at one time; further ones wait until one ends.
 const CONNECTIONS: usize = 64;
-/// A client that has not said what it wants after this long is let go.
-const TO_ASK: Duration = Duration::from_secs(10);
+/// A connection whose request has not come after this time is closed.
+const REQUEST_WITHIN: Duration = Duration::from_secs(10);
 
 /// What is served.
 #[derive(Clone)]
 enum Content {
-    /// A flight: the page, and its documents as they come.
+    /// A flight: the page and its documents as they are published.
     Flight(Hub),
     /// A page with its data inside.
     Page(Bytes),
@@ -39,7 +39,7 @@ enum Content {
 
 type Body = Either<Full<Bytes>, Events>;
 
-/// A server that listens.
+/// A server that listens on an address and has not begun to serve.
 #[derive(Debug)]
 pub struct Server {
     listener: TcpListener,
@@ -47,10 +47,23 @@ pub struct Server {
 }
 
 impl Server {
-    /// Listens at an address. Where it is not this machine's own alone, `token` is asked of everybody.
+    /// Listens on an address. With a token every request has to give it, as `?token=...` or as `Authorization: Bearer ...`. Without one
+    /// only loopback addresses are allowed.
+    ///
+    /// ```
+    /// use phugoid_live::server::{Server, random_token};
+    ///
+    /// let server = Server::listen("127.0.0.1:0".parse()?, None)?;
+    /// assert_ne!(server.address()?.port(), 0);
+    /// let refused = Server::listen("0.0.0.0:0".parse()?, None);
+    /// assert!(refused.is_err_and(|error| error.kind() == std::io::ErrorKind::PermissionDenied));
+    /// assert_eq!(random_token()?.len(), 32);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     ///
     /// # Errors
-    /// What the system says; [`io::ErrorKind::PermissionDenied`] for an address that others reach without a token.
+    /// [`io::ErrorKind::PermissionDenied`] for an address that other machines can reach, without a token; [`io::ErrorKind::AddrInUse`] if the port is
+    /// in use; else what the operating system says.
     pub fn listen(address: SocketAddr, token: Option<String>) -> io::Result<Self> {
         if token.is_none() && !address.ip().is_loopback() {
             return Err(io::Error::new(
@@ -63,31 +76,32 @@ impl Server {
         Ok(Self { listener, access: Access::new(token) })
     }
 
-    /// Where it listens; the port is the system's choice if 0 was asked for.
+    /// The address on which it listens. If port 0 was asked for, it has the port that the operating system chose.
     ///
     /// # Errors
-    /// What the system says.
+    /// What the operating system says.
     pub fn address(&self) -> io::Result<SocketAddr> {
         self.listener.local_addr()
     }
 
-    /// Serves what the hub holds until the program ends.
+    /// Serves the page and the documents of the hub on a thread of its own, until the program ends: `/`, `/events` (server-sent events) and
+    /// `/result.json`.
     ///
     /// # Errors
-    /// The system gives no thread or no way to wait for connections.
+    /// What the operating system says if it gives no thread or no way to wait for connections.
     pub fn spawn(self, hub: Hub) -> io::Result<()> {
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
         let serve = move || {
-            // Said by the estimation where it matters; without a listener there is nobody to tell.
+            // It returns only if the listener cannot be used; there is no client then who could be told.
             let _ = runtime.block_on(serve(self, Content::Flight(hub)));
         };
         std::thread::Builder::new().name("server".to_owned()).spawn(serve).map(|_| ())
     }
 
-    /// Serves one page, such as a result with its data inside, on this thread, until the program ends.
+    /// Serves one page at `/`, such as a result with its data inside, on the calling thread, until the program ends.
     ///
     /// # Errors
-    /// The system gives no way to wait for connections.
+    /// What the operating system says if it gives no way to wait for connections.
     pub fn serve_page(self, page: String) -> io::Result<()> {
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
         runtime.block_on(serve(self, Content::Page(page.into())))
@@ -103,7 +117,7 @@ async fn serve(server: Server, content: Content) -> io::Result<()> {
         let stream = match listener.accept().await {
             Ok((stream, _)) => stream,
             Err(_) => {
-                // Such as too many open files: the next may go well.
+                // For example too many open files. Later connections may succeed.
                 tokio::time::sleep(Duration::from_millis(100)).await;
                 continue;
             }
@@ -115,8 +129,8 @@ async fn serve(server: Server, content: Content) -> io::Result<()> {
                 async move { Ok::<_, Infallible>(response) }
             });
             let mut http = hyper::server::conn::http1::Builder::new();
-            http.timer(TokioTimer::new()).header_read_timeout(TO_ASK);
-            // A client that breaks off is nobody's trouble.
+            http.timer(TokioTimer::new()).header_read_timeout(REQUEST_WITHIN);
+            // The error of a client that broke off needs no action.
             let _ = http.serve_connection(TokioIo::new(stream), answer).await;
             drop(place);
         });
@@ -159,9 +173,9 @@ fn set<B>(response: &mut Response<B>, content_type: &'static str) {
     headers.insert(header::CONTENT_TYPE, HeaderValue::from_static(content_type));
     headers.insert(header::CACHE_CONTROL, HeaderValue::from_static("no-store"));
     headers.insert(header::X_CONTENT_TYPE_OPTIONS, HeaderValue::from_static("nosniff"));
-    // The token may stand in the address.
+    // The token may stand in the address, which must not be sent to other sites.
     headers.insert(header::REFERRER_POLICY, HeaderValue::from_static("no-referrer"));
-    // The page is whole in itself; nothing that could get into it may reach anywhere else.
+    // The page needs nothing from elsewhere, so whatever might get into it must not reach anything else.
     let policy = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:; \
                   connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
     headers.insert(header::CONTENT_SECURITY_POLICY, HeaderValue::from_static(policy));

@@ -1,16 +1,20 @@
-//! UDP and TCP.
+//! Reception over UDP and TCP.
 
 use std::io;
 use std::net::{SocketAddr, TcpListener, TcpStream, UdpSocket};
 use std::time::Duration;
 
-use super::{DATAGRAM, LOOK, PEERS, Run, pieces, waits};
+use super::outlet::{LOOK, Run};
+use super::stream::{DATAGRAM, pieces, waits};
 use crate::arrival::Content;
 
-/// Before a lost connection is tried again.
-const AGAIN: Duration = Duration::from_secs(1);
+/// Senders that are distinguished at one time.
+const PEERS: u16 = 64;
+/// Time before a lost connection is tried again.
+const RETRY_AFTER: Duration = Duration::from_secs(1);
 
-/// Datagrams to an address; the second is where it listens: the port is the system's choice if 0 was asked for.
+/// Receives datagrams that are sent to an address. The second value is that address with the port that the operating system chose, if 0 was
+/// asked for.
 pub(super) fn udp(address: &SocketAddr) -> io::Result<(Run, SocketAddr)> {
     let socket = UdpSocket::bind(address)?;
     socket.set_read_timeout(Some(LOOK))?;
@@ -25,7 +29,7 @@ pub(super) fn udp(address: &SocketAddr) -> io::Result<(Run, SocketAddr)> {
                     let origin = match peers.iter().position(|peer| *peer == from) {
                         Some(known) => known,
                         None => {
-                            // A sender that restarts often has many ports: the oldest of them makes room.
+                            // A sender that restarts often uses many ports, so the oldest sender is forgotten.
                             let place = next % usize::from(PEERS);
                             next += 1;
                             match peers.get_mut(place) {
@@ -44,7 +48,7 @@ pub(super) fn udp(address: &SocketAddr) -> io::Result<(Run, SocketAddr)> {
                     }
                 }
                 Err(error) if waits(&error) => {}
-                // Linux tells so that an earlier answer found no receiver.
+                // Linux reports here that an earlier packet of this socket found no receiver.
                 Err(error) if error.kind() == io::ErrorKind::ConnectionRefused => {}
                 Err(error) => {
                     outlet.put(0, Content::Closed(format!("receiving failed: {error}")));
@@ -56,14 +60,14 @@ pub(super) fn udp(address: &SocketAddr) -> io::Result<(Run, SocketAddr)> {
     Ok((run, here))
 }
 
-/// A connection to a server, again and again.
+/// Connects to a server, and connects again whenever the connection is lost.
 pub(super) fn tcp_connect(address: String) -> Run {
     Box::new(move |outlet| {
-        let mut said = false;
+        let mut failure_reported = false;
         while !outlet.stopped() {
             match TcpStream::connect(&address) {
                 Ok(mut stream) => {
-                    said = false;
+                    failure_reported = false;
                     if stream.set_read_timeout(Some(LOOK)).is_err()
                         || !outlet.put(0, Content::Opened(format!("tcp {address}")))
                     {
@@ -73,18 +77,18 @@ pub(super) fn tcp_connect(address: String) -> Run {
                 }
                 Err(error) => {
                     let reason = format!("tcp {address} cannot be reached ({error}); it is tried again every second");
-                    if !said && !outlet.put(0, Content::Closed(reason)) {
+                    if !failure_reported && !outlet.put(0, Content::Closed(reason)) {
                         return;
                     }
-                    said = true;
+                    failure_reported = true;
                 }
             }
-            std::thread::sleep(AGAIN);
+            std::thread::sleep(RETRY_AFTER);
         }
     })
 }
 
-/// Connections of senders, each a peer of its own; the second is where it listens.
+/// Waits for connections, each of which is a sender of its own. The second value is the address on which it listens.
 pub(super) fn tcp_listen(address: &SocketAddr) -> io::Result<(Run, SocketAddr)> {
     let listener = TcpListener::bind(address)?;
     listener.set_nonblocking(true)?;
@@ -97,9 +101,9 @@ pub(super) fn tcp_listen(address: &SocketAddr) -> io::Result<(Run, SocketAddr)> 
                 Ok(accepted) => accepted,
                 Err(error) => {
                     if !waits(&error) {
-                        // Such as too many open files: the next one may go well.
+                        // For example too many open files. Later connections may succeed.
                         outlet.put(0, Content::Closed(format!("a connection failed: {error}")));
-                        std::thread::sleep(AGAIN);
+                        std::thread::sleep(RETRY_AFTER);
                     }
                     std::thread::sleep(LOOK / 4);
                     continue;
@@ -108,7 +112,7 @@ pub(super) fn tcp_listen(address: &SocketAddr) -> io::Result<(Run, SocketAddr)> 
             let free = |thread: &Option<std::thread::JoinHandle<()>>| {
                 thread.as_ref().is_none_or(std::thread::JoinHandle::is_finished)
             };
-            // More than can be told apart are refused: the connection is closed.
+            // If all numbers are taken, the connection is closed.
             let Some(place) = threads.iter().position(free) else { continue };
             let usable = stream.set_nonblocking(false).and_then(|()| stream.set_read_timeout(Some(LOOK)));
             if usable.is_err() {

@@ -1,30 +1,51 @@
-//! Recordings, and recorded flights of any kind, as if they were happening.
+//! Replays: recordings and flight records, received as if they were happening now.
 
 use std::time::{Duration, Instant};
 
 use phugoid_flight_data::csv;
 use phugoid_flight_data::record::{Channel, Record};
 
-use super::Outlet;
+use super::outlet::{LOOK, Outlet};
 use crate::arrival::{Arrival, Content};
 use crate::recording::{Damage, Reader, RecordingError};
 
-/// How fast a replay goes.
+/// Speed of a replay.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Pace {
-    /// This many times as fast as it happened.
+    /// So many times as fast as it happened; 1 is real time. It has to be positive.
     Times(f64),
-    /// As fast as the machine can.
+    /// As fast as the machine can estimate.
     Unlimited,
 }
 
-/// Something that happened before, to be received again.
+/// A recording or a flight record that is received again.
+///
+/// ```
+/// use std::sync::{Arc, mpsc};
+///
+/// use phugoid_flight_data::record::{Channel, Quantity, Record};
+/// use phugoid_live::arrival::{Clock, Content};
+/// use phugoid_live::source::{Outlet, Pace, Replay, Source};
+/// use phugoid_live::stop::Stop;
+///
+/// let alpha = Channel { name: "alpha".to_owned(), quantity: Quantity::Angle, values: vec![0.04, 0.05] };
+/// let record = Record { time: vec![0.0, 0.1], channels: vec![alpha], ..Record::default() };
+/// let source = Source::from(Replay::flight(record, Pace::Unlimited)?);
+/// let (queue, arrivals) = mpsc::sync_channel(16);
+/// source.run(&Outlet::new(queue, Arc::new(Stop::default()), Clock::start()));
+/// let contents: Vec<Content> = arrivals.try_iter().map(|arrival| arrival.content).collect();
+/// // The sender appears, the header line, two rows, the end of the flight.
+/// assert_eq!(contents.len(), 5);
+/// assert_eq!(contents[2], Content::Datagram(b"0,0.04".to_vec()));
+/// # Ok::<(), phugoid_live::source::ReplayError>(())
+/// ```
 pub struct Replay {
     name: String,
     pace: Pace,
     what: What,
 }
 
+/// What is replayed.
 enum What {
     Recording(Box<Reader>),
     Flight(Box<Record>),
@@ -33,33 +54,33 @@ enum What {
 /// Why a flight cannot be replayed.
 #[derive(Debug, thiserror::Error)]
 pub enum ReplayError {
-    /// The recording.
+    /// The recording cannot be read.
     #[error(transparent)]
     Recording(#[from] RecordingError),
-    /// The flight, as text.
+    /// The flight record cannot be written as text; the sentence says why.
     #[error("{0}")]
     Flight(String),
 }
 
-/// Rows of a flight that are put into text at one time.
+/// Rows of a flight record that are written as text at one time.
 const ROWS: usize = 256;
 
 impl Replay {
-    /// Replays a recording.
+    /// Replays a recording: the same arrivals with the same stamps. `name` is shown as the source.
     pub fn recording(reader: Reader, name: &str, pace: Pace) -> Self {
         Self { name: name.to_owned(), pace, what: What::Recording(Box::new(reader)) }
     }
 
-    /// Replays a record as a stream of CSV rows, each at its time.
+    /// Replays a flight record as a stream of CSV rows, each at its time.
     ///
     /// # Errors
-    /// [`ReplayError::Flight`] if a channel's name could not be read back.
+    /// [`ReplayError::Flight`] if the record cannot be written as CSV, such as with the name of a channel that could not be read back.
     pub fn flight(record: Record, pace: Pace) -> Result<Self, ReplayError> {
         rows(&record, 0, 0)?;
         Ok(Self { name: record.source.clone(), pace, what: What::Flight(Box::new(record)) })
     }
 
-    /// The file.
+    /// Name of the file that is replayed.
     pub fn name(&self) -> &str {
         &self.name
     }
@@ -75,8 +96,8 @@ impl Replay {
                         }
                     }
                     Ok(None) => {
-                        if let Some(said) = damage(reader.damage()) {
-                            outlet.pass(outlet.clock.stamp(u16::MAX, Content::Closed(said)));
+                        if let Some(sentence) = damage(reader.damage()) {
+                            outlet.pass(outlet.clock.stamp(u16::MAX, Content::Closed(sentence)));
                         }
                         return;
                     }
@@ -93,22 +114,23 @@ impl Replay {
     }
 }
 
-/// What is to be said about a recording that is not whole.
+/// A sentence about the damage of a recording; `None` if it is whole.
 fn damage(damage: Damage) -> Option<String> {
-    let mut said = Vec::new();
+    let mut findings = Vec::new();
     if damage.skipped_bytes > 0 {
         let at = damage.first_at.unwrap_or_default();
-        said.push(format!("{} damaged bytes were skipped, the first at byte {at}", damage.skipped_bytes));
+        findings.push(format!("{} damaged bytes were skipped, the first at byte {at}", damage.skipped_bytes));
     }
     if damage.cut_off_bytes > 0 {
-        said.push(format!("the last block was cut off ({} bytes)", damage.cut_off_bytes));
+        findings.push(format!("the last block was cut off ({} bytes)", damage.cut_off_bytes));
     }
     if !damage.ended {
-        said.push("the recording was not ended in order, as after a kill".to_owned());
+        findings.push("the recording was not ended in order, as after a kill".to_owned());
     }
-    (!said.is_empty()).then(|| format!("the recording: {}", said.join("; ")))
+    (!findings.is_empty()).then(|| format!("the recording: {}", findings.join("; ")))
 }
 
+/// Passes a flight record on as CSV.
 fn flight(record: &Record, name: &str, pacer: &mut Pacer, outlet: &Outlet) -> Result<(), ReplayError> {
     let first_s = record.time.first().copied().unwrap_or_default();
     let arrival = |time_s: f64, content| Arrival {
@@ -136,7 +158,7 @@ fn flight(record: &Record, name: &str, pacer: &mut Pacer, outlet: &Outlet) -> Re
     Ok(())
 }
 
-/// The header and some rows, as text that gives the same numbers when it is read.
+/// The header line and the rows `from..to` as text that gives exactly the same numbers when it is read.
 fn rows(record: &Record, from: usize, to: usize) -> Result<(String, String), ReplayError> {
     let part = |values: &[f64]| values.get(from..to).unwrap_or_default().to_vec();
     let cut = Record {
@@ -160,14 +182,15 @@ fn rows(record: &Record, from: usize, to: usize) -> Result<(String, String), Rep
     Ok((header.trim_end().to_owned(), lines.to_owned()))
 }
 
-/// Lets things happen at their times.
+/// Delays each arrival until its time.
 struct Pacer {
     pace: Pace,
-    /// When the first happened, and its stamp, ns.
+    /// When the first arrival was passed on, and its stamp, ns.
     start: Option<(Instant, u64)>,
 }
 
 impl Pacer {
+    /// Waits for the time of an arrival and passes it on; false if the source has to end.
     fn pass(&mut self, arrival: Arrival, outlet: &Outlet) -> bool {
         if let Pace::Times(times) = self.pace {
             let (start, first_ns) = *self.start.get_or_insert_with(|| (Instant::now(), arrival.arrival_ns));
@@ -177,7 +200,7 @@ impl Pacer {
                 if outlet.stopped() {
                     return false;
                 }
-                std::thread::sleep(left.min(super::LOOK));
+                std::thread::sleep(left.min(LOOK));
             }
         }
         outlet.pass(arrival)

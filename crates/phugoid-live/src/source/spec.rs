@@ -1,31 +1,42 @@
-//! How a source is written.
+//! How a source is written on the command line.
 
 use std::fmt;
 use std::net::{SocketAddr, ToSocketAddrs};
 use std::path::PathBuf;
 use std::str::FromStr;
 
-/// A source, as on the command line.
+/// A source as it is written on the command line.
+///
+/// ```
+/// use phugoid_live::source::SourceSpec;
+///
+/// let source: SourceSpec = "udp://14550".parse()?;
+/// assert_eq!(source, SourceSpec::Udp(([127, 0, 0, 1], 14550).into()));
+/// let source: SourceSpec = "serial:/dev/ttyUSB0".parse()?;
+/// assert_eq!(source.to_string(), "serial:/dev/ttyUSB0:57600");
+/// assert!("http://localhost".parse::<SourceSpec>().is_err());
+/// # Ok::<(), phugoid_live::source::SpecError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum SourceSpec {
-    /// `udp://[host:]port`: datagrams sent to this address.
+    /// `udp://[host:]port`: receives datagrams that are sent to this address. Without a host only those from this machine.
     Udp(SocketAddr),
-    /// `tcp://host:port`: connects, and connects again when the connection is lost.
+    /// `tcp://host:port`: connects to this address, and connects again when the connection is lost.
     Tcp(String),
-    /// `tcp-listen://[host:]port`: waits for connections.
+    /// `tcp-listen://[host:]port`: waits for connections of senders.
     TcpListen(SocketAddr),
-    /// `serial:/dev/ttyX[:baud]`.
+    /// `serial:device[:baud]`: a serial line, on Linux and macOS.
     Serial {
-        /// Device.
+        /// Path of the device.
         device: PathBuf,
-        /// Bits per second.
+        /// Speed, bits per second; 57,600 where none is written.
         baud: u32,
     },
-    /// `-`.
+    /// `-`: standard input.
     StandardInput,
 }
 
-/// A source that is written wrongly.
+/// A source that cannot be understood. The message says which forms there are.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "`{found}` is no source: {problem}. Write udp://14550 (all that is sent to this port of this machine; udp://0.0.0.0:14550 from \
@@ -36,7 +47,7 @@ pub struct SpecError {
     problem: String,
 }
 
-/// Speed of a telemetry radio, bits per second, where none is given.
+/// Speed where none is written, bits per second: the usual one of telemetry radios.
 const BAUD: u32 = 57_600;
 
 impl FromStr for SourceSpec {
@@ -76,7 +87,7 @@ impl FromStr for SourceSpec {
     }
 }
 
-/// `port`, `host:port` or `[v6]:port`; without a host only this machine is heard.
+/// The address of `port`, `host:port` or `[v6]:port`; without a host that of this machine.
 fn listening(address: &str) -> Result<SocketAddr, String> {
     if let Ok(port) = address.parse::<u16>() {
         return Ok(SocketAddr::from(([127, 0, 0, 1], port)));

@@ -1,4 +1,4 @@
-//! The picture.
+//! Drawing of the terminal view.
 
 use std::time::Instant;
 
@@ -8,17 +8,17 @@ use ratatui::style::{Color, Modifier, Style};
 use ratatui::text::{Line, Span};
 use ratatui::widgets::{Cell, Paragraph, Row, Table, Wrap};
 
-use super::number::{count, human, with_bound};
+use super::number::{count, display_unit, with_bound};
 use super::state::{Parameter, State};
 
 const KEYS: &str = "q leave   space pause   up/down scroll";
 
-/// Draws what is known at `now`.
+/// Draws the state as it is at the time `now`.
 pub(super) fn draw(frame: &mut Frame, state: &State, now: Instant) {
-    // While paused the state at the pause is shown, under a line that says so.
-    let shown = state.held.as_deref().unwrap_or(state);
+    // While the view is paused, the state at the pause is shown and the head line says so.
+    let shown = state.paused.as_deref().unwrap_or(state);
     let area = frame.area();
-    // The table has precedence; one line is left for events, and the table scrolls where it has no room.
+    // The table gets the room first. One line is left for events, and the table scrolls if it does not fit.
     let room = area.height.saturating_sub(6);
     let rows = (shown.layout.parameters.len() as u16).saturating_add(1).min(room.saturating_sub(1));
     let [head, message, table, link, events, keys] = Layout::vertical([
@@ -42,7 +42,7 @@ fn header(frame: &mut Frame, area: Rect, state: &State, shown: &State, now: Inst
     let time = shown.estimate.as_ref().map_or_else(String::new, |e| format!(" {:.1} s", e.time_s));
     let (status, colour) = if state.end.is_some() {
         (format!("■ ended{time}"), Color::Reset)
-    } else if state.held.is_some() {
+    } else if state.paused.is_some() {
         (format!("‖ paused{time}"), Color::Blue)
     } else if state.stale(now).is_some() {
         (format!("△ old data{time}"), Color::Yellow)
@@ -62,10 +62,10 @@ fn header(frame: &mut Frame, area: Rect, state: &State, shown: &State, now: Inst
     frame.render_widget(Paragraph::new(status).style(Style::new().fg(colour).add_modifier(Modifier::BOLD)), right);
 }
 
-/// The one sentence that has to be known.
+/// The one sentence that is most important now; empty if all is well.
 fn notice(state: &State, now: Instant) -> String {
-    if let Some(trouble) = &state.trouble {
-        return format!("A document was not understood: {trouble}");
+    if let Some(error) = &state.unreadable {
+        return format!("A document was not understood: {error}");
     }
     if let Some(reason) = &state.end {
         return format!("The stream has ended: {reason}. q leaves.");
@@ -100,21 +100,22 @@ fn parameters(frame: &mut Frame, area: Rect, state: &State, first: usize) {
     ];
     let fixed: u16 = name + 11 + 10 + 9 + 24 + 5;
     let room = usize::from(area.width.saturating_sub(fixed));
-    let rows = layouts.iter().zip(&estimate.parameters).zip(&state.courses).skip(first).map(|((layout, p), course)| {
-        let (factor, unit) = human(&layout.unit);
-        let value = p.value.unwrap_or(f64::NAN) * factor;
-        let bound = 2.0 * p.std_error.unwrap_or(f64::NAN) * factor;
-        let (value, bound) = with_bound(value, bound);
-        let (words, style) = verdict(p);
-        Row::new([
-            Cell::from(Span::styled(layout.name.clone(), Style::new().add_modifier(Modifier::BOLD))),
-            Cell::from(Line::from(value).right_aligned()),
-            Cell::from(Line::from(format!("± {bound}")).right_aligned()),
-            Cell::from(unit.to_owned()),
-            Cell::from(Span::styled(words, style)),
-            Cell::from(Span::styled(course.line(room), Style::new().fg(Color::Blue))),
-        ])
-    });
+    let rows =
+        layouts.iter().zip(&estimate.parameters).zip(&state.sparklines).skip(first).map(|((layout, p), sparkline)| {
+            let (factor, unit) = display_unit(&layout.unit);
+            let value = p.value.unwrap_or(f64::NAN) * factor;
+            let bound = 2.0 * p.std_error.unwrap_or(f64::NAN) * factor;
+            let (value, bound) = with_bound(value, bound);
+            let (words, style) = verdict(p);
+            Row::new([
+                Cell::from(Span::styled(layout.name.clone(), Style::new().add_modifier(Modifier::BOLD))),
+                Cell::from(Line::from(value).right_aligned()),
+                Cell::from(Line::from(format!("± {bound}")).right_aligned()),
+                Cell::from(unit.to_owned()),
+                Cell::from(Span::styled(words, style)),
+                Cell::from(Span::styled(sparkline.line(room), Style::new().fg(Color::Blue))),
+            ])
+        });
     let header = [
         Line::from("parameter"),
         Line::from("estimate").right_aligned(),
@@ -127,7 +128,7 @@ fn parameters(frame: &mut Frame, area: Rect, state: &State, first: usize) {
     frame.render_widget(Table::new(rows, widths).header(header).column_spacing(1), area);
 }
 
-/// Symbol and words, and a colour that says the same.
+/// The verdict as symbol and words, and a colour with the same meaning.
 fn verdict(parameter: &Parameter) -> (String, Style) {
     let needs_other = parameter.readiness.as_ref().is_some_and(|r| r.verdict == "not_identifiable");
     let doubtful = parameter.readiness.as_ref().is_some_and(|r| r.verdict == "doubtful");
@@ -171,7 +172,7 @@ fn event_list(frame: &mut Frame, area: Rect, state: &State) {
         .iter()
         .map(|event| {
             let time = event.time_s.map_or_else(|| "    link".to_owned(), |t| format!("{t:8.2} s"));
-            Line::from(format!("{time}  {}: {}", event.kind.replace('_', " "), event.message))
+            Line::from(format!("{time}  {}: {}", event.kind.name().replace('_', " "), event.message))
         })
         .collect();
     let lines = if lines.is_empty() { vec![Line::from("no events yet")] } else { lines };

@@ -1,6 +1,7 @@
-//! Numbers as people read them.
+//! Numbers in the form in which people read them.
 
-/// A value and its bound to the digits that the bound leaves: two of the bound, and as many decimals for the value.
+/// A value and its bound as text: the bound with two digits, the value with as many decimals. A value that is not finite is `-`, and so is a
+/// bound that is not positive.
 pub(super) fn with_bound(value: f64, bound: f64) -> (String, String) {
     if !value.is_finite() {
         return ("-".to_owned(), "-".to_owned());
@@ -16,8 +17,8 @@ pub(super) fn with_bound(value: f64, bound: f64) -> (String, String) {
     (format!("{value:.decimals$}"), format!("{bound:.decimals$}"))
 }
 
-/// The factor and unit in which an SI quantity is shown: angles in degrees, as in the reports; derivatives stay per radian.
-pub(super) fn human(si: &str) -> (f64, &str) {
+/// The factor and the unit in which an SI quantity is shown. Angles are in degrees, as in the reports; derivatives stay per radian.
+pub(super) fn display_unit(si: &str) -> (f64, &str) {
     match si {
         "rad" => (180.0 / std::f64::consts::PI, "deg"),
         "rad/s" => (180.0 / std::f64::consts::PI, "deg/s"),
@@ -27,7 +28,7 @@ pub(super) fn human(si: &str) -> (f64, &str) {
     }
 }
 
-/// A count with blanks between thousands.
+/// A count with a blank between groups of three digits.
 pub(super) fn count(number: u64) -> String {
     let digits = number.to_string();
     let mut text = String::new();

@@ -1,4 +1,4 @@
-//! The documents that `phugoid live` publishes, one per line.
+//! A result from the documents that `phugoid live` publishes.
 
 use std::io::{BufRead, Read};
 
@@ -7,14 +7,15 @@ use phugoid_identification::session::Layout;
 use serde::Deserialize;
 use serde_json::Value;
 
+use super::finished::{Event, FinalParameter, Finished, Hello, ViewError};
 use super::thinned::{Row, Thinned};
-use super::{Event, FinalParameter, Finished, Hello, ViewError};
-use crate::document::Kind;
-use crate::run::Audience;
+use crate::audience::Audience;
+use crate::document::{DocumentKind, DocumentType};
+use crate::event::{EventKind, LiveEventKind};
 
-/// Longest line that is taken for a document; an estimate of 48 parameters has some twenty thousand characters.
+/// Longest line that is read as a document. An estimate of 48 parameters has some twenty thousand characters.
 const LINE_BYTES: u64 = 1 << 24;
-/// Events kept.
+/// Events that are kept.
 const MOST_EVENTS: usize = 10_000;
 
 #[derive(Deserialize)]
@@ -36,18 +37,32 @@ struct Parameter {
     readiness: Option<ParameterReadiness>,
 }
 
-/// Gathers documents: those of a file, or of a recording that is estimated again.
+/// Collects documents into a result: those of a file, or those that are published while a recording is estimated again.
+///
+/// ```
+/// use phugoid_live::run::Audience;
+/// use phugoid_live::document::DocumentKind;
+/// use phugoid_live::view::{Collector, ViewError};
+///
+/// let mut collector = Collector::default();
+/// collector.hear(DocumentKind::Event, r#"{"type":"event","time_s":null,"kind":"silent","message":"nothing has arrived for 2 s"}"#);
+/// // Without the names of the parameters and without an estimate there is no result.
+/// assert!(matches!(collector.finish(), Err(ViewError::NoResult(_))));
+/// ```
 #[derive(Default)]
 pub struct Collector {
     begun: Option<(Hello, Thinned)>,
     last: Option<Estimate>,
     events: Vec<Event>,
     link: Option<Value>,
+    /// Sentences for people about what was left out.
     notes: Vec<String>,
+    /// Documents that could not be read.
     bad: usize,
     estimates: usize,
 }
 
+/// Reads documents, one per line.
 pub(super) fn read(mut file: impl BufRead) -> Result<Finished, ViewError> {
     let mut reading = Collector::default();
     let mut line = Vec::new();
@@ -60,7 +75,7 @@ pub(super) fn read(mut file: impl BufRead) -> Result<Finished, ViewError> {
             continue;
         }
         if let Err(error) = reading.document(&line) {
-            // A stream that was killed ends in the middle of a line.
+            // If the program was killed, the file ends within a line.
             reading.bad += 1;
             if reading.bad == 1 {
                 let what = if line.ends_with(b"\n") { "is left out" } else { "at the end is cut off and left out" };
@@ -72,7 +87,7 @@ pub(super) fn read(mut file: impl BufRead) -> Result<Finished, ViewError> {
 }
 
 impl Audience for Collector {
-    fn hear(&mut self, _: Kind, document: &str) {
+    fn hear(&mut self, _: DocumentKind, document: &str) {
         if let Err(error) = self.document(document.as_bytes()) {
             self.bad += 1;
             self.notes.push(format!("A document is left out: {error}."));
@@ -82,12 +97,12 @@ impl Audience for Collector {
 
 impl Collector {
     fn document(&mut self, line: &[u8]) -> Result<(), serde_json::Error> {
-        // Estimates are most of the documents: they are not read twice.
+        // Most documents are estimates, so they are tried first and read only once.
         if let Some((_, columns)) = &mut self.begun
-            && let Ok(Tagged { kind: Type::Estimate, mut estimate }) = serde_json::from_slice(line)
+            && let Ok(Tagged { kind: DocumentType::Estimate, mut estimate }) = serde_json::from_slice(line)
         {
             columns.push(estimate.time_s, &row(&estimate));
-            // Told where it was renewed; it stands until the next.
+            // The readiness is only in documents where it was renewed; it is valid until the next of them.
             let before = self.last.take().map(|last| last.parameters).unwrap_or_default();
             for (parameter, before) in estimate.parameters.iter_mut().zip(before) {
                 parameter.readiness = parameter.readiness.take().or(before.readiness);
@@ -97,16 +112,18 @@ impl Collector {
             return Ok(());
         }
         let document: Value = serde_json::from_slice(line)?;
-        match document.get("type").and_then(Value::as_str) {
-            Some("hello") => self.hello(document)?,
-            Some("event") if self.events.len() < MOST_EVENTS => self.events.push(serde_json::from_value(document)?),
-            Some("link") => self.link = Some(document),
+        match DocumentType::of(&document) {
+            DocumentType::Hello => self.hello(document)?,
+            DocumentType::Event if self.events.len() < MOST_EVENTS => {
+                self.events.push(serde_json::from_value(document)?);
+            }
+            DocumentType::Link => self.link = Some(document),
             _ => {}
         }
         Ok(())
     }
 
-    /// A later `hello` is that of another start: what came before it is another result.
+    /// A later `hello` means that the sender was restarted; what came before belongs to another result.
     fn hello(&mut self, document: Value) -> Result<(), serde_json::Error> {
         let source = document.get("source").and_then(Value::as_str).unwrap_or_default().to_owned();
         let layout = document.get("layout").cloned().unwrap_or_default();
@@ -120,16 +137,17 @@ impl Collector {
         Ok(())
     }
 
-    /// The result.
+    /// The result of the documents so far.
     ///
     /// # Errors
-    /// [`ViewError::NoResult`] where there is no estimate, with what was said about it.
+    /// [`ViewError::NoResult`] if there is no `hello` or no estimate, with the reason that was published for it.
     pub fn finish(mut self) -> Result<Finished, ViewError> {
         let Some((hello, columns)) = self.begun else {
             return Err(ViewError::NoResult("there is no document of type `hello` in it".to_owned()));
         };
         let Some(last) = self.last else {
-            let why = self.events.iter().rfind(|event| ["waiting", "impossible"].contains(&event.kind.as_str()));
+            let explains = [LiveEventKind::Waiting, LiveEventKind::Impossible].map(EventKind::Live);
+            let why = self.events.iter().rfind(|event| explains.contains(&event.kind));
             let why = why.map(|event| format!(": {}", event.message)).unwrap_or_default();
             return Err(ViewError::NoResult(format!("there is no estimate in it{why}")));
         };
@@ -154,18 +172,13 @@ impl Collector {
     }
 }
 
+/// A document whose fields are those of an estimate.
 #[derive(Deserialize)]
 struct Tagged {
     #[serde(rename = "type")]
-    kind: Type,
+    kind: DocumentType,
     #[serde(flatten)]
     estimate: Estimate,
-}
-
-#[derive(Deserialize)]
-#[serde(rename_all = "snake_case")]
-enum Type {
-    Estimate,
 }
 
 fn row(estimate: &Estimate) -> Row {

@@ -1,4 +1,4 @@
-//! The JSON document of `phugoid estimate --json --history`.
+//! A result from the JSON document of `phugoid estimate --json --history`.
 
 use std::io::Read;
 
@@ -7,8 +7,8 @@ use phugoid_identification::method::Method;
 use phugoid_identification::session::{Layout, ParameterLayout, SignalLayout};
 use serde::Deserialize;
 
+use super::finished::{Event, FinalParameter, Finished, Hello, ViewError};
 use super::thinned::{Row, Thinned};
-use super::{Event, FinalParameter, Finished, Hello, ViewError};
 
 #[derive(Deserialize)]
 struct Document {
@@ -23,7 +23,7 @@ struct Document {
     history: Option<History>,
 }
 
-/// As in [`phugoid_identification::estimation::History`], with what JSON has in place of NaN.
+/// As [`phugoid_identification::estimation::History`], but with `null` in place of NaN.
 #[derive(Deserialize)]
 struct History {
     time_s: Vec<f64>,
@@ -48,6 +48,7 @@ struct ParameterHistory {
     std_error: Vec<Option<f64>>,
 }
 
+/// Reads the whole document.
 pub(super) fn read(file: impl Read) -> Result<Finished, ViewError> {
     let document: Document = serde_json::from_reader(file).map_err(|error| ViewError::NoResult(error.to_string()))?;
     let history = document.history.ok_or(ViewError::NoHistory)?;

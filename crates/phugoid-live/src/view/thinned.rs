@@ -1,18 +1,18 @@
-//! Columns of bounded size: of more samples than a picture can show, the least and greatest values of groups are kept.
+//! Columns of bounded size. If there are more samples than a picture can show, the least and greatest values of groups are kept.
 
-use super::Columns;
+use super::finished::Columns;
 
-/// Rows kept at most: more than the pixels of any screen across, so that some zooming still shows more.
+/// Groups that are kept at most. That is more than a screen is wide, so zooming still shows more.
 const MOST_GROUPS: usize = 16_384;
 
-/// What of a group is wanted.
+/// Which values of a group a column keeps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
-    /// The least and the greatest value, one after the other.
+enum Kept {
+    /// The least and the greatest value, one after the other: a curve.
     Line,
-    /// The least.
+    /// The least value: the lower edge of a band.
     LowerEdge,
-    /// The greatest.
+    /// The greatest value: the upper edge of a band.
     UpperEdge,
 }
 
@@ -21,8 +21,8 @@ enum Kind {
 pub(super) struct Row(Vec<f64>);
 
 impl Row {
-    /// Of value and standard error of each parameter; of what was measured and predicted and the residual of each output; of inputs.
-    /// NaN where missing or not given.
+    /// A row from value and standard error of each parameter, from measured value, prediction and residual of each output, and from the inputs.
+    /// A missing value is NaN.
     pub(super) fn new(
         parameters: impl Iterator<Item = [f64; 2]>,
         outputs: impl Iterator<Item = [f64; 3]>,
@@ -33,29 +33,29 @@ impl Row {
     }
 }
 
-/// Collects rows; memory does not grow with their number.
+/// Collects rows in memory that does not grow with their number.
 #[derive(Clone, Debug)]
 pub(super) struct Thinned {
-    kinds: Vec<Kind>,
-    /// Samples per group.
+    kinds: Vec<Kept>,
+    /// Number of samples per group.
     group: usize,
     time_s: Vec<f64>,
     low: Vec<Vec<f32>>,
     high: Vec<Vec<f32>>,
-    /// Samples in the last group.
+    /// Number of samples in the last group so far.
     filled: usize,
 }
 
 impl Thinned {
-    /// For a model with so many parameters, outputs and inputs.
+    /// Columns for a model with so many parameters, outputs and inputs.
     pub(super) fn new(parameters: usize, outputs: usize, inputs: usize) -> Self {
-        let mut kinds = [Kind::Line, Kind::LowerEdge, Kind::UpperEdge].repeat(parameters);
-        kinds.extend(std::iter::repeat_n(Kind::Line, 3 * outputs + inputs));
+        let mut kinds = [Kept::Line, Kept::LowerEdge, Kept::UpperEdge].repeat(parameters);
+        kinds.extend(std::iter::repeat_n(Kept::Line, 3 * outputs + inputs));
         let columns = vec![Vec::new(); kinds.len()];
         Self { kinds, group: 1, time_s: Vec::new(), low: columns.clone(), high: columns, filled: 0 }
     }
 
-    /// Appends one sample.
+    /// Appends one sample. The times have to increase.
     pub(super) fn push(&mut self, time_s: f64, Row(row): &Row) {
         if self.filled == self.group || self.time_s.is_empty() {
             if self.time_s.len() == MOST_GROUPS {
@@ -67,7 +67,7 @@ impl Thinned {
         }
         self.filled += 1;
         for ((low, high), value) in self.low.iter_mut().zip(&mut self.high).zip(row) {
-            // The smaller of a number and NaN is the number.
+            // `min` and `max` of a number and NaN are the number, so NaN stays only if the whole group is NaN.
             if let (Some(low), Some(high)) = (low.last_mut(), high.last_mut()) {
                 *low = low.min(*value as f32);
                 *high = high.max(*value as f32);
@@ -75,7 +75,7 @@ impl Thinned {
         }
     }
 
-    /// Joins groups in pairs.
+    /// Joins the groups in pairs, so that half as many are left.
     fn halve(&mut self) {
         let firsts = self.time_s.chunks(2).filter_map(|pair| pair.first().copied()).collect();
         self.time_s = firsts;
@@ -88,7 +88,7 @@ impl Thinned {
         self.group *= 2;
     }
 
-    /// Single samples as they are; of groups two rows each, at a quarter and three quarters of their time.
+    /// The columns. Single samples stay as they are; a group becomes two rows, at a quarter and three quarters of its time.
     pub(super) fn finish(self) -> Columns {
         let samples_per_group = self.group;
         if samples_per_group == 1 {
@@ -100,9 +100,9 @@ impl Thinned {
         let time_s = self.time_s.iter().zip(spans.chain([last])).flat_map(both).collect();
         let columns = self.kinds.iter().zip(self.low.iter().zip(&self.high)).map(|(kind, (low, high))| {
             let rows = low.iter().zip(high).flat_map(|(low, high)| match kind {
-                Kind::Line => [*low, *high],
-                Kind::LowerEdge => [*low, *low],
-                Kind::UpperEdge => [*high, *high],
+                Kept::Line => [*low, *high],
+                Kept::LowerEdge => [*low, *low],
+                Kept::UpperEdge => [*high, *high],
             });
             rows.collect()
         });

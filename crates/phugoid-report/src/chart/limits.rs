@@ -1,14 +1,14 @@
-//! Limits of an ordinate that a method which runs away does not spoil.
+//! Limits of an ordinate that stay useful if a method diverges.
 
 use phugoid_evaluation::chart::{Chart, Content, Curve, Meaning, Panel, Shape};
 
-/// How many times as far as everything else a method may go before it is cut off.
-const MOST: f64 = 6.0;
-/// Room left around everything else then, in its own extent, so that one sees where a method leaves.
+/// A method is cut off if it makes the range of the ordinate more than so many times as large as everything else needs.
+const CUT_OFF_RATIO: f64 = 6.0;
+/// Room around everything else in that case, as a share of its range, so that it is visible where a method leaves.
 const ROOM: f64 = 0.4;
 
-/// Limits of a panel's ordinate: those asked for; else none, so that they follow from the data, unless a method leaves
-/// what the others show by far.
+/// Limits of the ordinate of a panel: those of the chart, if it has any; limits without the methods, if a method leaves the range of all others by
+/// far; else `None`, so that they follow from the data.
 pub(super) fn ordinate(chart: &Chart, panel: &Panel) -> Option<[f64; 2]> {
     if panel.y.range.is_some() {
         return panel.y.range;
@@ -25,7 +25,7 @@ pub(super) fn ordinate(chart: &Chart, panel: &Panel) -> Option<[f64; 2]> {
             }
         }
     }
-    // A level alone does not say where methods belong.
+    // Without another curve there is nothing with which the methods could be compared.
     if others.low > others.high {
         return None;
     }
@@ -34,11 +34,11 @@ pub(super) fn ordinate(chart: &Chart, panel: &Panel) -> Option<[f64; 2]> {
         all.add(level.at);
     });
     let span = (others.high - others.low).max(0.2 * others.low.abs().max(others.high.abs()));
-    let far = all.high - all.low > MOST * span;
+    let far = all.high - all.low > CUT_OFF_RATIO * span;
     (span > 0.0 && far).then(|| [(others.low - ROOM * span).max(all.low), (others.high + ROOM * span).min(all.high)])
 }
 
-/// Whether a line among the curves goes beyond limits.
+/// Whether a line or a point among the curves lies beyond the limits. Bands do not count.
 pub(super) fn leaves(curves: &[Curve], [low, high]: [f64; 2]) -> bool {
     let slack = 1e-9 * (high - low);
     curves
@@ -47,12 +47,12 @@ pub(super) fn leaves(curves: &[Curve], [low, high]: [f64; 2]) -> bool {
         .any(|curve| points(curve).any(|(_, y)| y < low - slack || y > high + slack))
 }
 
-/// Whether an abscissa never goes back.
+/// Whether an abscissa never decreases.
 pub(super) fn ascending(x: &[f64]) -> bool {
     x.windows(2).all(|pair| pair[0] <= pair[1])
 }
 
-/// Abscissa and ordinate of every finite point, both curves of a band.
+/// Abscissa and ordinate of every finite point, of a band those of both curves.
 fn points(curve: &Curve) -> impl Iterator<Item = (f64, f64)> {
     let (first, second): (&[f64], &[f64]) = match &curve.shape {
         Shape::Line(y) | Shape::Step(y) | Shape::Points(y) => (y, &[]),
@@ -62,6 +62,7 @@ fn points(curve: &Curve) -> impl Iterator<Item = (f64, f64)> {
     with_x(first).chain(with_x(second)).filter(|(x, y)| x.is_finite() && y.is_finite())
 }
 
+/// Smallest and largest value.
 struct Extent {
     low: f64,
     high: f64,

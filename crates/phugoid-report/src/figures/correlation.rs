@@ -1,11 +1,14 @@
 //! The correlation matrix of the parameters.
 
-use super::Context;
+use super::context::Context;
 use crate::figure::{Axis, Body, Figure, Panel};
 
+/// Name of the figure among [`super::figures`].
+pub(crate) const NAME: &str = "correlation";
+
+/// The figure; `None` for fewer than two parameters or without correlations.
 pub(super) fn figure(context: &Context) -> Option<(String, Figure)> {
     let estimation = context.estimation;
-    // A single parameter correlates with nothing.
     if estimation.parameters.len() < 2 || estimation.correlation.is_empty() {
         return None;
     }
@@ -18,5 +21,5 @@ pub(super) fn figure(context: &Context) -> Option<(String, Figure)> {
     let labels = estimation.parameters.iter().map(|p| p.name.clone()).collect();
     let body = Body::Matrix { labels, values: estimation.correlation.clone() };
     figure.panels.push(Panel { y: Axis::default(), x: None, height: 0.0, body });
-    Some(("correlation".to_owned(), figure))
+    Some((NAME.to_owned(), figure))
 }

@@ -1,12 +1,10 @@
-//! The figures that a flight-test engineer draws of an estimation.
+//! The figures of an estimation.
 
-use std::sync::Arc;
+use phugoid_identification::estimation::Estimation;
 
-use phugoid_identification::estimation::{Estimation, EventKind, FinalStatus, ParameterHistory, ParameterResult};
+use crate::figure::Figure;
 
-use crate::figure::{Axis, Colour, EventMark, Figure};
-use crate::names::{HumanUnit, human_unit, parameter_unit};
-
+mod context;
 mod correlation;
 mod parameters;
 mod planes;
@@ -14,11 +12,25 @@ mod residuals;
 mod signals;
 mod surfaces;
 
+use context::Context;
+pub(crate) use context::{event_kind, unit_of};
+pub(crate) use correlation::NAME as CORRELATION;
 pub use signals::{TimeHistoryPanel, time_histories};
 
-/// All figures of an estimation with short names that serve as file names and anchors (`inputs`, `outputs`,
-/// `parameters-1`, `correlation`, `parameter-planes`, `surfaces-1`, `residuals`, `autocorrelation`). Figures for which
-/// the estimation has no data are left out: an estimator without surfaces has no surface figure.
+/// All figures of an estimation, each with a short name that serves as file name and anchor: `inputs`, `outputs`, `parameters-1`, ...,
+/// `nuisance-1`, ..., `correlation`, `parameter-planes`, `surfaces-1`, ..., `residuals`, `autocorrelation`. Figures for which the estimation has
+/// no data are left out, such as surfaces of an estimator without surfaces.
+///
+/// ```
+/// use phugoid_identification::estimation::{Estimation, History, Signal};
+/// use phugoid_report::figures;
+///
+/// let elevator = Signal { name: "elevator".to_owned(), unit: "rad".to_owned(), values: vec![0.0, 0.1] };
+/// let history = History { time_s: vec![0.0, 0.1], inputs: vec![elevator], ..History::default() };
+/// let figures = figures(&Estimation { history, ..Estimation::default() });
+/// assert_eq!(figures.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>(), ["inputs"]);
+/// assert!(figures[0].1.to_svg().contains("Elevator δe, trailing edge down (deg)"));
+/// ```
 pub fn figures(estimation: &Estimation) -> Vec<(String, Figure)> {
     let context = Context::new(estimation);
     let mut figures = Vec::new();
@@ -31,79 +43,4 @@ pub fn figures(estimation: &Estimation) -> Vec<(String, Figure)> {
     figures.extend(residuals::series(&context));
     figures.extend(residuals::autocorrelations(&context));
     figures
-}
-
-/// The estimation with what all figures share.
-struct Context<'a> {
-    estimation: &'a Estimation,
-    time: Arc<[f64]>,
-    events: Vec<EventMark>,
-}
-
-impl<'a> Context<'a> {
-    fn new(estimation: &'a Estimation) -> Self {
-        let events = estimation
-            .events
-            .iter()
-            .map(|event| {
-                let (label, colour) = event_kind(event.kind);
-                EventMark { x: event.time_s, label: label.to_owned(), colour }
-            })
-            .collect();
-        Self { estimation, time: Arc::from(estimation.history.time_s.as_slice()), events }
-    }
-
-    fn figure(&self, title: &str, caption: &str) -> Figure {
-        Figure {
-            title: title.to_owned(),
-            caption: caption.to_owned(),
-            x: Axis::new("Time", "s"),
-            columns: 1,
-            events: self.events.clone(),
-            panels: Vec::new(),
-        }
-    }
-
-    /// Parameters that were estimated, with their histories and units: the wanted ones or the nuisance ones.
-    fn parameters(&self, nuisance: bool) -> Vec<(&'a ParameterResult, &'a ParameterHistory, HumanUnit)> {
-        self.estimation
-            .parameters
-            .iter()
-            .filter(|p| p.nuisance == nuisance && p.status != FinalStatus::Fixed)
-            .filter_map(|p| {
-                let history = self.estimation.history.parameters.iter().find(|h| h.name == p.name)?;
-                (!history.value.is_empty()).then(|| (p, history, unit_of(self.estimation, &p.name)))
-            })
-            .collect()
-    }
-}
-
-/// The unit in which a parameter of this estimation is shown.
-pub(crate) fn unit_of(estimation: &Estimation, parameter: &str) -> HumanUnit {
-    parameter_unit(parameter, |channel| {
-        let history = &estimation.history;
-        let mut known = history.measured.iter().chain(&estimation.noise);
-        known.find(|s| s.name == channel).map(|s| s.unit.clone())
-    })
-}
-
-/// Words and colour for a kind of event.
-pub(crate) fn event_kind(kind: EventKind) -> (&'static str, Colour) {
-    match kind {
-        EventKind::InDoubt => ("bounds in doubt", Colour::Purple),
-        EventKind::Adopted => ("change adopted", Colour::Vermillion),
-        EventKind::DoubtDropped => ("doubt dropped", Colour::Sky),
-        EventKind::Insensitive => ("change detector insensitive", Colour::Orange),
-        EventKind::Gap => ("gap in the data", Colour::Muted),
-        EventKind::Restarted => ("restarted", Colour::Ink),
-    }
-}
-
-fn scaled(values: &[f64], unit: &HumanUnit) -> Vec<f64> {
-    values.iter().map(|v| v * unit.factor).collect()
-}
-
-fn human_axis(label: String, si: &str) -> (Axis, HumanUnit) {
-    let unit = human_unit(si);
-    (Axis::new(label, unit.text.clone()), unit)
 }

@@ -1,15 +1,16 @@
-//! Each parameter against time, twice: the whole course, and the end of it enlarged to the final precision.
+//! Each parameter against time, twice: the whole course, and enlarged to the precision at the end.
 
 use phugoid_identification::estimation::{ParameterHistory, ParameterResult};
 
-use super::{Context, scaled};
+use super::context::{Context, scaled};
 use crate::figure::{At, Axis, Colour, Figure, Kind, Panel, Reference, Series, Stroke};
-use crate::names::HumanUnit;
+use crate::names::DisplayUnit;
 use crate::ticks::with_error;
 
-/// Parameters per figure: what fits a page.
+/// Number of parameters in a figure, so that it fits on a page.
 const PER_FIGURE: usize = 6;
 
+/// The figures of the parameters, then those of the nuisance parameters.
 pub(super) fn figures(context: &Context) -> Vec<(String, Figure)> {
     let mut out = Vec::new();
     for (nuisance, slug, title) in
@@ -35,7 +36,13 @@ pub(super) fn figures(context: &Context) -> Vec<(String, Figure)> {
     out
 }
 
-fn panels(context: &Context, parameter: &ParameterResult, history: &ParameterHistory, unit: &HumanUnit) -> [Panel; 2] {
+/// The two panels of a parameter.
+fn panels(
+    context: &Context,
+    parameter: &ParameterResult,
+    history: &ParameterHistory,
+    unit: &DisplayUnit,
+) -> [Panel; 2] {
     let values = scaled(&history.value, unit);
     let errors = scaled(&history.std_error, unit);
     let band = |sign: f64| values.iter().zip(&errors).map(|(v, s)| v + 2.0 * sign * s).collect::<Vec<f64>>();
@@ -62,8 +69,8 @@ fn panels(context: &Context, parameter: &ParameterResult, history: &ParameterHis
     })
 }
 
-/// Truth, bounds and instant of convergence, as far as they lie within the ordinate's limits: a legend must not name
-/// what is not to be seen.
+/// Truth, bounds and instant of convergence. Those outside the limits of the ordinate are left out, because the legend must not name what is
+/// not visible.
 fn references(
     context: &Context,
     parameter: &ParameterResult,
@@ -93,13 +100,15 @@ fn references(
     lines
 }
 
+/// The values at the end, in the unit in which they are shown.
 struct Final {
     value: f64,
     sigma: f64,
     truth: Option<f64>,
 }
 
-fn ranged(label: &str, unit: &HumanUnit, range: Option<[f64; 2]>) -> Axis {
+/// An axis with limits, if there are any.
+fn ranged(label: &str, unit: &DisplayUnit, range: Option<[f64; 2]>) -> Axis {
     let axis = Axis::new(label, unit.text.clone());
     match range {
         Some([low, high]) => axis.with_range(low, high),
@@ -107,8 +116,8 @@ fn ranged(label: &str, unit: &HumanUnit, range: Option<[f64; 2]>) -> Axis {
     }
 }
 
-/// Limits that show where the estimate went, not how little was known at first: all but the wildest 1 % of its course,
-/// its end with +-2 sigma, the truth, and bounds that are not far off.
+/// Limits for the whole course: 99 % of the values, the end with +-2 sigma, the truth, and bounds that are not far away. The wide band at the
+/// beginning, where little is known, is not included.
 fn whole_range(values: &[f64], last: &Final, bounds: Option<[f64; 2]>) -> Option<[f64; 2]> {
     let mut sorted: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
     sorted.sort_unstable_by(f64::total_cmp);
@@ -131,7 +140,7 @@ fn whole_range(values: &[f64], last: &Final, bounds: Option<[f64; 2]>) -> Option
     (pad > 0.0).then_some([from - pad, to + pad])
 }
 
-/// Limits about the end: what the estimate moved in the last quarter with its band, and a truth that is not far off.
+/// Limits about the final value: the movement of the estimate in the last quarter with its band, and the truth if it is not far away.
 fn end_range(values: &[f64], last: &Final) -> Option<[f64; 2]> {
     let centre = last.value;
     let moved = values[values.len() - values.len() / 4..]

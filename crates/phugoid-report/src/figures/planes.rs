@@ -1,15 +1,18 @@
-//! The path of the estimate in the plane of two parameters that are hard to tell apart.
+//! The path of the estimate in the plane of two parameters that are strongly correlated.
 
 use std::sync::Arc;
 
-use super::{Context, scaled};
+use super::context::{Context, scaled};
 use crate::figure::{At, Axis, Colour, Figure, Kind, Panel, Reference, Series, Stroke};
 
-/// Planes drawn at most and at least; between them only pairs at least this strongly correlated.
+/// Planes that are drawn at most.
 const MOST: usize = 6;
+/// Planes that are drawn in any case, if there are so many pairs.
 const LEAST: usize = 3;
+/// Further planes are drawn only for pairs with at least this correlation.
 const NOTABLE: f64 = 0.3;
 
+/// The figure; `None` without a pair that can be drawn.
 pub(super) fn figure(context: &Context) -> Option<(String, Figure)> {
     let estimation = context.estimation;
     let parameters = context.parameters(false);
@@ -24,7 +27,7 @@ pub(super) fn figure(context: &Context) -> Option<(String, Figure)> {
             }
         }
     }
-    // A stable sort: pairs of equal correlation stay in the model's order.
+    // The sort is stable, so pairs of equal correlation stay in the order of the model.
     pairs.sort_by(|a, b| b.0.abs().total_cmp(&a.0.abs()));
 
     let mut figure = context.figure(
@@ -50,6 +53,7 @@ pub(super) fn figure(context: &Context) -> Option<(String, Figure)> {
     (!figure.panels.is_empty()).then(|| ("parameter-planes".to_owned(), figure))
 }
 
+/// One of the two parameters of a plane, in the unit in which it is shown.
 struct Direction<'a> {
     name: &'a str,
     unit: &'a str,
@@ -60,7 +64,8 @@ struct Direction<'a> {
 }
 
 impl Direction<'_> {
-    /// Four standard errors about the end, more if a truth that is not far off needs it; none without an error.
+    /// The axis: four standard errors to both sides of the final value, more if the truth is not far away and needs it; `None` without a standard
+    /// error.
     fn axis(&self) -> Option<Axis> {
         let away = self.truth.map_or(0.0, |t| 1.3 * (t - self.value).abs());
         let half = (4.0 * self.sigma).max(if away <= 12.0 * self.sigma { away } else { 0.0 });
@@ -69,6 +74,7 @@ impl Direction<'_> {
     }
 }
 
+/// The panel of two parameters with correlation `r`: path, 2-sigma ellipse and truth.
 fn plane(r: f64, x: Direction, y: Direction) -> Option<Panel> {
     let (x_axis, y_axis) = (x.axis()?, y.axis()?);
     // Points of correlated pairs at two standard errors: x = 2 sx cos a, y = 2 sy sin(a + asin r).
@@ -76,7 +82,7 @@ fn plane(r: f64, x: Direction, y: Direction) -> Option<Panel> {
     let angles = (0..=72).map(|k| f64::from(k) * std::f64::consts::TAU / 72.0);
     let ellipse_x: Arc<[f64]> = angles.clone().map(|a| x.value + 2.0 * x.sigma * a.cos()).collect();
     let ellipse_y = angles.map(|a| y.value + 2.0 * y.sigma * (a + skew).sin()).collect();
-    // Before it came near for the last time the path only crosses the panel.
+    // The path is drawn from where it entered the panel for the last time; before, it only crosses the panel.
     let far = |axis: &Axis, v: f64| axis.range.is_some_and(|[low, high]| !(low..=high).contains(&v));
     let came = x.path.iter().zip(&y.path).rposition(|(a, b)| far(&x_axis, *a) || far(&y_axis, *b)).unwrap_or(0);
     let path: Arc<[f64]> = Arc::from(&x.path[came.min(x.path.len())..]);

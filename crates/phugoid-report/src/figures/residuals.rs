@@ -1,15 +1,16 @@
-//! Whitened residuals against time, and their colour.
+//! Whitened residuals against time, and their autocorrelation.
 
 use std::sync::Arc;
 
-use super::Context;
+use super::context::Context;
 use crate::figure::{At, Axis, Colour, Figure, Kind, Panel, Reference, Series, Stroke};
 use crate::names::signal_label;
 use crate::statistics::{autocorrelation, median_step};
 
-/// Residuals beyond this many sigma are drawn at the border in another colour.
+/// Residuals beyond this, in standard deviations, are drawn at the border in another colour.
 const LIMIT: f64 = 10.0;
 
+/// The residuals against time; `None` without residuals.
 pub(super) fn series(context: &Context) -> Option<(String, Figure)> {
     let residuals = &context.estimation.history.residuals;
     let mut figure = context.figure(
@@ -45,6 +46,7 @@ pub(super) fn series(context: &Context) -> Option<(String, Figure)> {
     (!residuals.is_empty()).then(|| ("residuals".to_owned(), figure))
 }
 
+/// The autocorrelation of the residuals; `None` without regular times or without residuals.
 pub(super) fn autocorrelations(context: &Context) -> Option<(String, Figure)> {
     let step = median_step(&context.time);
     if step.is_nan() || step <= 0.0 {
@@ -98,6 +100,7 @@ pub(super) fn autocorrelations(context: &Context) -> Option<(String, Figure)> {
     (!figure.panels.is_empty()).then(|| ("autocorrelation".to_owned(), figure))
 }
 
+/// The largest lag of a panel, s.
 fn last_lag(panel: &Panel) -> Option<f64> {
     match &panel.body {
         crate::figure::Body::Plot { series, .. } => series.first().and_then(|s| s.x.last().copied()),
@@ -105,11 +108,11 @@ fn last_lag(panel: &Panel) -> Option<f64> {
     }
 }
 
-/// `Angle of attack` within a sentence.
+/// `Angle of attack` as `angle of attack`, for use within a sentence.
 fn uncapitalised(words: &str) -> String {
     let mut characters = words.chars();
     match (characters.next(), characters.next()) {
-        // A single capital is a symbol, not a word.
+        // A single capital letter is a symbol and not a word.
         (Some(first), Some(second)) if second.is_lowercase() => {
             first.to_lowercase().chain(words.chars().skip(1)).collect()
         }

@@ -1,24 +1,26 @@
-//! Signals against time: inputs, measured and modelled outputs, and histories of any kind.
+//! Signals against time: inputs, measured and predicted outputs, and histories of any kind.
 
 use std::sync::Arc;
 
 use phugoid_identification::estimation::Signal;
 
-use super::{Context, human_axis, scaled};
+use super::context::{Context, display_axis, scaled};
 use crate::figure::{Axis, Colour, Figure, Kind, LINE_COLOURS, Panel, Series};
-use crate::names::{human_unit, legend_label, signal_label};
+use crate::names::{display_unit, legend_label, signal_label};
 
+/// The inputs that the estimator used; `None` without inputs.
 pub(super) fn inputs(context: &Context) -> Option<(String, Figure)> {
     let inputs = &context.estimation.history.inputs;
     let mut figure = context.figure("Inputs", "Known inputs as the estimator used them.");
     for input in inputs {
-        let (axis, unit) = human_axis(signal_label(&input.name), &input.unit);
+        let (axis, unit) = display_axis(signal_label(&input.name), &input.unit);
         let line = Kind::Line(scaled(&input.values, &unit));
         figure.panels.push(Panel::plot(axis, vec![Series::new("", Colour::Blue, &context.time, line)]));
     }
     (!inputs.is_empty()).then(|| ("inputs".to_owned(), figure))
 }
 
+/// The measured outputs and their predictions; `None` without outputs.
 pub(super) fn outputs(context: &Context) -> Option<(String, Figure)> {
     let history = &context.estimation.history;
     let mut figure = context.figure(
@@ -27,7 +29,7 @@ pub(super) fn outputs(context: &Context) -> Option<(String, Figure)> {
          is compared with.",
     );
     for measured in &history.measured {
-        let (axis, unit) = human_axis(signal_label(&measured.name), &measured.unit);
+        let (axis, unit) = display_axis(signal_label(&measured.name), &measured.unit);
         let dots = Kind::Points(scaled(&measured.values, &unit));
         let mut series = vec![Series::new("measured", Colour::Ink, &context.time, dots)];
         if let Some(predicted) = history.predicted.iter().find(|p| p.name == measured.name) {
@@ -42,28 +44,37 @@ pub(super) fn outputs(context: &Context) -> Option<(String, Figure)> {
 /// One panel of [`time_histories`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct TimeHistoryPanel {
-    /// Quantity: words or a canonical channel name. With an empty label a single signal's own name is used.
+    /// Name of the quantity: words or a canonical channel name. If it is empty and there is one signal, the name of that signal is used.
     pub label: String,
-    /// SI unit of all its signals (`rad`, `m/s`, `-`, ...); drawn in degrees where it is in radians.
+    /// SI unit of all signals of the panel (`rad`, `m/s`, `-`, ...). Angles are drawn in degrees.
     pub unit: String,
-    /// Curves; with more than one each appears in the legend under its name.
+    /// The signals, in SI. If there are several, each appears in the legend under its name.
     pub signals: Vec<Signal>,
 }
 
-/// A figure of named histories over a common time, s, one panel below the other or, if there
-/// are many, in two columns: a simulated flight, say.
+/// A figure of histories over a common time, s, such as those of a simulated flight. More than eight panels stand in two columns.
+///
+/// ```
+/// use phugoid_identification::estimation::Signal;
+/// use phugoid_report::{TimeHistoryPanel, time_histories};
+///
+/// let q = Signal { name: "q".to_owned(), unit: "rad/s".to_owned(), values: vec![0.0, std::f64::consts::FRAC_PI_2] };
+/// let panel = TimeHistoryPanel { label: String::new(), unit: "rad/s".to_owned(), signals: vec![q] };
+/// let figure = time_histories("Flight", "", &[0.0, 1.0], &[panel]);
+/// assert_eq!((figure.panels[0].y.label.as_str(), figure.panels[0].y.unit.as_str()), ("Pitch rate q", "deg/s"));
+/// ```
 pub fn time_histories(title: &str, caption: &str, time_s: &[f64], panels: &[TimeHistoryPanel]) -> Figure {
     let time: Arc<[f64]> = Arc::from(time_s);
     let mut figure = Figure {
         title: title.to_owned(),
         caption: caption.to_owned(),
         x: Axis::new("Time", "s"),
-        // A long column of panels is neither seen at once nor printed on a page.
+        // A long column of panels fits neither on a screen nor on a page.
         columns: if panels.len() > 8 { 2 } else { 1 },
         ..Figure::default()
     };
     for panel in panels {
-        let unit = human_unit(&panel.unit);
+        let unit = display_unit(&panel.unit);
         let label = match panel.signals.as_slice() {
             [only] if panel.label.is_empty() => signal_label(&only.name),
             _ => signal_label(&panel.label),

@@ -1,14 +1,15 @@
-//! The sliding surfaces against time, with the phase.
+//! The sliding surfaces against time, with the phase of each sample.
 
 use phugoid_identification::estimation::Phase;
 use std::sync::Arc;
 
-use super::Context;
+use super::context::Context;
 use crate::figure::{At, Axis, Body, Colour, Figure, Kind, Panel, Reference, Series, Stroke};
 
+/// Number of surfaces in a figure, so that it fits on a page.
 const PER_FIGURE: usize = 8;
 
-/// Phases in drawing order, so that a single rejected sample stays visible between thousands of sliding ones.
+/// The phases in the order in which they are drawn, so that a single rejected sample stays visible among thousands of sliding ones.
 const PHASES: [(Phase, Colour); 5] = [
     (Phase::Sliding, Colour::Green),
     (Phase::Starting, Colour::Sky),
@@ -17,13 +18,14 @@ const PHASES: [(Phase, Colour); 5] = [
     (Phase::Rejected, Colour::Vermillion),
 ];
 
+/// The figures of the surfaces, each with the phases at the top; none if the estimator has neither.
 pub(super) fn figures(context: &Context) -> Vec<(String, Figure)> {
     let mut panels: Vec<Panel> = Vec::new();
     for (parameter, history, _) in context.parameters(false).into_iter().chain(context.parameters(true)) {
-        if !says_something(&history.surface) {
+        if !has_values(&history.surface) {
             continue;
         }
-        // In parameter units surfaces shrink with the covariance until nothing is to be seen.
+        // In units of the parameter a surface shrinks with the covariance until it is not visible any more.
         let surface: Vec<f64> = history.surface.iter().zip(&history.std_error).map(|(s, sigma)| s / sigma).collect();
         let axis = Axis::new(format!("Surface of {}", parameter.name), "σ");
         let axis = match robust_range(&surface) {
@@ -58,6 +60,7 @@ pub(super) fn figures(context: &Context) -> Vec<(String, Figure)> {
         .collect()
 }
 
+/// A bar with the phase of each sample.
 fn phase_strip(context: &Context) -> Option<Panel> {
     let phase = &context.estimation.history.phase;
     let mut shown: Vec<(Phase, Colour)> = PHASES.to_vec();
@@ -74,6 +77,7 @@ fn phase_strip(context: &Context) -> Option<Panel> {
     (!phase.is_empty()).then(|| Panel { y: Axis::new("Phase", ""), x: None, height: 18.0, body })
 }
 
+/// A thin line at zero.
 fn zero() -> Reference {
     Reference {
         label: String::new(),
@@ -84,11 +88,12 @@ fn zero() -> Reference {
     }
 }
 
-fn says_something(surface: &[f64]) -> bool {
+/// Whether any value is finite and not zero.
+fn has_values(surface: &[f64]) -> bool {
     surface.iter().any(|s| s.is_finite() && *s != 0.0)
 }
 
-/// Limits with all values and zero; without the wildest 2 % if those would take more than two thirds of the height.
+/// Limits with zero and all values, or with 98 % of the values if the others would need more than two thirds of the height.
 fn robust_range(values: &[f64]) -> Option<[f64; 2]> {
     let mut sorted: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
     sorted.sort_unstable_by(f64::total_cmp);

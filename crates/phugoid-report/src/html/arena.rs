@@ -1,4 +1,4 @@
-//! The page of a comparison.
+//! The page of a comparison of methods.
 
 use std::fmt::Write as _;
 
@@ -9,8 +9,8 @@ use crate::arena::{arena_figures, ratio};
 use crate::escape::escape;
 use crate::ticks::significant;
 
-/// A comparison as one self-contained HTML page: no scripts, no links to anywhere else, figures inline. `command` is what gives
-/// it again. Two calls with the same arguments give the same bytes.
+/// A comparison of methods as one HTML page without scripts and without links to other files. `command` is the command that gives the same
+/// numbers again; the page shows it. Two calls with the same arguments give the same bytes.
 pub fn arena_html(arena: &Arena, command: &str) -> String {
     let notes = [
         "Every flight is flown once, and every method sees the same samples and is told the same of the aircraft and its sensors."
@@ -29,6 +29,7 @@ pub fn arena_html(arena: &Arena, command: &str) -> String {
     page::document("Methods compared", "Compared by Phugoid", &notes, &facts(arena), &sections)
 }
 
+/// The facts under the heading.
 fn facts(arena: &Arena) -> String {
     let flown: f64 = arena.entries.iter().map(|e| e.duration_s * e.flights as f64).sum();
     page::facts(&[
@@ -39,9 +40,10 @@ fn facts(arena: &Arena) -> String {
     ])
 }
 
+/// The rule, and where each method wins and loses.
 fn findings(arena: &Arena) -> String {
     let mut out = format!("<p class=\"note\">{}</p>\n<ul class=\"verdict\">\n", prose(&arena.findings.rule));
-    // Formatting into a String cannot fail, here and below.
+    // Writing into a String cannot fail, here and below.
     for sentence in &arena.findings.methods {
         let _ = writeln!(out, "<li>{}</li>", prose(sentence));
     }
@@ -61,7 +63,7 @@ fn findings(arena: &Arena) -> String {
     out
 }
 
-/// Microseconds per sample by method, over all scenarios.
+/// The table of the computing times: the median over the scenarios, by method.
 fn times(arena: &Arena) -> String {
     let mut out =
         table(&[("", "Method"), ("n", "Per sample<br>(µs, median)"), ("n", "Over that of<br>the first method (–)")]);
@@ -88,6 +90,7 @@ fn times(arena: &Arena) -> String {
     out
 }
 
+/// The tables of one scenario.
 fn scenario(entry: &EntryResult) -> String {
     let mut out = format!("<p>{}</p>\n", prose(&entry.shows));
     let _ = writeln!(
@@ -133,6 +136,7 @@ fn scenario(entry: &EntryResult) -> String {
     out
 }
 
+/// The rows of one method in the table of a scenario.
 fn rows(out: &mut String, method: &MethodResult, columns: usize) {
     let Some(last) = method.checkpoints.last().filter(|c| c.accuracy.is_some()) else {
         let _ = writeln!(
@@ -184,6 +188,7 @@ fn rows(out: &mut String, method: &MethodResult, columns: usize) {
     }
 }
 
+/// The table of the changes that were found; empty if there was neither damage nor a false alarm.
 fn changes(entry: &EntryResult) -> String {
     let seconds = |t: Option<f64>| t.map_or_else(|| "–".to_owned(), |t| format!("{t:.2}"));
     let any = |f: fn(&MethodResult) -> usize| entry.methods.iter().map(f).sum::<usize>() > 0;

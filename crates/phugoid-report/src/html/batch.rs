@@ -1,4 +1,4 @@
-//! What a batch method says beside the parameters: fit, equations, prediction.
+//! The tables of a batch method beside the parameters: fit, prediction, equations.
 
 use std::fmt::Write as _;
 
@@ -10,7 +10,7 @@ use super::tables::number_cells;
 use crate::escape::escape;
 use crate::ticks::{fixed, significant};
 
-/// Tables of a batch method; empty for a causal one.
+/// The tables of a batch method; empty for a causal method.
 pub(super) fn batch(estimation: &Estimation) -> String {
     let Some(report) = &estimation.batch else { return String::new() };
     let mut out = format!(
@@ -39,6 +39,7 @@ pub(super) fn batch(estimation: &Estimation) -> String {
     out + &unknowns(report)
 }
 
+/// The table of the fit of each output.
 fn fit(fits: &[OutputFit]) -> String {
     let heads = [
         ("", "Output"),
@@ -69,6 +70,7 @@ fn fit(fits: &[OutputFit]) -> String {
     rows(&heads, fits.iter().map(row).collect())
 }
 
+/// The terms of a regression equation.
 fn equation(equation: &Equation) -> String {
     let heads = [
         ("", "Term, as it enters"),
@@ -99,6 +101,7 @@ fn equation(equation: &Equation) -> String {
     )
 }
 
+/// Initial states and noise that were estimated beside the parameters.
 fn unknowns(report: &BatchReport) -> String {
     if report.unknowns.is_empty() {
         return String::new();
@@ -111,6 +114,7 @@ fn unknowns(report: &BatchReport) -> String {
     format!("<h3>Initial state and noise</h3>\n{}", rows(&heads, body.collect()))
 }
 
+/// A table with these heads and rows.
 fn rows(heads: &[(&str, &str)], body: Vec<String>) -> String {
     format!("{}{}{END_OF_TABLE}", table(heads), body.concat())
 }

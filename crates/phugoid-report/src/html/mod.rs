@@ -1,4 +1,4 @@
-//! One page that holds the whole result and needs nothing beside it.
+//! Pages that hold a whole result in one file.
 
 use std::fmt::Write as _;
 
@@ -6,13 +6,14 @@ use phugoid_identification::estimation::{Estimation, FinalStatus};
 
 use crate::escape::escape;
 use crate::figure::Figure;
-use crate::figures::figures;
+use crate::figures::{CORRELATION, figures};
 use crate::statistics::median_step;
 use crate::ticks::significant;
 
 mod arena;
 mod batch;
 mod offer;
+mod options;
 mod page;
 mod readiness;
 mod reproduction;
@@ -20,27 +21,29 @@ mod study;
 mod tables;
 
 pub use arena::arena_html;
+pub use options::HtmlOptions;
 use page::{Section, prose, trimmed};
 pub use reproduction::{NotRun, ReproductionOptions, reproduction_html};
 pub use study::{StudyPage, StudySection, study_html};
 
-/// What a page says beyond the estimation itself.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct HtmlOptions {
-    /// Heading; `Parameter estimation: SOURCE` where none.
-    pub title: Option<String>,
-    /// Paragraphs shown under the heading, e.g. what was flown and how to repeat it.
-    pub notes: Vec<String>,
-    /// Settings of the estimator as name and value, in the order to show them.
-    pub settings: Vec<(String, String)>,
-}
-
-/// The estimation as one self-contained HTML page: no scripts, no links to anywhere else, figures inline. Two calls
-/// with the same estimation and options give the same bytes.
+/// An estimation as one HTML page without scripts and without links to other files; the figures are inside. Two calls with the same estimation
+/// and options give the same bytes.
+///
+/// ```
+/// use phugoid_identification::estimation::Estimation;
+/// use phugoid_report::{HtmlOptions, html};
+///
+/// let estimation = Estimation { source: "flights/dutch <roll>.csv".to_owned(), ..Estimation::default() };
+/// let options = HtmlOptions { notes: vec!["Made with `phugoid estimate`.".to_owned()], ..HtmlOptions::default() };
+/// let page = html(&estimation, &options);
+/// assert!(page.contains("<h1>Parameter estimation: dutch &lt;roll&gt;.csv</h1>"));
+/// assert!(page.contains("<code>phugoid estimate</code>"));
+/// assert!(!page.contains("<script") && !page.contains("<link"));
+/// ```
 pub fn html(estimation: &Estimation, options: &HtmlOptions) -> String {
     let title = options.title.clone().unwrap_or_else(|| match estimation.source.as_str() {
         "" => "Parameter estimation".to_owned(),
-        // A path is too long for a heading; it stands below as a whole.
+        // A whole path is too long for a heading; it stands below the heading.
         source => format!("Parameter estimation: {}", source.rsplit(['/', '\\']).next().unwrap_or(source)),
     });
     let all = figures(estimation);
@@ -50,7 +53,7 @@ pub fn html(estimation: &Estimation, options: &HtmlOptions) -> String {
         Section::new("readiness", "May it be believed?", readiness::readiness(estimation)),
         Section::new("offer", "Terms that the residuals ask for", offer::offer(estimation)),
         Section::new("correlation-section", "Correlation", correlation(estimation, &all)),
-        Section::new("figures", "Figures", drawn(&all, |name| name != "correlation")),
+        Section::new("figures", "Figures", drawn(&all, |name| name != CORRELATION)),
         Section::new("fit", "Fit and noise", tables::fit(estimation)),
         Section::new("batch", "Batch estimation", batch::batch(estimation)),
         Section::new("quality", "Data quality", tables::quality(estimation)),
@@ -60,6 +63,7 @@ pub fn html(estimation: &Estimation, options: &HtmlOptions) -> String {
     page::document(&title, "Estimated by Phugoid", &options.notes, &facts(estimation), &sections)
 }
 
+/// The facts under the heading.
 fn facts(estimation: &Estimation) -> String {
     let time = &estimation.history.time_s;
     let mut facts: Vec<(&str, String)> = vec![
@@ -80,6 +84,7 @@ fn facts(estimation: &Estimation) -> String {
     page::facts(&facts)
 }
 
+/// The verdict, or else the number of parameters with each status.
 fn summary(estimation: &Estimation) -> String {
     let Some((first, rest)) = estimation.verdict.split_first() else { return counts(estimation) };
     let mut out = format!("<p class=\"lead\">{}</p>\n", prose(first));
@@ -93,7 +98,7 @@ fn summary(estimation: &Estimation) -> String {
     out
 }
 
-/// How many parameters have which status, for estimations without a verdict.
+/// The number of parameters with each status, for estimations without a verdict.
 fn counts(estimation: &Estimation) -> String {
     let mut counts: Vec<(FinalStatus, usize)> = Vec::new();
     for parameter in estimation.parameters.iter().filter(|p| !p.nuisance && p.status != FinalStatus::Fixed) {
@@ -107,8 +112,9 @@ fn counts(estimation: &Estimation) -> String {
     if list.is_empty() { String::new() } else { format!("<p>Parameters: {}.</p>\n", escape(&list.join(", "))) }
 }
 
+/// The strongest correlations in words, and the figure.
 fn correlation(estimation: &Estimation, all: &[(String, Figure)]) -> String {
-    let figure = drawn(all, |name| name == "correlation");
+    let figure = drawn(all, |name| name == CORRELATION);
     if figure.is_empty() {
         return figure;
     }
@@ -136,6 +142,7 @@ fn correlation(estimation: &Estimation, all: &[(String, Figure)]) -> String {
     out + &figure
 }
 
+/// The figures with these names as markup.
 fn drawn(all: &[(String, Figure)], wanted: impl Fn(&str) -> bool) -> String {
     all.iter().filter(|(name, _)| wanted(name)).map(|(name, figure)| page::figure(name, 3, figure)).collect()
 }

@@ -1,4 +1,4 @@
-//! The terms that were tried because the residuals gave a reason to.
+//! The missing terms that were tried because the residuals gave a reason.
 
 use std::fmt::Write as _;
 
@@ -8,7 +8,7 @@ use super::page::{END_OF_TABLE, table};
 use crate::escape::escape;
 use crate::ticks::{fixed, significant};
 
-/// Every term tried, and the lines for the model file where one is asked for; nothing where none was tried.
+/// The table of the terms that were tried, and the lines for the model file if one of them is asked for; empty if nothing was tried.
 pub(super) fn offer(estimation: &Estimation) -> String {
     let Some(offer) = &estimation.offer else { return String::new() };
     let mut out = format!(
@@ -61,7 +61,7 @@ pub(super) fn offer(estimation: &Estimation) -> String {
     out
 }
 
-/// The reason for trying them; nothing where there was none.
+/// The reasons for trying terms as a clause; empty if there were none.
 fn because(offer: &Offer) -> String {
     if offer.reasons.is_empty() { String::new() } else { format!(", because {}", offer.reasons.join(", and ")) }
 }

@@ -1,4 +1,4 @@
-//! What every page has: its frame, sections, figures, tables and running text.
+//! The parts of every page: its frame, sections, figures, tables and text.
 
 use std::fmt::Write as _;
 
@@ -7,28 +7,28 @@ use crate::figure::Figure;
 
 const STYLE: &str = include_str!("style.css");
 
-/// A part of a page.
+/// A section of a page with its heading.
 pub(super) struct Section {
-    /// Anchor, unique in the page.
+    /// Anchor, which has to be unique in the page.
     pub(super) anchor: String,
-    /// Heading.
+    /// Heading as plain text.
     pub(super) heading: String,
-    /// Markup.
+    /// Content as markup, escaped already.
     pub(super) body: String,
 }
 
 impl Section {
+    /// A section; anchor and heading are plain text, the body is markup.
     pub(super) fn new(anchor: &str, heading: &str, body: String) -> Self {
         Self { anchor: anchor.to_owned(), heading: heading.to_owned(), body }
     }
 }
 
-/// A whole page: no scripts, no links to anywhere else. `header` is markup between the notes and the links to the
-/// sections; sections without a body are left out.
+/// A whole page. `header` is markup between the notes and the links to the sections. Sections with an empty body are left out.
 pub(super) fn document(title: &str, by: &str, notes: &[String], header: &str, sections: &[Section]) -> String {
     let sections: Vec<&Section> = sections.iter().filter(|s| !s.body.is_empty()).collect();
     let mut page = String::new();
-    // Formatting into a String cannot fail, here and below.
+    // Writing into a String cannot fail, here and below.
     let _ = write!(
         page,
         "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
@@ -55,7 +55,7 @@ pub(super) fn document(title: &str, by: &str, notes: &[String], header: &str, se
     page
 }
 
-/// Short facts side by side; those without a value are left out.
+/// Short facts side by side. Those with an empty value are left out.
 pub(super) fn facts(facts: &[(&str, String)]) -> String {
     let mut out = String::from("<dl class=\"facts\">\n");
     for (name, value) in facts.iter().filter(|(_, value)| !value.is_empty()) {
@@ -65,7 +65,7 @@ pub(super) fn facts(facts: &[(&str, String)]) -> String {
     out
 }
 
-/// A figure with its title as a heading of this level and its caption.
+/// A figure with its caption and with its title as a heading of this level.
 pub(super) fn figure(anchor: &str, level: u8, figure: &Figure) -> String {
     format!(
         "<figure id=\"{}\">\n<h{level}>{}</h{level}>\n<div class=\"scroll\">{}</div>\n<figcaption>{}</figcaption>\n</figure>\n",
@@ -76,13 +76,15 @@ pub(super) fn figure(anchor: &str, level: u8, figure: &Figure) -> String {
     )
 }
 
-/// The beginning of a table, to be ended by [`END_OF_TABLE`]: class (`n` for numbers) and markup of each head.
+/// The beginning of a table, which [`END_OF_TABLE`] ends. Each head has a class (`n` for a column of numbers) and markup.
 pub(super) fn table<T: AsRef<str>>(heads: &[(&str, T)]) -> String {
     format!("<div class=\"scroll\"><table>\n{}<tbody>\n", head(heads))
 }
 
+/// The end of a table.
 pub(super) const END_OF_TABLE: &str = "</tbody></table></div>\n";
 
+/// The row of the heads of a table.
 pub(super) fn head<T: AsRef<str>>(heads: &[(&str, T)]) -> String {
     let cells: String = heads
         .iter()
@@ -95,12 +97,12 @@ fn class_of(class: &str) -> String {
     if class.is_empty() { String::new() } else { format!(" class=\"{class}\"") }
 }
 
-/// Escaped text that may be broken after the slashes of a path.
+/// Escaped text that a browser may break after each slash of a path.
 pub(super) fn breakable(text: &str) -> String {
     escape(text).replace('/', "/<wbr>")
 }
 
-/// Escaped text with `code` between backticks set as such.
+/// Escaped text in which text between backticks is set as code. With an odd number of backticks they stay as they are.
 pub(super) fn prose(text: &str) -> String {
     if text.matches('`').count() % 2 == 1 {
         return escape(text);
@@ -111,7 +113,7 @@ pub(super) fn prose(text: &str) -> String {
         .collect()
 }
 
-/// `0.01000` as `0.01`: for numbers that are settings, not results.
+/// A number without trailing zeros, `0.01000` as `0.01`, for numbers that are settings and not results.
 pub(super) fn trimmed(number: &str) -> &str {
     if number.contains('.') && !number.contains('·') {
         number.trim_end_matches('0').trim_end_matches('.')

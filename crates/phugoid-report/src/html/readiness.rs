@@ -1,4 +1,4 @@
-//! The table that says which parameters may be believed.
+//! The table of the readiness of the parameters: which of them can be used, and what would help for the others.
 
 use std::fmt::Write as _;
 
@@ -8,7 +8,7 @@ use super::page::{END_OF_TABLE, table};
 use crate::escape::escape;
 use crate::ticks::fixed;
 
-/// Every estimated parameter with its verdict, reason and advice; nothing for a method that gives no verdict.
+/// Every estimated parameter with verdict, reason and advice; empty for a method that gives no verdict.
 pub(super) fn readiness(estimation: &Estimation) -> String {
     let rows: Vec<(&str, &ParameterReadiness)> = estimation
         .parameters

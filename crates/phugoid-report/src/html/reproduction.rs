@@ -1,38 +1,22 @@
 //! The page of reproduced cases and studies.
 
-use phugoid_thesis::group::{Group, group_of};
-use phugoid_thesis::result::{Reproduction, Requirement};
+use phugoid_thesis::group::Group;
+use phugoid_thesis::result::Reproduction;
 
 use super::page::{self, Section};
 use crate::escape::escape;
 
 mod case;
+mod options;
 mod overview;
+mod parts;
 
 pub(super) use case::plain_table;
+pub use options::{NotRun, ReproductionOptions};
+use parts::grouped;
 
-/// What a page of reproductions says beyond them.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct ReproductionOptions {
-    /// Heading; `The thesis, case by case` where none.
-    pub title: Option<String>,
-    /// Paragraphs shown under the heading, e.g. how to repeat it.
-    pub notes: Vec<String>,
-    /// Cases and studies that ended without a result.
-    pub not_run: Vec<NotRun>,
-}
-
-/// A case or study without a result.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct NotRun {
-    /// Id.
-    pub id: String,
-    /// Why.
-    pub reason: String,
-}
-
-/// Reproduced cases and studies as one self-contained HTML page, in the order given, by group: no scripts, no links to
-/// anywhere else, figures inline. Two calls with the same arguments give the same bytes. Ids have to be different.
+/// Reproduced cases and studies as one HTML page without scripts and without links to other files, by group and in the order given. Their ids
+/// have to be different. Two calls with the same arguments give the same bytes.
 pub fn reproduction_html(reproductions: &[Reproduction], options: &ReproductionOptions) -> String {
     let title = options.title.clone().unwrap_or_else(|| "The thesis, case by case".to_owned());
     let mut sections = vec![
@@ -40,28 +24,15 @@ pub fn reproduction_html(reproductions: &[Reproduction], options: &ReproductionO
         Section::new("cases", "All cases", overview::cases(reproductions)),
     ];
     for (group, members) in grouped(reproductions) {
-        let mut body = read_beside(group);
+        let mut body = further_reading(group);
         body.extend(members.iter().map(|reproduction| case::case(reproduction)));
         sections.push(Section::new(group.id, group.title, body));
     }
     page::document(&title, "Reproduced by Phugoid", &options.notes, &overview::facts(reproductions), &sections)
 }
 
-/// Neighbours of one group together, in the order given.
-fn grouped(reproductions: &[Reproduction]) -> Vec<(&'static Group, Vec<&Reproduction>)> {
-    let mut groups: Vec<(&Group, Vec<&Reproduction>)> = Vec::new();
-    for reproduction in reproductions {
-        let group = group_of(&reproduction.id);
-        match groups.iter_mut().find(|(known, _)| known.id == group.id) {
-            Some((_, members)) => members.push(reproduction),
-            None => groups.push((group, vec![reproduction])),
-        }
-    }
-    groups
-}
-
-/// Theory and code to read beside the cases of a group.
-fn read_beside(group: &Group) -> String {
+/// Where theory and code of a group can be read.
+fn further_reading(group: &Group) -> String {
     let mut parts = Vec::new();
     if !group.theory.is_empty() {
         let headings: Vec<String> = group.theory.iter().map(|h| format!("“{}”", escape(h))).collect();
@@ -76,22 +47,4 @@ fn read_beside(group: &Group) -> String {
     } else {
         format!("<p class=\"note\">Read beside it: {}.</p>\n", parts.join("; "))
     }
-}
-
-fn link(id: &str) -> String {
-    format!("<a href=\"#{id}\">{id}</a>", id = escape(id))
-}
-
-/// How many of these requirements are met, in words and colour.
-fn met_of(requirements: &[Requirement]) -> String {
-    let met = requirements.iter().filter(|r| r.met).count();
-    match requirements.len() {
-        0 => "–".to_owned(),
-        all if met == all => status("good", &format!("{met} of {all}")),
-        all => status("bad", &format!("{met} of {all}")),
-    }
-}
-
-fn status(class: &str, words: &str) -> String {
-    format!("<span class=\"status {class}\">{}</span>", escape(words))
 }

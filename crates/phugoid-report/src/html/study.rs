@@ -1,4 +1,4 @@
-//! A page of tables and charts under headings, for results that are neither an estimation nor a reproduction.
+//! A page of tables and charts under headings, for results such as a designed input.
 
 use phugoid_evaluation::chart::Chart;
 use phugoid_evaluation::table::Table;
@@ -7,38 +7,51 @@ use super::page::{self, Section, prose};
 use super::reproduction::plain_table;
 use crate::chart::chart_figure;
 
-/// A section of a page.
+/// A section of a [`StudyPage`].
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct StudySection {
-    /// Anchor, unique in the page: a word without blanks.
+    /// Anchor: a word without blanks, which has to be unique in the page.
     pub anchor: String,
-    /// Heading.
+    /// Heading of the section.
     pub heading: String,
-    /// Paragraphs; `code` between backticks.
+    /// Paragraphs. Text between backticks is set as code.
     pub paragraphs: Vec<String>,
-    /// Tables, below the paragraphs.
+    /// Tables, which stand below the paragraphs.
     pub tables: Vec<Table>,
-    /// Charts, below the tables.
+    /// Charts, which stand below the tables.
     pub charts: Vec<Chart>,
 }
 
-/// A page.
+/// A page of tables and charts; [`study_html`] writes it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct StudyPage {
-    /// Heading.
+    /// Heading of the page.
     pub title: String,
-    /// Line below it, e.g. `Designed by Phugoid`.
+    /// Line below the heading, such as `Designed by Phugoid`.
     pub by: String,
-    /// Paragraphs under the heading, e.g. how to repeat it.
+    /// Paragraphs under the heading, such as how to repeat the study. Text between backticks is set as code.
     pub notes: Vec<String>,
-    /// Short facts side by side: name and value.
+    /// Short facts that stand side by side, each with name and value. Those with an empty value are left out.
     pub facts: Vec<(String, String)>,
-    /// Sections in the order to be shown.
+    /// Sections in the order in which they are shown. Those without content are left out.
     pub sections: Vec<StudySection>,
 }
 
-/// Tables and charts as one self-contained HTML page: no scripts, no links to anywhere else, figures inline. Two calls with the
-/// same page give the same bytes.
+/// Tables and charts as one HTML page without scripts and without links to other files. Two calls with the same page give the same bytes.
+///
+/// ```
+/// use phugoid_report::{StudyPage, StudySection, study_html};
+/// use phugoid_thesis::result::{Cell, Column, Table};
+///
+/// let table = Table {
+///     title: "Bounds".to_owned(),
+///     columns: vec![Column::new("Parameter", ""), Column::new("Sigma", "1/rad")],
+///     rows: vec![vec![Cell::from("Cm_alpha"), Cell::from(0.0203)]],
+/// };
+/// let section = StudySection { anchor: "bounds".to_owned(), tables: vec![table], ..StudySection::default() };
+/// let page = study_html(&StudyPage { title: "A < B".to_owned(), sections: vec![section], ..StudyPage::default() });
+/// assert!(page.contains("<h1>A &lt; B</h1>") && page.contains("<td class=\"n\">0.02030</td>"));
+/// ```
 pub fn study_html(page: &StudyPage) -> String {
     let facts: Vec<(&str, String)> = page.facts.iter().map(|(name, value)| (name.as_str(), value.clone())).collect();
     let sections: Vec<Section> = page

@@ -1,22 +1,22 @@
-//! The tables of the page.
+//! The tables of the page of an estimation.
 
 use std::fmt::Write as _;
 
 use phugoid_flight_data::quality::{QualityReport, Severity};
 use phugoid_identification::estimation::{Estimation, FinalStatus, ParameterResult};
 
-use super::HtmlOptions;
+use super::options::HtmlOptions;
 use super::page::{END_OF_TABLE, head, prose, table, trimmed};
 use crate::escape::escape;
 use crate::figures::{event_kind, unit_of};
-use crate::names::{HumanUnit, human_unit, signal_label};
+use crate::names::{DisplayUnit, display_unit, signal_label};
 use crate::statistics::output_fits;
 use crate::ticks::{fixed, significant};
 
-/// Events listed; more are counted.
+/// Events that are listed; further ones are only counted.
 const MOST_EVENTS: usize = 300;
 
-/// Every parameter: what a reader wants first, then how it came about.
+/// The two tables of the parameters: the results, then what was known before and what the record added.
 pub(super) fn parameters(estimation: &Estimation) -> String {
     if estimation.parameters.is_empty() {
         return String::new();
@@ -60,7 +60,7 @@ pub(super) fn parameters(estimation: &Estimation) -> String {
     out
 }
 
-/// A table of all parameters, those that only support the others in a group of their own.
+/// A table of all parameters, with the nuisance parameters in a group of their own.
 fn grouped(estimation: &Estimation, heads: &[(&str, &str)], row: impl Fn(&ParameterResult) -> String) -> String {
     let mut out = String::from("<div class=\"scroll\"><table class=\"parameters\">\n");
     out.push_str(&head(heads));
@@ -81,6 +81,7 @@ fn grouped(estimation: &Estimation, heads: &[(&str, &str)], row: impl Fn(&Parame
     out
 }
 
+/// The row of a parameter in the table of the results.
 fn result_row(estimation: &Estimation, parameter: &ParameterResult, truth: bool) -> String {
     let unit = unit_of(estimation, &parameter.name);
     let number = |value: f64, digits| significant(value * unit.factor, digits);
@@ -112,6 +113,7 @@ fn result_row(estimation: &Estimation, parameter: &ParameterResult, truth: bool)
     )
 }
 
+/// The row of a parameter in the table of what was known before.
 fn prior_row(estimation: &Estimation, parameter: &ParameterResult) -> String {
     let unit = unit_of(estimation, &parameter.name);
     let number = |value: f64, digits| significant(value * unit.factor, digits);
@@ -132,11 +134,12 @@ fn prior_row(estimation: &Estimation, parameter: &ParameterResult) -> String {
     format!("<tr>{}{}</tr>\n", first_cells(parameter, &unit), number_cells(&cells))
 }
 
-fn first_cells(parameter: &ParameterResult, unit: &HumanUnit) -> String {
+/// The cells of name and unit.
+fn first_cells(parameter: &ParameterResult, unit: &DisplayUnit) -> String {
     format!("<th scope=\"row\">{}</th><td>{}</td>", escape(&parameter.name), escape(&unit.text))
 }
 
-/// Cells of markup that is safe already.
+/// Cells of numbers; their content is markup, escaped already.
 pub(super) fn number_cells(cells: &[String]) -> String {
     cells.iter().map(|cell| format!("<td class=\"n\">{cell}</td>")).collect()
 }
@@ -145,6 +148,7 @@ fn dash() -> String {
     "–".to_owned()
 }
 
+/// A standard error in per cent of the value.
 fn percent(sigma: f64, value: f64) -> String {
     let percent = 100.0 * sigma / value.abs();
     match percent {
@@ -154,6 +158,7 @@ fn percent(sigma: f64, value: f64) -> String {
     }
 }
 
+/// A deviation from the truth in standard errors; emphasised beyond 2.
 fn off_by(sigmas: f64) -> String {
     if !sigmas.is_finite() {
         return "–".to_owned();
@@ -162,7 +167,7 @@ fn off_by(sigmas: f64) -> String {
     if sigmas.abs() > 2.0 { format!("<span class=\"far\">{text}</span>") } else { text }
 }
 
-/// A status in words.
+/// The status of a parameter in words, such as `not excited`.
 pub(super) fn status_words(status: FinalStatus) -> String {
     match status {
         FinalStatus::AtLimit => "at its limit".to_owned(),
@@ -170,7 +175,7 @@ pub(super) fn status_words(status: FinalStatus) -> String {
     }
 }
 
-/// What is left of each output after the model, against the noise assumed.
+/// The fit of each output compared with the noise that was assumed.
 pub(super) fn fit(estimation: &Estimation) -> String {
     let fits = output_fits(estimation);
     if fits.is_empty() {
@@ -187,7 +192,7 @@ pub(super) fn fit(estimation: &Estimation) -> String {
         ("n", "Samples"),
     ]);
     for fit in fits {
-        let unit = human_unit(&fit.unit);
+        let unit = display_unit(&fit.unit);
         let _ = write!(
             out,
             "<tr><th scope=\"row\">{}</th><td>{}</td>",
@@ -216,7 +221,7 @@ pub(super) fn fit(estimation: &Estimation) -> String {
     out
 }
 
-/// What the reader of the record found.
+/// What was found about the quality of the record when it was read.
 pub(super) fn quality(estimation: &Estimation) -> String {
     let quality = &estimation.quality;
     if *quality == QualityReport::default() {
@@ -236,6 +241,7 @@ pub(super) fn quality(estimation: &Estimation) -> String {
     out
 }
 
+/// The table of the findings.
 fn findings(quality: &QualityReport) -> String {
     let mut out = table(&[("", "Severity"), ("", "Where"), ("", "Finding")]);
     for finding in &quality.findings {
@@ -255,7 +261,7 @@ fn findings(quality: &QualityReport) -> String {
     out
 }
 
-/// Where each channel came from, so that a wrong column or unit is seen.
+/// The column and the unit of each channel, so that a wrong one can be seen.
 fn channels(quality: &QualityReport) -> String {
     if quality.channels.is_empty() {
         return String::new();
@@ -288,7 +294,7 @@ fn channels(quality: &QualityReport) -> String {
     out
 }
 
-/// What happened in flight.
+/// The events of the estimation.
 pub(super) fn events(estimation: &Estimation) -> String {
     if estimation.events.is_empty() {
         return String::new();
@@ -310,7 +316,7 @@ pub(super) fn events(estimation: &Estimation) -> String {
     out
 }
 
-/// Estimator, model and settings.
+/// The table of estimator, model and settings.
 pub(super) fn method(estimation: &Estimation, options: &HtmlOptions) -> String {
     let mut rows: Vec<(&str, &str)> = vec![("Method", estimation.method.name()), ("Model", &estimation.model)];
     rows.extend(options.settings.iter().map(|(name, value)| (name.as_str(), value.as_str())));

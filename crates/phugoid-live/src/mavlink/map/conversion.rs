@@ -1,4 +1,4 @@
-//! From the numbers of a field to SI.
+//! From the raw value of a field to SI.
 
 use phugoid_flight_data::channels;
 use phugoid_flight_data::csv::ColumnMapping;
@@ -7,7 +7,7 @@ use phugoid_flight_data::units;
 
 use crate::mavlink::units::to_si;
 
-/// Widths of servo pulses count from here, us: the neutral position of every servo.
+/// Servo pulses are counted from this width, us, which is the neutral position.
 const NEUTRAL_US: f64 = 1500.0;
 
 /// `SI value = scale * (raw - zero) + offset`.
@@ -19,23 +19,25 @@ pub(super) struct Conversion {
 }
 
 impl Conversion {
+    /// The value is in SI already.
     pub(super) const NONE: Self = Self { zero: 0.0, scale: 1.0, offset: 0.0 };
 
-    /// Of a unit as MAVLink or a profile writes it, times a factor; none for one that is not understood.
+    /// The conversion of a unit in the spelling of MAVLink or of a profile, times a factor; `None` for a unit that is not known.
     pub(super) fn of_unit(unit: &str, factor: f64) -> Option<Self> {
         to_si(unit).map(|(scale, offset)| Self { zero: 0.0, scale: factor * scale, offset })
     }
 
+    /// The value in SI.
     pub(super) fn si(self, raw: f64) -> f64 {
         self.scale * (raw - self.zero) + self.offset
     }
 }
 
-/// How a mapping of the model file converts a field whose own unit is this.
+/// The conversion of a field that the model file maps to a channel; the unit of the mapping wins over that of the field.
 ///
 /// # Errors
-/// A unit that does not suit the channel; a command without a factor to an angle.
-pub(super) fn by_hand(mapping: &ColumnMapping, unit_of_field: &str) -> Result<Conversion, String> {
+/// A sentence for people: a unit that does not suit the channel, or a command without a scale to an angle.
+pub(super) fn of_mapping(mapping: &ColumnMapping, unit_of_field: &str) -> Result<Conversion, String> {
     let quantity = channels::by_name(&mapping.channel).map_or(Quantity::Number, |spec| spec.quantity);
     if let Some(text) = &mapping.unit {
         let Some(unit) = units::find_for(text, quantity) else {

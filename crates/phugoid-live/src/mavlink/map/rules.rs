@@ -1,4 +1,4 @@
-//! Which field is which channel: by the model file, by name, and by the profile `crates/phugoid-flight-data/profiles/mavlink.toml`.
+//! Which field is which channel: by the model file, by the name of a value, and by the profile `crates/phugoid-flight-data/profiles/mavlink.toml`.
 
 use std::collections::BTreeMap;
 
@@ -8,60 +8,66 @@ use phugoid_flight_data::profile::{FieldName, Profile, Source};
 use phugoid_flight_data::record::Quantity;
 use phugoid_flight_data::units;
 
-use super::conversion::{Conversion, by_hand};
-use crate::mavlink::definitions::{self, Field, Message};
-use crate::receiver::AIRSPEED_COST;
+use super::conversion::{Conversion, of_mapping};
+use crate::airspeed;
+use crate::mavlink::definitions::{self, Field, Message, NAMED_VALUE_FLOAT};
 
-/// A message that gave a channel and has been silent for this long, s, leaves it to the next.
-const GIVEN_UP_S: f64 = 1.0;
-/// Names of values that are kept; a sender has some dozens.
+/// If the best source of a channel has been silent for this long, s, the next one takes over.
+const TAKE_OVER_S: f64 = 1.0;
+/// Names of `NAMED_VALUE_FLOAT` that are kept; a sender has some dozens.
 const MOST_NAMES: usize = 1024;
-/// Ranks of what gives a channel, the best first: the model file, a value under the channel's name, then the profile's sources.
-const BY_HAND: usize = 0;
+/// Ranks of the sources of a channel, the best first: a mapping of the model file, ...
+const BY_MAPPING: usize = 0;
+/// ... a value under the name of the channel, ...
 const BY_NAME: usize = 1;
+/// ... and the sources of the profile in their order, from here on.
 const BY_PROFILE: usize = 2;
 
-/// A value of a channel.
+/// A value of a channel, SI.
 pub(super) struct Reading {
     pub(super) channel: usize,
     pub(super) value: f64,
 }
 
-/// The fields that are read, by message.
+/// What is read from which message.
 pub(super) struct Rules {
     by_message: BTreeMap<u32, Vec<Rule>>,
-    /// What the names of `NAMED_VALUE_FLOAT` mean: those of the model file, and those that came, for to find one takes time.
+    /// Channel of each name of `NAMED_VALUE_FLOAT`: those of the model file, and those that have come, because the search takes time.
     named: BTreeMap<String, Option<(usize, Conversion)>>,
     channels: Vec<String>,
-    /// How many of them are in the samples.
+    /// How many of the channels are in the samples.
     asked: usize,
-    /// What a user has to know of the mappings.
-    pub(super) doubts: Vec<String>,
-    /// Per channel: rank of what gives it, and when it did last, s.
+    /// Warnings for people about the mappings.
+    pub(super) warnings: Vec<String>,
+    /// For each channel the rank of its present source, and the stamp of its last value, s.
     given_by: Vec<(usize, f64)>,
 }
 
+/// A source of a channel.
 #[derive(Clone, Debug)]
 struct Rule {
     what: What,
     channel: usize,
-    /// Of several, the lowest gives the channel.
+    /// The source with the lowest rank gives the channel.
     rank: usize,
     conversion: Conversion,
 }
 
+/// How the raw value is obtained from a message.
 #[derive(Clone, Debug)]
 enum What {
-    /// A field and which of its elements.
+    /// An element of a field.
     Element(Field, usize),
-    /// What a source of the profile computes of four fields.
+    /// Computed from four fields, as a source of the profile says, such as an angle from a quaternion.
     Computed([Field; 4], Box<Source>),
 }
 
 impl Rules {
+    /// The rules for these channels, of which the first `asked` are in the samples.
+    ///
     /// # Errors
-    /// A mapping to a message that exists with a field that it does not have, or a unit that does not suit the channel; a profile
-    /// that the messages do not fit.
+    /// A sentence for people: a mapping to a field that its message does not have, a unit that does not suit the channel, or a profile with a
+    /// field that MAVLink does not have.
     pub(super) fn new(
         channels: &[String],
         asked: usize,
@@ -73,7 +79,7 @@ impl Rules {
             named: BTreeMap::new(),
             channels: channels.to_vec(),
             asked,
-            doubts: columns.iter().filter_map(|mapping| doubt(mapping, profile)).collect(),
+            warnings: columns.iter().filter_map(|mapping| warning(mapping, profile)).collect(),
             given_by: vec![(usize::MAX, f64::NEG_INFINITY); channels.len()],
         };
         for mapping in columns {
@@ -91,7 +97,7 @@ impl Rules {
         Ok(rules)
     }
 
-    /// Takes a mapping of the model file, if it is of a channel that is wanted and names a message.
+    /// Adds a mapping of the model file, if its channel is wanted and it names a message.
     fn map(&mut self, mapping: &ColumnMapping) -> Result<(), String> {
         let of_mavlink = |(header, _): (&str, f64)| {
             header.trim().split_once('.').is_some_and(|(message, _)| definitions::by_name(message).is_some())
@@ -106,8 +112,8 @@ impl Rules {
         let Some((message, field)) = mapping.header.trim().split_once('.') else { return Ok(()) };
         let channel = self.channels.iter().position(|channel| *channel == mapping.channel);
         let (Some(message), Some(channel)) = (definitions::by_name(message), channel) else { return Ok(()) };
-        if message.name == "NAMED_VALUE_FLOAT" {
-            let conversion = by_hand(mapping, "")?;
+        if message.id == NAMED_VALUE_FLOAT {
+            let conversion = of_mapping(mapping, "")?;
             self.named.insert(field.to_owned(), Some((channel, conversion)));
             return Ok(());
         }
@@ -120,15 +126,15 @@ impl Rules {
                 fields.join(", ")
             ));
         };
-        let conversion = by_hand(mapping, found.unit)?;
-        let rule = Rule { what: What::Element(found.clone(), element), channel, rank: BY_HAND, conversion };
+        let conversion = of_mapping(mapping, found.unit)?;
+        let rule = Rule { what: What::Element(found.clone(), element), channel, rank: BY_MAPPING, conversion };
         self.by_message.entry(message.id).or_default().push(rule);
         Ok(())
     }
 
-    /// Gives the values of a message, SI.
+    /// Hands the values of a message to `out`, SI.
     pub(super) fn read(&mut self, message: &Message, payload: &[u8], stamp_s: f64, out: &mut dyn FnMut(Reading)) {
-        if message.name == "NAMED_VALUE_FLOAT" {
+        if message.id == NAMED_VALUE_FLOAT {
             return self.read_named(message, payload, stamp_s, out);
         }
         let Some(rules) = self.by_message.get(&message.id) else { return };
@@ -149,8 +155,8 @@ impl Rules {
         }
     }
 
-    /// The channel that a name, or a synonym, means: of those in the samples any, of the others the likeliest meaning alone (`p` is no
-    /// pressure where no roll rate is asked for).
+    /// The channel that a name or a synonym means. A channel of the samples wins; for the others only the likeliest meaning counts, so that `p`,
+    /// the roll rate, is not taken for a pressure where no roll rate is asked for.
     fn by_name(&self, name: &str) -> Option<usize> {
         let position = |name: &str| self.channels.iter().position(|channel| channel == name);
         let known = channels::by_any_name(name);
@@ -158,7 +164,7 @@ impl Rules {
         position(name).or(in_samples).or_else(|| known.first().and_then(|spec| position(spec.name)))
     }
 
-    /// A value under the name of a channel, SI (`elevator` in rad), or under a name of the model file.
+    /// Reads a `NAMED_VALUE_FLOAT`: under the name of a channel in SI (`elevator` in rad), or under a name of the model file in its unit.
     fn read_named(&mut self, message: &Message, payload: &[u8], stamp_s: f64, out: &mut dyn FnMut(Reading)) {
         let name = message.field("name").and_then(|field| field.text(payload));
         let value = message.field("value").and_then(|field| field.value(payload, 0));
@@ -181,16 +187,22 @@ impl Rules {
     }
 }
 
-/// A mapping that takes another airspeed for the true one, as a user may: said, with what it costs.
-fn doubt(mapping: &ColumnMapping, profile: &Profile) -> Option<String> {
+/// A warning if a mapping takes another airspeed for the true one. That is allowed, but the estimates have an error then.
+fn warning(mapping: &ColumnMapping, profile: &Profile) -> Option<String> {
     let header = mapping.header.trim();
     let speeds = ["equivalent_airspeed", "calibrated_airspeed", "indicated_airspeed"];
     let mut others = speeds.iter().filter_map(|name| profile.channel(name)).flat_map(|entry| &entry.sources);
     let is_other = mapping.channel == "true_airspeed" && others.any(|source| source.field.to_string() == header);
-    is_other.then(|| format!("[channels] takes {header} for the true airspeed V, which it is not: {AIRSPEED_COST}"))
+    is_other.then(|| {
+        format!(
+            "[channels] takes {header} for the true airspeed V, which it is not: {}",
+            airspeed::ERROR_WITHOUT_DENSITY
+        )
+    })
 }
 
-/// The message of a profile's source, what is read of it, and how it becomes SI: units of the definitions win over the profile's.
+/// The message of a source of the profile, what is read from it, and how it is converted to SI. The unit of the definition wins over that of
+/// the profile.
 fn of_source(source: &Source) -> Result<(&'static Message, What, Conversion), String> {
     let missing = |name: &FieldName| format!("MAVLink has no {name}");
     let found = |name: &FieldName| {
@@ -213,38 +225,39 @@ fn of_source(source: &Source) -> Result<(&'static Message, What, Conversion), St
     Ok((message, what, conversion))
 }
 
-/// May a source of this rank give the channel now?
+/// Whether a source of this rank gives the channel now. It does if no better one has given a value within the last second.
 fn gives(given_by: &mut (usize, f64), rank: usize, stamp_s: f64) -> bool {
     let (best, last_s) = *given_by;
-    let given_up = (stamp_s - last_s).abs() > GIVEN_UP_S;
-    if rank <= best || given_up {
+    let silent = (stamp_s - last_s).abs() > TAKE_OVER_S;
+    if rank <= best || silent {
         *given_by = (rank, stamp_s);
         return true;
     }
     false
 }
 
-/// A field, or an element of one, by its name: `actuator[3]`.
+/// The field and element that a name means: `pitch`, `actuator[3]`.
 fn element_of<'a>(message: &'a Message, name: &str) -> Option<(&'a Field, usize)> {
     let parts = name.strip_suffix(']').and_then(|inner| inner.rsplit_once('['));
     let (name, element) = parts.and_then(|(name, index)| Some((name, index.parse().ok()?))).unwrap_or((name, 0));
     message.field(name).filter(|found| element < found.count.max(1)).map(|found| (found, element))
 }
 
+/// A field as it is to be written in a mapping.
 fn written(field: &Field) -> String {
     if field.count == 0 { field.name.to_owned() } else { format!("{}[0..{}]", field.name, field.count) }
 }
 
-/// The field that says when a message was sampled.
+/// The field with the time at which a message was sampled; `None` if the message has none.
 pub(super) fn time_field(message: &Message) -> Option<&Field> {
     ["time_usec", "time_boot_ms"].iter().find_map(|name| message.field(name))
 }
 
-/// When a message was sampled, s, by its own clock.
+/// The time at which a message was sampled by the sender's clock, s; `None` if the message has no time.
 pub(super) fn stamp_s(message: &Message, payload: &[u8]) -> Option<f64> {
     let field = time_field(message)?;
     let unit = units::find_for(field.unit, Quantity::Time)?;
-    // Divided, not multiplied: so that 100010 ms and 100010000 us are the same number of seconds.
+    // A division gives the same number of seconds for 100010 ms and 100010000 us; a multiplication does not.
     Some(field.value(payload, 0)? / (1.0 / unit.scale).round())
 }
 
@@ -345,12 +358,12 @@ mod tests {
     #[test]
     fn another_airspeed_by_hand_is_said() {
         let channels = ["true_airspeed".to_owned()];
-        let doubts = |header: &str| {
+        let warnings = |header: &str| {
             let mapping = ColumnMapping::new("true_airspeed", header);
-            Rules::new(&channels, 1, &[mapping], &profile()).unwrap().doubts
+            Rules::new(&channels, 1, &[mapping], &profile()).unwrap().warnings
         };
-        assert!(doubts("VFR_HUD.airspeed")[0].contains("35 %"));
-        assert!(doubts("NAMED_VALUE_FLOAT.v_true").is_empty());
+        assert!(warnings("VFR_HUD.airspeed")[0].contains("35 %"));
+        assert!(warnings("NAMED_VALUE_FLOAT.v_true").is_empty());
     }
 
     #[test]

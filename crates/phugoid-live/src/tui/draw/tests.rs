@@ -1,4 +1,4 @@
-//! Pictures as text: what stands where at given sizes.
+//! The view as text at given sizes of the terminal.
 
 use std::time::Duration;
 
@@ -25,33 +25,33 @@ fn estimate(time_s: f64) -> Value {
     ]})
 }
 
-struct Told(State, Instant);
+struct Screen(State, Instant);
 
-impl Told {
+impl Screen {
     fn new(documents: &[Value]) -> Self {
-        let mut told = Self(State::default(), Instant::now());
+        let mut screen = Self(State::default(), Instant::now());
         for document in documents {
-            told.0.take(&document.to_string(), told.1);
+            screen.0.take(&document.to_string(), screen.1);
         }
-        told
+        screen
     }
 
     fn flying() -> Self {
-        let mut told = Self::new(&[serde_json::from_str(HELLO).unwrap()]);
+        let mut screen = Self::new(&[serde_json::from_str(HELLO).unwrap()]);
         for second in 2..=20 {
             let mut estimate = estimate(f64::from(second));
-            // Readiness is told where it was renewed.
+            // Readiness is only where it was renewed.
             for parameter in estimate["parameters"].as_array_mut().into_iter().flatten().filter(|_| second > 4) {
                 parameter.as_object_mut().unwrap().remove("readiness");
             }
-            told.0.take(&estimate.to_string(), told.1);
+            screen.0.take(&estimate.to_string(), screen.1);
         }
         let event = json!({"type": "event", "time_s": 12.4, "kind": "gap", "message": "nothing for 0.31 s"});
         let link = json!({"type": "link", "received": 12_345, "lost": 7, "late": 1, "reordered": 4, "restarts": 0,
             "latency_ms": {"p50": 0.21, "p99_9": 1.9}, "recorded_bytes": 2_500_000, "waiting": null});
-        told.0.take(&event.to_string(), told.1);
-        told.0.take(&link.to_string(), told.1);
-        told
+        screen.0.take(&event.to_string(), screen.1);
+        screen.0.take(&link.to_string(), screen.1);
+        screen
     }
 
     fn lines(&self, width: u16, height: u16, later_s: u64) -> Vec<String> {
@@ -65,7 +65,7 @@ impl Told {
 
 #[test]
 fn a_flight_on_a_wide_terminal() {
-    let lines = Told::flying().lines(110, 14, 0);
+    let lines = Screen::flying().lines(110, 14, 0);
     let expected = [
         "Phugoid  udp:127.0.0.1:14550, model hfb320, method smpe                                          ● live 20.0 s",
         "",
@@ -87,53 +87,53 @@ fn a_flight_on_a_wide_terminal() {
 
 #[test]
 fn the_smallest_terminal_keeps_values_and_verdicts() {
-    let mut told = Told::flying();
-    let lines = told.lines(80, 11, 0);
+    let mut screen = Screen::flying();
+    let lines = screen.lines(80, 11, 0);
     assert!(lines[3].contains("0.15     ± 0.18") && lines[3].contains("⊘ needs another input"), "{lines:?}");
     assert!(lines.iter().all(|line| !line.contains("bias_alpha")), "there is no room for the last: {lines:?}");
-    told.0.scroll(2);
-    let lines = told.lines(80, 11, 0);
+    screen.0.scroll(2);
+    let lines = screen.lines(80, 11, 0);
     assert!(lines[3].starts_with("Cm_q") && lines[4].starts_with("bias_alpha"), "{lines:?}");
-    told.0.scroll(-5);
-    assert!(told.lines(80, 11, 0)[3].starts_with("CL_V"));
+    screen.0.scroll(-5);
+    assert!(screen.lines(80, 11, 0)[3].starts_with("CL_V"));
     // Nothing overflows where there is next to no room.
     for (width, height) in [(1, 1), (20, 3), (40, 6)] {
-        told.lines(width, height, 0);
+        screen.lines(width, height, 0);
     }
 }
 
 #[test]
-fn states_are_told_in_words() {
+fn states_are_shown_in_words() {
     let hello: Value = serde_json::from_str(HELLO).unwrap();
-    assert!(Told::new(&[]).lines(80, 11, 0)[1].contains("Waiting for measurements."));
+    assert!(Screen::new(&[]).lines(80, 11, 0)[1].contains("Waiting for measurements."));
     let link = json!({"type": "link", "received": 40, "waiting": "1.2 s of 2.0 s collected"});
-    let waiting = Told::new(&[hello.clone(), link]).lines(80, 11, 0);
+    let waiting = Screen::new(&[hello.clone(), link]).lines(80, 11, 0);
     assert!(waiting[0].contains("◌ waiting") && waiting[1].contains("1.2 s of 2.0 s collected"), "{waiting:?}");
-    let stale = Told::flying().lines(80, 11, 7);
+    let stale = Screen::flying().lines(80, 11, 7);
     assert!(stale[0].contains("△ old data 20.0 s") && stale[1].contains("No estimate for 7 s."), "{stale:?}");
-    let mut told = Told::flying();
-    told.0.take(&json!({"type": "end", "reason": "the source has ended"}).to_string(), told.1);
-    let ended = told.lines(80, 11, 60);
+    let mut screen = Screen::flying();
+    screen.0.take(&json!({"type": "end", "reason": "the source has ended"}).to_string(), screen.1);
+    let ended = screen.lines(80, 11, 60);
     assert!(ended[0].contains("■ ended") && ended[1].contains("the source has ended"), "{ended:?}");
-    told = Told::flying();
+    screen = Screen::flying();
     let mut doubt = estimate(21.0);
     doubt["change"] = json!("in_doubt");
-    told.0.take(&doubt.to_string(), told.1);
-    assert!(told.lines(80, 11, 0)[1].contains("A change of the aircraft is suspected"));
-    told.0.take("{\"type\":", told.1);
-    assert!(told.lines(80, 11, 0)[1].contains("was not understood"));
-    // A later version's documents are no trouble.
-    let told = Told::new(&[hello, json!({"type": "weather"})]);
-    assert!(told.0.trouble.is_none());
+    screen.0.take(&doubt.to_string(), screen.1);
+    assert!(screen.lines(80, 11, 0)[1].contains("A change of the aircraft is suspected"));
+    screen.0.take("{\"type\":", screen.1);
+    assert!(screen.lines(80, 11, 0)[1].contains("was not understood"));
+    // Types of later versions are ignored.
+    let screen = Screen::new(&[hello, json!({"type": "weather"})]);
+    assert!(screen.0.unreadable.is_none());
 }
 
 #[test]
 fn a_pause_holds_the_picture_while_documents_are_taken() {
-    let mut told = Told::flying();
-    told.0.pause();
-    told.0.take(&estimate(30.0).to_string(), told.1);
-    let paused = told.lines(80, 11, 0);
+    let mut screen = Screen::flying();
+    screen.0.pause();
+    screen.0.take(&estimate(30.0).to_string(), screen.1);
+    let paused = screen.lines(80, 11, 0);
     assert!(paused[0].contains("‖ paused 20.0 s"), "{paused:?}");
-    told.0.pause();
-    assert!(told.lines(80, 11, 0)[0].contains("● live 30.0 s"));
+    screen.0.pause();
+    assert!(screen.lines(80, 11, 0)[0].contains("● live 30.0 s"));
 }

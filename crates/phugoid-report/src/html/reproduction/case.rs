@@ -1,4 +1,4 @@
-//! One case or study in full.
+//! The part of the page with everything about one case or study.
 
 use std::fmt::Write as _;
 
@@ -6,14 +6,15 @@ use phugoid_evaluation::table::{Cell, Table};
 use phugoid_thesis::result::{Behaviour, Outcome, ParameterOutcome, Reproduction};
 
 use super::super::page::{self, END_OF_TABLE, prose, table};
-use super::{met_of, status};
+use super::parts::{met_of, status};
 use crate::chart::chart_figure;
 use crate::escape::escape;
 use crate::ticks::{compact, fixed, significant};
 
+/// The article of a case.
 pub(super) fn case(reproduction: &Reproduction) -> String {
     let mut out = String::new();
-    // Formatting into a String cannot fail, here and below.
+    // Writing into a String cannot fail, here and below.
     let _ = write!(
         out,
         "<article id=\"{id}\">\n<h3><code>{id}</code> {}</h3>\n",
@@ -38,14 +39,14 @@ pub(super) fn case(reproduction: &Reproduction) -> String {
     out
 }
 
-/// A heading and its text; paragraphs are told apart by an empty line.
+/// A heading and its paragraphs, which are separated by empty lines; empty without text.
 fn paragraphs(heading: &str, text: &str) -> String {
     let parts: String =
         text.split("\n\n").filter(|p| !p.trim().is_empty()).map(|p| format!("<p>{}</p>\n", prose(p.trim()))).collect();
     if parts.is_empty() { parts } else { format!("<h4>{heading}</h4>\n{parts}") }
 }
 
-/// What became of a method's estimates, in a word and a colour.
+/// The behaviour of the estimates of a method as a word in colour.
 pub(super) fn behaviour(behaviour: Behaviour) -> String {
     let class = match behaviour {
         Behaviour::Converges => "good",
@@ -55,6 +56,7 @@ pub(super) fn behaviour(behaviour: Behaviour) -> String {
     status(class, behaviour.word())
 }
 
+/// The table of the estimates of each method.
 fn outcomes(outcomes: &[Outcome]) -> String {
     if outcomes.is_empty() {
         return String::new();
@@ -95,6 +97,7 @@ fn outcomes(outcomes: &[Outcome]) -> String {
     out
 }
 
+/// The cells of one parameter in that table.
 fn parameter_cells(parameter: Option<&ParameterOutcome>) -> String {
     let Some(p) = parameter else { return "<td colspan=\"8\"></td>".to_owned() };
     let dash = || "–".to_owned();
@@ -119,11 +122,12 @@ fn parameter_cells(parameter: Option<&ParameterOutcome>) -> String {
     format!("<td>{}</td>{numbers}", escape(&p.name))
 }
 
-/// A very small error by its size alone: its digits say nothing.
+/// A very small error with one digit, because further digits mean nothing.
 fn compact_error(error: f64) -> String {
     if error == 0.0 { "0".to_owned() } else { significant(error, 1) }
 }
 
+/// The table of what was required and found.
 fn requirements(reproduction: &Reproduction) -> String {
     if reproduction.requirements.is_empty() {
         return String::new();
@@ -144,6 +148,7 @@ fn requirements(reproduction: &Reproduction) -> String {
     out
 }
 
+/// A table of a result as markup.
 pub(in crate::html) fn plain_table(content: &Table) -> String {
     let number = |column: usize| content.rows.iter().any(|row| matches!(row.get(column), Some(Cell::Number(_))));
     let heads: Vec<(&str, String)> = content
@@ -176,7 +181,7 @@ pub(in crate::html) fn plain_table(content: &Table) -> String {
     out
 }
 
-/// Four digits; whole numbers as such.
+/// A result with four digits; whole numbers without decimals.
 fn result(value: f64) -> String {
     if value == value.round() && value.abs() < 1e6 { fixed(value, 0) } else { significant(value, 4) }
 }

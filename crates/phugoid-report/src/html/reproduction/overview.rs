@@ -1,4 +1,4 @@
-//! The top of the page: what was required, and every case in a row.
+//! The top of the page: which requirements are met, and a table with a row for each case.
 
 use std::fmt::Write as _;
 
@@ -6,11 +6,12 @@ use phugoid_thesis::result::{Behaviour, Outcome, Reproduction, Role};
 
 use super::super::page::{self, END_OF_TABLE, prose, table};
 use super::case::behaviour;
-use super::{NotRun, grouped, link, met_of, status};
+use super::options::NotRun;
+use super::parts::{grouped, link, met_of, status};
 use crate::escape::escape;
 use crate::ticks::significant;
 
-/// Counts.
+/// Counts of cases, figures and requirements.
 pub(super) fn facts(reproductions: &[Reproduction]) -> String {
     let requirements = || reproductions.iter().flat_map(|r| &r.requirements);
     let met = requirements().filter(|r| r.met).count();
@@ -22,7 +23,7 @@ pub(super) fn facts(reproductions: &[Reproduction]) -> String {
     ])
 }
 
-/// Which requirements are not met, and the contents by group.
+/// The requirements that are not met, the cases without a result, and the contents by group.
 pub(super) fn summary(reproductions: &[Reproduction], not_run: &[NotRun]) -> String {
     let all = reproductions.iter().map(|r| r.requirements.len()).sum::<usize>();
     let missed: Vec<_> = reproductions
@@ -30,7 +31,7 @@ pub(super) fn summary(reproductions: &[Reproduction], not_run: &[NotRun]) -> Str
         .flat_map(|r| r.requirements.iter().filter(|q| !q.met).map(|q| (r.id.as_str(), q)))
         .collect();
     let mut out = String::new();
-    // Formatting into a String cannot fail, here and below.
+    // Writing into a String cannot fail, here and below.
     let _ = match (all, missed.len()) {
         (0, _) => writeln!(out, "<p class=\"lead\">Nothing was required of these cases.</p>"),
         (1, 0) => writeln!(out, "<p class=\"lead\">The one requirement is met.</p>"),
@@ -81,7 +82,7 @@ pub(super) fn summary(reproductions: &[Reproduction], not_run: &[NotRun]) -> Str
     out
 }
 
-/// Every case: published time, ours, what became of the printed law.
+/// The table of all cases: the published time, that of the recommended estimator, and the behaviour of the printed law.
 pub(super) fn cases(reproductions: &[Reproduction]) -> String {
     let mut out = table(&[
         ("", "Case"),
@@ -137,20 +138,20 @@ pub(super) fn cases(reproductions: &[Reproduction]) -> String {
     out
 }
 
-/// What became of the published laws: each by name, or counted where they are many.
+/// The behaviour of the published laws: of each by name, or counted if there are more than four.
 fn printed(outcomes: &[Outcome]) -> String {
     let laws: Vec<&Outcome> = outcomes.iter().filter(|o| o.role == Role::Published).collect();
-    let told =
+    let words =
         |word: Behaviour, by: &str| format!("{} <span class=\"by-method\">{}</span>", behaviour(word), escape(by));
-    let told: Vec<String> = match laws.len() {
+    let laws_in_words: Vec<String> = match laws.len() {
         0 => return "–".to_owned(),
-        1..=4 => laws.iter().map(|o| told(o.behaviour, &o.method)).collect(),
+        1..=4 => laws.iter().map(|o| words(o.behaviour, &o.method)).collect(),
         _ => Behaviour::ALL
             .iter()
             .map(|behaviour| (behaviour, laws.iter().filter(|o| o.behaviour == *behaviour).count()))
             .filter(|(_, count)| *count > 0)
-            .map(|(behaviour, count)| told(*behaviour, &format!("{count} of {}", laws.len())))
+            .map(|(behaviour, count)| words(*behaviour, &format!("{count} of {}", laws.len())))
             .collect(),
     };
-    told.join("<br>")
+    laws_in_words.join("<br>")
 }

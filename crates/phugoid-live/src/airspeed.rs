@@ -1,9 +1,10 @@
-//! The true airspeed where a sender gives another one: computed where the density of the air is known, never guessed.
+//! The true airspeed where a sender gives only an equivalent, calibrated or indicated one. It is computed if the density of the air is known;
+//! without a density the channel stays missing.
 
 use phugoid_flight_data::airspeed::{density, true_over_equivalent};
 
-/// Channels of which it is computed, beside those that are asked for: speeds, the best first, then what gives the density.
-pub(super) const NEEDED: [&str; 6] = [
+/// Channels from which it is computed: airspeeds, the best first, then the channels that give the density.
+pub(crate) const SOURCES: [&str; 6] = [
     "equivalent_airspeed",
     "calibrated_airspeed",
     "indicated_airspeed",
@@ -12,18 +13,18 @@ pub(super) const NEEDED: [&str; 6] = [
     "temperature",
 ];
 const SPEEDS: usize = 3;
-/// What is known of the air stands for this long, s, as in a log.
-const STALE_S: f64 = 5.0;
-/// A speed without a density is worth a word after this long, s: other messages come less often.
-const PATIENCE_S: f64 = 2.0;
+/// A value of density, pressure or temperature is used for this long, s, as in a log.
+const AIR_VALID_S: f64 = 5.0;
+/// A missing density is reported only after this long, s, because the messages with pressure and temperature come less often.
+const REPORT_AFTER_S: f64 = 2.0;
 
-/// What becomes of the airspeed.
+/// Computes the true airspeed of each sample.
 #[derive(Clone, Debug)]
-pub(super) struct TrueAirspeed {
-    /// Place of `true_airspeed` in a sample.
+pub(crate) struct TrueAirspeed {
+    /// Index of `true_airspeed` in a sample.
     place: usize,
-    /// Places of [`NEEDED`].
-    needed: [usize; NEEDED.len()],
+    /// Indices of [`SOURCES`] in a sample.
+    sources: [usize; SOURCES.len()],
     /// Density that the model file states, kg/m^3.
     stated: Option<f64>,
     state: State,
@@ -31,71 +32,73 @@ pub(super) struct TrueAirspeed {
 
 #[derive(Clone, Debug, Default)]
 struct State {
-    /// The sender gives it itself.
+    /// The sender gives the true airspeed itself.
     given: bool,
-    /// The best speed that came, a place in [`NEEDED`].
+    /// The best airspeed that has come, an index into [`SOURCES`].
     speed: Option<usize>,
-    /// Density, static pressure and temperature, each with its stamp, s.
+    /// Time, s, and value of the last density, static pressure and temperature, SI.
     air: [Option<(f64, f64)>; 3],
-    /// When the first speed without a density came, s.
-    lacking_s: Option<f64>,
-    lacking: bool,
+    /// Time of the first airspeed without a density, s.
+    missing_since_s: Option<f64>,
+    /// That the density is missing has been reported.
+    missing: bool,
+    /// That the true airspeed is computed has been reported.
     computed: bool,
 }
 
 impl TrueAirspeed {
-    /// For samples with these channels; none if no true airspeed is asked for.
-    pub(super) fn new(channels: &[String]) -> Option<Self> {
+    /// For samples with these channels; `None` if `true_airspeed` is not among them.
+    pub(crate) fn new(channels: &[String]) -> Option<Self> {
         let place = |name: &str| channels.iter().position(|channel| channel == name);
-        let mut needed = [0; NEEDED.len()];
-        for (slot, name) in needed.iter_mut().zip(NEEDED) {
+        let mut sources = [0; SOURCES.len()];
+        for (slot, name) in sources.iter_mut().zip(SOURCES) {
             *slot = place(name)?;
         }
-        Some(Self { place: place("true_airspeed")?, needed, stated: None, state: State::default() })
+        Some(Self { place: place("true_airspeed")?, sources, stated: None, state: State::default() })
     }
 
-    /// With a density that is stated, kg/m^3.
-    pub(super) fn with_density(self, stated: Option<f64>) -> Self {
+    /// Sets the density that the model file states, kg/m^3.
+    pub(crate) fn with_density(self, stated: Option<f64>) -> Self {
         Self { stated, ..self }
     }
 
-    /// Another flight begins.
-    pub(super) fn restart(&mut self) {
+    /// Forgets what was known of the flight before.
+    pub(crate) fn restart(&mut self) {
         self.state = State::default();
     }
 
-    /// Why there is no true airspeed although another one comes.
-    pub(super) fn lacking(&self) -> Option<String> {
-        let speed = self.state.speed.and_then(|speed| NEEDED.get(speed))?;
+    /// A sentence that says what is missing, if another airspeed comes without a density.
+    pub(crate) fn missing(&self) -> Option<String> {
+        let speed = self.state.speed.and_then(|speed| SOURCES.get(speed))?;
         self.state
-            .lacking
+            .missing
             .then(|| format!("{speed} comes, but not the density of the air that would make it the true one"))
     }
 
-    /// Fills in the true airspeed of a sample; what is worth saying goes to `say`.
-    pub(super) fn fill(&mut self, time_s: f64, values: &mut [f64], say: &mut dyn FnMut(String)) {
+    /// Fills in the true airspeed of a sample, m/s, if it can be computed. Messages for people go to `report`.
+    pub(crate) fn fill(&mut self, time_s: f64, values: &mut [f64], report: &mut dyn FnMut(String)) {
         let state = &mut self.state;
         let at = |values: &[f64], place: usize| values.get(place).copied().filter(|value| value.is_finite());
         state.given |= at(values, self.place).is_some();
         if state.given {
-            state.lacking = false;
+            state.missing = false;
             return;
         }
-        for (held, place) in state.air.iter_mut().zip(self.needed.iter().skip(SPEEDS)) {
+        for (held, place) in state.air.iter_mut().zip(self.sources.iter().skip(SPEEDS)) {
             if let Some(value) = at(values, *place) {
                 *held = Some((time_s, value));
             }
         }
-        let came = |speed: &usize| self.needed.get(*speed).is_some_and(|place| at(values, *place).is_some());
+        let came = |speed: &usize| self.sources.get(*speed).is_some_and(|place| at(values, *place).is_some());
         let best = (0..SPEEDS).find(came);
         state.speed = best.into_iter().chain(state.speed).min();
-        let Some((speed, name)) = state.speed.and_then(|speed| Some((*self.needed.get(speed)?, NEEDED.get(speed)?)))
+        let Some((speed, name)) = state.speed.and_then(|speed| Some((*self.sources.get(speed)?, SOURCES.get(speed)?)))
         else {
             return;
         };
         let [measured, pressure, temperature] = state
             .air
-            .map(|held| held.filter(|(stamp, _)| time_s - stamp <= STALE_S).map_or(f64::NAN, |(_, value)| value));
+            .map(|held| held.filter(|(stamp, _)| time_s - stamp <= AIR_VALID_S).map_or(f64::NAN, |(_, value)| value));
         let (rho, from) = match self.stated {
             Some(stated) => (stated, "the density that the model file states"),
             None if measured > 0.0 => (measured, "the density of the air"),
@@ -103,17 +106,17 @@ impl TrueAirspeed {
         };
         let factor = true_over_equivalent(rho);
         if factor.is_nan() {
-            let since_s = *state.lacking_s.get_or_insert(time_s);
-            if !state.lacking && time_s - since_s >= PATIENCE_S {
-                state.lacking = true;
-                say(advice(name));
+            let since_s = *state.missing_since_s.get_or_insert(time_s);
+            if !state.missing && time_s - since_s >= REPORT_AFTER_S {
+                state.missing = true;
+                report(advice(name));
             }
             return;
         }
-        (state.lacking, state.lacking_s) = (false, None);
+        (state.missing, state.missing_since_s) = (false, None);
         if !state.computed {
             state.computed = true;
-            say(format!("the true airspeed V is computed of {name} V_e and {from}: V = V_e sqrt(1.225 / rho)"));
+            report(format!("the true airspeed V is computed of {name} V_e and {from}: V = V_e sqrt(1.225 / rho)"));
         }
         if let (Some(value), Some(slot)) = (at(values, speed), values.get_mut(self.place)) {
             *slot = factor * value;
@@ -121,14 +124,14 @@ impl TrueAirspeed {
     }
 }
 
-/// What it costs to take another airspeed for the true one. By the standard atmosphere (ISO 2533): 1.112 kg/m^3 at 1000 m, 0.909 at
-/// 3000 m; coefficients are forces over the square of the speed.
-pub(crate) const COST: &str =
+/// The error that follows if another airspeed is taken for the true one. From the standard atmosphere (ISO 2533), 1.112 kg/m^3 at 1000 m and
+/// 0.909 kg/m^3 at 3000 m; a coefficient is a force over the square of the speed.
+pub(crate) const ERROR_WITHOUT_DENSITY: &str =
     "at 1000 m it is 5 % lower than V, which makes coefficients 10 % too large, at 3000 m 14 % and 35 %";
 
 fn advice(speed: &str) -> String {
     format!(
-        "{speed} is not the true airspeed V, and not taken for it: {COST}. It becomes V with the density of the air: let air_density come, \
+        "{speed} is not the true airspeed V, and not taken for it: {ERROR_WITHOUT_DENSITY}. It becomes V with the density of the air: let air_density come, \
          or static_pressure and the temperature of the air (not a sensor's own), or state air_density in the model file; or, where the error \
          does not matter, map it: [channels] true_airspeed = {{ header = ... }}"
     )
@@ -174,11 +177,11 @@ mod tests {
             assert!(filled.at(f64::from(k), &[("calibrated_airspeed", 50.0), ("static_pressure", 79_495.0)]).is_nan());
         }
         assert!(filled.said.len() == 1 && filled.said[0].contains("35 %"), "{:?}", filled.said);
-        assert!(filled.airspeed.lacking().is_some());
+        assert!(filled.airspeed.missing().is_some());
         // The standard atmosphere at 2000 m (ISO 2533) has 1.0065 kg/m^3.
         let v = filled.at(5.0, &[("calibrated_airspeed", 50.0), ("temperature", 275.15)]);
         assert!((v - 55.16).abs() < 0.01, "{v}");
-        assert!(filled.airspeed.lacking().is_none() && filled.said[1].contains("static pressure and temperature"));
+        assert!(filled.airspeed.missing().is_none() && filled.said[1].contains("static pressure and temperature"));
         // The air's state stands for five seconds.
         assert!(filled.at(9.0, &[("calibrated_airspeed", 50.0)]) > 55.0);
         assert!(filled.at(9.5, &[("calibrated_airspeed", 50.0)]).is_nan());
