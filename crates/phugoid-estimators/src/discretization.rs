@@ -87,7 +87,6 @@ pub fn step<M, const N: usize, const R: usize, const P: usize>(
 where
     M: Model<N, R, P>,
 {
-    // The full capacity as a constant: its loops unroll.
     if columns >= P {
         step_of(model, x, theta, input, interval_s, part, P, sensitivity, transition)
     } else {

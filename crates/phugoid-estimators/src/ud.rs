@@ -47,8 +47,7 @@ impl<const CAPACITY: usize> Ud<CAPACITY> {
     /// given the later columns is zero but for rounding (below 1e-13 of its variance) gets none: [`Self::solve`] then
     /// leaves it out.
     pub fn from_lower_triangle(lower: &[[f64; CAPACITY]; CAPACITY], len: usize) -> Self {
-        // The full size as a constant: the loops of a filter that is used to its capacity unroll.
-        if len >= CAPACITY { Self::factors_of(lower, CAPACITY) } else { Self::factors_of(lower, len) }
+        if len >= CAPACITY { Self::factors_of(lower, CAPACITY) } else { Self::factors_of(lower, len.min(CAPACITY)) }
     }
 
     #[inline(always)]
@@ -95,8 +94,11 @@ impl<const CAPACITY: usize> Ud<CAPACITY> {
     /// `len` entries) and noise variance `r`. Changes nothing.
     #[inline]
     pub fn project(&self, a: &[f64; CAPACITY], r: f64) -> Projection<CAPACITY> {
-        // The full size as a constant: the loops of a filter that is used to its capacity unroll.
-        if self.len >= CAPACITY { self.project_of(CAPACITY, a, r) } else { self.project_of(self.len, a, r) }
+        if self.len >= CAPACITY {
+            self.project_of(CAPACITY, a, r)
+        } else {
+            self.project_of(self.len.min(CAPACITY), a, r)
+        }
     }
 
     #[inline(always)]
@@ -131,11 +133,10 @@ impl<const CAPACITY: usize> Ud<CAPACITY> {
     /// variance.
     #[inline]
     pub fn update(&mut self, projection: &Projection<CAPACITY>, r: f64) -> [f64; CAPACITY] {
-        // The full size as a constant: the loops of a filter that is used to its capacity unroll.
         if self.len >= CAPACITY {
             self.update_of(CAPACITY, projection, r)
         } else {
-            self.update_of(self.len, projection, r)
+            self.update_of(self.len.min(CAPACITY), projection, r)
         }
     }
 
@@ -194,8 +195,11 @@ impl<const CAPACITY: usize> Ud<CAPACITY> {
     /// Thornton's time update `C <- A C A^T + diag(q)`, `q >= 0`.
     #[inline]
     pub fn predict(&mut self, a: &[[f64; CAPACITY]; CAPACITY], q: &[f64; CAPACITY]) {
-        // The full size as a constant: the loops of a filter that is used to its capacity unroll.
-        if self.len >= CAPACITY { self.predict_of(CAPACITY, a, q) } else { self.predict_of(self.len, a, q) }
+        if self.len >= CAPACITY {
+            self.predict_of(CAPACITY, a, q)
+        } else {
+            self.predict_of(self.len.min(CAPACITY), a, q)
+        }
     }
 
     #[inline(always)]
@@ -258,8 +262,7 @@ impl<const CAPACITY: usize> Ud<CAPACITY> {
     /// The diagonal of `C`.
     #[inline]
     pub fn variances(&self) -> [f64; CAPACITY] {
-        // The full size as a constant: the loops of a filter that is used to its capacity unroll.
-        if self.len >= CAPACITY { self.variances_of(CAPACITY) } else { self.variances_of(self.len) }
+        if self.len >= CAPACITY { self.variances_of(CAPACITY) } else { self.variances_of(self.len.min(CAPACITY)) }
     }
 
     #[inline(always)]
@@ -295,8 +298,7 @@ impl<const CAPACITY: usize> Ud<CAPACITY> {
     /// Column `j` of `C`; zero beyond the size.
     #[inline]
     pub fn column(&self, j: usize) -> [f64; CAPACITY] {
-        // The full size as a constant: the loops of a filter that is used to its capacity unroll.
-        if self.len >= CAPACITY { self.column_of(CAPACITY, j) } else { self.column_of(self.len, j) }
+        if self.len >= CAPACITY { self.column_of(CAPACITY, j) } else { self.column_of(self.len.min(CAPACITY), j) }
     }
 
     #[inline(always)]

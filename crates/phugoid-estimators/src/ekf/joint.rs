@@ -4,10 +4,11 @@ use super::EkfSettings;
 use crate::columns::Columns;
 use crate::discretization::{self, IntervalInput, Part};
 use crate::innovation::{Innovations, RowPhase, ScoredRow};
-use crate::kernels::{add_scaled, dot};
+use crate::kernels::{add_scaled, dot, is_full};
 use crate::model::{LinearizedOutputs, Model};
 use crate::settings::{EstimatorSettings, SettingsError};
 use crate::supervisor::common::{Common, NoiseScore};
+use crate::supervisor::faults::Watch;
 use crate::supervisor::slot::Slot;
 use crate::ud::Ud;
 
@@ -49,9 +50,15 @@ impl<const N: usize, const P: usize> Blocks<N, P> {
         out
     }
 
-    /// `P a`. Most rows measure one state, or a state and a few parameters: the zeros are worth a test.
-    #[inline(always)]
+    /// `P a`.
+    #[inline(never)]
     fn times(&self, p: usize, a: &Stacked<N, P>) -> Stacked<N, P> {
+        if p >= P { self.times_of(P, a) } else { self.times_of(p, a) }
+    }
+
+    /// Most rows measure one state, or a state and a few parameters: the zeros are worth a test.
+    #[inline(always)]
+    fn times_of(&self, p: usize, a: &Stacked<N, P>) -> Stacked<N, P> {
         let mut out = Stacked { x: [0.0; N], t: [0.0; P] };
         for k in 0..N {
             let factor = a.x[k];
@@ -83,8 +90,13 @@ impl<const N: usize, const P: usize> Blocks<N, P> {
     /// Q = P - K v^T,   w = Q a,   P <- Q + K e^T + e K^T,   e = (r K - w)/2
     /// ```
     /// `e` is zero but for the rounding of `Q`, and takes it back.
-    #[inline(always)]
+    #[inline(never)]
     fn update(&mut self, p: usize, a: &Stacked<N, P>, v: &Stacked<N, P>, inverse_s: f64, r: f64) {
+        if p >= P { self.update_of(P, a, v, inverse_s, r) } else { self.update_of(p, a, v, inverse_s, r) }
+    }
+
+    #[inline(always)]
+    fn update_of(&mut self, p: usize, a: &Stacked<N, P>, v: &Stacked<N, P>, inverse_s: f64, r: f64) {
         let gain = Stacked { x: v.x.map(|value| value * inverse_s), t: v.t.map(|value| value * inverse_s) };
         for j in 0..p {
             add_scaled(&mut self.tt[j][..=j], -gain.t[j], &v.t[..=j]);
@@ -95,7 +107,7 @@ impl<const N: usize, const P: usize> Blocks<N, P> {
                 self.xx[k][l] -= gain.x[k] * v.x[l];
             }
         }
-        let w = self.times(p, a);
+        let w = self.times_of(p, a);
         let mut e = Stacked { x: [0.0; N], t: [0.0; P] };
         for (e, (w, gain)) in e.t[..p].iter_mut().zip(w.t[..p].iter().zip(&gain.t[..p])) {
             *e = 0.5 * (r * gain - w);
@@ -325,17 +337,16 @@ impl<const N: usize, const R: usize, const P: usize> Slot<N, R, P> for Joint<N, 
         measured: &[f64; R],
         adapt_noise: bool,
         surface: &mut [f64; P],
-        observe: impl FnMut(ScoredRow<'_>),
+        watch: Option<Watch<'_, R, P>>,
     ) -> Innovations<R>
     where
         M: Model<N, R, P>,
     {
-        // The full capacity as a constant: its loops unroll.
         let p = columns.count;
-        if p >= P {
-            self.correct_of(P, model, settings, columns, input, measured, adapt_noise, surface, observe)
+        if is_full(p, P) {
+            self.correct_of(P, model, settings, columns, input, measured, adapt_noise, surface, watch)
         } else {
-            self.correct_of(p, model, settings, columns, input, measured, adapt_noise, surface, observe)
+            self.correct_of(p, model, settings, columns, input, measured, adapt_noise, surface, watch)
         }
     }
 
@@ -409,7 +420,7 @@ impl<const N: usize, const P: usize> Joint<N, P> {
         measured: &[f64; R],
         adapt_noise: bool,
         surface: &mut [f64; P],
-        mut observe: impl FnMut(ScoredRow<'_>),
+        mut watch: Option<Watch<'_, R, P>>,
     ) -> Innovations<R>
     where
         M: Model<N, R, P>,
@@ -467,7 +478,15 @@ impl<const N: usize, const P: usize> Joint<N, P> {
             for (psi, w) in psi[..p].iter_mut().zip(&w[..p]) {
                 *psi = w / root;
             }
-            observe(ScoredRow { output: i, psi: &psi[..p], xi, v: one_plus_v - 1.0, nn: libm::sqrt(one_plus_v) });
+            if let Some(watch) = &mut watch {
+                watch.see(&ScoredRow {
+                    output: i,
+                    psi: &psi[..p],
+                    xi,
+                    v: one_plus_v - 1.0,
+                    nn: libm::sqrt(one_plus_v),
+                });
+            }
             innovations.whitened[i] = residual / root;
             innovations.normalised[i] = xi;
             innovations.variance[i] = variance;

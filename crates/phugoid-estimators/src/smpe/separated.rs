@@ -5,10 +5,11 @@ use super::reopen;
 use crate::columns::Columns;
 use crate::discretization::{self, IntervalInput, Part};
 use crate::innovation::{Innovations, RowPhase, ScoredRow};
-use crate::kernels::{add_scaled, dot};
+use crate::kernels::{add_scaled_in, dot, dot_in, is_full};
 use crate::model::{LinearizedOutputs, Model};
 use crate::settings::{EstimatorSettings, ReachingState, SettingsError};
 use crate::supervisor::common::{Common, NoiseScore};
+use crate::supervisor::faults::Watch;
 use crate::supervisor::slot::Slot;
 use crate::ud::Ud;
 
@@ -112,17 +113,16 @@ impl<const N: usize, const R: usize, const P: usize> Slot<N, R, P> for Separated
         measured: &[f64; R],
         adapt_noise: bool,
         surface: &mut [f64; P],
-        observe: impl FnMut(ScoredRow<'_>),
+        watch: Option<Watch<'_, R, P>>,
     ) -> Innovations<R>
     where
         M: Model<N, R, P>,
     {
-        // The full capacity as a constant: its loops unroll.
         let p = columns.count;
-        if p >= P {
-            self.correct_of(P, model, settings, columns, input, measured, adapt_noise, surface, observe)
+        if is_full(p, P) {
+            self.correct_of(P, model, settings, columns, input, measured, adapt_noise, surface, watch)
         } else {
-            self.correct_of(p, model, settings, columns, input, measured, adapt_noise, surface, observe)
+            self.correct_of(p, model, settings, columns, input, measured, adapt_noise, surface, watch)
         }
     }
 
@@ -178,7 +178,7 @@ impl<const N: usize, const P: usize> Separated<N, P> {
         measured: &[f64; R],
         adapt_noise: bool,
         surface: &mut [f64; P],
-        mut observe: impl FnMut(ScoredRow<'_>),
+        mut watch: Option<Watch<'_, R, P>>,
     ) -> Innovations<R>
     where
         M: Model<N, R, P>,
@@ -218,7 +218,7 @@ impl<const N: usize, const P: usize> Separated<N, P> {
                 // Most rows measure one state: the zeros are worth a test.
                 if factor != 0.0 {
                     residual -= factor * dx[k];
-                    add_scaled(&mut w[..p], factor, &self.sensitivity[k][..p]);
+                    add_scaled_in(p, &mut w, factor, &self.sensitivity[k]);
                 }
             }
 
@@ -241,7 +241,9 @@ impl<const N: usize, const P: usize> Separated<N, P> {
             if !(xi.is_finite() && s > 0.0 && s.is_finite() && one_plus_v >= 1.0 && one_plus_v.is_finite()) {
                 continue;
             }
-            observe(ScoredRow { output: i, psi: &psi[..p], xi, v: one_plus_v - 1.0, nn });
+            if let Some(watch) = &mut watch {
+                watch.see(&ScoredRow { output: i, psi: &psi[..p], xi, v: one_plus_v - 1.0, nn });
+            }
             innovations.whitened[i] = e;
             innovations.normalised[i] = xi;
             innovations.variance[i] = s * one_plus_v;
@@ -264,7 +266,7 @@ impl<const N: usize, const P: usize> Separated<N, P> {
                 p_h = self.px.update(&state_projection, r);
                 c_psi = self.c.update(&projection, 1.0);
                 for k in 0..N {
-                    add_scaled(&mut self.sensitivity[k][..p], -p_h[k] * inverse_s, &w[..p]);
+                    add_scaled_in(p, &mut self.sensitivity[k], -p_h[k] * inverse_s, &w);
                 }
             } else {
                 innovations.phase[i] = RowPhase::Reaching;
@@ -293,7 +295,7 @@ impl<const N: usize, const P: usize> Separated<N, P> {
                 dtheta[j] += step[j];
             }
             for k in 0..N {
-                dx[k] += p_h[k] * inverse_root * ex + dot(&self.sensitivity[k][..p], &step[..p]);
+                dx[k] += p_h[k] * inverse_root * ex + dot_in(p, &self.sensitivity[k], &step);
             }
         }
 

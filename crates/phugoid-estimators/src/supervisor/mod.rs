@@ -6,7 +6,7 @@ mod begin;
 pub(crate) mod colour;
 pub(crate) mod common;
 mod doubt;
-mod faults;
+pub(crate) mod faults;
 mod history;
 mod report;
 mod retrospect;
@@ -22,7 +22,7 @@ use crate::estimate::{Estimate, Estimator, Phase};
 use crate::innovation::{Innovations, RowPhase};
 use crate::model::{Model, Sample};
 use crate::settings::{EstimatorSettings, SettingsError};
-use crate::supervisor::faults::Faults;
+use crate::supervisor::faults::{Faults, Watch};
 use crate::supervisor::history::History;
 use crate::supervisor::slot::{Slot, output_input};
 use crate::supervisor::start::Start;
@@ -198,15 +198,16 @@ where
         if detection.is_some() {
             history.push(sample);
         }
-        self.innovations =
-            champion.correct(model, settings, columns, &input, &sample.outputs, adapt, surfaces, |row| {
-                if let (true, Some((detector, _))) = (watching, detection.as_mut()) {
-                    detector.observe(&row, kappa, faults.weight(row.output, row.xi, limit));
-                }
-            });
+        let watch = detection.as_mut().filter(|_| watching).map(|(detector, _)| Watch {
+            detector,
+            faults: &faults,
+            reaching_limit: kappa,
+            rejection_limit: limit,
+        });
+        self.innovations = champion.correct(model, settings, columns, &input, &sample.outputs, adapt, surfaces, watch);
         let challenged = up_to_date.then(|| {
             let mut unused = [0.0; P];
-            challenger.correct(model, settings, columns, &input, &sample.outputs, adapt, &mut unused, |_| {})
+            challenger.correct(model, settings, columns, &input, &sample.outputs, adapt, &mut unused, None)
         });
         self.phase = phase_of(&self.innovations);
         if self.detection.is_some() {

@@ -146,8 +146,7 @@ where
         let seen = output_input(shared, last.input, frame.input);
         let adapt = frame.time_s - first_s > ADAPTATION_START_S;
         let mut unused = [0.0; P];
-        let innovations =
-            challenger.correct(model, settings, columns, &seen, &frame.outputs, adapt, &mut unused, |_| {});
+        let innovations = challenger.correct(model, settings, columns, &seen, &frame.outputs, adapt, &mut unused, None);
         if let (Some(behind), Some((detector, challenge))) = (behind, detection)
             && number >= behind.open[0]
         {

@@ -2,10 +2,11 @@
 
 use crate::columns::Columns;
 use crate::discretization::IntervalInput;
-use crate::innovation::{Innovations, ScoredRow};
+use crate::innovation::Innovations;
 use crate::model::Model;
 use crate::settings::{EstimatorSettings, OutputInput, SettingsError};
 use crate::supervisor::common::Common;
+use crate::supervisor::faults::Watch;
 
 /// State, parameters and their covariance, with prediction and correction. The supervisor runs one, and a second one
 /// while a change of the parameters is in doubt.
@@ -38,7 +39,7 @@ pub trait Slot<const N: usize, const R: usize, const P: usize>: Copy {
     where
         M: Model<N, R, P>;
 
-    /// Corrects by every row that is there, in order. `observe` sees each row before it is used; `surface` receives
+    /// Corrects by every row that is there, in order. `watch` sees each row before it is used; `surface` receives
     /// `theta_LS - theta`, the parameter step that least squares would take on this frame's used rows.
     #[allow(clippy::too_many_arguments)]
     fn correct<M>(
@@ -50,7 +51,7 @@ pub trait Slot<const N: usize, const R: usize, const P: usize>: Copy {
         measured: &[f64; R],
         adapt_noise: bool,
         surface: &mut [f64; P],
-        observe: impl FnMut(ScoredRow<'_>),
+        watch: Option<Watch<'_, R, P>>,
     ) -> Innovations<R>
     where
         M: Model<N, R, P>;
