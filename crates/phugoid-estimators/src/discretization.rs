@@ -87,31 +87,32 @@ pub fn step<M, const N: usize, const R: usize, const P: usize>(
 where
     M: Model<N, R, P>,
 {
+    let own = model.parameter_count();
+    let rates = |point: &[f64; N], s: f64, lin: &mut LinearizedRates<N, P>| {
+        model.linearized_rates(point, theta, &input.at(s), lin);
+    };
     if columns >= P {
-        step_of(model, x, theta, input, interval_s, part, P, sensitivity, transition)
+        step_of(rates, x, interval_s, part, own, P, sensitivity, transition)
     } else {
-        step_of(model, x, theta, input, interval_s, part, columns, sensitivity, transition)
+        step_of(rates, x, interval_s, part, own, columns, sensitivity, transition)
     }
 }
 
+/// [`step`] of a plant whose linearised rates at a state and at a fraction of the interval are given by `rates`.
 #[inline(always)]
 #[allow(clippy::too_many_arguments)]
-fn step_of<M, const N: usize, const R: usize, const P: usize>(
-    model: &M,
+fn step_of<const N: usize, const P: usize>(
+    rates: impl Fn(&[f64; N], f64, &mut LinearizedRates<N, P>),
     x: &[f64; N],
-    theta: &[f64; P],
-    input: &IntervalInput<M::Input>,
     interval_s: f64,
     part: Part,
+    own: usize,
     columns: usize,
     sensitivity: &mut [[f64; P]; N],
     transition: &mut [[f64; N]; N],
-) -> [f64; N]
-where
-    M: Model<N, R, P>,
-{
+) -> [f64; N] {
     let p = columns.min(P);
-    let own = model.parameter_count().min(p);
+    let own = own.min(p);
     let h = interval_s * (part.to - part.from);
     let middle = 0.5 * (part.from + part.to);
 
@@ -134,7 +135,7 @@ where
     const STAGES: [(f64, f64); 4] = [(1.0 / 6.0, 0.5), (1.0 / 3.0, 0.5), (1.0 / 3.0, 1.0), (1.0 / 6.0, 0.0)];
     let positions = [part.from, middle, middle, part.to];
     for (stage, (weight, next)) in STAGES.into_iter().enumerate() {
-        model.linearized_rates(&point, theta, &input.at(positions[stage]), &mut lin);
+        rates(&point, positions[stage], &mut lin);
         let last = stage == 3;
         let mut next_by_state = [[0.0; N]; N];
         let ahead = next * h;

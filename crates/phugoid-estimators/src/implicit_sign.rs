@@ -12,42 +12,33 @@
 
 use crate::estimate::{Estimate, Estimator, Inspect};
 use crate::innovation::Innovations;
-use crate::model::{Model, Sample};
-use crate::regression::{RegressionSettings, StateSource, Taken};
+use crate::model::Sample;
+use crate::regression::{RowSource, Taken};
 use crate::rls::RecursiveLeastSquares;
 use crate::settings::SettingsError;
 
 /// The implicit-sign law; type parameters as [`RecursiveLeastSquares`].
-pub struct ImplicitSign<M, S, const N: usize, const R: usize, const P: usize>
-where
-    M: Model<N, R, P>,
-{
-    least_squares: RecursiveLeastSquares<M, S, N, R, P>,
+pub struct ImplicitSign<F, const R: usize, const P: usize> {
+    least_squares: RecursiveLeastSquares<F, R, P>,
     theta: [f64; P],
     surfaces: [f64; P],
     reaching_rate: f64,
 }
 
-impl<M, S, const N: usize, const R: usize, const P: usize> ImplicitSign<M, S, N, R, P>
+impl<F, const R: usize, const P: usize> ImplicitSign<F, R, P>
 where
-    M: Model<N, R, P>,
-    S: StateSource<M::Input, N, R>,
+    F: RowSource<R, P>,
 {
-    /// Sets it up. `reaching_rate` is `K`, half ranges per second: 2 is the rule. The half range is twice the prior standard
-    /// deviation.
+    /// Follows the least-squares solution of these rows. `reaching_rate` is `K`, half ranges per second: 2 is the rule. The half
+    /// range of a parameter is twice its prior standard deviation.
     ///
     /// # Errors
-    /// [`SettingsError`]: what cannot be, and which.
-    pub fn new(
-        model: M,
-        source: S,
-        settings: RegressionSettings<N, R, P>,
-        reaching_rate: f64,
-    ) -> Result<Self, SettingsError> {
+    /// [`SettingsError::Setting`] if the rate is not positive and finite.
+    pub fn new(rows: F, reaching_rate: f64) -> Result<Self, SettingsError> {
         if !(reaching_rate > 0.0 && reaching_rate.is_finite()) {
             return Err(SettingsError::Setting { name: "reaching_rate", value: reaching_rate });
         }
-        let least_squares = RecursiveLeastSquares::new(model, source, settings)?;
+        let least_squares = RecursiveLeastSquares::new(rows);
         Ok(Self { theta: *least_squares.parameters(), surfaces: [0.0; P], least_squares, reaching_rate })
     }
 
@@ -57,19 +48,18 @@ where
     }
 }
 
-impl<M, S, const N: usize, const R: usize, const P: usize> Estimator<R, P> for ImplicitSign<M, S, N, R, P>
+impl<F, const R: usize, const P: usize> Estimator<R, P> for ImplicitSign<F, R, P>
 where
-    M: Model<N, R, P>,
-    S: StateSource<M::Input, N, R>,
+    F: RowSource<R, P>,
 {
-    type Input = M::Input;
+    type Input = F::Input;
 
     fn update(&mut self, sample: &Sample<Self::Input, R>) -> Estimate<P> {
         if self.least_squares.update_with(sample, |_| {}) == Taken::Next {
-            let flow = self.least_squares.flow();
-            let reach = flow.interval_s * self.reaching_rate;
-            for j in 0..flow.columns.count {
-                let limit = reach * 2.0 * flow.columns.std[j];
+            let frame = self.least_squares.rows().frame();
+            let reach = frame.interval_s * self.reaching_rate;
+            for j in 0..frame.columns.count {
+                let limit = reach * 2.0 * frame.columns.std[j];
                 self.surfaces[j] = self.least_squares.parameters()[j] - self.theta[j];
                 self.theta[j] += self.surfaces[j].clamp(-limit, limit);
             }
@@ -83,10 +73,9 @@ where
     }
 }
 
-impl<M, S, const N: usize, const R: usize, const P: usize> Inspect<R, P> for ImplicitSign<M, S, N, R, P>
+impl<F, const R: usize, const P: usize> Inspect<R, P> for ImplicitSign<F, R, P>
 where
-    M: Model<N, R, P>,
-    S: StateSource<M::Input, N, R>,
+    F: RowSource<R, P>,
 {
     fn column_count(&self) -> usize {
         self.least_squares.column_count()

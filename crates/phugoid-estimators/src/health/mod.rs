@@ -156,7 +156,7 @@ where
     ) -> Result<Self, MonitorError> {
         settings.check()?;
         estimator.check(model.parameter_count()).map_err(MonitorError::Estimator)?;
-        let columns = Columns::new(&model, estimator);
+        let columns = Columns::new(estimator, model.parameter_count());
         let mut parts =
             Parts { monitored: [0; P], monitored_count: 0, failure_std: [0.0; P], nuisance: [0; P], nuisance_count: 0 };
         let mut width = [0.0; P];

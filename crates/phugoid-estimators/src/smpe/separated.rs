@@ -24,18 +24,12 @@ pub struct Separated<const N: usize, const P: usize> {
     pub(crate) c: Ud<P>,
 }
 
-impl<const N: usize, const R: usize, const P: usize> Slot<N, R, P> for Separated<N, P> {
-    type Settings = EstimatorSettings<N, R, P>;
-
-    fn shared(settings: &Self::Settings) -> &EstimatorSettings<N, R, P> {
-        settings
-    }
-
-    fn check(_: &Self::Settings) -> Result<(), SettingsError> {
+impl<const N: usize, const P: usize> Slot<N, P> for Separated<N, P> {
+    fn check<const R: usize>(_: &EstimatorSettings<N, R, P>) -> Result<(), SettingsError> {
         Ok(())
     }
 
-    fn prior(settings: &Self::Settings, columns: &Columns<N, R, P>) -> Self {
+    fn prior<const R: usize>(settings: &EstimatorSettings<N, R, P>, columns: &Columns<R, P>) -> Self {
         Self {
             common: Common::prior(settings, columns),
             sensitivity: [[0.0; P]; N],
@@ -45,12 +39,18 @@ impl<const N: usize, const R: usize, const P: usize> Slot<N, R, P> for Separated
     }
 
     /// Independent of the model's parameters, and wrong by the bias of the channel it was read from: `U = -1` there.
-    fn start_state(&mut self, x: [f64; N], variances: &[f64; N], measured: &[bool; N], columns: &Columns<N, R, P>) {
-        self.common.start_state(x, measured, columns);
+    fn start_state<const R: usize>(
+        &mut self,
+        x: [f64; N],
+        variances: &[f64; N],
+        read_from: &[Option<usize>; N],
+        columns: &Columns<R, P>,
+    ) {
+        self.common.start_state(x, read_from, columns);
         self.px = Ud::from_variances(variances);
         self.sensitivity = [[0.0; P]; N];
         for state in 0..N {
-            if let (true, Some(bias)) = (measured[state], columns.bias_of_state(state)) {
+            if let Some(bias) = columns.bias_of(read_from[state]) {
                 self.sensitivity[state][bias] = -1.0;
             }
         }
@@ -58,11 +58,11 @@ impl<const N: usize, const R: usize, const P: usize> Slot<N, R, P> for Separated
 
     /// `x <- f(x, u, theta)`, `U <- A U + B`, `Px <- A Px A^T + q_s Qx h`. Changes nothing and gives `false` if the
     /// model's answer is not finite.
-    fn predict<M>(
+    fn predict<M, const R: usize>(
         &mut self,
         model: &M,
         settings: &EstimatorSettings<N, R, P>,
-        columns: &Columns<N, R, P>,
+        columns: &Columns<R, P>,
         input: &IntervalInput<M::Input>,
         interval_s: f64,
     ) -> bool
@@ -104,11 +104,11 @@ impl<const N: usize, const R: usize, const P: usize> Slot<N, R, P> for Separated
     }
 
     #[allow(clippy::too_many_arguments)]
-    fn correct<M>(
+    fn correct<M, const R: usize>(
         &mut self,
         model: &M,
         settings: &EstimatorSettings<N, R, P>,
-        columns: &Columns<N, R, P>,
+        columns: &Columns<R, P>,
         input: &M::Input,
         measured: &[f64; R],
         adapt_noise: bool,
@@ -126,15 +126,14 @@ impl<const N: usize, const R: usize, const P: usize> Slot<N, R, P> for Separated
         }
     }
 
-    fn reopen(
+    fn reopen<const R: usize>(
         &mut self,
-        columns: &Columns<N, R, P>,
+        columns: &Columns<R, P>,
         tested: &[usize],
         change_over_prior: &[f64; P],
-        noise_std: &[f64; R],
-        allowance: f64,
+        state_variance: &[f64; N],
     ) -> bool {
-        reopen::reopen(self, columns, tested, change_over_prior, noise_std, allowance)
+        reopen::reopen(self, &columns.std[..columns.count], tested, change_over_prior, state_variance)
     }
 
     fn common(&self) -> &Common<N, P> {
@@ -173,7 +172,7 @@ impl<const N: usize, const P: usize> Separated<N, P> {
         p: usize,
         model: &M,
         settings: &EstimatorSettings<N, R, P>,
-        columns: &Columns<N, R, P>,
+        columns: &Columns<R, P>,
         input: &M::Input,
         measured: &[f64; R],
         adapt_noise: bool,

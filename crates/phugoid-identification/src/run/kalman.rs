@@ -1,6 +1,6 @@
 //! Methods that carry state and parameters together.
 
-use phugoid_estimators::ekf::{EkfSettings, JointEkf};
+use phugoid_estimators::ekf::JointEkf;
 use phugoid_estimators::settings::EstimatorSettings;
 use phugoid_estimators::smpe::Smpe;
 
@@ -35,6 +35,6 @@ impl Causal for ExtendedKalman {
         settings: &EstimatorSettings<N, R, P>,
         _file: &ModelFile,
     ) -> Result<Self::Estimator<M, N, R, P>, EstimateError> {
-        JointEkf::new(model, EkfSettings::new(*settings)).map_err(|e| EstimateError::Model(e.to_string()))
+        JointEkf::new(model, *settings).map_err(|e| EstimateError::Model(e.to_string()))
     }
 }

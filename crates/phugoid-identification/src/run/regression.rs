@@ -1,9 +1,9 @@
 //! Methods on a regression without derivatives, and the gradient law. Their states come from the kinematic front end.
 
 use phugoid_estimators::adaptive_model::AdaptiveModel;
-use phugoid_estimators::fourier::{FourierRegression, FourierSettings};
+use phugoid_estimators::fourier::FourierRegression;
 use phugoid_estimators::implicit_sign::ImplicitSign;
-use phugoid_estimators::regression::RegressionSettings;
+use phugoid_estimators::regression::Regression;
 use phugoid_estimators::rls::RecursiveLeastSquares;
 use phugoid_estimators::settings::{EstimatorSettings, SettingsError};
 use phugoid_estimators::super_twisting::SuperTwisting;
@@ -21,20 +21,31 @@ fn refused(error: SettingsError) -> EstimateError {
     EstimateError::Model(error.to_string())
 }
 
+/// The regression of a motion, with states from the kinematic front end.
+type Rows<M, const N: usize, const R: usize, const P: usize> = Regression<M, KinematicFrontEnd<M, N, R>, N, R, P>;
+
+fn rows<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize>(
+    model: M,
+    settings: &EstimatorSettings<N, R, P>,
+    file: &ModelFile,
+) -> Result<Rows<M, N, R, P>, EstimateError> {
+    let states = KinematicFrontEnd::<M, N, R>::new(file.aircraft.gravity, settings);
+    Regression::new(model, states, *settings).map_err(refused)
+}
+
 /// Recursive least squares.
 pub(super) struct LeastSquares;
 
 impl Causal for LeastSquares {
     type Estimator<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> =
-        RecursiveLeastSquares<M, KinematicFrontEnd<M, N, R>, N, R, P>;
+        RecursiveLeastSquares<Rows<M, N, R, P>, R, P>;
 
     fn set_up<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize>(
         model: M,
         settings: &EstimatorSettings<N, R, P>,
         file: &ModelFile,
     ) -> Result<Self::Estimator<M, N, R, P>, EstimateError> {
-        let states = KinematicFrontEnd::<M, N, R>::new(file.aircraft.gravity, settings);
-        RecursiveLeastSquares::new(model, states, RegressionSettings::with(*settings)).map_err(refused)
+        Ok(RecursiveLeastSquares::new(rows(model, settings, file)?))
     }
 }
 
@@ -50,8 +61,7 @@ impl Causal for Fourier {
         settings: &EstimatorSettings<N, R, P>,
         file: &ModelFile,
     ) -> Result<Self::Estimator<M, N, R, P>, EstimateError> {
-        let states = KinematicFrontEnd::<M, N, R>::new(file.aircraft.gravity, settings);
-        FourierRegression::new(model, states, FourierSettings::with(*settings)).map_err(refused)
+        FourierRegression::new(rows(model, settings, file)?).map_err(refused)
     }
 }
 
@@ -80,15 +90,14 @@ pub(super) struct BySign;
 
 impl Causal for BySign {
     type Estimator<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> =
-        ImplicitSign<M, KinematicFrontEnd<M, N, R>, N, R, P>;
+        ImplicitSign<Rows<M, N, R, P>, R, P>;
 
     fn set_up<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize>(
         model: M,
         settings: &EstimatorSettings<N, R, P>,
         file: &ModelFile,
     ) -> Result<Self::Estimator<M, N, R, P>, EstimateError> {
-        let states = KinematicFrontEnd::<M, N, R>::new(file.aircraft.gravity, settings);
-        ImplicitSign::new(model, states, RegressionSettings::with(*settings), REACHING_RATE).map_err(refused)
+        ImplicitSign::new(rows(model, settings, file)?, REACHING_RATE).map_err(refused)
     }
 }
 
@@ -97,14 +106,13 @@ pub(super) struct BySuperTwisting;
 
 impl Causal for BySuperTwisting {
     type Estimator<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> =
-        SuperTwisting<M, KinematicFrontEnd<M, N, R>, N, R, P>;
+        SuperTwisting<Rows<M, N, R, P>, R, P>;
 
     fn set_up<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize>(
         model: M,
         settings: &EstimatorSettings<N, R, P>,
         file: &ModelFile,
     ) -> Result<Self::Estimator<M, N, R, P>, EstimateError> {
-        let states = KinematicFrontEnd::<M, N, R>::new(file.aircraft.gravity, settings);
-        SuperTwisting::new(model, states, RegressionSettings::with(*settings)).map_err(refused)
+        Ok(SuperTwisting::new(rows(model, settings, file)?))
     }
 }

@@ -1,8 +1,13 @@
 //! What the estimator is told before the first sample.
 
+mod methods;
+
+pub use methods::{EkfSettings, FourierSettings, MAXIMUM_BINS, RegressionSettings};
+
 use core::fmt;
 
 use crate::discretization::InputHold;
+use crate::model::Model;
 
 /// How large a *sudden* change of a parameter in flight would be: the alternative the change detector tests against.
 /// Not the start prior: with a change prior as wide as a start prior no real change is ever believed (Occam).
@@ -302,6 +307,12 @@ pub struct EstimatorSettings<const N: usize, const R: usize, const P: usize> {
     pub colour_block_s: f64,
     /// Change detection.
     pub change_detection: Option<ChangeDetection>,
+    /// What the joint extended Kalman filter alone uses.
+    pub ekf: EkfSettings<P>,
+    /// What the regression methods alone use.
+    pub regression: RegressionSettings,
+    /// What the Fourier regression alone uses.
+    pub fourier: FourierSettings,
 }
 
 impl<const N: usize, const R: usize, const P: usize> EstimatorSettings<N, R, P> {
@@ -339,6 +350,9 @@ impl<const N: usize, const R: usize, const P: usize> EstimatorSettings<N, R, P> 
             clip_factor: 1.5,
             colour_block_s: 0.5,
             change_detection: Some(ChangeDetection::default()),
+            ekf: EkfSettings::default(),
+            regression: RegressionSettings::default(),
+            fourier: FourierSettings::default(),
         };
         settings.check(priors.len())?;
         Ok(settings)
@@ -352,8 +366,26 @@ impl<const N: usize, const R: usize, const P: usize> EstimatorSettings<N, R, P> 
         self
     }
 
+    /// The output that measures each state directly and is used (its noise level is positive and finite).
+    pub(crate) fn output_of_state<M: Model<N, R, P>>(&self, model: &M) -> [Option<usize>; N] {
+        core::array::from_fn(|state| {
+            model
+                .measuring_output(state)
+                .filter(|&output| output < R)
+                .filter(|&output| self.noise_std[output].is_finite() && self.noise_std[output] > 0.0)
+        })
+    }
+
+    /// The input that the outputs see at the end of an interval.
+    pub(crate) fn seen_input<I>(&self, previous: I, current: I) -> I {
+        match self.output_input {
+            OutputInput::Current => current,
+            OutputInput::Previous => previous,
+        }
+    }
+
     /// Number of the block of the colour correction that a time since the first frame (s) belongs to.
-    pub(super) fn colour_block(&self, since_start_s: f64) -> u64 {
+    pub(crate) fn colour_block(&self, since_start_s: f64) -> u64 {
         (since_start_s / self.colour_block_s + 1e-9) as u64
     }
 
