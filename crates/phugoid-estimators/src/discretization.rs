@@ -2,6 +2,23 @@
 //!
 //! The derivatives are those of the *discrete* map (the chain rule through the four stages), not a discretisation of
 //! the continuous ones: an estimator that linearises the map it really integrates stays exact for any step.
+//!
+//! ```
+//! # mod lag { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/lag.rs")); }
+//! use lag::Lag;
+//! use phugoid_estimators::discretization::{InputHold, IntervalInput, Part, simulate, step};
+//!
+//! // x' = -3 x + 2 u over 0.1 s, from x = 1 with u = 0: x = exp(-0.3), and so is dx/dx(0).
+//! let input = IntervalInput { from: [0.0], to: [0.0], hold: InputHold::Zero };
+//! let (mut sensitivity, mut transition) = ([[0.0; 2]], [[0.0]]);
+//! let whole = Part { from: 0.0, to: 1.0 };
+//! let x = step(&Lag, &[1.0], &[3.0, 2.0], &input, 0.1, whole, 2, &mut sensitivity, &mut transition);
+//! assert!((x[0] - (-0.3_f64).exp()).abs() < 3e-5 && (transition[0][0] - x[0]).abs() < 1e-12);
+//! // dx/da = -0.1 exp(-0.3)
+//! assert!((sensitivity[0][0] + 0.1 * (-0.3_f64).exp()).abs() < 1e-4);
+//! // Without derivatives, in steps of at most 0.01 s: more exact.
+//! assert!((simulate(&Lag, &[1.0], &[3.0, 2.0], &input, 0.1, 0.01)[0] - (-0.3_f64).exp()).abs() < 1e-9);
+//! ```
 
 use crate::kernels::add_scaled;
 use crate::model::{Input, LinearizedRates, Model};

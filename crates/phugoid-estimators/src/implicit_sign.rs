@@ -9,6 +9,28 @@
 //! It cannot chatter, it reaches in finite time, and it moves a parameter through its half range in `1/K` seconds at most.
 //! **What it is:** recursive least squares with a limited rate. Once the surface is reached the two are equal, so its accuracy is
 //! that of [`rls`](crate::rls), a multiple of the Cramer-Rao bound. While it is not reached its distance is part of the bounds.
+//!
+//! ```
+//! # mod lag { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/lag.rs")); }
+//! use lag::{Lag, NOISE, flight};
+//! use phugoid_estimators::Estimator;
+//! use phugoid_estimators::regression::{MeasuredStates, Regression};
+//! use phugoid_estimators::implicit_sign::ImplicitSign;
+//! use phugoid_estimators::settings::{EstimatorSettings, ParameterPrior};
+//!
+//! let priors = [ParameterPrior::bounded(5.0, 1.0, 9.0), ParameterPrior::bounded(1.0, -4.0, 6.0)];
+//! let settings = EstimatorSettings::automatic(&priors, [NOISE], 0.01)?;
+//! let rows = Regression::new(Lag, MeasuredStates::new(&Lag), settings)?;
+//! let mut method = ImplicitSign::new(rows, 2.0)?;
+//! let mut estimate = method.estimate();
+//! for sample in &flight(20.0, |_| 3.0) {
+//!     estimate = method.update(sample);
+//! }
+//! // The noise of the measured state makes the regression a little wrong: that is its limit.
+//! assert!((estimate.parameters[0] - 3.0).abs() < 0.1);
+//! assert!((estimate.parameters[1] - 2.0).abs() < 0.1);
+//! # Ok::<(), phugoid_estimators::settings::SettingsError>(())
+//! ```
 
 use crate::estimate::{Estimate, Estimator, Inspect};
 use crate::innovation::Innovations;

@@ -19,6 +19,28 @@
 //!
 //! **Where it fails.** Noise in the regressors biases every regression, and what the state source makes of it is the limit: RMSE
 //! is a multiple of the Cramer-Rao bound. An unmeasured gust goes into the angle of attack. docs/methods.md has the numbers.
+//!
+//! ```
+//! # mod lag { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/lag.rs")); }
+//! use lag::{Lag, NOISE, flight};
+//! use phugoid_estimators::Estimator;
+//! use phugoid_estimators::regression::{MeasuredStates, Regression};
+//! use phugoid_estimators::rls::RecursiveLeastSquares;
+//! use phugoid_estimators::settings::{EstimatorSettings, ParameterPrior};
+//!
+//! let priors = [ParameterPrior::bounded(5.0, 1.0, 9.0), ParameterPrior::bounded(1.0, -4.0, 6.0)];
+//! let settings = EstimatorSettings::automatic(&priors, [NOISE], 0.01)?;
+//! let rows = Regression::new(Lag, MeasuredStates::new(&Lag), settings)?;
+//! let mut method = RecursiveLeastSquares::new(rows);
+//! let mut estimate = method.estimate();
+//! for sample in &flight(20.0, |_| 3.0) {
+//!     estimate = method.update(sample);
+//! }
+//! // The noise of the measured state makes the regression a little wrong: that is its limit.
+//! assert!((estimate.parameters[0] - 3.0).abs() < 0.1);
+//! assert!((estimate.parameters[1] - 2.0).abs() < 0.1);
+//! # Ok::<(), phugoid_estimators::settings::SettingsError>(())
+//! ```
 
 use crate::estimate::{Estimate, Estimator, Inspect, Phase};
 use crate::innovation::{Innovations, RowPhase};

@@ -12,6 +12,28 @@
 //!
 //! The finite reaching time holds for exact equations. With noise it is least squares of the same rows with a lag: nothing is gained
 //! over [`rls`](crate::rls), and nothing is known of the error. **There are no bounds: the standard errors are infinite.**
+//!
+//! ```
+//! # mod lag { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/lag.rs")); }
+//! use lag::{Lag, NOISE, flight};
+//! use phugoid_estimators::Estimator;
+//! use phugoid_estimators::regression::{MeasuredStates, Regression};
+//! use phugoid_estimators::super_twisting::SuperTwisting;
+//! use phugoid_estimators::settings::{EstimatorSettings, ParameterPrior};
+//!
+//! let priors = [ParameterPrior::bounded(5.0, 1.0, 9.0), ParameterPrior::bounded(1.0, -4.0, 6.0)];
+//! let settings = EstimatorSettings::automatic(&priors, [NOISE], 0.01)?;
+//! let rows = Regression::new(Lag, MeasuredStates::new(&Lag), settings)?;
+//! let mut method = SuperTwisting::new(rows);
+//! let mut estimate = method.estimate();
+//! for sample in &flight(20.0, |_| 3.0) {
+//!     estimate = method.update(sample);
+//! }
+//! assert!((estimate.parameters[0] - 3.0).abs() < 0.2);
+//! // This law knows nothing of its error.
+//! assert!(estimate.std_error[0].is_infinite());
+//! # Ok::<(), phugoid_estimators::settings::SettingsError>(())
+//! ```
 
 use crate::dense::Cholesky;
 use crate::estimate::{Estimate, Estimator, Inspect, ParameterStatus, Phase, Status};

@@ -3,6 +3,19 @@
 //! Measurement update and rank-one increase after G. J. Bierman, *Factorization Methods for Discrete Sequential
 //! Estimation*, Academic Press 1977 (chapters III and V); time update by modified weighted Gram-Schmidt after
 //! C. L. Thornton, *Triangular Covariance Factorizations for Kalman Filtering*, JPL TM 33-798, 1976.
+//!
+//! ```
+//! use phugoid_estimators::ud::Ud;
+//!
+//! // Two parameters with variances 4 and 1; their sum is measured with noise of variance 1.
+//! let mut covariance = Ud::<2>::from_variances(&[4.0, 1.0]);
+//! let projection = covariance.project(&[1.0, 1.0], 1.0);
+//! assert_eq!(projection.variance, 6.0);
+//! covariance.update(&projection, 1.0);
+//! // C - (C a^T)(a C)/6 with a = [1, 1]
+//! let variances = covariance.variances();
+//! assert!((variances[0] - (4.0 - 16.0 / 6.0)).abs() < 1e-12 && (variances[1] - (1.0 - 1.0 / 6.0)).abs() < 1e-12);
+//! ```
 
 use crate::kernels::{add_scaled, dot, rotate};
 

@@ -9,22 +9,22 @@
 //! innovation as no larger than that); the rejection limit and the reaching state are not used.
 //!
 //! ```
+//! # mod lag { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/lag.rs")); }
+//! use lag::{Lag, NOISE, flight};
+//! use phugoid_estimators::Estimator;
 //! use phugoid_estimators::ekf::JointEkf;
-//! use phugoid_estimators::plants::FirstOrder;
-//! use phugoid_estimators::settings::{ParameterPrior, EstimatorSettings};
-//! use phugoid_estimators::{Estimator, Sample};
+//! use phugoid_estimators::settings::{EstimatorSettings, ParameterPrior};
 //!
-//! // x' = -a x + u; a lies between 1 and 9; x is measured with a sigma of 0.001, x' is not.
-//! let settings = EstimatorSettings::automatic(&[ParameterPrior::bounded(5.0, 1.0, 9.0)], [0.001, 0.0], 0.01)?;
-//! let mut filter: JointEkf<_, 1, 2, 1> = JointEkf::new(FirstOrder, settings)?;
-//! // The step response of a = 3, here without noise.
+//! // x' = -a x + b u, both unknown; a = 3 and b = 2 in this flight.
+//! let priors = [ParameterPrior::bounded(5.0, 1.0, 9.0), ParameterPrior::bounded(1.0, -4.0, 6.0)];
+//! let settings = EstimatorSettings::automatic(&priors, [NOISE], 0.01)?;
+//! let mut filter = JointEkf::new(Lag, settings)?;
 //! let mut estimate = filter.estimate();
-//! for k in 0..100 {
-//!     let time_s = 0.01 * f64::from(k);
-//!     let x = (1.0 - (-3.0 * time_s).exp()) / 3.0;
-//!     estimate = filter.update(&Sample { time_s, input: [1.0], outputs: [x, f64::NAN] });
+//! for sample in &flight(10.0, |_| 3.0) {
+//!     estimate = filter.update(sample);
 //! }
-//! assert!((estimate.parameters[0] - 3.0).abs() < 2.0 * estimate.corrected_std_error[0]);
+//! assert!((estimate.parameters[0] - 3.0).abs() < 3.0 * estimate.corrected_std_error[0]);
+//! assert!(estimate.corrected_std_error[0] < 0.1);
 //! # Ok::<(), phugoid_estimators::settings::SettingsError>(())
 //! ```
 

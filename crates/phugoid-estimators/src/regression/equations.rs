@@ -2,7 +2,7 @@
 
 use super::gate::Gate;
 use super::row_source::{Frame, RowSource, Taken};
-use super::rows::{Kreisselmeier, Row};
+use super::rows::{Kreisselmeier, Rates, Row};
 use super::source::{SourceStep, StateSource};
 use crate::columns::Columns;
 use crate::discretization::{IntervalInput, simulate};
@@ -19,15 +19,6 @@ const MOVING_SIGMAS: f64 = 4.0;
 const BRIDGE_S: f64 = 0.1;
 /// Shortest block of the colour correction, s: the residuals of a regression stay correlated for about that long.
 const LEAST_COLOUR_BLOCK_S: f64 = 1.0;
-
-/// Known rates and regressors at one instant.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Rates<const N: usize, const P: usize> {
-    /// `f(x, u)`.
-    pub(crate) known: [f64; N],
-    /// `Phi(x, u)`.
-    pub(crate) regressors: [[f64; P]; N],
-}
 
 /// The regression of a model: the model, the source of its states, and the terms of the equations over the last interval.
 pub struct Regression<M, S, const N: usize, const R: usize, const P: usize>

@@ -1,6 +1,5 @@
 //! Rows of a regression without derivatives, after G. Kreisselmeier (IEEE TAC 22, 1977).
 
-use super::equations::Rates;
 use super::pole::{Complex, Weights};
 use crate::kernels::add_scaled;
 
@@ -17,6 +16,15 @@ pub struct Row<const P: usize> {
     pub known: f64,
     /// One sigma of `n`, output units.
     pub std: f64,
+}
+
+/// Known rates and regressors at one instant.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Rates<const N: usize, const P: usize> {
+    /// `f(x, u)`.
+    pub(crate) known: [f64; N],
+    /// `Phi(x, u)`.
+    pub(crate) regressors: [[f64; P]; N],
 }
 
 /// The filters of the dynamic rows.

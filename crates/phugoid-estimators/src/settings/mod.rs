@@ -1,4 +1,18 @@
 //! What the estimator is told before the first sample.
+//!
+//! ```
+//! use phugoid_estimators::settings::{EstimatorSettings, ParameterPrior, SettingsError};
+//!
+//! let priors = [ParameterPrior::bounded(5.0, 1.0, 9.0), ParameterPrior::absolute(2.0, 0.5)];
+//! // One state, two outputs, room for four columns; outputs with noise of 0.01 and 0.2, 50 Hz.
+//! let mut settings = EstimatorSettings::<1, 2, 4>::automatic(&priors, [0.01, 0.2], 0.02)?;
+//! // Parameters that cannot change in flight: nothing to look for.
+//! settings.change_detection = None;
+//! // More priors than there is room for are refused, and the message says so.
+//! let refused = EstimatorSettings::<1, 2, 1>::automatic(&priors, [0.01, 0.2], 0.02);
+//! assert_eq!(refused.unwrap_err(), SettingsError::Capacity { needed: 2, capacity: 1 });
+//! # Ok::<(), phugoid_estimators::settings::SettingsError>(())
+//! ```
 
 mod methods;
 
@@ -55,6 +69,14 @@ pub struct ParameterPrior {
 impl ParameterPrior {
     /// A parameter known by its bounds: `C0 = (R/2)^2`, half width `R` (theory: the bounds decide the gain), and half
     /// of `R` as one sigma of a sudden change. The form for increments on a database.
+    ///
+    /// ```
+    /// use phugoid_estimators::settings::ParameterPrior;
+    ///
+    /// let prior = ParameterPrior::bounded(-1.0, -3.0, 1.0);
+    /// // Half of the half width.
+    /// assert_eq!((prior.half_width(), prior.std), (2.0, 1.0));
+    /// ```
     pub fn bounded(initial: f64, lower: f64, upper: f64) -> Self {
         let std = 0.25 * (upper - lower);
         Self { initial, std, lower, upper, change_std: ChangePrior::Fixed(std) }
@@ -359,6 +381,16 @@ impl<const N: usize, const R: usize, const P: usize> EstimatorSettings<N, R, P> 
     }
 
     /// Adds bias columns (one sigma per output, zero for none) and widens the rejection limit for their number.
+    ///
+    /// ```
+    /// use phugoid_estimators::settings::{EstimatorSettings, ParameterPrior};
+    ///
+    /// // The second output may be wrong by a constant of about 0.5; the first one is calibrated.
+    /// let priors = [ParameterPrior::bounded(5.0, 1.0, 9.0)];
+    /// let settings = EstimatorSettings::<1, 2, 4>::automatic(&priors, [0.01, 0.2], 0.02)?.with_biases([0.0, 0.5]);
+    /// assert_eq!(settings.bias_columns().collect::<Vec<_>>(), [1]);
+    /// # Ok::<(), phugoid_estimators::settings::SettingsError>(())
+    /// ```
     pub fn with_biases(mut self, bias_std: [f64; R]) -> Self {
         self.bias_std = bias_std;
         let columns = learnt(&self.priors) + self.bias_columns().count();

@@ -39,6 +39,29 @@ where
     /// [`ChangeState::Adopted`](crate::ChangeState::Adopted).
     ///
     /// Gives `false`, and changes nothing, if no parameter has a change prior or the arithmetic fails.
+    ///
+    /// ```
+    /// # mod lag { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/lag.rs")); }
+    /// use lag::{Lag, NOISE, flight};
+    /// use phugoid_estimators::settings::{EstimatorSettings, ParameterPrior};
+    /// use phugoid_estimators::smpe::Smpe;
+    /// use phugoid_estimators::{ChangeState, Estimator};
+    ///
+    /// let priors = [ParameterPrior::bounded(5.0, 1.0, 9.0), ParameterPrior::bounded(1.0, -4.0, 6.0)];
+    /// let settings = EstimatorSettings::automatic(&priors, [NOISE], 0.01)?;
+    /// let mut estimator = Smpe::new(Lag, settings)?;
+    /// for sample in &flight(12.0, |t| if t < 6.0 { 3.0 } else { 4.0 }) {
+    ///     if sample.time_s == 6.0 {
+    ///         // A store was released, says the aircraft.
+    ///         assert!(estimator.reopen_now());
+    ///     }
+    ///     let estimate = estimator.update(sample);
+    ///     assert_eq!(estimate.status.change == ChangeState::Adopted, sample.time_s == 6.0);
+    /// }
+    /// let estimate = estimator.estimate();
+    /// assert!((estimate.parameters[0] - 4.0).abs() < 3.0 * estimate.corrected_std_error[0]);
+    /// # Ok::<(), phugoid_estimators::settings::SettingsError>(())
+    /// ```
     pub fn reopen_now(&mut self) -> bool {
         let change = self.change_over_prior();
         let mut tested = [0; P];
