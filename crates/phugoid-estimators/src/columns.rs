@@ -1,29 +1,31 @@
 //! The columns of the regression: the model's parameters, then the sensor biases.
 
-use crate::model::Model;
 use crate::settings::{ChangePrior, EstimatorSettings};
 
+/// Layout and limits of the columns. Entries from `count` on are not in use.
 #[derive(Clone, Copy, Debug)]
-pub struct Columns<const N: usize, const R: usize, const P: usize> {
+pub struct Columns<const R: usize, const P: usize> {
     /// Columns in use.
     pub(crate) count: usize,
     /// Those of the model's own parameters.
     pub(crate) own: usize,
+    /// Start values, parameter units.
     pub(crate) initial: [f64; P],
     /// Prior standard deviation, the unit of the scaled columns.
     pub(crate) std: [f64; P],
+    /// Limits within which the estimates are held, parameter units.
     pub(crate) clip_low: [f64; P],
     pub(crate) clip_high: [f64; P],
+    /// Size of a sudden change.
     pub(crate) change: [ChangePrior; P],
+    /// Column of the bias of each output.
     pub(crate) bias_of_output: [Option<usize>; R],
-    /// Output that measures each state directly and is used.
-    pub(crate) output_of_state: [Option<usize>; N],
 }
 
-impl<const N: usize, const R: usize, const P: usize> Columns<N, R, P> {
-    /// Lays out the columns; `settings` have been checked against the model.
-    pub(crate) fn new<M: Model<N, R, P>>(model: &M, settings: &EstimatorSettings<N, R, P>) -> Self {
-        let own = model.parameter_count().min(P);
+impl<const R: usize, const P: usize> Columns<R, P> {
+    /// Lays out the columns of a model with `parameters` parameters; `settings` have been checked against it.
+    pub(crate) fn new<const N: usize>(settings: &EstimatorSettings<N, R, P>, parameters: usize) -> Self {
+        let own = parameters.min(P);
         let mut columns = Self {
             count: own,
             own,
@@ -33,7 +35,6 @@ impl<const N: usize, const R: usize, const P: usize> Columns<N, R, P> {
             clip_high: [f64::INFINITY; P],
             change: [ChangePrior::None; P],
             bias_of_output: [None; R],
-            output_of_state: [None; N],
         };
         for (j, prior) in settings.priors[..own].iter().enumerate() {
             columns.initial[j] = prior.initial;
@@ -56,17 +57,11 @@ impl<const N: usize, const R: usize, const P: usize> Columns<N, R, P> {
                 columns.count += 1;
             }
         }
-        for state in 0..N {
-            columns.output_of_state[state] = model
-                .measuring_output(state)
-                .filter(|&output| output < R)
-                .filter(|&output| settings.noise_std[output].is_finite() && settings.noise_std[output] > 0.0);
-        }
         columns
     }
 
-    /// The bias column of the output that measures a state.
-    pub(crate) fn bias_of_state(&self, state: usize) -> Option<usize> {
-        self.output_of_state[state].and_then(|output| self.bias_of_output[output])
+    /// The bias column of an output, if there is an output and it has one.
+    pub(crate) fn bias_of(&self, output: Option<usize>) -> Option<usize> {
+        output.and_then(|output| self.bias_of_output[output])
     }
 }

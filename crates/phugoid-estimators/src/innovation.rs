@@ -41,7 +41,7 @@ impl<const R: usize> Innovations<R> {
 }
 
 /// What an output row says about the parameters, before the row is used.
-pub struct ScoredRow<'a> {
+pub(crate) struct ScoredRow<'a> {
     /// Index of the output.
     pub(crate) output: usize,
     /// Whitened sensitivity `psi`, columns scaled to the prior standard deviation.

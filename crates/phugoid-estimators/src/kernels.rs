@@ -1,6 +1,16 @@
 //! Inner loops over the parameter columns, in blocks of four: run-time lengths of 5 or 11 are too short for the
 //! compiler's own vectorisation to pay (its prologue costs more than the work).
 
+/// Largest room for which the arithmetic is compiled a second time, for a room that is full: with the length as a constant
+/// the loops unroll. Beyond it the loops are long enough to pay for their own overhead, and the second copy is only size.
+const UNROLLED: usize = 16;
+
+/// True if `used` of `room` places are all of them and the copy for a full room is compiled.
+#[inline(always)]
+pub(crate) const fn is_full(used: usize, room: usize) -> bool {
+    room <= UNROLLED && used >= room
+}
+
 /// `y += a x` over the shorter length.
 #[inline(always)]
 pub(crate) fn add_scaled(y: &mut [f64], a: f64, x: &[f64]) {
@@ -17,6 +27,18 @@ pub(crate) fn add_scaled(y: &mut [f64], a: f64, x: &[f64]) {
     for (y, x) in y_rest.iter_mut().zip(x_rest) {
         *y += a * x;
     }
+}
+
+/// [`add_scaled`] over the first `p` of `P` places. A full room has a loop of its own, with the length as a constant.
+#[inline(always)]
+pub(crate) fn add_scaled_in<const P: usize>(p: usize, y: &mut [f64; P], a: f64, x: &[f64; P]) {
+    if p >= P { add_scaled(y, a, x) } else { add_scaled(&mut y[..p], a, &x[..p]) }
+}
+
+/// [`dot`] over the first `p` of `P` places, like [`add_scaled_in`].
+#[inline(always)]
+pub(crate) fn dot_in<const P: usize>(p: usize, x: &[f64; P], y: &[f64; P]) -> f64 {
+    if p >= P { dot(x, y) } else { dot(&x[..p], &y[..p]) }
 }
 
 /// `sum x y` over the shorter length, in four partial sums.

@@ -7,6 +7,23 @@
 //! It needs a sample rate well above the motion: where the signal bends within three samples (a 10 Hz record of a
 //! 1 Hz manoeuvre) it reads motion as noise and comes out too large. A signal quantised more coarsely than its noise
 //! may give zero: use a part of the quantum then.
+//!
+//! ```
+//! # mod lag { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/lag.rs")); }
+//! use lag::{NOISE, flight};
+//! use phugoid_estimators::noise::{NoiseMonitor, third_difference_std};
+//!
+//! let measured: Vec<f64> = flight(10.0, |_| 3.0).iter().map(|sample| sample.outputs[0]).collect();
+//! let mut scratch = [0.0; 1000];
+//! let std = third_difference_std(&measured, &mut scratch).unwrap();
+//! assert!((std / NOISE - 1.0).abs() < 0.15, "{std}");
+//! // The same sample by sample, over the last 100 third differences.
+//! let mut monitor = NoiseMonitor::<1, 100>::new();
+//! for y in &measured {
+//!     monitor.push(&[*y]);
+//! }
+//! assert!((monitor.std()[0].unwrap() / NOISE - 1.0).abs() < 0.3);
+//! ```
 
 use crate::statistics::median;
 

@@ -19,25 +19,42 @@
 //!
 //! **Where it fails.** Noise in the regressors biases every regression, and what the state source makes of it is the limit: RMSE
 //! is a multiple of the Cramer-Rao bound. An unmeasured gust goes into the angle of attack. docs/methods.md has the numbers.
+//!
+//! ```
+//! # mod lag { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/lag.rs")); }
+//! use lag::{Lag, NOISE, flight};
+//! use phugoid_estimators::Estimator;
+//! use phugoid_estimators::regression::{MeasuredStates, Regression};
+//! use phugoid_estimators::rls::RecursiveLeastSquares;
+//! use phugoid_estimators::settings::{EstimatorSettings, ParameterPrior};
+//!
+//! let priors = [ParameterPrior::bounded(5.0, 1.0, 9.0), ParameterPrior::bounded(1.0, -4.0, 6.0)];
+//! let settings = EstimatorSettings::automatic(&priors, [NOISE], 0.01)?;
+//! let rows = Regression::new(Lag, MeasuredStates::new(&Lag), settings)?;
+//! let mut method = RecursiveLeastSquares::new(rows);
+//! let mut estimate = method.estimate();
+//! for sample in &flight(20.0, |_| 3.0) {
+//!     estimate = method.update(sample);
+//! }
+//! // The noise of the measured state makes the regression a little wrong: that is its limit.
+//! assert!((estimate.parameters[0] - 3.0).abs() < 0.1);
+//! assert!((estimate.parameters[1] - 2.0).abs() < 0.1);
+//! # Ok::<(), phugoid_estimators::settings::SettingsError>(())
+//! ```
 
 use crate::estimate::{Estimate, Estimator, Inspect, Phase};
 use crate::innovation::{Innovations, RowPhase};
 use crate::kernels::dot;
-use crate::model::{Model, Sample};
-use crate::regression::{Claim, Flow, Kreisselmeier, RegressionSettings, Row, StateSource, Taken};
-use crate::settings::SettingsError;
+use crate::model::Sample;
+use crate::regression::{Claim, Frame, Row, RowSource, Taken};
 use crate::supervisor::colour::Colour;
 use crate::ud::Ud;
 
-/// Recursive least squares: `N` states, `R` outputs, room for `P` columns, states from `S`.
+/// Recursive least squares on the rows of `F`, a [`Regression`](crate::regression::Regression): `R` outputs, room for `P` columns.
 ///
 /// Columns of [`Estimate`] are the model's parameters in its order, then one per biased output.
-pub struct RecursiveLeastSquares<M, S, const N: usize, const R: usize, const P: usize>
-where
-    M: Model<N, R, P>,
-{
-    flow: Flow<M, S, N, R, P>,
-    filters: Kreisselmeier<N, P>,
+pub struct RecursiveLeastSquares<F, const R: usize, const P: usize> {
+    rows: F,
     theta: [f64; P],
     /// Columns scaled to the prior standard deviation.
     covariance: Ud<P>,
@@ -51,21 +68,16 @@ where
     phase: Phase,
 }
 
-impl<M, S, const N: usize, const R: usize, const P: usize> RecursiveLeastSquares<M, S, N, R, P>
+impl<F, const R: usize, const P: usize> RecursiveLeastSquares<F, R, P>
 where
-    M: Model<N, R, P>,
-    S: StateSource<M::Input, N, R>,
+    F: RowSource<R, P>,
 {
-    /// Sets it up; the first samples start its states.
-    ///
-    /// # Errors
-    /// [`SettingsError`]: what cannot be, and which.
-    pub fn new(model: M, source: S, settings: RegressionSettings<N, R, P>) -> Result<Self, SettingsError> {
-        let flow = Flow::new(model, source, settings)?;
-        Ok(Self {
-            filters: Kreisselmeier::new(settings.filter_rate),
-            theta: flow.columns.initial,
-            covariance: Ud::from_variances(&[1.0; P][..flow.columns.count]),
+    /// Least squares on these rows, from the prior; the first samples start the states.
+    pub fn new(rows: F) -> Self {
+        let columns = &rows.frame().columns;
+        Self {
+            theta: columns.initial,
+            covariance: Ud::from_variances(&[1.0; P][..columns.count]),
             colour: Colour::new(),
             colour_started_s: f64::NAN,
             colour_forgotten_s: 0.0,
@@ -73,49 +85,37 @@ where
             innovations: Innovations::EMPTY,
             surfaces: [0.0; P],
             phase: Phase::Starting,
-            flow,
-        })
+            rows,
+        }
     }
 
-    /// The settings in force.
-    pub fn settings(&self) -> &RegressionSettings<N, R, P> {
-        &self.flow.settings
-    }
-
-    /// Where the regressors' states come from.
-    pub fn source(&self) -> &S {
-        &self.flow.source
-    }
-
-    /// The states at which the regressors were last evaluated.
-    pub fn state(&self) -> &[f64; N] {
-        self.flow.state()
+    /// Where the rows come from.
+    pub fn rows(&self) -> &F {
+        &self.rows
     }
 
     /// [`Estimator::update`] that gives each row of the sample to `observe` before it is used: for a batch solution of the same
     /// regression, or to look at it.
-    pub fn update_observed(&mut self, sample: &Sample<M::Input, R>, observe: impl FnMut(&Row<P>)) -> Estimate<P> {
+    pub fn update_observed(&mut self, sample: &Sample<F::Input, R>, observe: impl FnMut(&Row<P>)) -> Estimate<P> {
         self.update_with(sample, observe);
         self.estimate()
     }
 
-    pub(crate) fn update_with(&mut self, sample: &Sample<M::Input, R>, mut observe: impl FnMut(&Row<P>)) -> Taken {
-        let Self { flow, theta, covariance, .. } = self;
-        let (std, p) = (flow.columns.std, flow.columns.count);
-        let taken = flow.take(sample, theta, |row| {
+    pub(crate) fn update_with(&mut self, sample: &Sample<F::Input, R>, mut observe: impl FnMut(&Row<P>)) -> Taken {
+        let Self { rows, theta, covariance, .. } = self;
+        let (std, p) = (rows.frame().columns.std, rows.frame().columns.count);
+        let taken = rows.take(sample, theta, |row| {
             let scaled = core::array::from_fn(|j| if j < p { row[j] * std[j] } else { 0.0 });
             covariance.project(&scaled, 0.0).variance
         });
         match taken {
             Taken::Refused => self.phase = Phase::Rejected,
             Taken::Collected | Taken::First => {
-                self.filters.clear();
                 self.phase = Phase::Starting;
                 self.innovations = Innovations::EMPTY;
                 self.surfaces = [0.0; P];
             }
             Taken::Next => {
-                self.filters.advance(&self.flow);
                 self.forget();
                 self.use_rows(sample, &mut observe);
                 self.close_block();
@@ -126,8 +126,9 @@ where
 
     /// Lets information fade towards the prior while something moves.
     fn forget(&mut self) {
-        let (rate, h, p) = (self.flow.settings.forgetting_per_s, self.flow.interval_s, self.flow.columns.count);
-        if !(rate > 0.0 && self.flow.excited && p > 0) {
+        let Frame { settings, interval_s: h, columns, excited, .. } = self.rows.frame();
+        let (rate, h, p) = (settings.forgetting_per_s, *h, columns.count);
+        if !(rate > 0.0 && *excited && p > 0) {
             return;
         }
         self.covariance.scale(libm::exp(rate * h));
@@ -141,19 +142,20 @@ where
         self.covariance.update(&projection, 1.0 / share);
     }
 
-    fn use_rows(&mut self, sample: &Sample<M::Input, R>, observe: &mut impl FnMut(&Row<P>)) {
-        let Self { flow, filters, theta, covariance, colour, innovations, surfaces, .. } = self;
-        let columns = &flow.columns;
+    fn use_rows(&mut self, sample: &Sample<F::Input, R>, observe: &mut impl FnMut(&Row<P>)) {
+        let Self { rows, theta, covariance, colour, innovations, surfaces, .. } = self;
+        let frame = rows.frame();
+        let columns = &frame.columns;
         let p = columns.count;
-        *innovations = Innovations { predicted: flow.predicted, ..Innovations::EMPTY };
+        *innovations = Innovations { predicted: frame.predicted, ..Innovations::EMPTY };
         for output in 0..R {
-            if sample.outputs[output].is_finite() && !flow.believed[output].is_finite() {
+            if sample.outputs[output].is_finite() && !frame.believed[output].is_finite() {
                 innovations.phase[output] = RowPhase::Rejected;
             }
         }
         surfaces[..p].fill(0.0);
         let mut used = false;
-        filters.rows(flow, |row| {
+        rows.rows(|row| {
             observe(row);
             let mut psi = [0.0; P];
             for j in 0..p {
@@ -191,14 +193,14 @@ where
     }
 
     fn close_block(&mut self) {
-        let now = self.flow.last_s();
+        let now = self.rows.frame().last_s;
         if self.colour_started_s.is_nan() {
             self.colour_started_s = now;
         }
-        if now - self.colour_started_s >= self.flow.settings.common.colour_block_s - 1e-9 {
+        if now - self.colour_started_s >= self.rows.frame().colour_block_s - 1e-9 {
             self.colour_started_s = now;
             // Scores fade as information does, their squares twice as fast.
-            let fading = libm::exp(-2.0 * self.flow.settings.forgetting_per_s * self.colour_forgotten_s);
+            let fading = libm::exp(-2.0 * self.rows.frame().settings.forgetting_per_s * self.colour_forgotten_s);
             self.colour_forgotten_s = 0.0;
             self.colour.fade(fading);
             self.colour.close_block(self.covariance.len(), |j| self.covariance.column(j));
@@ -216,36 +218,31 @@ where
     /// bounds.
     pub(crate) fn estimate_of(&self, theta: &[f64; P]) -> Estimate<P> {
         let mut distance = [0.0; P];
-        for j in 0..self.flow.columns.count {
+        for j in 0..self.rows.frame().columns.count {
             distance[j] = theta[j] - self.theta[j];
         }
         let claim = Claim {
-            time_s: self.flow.last_s(),
+            time_s: self.rows.frame().last_s,
             phase: self.phase,
             theta,
             variances: &self.covariance.variances(),
             inflation: self.colour.inflation(),
             distance: &distance,
         };
-        claim.estimate(&self.flow.settings, &self.flow.columns)
+        claim.estimate(self.rows.frame())
     }
 
     /// The least-squares estimate, parameter units.
     pub(crate) fn parameters(&self) -> &[f64; P] {
         &self.theta
     }
-
-    pub(crate) fn flow(&self) -> &Flow<M, S, N, R, P> {
-        &self.flow
-    }
 }
 
-impl<M, S, const N: usize, const R: usize, const P: usize> Estimator<R, P> for RecursiveLeastSquares<M, S, N, R, P>
+impl<F, const R: usize, const P: usize> Estimator<R, P> for RecursiveLeastSquares<F, R, P>
 where
-    M: Model<N, R, P>,
-    S: StateSource<M::Input, N, R>,
+    F: RowSource<R, P>,
 {
-    type Input = M::Input;
+    type Input = F::Input;
 
     fn update(&mut self, sample: &Sample<Self::Input, R>) -> Estimate<P> {
         self.update_with(sample, |_| {});
@@ -255,7 +252,7 @@ where
     fn covariance(&self, out: &mut [[f64; P]; P]) {
         *out = [[0.0; P]; P];
         self.covariance.write_dense(out);
-        let columns = &self.flow.columns;
+        let columns = &self.rows.frame().columns;
         for i in 0..columns.count {
             for j in 0..columns.count {
                 out[i][j] *= columns.std[i] * columns.std[j];
@@ -264,17 +261,16 @@ where
     }
 }
 
-impl<M, S, const N: usize, const R: usize, const P: usize> Inspect<R, P> for RecursiveLeastSquares<M, S, N, R, P>
+impl<F, const R: usize, const P: usize> Inspect<R, P> for RecursiveLeastSquares<F, R, P>
 where
-    M: Model<N, R, P>,
-    S: StateSource<M::Input, N, R>,
+    F: RowSource<R, P>,
 {
     fn column_count(&self) -> usize {
-        self.flow.columns.count
+        self.rows.frame().columns.count
     }
 
     fn prior_std(&self) -> &[f64; P] {
-        &self.flow.columns.std
+        &self.rows.frame().columns.std
     }
 
     fn innovations(&self) -> &Innovations<R> {
@@ -286,6 +282,6 @@ where
     }
 
     fn restarts(&self) -> u32 {
-        self.flow.restarts()
+        self.rows.frame().restarts
     }
 }

@@ -12,25 +12,42 @@
 //!
 //! The finite reaching time holds for exact equations. With noise it is least squares of the same rows with a lag: nothing is gained
 //! over [`rls`](crate::rls), and nothing is known of the error. **There are no bounds: the standard errors are infinite.**
+//!
+//! ```
+//! # mod lag { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/lag.rs")); }
+//! use lag::{Lag, NOISE, flight};
+//! use phugoid_estimators::Estimator;
+//! use phugoid_estimators::regression::{MeasuredStates, Regression};
+//! use phugoid_estimators::super_twisting::SuperTwisting;
+//! use phugoid_estimators::settings::{EstimatorSettings, ParameterPrior};
+//!
+//! let priors = [ParameterPrior::bounded(5.0, 1.0, 9.0), ParameterPrior::bounded(1.0, -4.0, 6.0)];
+//! let settings = EstimatorSettings::automatic(&priors, [NOISE], 0.01)?;
+//! let rows = Regression::new(Lag, MeasuredStates::new(&Lag), settings)?;
+//! let mut method = SuperTwisting::new(rows);
+//! let mut estimate = method.estimate();
+//! for sample in &flight(20.0, |_| 3.0) {
+//!     estimate = method.update(sample);
+//! }
+//! assert!((estimate.parameters[0] - 3.0).abs() < 0.2);
+//! // This law knows nothing of its error.
+//! assert!(estimate.std_error[0].is_infinite());
+//! # Ok::<(), phugoid_estimators::settings::SettingsError>(())
+//! ```
 
 use crate::dense::Cholesky;
 use crate::estimate::{Estimate, Estimator, Inspect, ParameterStatus, Phase, Status};
 use crate::innovation::{Innovations, RowPhase};
 use crate::kernels::{add_scaled, dot};
-use crate::model::{Model, Sample};
-use crate::regression::{Flow, Kreisselmeier, RegressionSettings, StateSource, Taken};
-use crate::settings::SettingsError;
+use crate::model::Sample;
+use crate::regression::{RowSource, Taken};
 
 /// `k1`, half ranges^(1/2)/s, and `k2`, half ranges/s^2.
 const GAINS: [f64; 2] = [2.0, 1.0];
 
 /// The super-twisting law; type parameters as [`RecursiveLeastSquares`](crate::rls::RecursiveLeastSquares).
-pub struct SuperTwisting<M, S, const N: usize, const R: usize, const P: usize>
-where
-    M: Model<N, R, P>,
-{
-    flow: Flow<M, S, N, R, P>,
-    filters: Kreisselmeier<N, P>,
+pub struct SuperTwisting<F, const R: usize, const P: usize> {
+    rows: F,
     theta: [f64; P],
     /// `v`, half ranges per second.
     speed: [f64; P],
@@ -43,20 +60,14 @@ where
     phase: Phase,
 }
 
-impl<M, S, const N: usize, const R: usize, const P: usize> SuperTwisting<M, S, N, R, P>
+impl<F, const R: usize, const P: usize> SuperTwisting<F, R, P>
 where
-    M: Model<N, R, P>,
-    S: StateSource<M::Input, N, R>,
+    F: RowSource<R, P>,
 {
-    /// Sets it up. The memory of `W` and `Y` is the settings' forgetting.
-    ///
-    /// # Errors
-    /// [`SettingsError`]: what cannot be, and which.
-    pub fn new(model: M, source: S, settings: RegressionSettings<N, R, P>) -> Result<Self, SettingsError> {
-        let flow = Flow::new(model, source, settings)?;
-        Ok(Self {
-            filters: Kreisselmeier::new(settings.filter_rate),
-            theta: flow.columns.initial,
+    /// The law on these rows. The memory of `W` and `Y` is the forgetting of their settings.
+    pub fn new(rows: F) -> Self {
+        Self {
+            theta: rows.frame().columns.initial,
             speed: [0.0; P],
             information: [[0.0; P]; P],
             score: [0.0; P],
@@ -64,17 +75,17 @@ where
             surfaces: [0.0; P],
             moved: [false; P],
             phase: Phase::Starting,
-            flow,
-        })
+            rows,
+        }
     }
 
     /// The estimate that holds after the last sample. Its standard errors are infinite.
     pub fn estimate(&self) -> Estimate<P> {
-        let columns = &self.flow.columns;
+        let columns = &self.rows.frame().columns;
         let unknown = |j: usize| j < columns.count && columns.std[j] > 0.0;
         let std_error = core::array::from_fn(|j| if unknown(j) { f64::INFINITY } else { 0.0 });
         Estimate {
-            time_s: self.flow.last_s(),
+            time_s: self.rows.frame().last_s,
             parameters: self.theta,
             std_error,
             corrected_std_error: std_error,
@@ -92,22 +103,23 @@ where
         }
     }
 
-    fn add_rows(&mut self, sample: &Sample<M::Input, R>) {
-        let Self { flow, filters, theta, information, score, innovations, .. } = self;
-        let columns = &flow.columns;
+    fn add_rows(&mut self, sample: &Sample<F::Input, R>) {
+        let Self { rows, theta, information, score, innovations, .. } = self;
+        let frame = rows.frame();
+        let columns = &frame.columns;
         let p = columns.count;
-        let fading = libm::exp(-flow.settings.forgetting_per_s * flow.interval_s);
-        if fading < 1.0 && flow.excited {
+        let fading = libm::exp(-frame.settings.forgetting_per_s * frame.interval_s);
+        if fading < 1.0 && frame.excited {
             information.iter_mut().flatten().for_each(|w| *w *= fading);
             score.iter_mut().for_each(|y| *y *= fading);
         }
-        *innovations = Innovations { predicted: flow.predicted, ..Innovations::EMPTY };
+        *innovations = Innovations { predicted: frame.predicted, ..Innovations::EMPTY };
         for output in 0..R {
-            if sample.outputs[output].is_finite() && !flow.believed[output].is_finite() {
+            if sample.outputs[output].is_finite() && !frame.believed[output].is_finite() {
                 innovations.phase[output] = RowPhase::Rejected;
             }
         }
-        filters.rows(flow, |row| {
+        rows.rows(|row| {
             let mut psi = [0.0; P];
             for j in 0..p {
                 psi[j] = row.w[j] * columns.std[j] / row.std;
@@ -139,7 +151,7 @@ where
 
     /// The surfaces, in half ranges; zero where nothing is known.
     fn surface(&self) -> [f64; P] {
-        let columns = &self.flow.columns;
+        let columns = &self.rows.frame().columns;
         let p = columns.count;
         let mut surface = [0.0; P];
         let mut factor = self.information;
@@ -170,12 +182,12 @@ where
     }
 
     fn twist(&mut self) {
-        let h = self.flow.interval_s;
+        let h = self.rows.frame().interval_s;
         let [k1, k2] = GAINS;
         let surface = self.surface();
-        for j in 0..self.flow.columns.count {
+        for j in 0..self.rows.frame().columns.count {
             let s = surface[j];
-            let half_range = 2.0 * self.flow.columns.std[j];
+            let half_range = 2.0 * self.rows.frame().columns.std[j];
             self.surfaces[j] = s * half_range;
             if s == 0.0 {
                 self.speed[j] = 0.0;
@@ -190,33 +202,30 @@ where
                 self.speed[j] += h * k2 * b.signum();
                 b.signum() * root * root
             };
-            let columns = &self.flow.columns;
+            let columns = &self.rows.frame().columns;
             self.theta[j] = (self.theta[j] + half_range * (s - left)).clamp(columns.clip_low[j], columns.clip_high[j]);
             self.moved[j] = true;
         }
     }
 }
 
-impl<M, S, const N: usize, const R: usize, const P: usize> Estimator<R, P> for SuperTwisting<M, S, N, R, P>
+impl<F, const R: usize, const P: usize> Estimator<R, P> for SuperTwisting<F, R, P>
 where
-    M: Model<N, R, P>,
-    S: StateSource<M::Input, N, R>,
+    F: RowSource<R, P>,
 {
-    type Input = M::Input;
+    type Input = F::Input;
 
     fn update(&mut self, sample: &Sample<Self::Input, R>) -> Estimate<P> {
-        let std = self.flow.columns.std;
-        let own = self.flow.columns.own;
+        let std = self.rows.frame().columns.std;
+        let own = self.rows.frame().columns.own;
         let spread = |row: &[f64; P]| (0..own).map(|j| row[j] * row[j] * std[j] * std[j]).sum();
-        match self.flow.take(sample, &self.theta, spread) {
+        match self.rows.take(sample, &self.theta, spread) {
             Taken::Refused => self.phase = Phase::Rejected,
             Taken::Collected | Taken::First => {
-                self.filters.clear();
                 self.phase = Phase::Starting;
                 self.innovations = Innovations::EMPTY;
             }
             Taken::Next => {
-                self.filters.advance(&self.flow);
                 self.add_rows(sample);
                 self.twist();
             }
@@ -227,23 +236,22 @@ where
     /// Infinite for the unknown parameters: the law knows no covariance.
     fn covariance(&self, out: &mut [[f64; P]; P]) {
         *out = [[0.0; P]; P];
-        for j in 0..self.flow.columns.count {
-            out[j][j] = if self.flow.columns.std[j] > 0.0 { f64::INFINITY } else { 0.0 };
+        for j in 0..self.rows.frame().columns.count {
+            out[j][j] = if self.rows.frame().columns.std[j] > 0.0 { f64::INFINITY } else { 0.0 };
         }
     }
 }
 
-impl<M, S, const N: usize, const R: usize, const P: usize> Inspect<R, P> for SuperTwisting<M, S, N, R, P>
+impl<F, const R: usize, const P: usize> Inspect<R, P> for SuperTwisting<F, R, P>
 where
-    M: Model<N, R, P>,
-    S: StateSource<M::Input, N, R>,
+    F: RowSource<R, P>,
 {
     fn column_count(&self) -> usize {
-        self.flow.columns.count
+        self.rows.frame().columns.count
     }
 
     fn prior_std(&self) -> &[f64; P] {
-        &self.flow.columns.std
+        &self.rows.frame().columns.std
     }
 
     fn innovations(&self) -> &Innovations<R> {
@@ -255,6 +263,6 @@ where
     }
 
     fn restarts(&self) -> u32 {
-        self.flow.restarts()
+        self.rows.frame().restarts
     }
 }

@@ -3,6 +3,19 @@
 //! Measurement update and rank-one increase after G. J. Bierman, *Factorization Methods for Discrete Sequential
 //! Estimation*, Academic Press 1977 (chapters III and V); time update by modified weighted Gram-Schmidt after
 //! C. L. Thornton, *Triangular Covariance Factorizations for Kalman Filtering*, JPL TM 33-798, 1976.
+//!
+//! ```
+//! use phugoid_estimators::ud::Ud;
+//!
+//! // Two parameters with variances 4 and 1; their sum is measured with noise of variance 1.
+//! let mut covariance = Ud::<2>::from_variances(&[4.0, 1.0]);
+//! let projection = covariance.project(&[1.0, 1.0], 1.0);
+//! assert_eq!(projection.variance, 6.0);
+//! covariance.update(&projection, 1.0);
+//! // C - (C a^T)(a C)/6 with a = [1, 1]
+//! let variances = covariance.variances();
+//! assert!((variances[0] - (4.0 - 16.0 / 6.0)).abs() < 1e-12 && (variances[1] - (1.0 - 1.0 / 6.0)).abs() < 1e-12);
+//! ```
 
 use crate::kernels::{add_scaled, dot, rotate};
 
@@ -47,8 +60,7 @@ impl<const CAPACITY: usize> Ud<CAPACITY> {
     /// given the later columns is zero but for rounding (below 1e-13 of its variance) gets none: [`Self::solve`] then
     /// leaves it out.
     pub fn from_lower_triangle(lower: &[[f64; CAPACITY]; CAPACITY], len: usize) -> Self {
-        // The full size as a constant: the loops of a filter that is used to its capacity unroll.
-        if len >= CAPACITY { Self::factors_of(lower, CAPACITY) } else { Self::factors_of(lower, len) }
+        if len >= CAPACITY { Self::factors_of(lower, CAPACITY) } else { Self::factors_of(lower, len.min(CAPACITY)) }
     }
 
     #[inline(always)]
@@ -95,8 +107,11 @@ impl<const CAPACITY: usize> Ud<CAPACITY> {
     /// `len` entries) and noise variance `r`. Changes nothing.
     #[inline]
     pub fn project(&self, a: &[f64; CAPACITY], r: f64) -> Projection<CAPACITY> {
-        // The full size as a constant: the loops of a filter that is used to its capacity unroll.
-        if self.len >= CAPACITY { self.project_of(CAPACITY, a, r) } else { self.project_of(self.len, a, r) }
+        if self.len >= CAPACITY {
+            self.project_of(CAPACITY, a, r)
+        } else {
+            self.project_of(self.len.min(CAPACITY), a, r)
+        }
     }
 
     #[inline(always)]
@@ -131,11 +146,10 @@ impl<const CAPACITY: usize> Ud<CAPACITY> {
     /// variance.
     #[inline]
     pub fn update(&mut self, projection: &Projection<CAPACITY>, r: f64) -> [f64; CAPACITY] {
-        // The full size as a constant: the loops of a filter that is used to its capacity unroll.
         if self.len >= CAPACITY {
             self.update_of(CAPACITY, projection, r)
         } else {
-            self.update_of(self.len, projection, r)
+            self.update_of(self.len.min(CAPACITY), projection, r)
         }
     }
 
@@ -194,8 +208,11 @@ impl<const CAPACITY: usize> Ud<CAPACITY> {
     /// Thornton's time update `C <- A C A^T + diag(q)`, `q >= 0`.
     #[inline]
     pub fn predict(&mut self, a: &[[f64; CAPACITY]; CAPACITY], q: &[f64; CAPACITY]) {
-        // The full size as a constant: the loops of a filter that is used to its capacity unroll.
-        if self.len >= CAPACITY { self.predict_of(CAPACITY, a, q) } else { self.predict_of(self.len, a, q) }
+        if self.len >= CAPACITY {
+            self.predict_of(CAPACITY, a, q)
+        } else {
+            self.predict_of(self.len.min(CAPACITY), a, q)
+        }
     }
 
     #[inline(always)]
@@ -258,8 +275,7 @@ impl<const CAPACITY: usize> Ud<CAPACITY> {
     /// The diagonal of `C`.
     #[inline]
     pub fn variances(&self) -> [f64; CAPACITY] {
-        // The full size as a constant: the loops of a filter that is used to its capacity unroll.
-        if self.len >= CAPACITY { self.variances_of(CAPACITY) } else { self.variances_of(self.len) }
+        if self.len >= CAPACITY { self.variances_of(CAPACITY) } else { self.variances_of(self.len.min(CAPACITY)) }
     }
 
     #[inline(always)]
@@ -295,8 +311,7 @@ impl<const CAPACITY: usize> Ud<CAPACITY> {
     /// Column `j` of `C`; zero beyond the size.
     #[inline]
     pub fn column(&self, j: usize) -> [f64; CAPACITY] {
-        // The full size as a constant: the loops of a filter that is used to its capacity unroll.
-        if self.len >= CAPACITY { self.column_of(CAPACITY, j) } else { self.column_of(self.len, j) }
+        if self.len >= CAPACITY { self.column_of(CAPACITY, j) } else { self.column_of(self.len.min(CAPACITY), j) }
     }
 
     #[inline(always)]

@@ -3,8 +3,8 @@
 
 mod plants;
 
-use phugoid_estimators::ekf::{EkfSettings, JointEkf};
-use phugoid_estimators::settings::{EstimatorSettings, ParameterPrior, ProcessNoise, SettingsError};
+use phugoid_estimators::ekf::JointEkf;
+use phugoid_estimators::settings::{EkfSettings, EstimatorSettings, ParameterPrior, ProcessNoise, SettingsError};
 use phugoid_estimators::smpe::Smpe;
 use phugoid_estimators::{ChangeState, Estimate, Estimator, Phase, Sample};
 use plants::*;
@@ -26,7 +26,7 @@ fn shared() -> EstimatorSettings<2, 3, 8> {
     EstimatorSettings::automatic(&priors(), JET_NOISE, 0.01).unwrap()
 }
 
-fn ekf(settings: EkfSettings<2, 3, 8>) -> Ekf {
+fn ekf(settings: EstimatorSettings<2, 3, 8>) -> Ekf {
     Ekf::new(JET, settings).unwrap()
 }
 
@@ -79,7 +79,7 @@ fn claimed(estimate: &Estimate<8>, j: usize) -> f64 {
 /// 60 flights of 10 s: the error over the claimed standard error is one within its scatter (std 5 % for 240 values).
 #[test]
 fn finds_the_short_period_within_its_bounds() {
-    let found = rms((0..60).map(|s| last(&mut ekf(EkfSettings::new(shared())), &flight(s, 1000))), &truth(), claimed);
+    let found = rms((0..60).map(|s| last(&mut ekf(shared()), &flight(s, 1000))), &truth(), claimed);
     println!("rms error over claimed {found}");
     assert!((0.8..1.2).contains(&found), "{found}");
 }
@@ -100,8 +100,8 @@ fn the_gate_keeps_outliers_out() {
         }
         flight
     };
-    let gated = EkfSettings::new(shared());
-    let open = EkfSettings { gate: f64::INFINITY, ..gated };
+    let gated = shared();
+    let open = EstimatorSettings { ekf: EkfSettings { gate: f64::INFINITY, ..gated.ekf }, ..gated };
     let clean = rms((0..40).map(|s| last(&mut ekf(gated), &flight(s, 1500))), &truth(), relative);
     let with = rms((0..40).map(|s| last(&mut ekf(gated), &spoilt(s))), &truth(), relative);
     let without = rms((0..40).map(|s| last(&mut ekf(open), &spoilt(s))), &truth(), relative);
@@ -123,8 +123,8 @@ fn sensor_biases_need_their_columns() {
         }
         flight
     };
-    let with = EkfSettings::new(shared().with_biases(BIAS_SD));
-    let without = EkfSettings::new(shared());
+    let with = shared().with_biases(BIAS_SD);
+    let without = shared();
     let finals: Vec<_> = (0..20).map(|s| last(&mut ekf(with), &biased(s))).collect();
     let error = rms(finals.iter().copied(), &truth(), relative);
     let spoilt = rms((0..20).map(|s| last(&mut ekf(without), &biased(s))), &truth(), relative);
@@ -149,13 +149,13 @@ fn a_change_is_found_and_adopted() {
         fly(&JET, &regular(2000, 0.01), [0.0; 2], damaged, input, JET_NOISE, &mut seeded(500 + seed))
     };
     let after = damaged(10.0);
-    let detecting = EkfSettings::new(shared());
+    let detecting = shared();
     let mut constant = detecting;
-    constant.shared.change_detection = None;
+    constant.change_detection = None;
     let mut walking = constant;
     for j in 0..4 {
         // A tenth of the prior in ten seconds.
-        walking.parameter_walk_per_s[j] = (0.1 * priors()[j].std).powi(2) / 10.0;
+        walking.ekf.parameter_walk_per_s[j] = (0.1 * priors()[j].std).powi(2) / 10.0;
     }
     let mut latencies = Vec::new();
     let (mut early, mut of_ekf, mut of_smpe) = (0, Vec::new(), Vec::new());
@@ -225,7 +225,7 @@ fn the_covariance_stays_positive_definite() {
             };
         }
         settings.process_noise = ProcessNoise::adaptive([1e-7, 1e-7]);
-        let mut filter = ekf(EkfSettings::new(settings));
+        let mut filter = ekf(settings);
         let mut rng = seeded(3);
         let quiet = |t: f64| if (t / 120.0).fract() < 0.5 { elevator_3211(t) } else { 0.0 };
         let flight =
@@ -257,7 +257,7 @@ fn the_covariance_stays_positive_definite() {
 fn the_unused_capacity_changes_nothing() {
     fn filter<const P: usize>() -> JointEkf<ShortPeriod, 2, 3, P> {
         let settings = EstimatorSettings::automatic(&priors(), JET_NOISE, 0.01).unwrap().with_biases(BIAS_SD);
-        JointEkf::new(JET, EkfSettings::new(settings)).unwrap()
+        JointEkf::new(JET, settings).unwrap()
     }
     let (mut wide, mut narrow) = (filter::<24>(), filter::<7>());
     for sample in &flight(11, 800) {
@@ -271,13 +271,16 @@ fn the_unused_capacity_changes_nothing() {
 #[test]
 fn impossible_settings_are_refused_with_their_numbers() {
     let refused = |settings| Ekf::new(JET, settings).err().unwrap();
-    let right = EkfSettings::new(shared());
-    assert_eq!(refused(EkfSettings { gate: 0.0, ..right }), SettingsError::Setting { name: "gate", value: 0.0 });
+    let right = shared();
+    assert_eq!(
+        refused(EstimatorSettings { ekf: EkfSettings { gate: 0.0, ..right.ekf }, ..right }),
+        SettingsError::Setting { name: "gate", value: 0.0 }
+    );
     let mut walk = right;
-    walk.parameter_walk_per_s[2] = -1.0;
+    walk.ekf.parameter_walk_per_s[2] = -1.0;
     assert_eq!(refused(walk), SettingsError::Setting { name: "parameter_walk_per_s", value: -1.0 });
     let mut wrong = right;
-    wrong.shared.colour_block_s = 0.0;
+    wrong.colour_block_s = 0.0;
     assert_eq!(refused(wrong), SettingsError::Setting { name: "colour_block_s", value: 0.0 });
 }
 
@@ -300,7 +303,7 @@ proptest! {
         }
         let mut settings = shared().with_biases([0.005, 0.0, 0.2]);
         settings.process_noise = ProcessNoise::adaptive([1e-6, 1e-6]);
-        let mut filter = ekf(EkfSettings::new(settings));
+        let mut filter = ekf(settings);
         for sample in &flight {
             let estimate = filter.update(sample);
             for values in [&estimate.parameters, &estimate.std_error, &estimate.corrected_std_error] {

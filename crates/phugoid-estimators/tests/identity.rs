@@ -6,8 +6,8 @@
 mod plants;
 
 use phugoid_estimators::discretization::{InputHold, IntervalInput, Part, step, sub_steps};
-use phugoid_estimators::ekf::{EkfSettings, JointEkf};
-use phugoid_estimators::settings::{EstimatorSettings, OutputInput, ParameterPrior, ProcessNoise};
+use phugoid_estimators::ekf::JointEkf;
+use phugoid_estimators::settings::{EkfSettings, EstimatorSettings, OutputInput, ParameterPrior, ProcessNoise};
 use phugoid_estimators::smpe::Smpe;
 use phugoid_estimators::{Inspect, LinearizedOutputs, Model, Sample};
 use plants::*;
@@ -203,7 +203,8 @@ fn difference<const P: usize>(
     let walk = [0.0; P];
     let mut worst = difference_of(Smpe::new(model, settings).unwrap(), model, settings, walk, flight, restart_at);
     if settings.reaching_limit >= settings.rejection_limit {
-        let gated = EkfSettings { gate: settings.rejection_limit, ..EkfSettings::new(settings) };
+        let gated =
+            EstimatorSettings { ekf: EkfSettings { gate: settings.rejection_limit, ..settings.ekf }, ..settings };
         let ekf: JointEkf<_, N, R, P> = JointEkf::new(model, gated).unwrap();
         let of_ekf = difference_of(ekf, model, settings, walk, flight, restart_at);
         println!("SMPE {worst:.1e}, joint filter {of_ekf:.1e}");
@@ -342,7 +343,7 @@ fn with_reaching_it_is_the_joint_filter_with_clipped_innovations() {
 fn with_a_random_walk_it_is_the_joint_filter_of_parameters_that_walk() {
     let settings = plain_settings::<7>(4);
     let walk: [f64; 7] = core::array::from_fn(|j| if j < 4 { (0.05 * START_SD[j]).powi(2) } else { 0.0 });
-    let tuned = EkfSettings { gate: f64::INFINITY, parameter_walk_per_s: walk, ..EkfSettings::new(settings) };
+    let tuned = EstimatorSettings { ekf: EkfSettings { gate: f64::INFINITY, parameter_walk_per_s: walk }, ..settings };
     let ekf: JointEkf<_, N, R, 7> = JointEkf::new(JET, tuned).unwrap();
     let worst = difference_of(ekf, JET, settings, walk, &flight::<7>(&regular(2000, 0.01)), None);
     println!("largest difference from the joint filter: {worst:.2e}");

@@ -5,8 +5,10 @@
 
 mod plants;
 
-use phugoid_estimators::ekf::{EkfSettings, JointEkf};
-use phugoid_estimators::settings::{ChangePrior, EstimatorSettings, NoiseAdaptation, ParameterPrior, ProcessNoise};
+use phugoid_estimators::ekf::JointEkf;
+use phugoid_estimators::settings::{
+    ChangePrior, EkfSettings, EstimatorSettings, NoiseAdaptation, ParameterPrior, ProcessNoise,
+};
 use phugoid_estimators::smpe::Smpe;
 use phugoid_estimators::{
     ChangeState, Estimate, Estimator, Inspect, LinearizedOutputs, LinearizedRates, Model, ParameterStatus, Sample,
@@ -261,7 +263,11 @@ impl Supervised for Smpe<Changed, N, R, P> {
 impl Supervised for JointEkf<Changed, N, R, P> {
     fn set_up(model: Changed, settings: EstimatorSettings<N, R, P>) -> Self {
         // The gate that SMPE's rejection is, so that "no limit" is none for both.
-        Self::new(model, EkfSettings { gate: settings.rejection_limit, ..EkfSettings::new(settings) }).unwrap()
+        Self::new(
+            model,
+            EstimatorSettings { ekf: EkfSettings { gate: settings.rejection_limit, ..settings.ekf }, ..settings },
+        )
+        .unwrap()
     }
 
     fn noise_scale(&self) -> f64 {

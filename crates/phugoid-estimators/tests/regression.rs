@@ -5,11 +5,13 @@
 mod plants;
 
 use phugoid_estimators::adaptive_model::AdaptiveModel;
-use phugoid_estimators::fourier::{FourierRegression, FourierSettings};
+use phugoid_estimators::fourier::FourierRegression;
 use phugoid_estimators::implicit_sign::ImplicitSign;
-use phugoid_estimators::regression::{MeasuredStates, RegressionSettings, Row};
+use phugoid_estimators::regression::{MeasuredStates, Regression, Row};
 use phugoid_estimators::rls::RecursiveLeastSquares;
-use phugoid_estimators::settings::{EstimatorSettings, ParameterPrior};
+use phugoid_estimators::settings::{
+    EstimatorSettings, FourierSettings, ParameterPrior, RegressionSettings, SettingsError,
+};
 use phugoid_estimators::super_twisting::SuperTwisting;
 use phugoid_estimators::{Estimate, Estimator, Inspect, ParameterStatus, Phase, Sample};
 use plants::{JET, JET_NOISE, JET_TRUTH, ShortPeriod, elevator_3211, elevator_busy, fly, regular, seeded};
@@ -26,20 +28,30 @@ fn common() -> EstimatorSettings<2, 3, P> {
     EstimatorSettings::automatic(&priors, JET_NOISE, 0.01).unwrap()
 }
 
-fn settings() -> RegressionSettings<2, 3, P> {
-    RegressionSettings::with(common())
+type Rows = Regression<ShortPeriod, MeasuredStates<2>, 2, 3, P>;
+
+fn with(regression: RegressionSettings, fourier: FourierSettings) -> Result<Rows, SettingsError> {
+    Regression::new(JET, states(), EstimatorSettings { regression, fourier, ..common() })
+}
+
+fn rows() -> Rows {
+    with(settings(), FourierSettings::default()).unwrap()
+}
+
+fn settings() -> RegressionSettings {
+    RegressionSettings::default()
 }
 
 fn states() -> MeasuredStates<2> {
     MeasuredStates::new::<_, 3, P>(&JET)
 }
 
-fn rls(settings: RegressionSettings<2, 3, P>) -> RecursiveLeastSquares<ShortPeriod, MeasuredStates<2>, 2, 3, P> {
-    RecursiveLeastSquares::new(JET, states(), settings).unwrap()
+fn rls(settings: RegressionSettings) -> RecursiveLeastSquares<Rows, 3, P> {
+    RecursiveLeastSquares::new(with(settings, FourierSettings::default()).unwrap())
 }
 
-fn fourier(settings: FourierSettings<2, 3, P>) -> FourierRegression<ShortPeriod, MeasuredStates<2>, 2, 3, P> {
-    FourierRegression::new(JET, states(), settings).unwrap()
+fn fourier(settings: FourierSettings) -> FourierRegression<ShortPeriod, MeasuredStates<2>, 2, 3, P> {
+    FourierRegression::new(with(RegressionSettings::default(), settings).unwrap()).unwrap()
 }
 
 fn flight(seconds: f64, noise: f64, seed: u64, input: fn(f64) -> f64) -> Flight {
@@ -133,11 +145,11 @@ fn without_noise_the_truth_is_found() {
     let clean = flight(15.0, 0.0, 5, elevator_3211);
     let least_squares = run(&mut rls(settings()), &clean);
     assert!(worst(&least_squares, &TRUTH) < 5e-3, "{:?}", least_squares.parameters);
-    let transformed = run(&mut fourier(FourierSettings::with(common())), &clean);
+    let transformed = run(&mut fourier(FourierSettings::default()), &clean);
     assert!(worst(&transformed, &TRUTH) < 5e-3, "{:?}", transformed.parameters);
-    let mut sign = ImplicitSign::new(JET, states(), settings(), 2.0).unwrap();
+    let mut sign = ImplicitSign::new(rows(), 2.0).unwrap();
     assert_eq!(run(&mut sign, &clean).parameters, least_squares.parameters, "reached, it is least squares");
-    let mut twisting = SuperTwisting::new(JET, states(), settings()).unwrap();
+    let mut twisting = SuperTwisting::new(rows());
     let twisted = run(&mut twisting, &clean);
     assert!(worst(&twisted, &TRUTH) < 2e-2, "{:?}", twisted.parameters);
     assert!(twisted.std_error.iter().all(|std| std.is_infinite()));
@@ -147,8 +159,8 @@ fn without_noise_the_truth_is_found() {
 #[test]
 fn the_end_point_term_decides_in_the_middle_of_a_manoeuvre() {
     let record = flight(4.0, 0.0, 7, elevator_3211);
-    let with = run(&mut fourier(FourierSettings::with(common())), &record);
-    let without = run(&mut fourier(FourierSettings { end_point: false, ..FourierSettings::with(common()) }), &record);
+    let with = run(&mut fourier(FourierSettings::default()), &record);
+    let without = run(&mut fourier(FourierSettings { end_point: false, ..FourierSettings::default() }), &record);
     let moment = |e: &Estimate<P>| [0, 1, 3].map(|j| ((e.parameters[j] - TRUTH[j]) / TRUTH[j]).abs());
     println!("with {:?}, without {:?}", moment(&with), moment(&without));
     for (right, wrong) in moment(&with).into_iter().zip(moment(&without)) {
@@ -167,8 +179,7 @@ fn bounds_hold() {
         let times = regular(1500, 0.01);
         let mut rng = seeded(100 + seed);
         let record = fly::<_, 2, 3, P>(&JET, &times, [0.0; 2], |_| TRUTH, |t| [elevator_3211(t)], noise, &mut rng);
-        let estimates =
-            [run(&mut rls(settings()), &record), run(&mut fourier(FourierSettings::with(common())), &record)];
+        let estimates = [run(&mut rls(settings()), &record), run(&mut fourier(FourierSettings::default()), &record)];
         for (estimate, covered) in estimates.iter().zip(&mut covered) {
             for j in 0..P {
                 let inside = (estimate.parameters[j] - TRUTH[j]).abs() <= 2.0 * estimate.corrected_std_error[j];
@@ -271,9 +282,9 @@ fn mistreat(estimator: &mut (impl Inspect<3, P> + Estimator<3, P, Input = [f64; 
 #[test]
 fn bad_records_are_survived() {
     mistreat(&mut rls(settings()), true);
-    mistreat(&mut fourier(FourierSettings::with(common())), true);
-    mistreat(&mut ImplicitSign::new(JET, states(), settings(), 2.0).unwrap(), true);
-    mistreat(&mut SuperTwisting::new(JET, states(), settings()).unwrap(), false);
+    mistreat(&mut fourier(FourierSettings::default()), true);
+    mistreat(&mut ImplicitSign::new(rows(), 2.0).unwrap(), true);
+    mistreat(&mut SuperTwisting::new(rows()), false);
     mistreat(&mut AdaptiveModel::new(JET, &common()).unwrap(), false);
 }
 
@@ -298,14 +309,12 @@ fn outliers_cost_little_with_the_gate_and_much_without() {
 
 #[test]
 fn impossible_settings_are_refused() {
-    let refused = |settings: RegressionSettings<2, 3, P>| {
-        RecursiveLeastSquares::new(JET, states(), settings).err().unwrap().to_string()
-    };
+    let refused = |settings| with(settings, FourierSettings::default()).err().unwrap().to_string();
     assert!(refused(RegressionSettings { filter_rate: 0.0, ..settings() }).contains("filter_rate"));
     assert!(refused(RegressionSettings { forgetting_per_s: -1.0, ..settings() }).contains("forgetting_per_s"));
     assert!(refused(RegressionSettings { outlier_limit: f64::NAN, ..settings() }).contains("outlier_limit"));
     let fourier =
-        |settings: FourierSettings<2, 3, P>| FourierRegression::new(JET, states(), settings).err().unwrap().to_string();
-    assert!(fourier(FourierSettings { bins: 0, ..FourierSettings::with(common()) }).contains("bins"));
-    assert!(fourier(FourierSettings { band_hz: [0.1, 60.0], ..FourierSettings::with(common()) }).contains("band_hz"));
+        |settings| FourierRegression::new(with(self::settings(), settings).unwrap()).err().unwrap().to_string();
+    assert!(fourier(FourierSettings { bins: 0, ..FourierSettings::default() }).contains("bins"));
+    assert!(fourier(FourierSettings { band_hz: [0.1, 60.0], ..FourierSettings::default() }).contains("band_hz"));
 }

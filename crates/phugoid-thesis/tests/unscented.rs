@@ -4,7 +4,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use phugoid_estimators::discretization::{InputHold, IntervalInput, simulate};
-use phugoid_estimators::ekf::{EkfSettings, JointEkf};
+use phugoid_estimators::ekf::JointEkf;
 use phugoid_estimators::settings::{EstimatorSettings, ParameterPrior};
 use phugoid_estimators::{Estimator, LinearizedOutputs, Model, Sample};
 use phugoid_evaluation::published::{CALM_MODEL, CALM_SCENARIO};
@@ -204,7 +204,8 @@ where
     plain.correct_first_sample = false;
     plain.clip_factor = f64::INFINITY;
     plain.change_detection = None;
-    let open = EkfSettings { gate: f64::INFINITY, ..EkfSettings::new(plain) };
+    let mut open = plain;
+    open.ekf.gate = f64::INFINITY;
     let mut scores: Vec<[Score; 2]> = at_s.iter().map(|_| Default::default()).collect();
     let mut seconds = [0.0; 2];
     for seed in 0..RUNS {

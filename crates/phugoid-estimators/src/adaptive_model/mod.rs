@@ -14,6 +14,24 @@
 //! **What it is:** a gradient law without memory of what it has learnt. It follows the noise as fast as the truth, parameters that are
 //! excited together are told apart slowly, and it knows nothing of its error: **the standard errors are infinite.** It ignores the
 //! accelerometers.
+//!
+//! ```
+//! # mod lag { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/lag.rs")); }
+//! use lag::{Lag, NOISE, flight};
+//! use phugoid_estimators::Estimator;
+//! use phugoid_estimators::adaptive_model::AdaptiveModel;
+//! use phugoid_estimators::settings::{EstimatorSettings, ParameterPrior};
+//!
+//! let priors = [ParameterPrior::bounded(5.0, 1.0, 9.0), ParameterPrior::bounded(1.0, -4.0, 6.0)];
+//! let settings = EstimatorSettings::automatic(&priors, [NOISE], 0.01)?;
+//! let mut law = AdaptiveModel::new(Lag, &settings)?;
+//! let mut parameters = [0.0; 2];
+//! for sample in &flight(40.0, |_| 3.0) {
+//!     parameters = law.update(sample).parameters;
+//! }
+//! assert!((parameters[0] - 3.0).abs() < 0.3 && (parameters[1] - 2.0).abs() < 0.3);
+//! # Ok::<(), phugoid_estimators::settings::SettingsError>(())
+//! ```
 
 mod state_error;
 

@@ -100,11 +100,7 @@ pub(crate) struct ChangeDetector<const P: usize> {
 }
 
 impl<const P: usize> ChangeDetector<P> {
-    pub(crate) fn new<const N: usize, const R: usize>(
-        settings: ChangeDetection,
-        sample_time_s: f64,
-        columns: &Columns<N, R, P>,
-    ) -> Self {
+    pub(crate) fn new<const R: usize>(settings: ChangeDetection, sample_time_s: f64, columns: &Columns<R, P>) -> Self {
         let mut tested = [0; P];
         let mut count = 0;
         for j in 0..columns.count {
@@ -452,7 +448,7 @@ mod tests {
     }
 
     /// Columns of unit prior, of which some may change by `d = 1`.
-    fn columns(count: usize, tested: &[usize]) -> Columns<1, 1, P> {
+    fn columns(count: usize, tested: &[usize]) -> Columns<1, P> {
         let change =
             core::array::from_fn(|j| if tested.contains(&j) { ChangePrior::Fixed(1.0) } else { ChangePrior::None });
         Columns {
@@ -464,7 +460,6 @@ mod tests {
             clip_high: [f64::INFINITY; P],
             change,
             bias_of_output: [None],
-            output_of_state: [None],
         }
     }
 

@@ -1,13 +1,13 @@
 //! One joint covariance of state and parameters, and the arithmetic of one gated row.
 
-use super::EkfSettings;
 use crate::columns::Columns;
 use crate::discretization::{self, IntervalInput, Part};
 use crate::innovation::{Innovations, RowPhase, ScoredRow};
-use crate::kernels::{add_scaled, dot};
+use crate::kernels::{add_scaled, dot, is_full};
 use crate::model::{LinearizedOutputs, Model};
 use crate::settings::{EstimatorSettings, SettingsError};
 use crate::supervisor::common::{Common, NoiseScore};
+use crate::supervisor::faults::Watch;
 use crate::supervisor::slot::Slot;
 use crate::ud::Ud;
 
@@ -49,9 +49,15 @@ impl<const N: usize, const P: usize> Blocks<N, P> {
         out
     }
 
-    /// `P a`. Most rows measure one state, or a state and a few parameters: the zeros are worth a test.
-    #[inline(always)]
+    /// `P a`.
+    #[inline(never)]
     fn times(&self, p: usize, a: &Stacked<N, P>) -> Stacked<N, P> {
+        if p >= P { self.times_of(P, a) } else { self.times_of(p, a) }
+    }
+
+    /// Most rows measure one state, or a state and a few parameters: the zeros are worth a test.
+    #[inline(always)]
+    fn times_of(&self, p: usize, a: &Stacked<N, P>) -> Stacked<N, P> {
         let mut out = Stacked { x: [0.0; N], t: [0.0; P] };
         for k in 0..N {
             let factor = a.x[k];
@@ -83,8 +89,13 @@ impl<const N: usize, const P: usize> Blocks<N, P> {
     /// Q = P - K v^T,   w = Q a,   P <- Q + K e^T + e K^T,   e = (r K - w)/2
     /// ```
     /// `e` is zero but for the rounding of `Q`, and takes it back.
-    #[inline(always)]
+    #[inline(never)]
     fn update(&mut self, p: usize, a: &Stacked<N, P>, v: &Stacked<N, P>, inverse_s: f64, r: f64) {
+        if p >= P { self.update_of(P, a, v, inverse_s, r) } else { self.update_of(p, a, v, inverse_s, r) }
+    }
+
+    #[inline(always)]
+    fn update_of(&mut self, p: usize, a: &Stacked<N, P>, v: &Stacked<N, P>, inverse_s: f64, r: f64) {
         let gain = Stacked { x: v.x.map(|value| value * inverse_s), t: v.t.map(|value| value * inverse_s) };
         for j in 0..p {
             add_scaled(&mut self.tt[j][..=j], -gain.t[j], &v.t[..=j]);
@@ -95,7 +106,7 @@ impl<const N: usize, const P: usize> Blocks<N, P> {
                 self.xx[k][l] -= gain.x[k] * v.x[l];
             }
         }
-        let w = self.times(p, a);
+        let w = self.times_of(p, a);
         let mut e = Stacked { x: [0.0; N], t: [0.0; P] };
         for (e, (w, gain)) in e.t[..p].iter_mut().zip(w.t[..p].iter().zip(&gain.t[..p])) {
             *e = 0.5 * (r * gain - w);
@@ -229,41 +240,41 @@ impl<const N: usize, const P: usize> Conditional<N, P> {
     }
 }
 
-impl<const N: usize, const R: usize, const P: usize> Slot<N, R, P> for Joint<N, P> {
-    type Settings = EkfSettings<N, R, P>;
-
-    fn shared(settings: &Self::Settings) -> &EstimatorSettings<N, R, P> {
-        &settings.shared
+impl<const N: usize, const P: usize> Slot<N, P> for Joint<N, P> {
+    fn check<const R: usize>(settings: &EstimatorSettings<N, R, P>) -> Result<(), SettingsError> {
+        settings.ekf.check()
     }
 
-    fn check(settings: &Self::Settings) -> Result<(), SettingsError> {
-        settings.check()
-    }
-
-    fn prior(settings: &Self::Settings, columns: &Columns<N, R, P>) -> Self {
+    fn prior<const R: usize>(settings: &EstimatorSettings<N, R, P>, columns: &Columns<R, P>) -> Self {
         let mut covariance = Blocks { columns: columns.count, xx: [[0.0; N]; N], xt: [[0.0; P]; N], tt: [[0.0; P]; P] };
         for j in 0..columns.count {
             covariance.tt[j][j] = if columns.std[j] > 0.0 { 1.0 } else { 0.0 };
         }
-        Self { common: Common::prior(&settings.shared, columns), covariance }
+        Self { common: Common::prior(settings, columns), covariance }
     }
 
     /// The reading is noise and bias: `Pxt = -P_bt`, `Pxx = P_bb + diag variance`, with the row `b` of the bias.
-    fn start_state(&mut self, x: [f64; N], variances: &[f64; N], measured: &[bool; N], columns: &Columns<N, R, P>) {
-        self.common.start_state(x, measured, columns);
+    fn start_state<const R: usize>(
+        &mut self,
+        x: [f64; N],
+        variances: &[f64; N],
+        read_from: &[Option<usize>; N],
+        columns: &Columns<R, P>,
+    ) {
+        self.common.start_state(x, read_from, columns);
         let p = columns.count;
         let Blocks { xx, xt, .. } = &mut self.covariance;
         *xx = [[0.0; N]; N];
         *xt = [[0.0; P]; N];
         for k in 0..N {
             self.covariance.xx[k][k] = variances[k].max(0.0);
-            let (true, Some(bias)) = (measured[k], columns.bias_of_state(k)) else { continue };
+            let Some(bias) = columns.bias_of(read_from[k]) else { continue };
             let row = self.covariance.parameter_column(p, bias);
             for j in 0..p {
                 self.covariance.xt[k][j] = -row[j] * columns.std[bias];
             }
             for l in 0..=k {
-                if let (true, Some(other)) = (measured[l], columns.bias_of_state(l)) {
+                if let Some(other) = columns.bias_of(read_from[l]) {
                     self.covariance.xx[k][l] += row[other] * columns.std[bias] * columns.std[other];
                 }
             }
@@ -271,21 +282,20 @@ impl<const N: usize, const R: usize, const P: usize> Slot<N, R, P> for Joint<N, 
     }
 
     /// `x <- f(x, u, theta)` and `P <- F P F^T + diag(q_s Qx h, Qt h)`.
-    fn predict<M>(
+    fn predict<M, const R: usize>(
         &mut self,
         model: &M,
-        settings: &Self::Settings,
-        columns: &Columns<N, R, P>,
+        settings: &EstimatorSettings<N, R, P>,
+        columns: &Columns<R, P>,
         input: &IntervalInput<M::Input>,
         interval_s: f64,
     ) -> bool
     where
         M: Model<N, R, P>,
     {
-        let shared = &settings.shared;
-        let steps = discretization::sub_steps(interval_s, shared.maximum_step_s);
+        let steps = discretization::sub_steps(interval_s, settings.maximum_step_s);
         let h = interval_s / steps as f64;
-        let q = shared.process_noise.variance_per_s.map(|variance| variance * self.common.noise_scale * h);
+        let q = settings.process_noise.variance_per_s.map(|variance| variance * self.common.noise_scale * h);
         let own = columns.own;
         let mut x = self.common.x;
         let before = self.covariance;
@@ -308,7 +318,7 @@ impl<const N: usize, const R: usize, const P: usize> Slot<N, R, P> for Joint<N, 
         }
         for j in 0..own {
             if columns.std[j] > 0.0 {
-                let walk = settings.parameter_walk_per_s[j] * interval_s;
+                let walk = settings.ekf.parameter_walk_per_s[j] * interval_s;
                 self.covariance.tt[j][j] += walk / (columns.std[j] * columns.std[j]);
             }
         }
@@ -316,52 +326,48 @@ impl<const N: usize, const R: usize, const P: usize> Slot<N, R, P> for Joint<N, 
         true
     }
 
-    fn correct<M>(
+    fn correct<M, const R: usize>(
         &mut self,
         model: &M,
-        settings: &Self::Settings,
-        columns: &Columns<N, R, P>,
+        settings: &EstimatorSettings<N, R, P>,
+        columns: &Columns<R, P>,
         input: &M::Input,
         measured: &[f64; R],
         adapt_noise: bool,
         surface: &mut [f64; P],
-        observe: impl FnMut(ScoredRow<'_>),
+        watch: Option<Watch<'_, R, P>>,
     ) -> Innovations<R>
     where
         M: Model<N, R, P>,
     {
-        // The full capacity as a constant: its loops unroll.
         let p = columns.count;
-        if p >= P {
-            self.correct_of(P, model, settings, columns, input, measured, adapt_noise, surface, observe)
+        if is_full(p, P) {
+            self.correct_of(P, model, settings, columns, input, measured, adapt_noise, surface, watch)
         } else {
-            self.correct_of(p, model, settings, columns, input, measured, adapt_noise, surface, observe)
+            self.correct_of(p, model, settings, columns, input, measured, adapt_noise, surface, watch)
         }
     }
 
     /// A jump of the parameters alone: `Ptt + Delta`, `Pxt` as it was, and an allowance for what the state has suffered.
-    fn reopen(
+    fn reopen<const R: usize>(
         &mut self,
-        columns: &Columns<N, R, P>,
+        columns: &Columns<R, P>,
         tested: &[usize],
         change_over_prior: &[f64; P],
-        noise_std: &[f64; R],
-        allowance: f64,
+        state_variance: &[f64; N],
     ) -> bool {
         let p = columns.count;
         let mut before = [[0.0; P]; P];
-        Slot::<N, R, P>::write_covariance(self, &mut before);
+        Slot::write_covariance(self, &mut before);
         for &column in tested {
             self.covariance.tt[column][column] += change_over_prior[column] * change_over_prior[column];
         }
         for k in 0..N {
-            if let Some(output) = columns.output_of_state[k] {
-                self.covariance.xx[k][k] += allowance * noise_std[output] * noise_std[output];
-            }
+            self.covariance.xx[k][k] += state_variance[k];
         }
         self.common.limited = [false; P];
         self.common.colour.reopen(&before, &Ud::from_lower_triangle(&self.covariance.tt, p));
-        Slot::<N, R, P>::is_sound(self, p)
+        Slot::is_sound(self, p)
     }
 
     fn common(&self) -> &Common<N, P> {
@@ -403,18 +409,17 @@ impl<const N: usize, const P: usize> Joint<N, P> {
         &mut self,
         p: usize,
         model: &M,
-        settings: &EkfSettings<N, R, P>,
-        columns: &Columns<N, R, P>,
+        settings: &EstimatorSettings<N, R, P>,
+        columns: &Columns<R, P>,
         input: &M::Input,
         measured: &[f64; R],
         adapt_noise: bool,
         surface: &mut [f64; P],
-        mut observe: impl FnMut(ScoredRow<'_>),
+        mut watch: Option<Watch<'_, R, P>>,
     ) -> Innovations<R>
     where
         M: Model<N, R, P>,
     {
-        let shared = &settings.shared;
         let own = columns.own.min(p);
         let mut innovations = Innovations::EMPTY;
         let mut lin = LinearizedOutputs::<N, R, P>::ZERO;
@@ -427,7 +432,7 @@ impl<const N: usize, const P: usize> Joint<N, P> {
         let mut score = NoiseScore::ZERO;
         surface[..p].fill(0.0);
         for i in 0..R {
-            let sigma = shared.noise_std[i];
+            let sigma = settings.noise_std[i];
             let bias = columns.bias_of_output[i];
             let predicted = lin.outputs[i] + bias.map_or(0.0, |column| self.common.theta[column]);
             innovations.predicted[i] = predicted;
@@ -467,17 +472,25 @@ impl<const N: usize, const P: usize> Joint<N, P> {
             for (psi, w) in psi[..p].iter_mut().zip(&w[..p]) {
                 *psi = w / root;
             }
-            observe(ScoredRow { output: i, psi: &psi[..p], xi, v: one_plus_v - 1.0, nn: libm::sqrt(one_plus_v) });
+            if let Some(watch) = &mut watch {
+                watch.see(&ScoredRow {
+                    output: i,
+                    psi: &psi[..p],
+                    xi,
+                    v: one_plus_v - 1.0,
+                    nn: libm::sqrt(one_plus_v),
+                });
+            }
             innovations.whitened[i] = residual / root;
             innovations.normalised[i] = xi;
             innovations.variance[i] = variance;
 
-            if xi.abs() > settings.gate {
+            if xi.abs() > settings.ekf.gate {
                 innovations.phase[i] = RowPhase::Rejected;
                 continue;
             }
             if adapt_noise {
-                score.add(&shared.process_noise.adaptation, i, xi, (s - r) / variance);
+                score.add(&settings.process_noise.adaptation, i, xi, (s - r) / variance);
             }
             innovations.phase[i] = RowPhase::Sliding;
             self.common.colour.add(&psi[..p], xi);
@@ -498,7 +511,7 @@ impl<const N: usize, const P: usize> Joint<N, P> {
             *step *= std;
         }
         let Self { common, covariance } = self;
-        common.take_step(shared, columns, &dx, &dtheta[..p], &score, |j| covariance.tt[j][j]);
+        common.take_step(settings, columns, &dx, &dtheta[..p], &score, |j| covariance.tt[j][j]);
         innovations
     }
 }

@@ -1,7 +1,7 @@
 //! One equation of the regression, transformed at every frequency.
 
-use super::settings::MAXIMUM_BINS;
 use crate::regression::{Complex, Weights};
+use crate::settings::MAXIMUM_BINS;
 
 /// The frequencies and what one interval does at each.
 #[derive(Clone, Copy, Debug)]

@@ -138,7 +138,7 @@ impl<const P: usize> Solution<P> {
     pub(super) fn solve<const N: usize, const R: usize>(
         &mut self,
         bins: &Bins,
-        columns: &Columns<N, R, P>,
+        columns: &Columns<R, P>,
         dynamic: &mut [Equation<P>; N],
         algebraic: &mut [Equation<P>; R],
         end_point: bool,

@@ -14,6 +14,41 @@
 //! ```
 //!
 //! for any number and any correlation of looks. docs/theory.md derives it, says what it assumes, and measures it.
+//!
+//! ```
+//! # mod lag { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/lag.rs")); }
+//! use lag::{Lag, NOISE, flight};
+//! use phugoid_estimators::health::{Condition, Expected, HealthMonitor, MonitorSettings, Watched};
+//! use phugoid_estimators::settings::{EstimatorSettings, ParameterPrior};
+//! use phugoid_estimators::smpe::Smpe;
+//! use phugoid_estimators::{Estimator, Inspect};
+//!
+//! let priors = [ParameterPrior::bounded(5.0, 1.0, 9.0), ParameterPrior::bounded(1.0, -4.0, 6.0)];
+//! let settings = EstimatorSettings::automatic(&priors, [NOISE], 0.01)?;
+//! let mut estimator = Smpe::new(Lag, settings)?;
+//! // a = 3 within 0.3 and b = 2 within 0.3 count as healthy; a failure would change them by about 1.
+//! let healthy = |value| Some(Expected { value, tolerance: 0.3, failure_std: 1.0 });
+//! let mut monitor = HealthMonitor::new(Lag, &settings, &[healthy(3.0), healthy(2.0)], MonitorSettings::default()).unwrap();
+//! let mut covariance = [[0.0; 2]; 2];
+//! let mut flagged_s = None;
+//! // a changes to 5 after 15 s.
+//! for sample in &flight(20.0, |t| if t < 15.0 { 3.0 } else { 5.0 }) {
+//!     let estimate = estimator.update(sample);
+//!     estimator.covariance(&mut covariance);
+//!     let health = monitor.update(sample, &Watched {
+//!         estimate: &estimate,
+//!         covariance: &covariance,
+//!         residuals: &estimator.innovations().normalised,
+//!         noise_scale: estimator.process_noise_scale(),
+//!     });
+//!     if health.condition == Condition::Diverged && flagged_s.is_none() {
+//!         flagged_s = Some(sample.time_s);
+//!     }
+//! }
+//! let flagged_s = flagged_s.unwrap();
+//! assert!(15.0 < flagged_s && flagged_s < 16.0, "{flagged_s}");
+//! # Ok::<(), phugoid_estimators::settings::SettingsError>(())
+//! ```
 
 mod deviation;
 mod evidence;
@@ -156,7 +191,7 @@ where
     ) -> Result<Self, MonitorError> {
         settings.check()?;
         estimator.check(model.parameter_count()).map_err(MonitorError::Estimator)?;
-        let columns = Columns::new(&model, estimator);
+        let columns = Columns::new(estimator, model.parameter_count());
         let mut parts =
             Parts { monitored: [0; P], monitored_count: 0, failure_std: [0.0; P], nuisance: [0; P], nuisance_count: 0 };
         let mut width = [0.0; P];

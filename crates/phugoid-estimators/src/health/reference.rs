@@ -46,7 +46,8 @@ where
 {
     model: M,
     settings: EstimatorSettings<N, R, P>,
-    columns: Columns<N, R, P>,
+    columns: Columns<R, P>,
+    output_of_state: [Option<usize>; N],
     parts: Parts<P>,
     x: [f64; N],
     /// Expected values; estimates of the nuisance columns.
@@ -72,11 +73,12 @@ where
     pub(super) fn new(
         model: M,
         settings: EstimatorSettings<N, R, P>,
-        columns: Columns<N, R, P>,
+        columns: Columns<R, P>,
         parts: Parts<P>,
         theta: [f64; P],
     ) -> Self {
         Self {
+            output_of_state: settings.output_of_state(&model),
             model,
             x: settings.initial_state,
             theta,
@@ -153,12 +155,12 @@ where
         starts: &mut Starts<N, P>,
     ) {
         self.start.push(sample);
-        let Some(started) = self.start.state(&self.settings, &self.columns) else { return };
+        let Some(started) = self.start.state(&self.settings, &self.output_of_state) else { return };
         self.x = started.x;
         self.px = Ud::from_variances(&started.variances);
         self.sensitivity = [[0.0; P]; N];
         for state in 0..N {
-            let Some(bias) = self.columns.bias_of_state(state).filter(|_| started.measured[state]) else { continue };
+            let Some(bias) = self.columns.bias_of(started.read_from[state]) else { continue };
             let nuisance = &self.parts.nuisance[..self.parts.nuisance_count];
             if let Some(place) = nuisance.iter().position(|column| *column == bias) {
                 self.sensitivity[state][place] = -1.0;
@@ -281,7 +283,7 @@ where
     /// The frame at the present time, row by row as the estimator does it.
     fn correct(&mut self, sample: &Sample<M::Input, R>, levels: &Levels<R>, starts: &mut Starts<N, P>) {
         let previous = self.last_input.unwrap_or(sample.input);
-        let input = crate::supervisor::slot::output_input(&self.settings, previous, sample.input);
+        let input = self.settings.seen_input(previous, sample.input);
         self.last_input = Some(sample.input);
         let (n, f) = (self.parts.monitored_count, self.parts.nuisance_count);
         let mut lin = LinearizedOutputs::<N, R, P>::ZERO;

@@ -1,7 +1,6 @@
 //! What a regression says after each sample.
 
-use super::settings::RegressionSettings;
-use crate::columns::Columns;
+use super::row_source::Frame;
 use crate::estimate::{CONVERGED, EXCITED};
 use crate::estimate::{Estimate, ParameterStatus, Phase, Status};
 
@@ -19,11 +18,8 @@ pub(crate) struct Claim<'a, const P: usize> {
 }
 
 impl<const P: usize> Claim<'_, P> {
-    pub(crate) fn estimate<const N: usize, const R: usize>(
-        &self,
-        settings: &RegressionSettings<N, R, P>,
-        columns: &Columns<N, R, P>,
-    ) -> Estimate<P> {
+    pub(crate) fn estimate<const R: usize>(&self, frame: &Frame<R, P>) -> Estimate<P> {
+        let columns = &frame.columns;
         let mut estimate = Estimate {
             time_s: self.time_s,
             parameters: *self.theta,
@@ -43,7 +39,7 @@ impl<const P: usize> Claim<'_, P> {
             estimate.observability[j] = if std > 0.0 { (1.0 - variance).clamp(0.0, 1.0) } else { 0.0 };
             let theta = self.theta[j];
             let limited = j < columns.own && {
-                let prior = &settings.common.priors[j];
+                let prior = &frame.priors[j];
                 theta - 2.0 * corrected > prior.upper
                     || theta + 2.0 * corrected < prior.lower
                     || prior.std > 0.0 && (theta <= columns.clip_low[j] || theta >= columns.clip_high[j])

@@ -19,18 +19,17 @@
 //! [`rls`](crate::rls) and [`fourier`](crate::fourier) say when to use them and where they fail.
 
 mod claim;
-mod flow;
+mod equations;
 mod gate;
 mod pole;
+mod row_source;
 mod rows;
-mod settings;
 mod source;
 
+pub use equations::Regression;
 pub use rows::Row;
-pub use settings::RegressionSettings;
 pub use source::{MeasuredStates, SourceStep, StateSource};
 
 pub(crate) use claim::Claim;
-pub(crate) use flow::{Flow, Taken};
 pub(crate) use pole::{Complex, Weights};
-pub(crate) use rows::Kreisselmeier;
+pub(crate) use row_source::{Frame, RowSource, Taken};

@@ -54,7 +54,7 @@
 //! # Ok::<(), phugoid_estimators::settings::SettingsError>(())
 //! ```
 
-pub(crate) mod reopen;
+mod reopen;
 mod separated;
 
 use crate::supervisor::Supervisor;

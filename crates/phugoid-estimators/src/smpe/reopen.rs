@@ -1,15 +1,11 @@
 //! Re-opening: the exact Gaussian book-keeping of "these parameters have just jumped by N(0, diag d^2)".
 
-use crate::columns::Columns;
 use crate::dense::Cholesky;
 use crate::smpe::separated::Separated;
 use crate::supervisor::slot::Slot;
 
-/// State variance added, in measurement variances: pays for the state error gathered between change and trigger.
-pub(crate) const STATE_ALLOWANCE: f64 = 25.0;
-
 /// Opens the `tested` columns of a slot again. `change_over_prior` is `d_j` over the prior standard deviation;
-/// `allowance` is added to the variances of measured states, in measurement variances.
+/// `std` holds the prior standard deviations of the columns in use; `state_variance` is added to the variances of the states.
 /// Gives `false`, with the slot in an unspecified but finite state, if the arithmetic fails.
 ///
 /// With the joint covariance `[Px + U C U^T, U C; C U^T, C]`, a jump of the parameters alone gives `C' = C + Delta`,
@@ -17,15 +13,14 @@ pub(crate) const STATE_ALLOWANCE: f64 = 25.0;
 /// U'  = U C C'^-1
 /// Px' = Px + U_E (Delta_E^-1 + (C^-1)_EE)^-1 U_E^T + allowance diag(sigma^2)
 /// ```
-pub(crate) fn reopen<const N: usize, const R: usize, const P: usize>(
+pub(crate) fn reopen<const N: usize, const P: usize>(
     slot: &mut Separated<N, P>,
-    columns: &Columns<N, R, P>,
+    std: &[f64],
     tested: &[usize],
     change_over_prior: &[f64; P],
-    noise_std: &[f64; R],
-    allowance: f64,
+    state_variance: &[f64; N],
 ) -> bool {
-    let p = columns.count.min(P);
+    let p = std.len().min(P);
     let mut before = [[0.0; P]; P];
     slot.c.write_dense(&mut before);
 
@@ -56,7 +51,7 @@ pub(crate) fn reopen<const N: usize, const R: usize, const P: usize>(
     for state in 0..N {
         let mut row = [0.0; P];
         for (i, &column) in open.iter().enumerate() {
-            row[i] = slot.sensitivity[state][column] * columns.std[column];
+            row[i] = slot.sensitivity[state][column] * std[column];
         }
         g.solve_lower(&mut row);
         for i in 0..count {
@@ -67,11 +62,9 @@ pub(crate) fn reopen<const N: usize, const R: usize, const P: usize>(
         slot.px.add_rank_one(1.0, rank);
     }
     for state in 0..N {
-        if let Some(output) = columns.output_of_state[state] {
-            let mut unit = [0.0; N];
-            unit[state] = 1.0;
-            slot.px.add_rank_one(allowance * noise_std[output] * noise_std[output], &unit);
-        }
+        let mut unit = [0.0; N];
+        unit[state] = 1.0;
+        slot.px.add_rank_one(state_variance[state], &unit);
     }
 
     // C' = C + Delta, one rank per open column.
@@ -85,23 +78,22 @@ pub(crate) fn reopen<const N: usize, const R: usize, const P: usize>(
     for state in 0..N {
         let mut y = [0.0; P];
         for i in 0..p {
-            y[i] = (0..p).map(|j| before[i][j] * slot.sensitivity[state][j] * columns.std[j]).sum();
+            y[i] = (0..p).map(|j| before[i][j] * slot.sensitivity[state][j] * std[j]).sum();
         }
         slot.c.solve(&mut y);
         for j in 0..p {
-            slot.sensitivity[state][j] =
-                if columns.std[j] > 0.0 { y[j] / columns.std[j] } else { slot.sensitivity[state][j] };
+            slot.sensitivity[state][j] = if std[j] > 0.0 { y[j] / std[j] } else { slot.sensitivity[state][j] };
         }
     }
     slot.common.limited = [false; P];
     slot.common.colour.reopen(&before, &slot.c);
-    Slot::<N, R, P>::is_sound(slot, p)
+    Slot::is_sound(slot, p)
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::separated::Separated;
-    use super::{STATE_ALLOWANCE, reopen};
+    use super::reopen;
     use crate::columns::Columns;
     use crate::settings::ChangePrior;
     use crate::supervisor::common::Common;
@@ -116,7 +108,7 @@ mod tests {
     const COLUMNS: usize = 7;
     const J: usize = N + COLUMNS;
 
-    fn joint(slot: &Separated<N, P>, columns: &Columns<N, R, P>) -> [[f64; J]; J] {
+    fn joint(slot: &Separated<N, P>, columns: &Columns<R, P>) -> [[f64; J]; J] {
         let (mut px, mut c) = ([[0.0; N]; N], [[0.0; P]; P]);
         slot.px.write_dense(&mut px);
         slot.c.write_dense(&mut c);
@@ -140,7 +132,7 @@ mod tests {
         let mut rng = Pcg64Mcg::seed_from_u64(3);
         for _ in 0..50 {
             let mut uniform = || 2.0 * rng.random::<f64>() - 1.0;
-            let mut columns = Columns::<N, R, P> {
+            let mut columns = Columns::<R, P> {
                 count: COLUMNS,
                 own: 5,
                 initial: [0.0; P],
@@ -149,7 +141,6 @@ mod tests {
                 clip_high: [f64::INFINITY; P],
                 change: [ChangePrior::None; P],
                 bias_of_output: [Some(5), Some(6)],
-                output_of_state: [Some(1), None, Some(0)],
             };
             // A fixed parameter among them.
             columns.std[1] = 0.0;
@@ -177,14 +168,19 @@ mod tests {
                 let projection = slot.c.project(&row, 1.0);
                 slot.c.update(&projection, 1.0);
             }
-            let noise_std = [0.05, 0.2];
             let tested = [0, 2, 4];
             let mut change = [0.0; P];
             change[0] = 0.5;
             change[2] = 0.0; // a relative change prior of a parameter that is zero just now
             change[4] = 2.0;
             let before = joint(&slot, &columns);
-            assert!(reopen(&mut slot, &columns, &tested, &change, &noise_std, STATE_ALLOWANCE));
+            assert!(reopen(
+                &mut slot,
+                &columns.std[..COLUMNS],
+                &tested,
+                &change,
+                &[25.0 * 0.2 * 0.2, 0.0, 25.0 * 0.05 * 0.05]
+            ));
             let after = joint(&slot, &columns);
             let mut expected = before;
             expected[0][0] += 25.0 * 0.2 * 0.2;

@@ -5,10 +5,11 @@ use super::reopen;
 use crate::columns::Columns;
 use crate::discretization::{self, IntervalInput, Part};
 use crate::innovation::{Innovations, RowPhase, ScoredRow};
-use crate::kernels::{add_scaled, dot};
+use crate::kernels::{add_scaled_in, dot, dot_in, is_full};
 use crate::model::{LinearizedOutputs, Model};
 use crate::settings::{EstimatorSettings, ReachingState, SettingsError};
 use crate::supervisor::common::{Common, NoiseScore};
+use crate::supervisor::faults::Watch;
 use crate::supervisor::slot::Slot;
 use crate::ud::Ud;
 
@@ -23,18 +24,12 @@ pub struct Separated<const N: usize, const P: usize> {
     pub(crate) c: Ud<P>,
 }
 
-impl<const N: usize, const R: usize, const P: usize> Slot<N, R, P> for Separated<N, P> {
-    type Settings = EstimatorSettings<N, R, P>;
-
-    fn shared(settings: &Self::Settings) -> &EstimatorSettings<N, R, P> {
-        settings
-    }
-
-    fn check(_: &Self::Settings) -> Result<(), SettingsError> {
+impl<const N: usize, const P: usize> Slot<N, P> for Separated<N, P> {
+    fn check<const R: usize>(_: &EstimatorSettings<N, R, P>) -> Result<(), SettingsError> {
         Ok(())
     }
 
-    fn prior(settings: &Self::Settings, columns: &Columns<N, R, P>) -> Self {
+    fn prior<const R: usize>(settings: &EstimatorSettings<N, R, P>, columns: &Columns<R, P>) -> Self {
         Self {
             common: Common::prior(settings, columns),
             sensitivity: [[0.0; P]; N],
@@ -44,12 +39,18 @@ impl<const N: usize, const R: usize, const P: usize> Slot<N, R, P> for Separated
     }
 
     /// Independent of the model's parameters, and wrong by the bias of the channel it was read from: `U = -1` there.
-    fn start_state(&mut self, x: [f64; N], variances: &[f64; N], measured: &[bool; N], columns: &Columns<N, R, P>) {
-        self.common.start_state(x, measured, columns);
+    fn start_state<const R: usize>(
+        &mut self,
+        x: [f64; N],
+        variances: &[f64; N],
+        read_from: &[Option<usize>; N],
+        columns: &Columns<R, P>,
+    ) {
+        self.common.start_state(x, read_from, columns);
         self.px = Ud::from_variances(variances);
         self.sensitivity = [[0.0; P]; N];
         for state in 0..N {
-            if let (true, Some(bias)) = (measured[state], columns.bias_of_state(state)) {
+            if let Some(bias) = columns.bias_of(read_from[state]) {
                 self.sensitivity[state][bias] = -1.0;
             }
         }
@@ -57,11 +58,11 @@ impl<const N: usize, const R: usize, const P: usize> Slot<N, R, P> for Separated
 
     /// `x <- f(x, u, theta)`, `U <- A U + B`, `Px <- A Px A^T + q_s Qx h`. Changes nothing and gives `false` if the
     /// model's answer is not finite.
-    fn predict<M>(
+    fn predict<M, const R: usize>(
         &mut self,
         model: &M,
         settings: &EstimatorSettings<N, R, P>,
-        columns: &Columns<N, R, P>,
+        columns: &Columns<R, P>,
         input: &IntervalInput<M::Input>,
         interval_s: f64,
     ) -> bool
@@ -103,38 +104,36 @@ impl<const N: usize, const R: usize, const P: usize> Slot<N, R, P> for Separated
     }
 
     #[allow(clippy::too_many_arguments)]
-    fn correct<M>(
+    fn correct<M, const R: usize>(
         &mut self,
         model: &M,
         settings: &EstimatorSettings<N, R, P>,
-        columns: &Columns<N, R, P>,
+        columns: &Columns<R, P>,
         input: &M::Input,
         measured: &[f64; R],
         adapt_noise: bool,
         surface: &mut [f64; P],
-        observe: impl FnMut(ScoredRow<'_>),
+        watch: Option<Watch<'_, R, P>>,
     ) -> Innovations<R>
     where
         M: Model<N, R, P>,
     {
-        // The full capacity as a constant: its loops unroll.
         let p = columns.count;
-        if p >= P {
-            self.correct_of(P, model, settings, columns, input, measured, adapt_noise, surface, observe)
+        if is_full(p, P) {
+            self.correct_of(P, model, settings, columns, input, measured, adapt_noise, surface, watch)
         } else {
-            self.correct_of(p, model, settings, columns, input, measured, adapt_noise, surface, observe)
+            self.correct_of(p, model, settings, columns, input, measured, adapt_noise, surface, watch)
         }
     }
 
-    fn reopen(
+    fn reopen<const R: usize>(
         &mut self,
-        columns: &Columns<N, R, P>,
+        columns: &Columns<R, P>,
         tested: &[usize],
         change_over_prior: &[f64; P],
-        noise_std: &[f64; R],
-        allowance: f64,
+        state_variance: &[f64; N],
     ) -> bool {
-        reopen::reopen(self, columns, tested, change_over_prior, noise_std, allowance)
+        reopen::reopen(self, &columns.std[..columns.count], tested, change_over_prior, state_variance)
     }
 
     fn common(&self) -> &Common<N, P> {
@@ -173,12 +172,12 @@ impl<const N: usize, const P: usize> Separated<N, P> {
         p: usize,
         model: &M,
         settings: &EstimatorSettings<N, R, P>,
-        columns: &Columns<N, R, P>,
+        columns: &Columns<R, P>,
         input: &M::Input,
         measured: &[f64; R],
         adapt_noise: bool,
         surface: &mut [f64; P],
-        mut observe: impl FnMut(ScoredRow<'_>),
+        mut watch: Option<Watch<'_, R, P>>,
     ) -> Innovations<R>
     where
         M: Model<N, R, P>,
@@ -218,7 +217,7 @@ impl<const N: usize, const P: usize> Separated<N, P> {
                 // Most rows measure one state: the zeros are worth a test.
                 if factor != 0.0 {
                     residual -= factor * dx[k];
-                    add_scaled(&mut w[..p], factor, &self.sensitivity[k][..p]);
+                    add_scaled_in(p, &mut w, factor, &self.sensitivity[k]);
                 }
             }
 
@@ -241,7 +240,9 @@ impl<const N: usize, const P: usize> Separated<N, P> {
             if !(xi.is_finite() && s > 0.0 && s.is_finite() && one_plus_v >= 1.0 && one_plus_v.is_finite()) {
                 continue;
             }
-            observe(ScoredRow { output: i, psi: &psi[..p], xi, v: one_plus_v - 1.0, nn });
+            if let Some(watch) = &mut watch {
+                watch.see(&ScoredRow { output: i, psi: &psi[..p], xi, v: one_plus_v - 1.0, nn });
+            }
             innovations.whitened[i] = e;
             innovations.normalised[i] = xi;
             innovations.variance[i] = s * one_plus_v;
@@ -264,7 +265,7 @@ impl<const N: usize, const P: usize> Separated<N, P> {
                 p_h = self.px.update(&state_projection, r);
                 c_psi = self.c.update(&projection, 1.0);
                 for k in 0..N {
-                    add_scaled(&mut self.sensitivity[k][..p], -p_h[k] * inverse_s, &w[..p]);
+                    add_scaled_in(p, &mut self.sensitivity[k], -p_h[k] * inverse_s, &w);
                 }
             } else {
                 innovations.phase[i] = RowPhase::Reaching;
@@ -293,7 +294,7 @@ impl<const N: usize, const P: usize> Separated<N, P> {
                 dtheta[j] += step[j];
             }
             for k in 0..N {
-                dx[k] += p_h[k] * inverse_root * ex + dot(&self.sensitivity[k][..p], &step[..p]);
+                dx[k] += p_h[k] * inverse_root * ex + dot_in(p, &self.sensitivity[k], &step);
             }
         }
 

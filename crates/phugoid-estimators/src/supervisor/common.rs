@@ -60,7 +60,7 @@ pub struct Common<const N: usize, const P: usize> {
 
 impl<const N: usize, const P: usize> Common<N, P> {
     /// The prior, with a state still to be started.
-    pub(crate) fn prior<const R: usize>(settings: &EstimatorSettings<N, R, P>, columns: &Columns<N, R, P>) -> Self {
+    pub(crate) fn prior<const R: usize>(settings: &EstimatorSettings<N, R, P>, columns: &Columns<R, P>) -> Self {
         Self {
             x: settings.initial_state,
             theta: columns.initial,
@@ -75,12 +75,12 @@ impl<const N: usize, const P: usize> Common<N, P> {
     pub(crate) fn start_state<const R: usize>(
         &mut self,
         x: [f64; N],
-        measured: &[bool; N],
-        columns: &Columns<N, R, P>,
+        read_from: &[Option<usize>; N],
+        columns: &Columns<R, P>,
     ) {
         self.x = x;
         for state in 0..N {
-            if let (true, Some(bias)) = (measured[state], columns.bias_of_state(state)) {
+            if let Some(bias) = columns.bias_of(read_from[state]) {
                 self.x[state] -= self.theta[bias];
             }
         }
@@ -92,7 +92,7 @@ impl<const N: usize, const P: usize> Common<N, P> {
     pub(crate) fn take_step<const R: usize>(
         &mut self,
         settings: &EstimatorSettings<N, R, P>,
-        columns: &Columns<N, R, P>,
+        columns: &Columns<R, P>,
         dx: &[f64; N],
         dtheta: &[f64],
         score: &NoiseScore,

@@ -1,16 +1,191 @@
-//! A change in doubt: what the detector suspects, whom the challenger beats, and what becomes of it.
+//! A change in doubt: what the detector suspects, the challenger that goes back to before the change, is opened where the change
+//! has begun and catches up, the contest with the running estimate (the champion), and what becomes of it.
 
-use super::Supervisor;
+use super::{ADAPTATION_START_S, Supervisor};
 use crate::change_detection::challenge::{Verdict, maturity, needed_maturity};
+use crate::discretization::IntervalInput;
 use crate::innovation::Innovations;
 use crate::model::Model;
+use crate::supervisor::faults::Faults;
+use crate::supervisor::history::FRAMES;
 use crate::supervisor::slot::Slot;
+
+/// State variance added where a change is gone back to, in measurement variances: pays for the state error gathered between
+/// change and trigger.
+const STATE_ALLOWANCE: f64 = 25.0;
+
+/// Frames that a challenger that has gone back works off per update: bounded work. At 100 Hz it is up to date after 0.1 s.
+const CATCH_UP: usize = 8;
+
+/// Where a challenger is that has gone back to before the change.
+#[derive(Clone, Copy)]
+pub(super) struct Behind {
+    /// Number of the last frame it has seen.
+    frame: u64,
+    /// It is opened before these frames, the second not before the first. The change lies between them, and what is between is
+    /// evidence of the state and not of what holds afterwards.
+    open: [u64; 2],
+}
 
 impl<S, M, const N: usize, const R: usize, const P: usize> Supervisor<S, M, N, R, P>
 where
-    S: Slot<N, R, P>,
+    S: Slot<N, P>,
     M: Model<N, R, P>,
 {
+    /// Opens the parameters for a change that is known to happen now (damage, a flap, a store released, reported by another
+    /// system): what the detector would have had to find out. Call it between the last sample before the change and the
+    /// first one after it. Every parameter may jump by its change prior; biases and other nuisance columns keep what was
+    /// learnt of them, and a doubt that is running is settled by it. The next estimate says
+    /// [`ChangeState::Adopted`](crate::ChangeState::Adopted).
+    ///
+    /// Gives `false`, and changes nothing, if no parameter has a change prior or the arithmetic fails.
+    ///
+    /// ```
+    /// # mod lag { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/lag.rs")); }
+    /// use lag::{Lag, NOISE, flight};
+    /// use phugoid_estimators::settings::{EstimatorSettings, ParameterPrior};
+    /// use phugoid_estimators::smpe::Smpe;
+    /// use phugoid_estimators::{ChangeState, Estimator};
+    ///
+    /// let priors = [ParameterPrior::bounded(5.0, 1.0, 9.0), ParameterPrior::bounded(1.0, -4.0, 6.0)];
+    /// let settings = EstimatorSettings::automatic(&priors, [NOISE], 0.01)?;
+    /// let mut estimator = Smpe::new(Lag, settings)?;
+    /// for sample in &flight(12.0, |t| if t < 6.0 { 3.0 } else { 4.0 }) {
+    ///     if sample.time_s == 6.0 {
+    ///         // A store was released, says the aircraft.
+    ///         assert!(estimator.reopen_now());
+    ///     }
+    ///     let estimate = estimator.update(sample);
+    ///     assert_eq!(estimate.status.change == ChangeState::Adopted, sample.time_s == 6.0);
+    /// }
+    /// let estimate = estimator.estimate();
+    /// assert!((estimate.parameters[0] - 4.0).abs() < 3.0 * estimate.corrected_std_error[0]);
+    /// # Ok::<(), phugoid_estimators::settings::SettingsError>(())
+    /// ```
+    pub fn reopen_now(&mut self) -> bool {
+        let change = self.change_over_prior();
+        let mut tested = [0; P];
+        let mut count = 0;
+        for j in 0..self.columns.count {
+            if change[j] > 0.0 {
+                tested[count] = j;
+                count += 1;
+            }
+        }
+        let mut opened = self.champion;
+        // The state has not been estimated wrongly yet: no allowance.
+        if count == 0 || !opened.reopen(&self.columns, &tested[..count], &change, &[0.0; N]) {
+            return false;
+        }
+        self.champion = opened;
+        self.in_doubt = false;
+        self.behind = None;
+        self.known_change = true;
+        self.history.forget_snapshots();
+        if let Some((detector, _)) = &mut self.detection {
+            detector.clear();
+        }
+        true
+    }
+
+    /// Starts a challenger from before the change that the detector has found.
+    pub(super) fn go_back(&mut self, change: &[f64; P], time_s: f64) {
+        let Some((detector, challenge)) = &mut self.detection else { return };
+        let onset = detector.onset(change);
+        let Some((slot, frame)) = self.history.before(onset[0]) else { return detector.clear() };
+        self.challenger = *slot;
+        self.faults[1] = Faults::NONE;
+        // Where the snapshots do not reach back, from the first one on.
+        let earliest = onset[0].max(frame + 1);
+        self.behind = Some(Behind { frame, open: [earliest, onset[1].max(earliest)] });
+        // Of before the change: the change itself colours the residuals.
+        let inflation = slot.common().colour.inflation();
+        let tested = detector.tested();
+        let colour = tested.iter().map(|j| inflation[*j]).sum::<f64>() / (tested.len() as f64).max(1.0);
+        challenge.open(time_s, colour);
+        self.in_doubt = true;
+        self.catch_up();
+    }
+
+    /// Brings a challenger that has gone back nearer to the present.
+    pub(super) fn catch_up(&mut self) {
+        let Some(mut behind) = self.behind else { return };
+        let change = self.change_over_prior();
+        let newest = self.history.newest();
+        for _ in 0..CATCH_UP {
+            if behind.frame == newest {
+                break;
+            }
+            let next = behind.frame + 1;
+            if !self.open_before(next, &behind, &change) || !self.work_off(next) {
+                return self.drop_challenger();
+            }
+            behind.frame = next;
+        }
+        self.behind = Some(behind);
+        if behind.frame == newest {
+            // What is not opened yet is opened with the next frame.
+            if behind.open[1] > newest && !self.open_before(behind.open[1], &behind, &change) {
+                return self.drop_challenger();
+            }
+            self.behind = None;
+        }
+    }
+
+    /// Brings a challenger that has gone back to the present, because the state starts anew: at most all frames that are kept.
+    pub(super) fn catch_up_at_once(&mut self) {
+        for _ in 0..FRAMES {
+            if self.behind.is_none() {
+                break;
+            }
+            self.catch_up();
+        }
+    }
+
+    /// Opens the challenger if that is due before a frame.
+    fn open_before(&mut self, frame: u64, behind: &Behind, change: &[f64; P]) -> bool {
+        let Self { settings, columns, output_of_state, challenger, detection, .. } = self;
+        let Some((detector, _)) = detection else { return false };
+        let [first, last] = behind.open;
+        let mut state_variance = [0.0; N];
+        if frame == first {
+            for (variance, output) in state_variance.iter_mut().zip(output_of_state) {
+                if let Some(output) = *output {
+                    *variance = STATE_ALLOWANCE * settings.noise_std[output] * settings.noise_std[output];
+                }
+            }
+        } else if frame != last {
+            return true;
+        }
+        challenger.reopen(columns, detector.tested(), change, &state_variance)
+    }
+
+    /// One frame of the past.
+    fn work_off(&mut self, number: u64) -> bool {
+        let first_s = self.first_s;
+        let Self { model, settings, columns, challenger, history, faults, behind, detection, .. } = self;
+        let (Some(last), Some(frame)) = (history.frame(number - 1), history.frame(number)) else { return false };
+        let input = IntervalInput { from: last.input, to: frame.input, hold: settings.input_hold };
+        if !challenger.predict(model, settings, columns, &input, frame.time_s - last.time_s) {
+            return false;
+        }
+        let seen = settings.seen_input(last.input, frame.input);
+        let adapt = frame.time_s - first_s > ADAPTATION_START_S;
+        let mut unused = [0.0; P];
+        let innovations = challenger.correct(model, settings, columns, &seen, &frame.outputs, adapt, &mut unused, None);
+        if let (Some(behind), Some((detector, challenge))) = (behind, detection)
+            && number >= behind.open[0]
+        {
+            let merit = faults[1].merit(&innovations, settings.rejection_limit);
+            challenge.past += history.merit(number).nats_for(&merit, detector.leverage());
+        }
+        faults[1].note(&innovations, settings.rejection_limit, settings.sample_time_s);
+        if settings.colour_block(last.time_s - first_s) != settings.colour_block(frame.time_s - first_s) {
+            challenger.close_colour_block();
+        }
+        challenger.is_sound(columns.count)
+    }
+
     /// No challenger: has anything changed?
     pub(super) fn watch(&mut self, since_start_s: f64, time_s: f64) {
         let change = self.change_over_prior();
@@ -28,7 +203,7 @@ where
     pub(super) fn contest(&mut self, innovations: &Innovations<R>, time_s: f64) {
         let change = self.change_over_prior();
         let Some((detector, challenge)) = &mut self.detection else { return };
-        let limit = S::shared(&self.settings).rejection_limit;
+        let limit = self.settings.rejection_limit;
         let merit = self.history.merit(self.history.newest());
         challenge.score += merit.nats_for(&self.faults[1].merit(innovations, limit), detector.leverage());
         let sound = self.challenger.is_sound(self.columns.count);

@@ -1,7 +1,8 @@
 //! What measured rows are worth as evidence of a change. A sensor that fails for a while is not an aircraft that has changed: damage
 //! disturbs several outputs, a burst of outliers the one that has it.
 
-use crate::innovation::Innovations;
+use crate::change_detection::ChangeDetector;
+use crate::innovation::{Innovations, ScoredRow};
 use crate::statistics::median;
 
 /// Weight of a rejected row when others are disturbed too: outliers that coincide must not look like a change.
@@ -87,6 +88,26 @@ impl<const R: usize> Faults<R> {
                 *time_s = (*time_s - RECOVERY * sample_time_s).max(0.0);
             }
         }
+    }
+}
+
+/// The change detector with what it needs to judge a row. (A closure in its place would be another type at each call, and the
+/// whole correction of a frame compiled again for each.)
+pub struct Watch<'a, const R: usize, const P: usize> {
+    pub(crate) detector: &'a mut ChangeDetector<P>,
+    pub(crate) faults: &'a Faults<R>,
+    /// Normalised surface up to which a row counts in full.
+    pub(crate) reaching_limit: f64,
+    /// Normalised surface beyond which it is rejected.
+    pub(crate) rejection_limit: f64,
+}
+
+impl<const R: usize, const P: usize> Watch<'_, R, P> {
+    /// Takes a row before the estimate does.
+    #[inline]
+    pub(crate) fn see(&mut self, row: &ScoredRow<'_>) {
+        let weight = self.faults.weight(row.output, row.xi, self.rejection_limit);
+        self.detector.observe(row, self.reaching_limit, weight);
     }
 }
 

@@ -1,15 +1,13 @@
-//! What makes an estimator of a filter. A sample is collected for the start of the state (`begin`), or predicts and corrects the
-//! estimate (here); then the detector looks at it, or a challenger competes for it (`doubt`, and `retrospect` for going back to
-//! before the change). What a caller may know is in `report`.
+//! What makes an estimator of a filter. A sample is collected for the start of the state, or predicts and corrects the
+//! estimate (here); then the detector looks at it, or a challenger competes for it (`doubt`). What a caller may know is in `report`.
 
-mod begin;
 pub(crate) mod colour;
 pub(crate) mod common;
 mod doubt;
-mod faults;
+pub(crate) mod faults;
 mod history;
+mod lost;
 mod report;
-mod retrospect;
 pub(crate) mod slot;
 pub(crate) mod start;
 mod trial;
@@ -22,12 +20,13 @@ use crate::estimate::{Estimate, Estimator, Phase};
 use crate::innovation::{Innovations, RowPhase};
 use crate::model::{Model, Sample};
 use crate::settings::{EstimatorSettings, SettingsError};
-use crate::supervisor::faults::Faults;
+use crate::supervisor::faults::{Faults, Watch};
 use crate::supervisor::history::History;
-use crate::supervisor::slot::{Slot, output_input};
+use crate::supervisor::slot::Slot;
 use crate::supervisor::start::Start;
 use crate::supervisor::trial::Trial;
-use retrospect::Behind;
+use doubt::Behind;
+use lost::Rejections;
 
 /// The process noise is adapted only after this time, s: the start transient is not a gust.
 const ADAPTATION_START_S: f64 = 0.3;
@@ -46,12 +45,13 @@ enum Stage {
 /// parameters in its order, then one per biased output.
 pub struct Supervisor<S, M, const N: usize, const R: usize, const P: usize>
 where
-    S: Slot<N, R, P>,
+    S: Slot<N, P>,
     M: Model<N, R, P>,
 {
     model: M,
-    settings: S::Settings,
-    columns: Columns<N, R, P>,
+    settings: EstimatorSettings<N, R, P>,
+    columns: Columns<R, P>,
+    output_of_state: [Option<usize>; N],
     stage: Stage,
     start: Start<M::Input, R>,
     trial: Trial<R>,
@@ -78,32 +78,30 @@ where
     known_change: bool,
     rejected_samples: u64,
     restarts: u32,
-    /// Start of the present run of frames that were mostly rejected, and their number.
-    lost_since_s: f64,
-    lost_frames: u32,
+    rejections: Rejections,
 }
 
 impl<S, M, const N: usize, const R: usize, const P: usize> Supervisor<S, M, N, R, P>
 where
-    S: Slot<N, R, P>,
+    S: Slot<N, P>,
     M: Model<N, R, P>,
 {
     /// Sets the estimator up; the first samples start its state.
-    pub fn new(model: M, settings: S::Settings) -> Result<Self, SettingsError> {
-        let shared = S::shared(&settings);
+    pub fn new(model: M, settings: EstimatorSettings<N, R, P>) -> Result<Self, SettingsError> {
         let parameters = model.parameter_count();
         if parameters > P {
             return Err(SettingsError::Capacity { needed: parameters, capacity: P });
         }
-        shared.check(parameters)?;
+        settings.check(parameters)?;
         S::check(&settings)?;
-        let columns = Columns::new(&model, shared);
+        let columns = Columns::new(&settings, parameters);
+        let output_of_state = settings.output_of_state(&model);
         let champion = S::prior(&settings, &columns);
-        let detection = match shared.change_detection {
+        let detection = match settings.change_detection {
             None => None,
             Some(detection) => {
-                let detector = ChangeDetector::new(detection, shared.sample_time_s, &columns);
-                Some((detector, Challenge::new(detection, R as f64 / shared.sample_time_s)))
+                let detector = ChangeDetector::new(detection, settings.sample_time_s, &columns);
+                Some((detector, Challenge::new(detection, R as f64 / settings.sample_time_s)))
             }
         };
         let history = History::new(detection.as_ref().map_or(0, |(detector, _)| detector.window_frames()));
@@ -111,6 +109,7 @@ where
             model,
             settings,
             columns,
+            output_of_state,
             stage: Stage::Starting,
             start: Start::new(),
             trial: Trial::NEW,
@@ -132,13 +131,8 @@ where
             known_change: false,
             rejected_samples: 0,
             restarts: 0,
-            lost_since_s: 0.0,
-            lost_frames: 0,
+            rejections: Rejections::NONE,
         })
-    }
-
-    fn shared(&self) -> &EstimatorSettings<N, R, P> {
-        S::shared(&self.settings)
     }
 
     /// `d_j`, parameter units.
@@ -157,14 +151,97 @@ where
         out
     }
 
+    /// Collects a sample for the start of the state.
+    fn collect(&mut self, sample: &Sample<M::Input, R>) {
+        self.phase = Phase::Starting;
+        self.innovations = Innovations::EMPTY;
+        self.surfaces = [0.0; P];
+        self.start.push(sample);
+        self.last_s = sample.time_s;
+        // Again only where a gap inside the window has left fewer frames.
+        while self.replay() {}
+    }
+
+    /// Starts the state and replays the collected frames, if there are enough. True if a gap among them has begun a new
+    /// start with fewer frames.
+    fn replay(&mut self) -> bool {
+        let Some(started) = self.start.state(&self.settings, &self.output_of_state) else { return false };
+        self.champion.start_state(started.x, &started.variances, &started.read_from, &self.columns);
+        if self.in_doubt {
+            self.challenger.start_state(started.x, &started.variances, &started.read_from, &self.columns);
+        }
+        self.stage = Stage::Running;
+        let collected = core::mem::replace(&mut self.start, Start::new());
+        for index in 0..collected.len() {
+            let Some(frame) = collected.frame(index) else { continue };
+            if matches!(self.stage, Stage::Starting) {
+                // A gap, or a failure of the model, inside the window: an earlier frame has begun a new start.
+                self.start.push(&frame);
+                self.last_s = frame.time_s;
+                continue;
+            }
+            if index == 0 {
+                self.last_s = frame.time_s;
+                self.last_input = Some(frame.input);
+                if self.first_s.is_nan() {
+                    self.first_s = frame.time_s;
+                }
+                if self.settings.correct_first_sample {
+                    self.correct(&frame, frame.input);
+                }
+            } else {
+                self.advance(&frame);
+            }
+        }
+        matches!(self.stage, Stage::Starting) && self.start.len() < collected.len()
+    }
+
+    /// Starts the state again from measurements; parameters and covariance are kept, and so is a doubt about them.
+    pub(super) fn restart(&mut self, sample: &Sample<M::Input, R>) {
+        self.restarts = self.restarts.saturating_add(1);
+        self.rejections = Rejections::NONE;
+        self.catch_up_at_once();
+        self.history.clear();
+        if self.in_doubt && !self.challenger.is_sound(self.columns.count) {
+            self.drop_challenger();
+        }
+        if let Some((detector, _)) = &mut self.detection {
+            detector.clear();
+        }
+        if !self.champion.is_sound(self.columns.count) {
+            if self.in_doubt {
+                self.adopt_challenger(sample.time_s);
+            } else {
+                // Nothing of the estimate can be trusted: back to the prior.
+                self.champion = S::prior(&self.settings, &self.columns);
+            }
+        }
+        self.stage = Stage::Starting;
+        self.faults = [Faults::NONE; 2];
+        self.start = Start::new();
+        self.start.push(sample);
+        self.last_s = sample.time_s;
+        self.phase = Phase::Starting;
+        self.innovations = Innovations::EMPTY;
+        self.surfaces = [0.0; P];
+    }
+
+    /// The first start was none: nothing that was learnt from it is kept.
+    fn start_over(&mut self, sample: &Sample<M::Input, R>) {
+        self.champion = S::prior(&self.settings, &self.columns);
+        self.in_doubt = false;
+        self.behind = None;
+        self.restart(sample);
+    }
+
     /// One interval and the frame at its end.
     fn advance(&mut self, sample: &Sample<M::Input, R>) {
         let interval_s = sample.time_s - self.last_s;
         let Some(from) = self.last_input else { return self.restart(sample) };
-        if interval_s > self.shared().maximum_gap_s {
+        if interval_s > self.settings.maximum_gap_s {
             return self.restart(sample);
         }
-        let input = IntervalInput { from, to: sample.input, hold: self.shared().input_hold };
+        let input = IntervalInput { from, to: sample.input, hold: self.settings.input_hold };
         let Self { model, settings, columns, champion, challenger, in_doubt, behind, .. } = self;
         let up_to_date = *in_doubt && behind.is_none();
         let challenger_lives = up_to_date && challenger.predict(model, settings, columns, &input, interval_s);
@@ -182,15 +259,15 @@ where
         }
         self.last_s = sample.time_s;
         self.last_input = Some(sample.input);
-        self.correct(sample, output_input(self.shared(), from, sample.input));
+        self.correct(sample, self.settings.seen_input(from, sample.input));
     }
 
     /// The frame at the present time.
     fn correct(&mut self, sample: &Sample<M::Input, R>, input: M::Input) {
         let since_start_s = sample.time_s - self.first_s;
         let adapt = since_start_s > ADAPTATION_START_S;
-        let (kappa, limit) = (self.shared().reaching_limit, self.shared().rejection_limit);
-        let nominal_s = self.shared().sample_time_s;
+        let (kappa, limit) = (self.settings.reaching_limit, self.settings.rejection_limit);
+        let nominal_s = self.settings.sample_time_s;
         let faults = self.faults[0];
         let watching = !self.in_doubt;
         let up_to_date = self.in_doubt && self.behind.is_none();
@@ -198,22 +275,23 @@ where
         if detection.is_some() {
             history.push(sample);
         }
-        self.innovations =
-            champion.correct(model, settings, columns, &input, &sample.outputs, adapt, surfaces, |row| {
-                if let (true, Some((detector, _))) = (watching, detection.as_mut()) {
-                    detector.observe(&row, kappa, faults.weight(row.output, row.xi, limit));
-                }
-            });
+        let watch = detection.as_mut().filter(|_| watching).map(|(detector, _)| Watch {
+            detector,
+            faults: &faults,
+            reaching_limit: kappa,
+            rejection_limit: limit,
+        });
+        self.innovations = champion.correct(model, settings, columns, &input, &sample.outputs, adapt, surfaces, watch);
         let challenged = up_to_date.then(|| {
             let mut unused = [0.0; P];
-            challenger.correct(model, settings, columns, &input, &sample.outputs, adapt, &mut unused, |_| {})
+            challenger.correct(model, settings, columns, &input, &sample.outputs, adapt, &mut unused, None)
         });
         self.phase = phase_of(&self.innovations);
         if self.detection.is_some() {
             self.history.judge(faults.merit(&self.innovations, limit));
         }
 
-        let block = self.shared().colour_block(since_start_s);
+        let block = self.settings.colour_block(since_start_s);
         if block != self.colour_block {
             self.colour_block = block;
             self.champion.close_colour_block();
@@ -227,10 +305,12 @@ where
             }
         }
 
-        if self.trial.contradicts(&self.innovations, sample.time_s, S::shared(&self.settings).start_trial_s) {
+        if self.trial.contradicts(&self.innovations, sample.time_s, self.settings.start_trial_s) {
             return self.start_over(sample);
         }
-        if !self.champion.is_sound(self.columns.count) || self.is_lost(sample.time_s) {
+        let lost =
+            |s: &mut Self| s.rejections.are_too_many(&s.innovations, sample.time_s, s.detection.is_some(), s.in_doubt);
+        if !self.champion.is_sound(self.columns.count) || lost(self) {
             return self.restart(sample);
         }
         if self.detection.is_some() {
@@ -250,7 +330,7 @@ where
 
 impl<S, M, const N: usize, const R: usize, const P: usize> Estimator<R, P> for Supervisor<S, M, N, R, P>
 where
-    S: Slot<N, R, P>,
+    S: Slot<N, P>,
     M: Model<N, R, P>,
 {
     type Input = M::Input;

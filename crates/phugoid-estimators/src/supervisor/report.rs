@@ -6,11 +6,12 @@ use crate::estimate::{
 };
 use crate::innovation::Innovations;
 use crate::model::Model;
+use crate::settings::EstimatorSettings;
 use crate::supervisor::slot::Slot;
 
 impl<S, M, const N: usize, const R: usize, const P: usize> Supervisor<S, M, N, R, P>
 where
-    S: Slot<N, R, P>,
+    S: Slot<N, P>,
     M: Model<N, R, P>,
 {
     /// The model.
@@ -19,7 +20,7 @@ where
     }
 
     /// The settings in force.
-    pub fn settings(&self) -> &S::Settings {
+    pub fn settings(&self) -> &EstimatorSettings<N, R, P> {
         &self.settings
     }
 
@@ -164,7 +165,7 @@ where
     fn parameter_status(&self, j: usize, observability: f64, corrected: f64) -> ParameterStatus {
         let theta = self.champion.common().theta[j];
         let limited = j < self.columns.own && {
-            let prior = &self.shared().priors[j];
+            let prior = &self.settings.priors[j];
             self.champion.common().limited[j]
                 || theta - 2.0 * corrected > prior.upper
                 || theta + 2.0 * corrected < prior.lower
@@ -186,7 +187,7 @@ where
 
 impl<S, M, const N: usize, const R: usize, const P: usize> Inspect<R, P> for Supervisor<S, M, N, R, P>
 where
-    S: Slot<N, R, P>,
+    S: Slot<N, P>,
     M: Model<N, R, P>,
 {
     fn column_count(&self) -> usize {

@@ -2,69 +2,69 @@
 
 use crate::columns::Columns;
 use crate::discretization::IntervalInput;
-use crate::innovation::{Innovations, ScoredRow};
+use crate::innovation::Innovations;
 use crate::model::Model;
-use crate::settings::{EstimatorSettings, OutputInput, SettingsError};
+use crate::settings::{EstimatorSettings, SettingsError};
 use crate::supervisor::common::Common;
+use crate::supervisor::faults::Watch;
 
 /// State, parameters and their covariance, with prediction and correction. The supervisor runs one, and a second one
 /// while a change of the parameters is in doubt.
-pub trait Slot<const N: usize, const R: usize, const P: usize>: Copy {
-    /// What the method is told: at least what the supervisor needs.
-    type Settings: Copy;
-
-    /// What the supervisor needs of them.
-    fn shared(settings: &Self::Settings) -> &EstimatorSettings<N, R, P>;
-
-    /// Checks what is the method's own; the shared settings have been checked.
-    fn check(settings: &Self::Settings) -> Result<(), SettingsError>;
+pub trait Slot<const N: usize, const P: usize>: Copy {
+    /// Checks the settings that are the method's own; the shared ones have been checked.
+    fn check<const R: usize>(settings: &EstimatorSettings<N, R, P>) -> Result<(), SettingsError>;
 
     /// The prior, with a state still to be started.
-    fn prior(settings: &Self::Settings, columns: &Columns<N, R, P>) -> Self;
+    fn prior<const R: usize>(settings: &EstimatorSettings<N, R, P>, columns: &Columns<R, P>) -> Self;
 
     /// Starts the state from measurements alone, with these variances where it is not wrong by the bias of the channel
-    /// it was read from (`measured`).
-    fn start_state(&mut self, x: [f64; N], variances: &[f64; N], measured: &[bool; N], columns: &Columns<N, R, P>);
+    /// it was read from (`read_from`).
+    fn start_state<const R: usize>(
+        &mut self,
+        x: [f64; N],
+        variances: &[f64; N],
+        read_from: &[Option<usize>; N],
+        columns: &Columns<R, P>,
+    );
 
     /// One interval. Changes nothing and gives `false` if the model's answer is not finite.
-    fn predict<M>(
+    fn predict<M, const R: usize>(
         &mut self,
         model: &M,
-        settings: &Self::Settings,
-        columns: &Columns<N, R, P>,
+        settings: &EstimatorSettings<N, R, P>,
+        columns: &Columns<R, P>,
         input: &IntervalInput<M::Input>,
         interval_s: f64,
     ) -> bool
     where
         M: Model<N, R, P>;
 
-    /// Corrects by every row that is there, in order. `observe` sees each row before it is used; `surface` receives
+    /// Corrects by every row that is there, in order. `watch` sees each row before it is used; `surface` receives
     /// `theta_LS - theta`, the parameter step that least squares would take on this frame's used rows.
     #[allow(clippy::too_many_arguments)]
-    fn correct<M>(
+    fn correct<M, const R: usize>(
         &mut self,
         model: &M,
-        settings: &Self::Settings,
-        columns: &Columns<N, R, P>,
+        settings: &EstimatorSettings<N, R, P>,
+        columns: &Columns<R, P>,
         input: &M::Input,
         measured: &[f64; R],
         adapt_noise: bool,
         surface: &mut [f64; P],
-        observe: impl FnMut(ScoredRow<'_>),
+        watch: Option<Watch<'_, R, P>>,
     ) -> Innovations<R>
     where
         M: Model<N, R, P>;
 
     /// Opens the `tested` columns again: they have just jumped by `N(0, diag d^2)`. `change_over_prior` is `d_j` over
-    /// the prior standard deviation. Gives `false`, with the slot in an unspecified but finite state, if the arithmetic
+    /// the prior standard deviation; `state_variance` is added to the variances of the states. Gives `false`, with the slot in an unspecified but finite state, if the arithmetic
     /// fails.
-    fn reopen(
+    fn reopen<const R: usize>(
         &mut self,
-        columns: &Columns<N, R, P>,
+        columns: &Columns<R, P>,
         tested: &[usize],
         change_over_prior: &[f64; P],
-        noise_std: &[f64; R],
-        allowance: f64,
+        state_variance: &[f64; N],
     ) -> bool;
 
     /// What does not depend on the form of the covariance.
@@ -84,16 +84,4 @@ pub trait Slot<const N: usize, const R: usize, const P: usize>: Copy {
 
     /// True if everything is finite and no variance is negative.
     fn is_sound(&self, columns: usize) -> bool;
-}
-
-/// The input that the outputs see at the end of an interval.
-pub(crate) fn output_input<I: Copy, const N: usize, const R: usize, const P: usize>(
-    settings: &EstimatorSettings<N, R, P>,
-    previous: I,
-    current: I,
-) -> I {
-    match settings.output_input {
-        OutputInput::Current => current,
-        OutputInput::Previous => previous,
-    }
 }

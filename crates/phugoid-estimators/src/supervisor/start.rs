@@ -1,6 +1,5 @@
 //! The median start: an outlier in the very first sample must not become the start of the state.
 
-use crate::columns::Columns;
 use crate::model::Sample;
 use crate::settings::EstimatorSettings;
 use crate::statistics::median;
@@ -19,8 +18,8 @@ pub(crate) struct Start<I, const R: usize> {
 pub(crate) struct StartedState<const N: usize> {
     pub(crate) x: [f64; N],
     pub(crate) variances: [f64; N],
-    /// Whether the state was read from an output.
-    pub(crate) measured: [bool; N],
+    /// Output that each state was read from.
+    pub(crate) read_from: [Option<usize>; N],
 }
 
 impl<I: Copy, const R: usize> Start<I, R> {
@@ -57,7 +56,7 @@ impl<I: Copy, const R: usize> Start<I, R> {
     pub(crate) fn state<const N: usize, const P: usize>(
         &self,
         settings: &EstimatorSettings<N, R, P>,
-        columns: &Columns<N, R, P>,
+        output_of_state: &[Option<usize>; N],
     ) -> Option<StartedState<N>> {
         let first = self.frame(0)?.time_s;
         let newest = self.frame(self.count - 1)?.time_s;
@@ -72,10 +71,10 @@ impl<I: Copy, const R: usize> Start<I, R> {
         let mut started = StartedState {
             x: settings.initial_state,
             variances: settings.initial_state_std.map(|std| std * std),
-            measured: [false; N],
+            read_from: [None; N],
         };
         for state in 0..N {
-            let Some(output) = columns.output_of_state[state] else { continue };
+            let Some(output) = output_of_state[state] else { continue };
             let mut values = [0.0; START_CAPACITY];
             let mut count = 0;
             let mut read = |only_inside: bool| {
@@ -98,7 +97,7 @@ impl<I: Copy, const R: usize> Start<I, R> {
                 let scatter = 1.4826 * median(&mut values[..found]);
                 started.x[state] = middle;
                 started.variances[state] = start_variance(settings.noise_std[output], scatter);
-                started.measured[state] = true;
+                started.read_from[state] = Some(output);
             } else if !full {
                 return None;
             }

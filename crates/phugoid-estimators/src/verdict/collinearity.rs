@@ -18,6 +18,15 @@ pub struct Collinearity<const P: usize> {
 
 impl<const P: usize> Collinearity<P> {
     /// Of the first `count` rows and columns of a covariance.
+    ///
+    /// ```
+    /// use phugoid_estimators::verdict::Collinearity;
+    ///
+    /// // Two errors with a correlation of 0.98: the variances are 1/(1 - 0.98^2) times what they were with the other one known.
+    /// let found = Collinearity::of(&[[1.0, 0.98], [0.98, 1.0]], 2);
+    /// assert!((found.variance_inflation[0] - 25.25).abs() < 0.01);
+    /// assert_eq!(found.partners(0, 0.7)[0].unwrap().column, 1);
+    /// ```
     pub fn of(covariance: &[[f64; P]; P], count: usize) -> Self {
         let n = count.min(P);
         let mut correlation = [[0.0; P]; P];

@@ -18,17 +18,26 @@
 //! beside: it speaks of an output, not of a parameter, and the corrected bounds already allow for its short part.
 //!
 //! ```
-//! # use phugoid_estimators::{Inspect, Model, Sample, verdict::{Readiness, VerdictMonitor}};
-//! # fn run<E: Inspect<6, 5>>(mut estimator: E, flight: &[Sample<E::Input, 6>]) {
+//! # mod lag { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/lag.rs")); }
+//! use lag::{Lag, NOISE, flight};
+//! use phugoid_estimators::Estimator;
+//! use phugoid_estimators::settings::{EstimatorSettings, ParameterPrior};
+//! use phugoid_estimators::smpe::Smpe;
+//! use phugoid_estimators::verdict::{Readiness, VerdictMonitor};
+//!
+//! let priors = [ParameterPrior::bounded(5.0, 1.0, 9.0), ParameterPrior::bounded(1.0, -4.0, 6.0)];
+//! let settings = EstimatorSettings::automatic(&priors, [NOISE], 0.01)?;
+//! let mut estimator = Smpe::new(Lag, settings)?;
 //! let mut monitor = VerdictMonitor::new();
-//! for sample in flight {
-//!     let estimate = estimator.update(sample);
+//! let mut estimate = estimator.estimate();
+//! for sample in &flight(10.0, |_| 3.0) {
+//!     estimate = estimator.update(sample);
 //!     monitor.update(&estimate, &estimator);
 //! }
-//! let estimate = estimator.update(&flight[0]);
 //! let verdict = monitor.verdict(&estimate, &estimator);
-//! let ready = verdict.parameters[0].readiness == Readiness::Ready;
-//! # }
+//! assert_eq!(verdict.parameters[0].readiness, Readiness::Ready);
+//! assert!(verdict.parameters[0].bound_over_prior < 0.1);
+//! # Ok::<(), phugoid_estimators::settings::SettingsError>(())
 //! ```
 
 mod collinearity;

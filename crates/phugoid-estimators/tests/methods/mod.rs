@@ -2,10 +2,10 @@
 #![allow(dead_code, unreachable_pub)]
 
 use phugoid_estimators::Estimator;
-use phugoid_estimators::ekf::{EkfSettings, JointEkf};
-use phugoid_estimators::fourier::{FourierRegression, FourierSettings};
+use phugoid_estimators::ekf::JointEkf;
+use phugoid_estimators::fourier::FourierRegression;
 use phugoid_estimators::implicit_sign::ImplicitSign;
-use phugoid_estimators::regression::{MeasuredStates, RegressionSettings};
+use phugoid_estimators::regression::{MeasuredStates, Regression};
 use phugoid_estimators::rls::RecursiveLeastSquares;
 use phugoid_estimators::settings::EstimatorSettings;
 use phugoid_estimators::smpe::Smpe;
@@ -28,14 +28,20 @@ pub fn with_method<const R: usize, const P: usize>(
     mut what: impl Run<R, P>,
 ) {
     let states = MeasuredStates::<4>::new::<_, R, P>(&model);
-    let regression = RegressionSettings::with(settings);
     let refused = match name {
-        "ekf" => JointEkf::<_, 4, R, P>::new(model, EkfSettings::new(settings)).map(|e| what.run(e)).err(),
-        "rls" => RecursiveLeastSquares::new(model, states, regression).map(|e| what.run(e)).err(),
-        "fourier" => FourierRegression::new(model, states, FourierSettings::with(settings)).map(|e| what.run(e)).err(),
-        "implicit-sign" => ImplicitSign::new(model, states, regression, 2.0).map(|e| what.run(e)).err(),
-        "super-twisting" => SuperTwisting::new(model, states, regression).map(|e| what.run(e)).err(),
-        _ => Smpe::<_, 4, R, P>::new(model, settings).map(|e| what.run(e)).err(),
+        "smpe" => Smpe::<_, 4, R, P>::new(model, settings).map(|e| what.run(e)).err(),
+        "ekf" => JointEkf::<_, 4, R, P>::new(model, settings).map(|e| what.run(e)).err(),
+        _ => Regression::new(model, states, settings)
+            .and_then(|rows| {
+                match name {
+                    "rls" => what.run(RecursiveLeastSquares::new(rows)),
+                    "fourier" => what.run(FourierRegression::new(rows)?),
+                    "implicit-sign" => what.run(ImplicitSign::new(rows, 2.0)?),
+                    _ => what.run(SuperTwisting::new(rows)),
+                }
+                Ok(())
+            })
+            .err(),
     };
     if let Some(error) = refused {
         eprintln!("{name}: {error}");

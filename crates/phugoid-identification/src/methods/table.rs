@@ -4,10 +4,10 @@
 //! per method as well. A new causal method is an arm of [`set_up`] and a name in [`Method`].
 
 use phugoid_estimators::adaptive_model::AdaptiveModel;
-use phugoid_estimators::ekf::{EkfSettings, JointEkf};
-use phugoid_estimators::fourier::{FourierRegression, FourierSettings};
+use phugoid_estimators::ekf::JointEkf;
+use phugoid_estimators::fourier::FourierRegression;
 use phugoid_estimators::implicit_sign::ImplicitSign;
-use phugoid_estimators::regression::RegressionSettings;
+use phugoid_estimators::regression::Regression;
 use phugoid_estimators::rls::RecursiveLeastSquares;
 use phugoid_estimators::settings::{EstimatorSettings, SettingsError};
 use phugoid_estimators::smpe::Smpe;
@@ -36,16 +36,18 @@ pub(super) fn set_up<M: MotionModel<N, R, P>, const N: usize, const R: usize, co
     settings: &EstimatorSettings<N, R, P>,
     gravity: f64,
 ) -> Result<Boxed<M::KnownInput, R, P>, EstimateError> {
-    let states = || KinematicFrontEnd::<M, N, R>::new(gravity, settings);
-    let regression = || RegressionSettings::with(*settings);
+    let rows = |model: M| {
+        let states = KinematicFrontEnd::<M, N, R>::new(gravity, settings);
+        Regression::new(model, states, *settings)
+    };
     let estimator = match method {
         Method::Smpe => place(|| Smpe::new(model, *settings)),
-        Method::Ekf => place(|| JointEkf::new(model, EkfSettings::new(*settings))),
-        Method::Rls => place(|| RecursiveLeastSquares::new(model, states(), regression())),
-        Method::Fourier => place(|| FourierRegression::new(model, states(), FourierSettings::with(*settings))),
+        Method::Ekf => place(|| JointEkf::new(model, *settings)),
+        Method::Rls => place(|| Ok(RecursiveLeastSquares::new(rows(model)?))),
+        Method::Fourier => place(|| FourierRegression::new(rows(model)?)),
         Method::ModelReference => place(|| AdaptiveModel::new(model, settings)),
-        Method::ImplicitSign => place(|| ImplicitSign::new(model, states(), regression(), REACHING_RATE)),
-        Method::SuperTwisting => place(|| SuperTwisting::new(model, states(), regression())),
+        Method::ImplicitSign => place(|| ImplicitSign::new(rows(model)?, REACHING_RATE)),
+        Method::SuperTwisting => place(|| Ok(SuperTwisting::new(rows(model)?))),
         Method::EquationError | Method::OutputError | Method::FilterError => {
             return Err(EstimateError::NotCausal { method });
         }

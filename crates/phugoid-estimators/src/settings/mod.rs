@@ -1,8 +1,27 @@
 //! What the estimator is told before the first sample.
+//!
+//! ```
+//! use phugoid_estimators::settings::{EstimatorSettings, ParameterPrior, SettingsError};
+//!
+//! let priors = [ParameterPrior::bounded(5.0, 1.0, 9.0), ParameterPrior::absolute(2.0, 0.5)];
+//! // One state, two outputs, room for four columns; outputs with noise of 0.01 and 0.2, 50 Hz.
+//! let mut settings = EstimatorSettings::<1, 2, 4>::automatic(&priors, [0.01, 0.2], 0.02)?;
+//! // Parameters that cannot change in flight: nothing to look for.
+//! settings.change_detection = None;
+//! // More priors than there is room for are refused, and the message says so.
+//! let refused = EstimatorSettings::<1, 2, 1>::automatic(&priors, [0.01, 0.2], 0.02);
+//! assert_eq!(refused.unwrap_err(), SettingsError::Capacity { needed: 2, capacity: 1 });
+//! # Ok::<(), phugoid_estimators::settings::SettingsError>(())
+//! ```
+
+mod methods;
+
+pub use methods::{EkfSettings, FourierSettings, MAXIMUM_BINS, RegressionSettings};
 
 use core::fmt;
 
 use crate::discretization::InputHold;
+use crate::model::Model;
 
 /// How large a *sudden* change of a parameter in flight would be: the alternative the change detector tests against.
 /// Not the start prior: with a change prior as wide as a start prior no real change is ever believed (Occam).
@@ -50,6 +69,14 @@ pub struct ParameterPrior {
 impl ParameterPrior {
     /// A parameter known by its bounds: `C0 = (R/2)^2`, half width `R` (theory: the bounds decide the gain), and half
     /// of `R` as one sigma of a sudden change. The form for increments on a database.
+    ///
+    /// ```
+    /// use phugoid_estimators::settings::ParameterPrior;
+    ///
+    /// let prior = ParameterPrior::bounded(-1.0, -3.0, 1.0);
+    /// // Half of the half width.
+    /// assert_eq!((prior.half_width(), prior.std), (2.0, 1.0));
+    /// ```
     pub fn bounded(initial: f64, lower: f64, upper: f64) -> Self {
         let std = 0.25 * (upper - lower);
         Self { initial, std, lower, upper, change_std: ChangePrior::Fixed(std) }
@@ -302,6 +329,12 @@ pub struct EstimatorSettings<const N: usize, const R: usize, const P: usize> {
     pub colour_block_s: f64,
     /// Change detection.
     pub change_detection: Option<ChangeDetection>,
+    /// What the joint extended Kalman filter alone uses.
+    pub ekf: EkfSettings<P>,
+    /// What the regression methods alone use.
+    pub regression: RegressionSettings,
+    /// What the Fourier regression alone uses.
+    pub fourier: FourierSettings,
 }
 
 impl<const N: usize, const R: usize, const P: usize> EstimatorSettings<N, R, P> {
@@ -339,12 +372,25 @@ impl<const N: usize, const R: usize, const P: usize> EstimatorSettings<N, R, P> 
             clip_factor: 1.5,
             colour_block_s: 0.5,
             change_detection: Some(ChangeDetection::default()),
+            ekf: EkfSettings::default(),
+            regression: RegressionSettings::default(),
+            fourier: FourierSettings::default(),
         };
         settings.check(priors.len())?;
         Ok(settings)
     }
 
     /// Adds bias columns (one sigma per output, zero for none) and widens the rejection limit for their number.
+    ///
+    /// ```
+    /// use phugoid_estimators::settings::{EstimatorSettings, ParameterPrior};
+    ///
+    /// // The second output may be wrong by a constant of about 0.5; the first one is calibrated.
+    /// let priors = [ParameterPrior::bounded(5.0, 1.0, 9.0)];
+    /// let settings = EstimatorSettings::<1, 2, 4>::automatic(&priors, [0.01, 0.2], 0.02)?.with_biases([0.0, 0.5]);
+    /// assert_eq!(settings.bias_columns().collect::<Vec<_>>(), [1]);
+    /// # Ok::<(), phugoid_estimators::settings::SettingsError>(())
+    /// ```
     pub fn with_biases(mut self, bias_std: [f64; R]) -> Self {
         self.bias_std = bias_std;
         let columns = learnt(&self.priors) + self.bias_columns().count();
@@ -352,8 +398,26 @@ impl<const N: usize, const R: usize, const P: usize> EstimatorSettings<N, R, P> 
         self
     }
 
+    /// The output that measures each state directly and is used (its noise level is positive and finite).
+    pub(crate) fn output_of_state<M: Model<N, R, P>>(&self, model: &M) -> [Option<usize>; N] {
+        core::array::from_fn(|state| {
+            model
+                .measuring_output(state)
+                .filter(|&output| output < R)
+                .filter(|&output| self.noise_std[output].is_finite() && self.noise_std[output] > 0.0)
+        })
+    }
+
+    /// The input that the outputs see at the end of an interval.
+    pub(crate) fn seen_input<I>(&self, previous: I, current: I) -> I {
+        match self.output_input {
+            OutputInput::Current => current,
+            OutputInput::Previous => previous,
+        }
+    }
+
     /// Number of the block of the colour correction that a time since the first frame (s) belongs to.
-    pub(super) fn colour_block(&self, since_start_s: f64) -> u64 {
+    pub(crate) fn colour_block(&self, since_start_s: f64) -> u64 {
         (since_start_s / self.colour_block_s + 1e-9) as u64
     }
 

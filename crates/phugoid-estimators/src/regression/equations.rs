@@ -1,13 +1,13 @@
 //! From samples to the terms of a regression: what every method of this family shares.
 
 use super::gate::Gate;
-use super::settings::RegressionSettings;
+use super::row_source::{Frame, RowSource, Taken};
+use super::rows::{Kreisselmeier, Rates, Row};
 use super::source::{SourceStep, StateSource};
 use crate::columns::Columns;
 use crate::discretization::{IntervalInput, simulate};
 use crate::model::{LinearizedOutputs, LinearizedRates, Model, Sample};
-use crate::settings::SettingsError;
-use crate::supervisor::slot::output_input;
+use crate::settings::{EstimatorSettings, SettingsError};
 use crate::supervisor::start::Start;
 
 /// Time constant of the mean from which excitation is told, s.
@@ -17,49 +17,27 @@ const MOVING_SIGMAS: f64 = 4.0;
 /// A state whose measurement is missing for no longer than this, s, goes on as the source has it. Only its integral is taken
 /// from there: the ends of the bridge are measured. Without a bridge each missing frame would leave the noise of two ends.
 const BRIDGE_S: f64 = 0.1;
+/// Shortest block of the colour correction, s: the residuals of a regression stay correlated for about that long.
+const LEAST_COLOUR_BLOCK_S: f64 = 1.0;
 
-/// What became of a sample.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Taken {
-    /// Its time did not increase.
-    Refused,
-    /// Collected for the start.
-    Collected,
-    /// The first of a stretch: nothing before it is remembered.
-    First,
-    /// One interval further.
-    Next,
-}
-
-/// Known rates and regressors at one instant.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Rates<const N: usize, const P: usize> {
-    /// `f(x, u)`.
-    pub(crate) known: [f64; N],
-    /// `Phi(x, u)`.
-    pub(crate) regressors: [[f64; P]; N],
-}
-
-/// The model, the source of its states, and the terms of the regression over the last interval.
-pub(crate) struct Flow<M, S, const N: usize, const R: usize, const P: usize>
+/// The regression of a model: the model, the source of its states, and the terms of the equations over the last interval.
+pub struct Regression<M, S, const N: usize, const R: usize, const P: usize>
 where
     M: Model<N, R, P>,
 {
     pub(crate) model: M,
     pub(crate) source: S,
-    pub(crate) settings: RegressionSettings<N, R, P>,
-    pub(crate) columns: Columns<N, R, P>,
+    pub(crate) settings: EstimatorSettings<N, R, P>,
+    pub(crate) frame: Frame<R, P>,
+    pub(crate) output_of_state: [Option<usize>; N],
+    filters: Kreisselmeier<N, P>,
     start: Option<Start<M::Input, R>>,
     gate: Gate<R>,
     state: [f64; N],
     mean: [f64; N],
-    last_s: f64,
     last_input: Option<M::Input>,
-    restarts: u32,
     lin: LinearizedRates<N, P>,
-    /// Length of the last interval, s.
-    pub(crate) interval_s: f64,
-    /// Rates at its start, with the input that acted from there on.
+    /// Rates at the start of the last interval, with the input that acted from there on.
     pub(crate) before: Rates<N, P>,
     /// Rates at its end, with the input that acted up to there.
     pub(crate) after: Rates<N, P>,
@@ -73,41 +51,53 @@ where
     pub(crate) measured_after: [f64; N],
     /// Outputs at its end with the parameters at zero, and how the parameters enter them.
     pub(crate) outputs: LinearizedOutputs<N, R, P>,
-    /// Believed outputs at its end; NaN for the others.
-    pub(crate) believed: [f64; R],
-    /// The model's outputs at its end before this frame was looked at.
-    pub(crate) predicted: [f64; R],
-    /// Whether something moves.
-    pub(crate) excited: bool,
     /// Parameters that an output sees directly.
     seen: [bool; P],
     /// Parameters that drive each state.
     drives: [[bool; P]; N],
 }
 
-impl<M, S, const N: usize, const R: usize, const P: usize> Flow<M, S, N, R, P>
+impl<M, S, const N: usize, const R: usize, const P: usize> Regression<M, S, N, R, P>
 where
     M: Model<N, R, P>,
     S: StateSource<M::Input, N, R>,
 {
-    pub(crate) fn new(model: M, source: S, settings: RegressionSettings<N, R, P>) -> Result<Self, SettingsError> {
-        settings.check(model.parameter_count())?;
-        let columns = Columns::new(&model, &settings.common);
+    /// Sets the regression up; the first samples start its states.
+    ///
+    /// # Errors
+    /// [`SettingsError`]: which setting does not fit the model or is impossible.
+    pub fn new(model: M, source: S, settings: EstimatorSettings<N, R, P>) -> Result<Self, SettingsError> {
+        let parameters = model.parameter_count();
+        if parameters > P {
+            return Err(SettingsError::Capacity { needed: parameters, capacity: P });
+        }
+        settings.check(parameters)?;
+        settings.regression.check()?;
         let nothing = Rates { known: [0.0; N], regressors: [[0.0; P]; N] };
         Ok(Self {
+            output_of_state: settings.output_of_state(&model),
             model,
             source,
-            columns,
+            frame: Frame {
+                columns: Columns::new(&settings, parameters),
+                priors: settings.priors,
+                settings: settings.regression,
+                colour_block_s: settings.colour_block_s.max(LEAST_COLOUR_BLOCK_S),
+                last_s: f64::NEG_INFINITY,
+                interval_s: 0.0,
+                predicted: [f64::NAN; R],
+                believed: [f64::NAN; R],
+                excited: false,
+                restarts: 0,
+            },
+            filters: Kreisselmeier::new(settings.regression.filter_rate),
             start: Some(Start::new()),
-            gate: Gate::new(settings.outlier_limit, &settings.common.noise_std),
+            gate: Gate::new(settings.regression.outlier_limit, &settings.noise_std),
             settings,
             state: [0.0; N],
             mean: [0.0; N],
-            last_s: f64::NEG_INFINITY,
             last_input: None,
-            restarts: 0,
             lin: LinearizedRates::ZERO,
-            interval_s: 0.0,
             before: nothing,
             after: nothing,
             next: nothing,
@@ -115,94 +105,89 @@ where
             measured_before: [f64::NAN; N],
             measured_after: [f64::NAN; N],
             outputs: LinearizedOutputs::ZERO,
-            believed: [f64::NAN; R],
-            predicted: [f64::NAN; R],
-            excited: false,
             seen: [false; P],
             drives: [[false; P]; N],
         })
     }
 
-    pub(crate) fn last_s(&self) -> f64 {
-        self.last_s
+    /// Where the regressors' states come from.
+    pub fn source(&self) -> &S {
+        &self.source
     }
 
-    pub(crate) fn restarts(&self) -> u32 {
-        self.restarts
-    }
-
-    /// The state at which the regressors were evaluated.
-    pub(crate) fn state(&self) -> &[f64; N] {
+    /// The states at which the regressors were last evaluated, state units.
+    pub fn state(&self) -> &[f64; N] {
         &self.state
     }
 
     /// True if the rate of `state` makes an equation of the regression: it is measured, and driven by a parameter that no
     /// output sees directly.
     pub(crate) fn is_dynamic(&self, state: usize) -> bool {
-        self.columns.output_of_state[state].is_some()
+        self.output_of_state[state].is_some()
             && self.drives[state].iter().zip(&self.seen).any(|(drives, seen)| *drives && !seen)
     }
 
     /// True if an output makes an equation of the regression: it is used and sees a parameter directly.
     pub(crate) fn is_algebraic(&self, output: usize) -> bool {
-        let std = self.settings.common.noise_std[output];
+        let std = self.settings.noise_std[output];
         std.is_finite()
             && std > 0.0
-            && self.outputs.parameter_jacobian[output][..self.columns.own].iter().any(|d| *d != 0.0)
+            && self.outputs.parameter_jacobian[output][..self.frame.columns.own].iter().any(|d| *d != 0.0)
     }
 
-    /// Takes a sample. `theta`: the present estimate; `spread(row)`: the variance of `row theta`.
-    pub(crate) fn take(
+    /// [`RowSource::take`] without the filters of its rows.
+    pub(crate) fn advance(
         &mut self,
         sample: &Sample<M::Input, R>,
         theta: &[f64; P],
         spread: impl Fn(&[f64; P]) -> f64,
     ) -> Taken {
-        if !sample.time_s.is_finite() || sample.time_s <= self.last_s {
+        if !sample.time_s.is_finite() || sample.time_s <= self.frame.last_s {
             return Taken::Refused;
         }
         if self.start.is_some() {
             return self.collect(sample);
         }
-        let interval_s = sample.time_s - self.last_s;
-        let (Some(from), false) = (self.last_input, interval_s > self.settings.common.maximum_gap_s) else {
+        let interval_s = sample.time_s - self.frame.last_s;
+        let (Some(from), false) = (self.last_input, interval_s > self.settings.maximum_gap_s) else {
             return self.restart(sample);
         };
-        let input = IntervalInput { from, to: sample.input, hold: self.settings.common.input_hold };
-        let step_s = self.settings.common.maximum_step_s;
+        let input = IntervalInput { from, to: sample.input, hold: self.settings.input_hold };
+        let step_s = self.settings.maximum_step_s;
         let state = simulate(&self.model, &self.state, theta, &input, interval_s, step_s);
-        let seen_input = output_input(&self.settings.common, from, sample.input);
+        let seen_input = self.settings.seen_input(from, sample.input);
         self.model.linearized_outputs(&state, theta, &seen_input, &mut self.outputs);
-        self.predicted = self.outputs.outputs;
-        for (output, bias) in self.columns.bias_of_output.iter().enumerate() {
+        self.frame.predicted = self.outputs.outputs;
+        for (output, bias) in self.frame.columns.bias_of_output.iter().enumerate() {
             if let Some(column) = bias {
-                self.predicted[output] += theta[*column];
+                self.frame.predicted[output] += theta[*column];
             }
         }
-        let Self { gate, outputs, predicted, columns, .. } = self;
-        self.believed = gate.pass(sample.time_s, &sample.outputs, predicted, |output| {
+        let Self { gate, outputs, frame, .. } = self;
+        let own = frame.columns.own;
+        frame.believed = gate.pass(sample.time_s, &sample.outputs, &frame.predicted, |output| {
             let mut row = [0.0; P];
-            row[..columns.own].copy_from_slice(&outputs.parameter_jacobian[output][..columns.own]);
+            row[..own].copy_from_slice(&outputs.parameter_jacobian[output][..own]);
             spread(&row)
         });
         self.state = self.source.update(&SourceStep {
             interval_s,
             input_before: &from,
             input_after: &input.at(1.0),
-            outputs: &self.believed,
+            outputs: &self.frame.believed,
             predicted_state: &state,
-            predicted_outputs: &self.predicted,
+            predicted_outputs: &self.frame.predicted,
         });
         if !self.state.iter().all(|value| value.is_finite()) {
             return self.restart(sample);
         }
-        self.interval_s = interval_s;
+        self.frame.interval_s = interval_s;
         self.before = self.next;
         self.after = self.rates(&input.at(1.0));
         self.evaluate(sample, &seen_input);
         let finite = |rates: &Rates<N, P>| {
             let sum: f64 = rates.known.iter().sum::<f64>()
-                + rates.regressors.iter().map(|row| row[..self.columns.own].iter().sum::<f64>()).sum::<f64>();
+                + rates.regressors.iter().map(|row| row[..self.frame.columns.own].iter().sum::<f64>()).sum::<f64>();
             sum.is_finite()
         };
         if !finite(&self.after) || !finite(&self.next) || !self.outputs.outputs.iter().all(|y| y.is_finite()) {
@@ -213,28 +198,30 @@ where
     }
 
     fn collect(&mut self, sample: &Sample<M::Input, R>) -> Taken {
-        self.last_s = sample.time_s;
+        self.filters.clear();
+        self.frame.last_s = sample.time_s;
         let Some(start) = &mut self.start else { return Taken::Collected };
         start.push(sample);
-        let Some(started) = start.state(&self.settings.common, &self.columns) else { return Taken::Collected };
+        let Some(started) = start.state(&self.settings, &self.output_of_state) else { return Taken::Collected };
         self.start = None;
         self.state = started.x;
         self.mean = started.x;
-        self.excited = false;
+        self.frame.excited = false;
         self.source.start(sample, &started.x);
-        self.believed = [f64::NAN; R];
-        self.predicted = [f64::NAN; R];
+        self.frame.believed = [f64::NAN; R];
+        self.frame.predicted = [f64::NAN; R];
         self.missing_s = [f64::INFINITY; N];
         self.evaluate(sample, &sample.input);
         Taken::First
     }
 
     fn restart(&mut self, sample: &Sample<M::Input, R>) -> Taken {
-        self.restarts = self.restarts.saturating_add(1);
+        self.filters.clear();
+        self.frame.restarts = self.frame.restarts.saturating_add(1);
         let mut start = Start::new();
         start.push(sample);
         self.start = Some(start);
-        self.last_s = sample.time_s;
+        self.frame.last_s = sample.time_s;
         self.last_input = None;
         Taken::Collected
     }
@@ -243,8 +230,9 @@ where
     fn evaluate(&mut self, sample: &Sample<M::Input, R>, seen_input: &M::Input) {
         self.measured_before = self.measured_after;
         for state in 0..N {
-            let measured = self.columns.output_of_state[state].map_or(f64::NAN, |output| self.believed[output]);
-            self.missing_s[state] = if measured.is_finite() { 0.0 } else { self.missing_s[state] + self.interval_s };
+            let measured = self.output_of_state[state].map_or(f64::NAN, |output| self.frame.believed[output]);
+            self.missing_s[state] =
+                if measured.is_finite() { 0.0 } else { self.missing_s[state] + self.frame.interval_s };
             self.measured_after[state] = match self.missing_s[state] {
                 0.0 => measured,
                 missing if missing <= BRIDGE_S => self.state[state],
@@ -253,19 +241,19 @@ where
         }
         self.next = self.rates(&sample.input);
         self.model.linearized_outputs(&self.state, &[0.0; P], seen_input, &mut self.outputs);
-        for j in 0..self.columns.own {
+        for j in 0..self.frame.columns.own {
             for state in 0..N {
                 self.drives[state][j] |= self.next.regressors[state][j] != 0.0;
             }
         }
         for output in 0..R {
             if self.is_algebraic(output) && sample.outputs[output].is_finite() {
-                for j in 0..self.columns.own {
+                for j in 0..self.frame.columns.own {
                     self.seen[j] |= self.outputs.parameter_jacobian[output][j] != 0.0;
                 }
             }
         }
-        self.last_s = sample.time_s;
+        self.frame.last_s = sample.time_s;
         self.last_input = Some(sample.input);
     }
 
@@ -280,13 +268,61 @@ where
         let (mut moving, mut watched) = (false, false);
         for state in 0..N {
             self.mean[state] += gain * (self.state[state] - self.mean[state]);
-            if let Some(output) = self.columns.output_of_state[state] {
+            if let Some(output) = self.output_of_state[state] {
                 watched = true;
                 let distance = (self.state[state] - self.mean[state]).abs();
-                moving |= distance > MOVING_SIGMAS * self.settings.common.noise_std[output];
+                moving |= distance > MOVING_SIGMAS * self.settings.noise_std[output];
             }
         }
         // Without a measured state nothing can be said: then everything counts as motion.
-        self.excited = moving || !watched;
+        self.frame.excited = moving || !watched;
+    }
+}
+
+impl<M, S, const N: usize, const R: usize, const P: usize> RowSource<R, P> for Regression<M, S, N, R, P>
+where
+    M: Model<N, R, P>,
+    S: StateSource<M::Input, N, R>,
+{
+    type Input = M::Input;
+
+    fn frame(&self) -> &Frame<R, P> {
+        &self.frame
+    }
+
+    fn take(&mut self, sample: &Sample<Self::Input, R>, theta: &[f64; P], spread: impl Fn(&[f64; P]) -> f64) -> Taken {
+        let taken = self.advance(sample, theta, spread);
+        if taken == Taken::Next {
+            let (h, own) = (self.frame.interval_s, self.frame.columns.own);
+            let Self { filters, before, after, measured_before, measured_after, .. } = self;
+            filters.advance(h, own, [measured_before, measured_after], [before, after]);
+        }
+        taken
+    }
+
+    fn rows(&self, mut use_row: impl FnMut(&Row<P>)) {
+        let Frame { columns, believed, .. } = &self.frame;
+        let own = columns.own;
+        for output in 0..R {
+            let measured = believed[output];
+            if measured.is_finite() && self.is_algebraic(output) {
+                let known = self.outputs.outputs[output];
+                let std = self.settings.noise_std[output];
+                let mut row = Row { output, z: measured - known, w: [0.0; P], known, std };
+                row.w[..own].copy_from_slice(&self.outputs.parameter_jacobian[output][..own]);
+                if let Some(column) = columns.bias_of_output[output] {
+                    row.w[column] = 1.0;
+                }
+                use_row(&row);
+            }
+        }
+        for state in 0..N {
+            let (before, after) = (self.measured_before[state], self.measured_after[state]);
+            let Some(output) = self.output_of_state[state] else { continue };
+            if before.is_finite() && believed[output].is_finite() && self.is_dynamic(state) {
+                let (z, w) = self.filters.of_state(state);
+                use_row(&Row { output, z, w, known: after - z, std: self.settings.noise_std[output] });
+            }
+        }
     }
 }
