@@ -34,7 +34,7 @@ pub fn compare(scenarios: &[&str], methods: &[Method], seeds: usize) -> Result<A
 ///
 /// ```
 /// use phugoid::{Entry, Method, Model, Scenario, compare_entries};
-/// let short_period_s = 4.0; // the period in which times are counted
+/// let short_period_s = 3.5; // the period in which times are counted
 /// let entry = Entry::new("mine", Scenario::named("f16-calm")?, Model::named("f16-model")?, short_period_s);
 /// let arena = compare_entries(&[entry], &[Method::Smpe], 1, &|_| ())?;
 /// assert_eq!(arena.entries[0].id, "mine");
