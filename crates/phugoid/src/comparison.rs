@@ -55,7 +55,19 @@ pub fn compare_entries(
     Ok(studies::compare(entries, &contestants, seeds, step)?)
 }
 
-fn entry(name: &str) -> Result<Entry, Error> {
+/// A built-in scenario of the comparison by name, with what the methods are told of the aircraft: to be compared as it is, or
+/// changed first.
+///
+/// ```
+/// use phugoid::{Error, entry};
+/// assert_eq!(entry("calm")?.model.estimated().count(), 4);
+/// assert!(matches!(entry("clam"), Err(Error::NoEntry { nearest: Some("calm"), .. })));
+/// # Ok::<(), Error>(())
+/// ```
+///
+/// # Errors
+/// [`Error::NoEntry`] with the nearest name.
+pub fn entry(name: &str) -> Result<Entry, Error> {
     let known = || ARENA.iter().map(|(id, _)| *id);
     match arena_entry(name) {
         Some(found) => Ok(found?),
