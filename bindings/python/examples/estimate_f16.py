@@ -12,7 +12,7 @@ print(phugoid.scenarios())
 
 # %% [markdown]
 # ## A flight
-# Simulated here; `phugoid.read("flight.csv")` reads a recorded one, `phugoid.from_frame(frame)` takes a pandas or polars frame.
+# Simulated here; `phugoid.Record.open("flight.csv")` reads a recorded one, `phugoid.Record.from_frame(frame)` takes a pandas or polars frame.
 
 # %%
 flight, truth, parameters = phugoid.simulate("f16-calm", seed=7)
@@ -24,7 +24,7 @@ print("largest elevator:", np.degrees(np.abs(flight["elevator"]).max()), "deg")
 # What is known of the aircraft, and which derivatives are wanted. Start your own from `phugoid.Model.text("hfb320")`.
 
 # %%
-model = phugoid.Model("f16-model")
+model = phugoid.Model.named("f16-model")
 print(model)
 
 # %% [markdown]

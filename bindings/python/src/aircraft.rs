@@ -1,10 +1,6 @@
 //! The F-16: trim and linearisation.
 
-use phugoid_flight_dynamics::f16::{F16, F16Options};
-use phugoid_flight_dynamics::linearize as library;
-use phugoid_flight_dynamics::motion::Disturbance;
-use phugoid_flight_dynamics::trim::{self as trimming, Trim, TrimCondition};
-use phugoid_simulation::flight::F16_ALPHA_RANGE_DEG;
+use phugoid::{F16, F16Options, Linearization, Trim, TrimCondition, f16_level};
 use pyo3::prelude::*;
 
 use crate::error::raise;
@@ -20,10 +16,9 @@ fn trimmed(
     let wanted = TrimCondition {
         flight_path_angle: flight_path_rad,
         turn_rate: turn_rate_rad_s,
-        alpha_range: F16_ALPHA_RANGE_DEG.map(f64::to_radians),
-        ..TrimCondition::level(speed_m_s, altitude_m)
+        ..f16_level(speed_m_s, altitude_m)
     };
-    let trim = trimming::trim(&aircraft, &wanted).map_err(raise)?;
+    let trim = phugoid::trim(&aircraft, &wanted).map_err(raise)?;
     Ok((aircraft, trim))
 }
 
@@ -52,12 +47,8 @@ pub(crate) fn linearize(
     turn_rate_rad_s: f64,
 ) -> PyResult<String> {
     let (aircraft, trim) = trimmed(altitude_m, speed_m_s, cg, flight_path_rad, turn_rate_rad_s)?;
-    let model = library::linearize(&aircraft, &trim.state(), &trim.controls(), &Disturbance::default());
-    let document = serde_json::json!({
-        "trim": trim,
-        "longitudinal": model.longitudinal().map_err(raise)?,
-        "lateral": model.lateral().map_err(raise)?,
-        "model": model,
-    });
+    let Linearization { model, longitudinal, lateral } = phugoid::linearize(&aircraft, &trim).map_err(raise)?;
+    let document =
+        serde_json::json!({ "trim": trim, "longitudinal": longitudinal, "lateral": lateral, "model": model });
     Ok(document.to_string())
 }

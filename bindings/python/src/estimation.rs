@@ -4,10 +4,9 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use numpy::PyArray1;
+use phugoid::{EstimateOptions, Method, OfferTerms};
 use phugoid_flight_data::record as flight;
-use phugoid_identification::estimate::{self as library, EstimateOptions, OfferTerms};
 use phugoid_identification::estimation as results;
-use phugoid_identification::method::Method;
 use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
 
@@ -106,7 +105,7 @@ pub(crate) fn estimate(
     let whole = |record: &Record| (*record.inner).clone();
     let options = EstimateOptions {
         method: method.map(str::parse::<Method>).transpose().map_err(raise)?,
-        change_detection: change_detection,
+        change_detection,
         truth,
         offer: offer_terms(offer)?,
         further: further.iter().map(whole).collect(),
@@ -116,7 +115,7 @@ pub(crate) fn estimate(
     // A failure of the callback must not be lost; it is raised when the estimation is done.
     let mut failed: Option<PyErr> = None;
     let result = py.detach(|| {
-        library::estimate(&record.inner, &model.inner, &options, &mut |done| {
+        phugoid::estimate_with_progress(&record.inner, &model.inner, &options, &mut |done| {
             if let (Some(progress), None) = (&progress, &failed) {
                 failed = Python::attach(|py| progress.call1(py, (done,)).err());
             }

@@ -4,6 +4,7 @@
 mod aircraft;
 mod error;
 mod estimation;
+mod examination;
 mod model;
 mod record;
 mod session;
@@ -20,7 +21,8 @@ fn _phugoid(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<model::Model>()?;
     module.add_class::<estimation::Estimation>()?;
     module.add_class::<session::Session>()?;
-    module.add_function(wrap_pyfunction!(record::read, module)?)?;
+    module.add_function(wrap_pyfunction!(examination::inspect, module)?)?;
+    module.add_function(wrap_pyfunction!(examination::compatibility, module)?)?;
     module.add_function(wrap_pyfunction!(estimation::estimate, module)?)?;
     module.add_function(wrap_pyfunction!(aircraft::trim, module)?)?;
     module.add_function(wrap_pyfunction!(aircraft::linearize, module)?)?;

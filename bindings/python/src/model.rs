@@ -1,46 +1,66 @@
 //! Model files.
 
+use std::path::PathBuf;
 use std::sync::Arc;
 
-use phugoid_identification::model_file::ModelFile;
-use phugoid_evaluation::named;
+use pyo3::exceptions::PyDeprecationWarning;
 use pyo3::prelude::*;
 
 use crate::error::raise;
 
-/// An aircraft, its coefficient build-up and what is known beforehand: a model file, or a built-in one by name.
+/// An aircraft, its coefficient build-up and what is known beforehand: `Model.named`, `Model.open`, `Model.parse`.
 #[pyclass(module = "phugoid", frozen, from_py_object)]
 #[derive(Clone)]
 pub(crate) struct Model {
-    pub(crate) inner: Arc<ModelFile>,
+    pub(crate) inner: Arc<phugoid::Model>,
+}
+
+impl From<phugoid::Model> for Model {
+    fn from(model: phugoid::Model) -> Self {
+        Self { inner: Arc::new(model) }
+    }
 }
 
 #[pymethods]
 impl Model {
-    /// The file at this path, or the built-in model of this name.
+    /// The former way in: the file at this path, or the built-in model of this name.
     #[new]
-    fn new(name: &str) -> PyResult<Self> {
-        named::model(name).map(|file| Self { inner: Arc::new(file) }).map_err(raise)
+    fn new(py: Python<'_>, name: &str) -> PyResult<Self> {
+        let text =
+            c"phugoid.Model(...) is now phugoid.Model.open(path), or phugoid.Model.named(name) for a built-in model";
+        PyErr::warn(py, &py.get_type::<PyDeprecationWarning>(), text, 1)?;
+        phugoid::Model::find(name).map(Self::from).map_err(raise)
+    }
+
+    /// The built-in model with this name.
+    #[staticmethod]
+    fn named(name: &str) -> PyResult<Self> {
+        phugoid::Model::named(name).map(Self::from).map_err(raise)
+    }
+
+    /// Reads and checks the model file at this path.
+    #[staticmethod]
+    fn open(path: PathBuf) -> PyResult<Self> {
+        phugoid::Model::open(path).map(Self::from).map_err(raise)
     }
 
     /// From the text of a model file; `name` is its name in messages.
     #[staticmethod]
     #[pyo3(signature = (text, name="model"))]
     fn parse(text: &str, name: &str) -> PyResult<Self> {
-        ModelFile::parse(name, text).map(|file| Self { inner: Arc::new(file) }).map_err(raise)
+        phugoid::Model::parse(name, text).map(Self::from).map_err(raise)
     }
 
     /// Names of the built-in models.
     #[staticmethod]
     fn built_in() -> Vec<&'static str> {
-        named::models().map(|(name, _)| name).collect()
+        phugoid::Model::BUILT_IN.iter().map(|(name, _)| *name).collect()
     }
 
     /// The text of a built-in model, to start one's own from.
     #[staticmethod]
     fn text(name: &str) -> PyResult<&'static str> {
-        let none = || raise(named::no_model(name, std::io::Error::other("there is no built-in model of this name")));
-        named::models().find(|(known, _)| *known == name).map(|(_, text)| text).ok_or_else(none)
+        phugoid::Model::text(name).map_err(raise)
     }
 
     /// Where it came from.

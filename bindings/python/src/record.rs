@@ -51,6 +51,21 @@ impl Record {
         Ok(record.map_err(raise)?.into())
     }
 
+    /// Reads a flight from a file.
+    #[staticmethod]
+    #[pyo3(signature = (path, model=None, mappings=Vec::new()))]
+    fn open(
+        py: Python<'_>,
+        path: PathBuf,
+        model: Option<&Model>,
+        mappings: Vec<(String, String, Option<String>, f64)>,
+    ) -> PyResult<Self> {
+        let mut columns = model.map(|model| model.inner.columns()).unwrap_or_default();
+        columns.extend(to_mappings(mappings));
+        let options = ReadOptions::with_columns(columns);
+        py.detach(|| reader::read_path(&path, &options).map(Self::from).map_err(raise))
+    }
+
     /// Where it came from.
     #[getter]
     fn source(&self) -> &str {
@@ -138,19 +153,4 @@ fn to_mappings(mappings: Vec<(String, String, Option<String>, f64)>) -> Vec<Colu
         ..ColumnMapping::new(channel, header)
     };
     mappings.into_iter().map(mapping).collect()
-}
-
-/// Reads a flight from a file.
-#[pyfunction]
-#[pyo3(signature = (path, model=None, mappings=Vec::new()))]
-pub(crate) fn read(
-    py: Python<'_>,
-    path: PathBuf,
-    model: Option<&Model>,
-    mappings: Vec<(String, String, Option<String>, f64)>,
-) -> PyResult<Record> {
-    let mut columns = model.map(|model| model.inner.columns()).unwrap_or_default();
-    columns.extend(to_mappings(mappings));
-    let options = ReadOptions::with_columns(columns);
-    py.detach(|| reader::read_path(&path, &options).map(Record::from).map_err(raise))
 }

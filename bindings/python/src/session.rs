@@ -31,7 +31,7 @@ impl Session {
     fn new(model: &Model, method: Option<&str>, change_detection: Option<bool>) -> PyResult<Self> {
         let options = EstimateOptions {
             method: method.map(str::parse::<Method>).transpose().map_err(raise)?,
-            change_detection: change_detection,
+            change_detection,
             ..EstimateOptions::default()
         };
         let inner = library::Session::new(&model.inner, &options).map_err(raise)?;

@@ -17,7 +17,7 @@ def flight():
 
 @pytest.fixture(scope="module")
 def model():
-    return phugoid.Model("f16-model")
+    return phugoid.Model.named("f16-model")
 
 
 @pytest.fixture(scope="module")
@@ -53,7 +53,7 @@ def test_sample_by_sample_gives_the_same_bits(flight, model, result):
 
 def test_a_session_of_all_axes_runs_on_a_small_stack(model):
     measured, _, _ = phugoid.simulate("f16-six")
-    six = phugoid.Model("f16-six")
+    six = phugoid.Model.named("f16-six")
     reached = []
 
     def fly():
@@ -74,7 +74,7 @@ def test_a_session_of_all_axes_runs_on_a_small_stack(model):
 @pytest.mark.parametrize("to_frame", ["to_pandas", "to_polars"])
 def test_frames_go_in_and_out(flight, model, result, to_frame):
     frame = getattr(flight[0], to_frame)()
-    again = phugoid.from_frame(frame)
+    again = phugoid.Record.from_frame(frame)
     assert np.array_equal(phugoid.estimate(again, model).values, result.values)
     table = getattr(result, to_frame)()
     assert isinstance(table, (pandas.DataFrame, polars.DataFrame)) and len(table) == len(result.names)
@@ -84,30 +84,30 @@ def test_a_file_and_mapped_columns(tmp_path, flight):
     measured = flight[0]
     path = tmp_path / "flight.csv"
     measured.write_csv(path)
-    again = phugoid.read(path)
+    again = phugoid.Record.open(path)
     assert again.channels == measured.channels and np.array_equal(again["alpha"], measured["alpha"])
     degrees = {"t_s": measured.time, "ELEV": np.degrees(measured["elevator"])}
-    mapped = phugoid.from_columns(degrees, columns={"elevator": {"header": "ELEV", "unit": "deg", "scale": -1}})
+    mapped = phugoid.Record.from_columns(degrees, columns={"elevator": {"header": "ELEV", "unit": "deg", "scale": -1}})
     np.testing.assert_allclose(mapped["elevator"], -measured["elevator"], rtol=1e-15)
     assert mapped.units["elevator"] == "rad"
     assert len(mapped.between(1, 2)) == 101
 
 
 def test_errors_have_the_texts_of_the_command_line(tmp_path, flight, model):
-    with pytest.raises(phugoid.PhugoidError, match="built-in model `f16`|Built-in models"):
-        phugoid.Model("f61")
+    with pytest.raises(phugoid.PhugoidError, match="built-in model `hfb320`"):
+        phugoid.Model.named("hfb230")
     with pytest.raises(phugoid.PhugoidError, match=r"mine:1:\d+"):
         phugoid.Model.parse("nmae = 'x'", name="mine")
     with pytest.raises(phugoid.PhugoidError, match="channel `elevator` is missing"):
-        phugoid.estimate(phugoid.from_columns({"time_s": np.arange(50.0), "alpha_rad": np.zeros(50)}), model)
+        phugoid.estimate(phugoid.Record.from_columns({"time_s": np.arange(50.0), "alpha_rad": np.zeros(50)}), model)
     with pytest.raises(phugoid.PhugoidError, match="smpe"):
         phugoid.estimate(flight[0], model, method="smqe")
     with pytest.raises(phugoid.PhugoidError, match="whole"):
         phugoid.Session(model, method="output-error")
     with pytest.raises(phugoid.PhugoidError, match="cannot be read|No such file"):
-        phugoid.read(tmp_path / "none.csv")
+        phugoid.Record.open(tmp_path / "none.csv")
     with pytest.raises(phugoid.PhugoidError, match="shape"):
-        phugoid.from_columns({"time_s": np.zeros((3, 2))})
+        phugoid.Record.from_columns({"time_s": np.zeros((3, 2))})
     with pytest.raises(KeyError, match="alpha"):
         flight[0]["alhpa"]
 
@@ -138,6 +138,56 @@ def test_the_gil_is_released(flight, model):
         turns += 1
     thread.join()
     assert turns > 100
+
+
+def test_former_spellings_work_with_a_warning(tmp_path, flight):
+    path = tmp_path / "flight.csv"
+    flight[0].write_csv(path)
+    with pytest.warns(DeprecationWarning, match=r"phugoid\.Record\.open"):
+        assert len(phugoid.read(path)) == 2001
+    with pytest.warns(DeprecationWarning, match=r"phugoid\.Record\.from_columns"):
+        assert phugoid.from_columns({"time_s": [0.0, 0.1], "alpha_rad": [0, 1]}).channels == ["alpha"]
+    with pytest.warns(DeprecationWarning, match=r"phugoid\.Record\.from_frame"):
+        assert len(phugoid.from_frame(pandas.DataFrame({"time_s": [0.0, 0.1], "alpha_rad": [0.0, 1.0]}))) == 2
+    with pytest.warns(DeprecationWarning, match=r"phugoid\.Model\.open.*phugoid\.Model\.named"):
+        assert phugoid.Model("f16").name == phugoid.Model.named("f16").name
+
+
+def test_models_by_name_by_file_and_by_text(tmp_path):
+    text = phugoid.Model.text("hfb320")
+    (tmp_path / "mine.toml").write_text(text)
+    names = phugoid.Model.named("hfb320").parameters
+    assert phugoid.Model.open(tmp_path / "mine.toml").parameters == names == phugoid.Model.parse(text).parameters
+    assert all(phugoid.Model.named(name).parameters for name in phugoid.Model.built_in())
+    with pytest.raises(phugoid.PhugoidError, match="cannot read the model file"):
+        phugoid.Model.open(tmp_path / "none.toml")
+
+
+def test_a_parameter_has_a_value_and_a_bound(result):
+    cm_alpha = result.parameter("dCm_alpha")
+    assert (cm_alpha.value, cm_alpha.std_error) == result["dCm_alpha"]
+    assert cm_alpha.bound == 2 * cm_alpha.std_error and cm_alpha.unit == "per rad" and cm_alpha.status == "converged"
+    assert result.parameter("Cm_alpha") is None
+
+
+def test_what_a_flight_holds(flight, model):
+    found = phugoid.inspect(flight[0], model)
+    assert found["samples"] == 2001 and found["found"]["manoeuvres"]
+    assert found["support"]["model"] == "f16-model"
+    assert [needs["model"] for needs in phugoid.inspect(flight[0])["models"]] == phugoid.Model.built_in()
+
+
+def test_errors_of_the_sensors(flight):
+    found = phugoid.compatibility(flight[0], groups=["delays"])
+    value, std_error = found["bias_q"]
+    # The simulated sensors have no bias.
+    assert abs(value) < 4 * std_error
+    assert "delay_alpha" in found.names and "scale_alpha" not in found.names and "bias_q" in repr(found)
+    assert len(found.corrected) == len(flight[0])
+    with pytest.raises(KeyError, match="bias_q"):
+        found["bias_z"]
+    with pytest.raises(phugoid.PhugoidError, match="air-data-scales"):
+        phugoid.compatibility(flight[0], groups=["delay"])
 
 
 def test_trim_and_linear_model():

@@ -3,6 +3,8 @@
 //! Four kinds of input for the elevator are scaled until the aircraft moves as far as it may; the Cramer-Rao bound says, before
 //! anyone flies, how well an estimator could know each derivative afterwards. The best one is then flown and estimated.
 
+#![allow(clippy::expect_used, clippy::panic)] // an example may stop
+
 use phugoid::parts::Surface;
 use phugoid::parts::design::fit::{Limits, fitted};
 use phugoid::parts::design::modes::ModeFrequencies;

@@ -3,6 +3,8 @@
 //! The samples of a recorded flight are given to a session one after the other. The estimate after the last one is, bit for bit,
 //! that of an estimation over the whole record.
 
+#![allow(clippy::expect_used, clippy::panic)] // an example may stop
+
 use phugoid::{Error, EstimateOptions, Model, Record, Session, Step, estimate};
 
 fn main() -> Result<(), Error> {

@@ -3,6 +3,8 @@
 //! The same manoeuvre is flown with other sensor noise each time. If the bounds are honest, the truth lies within them in about 95
 //! of 100 flights, and the errors are as large as the estimator says.
 
+#![allow(clippy::expect_used, clippy::panic)] // an example may stop
+
 use phugoid::{Error, EstimateOptions, Estimation, Model, Scenario, estimate, simulate};
 use rayon::prelude::*;
 

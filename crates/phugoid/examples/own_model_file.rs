@@ -3,6 +3,8 @@
 //! A user's aircraft begins as the text of a built-in model. Here the damping derivative is known from a wind tunnel and fixed,
 //! and one term is added: the lift of the elevator. Then a word is misspelt, to show what is said about it.
 
+#![allow(clippy::expect_used, clippy::panic)] // an example may stop
+
 use phugoid::{Error, EstimateOptions, Model, ModelError, Record, estimate};
 
 fn main() -> Result<(), Error> {
@@ -38,6 +40,6 @@ fn main() -> Result<(), Error> {
     let error = Model::parse("mine.toml", &misspelt).expect_err("there is no such word");
     println!("\n{error}");
     assert_eq!(error.nearest.as_deref(), Some("mean_chord"));
-    assert!(matches!(Model::named("f61"), Err(ModelError::Unknown { nearest: Some("f16"), .. })));
+    assert!(matches!(Model::named("hfb230"), Err(ModelError::Unknown { nearest: Some("hfb320"), .. })));
     Ok(())
 }

@@ -3,6 +3,8 @@
 //! Without arguments it takes `flight.csv` beside this file: 10 s of the simulated F-16 with realistic sensors, in which four
 //! derivatives differ from the tables by -0.2, -2, 0.4 and 0.1.
 
+#![allow(clippy::expect_used, clippy::panic)] // an example may stop
+
 use phugoid::{Error, EstimateOptions, Model, Record, estimate, inspect};
 
 const TRUTH: [(&str, f64); 4] = [("dCm_alpha", -0.2), ("dCm_q", -2.0), ("dCL_alpha", 0.4), ("dCD_alpha", 0.1)];

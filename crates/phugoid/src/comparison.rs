@@ -34,7 +34,7 @@ pub fn compare(scenarios: &[&str], methods: &[Method], seeds: usize) -> Result<A
 ///
 /// ```
 /// use phugoid::{Entry, Method, Model, Scenario, compare_entries};
-/// let short_period_s = 4.0; // the period in which times are counted
+/// let short_period_s = 3.5; // the period in which times are counted
 /// let entry = Entry::new("mine", Scenario::named("f16-calm")?, Model::named("f16-model")?, short_period_s);
 /// let arena = compare_entries(&[entry], &[Method::Smpe], 1, &|_| ())?;
 /// assert_eq!(arena.entries[0].id, "mine");
@@ -55,7 +55,19 @@ pub fn compare_entries(
     Ok(studies::compare(entries, &contestants, seeds, step)?)
 }
 
-fn entry(name: &str) -> Result<Entry, Error> {
+/// A built-in scenario of the comparison by name, with what the methods are told of the aircraft: to be compared as it is, or
+/// changed first.
+///
+/// ```
+/// use phugoid::{Error, entry};
+/// assert_eq!(entry("calm")?.model.estimated().count(), 4);
+/// assert!(matches!(entry("clam"), Err(Error::NoEntry { nearest: Some("calm"), .. })));
+/// # Ok::<(), Error>(())
+/// ```
+///
+/// # Errors
+/// [`Error::NoEntry`] with the nearest name.
+pub fn entry(name: &str) -> Result<Entry, Error> {
     let known = || ARENA.iter().map(|(id, _)| *id);
     match arena_entry(name) {
         Some(found) => Ok(found?),

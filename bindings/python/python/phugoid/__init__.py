@@ -3,10 +3,13 @@
 Read a flight, estimate, look::
 
     import phugoid
-    flight = phugoid.read("flight.csv")              # any format that the command line reads
-    model = phugoid.Model("f16")                      # a model file, or a built-in one
-    result = phugoid.estimate(flight, model, progress=True)
-    result["dCm_alpha"]                               # value and one-sigma error
+    record = phugoid.Record.open("flight.csv")        # any format that the command line reads
+    model = phugoid.Model.named("f16")                # or phugoid.Model.open("mine.toml")
+    result = phugoid.estimate(record, model, progress=True)
+    cm_alpha = result.parameter("dCm_alpha")
+    print(cm_alpha.value, "+-", cm_alpha.bound)       # the bound is two standard errors
+
+The names are those of the Rust library ``phugoid``.
 
 SI units and radians throughout; body axes x forward, y right, z down.
 """
@@ -14,7 +17,8 @@ SI units and radians throughout; body axes x forward, y right, z down.
 from __future__ import annotations
 
 import json
-from typing import Any, Callable, Iterable, Mapping, Optional, Union
+import warnings
+from typing import Any, Callable, Iterable, Mapping, NamedTuple, Optional, Sequence, Union
 
 import numpy as np
 
@@ -23,16 +27,20 @@ from ._phugoid import Model, PhugoidError, __version__
 from ._progress import reporter
 
 __all__ = [
+    "Compatibility",
     "Estimation",
     "Model",
+    "Parameter",
     "PhugoidError",
     "Record",
     "Session",
     "__version__",
     "compare",
+    "compatibility",
     "estimate",
     "from_columns",
     "from_frame",
+    "inspect",
     "linearize",
     "methods",
     "read",
@@ -67,6 +75,51 @@ class Record:
 
     def __init__(self, native: _phugoid.Record) -> None:
         self._native = native
+
+    @staticmethod
+    def open(path: Any, model: Optional[Model] = None, columns: Optional[Columns] = None) -> "Record":
+        """Opens a flight of any format; what it is, its content says. ``model`` and ``columns`` map headers to channels by hand."""
+        return Record(_phugoid.Record.open(path, model, _mappings(columns)))
+
+    @staticmethod
+    def from_columns(
+        data: Mapping[str, Any],
+        source: str = "columns",
+        units: Optional[Mapping[str, str]] = None,
+        columns: Optional[Columns] = None,
+    ) -> "Record":
+        """A flight from arrays by header. Headers say their units (``time_s``, ``alpha_deg``), or ``units`` does."""
+        units = units or {}
+        strange = set(units) - set(data)
+        if strange:
+            there = ", ".join(data)
+            raise PhugoidError(f"units for columns that are not there: {', '.join(sorted(strange))}; there are {there}")
+        arrays = []
+        for header, values in data.items():
+            try:
+                array = np.ascontiguousarray(values, dtype=np.float64)
+            except (TypeError, ValueError) as error:
+                raise PhugoidError(
+                    f"column '{header}': {error}; every column must be numbers, NaN where one is missing"
+                ) from error
+            if array.ndim != 1:
+                raise PhugoidError(f"column '{header}' has the shape {array.shape}: expected one number per row")
+            arrays.append(array)
+        headers = [str(header) for header in data]
+        native = _phugoid.Record.from_columns(
+            source, headers, [units.get(header) for header in data], arrays, _mappings(columns)
+        )
+        return Record(native)
+
+    @staticmethod
+    def from_frame(frame: Any, source: str = "frame", columns: Optional[Columns] = None) -> "Record":
+        """A flight from a pandas or polars ``DataFrame`` whose headers say their units. Columns that are no numbers are left out."""
+        data = {}
+        for header in frame.columns:
+            values = frame[header].to_numpy()
+            if np.issubdtype(values.dtype, np.number) or values.dtype == bool:
+                data[str(header)] = values
+        return Record.from_columns(data, source=source, columns=columns)
 
     @property
     def source(self) -> str:
@@ -132,9 +185,14 @@ class Record:
         return polars.DataFrame(self.to_dict())
 
 
+def _now(former: str, name: str) -> None:
+    warnings.warn(f"phugoid.{former} is now phugoid.{name}", DeprecationWarning, stacklevel=3)
+
+
 def read(path: Any, model: Optional[Model] = None, columns: Optional[Columns] = None) -> Record:
-    """Reads a flight. What it is, its content says. ``model`` and ``columns`` map headers to channels by hand."""
-    return Record(_phugoid.read(path, model, _mappings(columns)))
+    """The former name of :meth:`Record.open`."""
+    _now("read", "Record.open")
+    return Record.open(path, model, columns)
 
 
 def from_columns(
@@ -143,35 +201,35 @@ def from_columns(
     units: Optional[Mapping[str, str]] = None,
     columns: Optional[Columns] = None,
 ) -> Record:
-    """A flight from arrays by header. Headers say their units (``time_s``, ``alpha_deg``), or ``units`` does."""
-    units = units or {}
-    strange = set(units) - set(data)
-    if strange:
-        raise PhugoidError(f"units for columns that are not there: {', '.join(sorted(strange))}; there are {', '.join(data)}")
-    arrays = []
-    for header, values in data.items():
-        try:
-            array = np.ascontiguousarray(values, dtype=np.float64)
-        except (TypeError, ValueError) as error:
-            raise PhugoidError(f"column '{header}': {error}; every column must be numbers, NaN where one is missing") from error
-        if array.ndim != 1:
-            raise PhugoidError(f"column '{header}' has the shape {array.shape}: expected one number per row")
-        arrays.append(array)
-    headers = [str(header) for header in data]
-    native = _phugoid.Record.from_columns(
-        source, headers, [units.get(header) for header in data], arrays, _mappings(columns)
-    )
-    return Record(native)
+    """The former name of :meth:`Record.from_columns`."""
+    _now("from_columns", "Record.from_columns")
+    return Record.from_columns(data, source, units, columns)
 
 
 def from_frame(frame: Any, source: str = "frame", columns: Optional[Columns] = None) -> Record:
-    """A flight from a pandas or polars ``DataFrame`` whose headers say their units. Columns that are no numbers are left out."""
-    data = {}
-    for header in frame.columns:
-        values = frame[header].to_numpy()
-        if np.issubdtype(values.dtype, np.number) or values.dtype == bool:
-            data[str(header)] = values
-    return from_columns(data, source=source, columns=columns)
+    """The former name of :meth:`Record.from_frame`."""
+    _now("from_frame", "Record.from_frame")
+    return Record.from_frame(frame, source, columns)
+
+
+class Parameter(NamedTuple):
+    """The result for one parameter, per radian where an angle is involved."""
+
+    #: Name in the model file.
+    name: str
+    #: Unit as printed: ``per rad``, ``-``; that of the sensor for a bias.
+    unit: str
+    #: Estimate at the end of the record.
+    value: float
+    #: One standard error, corrected for the correlation of the residuals from sample to sample.
+    std_error: float
+    #: What has become of it: ``converged``, ``improving``, ``not_excited``, ...
+    status: str
+
+    @property
+    def bound(self) -> float:
+        """Two standard errors."""
+        return 2.0 * self.std_error
 
 
 class Estimation:
@@ -212,6 +270,13 @@ class Estimation:
 
     def __getitem__(self, name: str) -> tuple[float, float]:
         return self._native[name]
+
+    def parameter(self, name: str) -> Optional[Parameter]:
+        """The result for the parameter of this name; None if the model has no such parameter."""
+        for found in self.to_dict()["parameters"]:
+            if found["name"] == name:
+                return Parameter(name, found["unit"], found["value"], found["corrected_std_error"], found["status"])
+        return None
 
     def __repr__(self) -> str:
         return repr(self._native)
@@ -332,6 +397,70 @@ class Session:
 
     def __repr__(self) -> str:
         return repr(self._native)
+
+
+def inspect(record: Record, model: Optional[Model] = None) -> dict[str, Any]:
+    """What a flight holds: channels, gaps, noise, doubts, manoeuvres, and what they could tell (``phugoid inspect --json``).
+
+    With a model, ``support`` says which of its parameters the flight could tell and how well; without one, ``models`` says
+    what the record lacks for every built-in model.
+    """
+    document: dict[str, Any] = json.loads(_phugoid.inspect(record._native, model))
+    return document
+
+
+class Compatibility:
+    """Errors of the sensors. ``found["bias_q"]`` is the value and its one-sigma error, in the SI unit of the sensor."""
+
+    def __init__(self, document: dict[str, Any], corrected: Record) -> None:
+        self._document = document
+        #: The record without the errors that are significant.
+        self.corrected = corrected
+
+    @property
+    def names(self) -> list[str]:
+        """What was estimated: biases, scale factors, delays."""
+        return [error["name"] for error in self._document["errors"]]
+
+    @property
+    def notes(self) -> list[str]:
+        """What should be known before the numbers are used, in sentences."""
+        return list(self._document["notes"])
+
+    def __getitem__(self, name: str) -> tuple[float, float]:
+        for error in self._document["errors"]:
+            if error["name"] == name:
+                return error["value"], error["std_error"]
+        raise KeyError(f"no error `{name}` was estimated; there are {', '.join(self.names)}")
+
+    def to_dict(self) -> dict[str, Any]:
+        """Everything, with the names of ``phugoid compatibility --json``."""
+        return self._document
+
+    def __repr__(self) -> str:
+        lines = "".join(
+            f"\n  {e['name']:<18} {e['value']:>12.5g} +- {2 * e['std_error']:.2g} {e['unit']}  {e['verdict']}"
+            for e in self._document["errors"]
+        )
+        return f"<Compatibility of '{self._document['source']}'{lines}>"
+
+
+def compatibility(
+    record: Record,
+    *,
+    groups: Optional[Iterable[str]] = None,
+    vanes_x_m: Sequence[float] = (0.0, 0.0),
+    gravity_m_s2: Optional[float] = None,
+) -> Compatibility:
+    """Checks the sensors against the kinematics of a rigid body, and estimates their errors without any aerodynamics.
+
+    Biases are always estimated; ``groups`` names what else: ``air-data-scales`` and ``delays`` if not given, ``inertial-scales``,
+    ``vane-positions``, ``accelerometer-position``, ``wind``. ``vanes_x_m`` is how far the vanes of alpha and beta are ahead of the
+    centre of gravity.
+    """
+    wanted = None if groups is None else list(groups)
+    text, corrected = _phugoid.compatibility(record._native, wanted, list(vanes_x_m), gravity_m_s2)
+    return Compatibility(json.loads(text), Record(corrected))
 
 
 def simulate(scenario: str, seed: Optional[int] = None) -> tuple[Record, Record, dict[str, float]]:

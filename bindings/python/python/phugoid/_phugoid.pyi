@@ -19,6 +19,8 @@ class Record:
     channels: list[str]
     quality: str
     @staticmethod
+    def open(path: _Path, model: Optional[Model] = ..., mappings: list[_Mapping] = ...) -> Record: ...
+    @staticmethod
     def from_columns(
         source: str, headers: list[str], units: list[Optional[str]], values: list[_Array], mappings: list[_Mapping]
     ) -> Record: ...
@@ -31,14 +33,24 @@ class Record:
     def __len__(self) -> int: ...
 
 class Model:
-    """An aircraft, its coefficient build-up and what is known beforehand: a model file, or a built-in one by name."""
+    """An aircraft, its coefficient build-up and what is known beforehand: ``Model.named``, ``Model.open``, ``Model.parse``."""
 
     source: str
     name: str
     parameters: list[str]
     channels: list[str]
     axes: list[str]
-    def __init__(self, name: str) -> None: ...
+    def __init__(self, name: str) -> None:
+        """The former way in: the file at this path, or the built-in model of this name."""
+
+    @staticmethod
+    def named(name: str) -> Model:
+        """The built-in model with this name."""
+
+    @staticmethod
+    def open(path: _Path) -> Model:
+        """Reads and checks the model file at this path."""
+
     @staticmethod
     def parse(text: str, name: str = ...) -> Model: ...
     @staticmethod
@@ -68,7 +80,10 @@ class Session:
     def layout_json(self) -> str: ...
     def take_events_json(self) -> str: ...
 
-def read(path: _Path, model: Optional[Model] = ..., mappings: list[_Mapping] = ...) -> Record: ...
+def inspect(record: Record, model: Optional[Model] = ...) -> str: ...
+def compatibility(
+    record: Record, groups: Optional[list[str]] = ..., vanes_x_m: list[float] = ..., gravity_m_s2: Optional[float] = ...
+) -> tuple[str, Record]: ...
 def estimate(
     record: Record,
     model: Model,

@@ -175,6 +175,6 @@ mod tests {
         let message = ModelFile::find("no such thing").unwrap_err().to_string();
         assert!(message.contains("cannot read the model file `no such thing`"), "{message}");
         assert!(message.contains("Built-in models: f16, f16-lateral"), "{message}");
-        assert!(ModelFile::named("f61").unwrap_err().to_string().contains("`f16`"));
+        assert!(ModelFile::named("hfb230").unwrap_err().to_string().contains("`hfb320`"));
     }
 }

@@ -1,0 +1,54 @@
+//! What a record holds, and whether its sensors agree.
+
+use phugoid::CompatibilityOptions;
+use phugoid_identification::compatibility::Group;
+use pyo3::prelude::*;
+
+use crate::error::raise;
+use crate::model::Model;
+use crate::record::Record;
+
+/// What a flight holds and what it can tell, as a JSON document with the names of `phugoid inspect --json`.
+#[pyfunction]
+#[pyo3(signature = (record, model=None))]
+pub(crate) fn inspect(py: Python<'_>, record: &Record, model: Option<&Model>) -> PyResult<String> {
+    let found = py.detach(|| phugoid::inspect(&record.inner, model.map(|model| &*model.inner)));
+    serde_json::to_string(&found).map_err(raise)
+}
+
+/// The errors of the sensors from the kinematics alone: a JSON document with the names of `phugoid compatibility --json`, and the
+/// record without the significant ones.
+#[pyfunction]
+#[pyo3(signature = (record, groups=None, vanes_x_m=[0.0, 0.0], gravity_m_s2=None))]
+pub(crate) fn compatibility(
+    py: Python<'_>,
+    record: &Record,
+    groups: Option<Vec<String>>,
+    vanes_x_m: [f64; 2],
+    gravity_m_s2: Option<f64>,
+) -> PyResult<(String, Record)> {
+    let standard = CompatibilityOptions::default();
+    let options = CompatibilityOptions {
+        groups: match groups {
+            Some(words) => words.iter().map(|word| group(word)).collect::<PyResult<_>>()?,
+            None => standard.groups,
+        },
+        vanes_x: vanes_x_m,
+        gravity: gravity_m_s2.unwrap_or(standard.gravity),
+    };
+    let found = py.detach(|| phugoid::compatibility(&record.inner, &options)).map_err(raise)?;
+    let corrected = found.corrections.apply(&record.inner);
+    Ok((serde_json::to_string(&found).map_err(raise)?, corrected.into()))
+}
+
+/// A group by its word in documents, `air-data-scales` or `air_data_scales`.
+fn group(word: &str) -> PyResult<Group> {
+    let known = serde_json::from_value(serde_json::Value::String(word.replace('_', "-")));
+    known.map_err(|_| {
+        let words = Group::ALL.iter().filter_map(|group| serde_json::to_string(group).ok());
+        raise(format!(
+            "there is no group of errors '{word}'; there are {}",
+            words.map(|word| word.trim_matches('"').to_owned()).collect::<Vec<_>>().join(", ")
+        ))
+    })
+}
