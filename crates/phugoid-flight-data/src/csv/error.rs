@@ -93,7 +93,22 @@ pub enum WriteError {
         target: String,
         /// The name of the channel.
         channel: String,
-        /// What is wrong with it, as a clause after the name.
-        problem: &'static str,
+        /// What is wrong with it.
+        problem: NameProblem,
     },
+}
+
+/// Why a channel cannot be written under its name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum NameProblem {
+    /// Two channels of the record have this name.
+    #[error("stands twice in the record")]
+    Twice,
+    /// The name cannot be a header of a column.
+    #[error("is empty, or begins or ends with a blank, or holds a line end or a quote")]
+    Unwritable,
+    /// No header with this name would be read back as this channel.
+    #[error("would not be read back as the same channel")]
+    Misread,
 }

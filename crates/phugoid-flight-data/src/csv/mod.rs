@@ -36,7 +36,7 @@ mod stream;
 mod text_file;
 mod write;
 
-pub use error::{ReadError, WriteError};
+pub use error::{NameProblem, ReadError, WriteError};
 pub use read::{read, read_path};
 pub use stream::{BadRow, RowReader, StreamColumns};
 #[cfg(feature = "parquet")]

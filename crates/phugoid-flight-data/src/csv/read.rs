@@ -9,8 +9,8 @@ use super::text_file::TextFile;
 use super::{CsvOptions, ReadError};
 use crate::quality::QualityReport;
 use crate::record::Record;
-use crate::table::TableError;
 use crate::table::columns::{self, Head};
+use crate::table::{OptionProblem, TableError};
 
 /// Reads a CSV file from the disk; otherwise as [`read()`].
 ///
@@ -55,8 +55,7 @@ pub fn read(reader: impl Read, source: &str, options: &CsvOptions) -> Result<Rec
 fn check(options: &CsvOptions) -> Result<(), ReadError> {
     options.table().check()?;
     if let Some(mark) = options.delimiter.filter(|mark| ![',', ';', '\t', '|', ' '].contains(mark)) {
-        let problem = format!("is {mark:?}; use one of ',' ';' tab '|' ' '");
-        return Err(TableError::BadOption { option: "delimiter", problem }.into());
+        return Err(TableError::BadOption(OptionProblem::Delimiter(mark)).into());
     }
     Ok(())
 }

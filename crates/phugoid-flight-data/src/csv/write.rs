@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::Path;
 
-use super::WriteError;
+use super::{NameProblem, WriteError};
 use crate::channels;
 use crate::record::{Channel, Quantity, Record};
 use crate::table::header::{self, Meaning};
@@ -49,12 +49,12 @@ pub(crate) fn headers(record: &Record, target: &str) -> Result<Vec<String>, Writ
         }
         let name = |problem| WriteError::Name { target: target.to_owned(), channel: channel.name.clone(), problem };
         if record.channels.iter().filter(|other| other.name == channel.name).count() > 1 {
-            return Err(name("stands twice in the record"));
+            return Err(name(NameProblem::Twice));
         }
         if channel.name.is_empty() || channel.name.trim() != channel.name || channel.name.contains(['\n', '\r', '"']) {
-            return Err(name("is empty, or begins or ends with a blank, or holds a line end or a quote"));
+            return Err(name(NameProblem::Unwritable));
         }
-        let header = header_of(channel).ok_or_else(|| name("would not be read back as the same channel"))?;
+        let header = header_of(channel).ok_or_else(|| name(NameProblem::Misread))?;
         headers.push(header);
     }
     Ok(headers)

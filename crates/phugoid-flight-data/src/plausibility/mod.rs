@@ -27,6 +27,7 @@ mod sizes;
 use crate::record::Record;
 use doubt::Doubts;
 pub use doubt::{Certainty, Doubt};
+use motion::Axis;
 
 /// Checks units and signs of a record, and returns one entry per probable cause; empty if everything is plausible.
 ///
@@ -35,8 +36,8 @@ pub fn check(record: &Record) -> Vec<Doubt> {
     let mut doubts = Doubts { record, found: Vec::new() };
     sizes::angles(&mut doubts);
     sizes::others(&mut doubts);
-    motion::attitude_and_rate(&mut doubts, "phi", "p");
-    motion::attitude_and_rate(&mut doubts, "theta", "q");
+    motion::attitude_and_rate(&mut doubts, Axis::Roll);
+    motion::attitude_and_rate(&mut doubts, Axis::Pitch);
     motion::angle_of_attack(&mut doubts);
     accelerations::vertical(&mut doubts);
     accelerations::load_factor(&mut doubts);

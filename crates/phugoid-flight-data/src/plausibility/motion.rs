@@ -10,16 +10,34 @@ const DEGREES: f64 = 180.0 / std::f64::consts::PI;
 /// Largest bank angle at which `theta' = q` holds well enough for the check, rad.
 const LEVEL: f64 = 0.35;
 
+/// An axis about which an attitude is the integral of a rate.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Axis {
+    Roll,
+    Pitch,
+}
+
+impl Axis {
+    /// Names of the channels of attitude and rate.
+    fn channels(self) -> (&'static str, &'static str) {
+        match self {
+            Axis::Roll => ("phi", "p"),
+            Axis::Pitch => ("theta", "q"),
+        }
+    }
+}
+
 fn near(value: f64, target: f64) -> bool {
     value > 0.6 * target && value < 1.6 * target
 }
 
 /// Checks `theta' = q` with level wings, and `phi' = p` with the nose not too high. A ratio near 57.3 or its reciprocal comes
 /// from a wrong unit, not from a manoeuvre.
-pub(super) fn attitude_and_rate(doubts: &mut Doubts, attitude: &str, rate: &str) {
+pub(super) fn attitude_and_rate(doubts: &mut Doubts, axis: Axis) {
+    let (attitude, rate) = axis.channels();
     let (Some(angle), Some(turning)) = (doubts.values(attitude), doubts.values(rate)) else { return };
     // If the bank angle itself is in doubt, it cannot select level flight.
-    let bank = (attitude == "theta" && !doubts.any(&["phi"])).then(|| doubts.values("phi")).flatten();
+    let bank = (axis == Axis::Pitch && !doubts.any(&["phi"])).then(|| doubts.values("phi")).flatten();
     let level = |k: usize| bank.is_none_or(|phi| phi[k].abs() < LEVEL);
     let rate_at = |k: usize| if level(k) { turning[k] } else { f64::NAN };
     let step = median_step(doubts.time()).unwrap_or(0.0);
@@ -45,7 +63,7 @@ pub(super) fn attitude_and_rate(doubts: &mut Doubts, attitude: &str, rate: &str)
         };
         blame(doubts, attitude, [attitude, rate], message);
     } else if correlation > 0.8 && near(slope, 1.0 / DEGREES) {
-        let to_blame = size(turning) > if rate == "p" { 2.0 } else { 0.5 } || doubts.is_certain(rate);
+        let to_blame = size(turning) > if axis == Axis::Roll { 2.0 } else { 0.5 } || doubts.is_certain(rate);
         let message = if to_blame {
             format!(
                 "{found}: {rate} is probably in deg/s, degrees read as radians (else {attitude} is in radians and taken \
@@ -71,7 +89,7 @@ pub(super) fn attitude_and_rate(doubts: &mut Doubts, attitude: &str, rate: &str)
         let message = format!(
             "{attitude} falls where {rate} is positive: one of them has the wrong sign; both are positive {}. Map that \
              one with scale -1",
-            if attitude == "theta" { "nose up" } else { "right wing down" }
+            if axis == Axis::Pitch { "nose up" } else { "right wing down" }
         );
         doubts.add(&[attitude, rate], Certainty::Certain, message);
     } else if correlation > 0.9 && !near(slope, 1.0) && !doubts.any(&[attitude, rate]) {

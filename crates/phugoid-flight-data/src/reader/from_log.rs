@@ -153,7 +153,7 @@ fn base<'a>(log: &'a Log, profile: &Profile, options: &ReadOptions) -> Result<&'
     let there = wanted.iter().filter_map(|name| signals::topic(log, name, None)).find(|topic| topic.time_s.len() >= 2);
     there.ok_or_else(|| ReadError::NoTimeBase {
         source_name: log.source.clone(),
-        wanted: format!("none of {} has two samples", wanted.join(", ")),
+        wanted: wanted.to_vec(),
         present: present(log),
     })
 }

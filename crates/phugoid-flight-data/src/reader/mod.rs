@@ -32,7 +32,7 @@ use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
 
-pub use error::ReadError;
+pub use error::{FieldProblem, ReadError};
 pub use from_log::{record, selection};
 pub use options::ReadOptions;
 

@@ -192,7 +192,8 @@ fn px4(log: &Log) -> Vec<Servo> {
         let name = format!("CA_SV_CS{index}_TYPE");
         let surface = match parameter(log, &name)? as i64 {
             1 => "left_aileron",
-            2 => "right_aileron",
+            // The sign of the channel is that of the right aileron, which so stands for both.
+            2 => "aileron",
             3 => "elevator",
             4 => "rudder",
             5 => "left_elevon",
@@ -210,15 +211,7 @@ fn px4(log: &Log) -> Vec<Servo> {
         let reason = format!("by {name} = {}", parameter(log, &name)?);
         Some(Servo { surface, field: format!("control[{index}]"), reason, pulse: None })
     };
-    (0..8).filter_map(servo).map(right_aileron_for_both).collect()
-}
-
-/// The right one of two ailerons is taken as the aileron, because the sign of the channel is defined by it.
-fn right_aileron_for_both(servo: Servo) -> Servo {
-    match servo.surface {
-        "right_aileron" => Servo { surface: "aileron", ..servo },
-        _ => servo,
-    }
+    (0..8).filter_map(servo).collect()
 }
 
 /// Servos of ArduPilot (parameters `SERVOn_FUNCTION` and so on; ArduPlane, "Servo Functions").

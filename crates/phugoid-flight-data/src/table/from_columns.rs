@@ -1,7 +1,7 @@
 //! Makes a record of columns of numbers.
 
 use super::assemble::{Read, record};
-use super::{ColumnMapping, TableError, TableOptions};
+use super::{ColumnMapping, MappingProblem, TableError, TableOptions};
 use crate::quality::QualityReport;
 use crate::record::Record;
 use crate::table::columns::{self, ColumnUse, Head, Plan};
@@ -154,7 +154,7 @@ fn refuse_mapped_left_out(headers: &[String], left_out: &[LeftOut], options: &Ta
             return Err(TableError::BadMapping {
                 channel: mapping.channel.clone(),
                 header: wanted.to_owned(),
-                problem: format!("this column is {}; map a column of numbers", column.why),
+                problem: Box::new(MappingProblem::NoNumbers { why: column.why.clone() }),
             });
         }
     }

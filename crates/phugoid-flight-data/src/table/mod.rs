@@ -10,7 +10,7 @@ mod stuck_and_spikes;
 pub(crate) mod time_base;
 
 pub(crate) use assemble::{Read, record};
-pub use error::TableError;
+pub use error::{MappingProblem, OptionProblem, TableError};
 pub(crate) use from_columns::from_sparse_columns;
 pub use from_columns::{Column, LeftOut, from_columns};
 
@@ -120,12 +120,10 @@ impl Default for TableOptions {
 impl TableOptions {
     pub(crate) fn check(&self) -> Result<(), TableError> {
         if self.gap_factor.is_nan() || self.gap_factor <= 1.0 {
-            let problem = format!("is {}; it counts median time steps and must be more than 1", self.gap_factor);
-            return Err(TableError::BadOption { option: "gap_factor", problem });
+            return Err(TableError::BadOption(OptionProblem::GapFactor(self.gap_factor)));
         }
         if let Some(step) = self.sample_time_s.filter(|step| !step.is_finite() || *step <= 0.0) {
-            let problem = format!("is {step}; it must be a positive number of seconds");
-            return Err(TableError::BadOption { option: "sample_time_s", problem });
+            return Err(TableError::BadOption(OptionProblem::SampleTime(step)));
         }
         Ok(())
     }
