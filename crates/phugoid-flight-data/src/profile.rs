@@ -6,19 +6,19 @@
 //! time_base = ["vehicle_angular_velocity", "vehicle_attitude"]   # the first one that the log has gives the times
 //! surfaces = "px4"                                               # how commands of surfaces are found
 //!
-//! [mixed]                                                        # commands that are made of several surfaces, with factors
+//! [mixed]                                                        # commands made of several surfaces
 //! elevator_command = [{ left_elevon_command = 0.5, right_elevon_command = 0.5 }]
 //!
 //! [channel.theta]
 //! sources = [{ field = "vehicle_attitude.q", transform = "quaternion_theta", unit = "rad" }]
 //!
 //! [channel.air_density]
-//! held_s = 5.0                                                   # a level: its last value is used until it is this old
+//! held_s = 5.0                                                   # a level: used until it is this old
 //! sources = [{ field = "vehicle_air_data.rho", unit = "kg/m^3", note = "as PX4 computes it" }]
 //! ```
 //!
-//! The comments of `profiles/px4.toml` explain every key. Units stated by the log itself come before those of the profile, and
-//! mappings of the caller come before both.
+//! The comments of `profiles/px4.toml` explain every key. Units stated by the log itself come before those of the
+//! profile, and mappings of the caller come before both.
 //!
 //! ```
 //! use phugoid_flight_data::profile::Profile;
@@ -64,9 +64,10 @@ pub struct Profile {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SurfaceRule {
-    /// `actuator_servos.control[i]` and the parameters `CA_SV_CSi_TYPE`.
+    /// PX4: the commands are `actuator_servos.control[i]`, and the parameters `CA_SV_CSi_TYPE` assign surfaces.
     Px4,
-    /// `RCOU.Ci` and the parameters `SERVOi_FUNCTION`, `_MIN`, `_TRIM`, `_MAX`, `_REVERSED`.
+    /// ArduPilot: the commands are pulse widths `RCOU.Ci`, microseconds, and the parameters `SERVOi_FUNCTION`, `_MIN`,
+    /// `_TRIM`, `_MAX` and `_REVERSED` assign surfaces and ranges.
     Ardupilot,
 }
 
@@ -93,8 +94,8 @@ pub struct ChannelProfile {
 /// A field that gives a channel, and what is computed of it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Source {
-    /// The field. For a transform of four fields it is their common name (`q` for `q[0]` to `q[3]`), or the first and the last of
-    /// them (`q1..q4`).
+    /// The field. For a transform of four fields it is their common name (`q` for `q[0]` to `q[3]`), or the first and
+    /// the last of them (`q1..q4`).
     pub field: FieldName,
     /// The unit, used where the log does not state one; `None` for a pure number.
     pub unit: Option<String>,
@@ -139,8 +140,8 @@ pub enum Transform {
 pub enum Factor {
     /// The value of the field is the factor.
     Times(FieldName),
-    /// The field is the density of the air, kg/m^3, and the factor is the root of 1.225 kg/m^3 over it, which makes true airspeed
-    /// of equivalent airspeed (see [`crate::airspeed`]).
+    /// The field is the density of the air, kg/m^3, and the factor is the root of 1.225 kg/m^3 over it, which makes
+    /// true airspeed of equivalent airspeed (see [`crate::airspeed`]).
     Density(FieldName),
 }
 
@@ -172,7 +173,8 @@ impl Profile {
     /// Reads a profile from the text of a TOML file. `name` is the name of the file in messages.
     ///
     /// # Errors
-    /// [`ProfileError`] if the text is no valid profile, or names an unknown channel or a unit that does not suit its channel.
+    /// [`ProfileError`] if the text is no valid profile, or names an unknown channel or a unit that does not suit its
+    /// channel.
     pub fn parse(name: &str, text: &str) -> Result<Self, ProfileError> {
         let wrong = |problem| ProfileError { file: name.to_owned(), problem };
         let file: File = toml::from_str(text).map_err(|error| wrong(ProfileProblem::Toml(error.to_string())))?;
@@ -236,8 +238,8 @@ impl Mixture {
 }
 
 impl Source {
-    /// The fields whose numbers [`Source::value`] takes, in this order: those of the transform, which are all of one topic, and
-    /// then that of the factor.
+    /// The fields whose numbers [`Source::value`] takes, in this order: those of the transform, which are all of one
+    /// topic, and then that of the factor.
     pub fn inputs(&self) -> Vec<FieldName> {
         let mut inputs = match self.transform {
             Transform::None => vec![self.field.clone()],
@@ -253,8 +255,8 @@ impl Source {
         inputs
     }
 
-    /// The value of the channel from the numbers of the fields [`Source::inputs`], in the unit of the source, before `scale`. NaN if
-    /// a number is missing or NaN, and for a quaternion whose norm is not 1.
+    /// The value of the channel from the numbers of the fields [`Source::inputs`], in the unit of the source, before
+    /// `scale`. NaN if a number is missing or NaN, and for a quaternion whose norm is not 1.
     pub fn value(&self, inputs: &[f64]) -> f64 {
         let (value, rest) = match self.transform {
             Transform::None => (inputs.first().copied(), inputs.get(1..)),
@@ -341,7 +343,7 @@ pub enum ProfileProblem {
     /// A name under `channel` is no known channel.
     #[error("'{channel}' is no channel{}", nearest.map(|near| format!("; did you mean '{near}'?")).unwrap_or_default())]
     UnknownChannel {
-        /// The name as written.
+        /// The name as it is written in the profile.
         channel: String,
         /// The known channel with a similar name.
         nearest: Option<&'static str>,
@@ -349,17 +351,17 @@ pub enum ProfileProblem {
     /// The time for which a value is held is not positive.
     #[error("channel.{channel}: held_s = {held_s}; it must be positive")]
     HeldTime {
-        /// The channel.
+        /// Canonical name of the channel.
         channel: String,
-        /// The time, s.
+        /// The time that was given, s.
         held_s: f64,
     },
     /// A unit is not known, or is one of another quantity than that of the channel.
     #[error("channel.{channel}: unit '{unit}' is not one of {}", units::accepted(*quantity))]
     Unit {
-        /// The channel.
+        /// Canonical name of the channel.
         channel: String,
-        /// The unit as written.
+        /// The unit as it is written in the profile.
         unit: String,
         /// The quantity of the channel.
         quantity: Quantity,
@@ -367,21 +369,21 @@ pub enum ProfileProblem {
     /// A factor is 0, infinite or NaN.
     #[error("channel.{channel}: scale = {scale} makes no sense; write 1, -1 or another factor")]
     Scale {
-        /// The channel.
+        /// Canonical name of the channel.
         channel: String,
-        /// The factor.
+        /// The factor that was given.
         scale: f64,
     },
     /// A source has both `times` and `density`.
     #[error("channel.{channel}: 'times' and 'density' together; keep one")]
     TwoFactors {
-        /// The channel.
+        /// Canonical name of the channel.
         channel: String,
     },
     /// The name of a field is not valid.
     #[error("channel.{channel}: {error}")]
     Field {
-        /// The channel.
+        /// Canonical name of the channel.
         channel: String,
         /// What is wrong with the name.
         error: FieldNameError,
@@ -389,15 +391,15 @@ pub enum ProfileProblem {
     /// A name under `mixed` does not end in `_command`.
     #[error("mixed.{command}: '{name}' is no command of a surface; write for instance left_elevon_command")]
     NotACommand {
-        /// The resulting command.
+        /// Name of the resulting command.
         command: String,
-        /// The name as written.
+        /// The name as it is written in the profile.
         name: String,
     },
     /// A mixture has no parts, or a factor that is 0, infinite or NaN.
     #[error("mixed.{command}: a factor, not zero, for each of its surfaces is expected")]
     MixedFactor {
-        /// The resulting command.
+        /// Name of the resulting command.
         command: String,
     },
 }
@@ -406,7 +408,7 @@ pub enum ProfileProblem {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("'{text}' is no field of a topic; write topic.field or topic#instance.field")]
 pub struct FieldNameError {
-    /// The text as written.
+    /// The text that was to be a name.
     pub text: String,
 }
 

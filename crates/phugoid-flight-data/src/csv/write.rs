@@ -23,8 +23,8 @@ pub fn write_path(record: &Record, path: &Path) -> Result<(), WriteError> {
 }
 
 /// Writes a record as CSV in SI units, `time_s` first, with the unit in every header (`alpha_rad`, `true_airspeed_m_s`)
-/// and as many digits as are needed to read the same numbers back. Missing values are empty cells. The quality report is
-/// not written.
+/// and as many digits as are needed to read the same numbers back. Missing values are empty cells. The quality report
+/// is not written.
 ///
 /// # Errors
 /// [`WriteError`] if a channel has another length than the time, a name that could not be read back, or the writer
@@ -60,8 +60,8 @@ pub(crate) fn headers(record: &Record, target: &str) -> Result<Vec<String>, Writ
     Ok(headers)
 }
 
-/// A header that is read back as this channel: with the unit as a suffix, or in brackets where the suffix would be misread.
-/// `None` if there is none.
+/// A header that is read back as this channel: with the unit as a suffix, or in brackets where the suffix would be
+/// misread. `None` if there is none.
 fn header_of(channel: &Channel) -> Option<String> {
     let (name, quantity) = (&channel.name, channel.quantity);
     let with_suffix = |name: &str| match quantity {

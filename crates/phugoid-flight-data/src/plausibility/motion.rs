@@ -31,8 +31,8 @@ fn near(value: f64, target: f64) -> bool {
     value > 0.6 * target && value < 1.6 * target
 }
 
-/// Checks `theta' = q` with level wings, and `phi' = p` with the nose not too high. A ratio near 57.3 or its reciprocal comes
-/// from a wrong unit, not from a manoeuvre.
+/// Checks `theta' = q` with level wings, and `phi' = p` with the nose not too high. A ratio near 57.3 or its reciprocal
+/// comes from a wrong unit, not from a manoeuvre.
 pub(super) fn attitude_and_rate(doubts: &mut Doubts, axis: Axis) {
     let (attitude, rate) = axis.channels();
     let (Some(angle), Some(turning)) = (doubts.values(attitude), doubts.values(rate)) else { return };
@@ -47,7 +47,7 @@ pub(super) fn attitude_and_rate(doubts: &mut Doubts, axis: Axis) {
     let found = format!("{attitude} changes {} times as fast as {rate} says", Short(slope.abs()));
     let size = |values: &[f64]| span(values).map_or(0.0, largest_size);
     if correlation > 0.8 && near(slope, DEGREES) {
-        // In degrees an attitude moves by more than half a unit; if it does not, the rate is 57 times too small.
+        // An attitude in degrees moves by more than 0.5; if this one does not, the rate is 57 times too small instead.
         let to_blame = size(angle) > 0.5 || doubts.is_certain(attitude);
         let message = if to_blame {
             format!(
@@ -98,15 +98,15 @@ pub(super) fn attitude_and_rate(doubts: &mut Doubts, axis: Axis) {
     }
 }
 
-/// Length of the windows, s: half a second. For a slow record, or one whose milliseconds are read as seconds, up to fifty
-/// samples, as long as about twenty windows remain.
+/// Length of the windows, s: half a second. For a slow record, or one whose milliseconds are read as seconds, up to
+/// fifty samples, as long as about twenty windows remain.
 fn window(time: &[f64], step: f64) -> f64 {
     let length = time.last().zip(time.first()).map_or(0.0, |(last, first)| last - first);
     if step < 0.25 { 0.5 } else { (50.0 * step).min(length / 20.0).max(1.01 * step) }
 }
 
-/// Reports the finding for one channel alone if its size is impossible too, else for the pair; it replaces what was reported
-/// before.
+/// Reports the finding for one channel alone if its size is impossible too, else for the pair; it replaces what was
+/// reported before.
 fn blame(doubts: &mut Doubts, culprit: &str, pair: [&str; 2], message: String) {
     if doubts.is_certain(culprit) {
         doubts.replace(&[culprit], Certainty::Certain, message);

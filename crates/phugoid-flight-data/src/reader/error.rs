@@ -1,4 +1,4 @@
-//! Why a flight could not be read.
+//! Errors of reading a flight.
 
 use crate::csv;
 use crate::format::{Format, build_with};
@@ -10,7 +10,7 @@ use crate::table::TableError;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReadError {
-    /// The operating system could not open or read it.
+    /// The operating system could not open or read the file or stream.
     #[error("{source_name}: cannot be read: {error}")]
     Io {
         /// Name of the file or stream, as the caller gave it.
@@ -121,7 +121,7 @@ pub enum FieldProblem {
     /// The topic has no field of this name.
     #[error("the topic '{topic}' has no such field{}. It has: {}", did_you_mean(nearest), fields.join(", "))]
     UnknownField {
-        /// The topic.
+        /// The topic that was asked for.
         topic: String,
         /// The field of the topic with a similar name.
         nearest: Option<String>,
@@ -141,11 +141,11 @@ pub enum FieldProblem {
         first_unit.as_deref().unwrap_or("no unit")
     )]
     DifferentUnit {
-        /// Unit of this field.
+        /// Unit of this field; `None` if the log states none.
         unit: Option<String>,
         /// The first field of the sum.
         first: String,
-        /// Unit of the first field.
+        /// Unit of the first field; `None` if the log states none.
         first_unit: Option<String>,
     },
 }

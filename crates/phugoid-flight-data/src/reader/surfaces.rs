@@ -1,5 +1,5 @@
-//! Commands of control surfaces. An autopilot logs the command of a servo, not the angle of the surface. The user has to give the
-//! angle at full command; none is assumed here.
+//! Commands of control surfaces. An autopilot logs the command of a servo, not the angle of the surface. The user has
+//! to give the angle at full command; none is assumed here.
 
 use super::signals::{self, Signal, label, rising, topic};
 use crate::align::Hold;
@@ -50,8 +50,8 @@ impl Pulse {
     }
 }
 
-/// The commands of all known surfaces, -1 to 1, named `elevator_command`, `aileron_command` and so on, and those that the profile
-/// mixes of several surfaces.
+/// The commands of all known surfaces, -1 to 1, named `elevator_command`, `aileron_command` and so on, and those that
+/// the profile mixes of several surfaces.
 pub(super) fn commands(log: &Log, rule: SurfaceRule, mixed: &[Mixture]) -> Vec<Signal> {
     let servos = match rule {
         SurfaceRule::Px4 => px4(log),

@@ -43,8 +43,8 @@ impl Meanings {
                 _ => None,
             })
             .collect();
-        // `T` beside `time_s` is hardly a second time. If another column has the same channel with a unit, a column without a unit
-        // whose name has several meanings is left undecided.
+        // `T` beside `time_s` is hardly a second time. If another column has the same channel with a unit, a column
+        // without a unit whose name has several meanings is left undecided.
         let stated: Vec<&str> = headers
             .iter()
             .filter_map(|meaning| match meaning {

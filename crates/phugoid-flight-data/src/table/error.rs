@@ -39,7 +39,7 @@ pub enum TableError {
         line: Option<usize>,
         /// The channel, by its canonical name.
         channel: String,
-        /// Number (from 1) and header of each of them.
+        /// Number (from 1) and header of the two columns.
         columns: Box<[(usize, String); 2]>,
     },
     /// The header of a column states two different units, or its header and the row of units do.
@@ -62,7 +62,7 @@ pub enum TableError {
         /// The unit that contradicts it, as written.
         second: String,
     },
-    /// A mapping names a column that is not in the file.
+    /// A mapping names a column that the file does not have.
     #[error(
         "{source_name}{}: channel '{}' is mapped to the column '{}', but the file has no such column{nearest}. \
          The columns are: {headers}",
@@ -77,12 +77,13 @@ pub enum TableError {
         line: Option<usize>,
         /// The mapping that was asked for.
         mapping: Box<ColumnMapping>,
-        /// `; did you mean '...'?` or empty.
+        /// The question whether the most similar header is meant, beginning with `; `; empty if none is similar.
         nearest: String,
         /// The headers found, separated by commas; long lists are cut.
         headers: String,
     },
-    /// A mapping is wrong in itself: its channel name, unit or factor is not valid, or it names a column without numbers.
+    /// A mapping is wrong in itself: its channel name, unit or factor is not valid, or it names a column without
+    /// numbers.
     #[error("the mapping of channel '{channel}' to column '{header}': {problem}")]
     BadMapping {
         /// The channel that the mapping names.
@@ -105,7 +106,7 @@ pub enum TableError {
         source_name: String,
         /// Line of the header, counted from 1; `None` where the table is no text file.
         line: Option<usize>,
-        /// What was wrong with the rows that there are.
+        /// Why the rows cannot be used, as a clause.
         reason: String,
     },
     /// The time column rises in fewer than half of the rows.
@@ -118,7 +119,7 @@ pub enum TableError {
         source_name: String,
         /// Header of the time column.
         header: String,
-        /// Rows in the longest rising sequence.
+        /// Number of rows in the longest sequence of rising times.
         rising: usize,
         /// Number of rows that have a time.
         rows: usize,
@@ -138,7 +139,7 @@ pub enum TableError {
         /// The bound that was exceeded, values.
         max_values: usize,
     },
-    /// More columns than any flight record has.
+    /// The table has more columns than are read.
     #[error(
         "{source_name}{}: the header has {columns} columns, more than the {max_columns} that are read. Check \
          that it is a table with one signal per column, or leave out columns",
@@ -181,7 +182,7 @@ pub enum MappingProblem {
     /// The name of the channel is a synonym or a misspelling of a known channel.
     #[error("'{channel}' is no channel name; did you mean '{nearest}'?")]
     NotCanonical {
-        /// The name as written.
+        /// The name as it is written in the mapping.
         channel: String,
         /// The canonical name that is probably meant.
         nearest: &'static str,
@@ -194,7 +195,7 @@ pub enum MappingProblem {
     Scale {
         /// The column with this factor, if the mapping adds several.
         header: Option<String>,
-        /// The factor.
+        /// The factor that was given.
         scale: f64,
     },
     /// The unit is not known, or is one of another quantity than that of the channel.
@@ -204,7 +205,7 @@ pub enum MappingProblem {
         units::accepted(*quantity)
     )]
     UnitOfChannel {
-        /// The unit as written.
+        /// The unit as it is written in the mapping.
         unit: String,
         /// The quantity of the channel.
         quantity: Quantity,
@@ -212,7 +213,7 @@ pub enum MappingProblem {
     /// The unit for a channel of one's own is not known.
     #[error("unit '{unit}' is not understood; write for instance deg, rad/s, ft/s, kt, psf")]
     UnknownUnit {
-        /// The unit as written.
+        /// The unit as it is written in the mapping.
         unit: String,
     },
     /// The column holds no numbers.
