@@ -1,17 +1,18 @@
 //! True airspeed from equivalent airspeed and the density of the air.
 //!
-//! An autopilot's airspeed is `sqrt(2 qc / rho0)` of the impact pressure `qc` and the density of the standard atmosphere at sea level
-//! (PX4 `calc_IAS`, ArduPilot `AP_Airspeed`), whether it is corrected for the position of the probe or not. Apart from the
-//! compressibility of the air this is an equivalent airspeed. True airspeed follows with the density of the air (Gracey, Measurement of Aircraft Speed and Altitude,
-//! NASA RP-1046, 1980, chapter III; PX4 `calc_TAS_from_CAS`):
+//! An autopilot's airspeed is `sqrt(2 qc / rho0)` of the impact pressure `qc` and the density of the standard
+//! atmosphere at sea level (PX4 `calc_IAS`, ArduPilot `AP_Airspeed`), whether it is corrected for the position of the
+//! probe or not. Apart from the compressibility of the air this is an equivalent airspeed. True airspeed follows with
+//! the density of the air (Gracey, Measurement of Aircraft Speed and Altitude, NASA RP-1046, 1980, chapter III; PX4
+//! `calc_TAS_from_CAS`):
 //!
 //! ```text
 //! V = V_e sqrt(rho0 / rho)        rho = p / (R T)
 //! ```
 //!
 //! This neglects compressibility: `qc/p = (1 + 0.2 M^2)^3.5 - 1 = 0.7 M^2 (1 + M^2/4 + ...)`, so that `V` comes out too
-//! large by `M^2/8` of its value: 0.1 % at 30 m/s, 0.5 % at 70 m/s, 1.1 % at Mach 0.3. Moist air is lighter by at most 1.8 % at 30 degC and
-//! 100 % humidity, which makes `V` 0.9 % too small.
+//! large by `M^2/8` of its value: 0.1 % at 30 m/s, 0.5 % at 70 m/s, 1.1 % at Mach 0.3. Moist air is lighter by at most
+//! 1.8 % at 30 degC and 100 % humidity, which makes `V` 0.9 % too small.
 
 /// Density of the standard atmosphere at sea level (ISO 2533), kg/m^3.
 pub const SEA_LEVEL_DENSITY: f64 = 1.225;
@@ -34,8 +35,8 @@ pub fn density(static_pressure: f64, temperature: f64) -> f64 {
     }
 }
 
-/// Ratio of true to equivalent airspeed, `sqrt(rho0 / rho)`, in air of this density, kg/m^3. NaN if the density is NaN or not
-/// positive.
+/// Ratio of true to equivalent airspeed, `sqrt(rho0 / rho)`, in air of this density, kg/m^3. NaN if the density is NaN
+/// or not positive.
 ///
 /// ```
 /// use phugoid_flight_data::airspeed::{density, true_over_equivalent};

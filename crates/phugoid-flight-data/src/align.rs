@@ -1,9 +1,9 @@
-//! Puts signals of different rates on one time base, causally and without interpolation. Logs and live streams use the same
-//! code.
+//! Puts signals of different rates on one time base, causally and without interpolation. Logs and live streams use the
+//! same code.
 //!
-//! A value appears at the first base time at or after its own time stamp; values are not interpolated, and a sampled value
-//! appears only once. The cost is a delay of at most one base step if the source delivers in time; [`Aligner::statistics`]
-//! gives it.
+//! A value appears at the first base time at or after its own time stamp; values are not interpolated, and a sampled
+//! value appears only once. The cost is a delay of at most one base step if the source delivers in time;
+//! [`Aligner::statistics`] gives it.
 //!
 //! ```
 //! use phugoid_flight_data::align::{Aligner, Hold};
@@ -21,8 +21,8 @@ use std::collections::VecDeque;
 
 use serde::Serialize;
 
-/// Largest number of values of a channel that wait for their base time; the oldest is dropped beyond it. No base step of a
-/// real flight holds nearly as many.
+/// Largest number of values of a channel that wait for their base time; the oldest is dropped beyond it. No base step
+/// of a real flight holds nearly as many.
 const MAX_WAITING: usize = 4096;
 
 /// For how long a value of a channel is used.
@@ -30,16 +30,16 @@ const MAX_WAITING: usize = 4096;
 pub enum Hold {
     /// A measurement: it appears once, at the first base time at or after its stamp; other base times get NaN.
     Sampled,
-    /// A level that changes slowly or in steps (a surface position, a density): the last value is used until it is older than
-    /// `stale_after_s`.
+    /// A level that changes slowly or in steps (a surface position, a density): the last value is used until it is
+    /// older than `stale_after_s`.
     Held {
         /// Largest age at which a value is still used, s.
         stale_after_s: f64,
     },
 }
 
-/// What alignment did to the values of one channel. Every finite value received is counted once: as shown, passed over, too
-/// old, out of order or refused, unless it still waits for its base time.
+/// What alignment did to the values of one channel. Every finite value received is counted once: as shown, passed over,
+/// too old, out of order or refused, unless it still waits for its base time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Statistics {
     /// Finite values received by [`Aligner::put`].
@@ -52,8 +52,8 @@ pub struct Statistics {
     pub out_of_order: usize,
     /// Values dropped because the next base time came too late: after the longest delay, or after they were stale.
     pub too_old: usize,
-    /// Values that arrived after the base time at which they should have appeared. They are counted above as well: shown at the
-    /// next base time, or dropped.
+    /// Values that arrived after the base time at which they should have appeared. They are counted above as well:
+    /// shown at the next base time, or dropped.
     pub late: usize,
     /// Values dropped because their stamp was NaN or infinite, or because too many values were waiting.
     pub refused: usize,
@@ -96,8 +96,8 @@ impl Aligner {
         Self { channels, base_s: f64::NEG_INFINITY, longest_delay_s: f64::INFINITY }
     }
 
-    /// Drops sampled values that would appear more than this time, s, after their stamp, because the base has a gap there.
-    /// Without this call none is dropped for its age.
+    /// Drops sampled values that would appear more than this time, s, after their stamp, because the base has a gap
+    /// there. Without this call none is dropped for its age.
     pub fn with_longest_delay(mut self, longest_delay_s: f64) -> Self {
         self.longest_delay_s = longest_delay_s;
         self
@@ -130,11 +130,11 @@ impl Aligner {
         }
     }
 
-    /// Writes the values of all channels at a base time, s, into `out`, from values stamped at or before it; NaN where a channel
-    /// has none.
+    /// Writes the values of all channels at a base time, s, into `out`, from values stamped at or before it; NaN where
+    /// a channel has none.
     ///
-    /// Base times have to rise. For one that does not, or is not finite, the aligner stays as it is, `out` is filled with NaN,
-    /// and `false` is returned.
+    /// Base times have to rise. For one that does not, or is not finite, the aligner stays as it is, `out` is filled
+    /// with NaN, and `false` is returned.
     pub fn frame(&mut self, time_s: f64, out: &mut [f64]) -> bool {
         out.fill(f64::NAN);
         if !time_s.is_finite() || time_s <= self.base_s {
@@ -150,8 +150,8 @@ impl Aligner {
         true
     }
 
-    /// Drops all waiting and held values and forgets the last base time, for a source whose clock has started again. The
-    /// statistics are kept.
+    /// Drops all waiting and held values and forgets the last base time, for a source whose clock has started again.
+    /// The statistics are kept.
     pub fn restart(&mut self) {
         self.base_s = f64::NEG_INFINITY;
         for channel in &mut self.channels {

@@ -1,7 +1,7 @@
 //! Reads flight records from Arrow IPC: files (Feather version 2, `.arrow`) and streams.
 //!
-//! Columns are as in [`crate::parquet`]. Batches are read one after the other, in bounded memory; of a file that is cut off or
-//! damaged the batches before the damage are kept.
+//! Columns are as in [`crate::parquet`]. Batches are read one after the other, in bounded memory; of a file that is cut
+//! off or damaged the batches before the damage are kept.
 
 use std::fs::File;
 use std::io::{BufReader, Read};
@@ -24,12 +24,12 @@ pub fn read_path(path: &Path, options: &TableOptions) -> Result<Record, ReadErro
     }
 }
 
-/// Reads an Arrow file or stream into a record in SI units. `source` is its name in messages and reports. Channels, units and
-/// the findings in `record.quality` are as those of [`crate::csv::read`], with rows counted from 1.
+/// Reads an Arrow file or stream into a record in SI units. `source` is its name in messages and reports. Channels,
+/// units and the findings in `record.quality` are as those of [`crate::csv::read`], with rows counted from 1.
 ///
 /// # Errors
-/// [`ReadError`] if it cannot be read, is no Arrow IPC, holds no batch that could be read, or no record can be made of its
-/// columns.
+/// [`ReadError`] if it cannot be read, is no Arrow IPC, holds no batch that could be read, or no record can be made of
+/// its columns.
 pub fn read(reader: impl Read, source: &str, options: &TableOptions) -> Result<Record, ReadError> {
     ipc::read(reader, source, options)
 }

@@ -1,7 +1,7 @@
 //! The table of known channels: canonical names, quantities, signs and synonyms.
 //!
 //! Axes are body axes: x forward, y to the right wing, z down. Angles and rates follow the right-hand rule about them.
-//! `docs/units-and-signs.md` shows this table; a test keeps the two alike.
+//! `docs/units-and-signs.md` shows this table; a test keeps both equal.
 //!
 //! ```
 //! use phugoid_flight_data::channels::{by_any_name, by_name, nearest};
@@ -133,8 +133,8 @@ pub const CHANNELS: &[ChannelSpec] = &[
     slow("fuel", Mass, "fuel on board", "", &["fuel_mass", "fuel_quantity", "fuel_weight", "fuel_total"]),
 ];
 
-/// Names that could mean several channels, and the channels that they could mean. A column of such a name becomes a known
-/// channel only if its unit leaves one meaning.
+/// Names that could mean several channels, and the channels that they could mean. A column of such a name becomes a
+/// known channel only if its unit leaves one meaning.
 pub const AMBIGUOUS: &[(&str, &[&str])] = &[
     ("airspeed", &["true_airspeed", "calibrated_airspeed", "indicated_airspeed"]),
     ("speed", &["true_airspeed", "calibrated_airspeed", "indicated_airspeed", "ground_speed"]),
@@ -148,8 +148,8 @@ pub fn by_name(name: &str) -> Option<&'static ChannelSpec> {
     CHANNELS.iter().find(|channel| channel.name == name)
 }
 
-/// All channels that have this name as canonical name or synonym, in the order of [`CHANNELS`], which puts the more likely
-/// one first. Case, spaces and underscores do not matter.
+/// All channels that have this name as canonical name or synonym, in the order of [`CHANNELS`], which puts the more
+/// likely one first. Case, spaces and underscores do not matter.
 pub fn by_any_name(name: &str) -> Vec<&'static ChannelSpec> {
     let key = key(name);
     CHANNELS
@@ -161,7 +161,8 @@ pub fn by_any_name(name: &str) -> Vec<&'static ChannelSpec> {
 /// Names are taken for misspellings of each other from this similarity on: 1 - edits / letters.
 const MIN_SIMILARITY: f64 = 0.75;
 
-/// The canonical name of the channel whose name or synonym is most similar to a misspelt name; `None` if none is similar.
+/// The canonical name of the channel whose name or synonym is most similar to a misspelt name; `None` if none is
+/// similar.
 pub fn nearest(name: &str) -> Option<&'static str> {
     let key = key(name);
     // Short names are all similar to each other, so that only swapped letters count (`beat`: beta). For the same reason
@@ -187,8 +188,8 @@ pub fn nearest(name: &str) -> Option<&'static str> {
         .map(|(name, ..)| name)
 }
 
-/// False for most words that are not similar, without computing the distance: an edit changes the length by at most one,
-/// and adds or removes at most one letter.
+/// False for most words that are not similar, without computing the distance: an edit changes the length by at most
+/// one, and adds or removes at most one letter.
 fn may_be_similar(spelling: &str, key: &str) -> bool {
     let length = spelling.bytes().filter(|&b| b != b'_').count();
     let edits = ((1.0 - MIN_SIMILARITY) * length.max(key.len()) as f64) as u32;

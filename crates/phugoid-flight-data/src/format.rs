@@ -12,11 +12,11 @@
 
 use std::io::{self, Cursor, Read};
 
-/// How a ULog file begins.
+/// The first bytes of a ULog file.
 pub(crate) const ULOG_MAGIC: [u8; 7] = [b'U', b'L', b'o', b'g', 0x01, 0x12, 0x35];
-/// How every message of a DataFlash log begins, and with it the file.
+/// The first bytes of every message of a DataFlash log, and so of the file.
 pub(crate) const DATAFLASH_MAGIC: [u8; 2] = [0xA3, 0x95];
-/// How an MCAP file begins.
+/// The first bytes of an MCAP file.
 pub(crate) const MCAP_MAGIC: [u8; 8] = *b"\x89MCAP0\r\n";
 
 /// Number of bytes that are enough to recognise every format.
@@ -28,7 +28,7 @@ const SNIFFED: usize = 64;
 pub enum Format {
     /// A table as text with a header line, and everything that is not recognised as another format.
     Csv,
-    /// A PX4 log (ULog).
+    /// A log of PX4 in the ULog format.
     Ulog,
     /// A binary ArduPilot DataFlash log (`.BIN`).
     DataFlash,
@@ -53,8 +53,8 @@ pub enum Format {
 }
 
 impl Format {
-    /// The format of a file with this beginning (64 bytes are enough). What is not recognised is taken as [`Format::Csv`],
-    /// whose reader refuses binary data.
+    /// The format of a file with this beginning (64 bytes are enough). What is not recognised is taken as
+    /// [`Format::Csv`], whose reader refuses binary data.
     pub fn sniff(start: &[u8]) -> Self {
         let is = |magic: &[u8]| start.starts_with(magic);
         match start {
@@ -89,8 +89,8 @@ impl Format {
         matches!(self, Format::Ulog | Format::DataFlash) || (cfg!(feature = "mcap") && self == Format::Mcap)
     }
 
-    /// The cargo feature that this format needs, of this crate and of the command line; `None` if it needs none or is never
-    /// read.
+    /// The cargo feature that this format needs, of this crate and of the command line; `None` if it needs none or is
+    /// never read.
     pub fn feature(self) -> Option<&'static str> {
         match self {
             Format::Mat5 => Some("matlab"),

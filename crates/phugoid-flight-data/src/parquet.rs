@@ -1,12 +1,12 @@
 //! Reads and writes flight records as Parquet.
 //!
-//! Every flat column of numbers, truth values, timestamps or durations becomes a channel by its name and unit, as a CSV column does
-//! by its header; the unit may also be in the metadata of the field under `unit`. Timestamps become seconds from 1970. Text,
-//! dictionaries and nested columns are left out, and the report names them. Groups of rows are read one after the other, in
-//! bounded memory; of a damaged group the readable rows are kept.
+//! Every flat column of numbers, truth values, timestamps or durations becomes a channel by its name and unit, as a CSV
+//! column does by its header; the unit may also be in the metadata of the field under `unit`. Timestamps become seconds
+//! from 1970. Text, dictionaries and nested columns are left out, and the report names them. Groups of rows are read
+//! one after the other, in bounded memory; of a damaged group the readable rows are kept.
 //!
-//! Files that are compressed by Snappy, Zstandard or raw LZ4, or not at all, are read. Gzip, Brotli and Hadoop's LZ4 are refused,
-//! because the library would unpack them without a bound on memory.
+//! Files that are compressed by Snappy, Zstandard or raw LZ4, or not at all, are read. Gzip, Brotli and Hadoop's LZ4
+//! are refused, because the library would unpack them without a bound on memory.
 //!
 //! ```
 //! use phugoid_flight_data::{parquet, record::Record, table::TableOptions};
@@ -31,12 +31,12 @@ pub use crate::csv::WriteError;
 use crate::record::Record;
 use crate::table::TableOptions;
 
-/// Reads a Parquet file from the disk into a record in SI units. Channels, units and the findings in `record.quality` are as
-/// those of [`crate::csv::read`], with rows counted from 1.
+/// Reads a Parquet file from the disk into a record in SI units. Channels, units and the findings in `record.quality`
+/// are as those of [`crate::csv::read`], with rows counted from 1.
 ///
 /// # Errors
-/// [`ReadError`] if the file cannot be read, is no Parquet file, holds no group of rows that could be read, or no record
-/// can be made of its columns.
+/// [`ReadError`] if the file cannot be read, is no Parquet file, holds no group of rows that could be read, or no
+/// record can be made of its columns.
 pub fn read_path(path: &Path, options: &TableOptions) -> Result<Record, ReadError> {
     row_groups::read(|| File::open(path), &path.display().to_string(), options)
 }
@@ -50,13 +50,13 @@ pub fn read(bytes: &[u8], source: &str, options: &TableOptions) -> Result<Record
     row_groups::read(|| Ok(bytes.clone()), source, options)
 }
 
-/// Writes a record as Parquet in SI units: the columns of [`crate::csv::write`] under the same names (`time_s`, `alpha_rad`),
-/// as doubles, each with its unit in the field's metadata (`unit` = `rad`; `1` for a pure number). Missing values are null. The
-/// quality report is not written.
+/// Writes a record as Parquet in SI units: the columns of [`crate::csv::write`] under the same names (`time_s`,
+/// `alpha_rad`), as doubles, each with its unit in the field's metadata (`unit` = `rad`; `1` for a pure number).
+/// Missing values are null. The quality report is not written.
 ///
 /// # Errors
-/// [`WriteError`] if a channel has another length than the time, a name that could not be read back, or the file cannot be
-/// written. Names and lengths are checked before the file is created.
+/// [`WriteError`] if a channel has another length than the time, a name that could not be read back, or the file cannot
+/// be written. Names and lengths are checked before the file is created.
 pub fn write_path(record: &Record, path: &Path) -> Result<(), WriteError> {
     let target = path.display().to_string();
     let headers = crate::csv::headers(record, &target)?;

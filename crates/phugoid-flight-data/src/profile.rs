@@ -6,19 +6,19 @@
 //! time_base = ["vehicle_angular_velocity", "vehicle_attitude"]   # the first one that the log has gives the times
 //! surfaces = "px4"                                               # how commands of surfaces are found
 //!
-//! [mixed]                                                        # commands that are made of several surfaces, with factors
+//! [mixed]                                                        # commands made of several surfaces
 //! elevator_command = [{ left_elevon_command = 0.5, right_elevon_command = 0.5 }]
 //!
 //! [channel.theta]
 //! sources = [{ field = "vehicle_attitude.q", transform = "quaternion_theta", unit = "rad" }]
 //!
 //! [channel.air_density]
-//! held_s = 5.0                                                   # a level: its last value is used until it is this old
+//! held_s = 5.0                                                   # a level: used until it is this old
 //! sources = [{ field = "vehicle_air_data.rho", unit = "kg/m^3", note = "as PX4 computes it" }]
 //! ```
 //!
-//! The comments of `profiles/px4.toml` explain every key. Units stated by the log itself come before those of the profile, and
-//! mappings of the caller come before both.
+//! The comments of `profiles/px4.toml` explain every key. Units stated by the log itself come before those of the
+//! profile, and mappings of the caller come before both.
 //!
 //! ```
 //! use phugoid_flight_data::profile::Profile;
@@ -43,7 +43,7 @@ use serde::Deserialize;
 use crate::airspeed;
 use crate::align::Hold;
 use crate::channels;
-use crate::units;
+use crate::units::{self, Quantity};
 
 /// Which fields of a kind of log are which channels.
 #[derive(Clone, Debug, PartialEq)]
@@ -64,9 +64,10 @@ pub struct Profile {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SurfaceRule {
-    /// `actuator_servos.control[i]` and the parameters `CA_SV_CSi_TYPE`.
+    /// PX4: the commands are `actuator_servos.control[i]`, and the parameters `CA_SV_CSi_TYPE` assign surfaces.
     Px4,
-    /// `RCOU.Ci` and the parameters `SERVOi_FUNCTION`, `_MIN`, `_TRIM`, `_MAX`, `_REVERSED`.
+    /// ArduPilot: the commands are pulse widths `RCOU.Ci`, microseconds, and the parameters `SERVOi_FUNCTION`, `_MIN`,
+    /// `_TRIM`, `_MAX` and `_REVERSED` assign surfaces and ranges.
     Ardupilot,
 }
 
@@ -93,8 +94,8 @@ pub struct ChannelProfile {
 /// A field that gives a channel, and what is computed of it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Source {
-    /// The field. For a transform of four fields it is their common name (`q` for `q[0]` to `q[3]`), or the first and the last of
-    /// them (`q1..q4`).
+    /// The field. For a transform of four fields it is their common name (`q` for `q[0]` to `q[3]`), or the first and
+    /// the last of them (`q1..q4`).
     pub field: FieldName,
     /// The unit, used where the log does not state one; `None` for a pure number.
     pub unit: Option<String>,
@@ -139,8 +140,8 @@ pub enum Transform {
 pub enum Factor {
     /// The value of the field is the factor.
     Times(FieldName),
-    /// The field is the density of the air, kg/m^3, and the factor is the root of 1.225 kg/m^3 over it, which makes true airspeed
-    /// of equivalent airspeed (see [`crate::airspeed`]).
+    /// The field is the density of the air, kg/m^3, and the factor is the root of 1.225 kg/m^3 over it, which makes
+    /// true airspeed of equivalent airspeed (see [`crate::airspeed`]).
     Density(FieldName),
 }
 
@@ -172,29 +173,30 @@ impl Profile {
     /// Reads a profile from the text of a TOML file. `name` is the name of the file in messages.
     ///
     /// # Errors
-    /// [`ProfileError`] if the text is no valid profile, or names an unknown channel or a unit that does not suit its channel.
+    /// [`ProfileError`] if the text is no valid profile, or names an unknown channel or a unit that does not suit its
+    /// channel.
     pub fn parse(name: &str, text: &str) -> Result<Self, ProfileError> {
-        let wrong = |problem: String| ProfileError { file: name.to_owned(), problem };
-        let file: File = toml::from_str(text).map_err(|error| wrong(error.to_string()))?;
+        let wrong = |problem| ProfileError { file: name.to_owned(), problem };
+        let file: File = toml::from_str(text).map_err(|error| wrong(ProfileProblem::Toml(error.to_string())))?;
         let mut channels = Vec::with_capacity(file.channel.len());
         for (channel, entry) in file.channel {
             let Some(spec) = channels::by_name(&channel) else {
-                let near = channels::nearest(&channel).map(|near| format!("; did you mean '{near}'?"));
-                return Err(wrong(format!("'{channel}' is no channel{}", near.unwrap_or_default())));
+                let nearest = channels::nearest(&channel);
+                return Err(wrong(ProfileProblem::UnknownChannel { channel, nearest }));
             };
             let hold = match entry.held_s {
                 None => Hold::Sampled,
                 Some(stale_after_s) if stale_after_s > 0.0 => Hold::Held { stale_after_s },
-                Some(other) => return Err(wrong(format!("channel.{channel}: held_s = {other}; it must be positive"))),
+                Some(held_s) => return Err(wrong(ProfileProblem::HeldTime { channel, held_s })),
             };
             let mut sources = Vec::with_capacity(entry.sources.len());
             for source in entry.sources {
                 let unit = source.unit.as_deref();
                 if let Some(unit) = unit.filter(|unit| units::find_for(unit, spec.quantity).is_none()) {
-                    let accepted = units::accepted(spec.quantity);
-                    return Err(wrong(format!("channel.{channel}: unit '{unit}' is not one of {accepted}")));
+                    let (unit, quantity) = (unit.to_owned(), spec.quantity);
+                    return Err(wrong(ProfileProblem::Unit { channel, unit, quantity }));
                 }
-                sources.push(source.resolve().map_err(|problem| wrong(format!("channel.{channel}: {problem}")))?);
+                sources.push(source.resolve(&channel).map_err(wrong)?);
             }
             channels.push(ChannelProfile { channel, hold, sources });
         }
@@ -202,7 +204,7 @@ impl Profile {
         for (command, mixtures) in file.mixed {
             for of in mixtures {
                 let mixture = Mixture { command: command.clone(), of: of.into_iter().collect() };
-                mixture.check().map_err(|problem| wrong(format!("mixed.{command}: {problem}")))?;
+                mixture.check().map_err(wrong)?;
                 mixed.push(mixture);
             }
         }
@@ -222,21 +224,22 @@ impl Profile {
 }
 
 impl Mixture {
-    fn check(&self) -> Result<(), String> {
+    fn check(&self) -> Result<(), ProfileProblem> {
+        let command = || self.command.clone();
         let names = || std::iter::once(&self.command).chain(self.of.iter().map(|(name, _)| name));
         if let Some(name) = names().find(|name| !name.ends_with("_command")) {
-            return Err(format!("'{name}' is no command of a surface; write for instance left_elevon_command"));
+            return Err(ProfileProblem::NotACommand { command: command(), name: name.clone() });
         }
         match self.of.iter().all(|(_, factor)| factor.is_finite() && *factor != 0.0) && !self.of.is_empty() {
             true => Ok(()),
-            false => Err("a factor, not zero, for each of its surfaces is expected".to_owned()),
+            false => Err(ProfileProblem::MixedFactor { command: command() }),
         }
     }
 }
 
 impl Source {
-    /// The fields whose numbers [`Source::value`] takes, in this order: those of the transform, which are all of one topic, and
-    /// then that of the factor.
+    /// The fields whose numbers [`Source::value`] takes, in this order: those of the transform, which are all of one
+    /// topic, and then that of the factor.
     pub fn inputs(&self) -> Vec<FieldName> {
         let mut inputs = match self.transform {
             Transform::None => vec![self.field.clone()],
@@ -252,8 +255,8 @@ impl Source {
         inputs
     }
 
-    /// The value of the channel from the numbers of the fields [`Source::inputs`], in the unit of the source, before `scale`. NaN if
-    /// a number is missing or NaN, and for a quaternion whose norm is not 1.
+    /// The value of the channel from the numbers of the fields [`Source::inputs`], in the unit of the source, before
+    /// `scale`. NaN if a number is missing or NaN, and for a quaternion whose norm is not 1.
     pub fn value(&self, inputs: &[f64]) -> f64 {
         let (value, rest) = match self.transform {
             Transform::None => (inputs.first().copied(), inputs.get(1..)),
@@ -295,10 +298,10 @@ fn euler(transform: Transform, [w, x, y, z]: &[f64; 4]) -> f64 {
 }
 
 impl FromStr for FieldName {
-    type Err = String;
+    type Err = FieldNameError;
 
-    fn from_str(text: &str) -> Result<Self, String> {
-        let wrong = || format!("'{text}' is no field of a topic; write topic.field or topic#instance.field");
+    fn from_str(text: &str) -> Result<Self, FieldNameError> {
+        let wrong = || FieldNameError { text: text.to_owned() };
         let (topic, field) = text.trim().split_once('.').ok_or_else(wrong)?;
         let (topic, instance) = match topic.split_once('#') {
             Some((topic, instance)) => (topic, Some(instance.parse().map_err(|_| wrong())?)),
@@ -321,13 +324,92 @@ impl std::fmt::Display for FieldName {
 }
 
 /// Why a profile cannot be used.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("profile {file}: {problem}")]
 pub struct ProfileError {
     /// Name of the file, as given to [`Profile::parse`].
     pub file: String,
-    /// What was found and what is accepted, as a clause; errors of TOML with their line.
-    pub problem: String,
+    /// What is wrong in it.
+    pub problem: ProfileProblem,
+}
+
+/// What is wrong in a profile.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ProfileProblem {
+    /// The text is no TOML, or has unknown, missing or wrong keys; the message of the TOML reader names the line.
+    #[error("{0}")]
+    Toml(String),
+    /// A name under `channel` is no known channel.
+    #[error("'{channel}' is no channel{}", nearest.map(|near| format!("; did you mean '{near}'?")).unwrap_or_default())]
+    UnknownChannel {
+        /// The name as it is written in the profile.
+        channel: String,
+        /// The known channel with a similar name.
+        nearest: Option<&'static str>,
+    },
+    /// The time for which a value is held is not positive.
+    #[error("channel.{channel}: held_s = {held_s}; it must be positive")]
+    HeldTime {
+        /// Canonical name of the channel.
+        channel: String,
+        /// The time that was given, s.
+        held_s: f64,
+    },
+    /// A unit is not known, or is one of another quantity than that of the channel.
+    #[error("channel.{channel}: unit '{unit}' is not one of {}", units::accepted(*quantity))]
+    Unit {
+        /// Canonical name of the channel.
+        channel: String,
+        /// The unit as it is written in the profile.
+        unit: String,
+        /// The quantity of the channel.
+        quantity: Quantity,
+    },
+    /// A factor is 0, infinite or NaN.
+    #[error("channel.{channel}: scale = {scale} makes no sense; write 1, -1 or another factor")]
+    Scale {
+        /// Canonical name of the channel.
+        channel: String,
+        /// The factor that was given.
+        scale: f64,
+    },
+    /// A source has both `times` and `density`.
+    #[error("channel.{channel}: 'times' and 'density' together; keep one")]
+    TwoFactors {
+        /// Canonical name of the channel.
+        channel: String,
+    },
+    /// The name of a field is not valid.
+    #[error("channel.{channel}: {error}")]
+    Field {
+        /// Canonical name of the channel.
+        channel: String,
+        /// What is wrong with the name.
+        error: FieldNameError,
+    },
+    /// A name under `mixed` does not end in `_command`.
+    #[error("mixed.{command}: '{name}' is no command of a surface; write for instance left_elevon_command")]
+    NotACommand {
+        /// Name of the resulting command.
+        command: String,
+        /// The name as it is written in the profile.
+        name: String,
+    },
+    /// A mixture has no parts, or a factor that is 0, infinite or NaN.
+    #[error("mixed.{command}: a factor, not zero, for each of its surfaces is expected")]
+    MixedFactor {
+        /// Name of the resulting command.
+        command: String,
+    },
+}
+
+/// A text is no [`FieldName`].
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("'{text}' is no field of a topic; write topic.field or topic#instance.field")]
+pub struct FieldNameError {
+    /// The text that was to be a name.
+    pub text: String,
 }
 
 #[derive(Deserialize)]
@@ -367,18 +449,20 @@ fn one() -> f64 {
 }
 
 impl SourceEntry {
-    fn resolve(self) -> Result<Source, String> {
+    fn resolve(self, channel: &str) -> Result<Source, ProfileProblem> {
+        let channel = || channel.to_owned();
+        let name = |text: &str| text.parse().map_err(|error| ProfileProblem::Field { channel: channel(), error });
         if !self.scale.is_finite() || self.scale == 0.0 {
-            return Err(format!("scale = {} makes no sense; write 1, -1 or another factor", self.scale));
+            return Err(ProfileProblem::Scale { channel: channel(), scale: self.scale });
         }
         let factor = match (self.times, self.density) {
             (None, None) => None,
-            (Some(field), None) => Some(Factor::Times(field.parse()?)),
-            (None, Some(field)) => Some(Factor::Density(field.parse()?)),
-            (Some(_), Some(_)) => return Err("'times' and 'density' together; keep one".into()),
+            (Some(field), None) => Some(Factor::Times(name(&field)?)),
+            (None, Some(field)) => Some(Factor::Density(name(&field)?)),
+            (Some(_), Some(_)) => return Err(ProfileProblem::TwoFactors { channel: channel() }),
         };
         Ok(Source {
-            field: self.field.parse()?,
+            field: name(&self.field)?,
             unit: self.unit,
             scale: self.scale,
             transform: self.transform,

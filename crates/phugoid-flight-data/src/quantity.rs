@@ -116,12 +116,12 @@ impl Dimension {
     /// Reads a number with its unit and converts it to SI. A number without a unit is refused, because one person reads
     /// `alpha = 2` as degrees and the next as radians; only a pure number needs no unit.
     ///
-    /// The unit is a product of units with whole powers: `ft/s^2`, `slug*ft^2`, `kg m^2`, `deg/s`; `/` divides by the next
-    /// factor alone. Where a symbol has two meanings (`lb`, `kn`) the one that gives this dimension is taken.
+    /// The unit is a product of units with whole powers: `ft/s^2`, `slug*ft^2`, `kg m^2`, `deg/s`; `/` divides by the
+    /// next factor alone. Where a symbol has two meanings (`lb`, `kn`) the one that gives this dimension is taken.
     ///
     /// # Errors
-    /// [`QuantityError`]: there is no number or no unit, or the unit is unknown or one of another quantity. The result is
-    /// always finite: `nan` and `inf` are no numbers here.
+    /// [`QuantityError`]: there is no number or no unit, or the unit is unknown or one of another quantity. The result
+    /// is always finite: `nan` and `inf` are no numbers here.
     pub fn parse(&self, text: &str) -> Result<f64, QuantityError> {
         match self.split(text)? {
             (_, "") if *self != Self::NUMBER => Err(QuantityError::NoUnit {
@@ -182,7 +182,7 @@ impl Dimension {
 
     /// SI units per one of the unit; `None` if it is a unit of another dimension.
     fn factor(&self, text: &str, unit: &str) -> Result<Option<f64>, QuantityError> {
-        // Every meaning of the words so far; few words have more than one.
+        // All products of meanings of the words so far: (factor, powers). Few words have more than one meaning.
         let mut meanings: Vec<(f64, [i32; 5])> = vec![(1.0, [0; 5])];
         let mut sign = 1;
         let spaced = unit.replace(['*', '·'], " ").replace('/', " / ").replace('²', "^2").replace('³', "^3");
@@ -233,7 +233,7 @@ impl Dimension {
     }
 }
 
-/// `ft^2`, `ft2` and `s^-1` as a unit and its power, at most the sixth; none if the power makes no sense.
+/// Splits `ft^2`, `ft2` or `s^-1` into the unit and its power; `None` if the power is no whole number from -6 to 6.
 fn name_and_power(word: &str) -> Option<(&str, i32)> {
     let (name, power) = match word.split_once('^') {
         Some(parts) => parts,

@@ -18,8 +18,8 @@ pub struct Channel {
 
 /// A flight record: strictly increasing time, and channels of the same length.
 ///
-/// Channels have the canonical names of [`crate::channels::CHANNELS`] where they are known, else names of their own. Readers
-/// make records that keep these rules; who fills the public fields has to keep them.
+/// Channels have the canonical names of [`crate::channels::CHANNELS`] where they are known, else names of their own.
+/// Readers make records that keep these rules; who fills the public fields has to keep them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Record {
     /// Where it came from (a file name or the name of a scenario), for messages and reports.

@@ -54,7 +54,8 @@ pub fn quantile(values: &mut [f64], fraction: f64, rank: Rank) -> Option<f64> {
     nth(values, index.min(last))
 }
 
-/// The median of the finite steps from one time to the next, in the unit of the times; `None` if there is no finite step.
+/// The median of the finite steps from one time to the next, in the unit of the times; `None` if there is no finite
+/// step.
 ///
 /// ```
 /// use phugoid_flight_data::statistics::median_step;

@@ -11,7 +11,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// The physical quantity of a channel: it decides which unit suffixes are understood and the SI unit kept inside.
+/// The physical quantity of a channel. It decides which units are understood, and in which SI unit values are kept.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Quantity {

@@ -1,10 +1,13 @@
-//! Columns of numbers become a record by the road that the cells of a CSV file take.
+//! Columns of numbers become a record by the same rules as the cells of a CSV file.
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests, not production code
 
 use phugoid_flight_data::csv::{self, CsvOptions};
 use phugoid_flight_data::quality::QualityReport;
 use phugoid_flight_data::record::Record;
-use phugoid_flight_data::table::{Column, ColumnMapping, LeftOut, TableError, TableOptions, from_columns};
+use phugoid_flight_data::table::{
+    Column, ColumnMapping, LeftOut, MappingProblem, OptionProblem, TableError, TableOptions, from_columns,
+};
+use phugoid_flight_data::units::Quantity;
 
 fn column(header: &str, unit: Option<&str>, values: &[f64]) -> Column {
     Column { header: header.into(), unit: unit.map(Into::into), values: values.to_vec(), is_time: false }
@@ -131,4 +134,24 @@ fn columns_are_added_with_their_factors() {
     let wrong = |mapping: ColumnMapping| read(vec![mapping]).unwrap_err().to_string();
     assert!(wrong(ColumnMapping::new("elevator", "left").plus("rigth", 1.0)).contains("did you mean 'right'?"));
     assert!(wrong(ColumnMapping::new("elevator", "left").plus("right", 0.0)).contains("scale = 0 of 'right'"));
+}
+
+/// A program can act on what is wrong with a mapping or an option without reading the message.
+#[test]
+fn problems_of_mappings_and_options_are_variants() {
+    let error = |mapping: ColumnMapping| {
+        let columns = vec![column("time_s", None, &[0.0, 0.1]), column("x", None, &[0.0, 0.1])];
+        match read(columns, &TableOptions { columns: vec![mapping], ..TableOptions::default() }) {
+            Err(TableError::BadMapping { problem, .. }) => *problem,
+            other => panic!("{other:?}"),
+        }
+    };
+    let alpha = || ColumnMapping::new("alpha", "x");
+    assert_eq!(error(alpha().with_scale(0.0)), MappingProblem::Scale { header: None, scale: 0.0 });
+    let unit = MappingProblem::UnitOfChannel { unit: "kg".into(), quantity: Quantity::Angle };
+    assert_eq!(error(alpha().with_unit("kg")), unit);
+    let nearest = MappingProblem::NotCanonical { channel: "aoa".into(), nearest: "alpha" };
+    assert_eq!(error(ColumnMapping::new("aoa", "x")), nearest);
+    let options = TableOptions { gap_factor: 1.0, ..TableOptions::default() };
+    assert!(matches!(read(Vec::new(), &options), Err(TableError::BadOption(OptionProblem::GapFactor(1.0)))));
 }

@@ -1,7 +1,7 @@
 //! Reads Arrow IPC: a schema and batches of columns, one message after the other.
 //!
-//! Files (Feather version 2) are read as streams too: a file is a stream between `ARROW1` and a footer, which is needed only to
-//! find batches out of order. So a file that was cut off gives the batches before the cut.
+//! Files (Feather version 2) are read as streams too: a file is a stream between `ARROW1` and a footer, which is needed
+//! only to find batches out of order. So a file that was cut off gives the batches before the cut.
 
 use std::collections::HashMap;
 use std::io::{self, Read};

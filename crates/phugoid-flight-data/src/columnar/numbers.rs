@@ -107,8 +107,8 @@ fn all<T: ArrowPrimitiveType>(array: &dyn Array, values: &mut Vec<f64>, number: 
     }
 }
 
-/// Converts to seconds. Whole seconds and the remainder are converted apart, because nanoseconds since 1970 have more digits than
-/// a double.
+/// Converts to seconds. Whole seconds and the remainder are converted apart, because nanoseconds since 1970 have more
+/// digits than a double.
 fn seconds(value: i64, per_second: i64) -> f64 {
     value.div_euclid(per_second) as f64 + value.rem_euclid(per_second) as f64 / per_second as f64
 }

@@ -1,7 +1,8 @@
-//! Checks the page headers of a Parquet column before anything is unpacked, because the library allocates what they announce.
+//! Checks the page headers of a Parquet column before anything is unpacked, because the library allocates what they
+//! announce.
 //!
-//! The headers are structs in Thrift's compact protocol ("Apache Thrift compact protocol encoding"; "Parquet: PageHeader" in
-//! `parquet.thrift`), of which only the sizes and counts are needed.
+//! The headers are structs in Thrift's compact protocol ("Apache Thrift compact protocol encoding"; "Parquet:
+//! PageHeader" in `parquet.thrift`), of which only the sizes and counts are needed.
 
 use std::io::{BufReader, Read};
 
@@ -12,7 +13,8 @@ const MAX_DEPTH: usize = 8;
 /// The longest header that is read, bytes; statistics in it may hold text.
 const LONGEST_HEADER: u64 = 1 << 20;
 
-/// Checks the pages in `from..from + length`: none may be unpacked to more than `most_bytes` or hold more than `most_values`.
+/// Checks the pages in `from..from + length`: none may be unpacked to more than `most_bytes` or hold more than
+/// `most_values`.
 pub(crate) fn check(
     reader: &impl ChunkReader,
     from: u64,
@@ -81,13 +83,13 @@ impl<R: Read> Thrift<R> {
         Err("a page header with a number of more than 64 bits".into())
     }
 
-    /// Zigzag: 0, -1, 1, -2, ...
+    /// Reads a signed number in the zigzag encoding of Thrift: 0, 1, 2, 3, ... stand for 0, -1, 1, -2, ...
     fn signed(&mut self) -> Result<i64, String> {
         let value = self.unsigned()?;
         Ok((value >> 1).cast_signed() ^ -((value & 1).cast_signed()))
     }
 
-    /// Kind and number of the next field of a struct; none at its end.
+    /// Kind and number of the next field of a struct; `None` at its end.
     fn field(&mut self, last: &mut i64) -> Result<Option<(u8, i64)>, String> {
         let head = self.byte()?;
         if head == 0 {
@@ -104,7 +106,8 @@ impl<R: Read> Thrift<R> {
             match (kind, field) {
                 (INTEGER_32, 2) => sizes.unpacked = self.signed()?,
                 (INTEGER_32, 3) => sizes.packed = self.signed()?,
-                // data_page_header, dictionary_page_header, data_page_header_v2: values, and missing ones and rows
+                // data_page_header, dictionary_page_header, data_page_header_v2: numbers of values, missing values and
+                // rows
                 (STRUCT, 5 | 7 | 8) => {
                     let mut last = 0;
                     while let Some((kind, inner)) = self.field(&mut last)? {
@@ -130,7 +133,7 @@ impl<R: Read> Thrift<R> {
             return Err("a page header of structs within structs".into());
         }
         match kind {
-            // True and false are in the kind.
+            // The kind of the field itself says true or false.
             1 | 2 => Ok(()),
             3 => self.skip_bytes(1),
             4..=6 => self.unsigned().map(|_| ()),
@@ -143,7 +146,7 @@ impl<R: Read> Thrift<R> {
                 let head = self.byte()?;
                 let count = if head >> 4 == 0x0F { self.unsigned()? } else { u64::from(head >> 4) };
                 let kind = head & 0x0F;
-                // In a list a truth is a byte of its own.
+                // In a list a truth value is a byte.
                 (0..count).try_for_each(|_| if kind <= 2 { self.skip_bytes(1) } else { self.skip(kind, depth + 1) })
             }
             STRUCT => {

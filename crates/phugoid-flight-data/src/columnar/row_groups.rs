@@ -20,7 +20,8 @@ const BATCH: usize = 8192;
 /// Number of damaged groups that are reported one by one.
 const MAX_FINDINGS: usize = 10;
 
-/// Reads every group of rows; of a damaged one the rows before the damage are kept. `open` opens the file, once for each group.
+/// Reads every group of rows; of a damaged one the rows before the damage are kept. `open` opens the file, once for
+/// each group.
 pub(crate) fn read<R: ChunkReader + 'static>(
     open: impl Fn() -> io::Result<R>,
     source: &str,
@@ -70,14 +71,14 @@ fn check(
     source: &str,
 ) -> Result<Option<String>, ReadError> {
     let group = metadata.row_group(group);
-    // A page may hold a whole column, and a dictionary of it.
+    // A page may hold a whole column, and another page its dictionary.
     let most_values = options.max_values as u64;
     let most_bytes = 8 * most_values + (1 << 16);
     for (leaf, column) in group.columns().iter().enumerate() {
         if !mask.leaf_included(leaf) {
             continue;
         }
-        // The others are unpacked without a bound by the library, or not at all.
+        // The library unpacks all other compressions without a bound on memory, or not at all.
         let known = [Compression::UNCOMPRESSED, Compression::SNAPPY, Compression::LZ4_RAW];
         if !known.contains(&column.compression()) && !matches!(column.compression(), Compression::ZSTD(_)) {
             return Err(ReadError::NotRead {
@@ -134,8 +135,8 @@ fn one_group<R: ChunkReader + 'static>(
     }
 }
 
-/// Runs a call of the library and turns a panic into an error. It panics on some damaged pages, such as one that refers to a
-/// dictionary that does not exist.
+/// Runs a call of the library and turns a panic into an error. It panics on some damaged pages, such as one that refers
+/// to a dictionary that does not exist.
 fn catching_panics<T, E: ToString>(read: impl FnOnce() -> Result<T, E>) -> Result<T, String> {
     match catch_unwind(AssertUnwindSafe(read)) {
         Ok(result) => result.map_err(|error| error.to_string()),

@@ -11,7 +11,8 @@ pub(super) enum Cell {
     Text,
 }
 
-/// Reads a cell. With `decimal_comma`, `1,5` is one and a half, and `1.5` is text because the point may separate thousands.
+/// Reads a cell. With `decimal_comma`, `1,5` is one and a half, and `1.5` is text because the point may separate
+/// thousands.
 pub(super) fn parse(text: &str, decimal_comma: bool) -> Cell {
     let text = text.trim();
     if text.is_empty() {
@@ -57,8 +58,8 @@ pub(super) fn has_decimal_comma(text: &str) -> bool {
     text.matches(',').count() == 1 && !text.contains('.') && text.replacen(',', ".", 1).parse::<f64>().is_ok()
 }
 
-/// Reads a time of day such as `12:34:56.78` as seconds from midnight, and one with a date such as `2024-05-01T12:34:56Z` as
-/// seconds from 1970. The second value is true if there was a date.
+/// Reads a time of day such as `12:34:56.78` as seconds from midnight, and one with a date such as
+/// `2024-05-01T12:34:56Z` as seconds from 1970. The second value is true if there was a date.
 pub(super) fn clock(text: &str) -> Option<(f64, bool)> {
     let text = text.trim().trim_end_matches(['Z', 'z']);
     let (date, time) = match text.split_once(['T', 't', ' ']) {

@@ -5,7 +5,7 @@ use crate::table::TableError;
 /// Why a file could not be read. Every message says where, what was found, what was expected and what to do.
 #[derive(Debug, thiserror::Error)]
 pub enum ReadError {
-    /// The operating system could not open or read it.
+    /// The operating system could not open or read the file or stream.
     #[error("{source_name}: cannot be read: {error}")]
     Io {
         /// Name of the file or stream, as the caller gave it.
@@ -93,7 +93,22 @@ pub enum WriteError {
         target: String,
         /// The name of the channel.
         channel: String,
-        /// What is wrong with it, as a clause after the name.
-        problem: &'static str,
+        /// What is wrong with it.
+        problem: NameProblem,
     },
+}
+
+/// Why a channel cannot be written under its name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum NameProblem {
+    /// Two channels of the record have this name.
+    #[error("stands twice in the record")]
+    Twice,
+    /// The name cannot be a header of a column.
+    #[error("is empty, or begins or ends with a blank, or holds a line end or a quote")]
+    Unwritable,
+    /// No header with this name would be read back as this channel.
+    #[error("would not be read back as the same channel")]
+    Misread,
 }

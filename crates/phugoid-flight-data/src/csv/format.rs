@@ -99,7 +99,8 @@ pub(super) fn sniff(sample: &[u8], complete: bool, wanted: Option<char>) -> Form
     format
 }
 
-/// The delimiter with which most of the first rows have as many cells as the header; of equally good ones, that with more cells.
+/// The delimiter with which most of the first rows have as many cells as the header; of equally good ones, that with
+/// more cells.
 fn best_delimiter(rows: &[&str], with: impl Fn(Delimiter) -> Format) -> Delimiter {
     let candidates = [
         Delimiter::Byte(b','),

@@ -2,15 +2,16 @@
 //!
 //! These variants are understood:
 //!
-//! - a header line with names and units in any usual form (`alpha_deg`, `Alpha [deg]`, `KTAS`), also as a comment, in quotes,
-//!   with a byte-order mark, or with a row of units below it;
-//! - comma, semicolon, tab, bar or blanks between the cells, and decimal commas where cells are not separated by commas;
+//! - a header line with names and units in any usual form (`alpha_deg`, `Alpha [deg]`, `KTAS`), also as a comment, in
+//!   quotes, with a byte-order mark, or with a row of units below it;
+//! - comma, semicolon, tab, bar or blanks between the cells, and decimal commas where the cells have no commas between
+//!   them;
 //! - comment lines (`#`), and line ends of Unix, Windows and old Macs;
 //! - empty cells, `NaN`, `inf` and `NA` as missing values;
 //! - times in any unit of time, or as a clock (`12:34:56.7`, `2024-05-01T12:34:56Z`).
 //!
-//! A wrong row is left out and reported with its line number; what puts the whole file in doubt is an error. Lines are counted
-//! as an editor shows them, from 1.
+//! A wrong row is left out and reported with its line number; what puts the whole file in doubt is an error. Lines are
+//! counted as an editor shows them, from 1.
 //!
 //! ```
 //! use phugoid_flight_data::csv::{self, CsvOptions};
@@ -36,7 +37,7 @@ mod stream;
 mod text_file;
 mod write;
 
-pub use error::{ReadError, WriteError};
+pub use error::{NameProblem, ReadError, WriteError};
 pub use read::{read, read_path};
 pub use stream::{BadRow, RowReader, StreamColumns};
 #[cfg(feature = "parquet")]
@@ -46,15 +47,16 @@ pub use write::{write, write_path};
 use crate::table::TableOptions;
 pub use crate::table::{ColumnMapping, TableError};
 
-/// How a CSV file is to be read. The default reads every file whose headers name the time, the channels and their units.
+/// How a CSV file is to be read. The default reads every file whose headers name the time, the channels and their
+/// units.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CsvOptions {
     /// Columns mapped by hand; all others become channels by their headers.
     pub columns: Vec<ColumnMapping>,
     /// The character between cells, one of `,` `;` tab `|` blank; found automatically if not given.
     pub delimiter: Option<char>,
-    /// Time step `h` from one row to the next, s, for files without a time or with a bad one: the rows are then at 0, h, 2h, ...,
-    /// and a time column, if there is one, is left out. Positive.
+    /// Time step `h` from one row to the next, s, for files without a time or with a bad one: the rows are then at 0,
+    /// h, 2h, ..., and a time column, if there is one, is left out. Positive.
     pub sample_time_s: Option<f64>,
     /// A step in time longer than this many median steps is reported as a gap. More than 1.
     pub gap_factor: f64,

@@ -9,8 +9,8 @@ use super::text_file::TextFile;
 use super::{CsvOptions, ReadError};
 use crate::quality::QualityReport;
 use crate::record::Record;
-use crate::table::TableError;
 use crate::table::columns::{self, Head};
+use crate::table::{OptionProblem, TableError};
 
 /// Reads a CSV file from the disk; otherwise as [`read()`].
 ///
@@ -26,13 +26,15 @@ pub fn read_path(path: &Path, options: &CsvOptions) -> Result<Record, ReadError>
 
 /// Reads CSV text into a record in SI units. `source` is its name in messages and reports.
 ///
-/// Channels get their canonical names where the header or a mapping identifies them, and keep their own names otherwise. The
-/// times of the record increase strictly: rows that go back in time are left out, rows of equal time are merged, and if the
-/// clock starts again, only the longest part is taken. Missing values are NaN. `record.quality` reports all of this.
+/// Channels get their canonical names where the header or a mapping identifies them, and keep their own names
+/// otherwise. The times of the record increase strictly: rows that go back in time are left out, rows of equal time are
+/// merged, and if the clock starts again, only the longest part is taken. Missing values are NaN. `record.quality`
+/// reports all of this.
 ///
 /// # Errors
-/// [`ReadError`] if the file cannot be read, is no table of text, has no header, no time, two columns for the same channel,
-/// contradicting units, fewer than two usable rows, or more values than `options.max_values`; or if a mapping is wrong.
+/// [`ReadError`] if the file cannot be read, is no table of text, has no header, no time, two columns for the same
+/// channel, contradicting units, fewer than two usable rows, or more values than `options.max_values`; or if a mapping
+/// is wrong.
 pub fn read(reader: impl Read, source: &str, options: &CsvOptions) -> Result<Record, ReadError> {
     check(options)?;
     let mut file = TextFile::open(reader, source, options.delimiter)?;
@@ -55,8 +57,7 @@ pub fn read(reader: impl Read, source: &str, options: &CsvOptions) -> Result<Rec
 fn check(options: &CsvOptions) -> Result<(), ReadError> {
     options.table().check()?;
     if let Some(mark) = options.delimiter.filter(|mark| ![',', ';', '\t', '|', ' '].contains(mark)) {
-        let problem = format!("is {mark:?}; use one of ',' ';' tab '|' ' '");
-        return Err(TableError::BadOption { option: "delimiter", problem }.into());
+        return Err(TableError::BadOption(OptionProblem::Delimiter(mark)).into());
     }
     Ok(())
 }

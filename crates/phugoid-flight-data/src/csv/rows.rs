@@ -27,8 +27,8 @@ pub(super) struct Rows {
     unended: Option<usize>,
     /// Smallest number of characters in the last cell of the rows that have a line end.
     shortest_last: usize,
-    /// Line and text of the last number of the file, if it is shorter than in all other rows and has no line end: the file was
-    /// probably cut off inside it.
+    /// Line and text of the last number of the file, if it is shorter than in all other rows and has no line end: the
+    /// file was probably cut off inside it.
     truncated_number: Option<(usize, String)>,
     /// Per channel: the rows whose cell is text, and the first such text.
     text: Vec<(Lines, String)>,

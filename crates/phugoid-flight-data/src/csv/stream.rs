@@ -38,7 +38,8 @@ impl StreamColumns {
         Ok(Self { plan, quality })
     }
 
-    /// Names of the channels in the order of the values: canonical where the header is known, else the name in the header.
+    /// Names of the channels in the order of the values: canonical where the header is known, else the name in the
+    /// header.
     pub fn channels(&self) -> impl Iterator<Item = &str> {
         self.plan.channels.iter().map(|column| column.name.as_str())
     }
@@ -48,9 +49,9 @@ impl StreamColumns {
         &self.quality
     }
 
-    /// Converts one row. `number(column)` gives the finite number in a column, counted from 0 in the order of the headers, or
-    /// `None`. `values` is filled with one value per channel in SI, NaN where there is no number. Returns the time, s, or `None`
-    /// if the row has none.
+    /// Converts one row. `number(column)` gives the finite number in a column, counted from 0 in the order of the
+    /// headers, or `None`. `values` is filled with one value per channel in SI, NaN where there is no number. Returns
+    /// the time, s, or `None` if the row has none.
     pub fn row(&self, number: impl Fn(usize) -> Option<f64>, values: &mut Vec<f64>) -> Option<f64> {
         values.clear();
         let number = |column| number(column).unwrap_or(f64::NAN);
@@ -92,8 +93,8 @@ pub enum BadRow {
 }
 
 impl RowReader {
-    /// Interprets the header line. The first rows (`rows`, may be empty) help to find the layout: what separates cells, and
-    /// whether there are decimal commas.
+    /// Interprets the header line. The first rows (`rows`, may be empty) help to find the layout: what separates cells,
+    /// and whether there are decimal commas.
     ///
     /// # Errors
     /// [`ReadError`]: as [`StreamColumns::new`], and [`ReadError::NoHeader`] if the header holds numbers.
@@ -116,8 +117,8 @@ impl RowReader {
         &self.columns
     }
 
-    /// Converts one line. Returns its time, s, and fills `values` with one value per channel in SI, NaN where a cell is empty or
-    /// holds no number.
+    /// Converts one line. Returns its time, s, and fills `values` with one value per channel in SI, NaN where a cell is
+    /// empty or holds no number.
     ///
     /// # Errors
     /// [`BadRow`]; `values` is then undefined.

@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::Path;
 
-use super::WriteError;
+use super::{NameProblem, WriteError};
 use crate::channels;
 use crate::record::{Channel, Quantity, Record};
 use crate::table::header::{self, Meaning};
@@ -23,8 +23,8 @@ pub fn write_path(record: &Record, path: &Path) -> Result<(), WriteError> {
 }
 
 /// Writes a record as CSV in SI units, `time_s` first, with the unit in every header (`alpha_rad`, `true_airspeed_m_s`)
-/// and as many digits as are needed to read the same numbers back. Missing values are empty cells. The quality report is
-/// not written.
+/// and as many digits as are needed to read the same numbers back. Missing values are empty cells. The quality report
+/// is not written.
 ///
 /// # Errors
 /// [`WriteError`] if a channel has another length than the time, a name that could not be read back, or the writer
@@ -49,19 +49,19 @@ pub(crate) fn headers(record: &Record, target: &str) -> Result<Vec<String>, Writ
         }
         let name = |problem| WriteError::Name { target: target.to_owned(), channel: channel.name.clone(), problem };
         if record.channels.iter().filter(|other| other.name == channel.name).count() > 1 {
-            return Err(name("stands twice in the record"));
+            return Err(name(NameProblem::Twice));
         }
         if channel.name.is_empty() || channel.name.trim() != channel.name || channel.name.contains(['\n', '\r', '"']) {
-            return Err(name("is empty, or begins or ends with a blank, or holds a line end or a quote"));
+            return Err(name(NameProblem::Unwritable));
         }
-        let header = header_of(channel).ok_or_else(|| name("would not be read back as the same channel"))?;
+        let header = header_of(channel).ok_or_else(|| name(NameProblem::Misread))?;
         headers.push(header);
     }
     Ok(headers)
 }
 
-/// A header that is read back as this channel: with the unit as a suffix, or in brackets where the suffix would be misread.
-/// `None` if there is none.
+/// A header that is read back as this channel: with the unit as a suffix, or in brackets where the suffix would be
+/// misread. `None` if there is none.
 fn header_of(channel: &Channel) -> Option<String> {
     let (name, quantity) = (&channel.name, channel.quantity);
     let with_suffix = |name: &str| match quantity {

@@ -36,8 +36,8 @@ pub(super) struct Place {
     pub(super) scale: Scale,
 }
 
-/// A factor, stored as a multiplier and a divisor so that decimal fractions are exact: 123 / 100 is the double nearest to 1.23,
-/// and 123 * 0.01 is not always.
+/// A factor, stored as a multiplier and a divisor so that decimal fractions are exact: 123 / 100 is the double nearest
+/// to 1.23, and 123 * 0.01 is not always.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Scale {
     multiply: f64,

@@ -3,7 +3,7 @@
 /// Why a log could not be read.
 #[derive(Debug, thiserror::Error)]
 pub enum LogError {
-    /// The operating system could not open or read it.
+    /// The operating system could not open or read the file or stream.
     #[error("{source_name}: cannot be read: {error}")]
     Io {
         /// Name of the file or stream, as the caller gave it.

@@ -1,7 +1,7 @@
 //! Logs of autopilots and recorders as they were written: topics, each sampled at times of its own.
 //!
-//! A reader of a format gives a [`Log`], or a [`survey::Survey`] that keeps no values. A [`crate::record::Record`] on one time base
-//! is made of a log by [`crate::reader`].
+//! A reader of a format gives a [`Log`], or a [`survey::Survey`] that keeps no values. A [`crate::record::Record`] on
+//! one time base is made of a log by [`crate::reader`].
 //!
 //! ```
 //! use phugoid_flight_data::log::{self, Selection};
@@ -87,7 +87,8 @@ pub struct Topic {
 pub struct Field {
     /// Name of the field within the topic: `GyrX`, `q[3]`.
     pub name: String,
-    /// Unit as the log states it (`rad/s`, `deg`); `None` if it does not. Values are in this unit, with multipliers applied.
+    /// Unit as the log states it (`rad/s`, `deg`); `None` if it does not. Values are in this unit, with multipliers
+    /// applied.
     pub unit: Option<String>,
     /// One value per time of the topic; NaN where the log has no value.
     pub values: Vec<f64>,

@@ -33,8 +33,8 @@ pub fn survey_path(path: &Path) -> Result<Survey, LogError> {
 /// Reads the selected part of a log of any format that this build reads. `source` is its name in messages and reports.
 ///
 /// # Errors
-/// [`LogError`]: it cannot be read, is no log of a format that is read, holds no sample, or more values than the selection allows.
-/// Damage within the log is no error; `quality` names what was skipped.
+/// [`LogError`]: it cannot be read, is no log of a format that is read, holds no sample, or more values than the
+/// selection allows. Damage within the log is no error; `quality` names what was skipped.
 pub fn read(reader: impl Read, source: &str, selection: &Selection) -> Result<Log, LogError> {
     let (format, reader) = sniff(reader, source)?;
     read_as(format, reader, source, selection)
@@ -59,8 +59,8 @@ pub(crate) fn survey_as(format: Format, reader: impl Read, source: &str) -> Resu
     into_survey(|sink| run(format, reader, source, sink))
 }
 
-/// Surveys the whole log and reads the selected part of it in one pass. If that part exceeds the bound of the selection, only its
-/// own result is an error.
+/// Surveys the whole log and reads the selected part of it in one pass. If that part exceeds the bound of the
+/// selection, only its own result is an error.
 pub(crate) fn survey_and_read_as(
     format: Format,
     reader: impl Read,

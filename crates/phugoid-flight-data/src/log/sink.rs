@@ -22,14 +22,16 @@ pub(super) struct Head {
     /// Times in microseconds of the autopilot's clock.
     pub(super) messages: Vec<Message>,
     pub(super) quality: QualityReport,
-    /// Time zero of the log, microseconds of the autopilot's clock, the same for every selection; `None` without samples.
+    /// Time zero of the log, microseconds of the autopilot's clock, the same for every selection; `None` without
+    /// samples.
     pub(super) start_us: Option<f64>,
     /// Offset from the autopilot's clock to seconds from 1970, UTC, if a satellite receiver gave the time.
     pub(super) utc_offset_s: Option<f64>,
 }
 
 impl Head {
-    /// Converts the times of messages to seconds from the start of the log, and notes its date. Returns time zero, microseconds.
+    /// Converts the times of messages to seconds from the start of the log, and notes its date. Returns time zero,
+    /// microseconds.
     pub(super) fn settle(&mut self) -> f64 {
         let start_us = self.start_us.unwrap_or_default();
         for message in &mut self.messages {
@@ -52,7 +54,8 @@ pub(super) struct Stream {
     /// The column of the topic into which each of them goes.
     columns: Vec<usize>,
     in_order: bool,
-    /// For a second sink that takes a part of the values: its stream, and the indices of its values among those kept here.
+    /// For a second sink that takes a part of the values: its stream, and the indices of its values among those kept
+    /// here.
     selected: Option<Box<(Stream, Vec<usize>)>>,
 }
 
@@ -62,7 +65,8 @@ pub(super) trait Sink {
     fn open(&mut self, topic: &str, instance: u16, fields: &[String]) -> Option<Stream>;
     /// Receives one sample: the values of the fields in `stream.kept`, in this order.
     fn row(&mut self, stream: &Stream, time_us: f64, values: &[f64]) -> Result<(), Full>;
-    /// Sets the unit of the field with index `kept` in `stream.kept`, and multiplies its values received so far by a factor.
+    /// Sets the unit of the field with index `kept` in `stream.kept`, and multiplies its values received so far by a
+    /// factor.
     fn describe(&mut self, stream: &Stream, kept: usize, unit: Option<&str>, factor: Scale);
     /// Drops all samples received of a topic, and returns their number.
     fn forget(&mut self, stream: &Stream) -> usize;

@@ -129,8 +129,8 @@ struct TopicCount {
     /// Histogram of the time steps, in classes of equal ratio.
     steps: Vec<u32>,
     fields: Vec<FieldCount>,
-    /// Smallest and largest finite value and number of finite values, per field. They are not in [`FieldCount`], so that a row is
-    /// one fast pass over numbers.
+    /// Smallest and largest finite value and number of finite values, per field. They are not in [`FieldCount`], so
+    /// that a row is one fast pass over numbers.
     min: Vec<f64>,
     max: Vec<f64>,
     present: Vec<u64>,
@@ -247,8 +247,8 @@ impl TopicCount {
     }
 }
 
-/// The class of a time step, microseconds: exponent and first three bits of the fraction of the double, which is faster than a
-/// logarithm per sample.
+/// The class of a time step, microseconds: exponent and first three bits of the fraction of the double, which is faster
+/// than a logarithm per sample.
 fn class_of(step_us: f64) -> usize {
     let bits = step_us.max(1.0).to_bits() >> (52 - 3);
     ((bits - (1023 << 3)) as usize).min(CLASSES - 1)

@@ -3,7 +3,8 @@
 /// The beginning of GPS time, 1980-01-06T00:00:00 UTC, in seconds from 1970.
 const GPS_EPOCH_S: f64 = 315_964_800.0;
 
-/// Leap seconds since 2006 (IERS Bulletin C): from this UTC second from 1970 on, GPS time is ahead of UTC by this many seconds.
+/// Leap seconds since 2006 (IERS Bulletin C): from this UTC second from 1970 on, GPS time is ahead of UTC by this many
+/// seconds.
 const LEAP_SECONDS: [(f64, f64); 5] = [
     (1_483_228_800.0, 18.0), // 2017-01-01
     (1_435_708_800.0, 17.0), // 2015-07-01
@@ -19,8 +20,8 @@ pub(super) fn from_gps(week: f64, time_of_week_s: f64) -> f64 {
     gps - leap
 }
 
-/// Writes seconds from 1970-01-01T00:00:00 UTC as a date, `2024-05-01T12:34:56.789Z` (ISO 8601). `None` outside the years 1980 to
-/// 2200, where a log has no clock, and for NaN.
+/// Writes seconds from 1970-01-01T00:00:00 UTC as a date, `2024-05-01T12:34:56.789Z` (ISO 8601). `None` outside the
+/// years 1980 to 2200, where a log has no clock, and for NaN.
 ///
 /// ```
 /// use phugoid_flight_data::log::utc::text;

@@ -5,7 +5,7 @@ use crate::table::TableError;
 /// Why a MATLAB file could not be read. Every message says where, what was found, what was expected and what to do.
 #[derive(Debug, thiserror::Error)]
 pub enum ReadError {
-    /// The operating system could not open or read it.
+    /// The operating system could not open or read the file or stream.
     #[error("{source_name}: cannot be read: {error}")]
     Io {
         /// Name of the file or stream, as the caller gave it.

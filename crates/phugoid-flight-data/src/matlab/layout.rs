@@ -71,8 +71,8 @@ pub(super) fn columns(
     (make_names_unique(columns, report), left_out)
 }
 
-/// Names of lists that hold the names of the columns of a matrix beside them; below, those that hold their units, and the names
-/// of fields that hold values.
+/// Names of lists that hold the names of the columns of a matrix beside them; below, those that hold their units, and
+/// the names of fields that hold values.
 const NAMES: [&str; 8] = ["names", "headers", "header", "labels", "columns", "channels", "signals", "variables"];
 const UNITS: [&str; 2] = ["units", "unit"];
 const VALUES: [&str; 3] = ["values", "data", "value"];
@@ -138,7 +138,8 @@ fn length_of_table(matrices: &[Matrix], texts: &[(Vec<String>, Vec<String>)], op
     columns.into_iter().max_by_key(|&(length, count)| (count, length)).map_or(0, |(length, _)| length)
 }
 
-/// The unit of a column in a struct of units (`units.alpha`) or in a text of its own (`alpha_unit`), beside it or in the file.
+/// The unit of a column in a struct of units (`units.alpha`) or in a text of its own (`alpha_unit`), beside it or in
+/// the file.
 fn unit_for_column(path: &[String], texts: &[(Vec<String>, Vec<String>)]) -> Option<String> {
     let (name, scope) = path.split_last()?;
     texts.iter().find_map(|(place, text)| {

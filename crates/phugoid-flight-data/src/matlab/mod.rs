@@ -3,15 +3,15 @@
 //! - A column is a real vector (column or row), one column of a matrix, or a field of a struct that is one of these.
 //! - All columns have the same length: that of the time, or the most frequent one. What has another length (constants,
 //!   settings) is left out and named in the report.
-//! - The header of a column is the name of its variable or field, or the whole path (`flight.alpha_deg`) where two would have the
-//!   same name. The columns of a matrix `data` take their names from a list of that length beside it (a cell array of text), else
-//!   `data(:,1)`, `data(:,2)`, ...
-//! - Units are part of the names, or text: a field `unit` beside a field `values`, a struct `units` with a field per column, a cell
-//!   array `units` beside the names, or `alpha_unit` beside `alpha`.
+//! - The header of a column is the name of its variable or field, or the whole path (`flight.alpha_deg`) where two would
+//!   have the same name. The columns of a matrix `data` take their names from a list of that length beside it (a cell
+//!   array of text), else `data(:,1)`, `data(:,2)`, ...
+//! - Units are part of the names, or text: a field `unit` beside a field `values`, a struct `units` with a field per
+//!   column, a cell array `units` beside the names, or `alpha_unit` beside `alpha`.
 //!
 //! The format is that of "MAT-File Format" (MathWorks, R2024a, chapter 1, "Level 5 MAT-File Format"). Objects of MATLAB
-//! (table, timetable, timeseries, datetime) are not documented there and are left out with advice on how to save them. MATLAB
-//! 7.3 files are HDF5 and are refused.
+//! (table, timetable, timeseries, datetime) are not documented there and are left out with advice on how to save them.
+//! MATLAB 7.3 files are HDF5 and are refused.
 
 mod element;
 mod error;
@@ -54,8 +54,8 @@ pub fn read_path(path: &Path, options: &TableOptions) -> Result<Record, ReadErro
 /// ```
 ///
 /// # Errors
-/// [`ReadError`] if the file cannot be read, is no MATLAB file of level 5, holds no variable that could be read, or no record
-/// can be made of its columns.
+/// [`ReadError`] if the file cannot be read, is no MATLAB file of level 5, holds no variable that could be read, or no
+/// record can be made of its columns.
 pub fn read(reader: impl Read, source: &str, options: &TableOptions) -> Result<Record, ReadError> {
     let mut report = QualityReport::default();
     let mut reader = BufReader::with_capacity(1 << 16, reader);

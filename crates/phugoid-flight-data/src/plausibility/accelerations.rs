@@ -18,7 +18,8 @@ fn level_median(doubts: &Doubts, name: &str) -> Option<f64> {
     median_of_finite((0..values.len()).filter(level).map(|k| values[k]))
 }
 
-/// The part of gravity that turns the flight path, without sideslip: `g (cos a cos phi cos theta + sin a sin theta)`, m/s^2.
+/// The part of gravity that turns the flight path, without sideslip: `g (cos a cos phi cos theta + sin a sin theta)`,
+/// m/s^2.
 pub(super) fn gravity_across_path(alpha: f64, theta: f64, phi: f64) -> f64 {
     GRAVITY * (alpha.cos() * phi.cos() * theta.cos() + alpha.sin() * theta.sin())
 }
@@ -29,7 +30,8 @@ pub(super) fn bank<'a>(doubts: &Doubts<'a>) -> impl Fn(usize) -> f64 + use<'a> {
     move |k| bank.map_or(0.0, |phi| phi[k])
 }
 
-/// True if the flight path turns as `az` says, in averages over a second: `V (alpha' - q) = az cos a - ax sin a + (gravity)`.
+/// True if the flight path turns as `az` says, in averages over a second: `V (alpha' - q) = az cos a - ax sin a +
+/// (gravity)`.
 fn is_manoeuvre(doubts: &Doubts) -> bool {
     let names = ["true_airspeed", "alpha", "theta", "q", "az"];
     let [Some(speed), Some(alpha), Some(theta), Some(q), Some(az)] = names.map(|name| doubts.values(name)) else {
@@ -54,11 +56,13 @@ fn is_manoeuvre(doubts: &Doubts) -> bool {
         .collect();
     let missing = median_of_finite(pairs.iter().map(|(expected, measured)| (measured - expected).abs()));
     let size = median_of_finite(pairs.iter().map(|(expected, _)| expected.abs()));
-    // Noise of alpha, and a sensor off the centre of gravity, cost one or two m/s^2; another unit or sign costs nine.
+    // Noise of alpha, or a sensor away from the centre of gravity, causes differences of one or two m/s^2; a wrong unit
+    // or sign causes nine.
     missing.zip(size).is_some_and(|(missing, size)| missing < 2.0_f64.max(0.25 * size))
 }
 
-/// Checks `az`, the specific force along body z (down): -9.8 m/s^2 in steady flight, and in a manoeuvre what turns the path.
+/// Checks `az`, the specific force along body z (down): -9.8 m/s^2 in steady flight, and in a manoeuvre what turns the
+/// path.
 pub(super) fn vertical(doubts: &mut Doubts) {
     use Certainty::{Certain, Doubtful};
     let Some(az) = level_median(doubts, "az") else { return };

@@ -12,7 +12,7 @@ pub(super) fn density(doubts: &mut Doubts) {
     };
     let implied = pressure.iter().zip(speed).map(|(q, v)| 2.0 * q / (v * v));
     let Some(density) = median_of_finite(implied).filter(|density| !(0.08..1.5).contains(density)) else { return };
-    // Aircraft do fly above 20 km, but not where there is a hundredth of the air.
+    // Aircraft fly above 20 km, but not where the density is 1 % of that at sea level.
     let certainty = if (0.01..1.6).contains(&density) { Certainty::Doubtful } else { Certainty::Certain };
     let message = format!(
         "imply an air density of {} kg/m^3, outside 0.08 to 1.5: one of the two is probably in another unit than its \
@@ -43,7 +43,8 @@ pub(super) fn climb(doubts: &mut Doubts) {
     }
 }
 
-/// Checks the airspeed by the turning of the flight path: `V (alpha' - q) = az cos a - ax sin a + (gravity across the path)`.
+/// Checks the airspeed by the turning of the flight path: `V (alpha' - q) = az cos a - ax sin a + (gravity across the
+/// path)`.
 pub(super) fn turning(doubts: &mut Doubts) {
     let names = ["true_airspeed", "alpha", "theta", "q", "az", "ax"];
     let [Some(speed), Some(alpha), Some(theta), Some(q), Some(az), Some(ax)] = names.map(|name| doubts.values(name))

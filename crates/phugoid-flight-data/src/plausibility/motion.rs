@@ -10,16 +10,34 @@ const DEGREES: f64 = 180.0 / std::f64::consts::PI;
 /// Largest bank angle at which `theta' = q` holds well enough for the check, rad.
 const LEVEL: f64 = 0.35;
 
+/// An axis about which an attitude is the integral of a rate.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Axis {
+    Roll,
+    Pitch,
+}
+
+impl Axis {
+    /// Names of the channels of attitude and rate.
+    fn channels(self) -> (&'static str, &'static str) {
+        match self {
+            Axis::Roll => ("phi", "p"),
+            Axis::Pitch => ("theta", "q"),
+        }
+    }
+}
+
 fn near(value: f64, target: f64) -> bool {
     value > 0.6 * target && value < 1.6 * target
 }
 
-/// Checks `theta' = q` with level wings, and `phi' = p` with the nose not too high. A ratio near 57.3 or its reciprocal comes
-/// from a wrong unit, not from a manoeuvre.
-pub(super) fn attitude_and_rate(doubts: &mut Doubts, attitude: &str, rate: &str) {
+/// Checks `theta' = q` with level wings, and `phi' = p` with the nose not too high. A ratio near 57.3 or its reciprocal
+/// comes from a wrong unit, not from a manoeuvre.
+pub(super) fn attitude_and_rate(doubts: &mut Doubts, axis: Axis) {
+    let (attitude, rate) = axis.channels();
     let (Some(angle), Some(turning)) = (doubts.values(attitude), doubts.values(rate)) else { return };
     // If the bank angle itself is in doubt, it cannot select level flight.
-    let bank = (attitude == "theta" && !doubts.any(&["phi"])).then(|| doubts.values("phi")).flatten();
+    let bank = (axis == Axis::Pitch && !doubts.any(&["phi"])).then(|| doubts.values("phi")).flatten();
     let level = |k: usize| bank.is_none_or(|phi| phi[k].abs() < LEVEL);
     let rate_at = |k: usize| if level(k) { turning[k] } else { f64::NAN };
     let step = median_step(doubts.time()).unwrap_or(0.0);
@@ -29,7 +47,7 @@ pub(super) fn attitude_and_rate(doubts: &mut Doubts, attitude: &str, rate: &str)
     let found = format!("{attitude} changes {} times as fast as {rate} says", Short(slope.abs()));
     let size = |values: &[f64]| span(values).map_or(0.0, largest_size);
     if correlation > 0.8 && near(slope, DEGREES) {
-        // In degrees an attitude moves by more than half a unit; if it does not, the rate is 57 times too small.
+        // An attitude in degrees moves by more than 0.5; if this one does not, the rate is 57 times too small instead.
         let to_blame = size(angle) > 0.5 || doubts.is_certain(attitude);
         let message = if to_blame {
             format!(
@@ -45,7 +63,7 @@ pub(super) fn attitude_and_rate(doubts: &mut Doubts, attitude: &str, rate: &str)
         };
         blame(doubts, attitude, [attitude, rate], message);
     } else if correlation > 0.8 && near(slope, 1.0 / DEGREES) {
-        let to_blame = size(turning) > if rate == "p" { 2.0 } else { 0.5 } || doubts.is_certain(rate);
+        let to_blame = size(turning) > if axis == Axis::Roll { 2.0 } else { 0.5 } || doubts.is_certain(rate);
         let message = if to_blame {
             format!(
                 "{found}: {rate} is probably in deg/s, degrees read as radians (else {attitude} is in radians and taken \
@@ -71,7 +89,7 @@ pub(super) fn attitude_and_rate(doubts: &mut Doubts, attitude: &str, rate: &str)
         let message = format!(
             "{attitude} falls where {rate} is positive: one of them has the wrong sign; both are positive {}. Map that \
              one with scale -1",
-            if attitude == "theta" { "nose up" } else { "right wing down" }
+            if axis == Axis::Pitch { "nose up" } else { "right wing down" }
         );
         doubts.add(&[attitude, rate], Certainty::Certain, message);
     } else if correlation > 0.9 && !near(slope, 1.0) && !doubts.any(&[attitude, rate]) {
@@ -80,15 +98,15 @@ pub(super) fn attitude_and_rate(doubts: &mut Doubts, attitude: &str, rate: &str)
     }
 }
 
-/// Length of the windows, s: half a second. For a slow record, or one whose milliseconds are read as seconds, up to fifty
-/// samples, as long as about twenty windows remain.
+/// Length of the windows, s: half a second. For a slow record, or one whose milliseconds are read as seconds, up to
+/// fifty samples, as long as about twenty windows remain.
 fn window(time: &[f64], step: f64) -> f64 {
     let length = time.last().zip(time.first()).map_or(0.0, |(last, first)| last - first);
     if step < 0.25 { 0.5 } else { (50.0 * step).min(length / 20.0).max(1.01 * step) }
 }
 
-/// Reports the finding for one channel alone if its size is impossible too, else for the pair; it replaces what was reported
-/// before.
+/// Reports the finding for one channel alone if its size is impossible too, else for the pair; it replaces what was
+/// reported before.
 fn blame(doubts: &mut Doubts, culprit: &str, pair: [&str; 2], message: String) {
     if doubts.is_certain(culprit) {
         doubts.replace(&[culprit], Certainty::Certain, message);

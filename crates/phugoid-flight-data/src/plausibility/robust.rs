@@ -29,13 +29,14 @@ pub(super) struct Fit {
     pub(super) correlation: f64,
 }
 
-/// Regression of the changes of a signal over windows of about `width` seconds on the integrals of `rate` over the same windows.
-/// `None` for fewer than ten whole windows, or if one of the two does not move.
+/// Regression of the changes of a signal over windows of about `width` seconds on the integrals of `rate` over the same
+/// windows. `None` for fewer than ten whole windows, or if one of the two does not move.
 pub(super) fn fit(time: &[f64], signal: &[f64], rate: impl Fn(usize) -> f64, width: f64) -> Option<Fit> {
     regress(&windows(time, signal, rate, width))
 }
 
-/// The change of the signal and the integral of the rate (trapezoidal rule) for each window; windows across a gap are left out.
+/// The change of the signal and the integral of the rate (trapezoidal rule) for each window; windows across a gap are
+/// left out.
 pub(super) fn windows(time: &[f64], signal: &[f64], rate: impl Fn(usize) -> f64, width: f64) -> Vec<(f64, f64)> {
     let mut pairs = Vec::new();
     let mut start = 0;
@@ -55,8 +56,8 @@ pub(super) fn windows(time: &[f64], signal: &[f64], rate: impl Fn(usize) -> f64,
     pairs
 }
 
-/// Regression of the first of each pair on the second; pairs that are not finite are left out. `None` for fewer than ten pairs,
-/// or if one of the two is constant.
+/// Regression of the first of each pair on the second; pairs that are not finite are left out. `None` for fewer than
+/// ten pairs, or if one of the two is constant.
 pub(super) fn regress(pairs: &[(f64, f64)]) -> Option<Fit> {
     let pairs: Vec<(f64, f64)> = pairs.iter().copied().filter(|(a, b)| a.is_finite() && b.is_finite()).collect();
     if pairs.len() < 10 {

@@ -8,8 +8,8 @@ use crate::channels;
 use crate::record::Quantity;
 use crate::wording::Short;
 
-/// Limits that 95 % of the samples of an angle (rad) or a rate (rad/s) stay below: in ordinary flight, and in any flight.
-/// `None` for other channels.
+/// Limits that 95 % of the samples of an angle (rad) or a rate (rad/s) stay below: in ordinary flight, and in any
+/// flight. `None` for other channels.
 fn limits(name: &str, quantity: Quantity) -> Option<(f64, f64)> {
     Some(match (name, quantity) {
         ("alpha" | "beta", _) => (0.6, 1.2),

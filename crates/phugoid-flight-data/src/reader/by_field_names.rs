@@ -6,8 +6,8 @@ use crate::profile::{ChannelProfile, FieldName, Profile, Source, Transform};
 use crate::record::Quantity;
 use crate::table::header::{self, Meaning};
 
-/// The profile with every field whose name, or the last part of its path, is that of a channel. The topic with the most samples
-/// among them gives the times. A field without a unit is taken as SI, which its note says.
+/// The profile with every field whose name, or the last part of its path, is that of a channel. The topic with the most
+/// samples among them gives the times. A field without a unit is taken as SI, which its note says.
 pub(super) fn profile(survey: &Survey) -> Profile {
     let mut channels: Vec<ChannelProfile> = Vec::new();
     let mut bases: Vec<(bool, usize, &str)> = Vec::new();

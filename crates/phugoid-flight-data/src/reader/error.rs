@@ -1,16 +1,16 @@
-//! Why a flight could not be read.
+//! Errors of reading a flight.
 
 use crate::csv;
 use crate::format::{Format, build_with};
 use crate::log::LogError;
-use crate::profile::ProfileError;
+use crate::profile::{FieldNameError, ProfileError};
 use crate::table::TableError;
 
 /// Why a flight could not be read. Every message says where, what was found, what was expected and what to do.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReadError {
-    /// The operating system could not open or read it.
+    /// The operating system could not open or read the file or stream.
     #[error("{source_name}: cannot be read: {error}")]
     Io {
         /// Name of the file or stream, as the caller gave it.
@@ -56,16 +56,16 @@ pub enum ReadError {
         channel: String,
         /// The column or field that the mapping names.
         header: String,
-        /// What is missing, what the log has instead, and the most similar name.
-        problem: String,
+        /// What is missing, and what the log has instead.
+        problem: Box<FieldProblem>,
     },
     /// None of the topics whose times a record could take has two samples.
-    #[error("{source_name}: no topic that could give the times of a record: {wanted}. The log has: {present}")]
+    #[error("{source_name}: no topic that could give the times of a record: none of {} has two samples. The log has: {present}", wanted.join(", "))]
     NoTimeBase {
         /// Name of the file or stream, as the caller gave it.
         source_name: String,
-        /// The topics that were looked for, as a clause.
-        wanted: String,
+        /// The topics that were looked for, in order of preference.
+        wanted: Vec<String>,
         /// The topics that the log has, separated by commas; long lists are cut.
         present: String,
     },
@@ -82,6 +82,76 @@ pub enum ReadError {
         /// The topics that the log has, separated by commas; long lists are cut.
         present: String,
     },
+}
+
+/// Why a mapping finds no signal in a log.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum FieldProblem {
+    /// The header is neither the name of a field nor of the command of a surface.
+    #[error(
+        "{error}{}",
+        if commands.is_empty() { String::new() } else { format!(", or one of the commands {}", commands.join(", ")) }
+    )]
+    Name {
+        /// What is wrong with it as the name of a field.
+        error: FieldNameError,
+        /// The commands of surfaces that the log has.
+        commands: Vec<String>,
+    },
+    /// The log has no topic of this name.
+    #[error("the log has no topic '{topic}'{}. It has: {present}", did_you_mean(nearest))]
+    UnknownTopic {
+        /// The topic that was asked for.
+        topic: String,
+        /// The topic of the log with a similar name.
+        nearest: Option<String>,
+        /// The topics that the log has, separated by commas; long lists are cut.
+        present: String,
+    },
+    /// The log has the topic, but not this instance of it.
+    #[error(
+        "the topic has the instances {} only",
+        instances.iter().map(u16::to_string).collect::<Vec<_>>().join(", ")
+    )]
+    UnknownInstance {
+        /// The instances that the log has.
+        instances: Vec<u16>,
+    },
+    /// The topic has no field of this name.
+    #[error("the topic '{topic}' has no such field{}. It has: {}", did_you_mean(nearest), fields.join(", "))]
+    UnknownField {
+        /// The topic that was asked for.
+        topic: String,
+        /// The field of the topic with a similar name.
+        nearest: Option<String>,
+        /// The fields that the topic has.
+        fields: Vec<String>,
+    },
+    /// The field has no samples.
+    #[error("it has no samples")]
+    NoSamples,
+    /// The mapping names no field at all.
+    #[error("it names no field")]
+    NoField,
+    /// Fields that are to be added have different units, and the mapping does not state one.
+    #[error(
+        "it is in {}, and what it is added to, {first}, in {}: say with `unit` what the sum is in",
+        unit.as_deref().unwrap_or("no unit"),
+        first_unit.as_deref().unwrap_or("no unit")
+    )]
+    DifferentUnit {
+        /// Unit of this field; `None` if the log states none.
+        unit: Option<String>,
+        /// The first field of the sum.
+        first: String,
+        /// Unit of the first field; `None` if the log states none.
+        first_unit: Option<String>,
+    },
+}
+
+fn did_you_mean(nearest: &Option<String>) -> String {
+    nearest.as_ref().map(|near| format!(" (did you mean '{near}'?)")).unwrap_or_default()
 }
 
 fn advice(format: Format) -> String {

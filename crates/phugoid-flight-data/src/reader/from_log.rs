@@ -36,22 +36,23 @@ pub fn selection(profile: &Profile, options: &ReadOptions) -> Selection {
     Selection { topics: Some(topics), max_values: options.table.max_values }
 }
 
-/// Makes a record of a log by a profile: all channels at the times of one topic, causally and without interpolation (see
-/// [`crate::align`]). The quality report names that topic, and the rate and the delay of every other one.
+/// Makes a record of a log by a profile: all channels at the times of one topic, causally and without interpolation
+/// (see [`crate::align`]). The quality report names that topic, and the rate and the delay of every other one.
 ///
 /// ```
 /// use phugoid_flight_data::profile::Profile;
 /// use phugoid_flight_data::reader::{self, ReadOptions};
 /// let (profile, options) = (Profile::px4()?, ReadOptions::default());
-/// let log = phugoid_flight_data::log::read_path("examples/flight.ulg".as_ref(), &reader::selection(&profile, &options))?;
+/// let selection = reader::selection(&profile, &options);
+/// let log = phugoid_flight_data::log::read_path("examples/flight.ulg".as_ref(), &selection)?;
 /// let record = reader::record(&log, &profile, &options)?;
 /// assert_eq!(record.len(), 81); // the samples of vehicle_angular_velocity
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
 /// # Errors
-/// [`ReadError`]: a mapping names a topic or field that the log does not have, no topic can give the times, or no field is a
-/// channel.
+/// [`ReadError`]: a mapping names a topic or field that the log does not have, no topic can give the times, or no field
+/// is a channel.
 pub fn record(log: &Log, profile: &Profile, options: &ReadOptions) -> Result<Record, ReadError> {
     let mut quality = log.quality.clone();
     vehicle::report(log, &mut quality);
@@ -128,7 +129,8 @@ fn choose<'a>(log: &Log, sources: &'a [Source], channel: &str, quality: &mut Qua
     }
 }
 
-/// Keeps the unit that the log states if it is one of the quantity of the channel; else takes that of the profile, with a warning.
+/// Keeps the unit that the log states if it is one of the quantity of the channel; else takes that of the profile, with
+/// a warning.
 fn check_unit(signal: &mut Signal, source: &Source, quality: &mut QualityReport) {
     let Some(quantity) = channels::by_name(&signal.channel).map(|spec| spec.quantity) else { return };
     let Some(unit) = signal.unit.clone().filter(|unit| units::find_for(unit, quantity).is_none()) else { return };
@@ -153,7 +155,7 @@ fn base<'a>(log: &'a Log, profile: &Profile, options: &ReadOptions) -> Result<&'
     let there = wanted.iter().filter_map(|name| signals::topic(log, name, None)).find(|topic| topic.time_s.len() >= 2);
     there.ok_or_else(|| ReadError::NoTimeBase {
         source_name: log.source.clone(),
-        wanted: format!("none of {} has two samples", wanted.join(", ")),
+        wanted: wanted.to_vec(),
         present: present(log),
     })
 }

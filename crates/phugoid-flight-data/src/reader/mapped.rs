@@ -1,7 +1,7 @@
 //! Channels that the caller maps by hand to fields of a log or to commands of surfaces.
 
 use super::signals::{self, Signal};
-use super::{ReadError, surfaces};
+use super::{FieldProblem, ReadError, surfaces};
 use crate::align::Hold;
 use crate::log::Log;
 use crate::profile::{FieldName, Profile, Source, Transform};
@@ -43,23 +43,21 @@ pub(super) fn mapped(
     };
     let mut found = Vec::with_capacity(1 + mapping.plus.len());
     for (header, scale) in mapping.terms() {
-        let fail = |problem: String| ReadError::NoSuchField {
+        let fail = |problem| ReadError::NoSuchField {
             source_name: log.source.clone(),
             channel: mapping.channel.clone(),
             header: header.to_owned(),
-            problem,
+            problem: Box::new(problem),
         };
         let signal = named(log, header, &mapping.channel, hold, commands).map_err(&fail)?;
         // The unit that the caller gives comes before that of the log.
         let signal = Signal { unit: mapping.unit.clone().or(signal.unit), ..signal };
         if let Some((first, _)) = found.first().filter(|(first, _): &&(Signal, f64)| first.unit != signal.unit) {
-            let unit = |signal: &Signal| signal.unit.clone().unwrap_or_else(|| "no unit".to_owned());
-            return Err(fail(format!(
-                "it is in {}, and what it is added to, {}, in {}: say with `unit` what the sum is in",
-                unit(&signal),
-                first.header,
-                unit(first)
-            )));
+            return Err(fail(FieldProblem::DifferentUnit {
+                unit: signal.unit,
+                first: first.header.clone(),
+                first_unit: first.unit.clone(),
+            }));
         }
         found.push((signal, scale));
     }
@@ -72,43 +70,40 @@ pub(super) fn mapped(
         source_name: log.source.clone(),
         channel: mapping.channel.clone(),
         header: mapping.header.clone(),
-        problem: "it names no field".into(),
+        problem: Box::new(FieldProblem::NoField),
     })
 }
 
 /// The signal with this name: a command of a surface, or a field of the log as `topic.field`.
 ///
 /// # Errors
-/// What is wrong with the name, as a clause.
-fn named(log: &Log, header: &str, channel: &str, hold: Hold, commands: &[Signal]) -> Result<Signal, String> {
+/// What is wrong with the name.
+fn named(log: &Log, header: &str, channel: &str, hold: Hold, commands: &[Signal]) -> Result<Signal, FieldProblem> {
     if let Some(command) = commands.iter().find(|command| command.channel == header.trim()) {
         return Ok(Signal { channel: channel.to_owned(), unit: None, ..command.clone() });
     }
-    let field: FieldName = header.parse().map_err(|problem: String| match commands.is_empty() {
-        true => problem,
-        false => {
-            let names: Vec<&str> = commands.iter().map(|command| command.channel.as_str()).collect();
-            format!("{problem}, or one of the commands {}", names.join(", "))
-        }
+    let field: FieldName = header.parse().map_err(|error| {
+        let commands = commands.iter().map(|command| command.channel.clone()).collect();
+        FieldProblem::Name { error, commands }
     })?;
     let Some(topic) = signals::topic(log, &field.topic, field.instance) else {
         let names = log.topics.iter().map(|topic| topic.name.as_str()).chain(log.others.iter().map(String::as_str));
-        let near = nearest(&field.topic, names).map(|near| format!(" (did you mean '{near}'?)")).unwrap_or_default();
-        let instances: Vec<String> =
-            log.topics.iter().filter(|t| t.name == field.topic).map(|topic| topic.instance.to_string()).collect();
+        let nearest = nearest(&field.topic, names).map(str::to_owned);
+        let instances: Vec<u16> =
+            log.topics.iter().filter(|t| t.name == field.topic).map(|topic| topic.instance).collect();
         return Err(match instances.is_empty() {
-            true => format!("the log has no topic '{}'{near}. It has: {}", field.topic, present(log)),
-            false => format!("the topic has the instances {} only", instances.join(", ")),
+            true => FieldProblem::UnknownTopic { topic: field.topic, nearest, present: present(log) },
+            false => FieldProblem::UnknownInstance { instances },
         });
     };
     if topic.field(&field.field).is_none() {
         let names: Vec<&str> = topic.fields.iter().map(|field| field.name.as_str()).collect();
-        let near = nearest(&field.field, names.iter().copied());
-        let near = near.map(|near| format!(" (did you mean '{near}'?)")).unwrap_or_default();
-        return Err(format!("the topic '{}' has no such field{near}. It has: {}", topic.name, names.join(", ")));
+        let nearest = nearest(&field.field, names.iter().copied()).map(str::to_owned);
+        let fields = topic.fields.iter().map(|field| field.name.clone()).collect();
+        return Err(FieldProblem::UnknownField { topic: topic.name.clone(), nearest, fields });
     }
     let source = Source { field, unit: None, scale: 1.0, transform: Transform::None, factor: None, note: None };
-    signals::signal(log, &source, channel, hold).ok_or_else(|| "it has no samples".into())
+    signals::signal(log, &source, channel, hold).ok_or(FieldProblem::NoSamples)
 }
 
 fn nearest<'a>(wanted: &str, names: impl Iterator<Item = &'a str>) -> Option<&'a str> {

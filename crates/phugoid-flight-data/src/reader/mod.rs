@@ -1,9 +1,9 @@
 //! Reads a file of any format, recognised by its content, into a flight record.
 //!
-//! Tables (CSV, and under features Parquet, Arrow and MATLAB) become a record by their headers. Logs of autopilots become one by
-//! a [`Profile`], which says which fields are which channels (for MCAP the names of the fields say it), and
-//! [`crate::align::Aligner`] puts the channels on one time base. Mappings of the caller come before both: their `header` is a
-//! column of the table, or `topic.field` or `topic#instance.field` of the log.
+//! Tables (CSV, and under features Parquet, Arrow and MATLAB) become a record by their headers. Logs of autopilots
+//! become one by a [`Profile`], which says which fields are which channels (for MCAP the names of the fields say it),
+//! and [`crate::align::Aligner`] puts the channels on one time base. Mappings of the caller come before both: their
+//! `header` is a column of the table, or `topic.field` or `topic#instance.field` of the log.
 //!
 //! ```
 //! use phugoid_flight_data::reader::{ReadOptions, read_path};
@@ -16,8 +16,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! To add a format, add it to [`Format`]. A log also needs a reader in [`crate::log`] and, unless the names of its fields say
-//! which channels they are, a profile in `built_in`; a table needs an arm in `table`.
+//! To add a format, add it to [`Format`]. A log also needs a reader in [`crate::log`] and, unless the names of its
+//! fields say which channels they are, a profile in `built_in`; a table needs an arm in `table`.
 
 mod by_field_names;
 mod error;
@@ -32,7 +32,7 @@ use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
 
-pub use error::ReadError;
+pub use error::{FieldProblem, ReadError};
 pub use from_log::{record, selection};
 pub use options::ReadOptions;
 
@@ -47,9 +47,9 @@ use crate::table::TableOptions;
 impl Record {
     /// Opens a flight of any format that this build reads, with the default options.
     ///
-    /// The format is known by the content of the file, not by its name: CSV, PX4 ULog and ArduPilot DataFlash, and under
-    /// features MATLAB 5, MCAP, Parquet and Arrow. Values are in SI units and radians, NaN where one is missing. For
-    /// mappings of columns, a profile of one's own or other bounds use [`read_path`].
+    /// The format is known by the content of the file, not by its name: CSV, PX4 ULog and ArduPilot DataFlash, and
+    /// under features MATLAB 5, MCAP, Parquet and Arrow. Values are in SI units and radians, NaN where one is missing.
+    /// For mappings of columns, a profile of one's own or other bounds use [`read_path`].
     ///
     /// ```
     /// use phugoid_flight_data::record::Record;
@@ -71,8 +71,8 @@ impl Record {
 ///
 /// # Errors
 /// [`ReadError`]: the file cannot be read or is damaged as a whole; this build does not read its format
-/// ([`ReadError::NotRead`]); a table has no time or contradicts itself ([`ReadError::Table`]); a log has nothing that the profile
-/// or the mappings name ([`ReadError::NothingUsable`]).
+/// ([`ReadError::NotRead`]); a table has no time or contradicts itself ([`ReadError::Table`]); a log has nothing that
+/// the profile or the mappings name ([`ReadError::NothingUsable`]).
 pub fn read_path(path: &Path, options: &ReadOptions) -> Result<Record, ReadError> {
     let (format, reader, source) = open(path)?;
     if !format.is_log() {
@@ -96,9 +96,9 @@ pub struct Surveyed {
     pub record: Result<Record, ReadError>,
 }
 
-/// Reads a flight as [`read_path`] does and surveys a log at the same time, in one pass over the file (in two for a log such as
-/// MCAP, whose fields have to be known before the channels are). Only the values that the record needs are kept, within the
-/// bound of the options; the survey keeps no values.
+/// Reads a flight as [`read_path`] does and surveys a log at the same time, in one pass over the file (in two for a log
+/// such as MCAP, whose fields have to be known before the channels are). Only the values that the record needs are
+/// kept, within the bound of the options; the survey keeps no values.
 ///
 /// ```
 /// use phugoid_flight_data::reader::{ReadOptions, survey_path};
@@ -111,8 +111,8 @@ pub struct Surveyed {
 /// ```
 ///
 /// # Errors
-/// As [`read_path`] for a table and for a log that cannot be read at all. If no record can be made of a log, that error is in
-/// [`Surveyed::record`].
+/// As [`read_path`] for a table and for a log that cannot be read at all. If no record can be made of a log, that error
+/// is in [`Surveyed::record`].
 pub fn survey_path(path: &Path, options: &ReadOptions) -> Result<Surveyed, ReadError> {
     let (format, reader, source) = open(path)?;
     if !format.is_log() {
@@ -157,7 +157,8 @@ fn built_in(format: Format) -> Option<Result<Profile, ProfileError>> {
     }
 }
 
-/// The record of a log whose fields are channels by their names. The survey is needed first: it says which fields to keep.
+/// The record of a log whose fields are channels by their names. The survey is needed first: it says which fields to
+/// keep.
 fn record_by_field_names(survey: &Survey, path: &Path, options: &ReadOptions) -> Result<Record, ReadError> {
     let profile = by_field_names::profile(survey);
     let log = log::read_path(path, &selection(&profile, options))?;

@@ -56,7 +56,8 @@ pub(super) fn samples(log: &Log, source: &Source) -> Option<usize> {
     Some(first.1.values.iter().filter(|value| value.is_finite()).count()).filter(|&count| count >= 2)
 }
 
-/// The signal that a source gives, with its transform, factor and scale applied. `None` if the log lacks one of its fields.
+/// The signal that a source gives, with its transform, factor and scale applied. `None` if the log lacks one of its
+/// fields.
 pub(super) fn signal(log: &Log, source: &Source, channel: &str, hold: Hold) -> Option<Signal> {
     let inputs: Option<Vec<_>> = source.inputs().iter().map(|name| field(log, name)).collect();
     let inputs = inputs?;
@@ -104,9 +105,9 @@ pub(super) fn signal(log: &Log, source: &Source, channel: &str, hold: Hold) -> O
     })
 }
 
-/// The sum of signals times their factors, at the times of the first one. Signals with other times contribute their last value
-/// before, if it is not older than `stale_after_s`, else NaN. Channel, unit and hold are those of the first; `None` without a
-/// signal.
+/// The sum of signals times their factors, at the times of the first one. Signals with other times contribute their
+/// last value before, if it is not older than `stale_after_s`, else NaN. Channel, unit and hold are those of the first;
+/// `None` without a signal.
 pub(super) fn sum(terms: &[(&Signal, f64)], stale_after_s: f64) -> Option<Signal> {
     let (first, _) = *terms.first()?;
     let mut values = vec![0.0; first.time_s.len()];

@@ -1,5 +1,5 @@
-//! Commands of control surfaces. An autopilot logs the command of a servo, not the angle of the surface. The user has to give the
-//! angle at full command; none is assumed here.
+//! Commands of control surfaces. An autopilot logs the command of a servo, not the angle of the surface. The user has
+//! to give the angle at full command; none is assumed here.
 
 use super::signals::{self, Signal, label, rising, topic};
 use crate::align::Hold;
@@ -50,8 +50,8 @@ impl Pulse {
     }
 }
 
-/// The commands of all known surfaces, -1 to 1, named `elevator_command`, `aileron_command` and so on, and those that the profile
-/// mixes of several surfaces.
+/// The commands of all known surfaces, -1 to 1, named `elevator_command`, `aileron_command` and so on, and those that
+/// the profile mixes of several surfaces.
 pub(super) fn commands(log: &Log, rule: SurfaceRule, mixed: &[Mixture]) -> Vec<Signal> {
     let servos = match rule {
         SurfaceRule::Px4 => px4(log),
@@ -192,7 +192,8 @@ fn px4(log: &Log) -> Vec<Servo> {
         let name = format!("CA_SV_CS{index}_TYPE");
         let surface = match parameter(log, &name)? as i64 {
             1 => "left_aileron",
-            2 => "right_aileron",
+            // The sign of the channel is that of the right aileron, which so stands for both.
+            2 => "aileron",
             3 => "elevator",
             4 => "rudder",
             5 => "left_elevon",
@@ -210,15 +211,7 @@ fn px4(log: &Log) -> Vec<Servo> {
         let reason = format!("by {name} = {}", parameter(log, &name)?);
         Some(Servo { surface, field: format!("control[{index}]"), reason, pulse: None })
     };
-    (0..8).filter_map(servo).map(right_aileron_for_both).collect()
-}
-
-/// The right one of two ailerons is taken as the aileron, because the sign of the channel is defined by it.
-fn right_aileron_for_both(servo: Servo) -> Servo {
-    match servo.surface {
-        "right_aileron" => Servo { surface: "aileron", ..servo },
-        _ => servo,
-    }
+    (0..8).filter_map(servo).collect()
 }
 
 /// Servos of ArduPilot (parameters `SERVOn_FUNCTION` and so on; ArduPlane, "Servo Functions").

@@ -16,7 +16,8 @@ pub(super) fn report(log: &Log, quality: &mut QualityReport) {
     }
 }
 
-/// The vehicle as a noun with its article, if it is no aeroplane; `None` for an aeroplane or where the log does not say.
+/// The vehicle as a noun with its article, if it is no aeroplane; `None` for an aeroplane or where the log does not
+/// say.
 fn kind(log: &Log) -> Option<String> {
     // MAV_TYPE of the MAVLink common dialect.
     let mav_type = log.parameters.iter().find(|(name, _)| name == "MAV_TYPE").map(|(_, value)| *value as i64);

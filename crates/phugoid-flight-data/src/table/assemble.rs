@@ -89,8 +89,8 @@ fn quality_of(column: &ColumnUse, missing: usize) -> ChannelQuality {
     }
 }
 
-/// Makes the channel of a column and reports what is missing in it (a few missing values go to `few_missing`, to be reported
-/// together). `None` for a column without numbers that is no known channel.
+/// Makes the channel of a column and reports what is missing in it (a few missing values go to `few_missing`, to be
+/// reported together). `None` for a column without numbers that is no known channel.
 fn make_channel(
     column: &ColumnUse,
     values: Vec<f64>,

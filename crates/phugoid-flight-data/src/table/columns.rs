@@ -6,7 +6,7 @@ use crate::channels::{self, ChannelSpec};
 use crate::quality::QualityReport;
 use crate::record::Quantity;
 use crate::table::header::{self, Conflict, Doubt, Meaning};
-use crate::table::{ColumnMapping, TableError, TableOptions};
+use crate::table::{ColumnMapping, MappingProblem, TableError, TableOptions};
 use crate::units::{self, Unit};
 use crate::wording::{Short, list};
 
@@ -43,8 +43,8 @@ impl Meanings {
                 _ => None,
             })
             .collect();
-        // `T` beside `time_s` is hardly a second time. If another column has the same channel with a unit, a column without a unit
-        // whose name has several meanings is left undecided.
+        // `T` beside `time_s` is hardly a second time. If another column has the same channel with a unit, a column
+        // without a unit whose name has several meanings is left undecided.
         let stated: Vec<&str> = headers
             .iter()
             .filter_map(|meaning| match meaning {
@@ -179,23 +179,23 @@ fn unit_below<'a>(head: &Head<'a>, column: usize) -> Option<&'a str> {
 }
 
 fn mapped(head: &Head<'_>, mapping: &ColumnMapping, report: &mut QualityReport) -> Result<ColumnUse, TableError> {
-    let bad = |problem: String| TableError::BadMapping {
+    let bad = |problem| TableError::BadMapping {
         channel: mapping.channel.clone(),
         header: mapping.header.clone(),
-        problem,
+        problem: Box::new(problem),
     };
     if mapping.channel.trim().is_empty() {
-        return Err(bad("the channel has no name".into()));
+        return Err(bad(MappingProblem::NoChannelName));
     }
     if let Some((header, scale)) = mapping.terms().find(|(_, scale)| !scale.is_finite() || *scale == 0.0) {
-        let of = if mapping.plus.is_empty() { String::new() } else { format!(" of '{header}'") };
-        return Err(bad(format!("scale = {scale}{of} makes no sense; write 1, -1 or another factor")));
+        let header = (!mapping.plus.is_empty()).then(|| header.to_owned());
+        return Err(bad(MappingProblem::Scale { header, scale }));
     }
     let spec = channels::by_name(&mapping.channel);
     if spec.is_none() {
         let synonym = channels::by_any_name(&mapping.channel).first().map(|spec| spec.name);
-        if let Some(name) = synonym.or_else(|| channels::nearest(&mapping.channel)) {
-            return Err(bad(format!("'{}' is no channel name; did you mean '{name}'?", mapping.channel)));
+        if let Some(nearest) = synonym.or_else(|| channels::nearest(&mapping.channel)) {
+            return Err(bad(MappingProblem::NotCanonical { channel: mapping.channel.clone(), nearest }));
         }
     }
     let column = find_column(head, mapping, &mapping.header)?;
@@ -208,13 +208,11 @@ fn mapped(head: &Head<'_>, mapping: &ColumnMapping, report: &mut QualityReport) 
     let quantity = spec.map(|spec| spec.quantity);
     let mut unit_assumed = false;
     let unit = match (&mapping.unit, quantity) {
-        (Some(text), Some(quantity)) => units::find_for(text, quantity).ok_or_else(|| {
-            let accepted = units::accepted(quantity);
-            bad(format!("unit '{text}' is not understood for {}; accepted are {accepted}", quantity.in_words()))
-        })?,
-        (Some(text), None) => *units::find(text).first().ok_or_else(|| {
-            bad(format!("unit '{text}' is not understood; write for instance deg, rad/s, ft/s, kt, psf"))
-        })?,
+        (Some(text), Some(quantity)) => units::find_for(text, quantity)
+            .ok_or_else(|| bad(MappingProblem::UnitOfChannel { unit: text.clone(), quantity }))?,
+        (Some(text), None) => {
+            *units::find(text).first().ok_or_else(|| bad(MappingProblem::UnknownUnit { unit: text.clone() }))?
+        }
         (None, Some(quantity)) => header::unit_for(&header, below, quantity).unwrap_or_else(|| {
             unit_assumed = quantity != Quantity::Number;
             si(quantity)

@@ -1,6 +1,7 @@
 //! Errors of tables, whatever file they came from.
 
 use super::ColumnMapping;
+use crate::units::{self, Quantity};
 
 /// Why no record can be made of a table. Every message says where, what was found, what was expected and what to do.
 #[derive(Debug, thiserror::Error)]
@@ -38,7 +39,7 @@ pub enum TableError {
         line: Option<usize>,
         /// The channel, by its canonical name.
         channel: String,
-        /// Number (from 1) and header of each of them.
+        /// Number (from 1) and header of the two columns.
         columns: Box<[(usize, String); 2]>,
     },
     /// The header of a column states two different units, or its header and the row of units do.
@@ -61,7 +62,7 @@ pub enum TableError {
         /// The unit that contradicts it, as written.
         second: String,
     },
-    /// A mapping names a column that is not in the file.
+    /// A mapping names a column that the file does not have.
     #[error(
         "{source_name}{}: channel '{}' is mapped to the column '{}', but the file has no such column{nearest}. \
          The columns are: {headers}",
@@ -76,29 +77,25 @@ pub enum TableError {
         line: Option<usize>,
         /// The mapping that was asked for.
         mapping: Box<ColumnMapping>,
-        /// `; did you mean '...'?` or empty.
+        /// The question whether the most similar header is meant, beginning with `; `; empty if none is similar.
         nearest: String,
         /// The headers found, separated by commas; long lists are cut.
         headers: String,
     },
-    /// A mapping is wrong whatever the file holds: no channel name, a misspelt one, a unit or factor that does not fit.
+    /// A mapping is wrong in itself: its channel name, unit or factor is not valid, or it names a column without
+    /// numbers.
     #[error("the mapping of channel '{channel}' to column '{header}': {problem}")]
     BadMapping {
         /// The channel that the mapping names.
         channel: String,
         /// The column or field that the mapping names.
         header: String,
-        /// What was found and what is accepted, as a clause.
-        problem: String,
+        /// What is wrong with it.
+        problem: Box<MappingProblem>,
     },
     /// An option is out of its range.
-    #[error("reader option {option}: {problem}")]
-    BadOption {
-        /// Name of the option in [`super::TableOptions`] or [`crate::csv::CsvOptions`].
-        option: &'static str,
-        /// What was found and what is accepted, as a clause.
-        problem: String,
-    },
+    #[error("reader option {0}")]
+    BadOption(OptionProblem),
     /// There are fewer rows with a usable time than a record needs (two).
     #[error(
         "{source_name}: no usable row of data{}: {reason}",
@@ -109,7 +106,7 @@ pub enum TableError {
         source_name: String,
         /// Line of the header, counted from 1; `None` where the table is no text file.
         line: Option<usize>,
-        /// What was wrong with the rows that there are.
+        /// Why the rows cannot be used, as a clause.
         reason: String,
     },
     /// The time column rises in fewer than half of the rows.
@@ -122,7 +119,7 @@ pub enum TableError {
         source_name: String,
         /// Header of the time column.
         header: String,
-        /// Rows in the longest rising sequence.
+        /// Number of rows in the longest sequence of rising times.
         rising: usize,
         /// Number of rows that have a time.
         rows: usize,
@@ -142,7 +139,7 @@ pub enum TableError {
         /// The bound that was exceeded, values.
         max_values: usize,
     },
-    /// More columns than any flight record has.
+    /// The table has more columns than are read.
     #[error(
         "{source_name}{}: the header has {columns} columns, more than the {max_columns} that are read. Check \
          that it is a table with one signal per column, or leave out columns",
@@ -173,6 +170,73 @@ pub enum TableError {
         /// Number of values of the first column.
         expected: usize,
     },
+}
+
+/// What is wrong with a mapping.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum MappingProblem {
+    /// The name of the channel is empty.
+    #[error("the channel has no name")]
+    NoChannelName,
+    /// The name of the channel is a synonym or a misspelling of a known channel.
+    #[error("'{channel}' is no channel name; did you mean '{nearest}'?")]
+    NotCanonical {
+        /// The name as it is written in the mapping.
+        channel: String,
+        /// The canonical name that is probably meant.
+        nearest: &'static str,
+    },
+    /// A factor is 0, infinite or NaN.
+    #[error(
+        "scale = {scale}{} makes no sense; write 1, -1 or another factor",
+        header.as_ref().map(|header| format!(" of '{header}'")).unwrap_or_default()
+    )]
+    Scale {
+        /// The column with this factor, if the mapping adds several.
+        header: Option<String>,
+        /// The factor that was given.
+        scale: f64,
+    },
+    /// The unit is not known, or is one of another quantity than that of the channel.
+    #[error(
+        "unit '{unit}' is not understood for {}; accepted are {}",
+        quantity.in_words(),
+        units::accepted(*quantity)
+    )]
+    UnitOfChannel {
+        /// The unit as it is written in the mapping.
+        unit: String,
+        /// The quantity of the channel.
+        quantity: Quantity,
+    },
+    /// The unit for a channel of one's own is not known.
+    #[error("unit '{unit}' is not understood; write for instance deg, rad/s, ft/s, kt, psf")]
+    UnknownUnit {
+        /// The unit as it is written in the mapping.
+        unit: String,
+    },
+    /// The column holds no numbers.
+    #[error("this column is {why}; map a column of numbers")]
+    NoNumbers {
+        /// What the column is instead, as it follows "it is".
+        why: String,
+    },
+}
+
+/// Which option is out of its range.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum OptionProblem {
+    /// [`super::TableOptions::gap_factor`] is not more than 1.
+    #[error("gap_factor: is {0}; it counts median time steps and must be more than 1")]
+    GapFactor(f64),
+    /// [`super::TableOptions::sample_time_s`] is not a positive number.
+    #[error("sample_time_s: is {0}; it must be a positive number of seconds")]
+    SampleTime(f64),
+    /// [`crate::csv::CsvOptions::delimiter`] is none of those that are understood.
+    #[error("delimiter: is {0:?}; use one of ',' ';' tab '|' ' '")]
+    Delimiter(char),
 }
 
 fn at(line: Option<usize>) -> String {

@@ -1,7 +1,7 @@
 //! Makes a record of columns of numbers.
 
 use super::assemble::{Read, record};
-use super::{ColumnMapping, TableError, TableOptions};
+use super::{ColumnMapping, MappingProblem, TableError, TableOptions};
 use crate::quality::QualityReport;
 use crate::record::Record;
 use crate::table::columns::{self, ColumnUse, Head, Plan};
@@ -31,13 +31,14 @@ pub struct LeftOut {
     pub why: String,
 }
 
-/// Makes a record in SI units of columns, by their headers and units, exactly as [`crate::csv::read`] does of cells. Rows are
-/// counted from 1 in messages. `source` is the name of the table in messages, `left_out` are the columns that its reader did
-/// not take, and `report` is what the reader has found so far. [`Record::from_columns`] is the short form.
+/// Makes a record in SI units of columns, by their headers and units, exactly as [`crate::csv::read`] does of cells.
+/// Rows are counted from 1 in messages. `source` is the name of the table in messages, `left_out` are the columns that
+/// its reader did not take, and `report` is what the reader has found so far. [`Record::from_columns`] is the short
+/// form.
 ///
 /// # Errors
-/// [`TableError`] if the columns differ in length, none is the time, two are one channel, units contradict each other,
-/// there are fewer than two usable rows, more values than `options.max_values`, or a mapping is wrong.
+/// [`TableError`] if the columns differ in length, none is the time, two are the same channel, units contradict each
+/// other, there are fewer than two usable rows, more values than `options.max_values`, or a mapping is wrong.
 pub fn from_columns(
     source: &str,
     columns: Vec<Column>,
@@ -68,8 +69,9 @@ impl Record {
     /// ```
     ///
     /// # Errors
-    /// As [`from_columns`]: no column is the time ([`TableError::NoTime`]), the lengths differ ([`TableError::Length`]),
-    /// two columns are the same channel ([`TableError::TwoColumns`]), or fewer than two rows have a time.
+    /// As [`from_columns`]: no column is the time ([`TableError::NoTime`]), the lengths differ
+    /// ([`TableError::Length`]), two columns are the same channel ([`TableError::TwoColumns`]), or fewer than two rows
+    /// have a time.
     pub fn from_columns<H: Into<String>>(
         source: &str,
         columns: impl IntoIterator<Item = (H, Vec<f64>)>,
@@ -80,7 +82,8 @@ impl Record {
     }
 }
 
-/// As [`from_columns`], for the signals of a log: each has its own rate, so that missing values are normal and not reported.
+/// As [`from_columns`], for the signals of a log: each has its own rate, so that missing values are normal and not
+/// reported.
 pub(crate) fn from_sparse_columns(
     source: &str,
     columns: Vec<Column>,
@@ -154,14 +157,15 @@ fn refuse_mapped_left_out(headers: &[String], left_out: &[LeftOut], options: &Ta
             return Err(TableError::BadMapping {
                 channel: mapping.channel.clone(),
                 header: wanted.to_owned(),
-                problem: format!("this column is {}; map a column of numbers", column.why),
+                problem: Box::new(MappingProblem::NoNumbers { why: column.why.clone() }),
             });
         }
     }
     Ok(())
 }
 
-/// If neither a header nor a mapping names the time, and exactly one column is declared as points in time, it is the time.
+/// If neither a header nor a mapping names the time, and exactly one column is declared as points in time, it is the
+/// time.
 fn time_by_type(columns: &[Column], options: &mut TableOptions, report: &mut QualityReport) {
     let mapped = options.sample_time_s.is_some() || options.columns.iter().any(|mapping| mapping.channel == "time");
     let named = columns.iter().any(|column| {

@@ -154,7 +154,8 @@ fn with_suffix(header: &str) -> Meaning {
     if doubt.is_some() {
         return unknown(header, None, doubt);
     }
-    // After an unknown name only an unmistakable suffix is taken as a unit: `delta_Cm` is no length, `theta_c` no temperature.
+    // After an unknown name only an unmistakable suffix is taken as a unit: `delta_Cm` is no length, `theta_c` no
+    // temperature.
     let unmistakable = splits(header, false).into_iter().find_map(|(name, suffix)| {
         let unit = units::find(suffix).first().copied()?;
         UNMISTAKABLE.contains(&unit.symbol).then_some((name, unit))
@@ -182,7 +183,8 @@ fn ambiguous(name: &str) -> Option<&'static [&'static str]> {
     AMBIGUOUS.iter().find(|(ambiguous, _)| *ambiguous == key).map(|(_, meanings)| *meanings)
 }
 
-/// The only channel among the meanings whose quantity has this unit: `m_kg` is the mass. `None` if there is none or several.
+/// The only channel among the meanings whose quantity has this unit: `m_kg` is the mass. `None` if there is none or
+/// several.
 fn only_one(meanings: &[&str], found: &[Unit]) -> Option<Meaning> {
     let mut suiting = meanings.iter().filter_map(|name| channels::by_name(name)).filter_map(|spec| {
         let unit = found.iter().find(|unit| unit.quantity == spec.quantity)?;
@@ -206,8 +208,8 @@ fn knots(header: &str) -> Option<Meaning> {
     Some(Meaning::Known { spec, unit: units::find_for("kt", Quantity::Speed) })
 }
 
-/// All ways to split a header into a name and a suffix, the longest suffix first. Words begin after a separator and, with
-/// `camel_case`, at a capital after a small letter (`TimeUS`).
+/// All ways to split a header into a name and a suffix, the longest suffix first. Words begin after a separator and,
+/// with `camel_case`, at a capital after a small letter (`TimeUS`).
 fn splits(header: &str, camel_case: bool) -> Vec<(&str, &str)> {
     let mut starts = Vec::new();
     let mut previous = ' ';

@@ -1,5 +1,5 @@
-//! From a table of numbers, one named column per signal, to a record. CSV, Parquet, Arrow and MATLAB files all take this way
-//! once their cells are numbers.
+//! From a table of numbers, one named column per signal, to a record. CSV, Parquet, Arrow and MATLAB files all take
+//! this way once their cells are numbers.
 
 mod assemble;
 pub(crate) mod columns;
@@ -10,14 +10,14 @@ mod stuck_and_spikes;
 pub(crate) mod time_base;
 
 pub(crate) use assemble::{Read, record};
-pub use error::TableError;
+pub use error::{MappingProblem, OptionProblem, TableError};
 pub(crate) use from_columns::from_sparse_columns;
 pub use from_columns::{Column, LeftOut, from_columns};
 
 use serde::{Deserialize, Serialize};
 
-/// Maps a column to a channel by hand, where its header does not name the channel or names a wrong one. Several columns can be
-/// added to make one channel.
+/// Maps a column to a channel by hand, where its header does not name the channel or names a wrong one. Several columns
+/// can be added to make one channel.
 ///
 /// ```
 /// use phugoid_flight_data::csv::{self, ColumnMapping, CsvOptions};
@@ -33,8 +33,8 @@ use serde::{Deserialize, Serialize};
 pub struct ColumnMapping {
     /// Canonical channel name (see [`crate::channels::CHANNELS`]), or any other name for a signal of your own.
     pub channel: String,
-    /// Header of the column as in the file, such as `ELEV_POS_2`; case does not matter if only one column fits. Of a log
-    /// `topic.field` or `topic#instance.field`.
+    /// Header of the column as in the file, such as `ELEV_POS_2`; case does not matter if only one column fits. Of a
+    /// log `topic.field` or `topic#instance.field`.
     pub header: String,
     /// Unit of the column, such as `deg`. Without it the unit of the header is taken, else SI with a warning.
     #[serde(default)]
@@ -42,8 +42,9 @@ pub struct ColumnMapping {
     /// Factor by which the values are multiplied before the unit is converted; -1 reverses the sign. Finite, not 0.
     #[serde(default = "one")]
     pub scale: f64,
-    /// Further columns, each times a factor of its own, that are added before the unit is converted: two elevons together make
-    /// an elevator. They are in the unit of the first column. Where one value is missing, the sum is missing.
+    /// Further columns, each times a factor of its own, that are added before the unit is converted: two elevons
+    /// together make an elevator. They are in the unit of the first column. Where one value is missing, the sum is
+    /// missing.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub plus: Vec<Addend>,
 }
@@ -102,8 +103,8 @@ impl ColumnMapping {
 pub struct TableOptions {
     /// Columns mapped by hand; all others become channels by their headers.
     pub columns: Vec<ColumnMapping>,
-    /// Time step `h` from one row to the next, s, for tables without a time or with a bad one: the rows are then at 0, h, 2h,
-    /// ..., and a time column, if there is one, is left out. Positive.
+    /// Time step `h` from one row to the next, s, for tables without a time or with a bad one: the rows are then at 0,
+    /// h, 2h, ..., and a time column, if there is one, is left out. Positive.
     pub sample_time_s: Option<f64>,
     /// A step in time longer than this many median steps is reported as a gap. More than 1.
     pub gap_factor: f64,
@@ -120,12 +121,10 @@ impl Default for TableOptions {
 impl TableOptions {
     pub(crate) fn check(&self) -> Result<(), TableError> {
         if self.gap_factor.is_nan() || self.gap_factor <= 1.0 {
-            let problem = format!("is {}; it counts median time steps and must be more than 1", self.gap_factor);
-            return Err(TableError::BadOption { option: "gap_factor", problem });
+            return Err(TableError::BadOption(OptionProblem::GapFactor(self.gap_factor)));
         }
         if let Some(step) = self.sample_time_s.filter(|step| !step.is_finite() || *step <= 0.0) {
-            let problem = format!("is {step}; it must be a positive number of seconds");
-            return Err(TableError::BadOption { option: "sample_time_s", problem });
+            return Err(TableError::BadOption(OptionProblem::SampleTime(step)));
         }
         Ok(())
     }

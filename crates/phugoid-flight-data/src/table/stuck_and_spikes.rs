@@ -64,8 +64,8 @@ fn constant(values: &[f64]) -> Option<f64> {
     present.all(|value| value == first).then_some(first)
 }
 
-/// The first and last row of each stretch (at most three) in which a channel that otherwise changes from row to row keeps its value
-/// for at least one second and ten rows.
+/// The first and last row of each stretch (at most three) in which a channel that otherwise changes from row to row
+/// keeps its value for at least one second and ten rows.
 fn frozen(channel: &Channel, time: &[f64], sample_time: f64) -> Vec<(usize, usize)> {
     let values = &channel.values;
     let pairs = values.windows(2).filter(|pair| !pair[0].is_nan() && !pair[1].is_nan());
@@ -95,8 +95,8 @@ fn frozen(channel: &Channel, time: &[f64], sample_time: f64) -> Vec<(usize, usiz
     runs
 }
 
-/// The rows with a spike: a value above or below both neighbours, and further from both than six times the upper quartile of all
-/// steps of the channel (ten standard deviations of white noise) and than 5 % of its range.
+/// The rows with a spike: a value above or below both neighbours, and further from both than six times the upper
+/// quartile of all steps of the channel (ten standard deviations of white noise) and than 5 % of its range.
 fn spikes(values: &[f64]) -> Vec<usize> {
     let present: Vec<(usize, f64)> = values.iter().copied().enumerate().filter(|(_, value)| !value.is_nan()).collect();
     if present.len() < 20 {

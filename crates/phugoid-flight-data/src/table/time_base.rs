@@ -13,14 +13,15 @@ pub(crate) struct Table {
     pub(crate) columns: Vec<Vec<f64>>,
 }
 
-/// Number of rows that the clock has to run before and after a jump back for the jump to count as a restart of the clock.
+/// Number of rows that the clock has to run before and after a jump back for the jump to count as a restart of the
+/// clock.
 const RESTART_ROWS: usize = 10;
 
 /// Advice for a time column that holds no time.
 const OTHER_TIME: &str = "If another column is the time, map the channel 'time' to it";
 
-/// Makes the times strictly increasing: takes the longest part between restarts of the clock, merges rows of equal time, and
-/// leaves out the fewest rows that are not in order.
+/// Makes the times strictly increasing: takes the longest part between restarts of the clock, merges rows of equal
+/// time, and leaves out the fewest rows that are not in order.
 pub(crate) fn put_in_order(
     table: &mut Table,
     source: &str,
@@ -170,8 +171,8 @@ pub(crate) fn longest_rising(time: &[f64], rows: &[usize]) -> Vec<usize> {
     if (1..rows.len()).all(|position| at(position - 1) < at(position)) {
         return rows.to_vec();
     }
-    // Longest increasing subsequence by patience sorting, from the end: `tails[n]` is the first row of the sequence of length
-    // n + 1 whose first time is the largest.
+    // Longest increasing subsequence by patience sorting, from the end: `tails[n]` is the first row of the sequence of
+    // length n + 1 whose first time is the largest.
     let mut tails: Vec<usize> = Vec::new();
     let mut next = vec![usize::MAX; rows.len()];
     for position in (0..rows.len()).rev() {

@@ -212,7 +212,8 @@ impl Format {
         self.streams.get(index).and_then(|(_, open)| open.as_ref())
     }
 
-    /// Takes the characters of `FMTU`. Returns the number of samples that had to be dropped because their instance was not known.
+    /// Takes the characters of `FMTU`. Returns the number of samples that had to be dropped because their instance was
+    /// not known.
     pub(super) fn take_ids<S: Sink>(
         &mut self,
         units: &[u8],

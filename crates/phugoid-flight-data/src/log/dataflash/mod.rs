@@ -1,12 +1,14 @@
-//! Reads ArduPilot DataFlash logs (`.BIN`), streaming, as ArduPilot writes them (libraries/AP_Logger, `LogStructure.h`).
+//! Reads ArduPilot DataFlash logs (`.BIN`), streaming, as ArduPilot writes them (libraries/AP_Logger,
+//! `LogStructure.h`).
 //!
-//! Every message is `A3 95`, a type, and as many bytes as its definition (`FMT`) states. The reader understands `FMT`, `FMTU`,
-//! `UNIT` and `MULT` (fields, units, multipliers, and the field that numbers the instance), `PARM`, `MSG` and all data. There are no
-//! check sums: where no message begins, the reader searches for the next place at which one begins and another one follows, and
-//! reports the bytes that it skipped.
+//! Every message is `A3 95`, a type, and as many bytes as its definition (`FMT`) states. The reader understands `FMT`,
+//! `FMTU`, `UNIT` and `MULT` (fields, units, multipliers, and the field that numbers the instance), `PARM`, `MSG` and
+//! all data. There are no check sums: where no message begins, the reader searches for the next place at which one
+//! begins and another one follows, and reports the bytes that it skipped.
 //!
-//! Values are in the unit that the log states, with multipliers applied. Times are seconds from the first time stamp. Messages
-//! without a stamp of their own (`EV`, and `PM` in old logs) get the time of the message before them, and `quality` names them.
+//! Values are in the unit that the log states, with multipliers applied. Times are seconds from the first time stamp.
+//! Messages without a stamp of their own (`EV`, and `PM` in old logs) get the time of the message before them, and
+//! `quality` names them.
 
 mod format;
 mod reader;

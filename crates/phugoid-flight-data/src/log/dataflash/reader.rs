@@ -46,7 +46,8 @@ pub(in crate::log) fn run<R: Read, S: Sink>(reader: R, source: &str, sink: &mut 
                 log.end(offset, bytes);
                 log.find(bytes).unwrap_or(bytes.len())
             }
-            // If no message follows, bytes may be missing inside this one, and the next message begins within its length.
+            // If no message follows, bytes may be missing inside this one, and the next message begins within its
+            // length.
             Some(length) if begins(bytes.get(length..)) || log.find(bytes).is_none_or(|next| next >= length) => {
                 if log.take(bytes.get(..length).unwrap_or_default(), sink, offset) == Err(Full) {
                     return Ok(None);
@@ -147,7 +148,8 @@ impl Reading {
         format.filter(|_| [first, second] == MAGIC).map(|format| format.length)
     }
 
-    /// The nearest position after the first byte at which a defined message begins, followed by another one or by the end.
+    /// The nearest position after the first byte at which a defined message begins, followed by another one or by the
+    /// end.
     fn find(&self, bytes: &[u8]) -> Option<usize> {
         let mut from = 1;
         while let Some(at) = bytes.get(from..)?.iter().position(|&byte| byte == MAGIC[0]).map(|at| from + at) {
@@ -197,7 +199,8 @@ impl Reading {
             }
         }
         let Some(time_us) = time_us else { return Ok(()) };
-        // Set for samples that are not kept too, so that a survey and every selection of the log have the same time zero.
+        // Set for samples that are not kept too, so that a survey and every selection of the log have the same time
+        // zero.
         self.head.start_us.get_or_insert(time_us);
         self.samples += 1;
         if self.head.utc_offset_s.is_none() && format.name == "GPS" {
@@ -303,7 +306,8 @@ impl Reading {
         }));
     }
 
-    /// Applies new units and multipliers to all definitions: they may come after the definitions that use them, and after data.
+    /// Applies new units and multipliers to all definitions: they may come after the definitions that use them, and
+    /// after data.
     fn describe_all<S: Sink>(&mut self, sink: &mut S) {
         self.passes += 1;
         if self.passes <= MAX_PASSES {
@@ -374,7 +378,8 @@ impl Reading {
     }
 }
 
-/// The offset from the clock of the autopilot to seconds from 1970, UTC; `None` while the receiver does not know the time.
+/// The offset from the clock of the autopilot to seconds from 1970, UTC; `None` while the receiver does not know the
+/// time.
 fn satellite_clock(format: &Format, payload: &[u8], time_us: f64) -> Option<f64> {
     let number = |label: &str| format.number(label, payload);
     let week = number("GWk").or_else(|| number("Week"))?;

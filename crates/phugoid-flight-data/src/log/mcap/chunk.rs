@@ -4,15 +4,16 @@ use ::mcap::parse_record;
 use ::mcap::records::{Record, op};
 use ::mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
-/// The longest chunk, packed or unpacked, and the longest record that are read, bytes. Memory holds a chunk twice and its unpacked
-/// content once. Recorders close a chunk at a few million bytes.
+/// The longest chunk, packed or unpacked, and the longest record that are read, bytes. Memory holds a chunk twice and
+/// its unpacked content once. Recorders close a chunk at a few million bytes.
 pub(super) const LONGEST: u64 = 48 << 20;
 /// Number of bytes given to the library at once: it allocates this much, whatever length is announced.
 const STEP: usize = 1 << 20;
 
 /// Gives every record of a chunk to `take`, until that returns false. The error says what is wrong with the chunk.
 pub(super) fn each_record(chunk: &[u8], mut take: impl FnMut(u8, &[u8]) -> bool) -> Result<(), String> {
-    // The library (0.26.0) does not check whether records that are not packed end with the chunk, and its count underflows.
+    // The library (0.26.0) does not check whether records that are not packed end with the chunk, and its count
+    // underflows.
     if let Ok(Record::Chunk { header, data }) = parse_record(op::CHUNK, chunk)
         && header.compression.is_empty()
         && !is_filled(&data)

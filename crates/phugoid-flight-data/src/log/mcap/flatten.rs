@@ -5,7 +5,8 @@ use serde_json::Value;
 /// Largest number of values kept of one message. An image or a laser scan has more, and is no signal.
 const MAX_NUMBERS: usize = 4096;
 
-/// Writes the names and values of all numbers and truth values in a document, in its order. A null is a missing number (NaN).
+/// Writes the names and values of all numbers and truth values in a document, in its order. A null is a missing number
+/// (NaN).
 pub(super) fn flatten(document: &Value, names: &mut Vec<String>, values: &mut Vec<f64>) {
     names.clear();
     values.clear();

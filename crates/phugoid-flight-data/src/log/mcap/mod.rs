@@ -1,12 +1,13 @@
 //! Reads MCAP files (mcap.dev, "MCAP Format Specification") whose messages are JSON.
 //!
 //! A topic's fields are the numbers and truth values in its messages, nested ones by their path: `pose.position.x`,
-//! `motors[2]`. Times are those of `log_time`, in seconds from the first message. Messages in other encodings (ROS 2, Protobuf,
-//! FlatBuffers) are counted and left out with advice on converting them. JSON has no units: write them into the names of the
-//! fields (`alpha_deg`), or give them in a profile or a mapping.
+//! `motors[2]`. Times are those of `log_time`, in seconds from the first message. Messages in other encodings (ROS 2,
+//! Protobuf, FlatBuffers) are counted and left out with advice on converting them. JSON has no units: write them into
+//! the names of the fields (`alpha_deg`), or give them in a profile or a mapping.
 //!
-//! Records and chunks are read one after the other, in bounded memory, without the index at the end, so that a file that was cut
-//! off is read up to the cut. A damaged chunk is left out as a whole: its check sum is verified before its records are used.
+//! Records and chunks are read one after the other, in bounded memory, without the index at the end, so that a file
+//! that was cut off is read up to the cut. A damaged chunk is left out as a whole: its check sum is verified before its
+//! records are used.
 
 mod chunk;
 mod flatten;
@@ -25,8 +26,8 @@ pub const MAGIC: [u8; 8] = crate::format::MCAP_MAGIC;
 /// Reads the selected messages in JSON. `source` is the file's name in messages and reports.
 ///
 /// # Errors
-/// [`LogError`] if it cannot be read, does not begin as an MCAP file, has no message that could be read, or holds more than
-/// `selection.max_values`. Damage within the file is no error; `quality` names what was skipped.
+/// [`LogError`] if it cannot be read, does not begin as an MCAP file, has no message that could be read, or holds more
+/// than `selection.max_values`. Damage within the file is no error; `quality` names what was skipped.
 pub fn read(reader: impl Read, source: &str, selection: &Selection) -> Result<Log, LogError> {
     into_log(source, selection, |sink| run(reader, source, sink))
 }

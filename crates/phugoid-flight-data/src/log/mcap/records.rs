@@ -68,7 +68,7 @@ pub(in crate::log) fn run(reader: impl Read, source: &str, sink: &mut dyn Sink) 
             }
             op::CHUNK => chunk::each_record(&record, |opcode, data| state.record(opcode, data).is_ok()),
             _ => {
-                // Whether it is full is asked below.
+                // If the sink is full, `state.full` is set and is checked below.
                 let _ = state.record(opcode, &record);
                 Ok(())
             }
@@ -110,7 +110,8 @@ struct State<'s> {
     head: Head,
     schemas: HashMap<u16, String>,
     channels: BTreeMap<u16, Channel>,
-    /// Log time of the first message, ns. Times are counted from it, because nanoseconds since 1970 have more digits than a double.
+    /// Log time of the first message, ns. Times are counted from it, because nanoseconds since 1970 have more digits
+    /// than a double.
     start_ns: Option<u64>,
     messages: u64,
     unreadable: u64,
@@ -251,7 +252,7 @@ impl<'s> State<'s> {
                 quality.warn("", format!("{count} {what}"));
             }
         }
-        // Stamps are counted from the first message already.
+        // Times are counted from the first message already.
         self.head.start_us = Some(0.0);
         // A recorder without a clock counts from its start; such times are no dates and are left out later.
         self.head.utc_offset_s = self.start_ns.map(|start_ns| start_ns as f64 * 1e-9);

@@ -9,8 +9,8 @@ use crate::log::decode::{Kind, Place, Scale};
 const LARGEST: usize = u16::MAX as usize;
 /// Largest depth of nested types.
 const MAX_DEPTH: usize = 16;
-/// Largest number of fields and elements that are laid out in one log. Without it a definition of a few bytes could need
-/// gigabytes.
+/// Largest number of fields and elements that are laid out in one log. Without it a definition of a few bytes could
+/// need gigabytes.
 const MAX_LAID_OUT: usize = 500_000;
 
 /// One field of a definition, such as `float[4] q`.

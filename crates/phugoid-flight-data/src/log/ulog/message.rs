@@ -1,5 +1,5 @@
-//! Decides whether bytes are a message. ULog has no check sums: the length has to fit the kind of the message, and the content the
-//! definitions.
+//! Decides whether bytes are a message. ULog has no check sums: the length has to fit the kind of the message, and the
+//! content the definitions.
 
 use super::definitions::Definitions;
 use super::format;
@@ -87,7 +87,8 @@ pub(super) fn trust(kind: u8, payload: &[u8], definitions: &Definitions) -> Trus
     }
 }
 
-/// The key (`type name`) and the bytes of the value of an information message or a parameter; `None` if there is no valid key.
+/// The key (`type name`) and the bytes of the value of an information message or a parameter; `None` if there is no
+/// valid key.
 pub(super) fn key_and_value(payload: &[u8]) -> Option<(&str, &[u8])> {
     let length = usize::from(*payload.first()?);
     let key = std::str::from_utf8(payload.get(1..1 + length)?).ok()?;

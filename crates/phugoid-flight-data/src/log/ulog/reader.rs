@@ -74,7 +74,8 @@ pub(in crate::log) fn run<R: Read, S: Sink>(reader: R, source: &str, sink: &mut 
         let length = HEADER + payload.len();
         let follows = bytes.get(length..).is_some_and(|rest| message::may_begin(rest, &log.definitions));
         let good = match trust {
-            // If no message follows, bytes may be missing inside this one, and the next message begins within its length.
+            // If no message follows, bytes may be missing inside this one, and the next message begins within its
+            // length.
             Trust::Strong => {
                 follows || log.find(bytes.get(..length + LONGEST).unwrap_or(bytes)).is_none_or(|at| at >= length)
             }
