@@ -12,8 +12,9 @@ use styles::{Form, Styles};
 /// Series with at most so many points are drawn with large dots.
 const LARGE_DOTS: usize = 150;
 
-/// The figure of a chart. Equal meanings have equal colours in every chart. If several legend entries of one chart have the same meaning, their
-/// strokes differ. A panel in which a method leaves the range of all others by far is cut off, and the caption says so.
+/// The figure of a chart. Equal meanings have equal colours in every chart. If several legend entries of one chart have
+/// the same meaning, their strokes differ. A panel in which a method leaves the range of all others by far is cut off,
+/// and the caption says so.
 ///
 /// ```
 /// use phugoid_report::chart_figure;

@@ -311,8 +311,8 @@ fn shared_limits(figure: &Figure) -> [f64; 2] {
     rounded_out(limits.or_unit())
 }
 
-/// Limits that are moved out to the next tick if that is within 1 % of the span. So the axis of a record of 2000 samples at 100 Hz, which ends at
-/// 19.99 s, ends at 20 s.
+/// Limits that are moved out to the next tick if that is within 1 % of the span. So the axis of a record of 2000
+/// samples at 100 Hz, which ends at 19.99 s, ends at 20 s.
 fn rounded_out([low, high]: [f64; 2]) -> [f64; 2] {
     let values = ticks([low - 0.01 * (high - low), high + 0.01 * (high - low)], 10).values;
     [values.first().map_or(low, |v| v.min(low)), values.last().map_or(high, |v| v.max(high))]

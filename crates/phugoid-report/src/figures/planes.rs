@@ -64,8 +64,8 @@ struct Direction<'a> {
 }
 
 impl Direction<'_> {
-    /// The axis: four standard errors to both sides of the final value, more if the truth is not far away and needs it; `None` without a standard
-    /// error.
+    /// The axis: four standard errors to both sides of the final value, more if the truth is not far away and needs it;
+    /// `None` without a standard error.
     fn axis(&self) -> Option<Axis> {
         let away = self.truth.map_or(0.0, |t| 1.3 * (t - self.value).abs());
         let half = (4.0 * self.sigma).max(if away <= 12.0 * self.sigma { away } else { 0.0 });

@@ -41,10 +41,11 @@ pub(super) fn outputs(context: &Context) -> Option<(String, Figure)> {
     (!history.measured.is_empty()).then(|| ("outputs".to_owned(), figure))
 }
 
-/// One panel of [`time_histories`].
+/// One panel of the figure that [`time_histories`] makes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TimeHistoryPanel {
-    /// Name of the quantity: words or a canonical channel name. If it is empty and there is one signal, the name of that signal is used.
+    /// Name of the quantity: words or a canonical channel name. If it is empty and there is one signal, the name of
+    /// that signal is used.
     pub label: String,
     /// SI unit of all signals of the panel (`rad`, `m/s`, `-`, ...). Angles are drawn in degrees.
     pub unit: String,
@@ -52,7 +53,8 @@ pub struct TimeHistoryPanel {
     pub signals: Vec<Signal>,
 }
 
-/// A figure of histories over a common time, s, such as those of a simulated flight. More than eight panels stand in two columns.
+/// A figure of histories over a common time, s, such as those of a simulated flight. More than eight panels stand in
+/// two columns.
 ///
 /// ```
 /// use phugoid_identification::estimation::Signal;

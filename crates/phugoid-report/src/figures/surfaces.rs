@@ -8,7 +8,8 @@ use crate::figure::{At, Axis, Body, Colour, Figure, Kind, Panel, Reference, Seri
 /// Number of surfaces in a figure, so that it fits on a page.
 const PER_FIGURE: usize = 8;
 
-/// The phases in the order in which they are drawn, so that a single rejected sample stays visible among thousands of sliding ones.
+/// The phases in the order in which they are drawn, so that a single rejected sample stays visible among thousands of
+/// sliding ones.
 const PHASES: [(&str, Colour); 5] = [
     ("sliding", Colour::Green),
     ("starting", Colour::Sky),
@@ -91,7 +92,8 @@ fn has_values(surface: &[f64]) -> bool {
     surface.iter().any(|s| s.is_finite() && *s != 0.0)
 }
 
-/// Limits with zero and all values, or with 98 % of the values if the others would need more than two thirds of the height.
+/// Limits with zero and all values, or with 98 % of the values if the others would need more than two thirds of the
+/// height.
 fn robust_range(values: &[f64]) -> Option<[f64; 2]> {
     let mut sorted: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
     sorted.sort_unstable_by(f64::total_cmp);
