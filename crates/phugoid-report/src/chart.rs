@@ -2,7 +2,7 @@
 
 use phugoid_studies::reproduction::result::{self, Chart, Content, Curve, Level, Meaning};
 
-use crate::figure::{At, Axis, Body, Figure, HeatMap, Kind, Panel, Reference, Series};
+use crate::figure::{At, Axis, Body, Figure, HeatMap, Panel, Reference, Series, SeriesKind};
 
 mod limits;
 mod styles;
@@ -97,13 +97,15 @@ fn plot(styles: &mut Styles, curves: &[Curve], levels: &[Level], instants: &[Lev
 
 fn series(styles: &mut Styles, curve: &Curve) -> Series {
     let (form, kind) = match &curve.shape {
-        result::Shape::Line(y) if limits::ascending(&curve.x) => (Form::Line, Kind::Line(y.clone())),
-        result::Shape::Line(y) => (Form::Line, Kind::Curve(y.clone())),
-        result::Shape::Step(y) => (Form::Line, Kind::Step(y.clone())),
+        result::Shape::Line(y) if limits::ascending(&curve.x) => (Form::Line, SeriesKind::Line(y.clone())),
+        result::Shape::Line(y) => (Form::Line, SeriesKind::Curve(y.clone())),
+        result::Shape::Step(y) => (Form::Line, SeriesKind::Step(y.clone())),
         // A few points are read one by one.
-        result::Shape::Points(y) if y.len() <= LARGE_DOTS => (Form::Points, Kind::Marks(y.clone())),
-        result::Shape::Points(y) => (Form::Points, Kind::Points(y.clone())),
-        result::Shape::Band { lower, upper } => (Form::Band, Kind::Band { lower: lower.clone(), upper: upper.clone() }),
+        result::Shape::Points(y) if y.len() <= LARGE_DOTS => (Form::Points, SeriesKind::Marks(y.clone())),
+        result::Shape::Points(y) => (Form::Points, SeriesKind::Points(y.clone())),
+        result::Shape::Band { lower, upper } => {
+            (Form::Band, SeriesKind::Band { lower: lower.clone(), upper: upper.clone() })
+        }
     };
     let (colour, stroke) = styles.of(&curve.label, curve.meaning, form);
     Series::new(curve.label.clone(), colour, &curve.x, kind).with_stroke(stroke).joined()

@@ -8,10 +8,10 @@ use std::sync::Arc;
 /// use std::sync::Arc;
 ///
 /// use phugoid_report::Figure;
-/// use phugoid_report::figure::{Axis, Colour, EventMark, Kind, Panel, Series};
+/// use phugoid_report::figure::{Axis, Colour, EventMark, SeriesKind, Panel, Series};
 ///
 /// let time_s: Arc<[f64]> = Arc::from([0.0, 1.0, 2.0]);
-/// let elevator = Series::new("commanded", Colour::Blue, &time_s, Kind::Step(vec![0.0, -2.0, 0.0]));
+/// let elevator = Series::new("commanded", Colour::Blue, &time_s, SeriesKind::Step(vec![0.0, -2.0, 0.0]));
 /// let figure = Figure {
 ///     title: "Pull-up <1>".to_owned(),
 ///     x: Axis::new("Time", "s"),
@@ -49,10 +49,10 @@ pub struct Figure {
 /// use std::sync::Arc;
 ///
 /// use phugoid_report::Figure;
-/// use phugoid_report::figure::{Axis, Colour, Kind, Panel, Series};
+/// use phugoid_report::figure::{Axis, Colour, SeriesKind, Panel, Series};
 ///
 /// let x: Arc<[f64]> = Arc::from([0.0, 10.0]);
-/// let line = Series::new("", Colour::Ink, &x, Kind::Line(vec![-0.31, 0.12]));
+/// let line = Series::new("", Colour::Ink, &x, SeriesKind::Line(vec![-0.31, 0.12]));
 /// let y = Axis::new("Cm", "–").with_range(-0.31, 0.12);
 /// let figure = Figure { panels: vec![Panel::plot(y, vec![line])], ..Figure::default() };
 /// let svg = figure.to_svg();
@@ -206,13 +206,13 @@ impl Panel {
 /// use std::sync::Arc;
 ///
 /// use phugoid_report::Figure;
-/// use phugoid_report::figure::{Axis, Colour, Kind, Panel, Series};
+/// use phugoid_report::figure::{Axis, Colour, SeriesKind, Panel, Series};
 ///
 /// let x: Arc<[f64]> = (0..200_000).map(f64::from).collect();
 /// let draw = |spike: f64| {
 ///     let mut y = vec![0.0; x.len()];
 ///     y[123_456] = spike;
-///     let line = Series::new("", Colour::Blue, &x, Kind::Line(y));
+///     let line = Series::new("", Colour::Blue, &x, SeriesKind::Line(y));
 ///     let panel = Panel::plot(Axis::new("y", "").with_range(-1.0, 1.0), vec![line]);
 ///     Figure { panels: vec![panel], ..Figure::default() }.to_svg()
 /// };
@@ -234,12 +234,12 @@ pub struct Series {
     /// Abscissa. It has to ascend, except for curves and trajectories.
     pub x: Arc<[f64]>,
     /// How the series is drawn, with its ordinates.
-    pub kind: Kind,
+    pub kind: SeriesKind,
 }
 
 /// How a series is drawn, with its ordinates, one for each abscissa. Ordinates that are not finite interrupt it.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Kind {
+pub enum SeriesKind {
     /// Straight lines from sample to sample.
     Line(Vec<f64>),
     /// Steps: each value is valid until the next sample.
@@ -259,7 +259,7 @@ pub enum Kind {
     },
     /// Straight lines between samples whose abscissas may have any order.
     Curve(Vec<f64>),
-    /// As [`Kind::Curve`], but thinner and with a dot at the end, such as the path of an estimate in the plane of two
+    /// As [`SeriesKind::Curve`], but thinner and with a dot at the end, such as the path of an estimate in the plane of two
     /// parameters.
     Trajectory(Vec<f64>),
 }
@@ -267,7 +267,7 @@ pub enum Kind {
 impl Series {
     /// A series with a solid stroke. If abscissa and ordinates differ in length, the samples beyond the shorter one are
     /// not drawn.
-    pub fn new(label: impl Into<String>, colour: Colour, x: &Arc<[f64]>, kind: Kind) -> Self {
+    pub fn new(label: impl Into<String>, colour: Colour, x: &Arc<[f64]>, kind: SeriesKind) -> Self {
         Self { label: label.into(), colour, stroke: Stroke::Solid, joined: false, x: Arc::clone(x), kind }
     }
 

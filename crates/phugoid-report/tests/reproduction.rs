@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use markup::assert_balanced;
-use phugoid_report::figure::{Body, Colour, Kind, Stroke};
+use phugoid_report::figure::{Body, Colour, SeriesKind, Stroke};
 use phugoid_report::{NotRun, ReproductionOptions, chart_figure, reproduction_html};
 use phugoid_studies::reproduction::result::{
     Axis, Behaviour, Cell, Chart, Column, Content, Curve, Level, Meaning, Outcome, Panel, ParameterOutcome,
@@ -190,7 +190,7 @@ fn meanings_decide_colours_and_strokes() {
     );
     // A command of four samples, seconds apart, is one unbroken step.
     let command = &series(&estimates(), 1)[0];
-    assert!(command.joined && matches!(command.kind, Kind::Step(_)));
+    assert!(command.joined && matches!(command.kind, SeriesKind::Step(_)));
 }
 
 #[test]

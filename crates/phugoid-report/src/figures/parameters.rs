@@ -3,7 +3,7 @@
 use phugoid_identification::estimation::{ParameterHistory, ParameterResult};
 
 use super::context::{Context, scaled};
-use crate::figure::{At, Axis, Colour, Figure, Kind, Panel, Reference, Series, Stroke};
+use crate::figure::{At, Axis, Colour, Figure, Panel, Reference, Series, SeriesKind, Stroke};
 use crate::names::DisplayUnit;
 use crate::ticks::with_error;
 
@@ -47,10 +47,10 @@ fn panels(
     let errors = scaled(&history.std_error, unit);
     let band = |sign: f64| values.iter().zip(&errors).map(|(v, s)| v + 2.0 * sign * s).collect::<Vec<f64>>();
     let series = || {
-        let spread = Kind::Band { lower: band(-1.0), upper: band(1.0) };
+        let spread = SeriesKind::Band { lower: band(-1.0), upper: band(1.0) };
         vec![
             Series::new("±2σ (corrected)", Colour::Blue, &context.time, spread),
-            Series::new("estimate", Colour::Blue, &context.time, Kind::Line(values.clone())),
+            Series::new("estimate", Colour::Blue, &context.time, SeriesKind::Line(values.clone())),
         ]
     };
     let last = Final {

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::context::{Context, scaled};
-use crate::figure::{At, Axis, Colour, Figure, Kind, Panel, Reference, Series, Stroke};
+use crate::figure::{At, Axis, Colour, Figure, Panel, Reference, Series, SeriesKind, Stroke};
 
 /// Planes that are drawn at most.
 const MOST: usize = 6;
@@ -88,11 +88,11 @@ fn plane(r: f64, x: Direction, y: Direction) -> Option<Panel> {
     let path: Arc<[f64]> = Arc::from(&x.path[came.min(x.path.len())..]);
     let path_y = y.path.get(came..).unwrap_or_default().to_vec();
     let mut series = vec![
-        Series::new("path of the estimate; the dot is its end", Colour::Blue, &path, Kind::Trajectory(path_y)),
-        Series::new("2σ ellipse", Colour::Orange, &ellipse_x, Kind::Curve(ellipse_y)),
+        Series::new("path of the estimate; the dot is its end", Colour::Blue, &path, SeriesKind::Trajectory(path_y)),
+        Series::new("2σ ellipse", Colour::Orange, &ellipse_x, SeriesKind::Curve(ellipse_y)),
     ];
     if let Some((x, y)) = x.truth.zip(y.truth) {
-        series.push(Series::new("truth", Colour::Vermillion, &Arc::from([x]), Kind::Marks(vec![y])));
+        series.push(Series::new("truth", Colour::Vermillion, &Arc::from([x]), SeriesKind::Marks(vec![y])));
     }
     let centre =
         |at| Reference { label: String::new(), colour: Colour::Grid, stroke: Stroke::Solid, at, on_top: false };

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use phugoid_identification::estimation::Signal;
 
 use super::context::{Context, display_axis, scaled};
-use crate::figure::{Axis, Colour, Figure, Kind, LINE_COLOURS, Panel, Series};
+use crate::figure::{Axis, Colour, Figure, LINE_COLOURS, Panel, Series, SeriesKind};
 use crate::names::{display_unit, legend_label, signal_label};
 
 /// The inputs that the estimator used; `None` without inputs.
@@ -14,7 +14,7 @@ pub(super) fn inputs(context: &Context) -> Option<(String, Figure)> {
     let mut figure = context.figure("Inputs", "Known inputs as the estimator used them.");
     for input in inputs {
         let (axis, unit) = display_axis(signal_label(&input.name), &input.unit);
-        let line = Kind::Line(scaled(&input.values, &unit));
+        let line = SeriesKind::Line(scaled(&input.values, &unit));
         figure.panels.push(Panel::plot(axis, vec![Series::new("", Colour::Blue, &context.time, line)]));
     }
     (!inputs.is_empty()).then(|| ("inputs".to_owned(), figure))
@@ -30,10 +30,10 @@ pub(super) fn outputs(context: &Context) -> Option<(String, Figure)> {
     );
     for measured in &history.measured {
         let (axis, unit) = display_axis(signal_label(&measured.name), &measured.unit);
-        let dots = Kind::Points(scaled(&measured.values, &unit));
+        let dots = SeriesKind::Points(scaled(&measured.values, &unit));
         let mut series = vec![Series::new("measured", Colour::Ink, &context.time, dots)];
         if let Some(predicted) = history.predicted.iter().find(|p| p.name == measured.name) {
-            let line = Kind::Line(scaled(&predicted.values, &unit));
+            let line = SeriesKind::Line(scaled(&predicted.values, &unit));
             series.push(Series::new("estimated model, one step ahead", Colour::Vermillion, &context.time, line));
         }
         figure.panels.push(Panel::plot(axis, series));
@@ -88,7 +88,7 @@ pub fn time_histories(title: &str, caption: &str, time_s: &[f64], panels: &[Time
             .zip(LINE_COLOURS.iter().cycle())
             .map(|(signal, colour)| {
                 let name = if several { legend_label(&signal.name) } else { String::new() };
-                Series::new(name, *colour, &time, Kind::Line(scaled(&signal.values, &unit)))
+                Series::new(name, *colour, &time, SeriesKind::Line(scaled(&signal.values, &unit)))
             })
             .collect();
         figure.panels.push(Panel::plot(Axis::new(label, unit.text), series));

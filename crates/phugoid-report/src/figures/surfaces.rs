@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::context::Context;
-use crate::figure::{At, Axis, Body, Colour, Figure, Kind, Panel, Reference, Series, Stroke};
+use crate::figure::{At, Axis, Body, Colour, Figure, Panel, Reference, Series, SeriesKind, Stroke};
 
 /// Number of surfaces in a figure, so that it fits on a page.
 const PER_FIGURE: usize = 8;
@@ -32,7 +32,7 @@ pub(super) fn figures(context: &Context) -> Vec<(String, Figure)> {
             Some([low, high]) => axis.with_range(low, high),
             None => axis,
         };
-        let line = Series::new("surface", Colour::Blue, &context.time, Kind::Line(surface));
+        let line = Series::new("surface", Colour::Blue, &context.time, SeriesKind::Line(surface));
         panels.push(Panel::plot(axis, vec![line]).with_height(84.0).with_reference(zero()));
     }
     let strip = phase_strip(context);
