@@ -1,5 +1,5 @@
-//! The true airspeed where a sender gives only an equivalent, calibrated or indicated one. It is computed if the density of the air is known;
-//! without a density the channel stays missing.
+//! The true airspeed where a sender gives only an equivalent, calibrated or indicated one. It is computed if the
+//! density of the air is known; without a density the channel stays missing.
 
 use phugoid_flight_data::airspeed::{density, true_over_equivalent};
 
@@ -15,7 +15,8 @@ pub(crate) const SOURCES: [&str; 6] = [
 const SPEEDS: usize = 3;
 /// A value of density, pressure or temperature is used for this long, s, as in a log.
 const AIR_VALID_S: f64 = 5.0;
-/// A missing density is reported only after this long, s, because the messages with pressure and temperature come less often.
+/// A missing density is reported only after this long, s, because the messages with pressure and temperature come less
+/// often.
 const REPORT_AFTER_S: f64 = 2.0;
 
 /// Computes the true airspeed of each sample.
@@ -124,8 +125,8 @@ impl TrueAirspeed {
     }
 }
 
-/// The error that follows if another airspeed is taken for the true one. From the standard atmosphere (ISO 2533), 1.112 kg/m^3 at 1000 m and
-/// 0.909 kg/m^3 at 3000 m; a coefficient is a force over the square of the speed.
+/// The error that follows if another airspeed is taken for the true one. From the standard atmosphere (ISO 2533), 1.112
+/// kg/m^3 at 1000 m and 0.909 kg/m^3 at 3000 m; a coefficient is a force over the square of the speed.
 pub(crate) const ERROR_WITHOUT_DENSITY: &str =
     "at 1000 m it is 5 % lower than V, which makes coefficients 10 % too large, at 3000 m 14 % and 35 %";
 

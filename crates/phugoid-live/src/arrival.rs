@@ -14,21 +14,22 @@ use std::time::{Instant, SystemTime, UNIX_EPOCH};
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Arrival {
-    /// Monotonic time since the start of the reception, ns. It never decreases within a recording; every decision of the receiver depends on
-    /// this time only.
+    /// Monotonic time since the start of the reception, ns. It never decreases within a recording; every decision of
+    /// the receiver depends on this time only.
     pub arrival_ns: u64,
     /// Wall clock, ns since 1970-01-01 UTC. It is recorded for people; no decision depends on it.
     pub wall_ns: u64,
     /// Number of the sender among those of the source, from 0.
     pub origin: u16,
-    /// What happened.
+    /// What happened, with the bytes that came.
     pub content: Content,
 }
 
 /// What happened at a source.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Content {
-    /// A sender appeared; the text is its address or name. What was kept of an earlier sender with the same number is discarded.
+    /// A sender appeared; the text is its address or name. What was kept of an earlier sender with the same number is
+    /// discarded.
     Opened(String),
     /// A datagram. A line or a frame ends where the datagram ends.
     Datagram(Vec<u8>),

@@ -29,9 +29,10 @@ use crate::link::{Counts, LatencyMs};
 #[derive(Clone, Debug, Serialize)]
 #[serde(tag = "type", rename_all = "snake_case")]
 pub enum Document<'a> {
-    /// Says what the arrays of the estimates hold. It is the first document, and comes again after a restart of the sender.
+    /// Says what the arrays of the estimates hold. It is the first document, and comes again after a restart of the
+    /// sender.
     Hello {
-        /// Version of this crate.
+        /// Version of this crate, such as `0.1.0`.
         version: &'static str,
         /// Where the data come from, as on the command line.
         source: &'a str,
@@ -56,13 +57,13 @@ pub enum Document<'a> {
         moved: bool,
         /// Parameters in the order of the layout.
         parameters: Parameters<'a>,
-        /// Measured outputs, SI.
+        /// Measured outputs in the order of the layout, SI.
         outputs: &'a [f64],
-        /// Outputs that were predicted one sample ahead, SI.
+        /// Outputs that the model predicted one sample ahead, SI.
         predicted: &'a [f64],
         /// Whitened residuals, in standard deviations.
         residuals: &'a [f64],
-        /// Inputs, SI.
+        /// Inputs in the order of the layout, SI.
         inputs: &'a [f64],
     },
     /// Something happened that a person should know.
@@ -73,14 +74,14 @@ pub enum Document<'a> {
         arrival_s: f64,
         /// What it is about, one word.
         kind: &'a EventKind,
-        /// What happened, one sentence.
+        /// What happened, as one sentence for people.
         message: &'a str,
     },
     /// What the link did since the start; published once a second.
     Link {
         /// Time since the start of the reception, s.
         arrival_s: f64,
-        /// Counts since the start.
+        /// Counts of the link since the start; their fields stand in the document itself.
         #[serde(flatten)]
         counts: Counts,
         /// Quantiles of the time from arrival to estimate, ms.
@@ -94,11 +95,11 @@ pub enum Document<'a> {
         /// What the estimation waits for; `None` once it has begun.
         waiting: Option<&'a str>,
     },
-    /// The last document.
+    /// The last document of a stream.
     End {
         /// Why the estimation ended, for people.
         reason: &'a str,
-        /// Counts at the end.
+        /// Counts of the link at the end; their fields stand in the document itself.
         #[serde(flatten)]
         counts: Counts,
         /// Number of estimates that were made; not all of them are published.
@@ -108,8 +109,8 @@ pub enum Document<'a> {
     },
 }
 
-/// The parameters of an estimate. Their readiness (verdict, reason, advice) seldom changes and is long, so it is written only into the
-/// documents where it was renewed and holds until the next of them.
+/// The parameters of an estimate. Their readiness (verdict, reason, advice) seldom changes and is long, so it is
+/// written only into the documents where it was renewed and holds until the next of them.
 #[derive(Clone, Copy, Debug)]
 pub struct Parameters<'a> {
     parameters: &'a [LiveParameter],
@@ -152,7 +153,7 @@ pub enum DocumentKind {
     Event,
     /// Counts of the link; a later one replaces it.
     Link,
-    /// The last document.
+    /// The last document of a stream.
     End,
 }
 
@@ -167,15 +168,15 @@ impl DocumentKind {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum DocumentType {
-    /// [`Document::Hello`].
+    /// `hello`: see [`Document::Hello`].
     Hello,
-    /// [`Document::Estimate`].
+    /// `estimate`: see [`Document::Estimate`].
     Estimate,
-    /// [`Document::Event`].
+    /// `event`: see [`Document::Event`].
     Event,
-    /// [`Document::Link`].
+    /// `link`: see [`Document::Link`].
     Link,
-    /// [`Document::End`].
+    /// `end`: see [`Document::End`].
     End,
     /// No type, or one that a later version has added. Such a document is to be passed over.
     #[serde(other)]
@@ -193,7 +194,8 @@ impl DocumentType {
 pub type Publish<'a> = &'a mut dyn FnMut(DocumentKind, &str);
 
 impl<'a> Document<'a> {
-    /// The document of a snapshot. `flight` counts the restarts of the sender; the readiness of the parameters is written only if asked for.
+    /// The document of a snapshot. `flight` counts the restarts of the sender; the readiness of the parameters is
+    /// written only if asked for.
     pub fn estimate(flight: u64, snapshot: &'a Snapshot, with_readiness: bool) -> Self {
         Self::Estimate {
             flight,
@@ -216,7 +218,8 @@ impl<'a> Document<'a> {
     }
 }
 
-/// Publishes an event that happened `now_ns` after the start of the reception; `time_s` is the sender's time where the event has one.
+/// Publishes an event that happened `now_ns` after the start of the reception; `time_s` is the sender's time where the
+/// event has one.
 pub(crate) fn publish_event(time_s: Option<f64>, now_ns: u64, kind: &EventKind, message: &str, publish: Publish<'_>) {
     let document = Document::Event { time_s, arrival_s: seconds(now_ns), kind, message };
     publish(DocumentKind::Event, &document.text());

@@ -1,4 +1,5 @@
-//! From arrivals to documents: reception and estimation, without threads, files or clocks. The same arrivals give the same documents.
+//! From arrivals to documents: reception and estimation, without threads, files or clocks. The same arrivals give the
+//! same documents.
 
 mod estimation;
 
@@ -18,7 +19,8 @@ use estimation::Estimation;
 /// Time between two documents about the link, ns.
 const LINK_INTERVAL_NS: u64 = 1_000_000_000;
 
-/// Counts of the recorder and of the writer of lines, which the engine does not know; they go into the document about the link.
+/// Counts of the recorder and of the writer of lines, which the engine does not know; they go into the document about
+/// the link.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct WriterCounts {
     /// Bytes of the recording so far.
@@ -31,8 +33,8 @@ pub struct WriterCounts {
 
 /// Reception and estimation of one live stream.
 ///
-/// The caller hands over what arrives ([`Engine::take`]) and calls [`Engine::advance`] when [`Engine::deadline_ns`] has passed; every
-/// document goes to the function that it passes in.
+/// The caller hands over what arrives ([`Engine::take`]) and calls [`Engine::advance`] when [`Engine::deadline_ns`] has
+/// passed; every document goes to the function that it passes in.
 ///
 /// ```
 /// use phugoid_identification::estimate::EstimateOptions;
@@ -60,12 +62,12 @@ pub struct Engine {
 }
 
 impl Engine {
-    /// An engine that has received nothing. `source` is the name of the source, which goes into the `hello` document. It publishes at most
-    /// fifty estimates a second; see [`Engine::with_every_estimate`].
+    /// An engine that has received nothing. `source` is the name of the source, which goes into the `hello` document.
+    /// It publishes at most fifty estimates a second; see [`Engine::with_every_estimate`].
     ///
     /// # Errors
-    /// [`EstimateError`] if the model and the options cannot be estimated live, or if a column mapping of the model file names a field that
-    /// MAVLink does not have.
+    /// [`EstimateError`] if the model and the options cannot be estimated live, or if a column mapping of the model
+    /// file names a field that MAVLink does not have.
     pub fn new(
         model: &ModelFile,
         options: &EstimateOptions,
@@ -89,7 +91,8 @@ impl Engine {
         self
     }
 
-    /// Sets the start of the reception, ns since 1970-01-01 UTC, for the `hello` document. Without it `started` is `null` there.
+    /// Sets the start of the reception, ns since 1970-01-01 UTC, for the `hello` document. Without it `started` is
+    /// `null` there.
     pub fn with_start(mut self, wall_ns: u64) -> Self {
         self.estimation.started = utc::text(wall_ns as f64 / 1e9);
         self
@@ -115,8 +118,9 @@ impl Engine {
         arrival.arrival_ns = arrival.arrival_ns.max(self.now_ns);
     }
 
-    /// Takes an arrival and publishes what follows from it. `finished_ns` is asked for the present time on the clock of the arrivals when an
-    /// estimate is finished, for the latency; in a replay, where that clock does not run, it should return 0.
+    /// Takes an arrival and publishes what follows from it. `finished_ns` is asked for the present time on the clock of
+    /// the arrivals when an estimate is finished, for the latency; in a replay, where that clock does not run, it
+    /// should return 0.
     pub fn take(&mut self, arrival: &Arrival, finished_ns: &dyn Fn() -> u64, publish: Publish<'_>) {
         self.now_ns = self.now_ns.max(arrival.arrival_ns);
         let (estimation, now_ns) = (&mut self.estimation, self.now_ns);
@@ -128,7 +132,8 @@ impl Engine {
         self.receiver.deadline_ns()
     }
 
-    /// Does what was due until this time, ns: samples that waited for missing messages, and the event that nothing arrives.
+    /// Does what was due until this time, ns: samples that waited for missing messages, and the event that nothing
+    /// arrives.
     pub fn advance(&mut self, now_ns: u64, finished_ns: &dyn Fn() -> u64, publish: Publish<'_>) {
         // Each step gets the time at which it was due, not the present time, so that a replay gives the same documents.
         while let Some(due_ns) = self.receiver.deadline_ns().filter(|due| *due <= now_ns) {
@@ -168,7 +173,8 @@ impl Engine {
         publish_event(None, now_ns, &kind.into(), message, publish);
     }
 
-    /// Uses the samples that still wait and publishes the last document. `reason` says to people why the estimation ends.
+    /// Uses the samples that still wait and publishes the last document. `reason` says to people why the estimation
+    /// ends.
     pub fn end(&mut self, reason: &str, finished_ns: &dyn Fn() -> u64, publish: Publish<'_>) {
         let (estimation, now_ns) = (&mut self.estimation, self.now_ns);
         self.receiver.finish(&mut |reception| estimation.take(reception, now_ns, finished_ns, publish));

@@ -7,7 +7,7 @@ use serde::Serialize;
 pub struct Counts {
     /// Datagrams and pieces of streams that arrived.
     pub packets: u64,
-    /// Bytes in the packets.
+    /// Number of bytes in the packets.
     pub bytes: u64,
     /// MAVLink frames and rows of text that were recognised as such.
     pub received: u64,
@@ -33,8 +33,8 @@ pub struct Counts {
     pub refused: u64,
 }
 
-/// Histogram of the times from arrival to estimate, in bounded memory. Its buckets are a sixteenth of an octave wide and reach from 1 us
-/// to more than a minute, so a quantile is at most 4.5 % (one bucket) above the exact one.
+/// Histogram of the times from arrival to estimate, in bounded memory. Its buckets are a sixteenth of an octave wide
+/// and reach from 1 us to more than a minute, so a quantile is at most 4.5 % (one bucket) above the exact one.
 ///
 /// ```
 /// use phugoid_live::link::Latency;
@@ -68,18 +68,19 @@ impl Default for Latency {
 /// Quantiles of the latency, ms; all `None` before the first estimate.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct LatencyMs {
-    /// Median.
+    /// Median: half of the latencies are below it.
     pub p50: Option<f64>,
     /// 99 % of the latencies are below it.
     pub p99: Option<f64>,
     /// 99.9 % of the latencies are below it.
     pub p99_9: Option<f64>,
-    /// The largest latency, exact.
+    /// The largest latency; unlike the quantiles it is exact.
     pub max: Option<f64>,
 }
 
 impl Latency {
-    /// Adds one latency, ns. What is shorter than 1 us counts as 1 us, what is longer than the last bucket goes into the last bucket.
+    /// Adds one latency, ns. What is shorter than 1 us counts as 1 us, what is longer than the last bucket goes into
+    /// the last bucket.
     pub fn add(&mut self, latency_ns: u64) {
         let octaves = (latency_ns.max(1_000) as f64 / 1e3).log2();
         let bucket = ((octaves * BUCKETS_PER_OCTAVE as f64) as usize).min(self.buckets.len() - 1);

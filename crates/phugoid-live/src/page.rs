@@ -13,12 +13,12 @@ pub struct Asset {
     pub path: &'static str,
     /// MIME type, with the character set where it is text.
     pub content_type: &'static str,
-    /// Bytes of the file.
+    /// The bytes of the file.
     pub body: &'static [u8],
 }
 
-/// The files of the page. The page reads the documents from `events` in the same folder (server-sent events). It sends the query of its own
-/// address, in which the token may be, along with that request.
+/// The files of the page. The page reads the documents from `events` in the same folder (server-sent events). It sends
+/// the query of its own address, in which the token may be, along with that request.
 pub static ASSETS: LazyLock<Vec<Asset>> =
     LazyLock::new(|| vec![Asset { path: "/", content_type: "text/html; charset=utf-8", body: PAGE.as_bytes() }]);
 

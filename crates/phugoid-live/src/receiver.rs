@@ -1,5 +1,5 @@
-//! From arrivals to samples on one time base. The result depends on the arrivals and their stamps only, so a recording gives the same
-//! samples as the flight.
+//! From arrivals to samples on one time base. The result depends on the arrivals and their stamps only, so a recording
+//! gives the same samples as the flight.
 
 mod stream;
 
@@ -18,7 +18,8 @@ use stream::{Piece, Stream};
 /// How the bytes that arrive are interpreted.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ReceiverOptions {
-    /// Columns that the model file maps to channels (`[channels]`): headers of CSV, keys of JSON, or `MESSAGE.field` of MAVLink.
+    /// Columns that the model file maps to channels (`[channels]`): headers of CSV, keys of JSON, or `MESSAGE.field` of
+    /// MAVLink.
     pub columns: Vec<ColumnMapping>,
     /// Options that concern MAVLink only.
     pub mavlink: MavlinkOptions,
@@ -45,9 +46,9 @@ pub enum Reception<'a> {
     },
     /// Something happened that a person should know.
     Event {
-        /// What it is about.
+        /// What the event is about.
         kind: LiveEventKind,
-        /// What happened, one sentence.
+        /// What happened, as one sentence for people.
         message: String,
     },
 }
@@ -107,8 +108,8 @@ impl Receiver {
     /// A receiver for samples that hold the channels `asked_for` (canonical names), in this order.
     ///
     /// # Errors
-    /// A sentence for people, if a column mapping names a field that its MAVLink message does not have, a unit that does not suit the channel, or
-    /// a command without a scale.
+    /// A sentence for people, if a column mapping names a field that its MAVLink message does not have, a unit that
+    /// does not suit the channel, or a command without a scale.
     pub fn new(asked_for: &[String], options: &ReceiverOptions) -> Result<Self, String> {
         let asked = asked_for.len();
         let mut channels = asked_for.to_vec();
@@ -134,8 +135,8 @@ impl Receiver {
         })
     }
 
-    /// Sets the density of the air that the model file states, kg/m^3. The true airspeed is then computed with it from another airspeed, if
-    /// the sender gives no true one. `None` leaves the density to the channels that arrive.
+    /// Sets the density of the air that the model file states, kg/m^3. The true airspeed is then computed with it from
+    /// another airspeed, if the sender gives no true one. `None` leaves the density to the channels that arrive.
     pub fn with_air_density(mut self, density: Option<f64>) -> Self {
         self.airspeed = self.airspeed.map(|airspeed| airspeed.with_density(density));
         self
@@ -146,7 +147,8 @@ impl Receiver {
         &self.counts
     }
 
-    /// What is missing for the true airspeed although another airspeed arrives, as a sentence; `None` if nothing is missing.
+    /// What is missing for the true airspeed although another airspeed arrives, as a sentence; `None` if nothing is
+    /// missing.
     pub fn missing(&self) -> Option<String> {
         self.airspeed.as_ref().and_then(TrueAirspeed::missing)
     }
@@ -158,7 +160,8 @@ impl Receiver {
         [self.mavlink.deadline_ns(), silence].into_iter().flatten().min()
     }
 
-    /// Does what was due until this time, ns: hands over samples that have waited long enough for missing messages, and reports silence.
+    /// Does what was due until this time, ns: hands over samples that have waited long enough for missing messages, and
+    /// reports silence.
     pub fn advance(&mut self, now_ns: u64, out: &mut dyn FnMut(Reception<'_>)) {
         while let Some(due_ns) = self.deadline_ns().filter(|due| *due <= now_ns) {
             if !self.silence_published && self.newest_ns > 0 && due_ns >= self.newest_ns.saturating_add(SILENCE_NS) {
@@ -169,7 +172,8 @@ impl Receiver {
         }
     }
 
-    /// Takes an arrival and hands over the samples and events that follow from it. What was due before its time is done first.
+    /// Takes an arrival and hands over the samples and events that follow from it. What was due before its time is done
+    /// first.
     pub fn take(&mut self, arrival: &Arrival, out: &mut dyn FnMut(Reception<'_>)) {
         let now_ns = arrival.arrival_ns;
         self.advance(now_ns, out);

@@ -32,7 +32,7 @@ pub struct Live<'a> {
     pub model: &'a ModelFile,
     /// Text of the model file, which goes into the recording.
     pub model_text: &'a str,
-    /// Estimator and its options.
+    /// The estimator and its options, as for a record.
     pub options: &'a EstimateOptions,
     /// How the bytes that arrive are interpreted.
     pub receiver: &'a ReceiverOptions,
@@ -42,7 +42,8 @@ pub struct Live<'a> {
     pub all: bool,
     /// What happens if the reader of the lines is slow.
     pub when_slow: WhenSlow,
-    /// True for a replay: the arrivals have the stamps of another time, so no clock of this machine is used and there is no latency.
+    /// True for a replay: the arrivals have the stamps of another time, so no clock of this machine is used and there
+    /// is no latency.
     pub replayed: bool,
     /// For a replay, the start of the original reception, ns since 1970-01-01 UTC; `None` for what is received now.
     pub started_wall_ns: Option<u64>,
@@ -66,7 +67,7 @@ pub enum LiveError {
     /// The recording cannot be created or written.
     #[error("the recording `{}` cannot be written: {error}", file.display())]
     Recording {
-        /// File of the recording.
+        /// Path of the recording.
         file: PathBuf,
         /// What the operating system said.
         error: io::Error,
@@ -80,8 +81,9 @@ pub enum LiveError {
 }
 
 impl Live<'_> {
-    /// Receives from `source` until it ends, `stop` is set, or nobody reads the lines any more. Every document goes to `out` as a line of JSON
-    /// and to each audience. The estimation runs on a thread with the stack that large models need; this call waits for it.
+    /// Receives from `source` until it ends, `stop` is set, or nobody reads the lines any more. Every document goes to
+    /// `out` as a line of JSON and to each audience. The estimation runs on a thread with the stack that large models
+    /// need; this call waits for it.
     ///
     /// # Errors
     /// [`LiveError`]. What was received until then is in the recording.

@@ -24,7 +24,7 @@ pub enum Why {
     Signal,
     /// The terminal view was left.
     ViewLeft,
-    /// The estimation is finished.
+    /// The estimation is finished, so the other threads have nothing more to do.
     Over,
 }
 

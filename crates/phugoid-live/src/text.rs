@@ -17,8 +17,9 @@ pub(crate) struct Lines {
 }
 
 impl Lines {
-    /// Adds bytes and returns the lines that are complete now, without their ends and without blank lines. With `ends` the last byte ends a
-    /// line too, as in a datagram. The second value is the number of bytes that were dropped because a line was longer than 64 KiB.
+    /// Adds bytes and returns the lines that are complete now, without their ends and without blank lines. With `ends`
+    /// the last byte ends a line too, as in a datagram. The second value is the number of bytes that were dropped
+    /// because a line was longer than 64 KiB.
     pub(crate) fn push(&mut self, bytes: &[u8], ends: bool) -> (Vec<Vec<u8>>, usize) {
         let mut lines = Vec::new();
         self.buffer.extend_from_slice(bytes);
@@ -39,7 +40,7 @@ impl Lines {
     }
 }
 
-/// What a line was.
+/// What was found in a line.
 #[derive(Debug, PartialEq)]
 pub(crate) enum Row {
     /// A sample with this time, s. Its values are in the caller's buffer, one for each of [`Rows::columns`].
@@ -182,14 +183,15 @@ impl Rows {
         }
     }
 
-    /// Whether the line that gave new columns is a sample too (JSON), so that it has to be passed once more. A CSV header is not.
+    /// Whether the line that gave new columns is a sample too (JSON), so that it has to be passed once more. A CSV
+    /// header is not.
     pub(crate) fn columns_come_with_a_sample(&self) -> bool {
         matches!(self.form, Form::Json(_))
     }
 }
 
-/// Whether a text stream can begin with this line: a JSON object, or a header line with a time. The error is the reason why a header line
-/// cannot, if the line looks like one.
+/// Whether a text stream can begin with this line: a JSON object, or a header line with a time. The error is the reason
+/// why a header line cannot, if the line looks like one.
 pub(crate) fn can_begin(line: &[u8], options: &CsvOptions) -> Result<(), Option<String>> {
     let line = std::str::from_utf8(line).map_err(|_| None)?.trim();
     if line.starts_with('{') {

@@ -1,10 +1,12 @@
 //! The sender's clock: whether the time of a sample goes on, goes back or stands still.
 
-/// A time that is earlier than the last one by more than this, s, means that the sender was restarted; by less, that the sample is late.
+/// A time that is earlier than the last one by more than this, s, means that the sender was restarted; by less, that
+/// the sample is late.
 const RESTART_S: f64 = 1.0;
 /// A time that is later than the last one by more than this, s, is taken for another time scale and not for a gap.
 const AHEAD_S: f64 = 60.0;
-/// Samples in a row that have to agree on another time scale before it is accepted, because a single time may be damaged.
+/// Samples in a row that have to agree on another time scale before it is accepted, because a single time may be
+/// damaged.
 const AGREEING: u8 = 3;
 /// The clock counts as standing still if the time is the same for this long, ns of arrival, while samples arrive.
 const STALL_NS: u64 = 1_000_000_000;

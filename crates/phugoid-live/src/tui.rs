@@ -39,8 +39,8 @@ pub fn channel() -> (Listener, Receiver<String>) {
     (Listener(send), receive)
 }
 
-/// Shows the documents on the terminal until `q` or Ctrl-C is pressed, which sets `stop`, or until `stop` is set and no more documents come.
-/// It uses the whole screen and restores it at the end, also after an error.
+/// Shows the documents on the terminal until `q` or Ctrl-C is pressed, which sets `stop`, or until `stop` is set and no
+/// more documents come. It uses the whole screen and restores it at the end, also after an error.
 ///
 /// # Errors
 /// What the operating system says if the terminal cannot be read or written.

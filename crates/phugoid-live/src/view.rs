@@ -1,5 +1,5 @@
-//! A finished result, made ready for the page. It comes from the JSON of `phugoid estimate --json --history`, from the documents that `phugoid
-//! live` has published, or from a recording that is estimated again.
+//! A finished result, made ready for the page. It comes from the JSON of `phugoid estimate --json --history`, from the
+//! documents that `phugoid live` has published, or from a recording that is estimated again.
 
 mod documents;
 mod estimation;
@@ -16,8 +16,8 @@ use std::path::Path;
 use serde_json::Value;
 
 impl Finished {
-    /// Reads a result from a file, which holds either one document or one per line. Lines that cannot be read are left out, and the page
-    /// says so.
+    /// Reads a result from a file, which holds either one document or one per line. Lines that cannot be read are left
+    /// out, and the page says so.
     ///
     /// # Errors
     /// [`ViewError`] if the file cannot be read, is no result, or has no histories.

@@ -8,9 +8,9 @@ use crate::ticks::compact;
 /// A ratio of this size or more has the strongest orange.
 const BAD_RATIO: f64 = 5.0;
 
-/// The figures of a comparison, each with a name that can serve as file name: error over the bound after the last checkpoint (`error`), coverage
-/// after each checkpoint (`coverage-0`, ...), time until all parameters are within 5 % (`settled`), and, if there was damage, the changes found
-/// (`changes`).
+/// The figures of a comparison, each with a name that can serve as file name: error over the bound after the last
+/// checkpoint (`error`), coverage after each checkpoint (`coverage-0`, ...), time until all parameters are within 5 %
+/// (`settled`), and, if there was damage, the changes found (`changes`).
 pub fn arena_figures(arena: &Arena) -> Vec<(String, Figure)> {
     let mut figures = vec![("error".to_owned(), error(arena))];
     let checkpoints = arena.entries.iter().flat_map(|e| &e.methods).map(|m| m.checkpoints.len()).max().unwrap_or(0);

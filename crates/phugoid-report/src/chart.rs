@@ -2,7 +2,7 @@
 
 use phugoid_evaluation::chart::{self, Chart, Content, Curve, Level, Meaning};
 
-use crate::figure::{At, Axis, Body, Figure, HeatMap, Kind, Panel, Reference, Series};
+use crate::figure::{At, Axis, Body, Figure, HeatMap, Panel, Reference, Series, SeriesKind};
 
 mod limits;
 mod styles;
@@ -12,8 +12,9 @@ use styles::{Form, Styles};
 /// Series with at most so many points are drawn with large dots.
 const LARGE_DOTS: usize = 150;
 
-/// The figure of a chart. Equal meanings have equal colours in every chart. If several legend entries of one chart have the same meaning, their
-/// strokes differ. A panel in which a method leaves the range of all others by far is cut off, and the caption says so.
+/// The figure of a chart. Equal meanings have equal colours in every chart. If several legend entries of one chart have
+/// the same meaning, their strokes differ. A panel in which a method leaves the range of all others by far is cut off,
+/// and the caption says so.
 ///
 /// ```
 /// use phugoid_report::chart_figure;
@@ -96,13 +97,15 @@ fn plot(styles: &mut Styles, curves: &[Curve], levels: &[Level], instants: &[Lev
 
 fn series(styles: &mut Styles, curve: &Curve) -> Series {
     let (form, kind) = match &curve.shape {
-        chart::Shape::Line(y) if limits::ascending(&curve.x) => (Form::Line, Kind::Line(y.clone())),
-        chart::Shape::Line(y) => (Form::Line, Kind::Curve(y.clone())),
-        chart::Shape::Step(y) => (Form::Line, Kind::Step(y.clone())),
+        chart::Shape::Line(y) if limits::ascending(&curve.x) => (Form::Line, SeriesKind::Line(y.clone())),
+        chart::Shape::Line(y) => (Form::Line, SeriesKind::Curve(y.clone())),
+        chart::Shape::Step(y) => (Form::Line, SeriesKind::Step(y.clone())),
         // A few points are read one by one.
-        chart::Shape::Points(y) if y.len() <= LARGE_DOTS => (Form::Points, Kind::Marks(y.clone())),
-        chart::Shape::Points(y) => (Form::Points, Kind::Points(y.clone())),
-        chart::Shape::Band { lower, upper } => (Form::Band, Kind::Band { lower: lower.clone(), upper: upper.clone() }),
+        chart::Shape::Points(y) if y.len() <= LARGE_DOTS => (Form::Points, SeriesKind::Marks(y.clone())),
+        chart::Shape::Points(y) => (Form::Points, SeriesKind::Points(y.clone())),
+        chart::Shape::Band { lower, upper } => {
+            (Form::Band, SeriesKind::Band { lower: lower.clone(), upper: upper.clone() })
+        }
     };
     let (colour, stroke) = styles.of(&curve.label, curve.meaning, form);
     Series::new(curve.label.clone(), colour, &curve.x, kind).with_stroke(stroke).joined()

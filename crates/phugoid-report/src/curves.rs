@@ -1,7 +1,7 @@
 //! Drawing of series and of bars of states inside a panel.
 
 use crate::decimate;
-use crate::figure::{Colour, Kind, Series, Stroke};
+use crate::figure::{Colour, Series, SeriesKind, Stroke};
 use crate::plot_area::PlotArea;
 use crate::scene::{Scene, Shape};
 
@@ -20,24 +20,25 @@ pub(crate) fn draw(scene: &mut Scene, map: &PlotArea, series: &Series) {
     let points = |y: &[f64]| -> Vec<[f64; 2]> { broken(near(map, &series.x, y), gap).map(|p| place(map, p)).collect() };
     let colour = series.colour;
     match &series.kind {
-        Kind::Line(y) => draw_lines(scene, map, decimate::lines(&points(y)), colour, LINE_WIDTH, series.stroke),
-        Kind::Step(y) => {
+        SeriesKind::Line(y) => draw_lines(scene, map, decimate::lines(&points(y)), colour, LINE_WIDTH, series.stroke),
+        SeriesKind::Step(y) => {
             draw_lines(scene, map, decimate::lines(&steps(&points(y))), colour, LINE_WIDTH, series.stroke);
         }
-        Kind::Points(y) | Kind::Marks(y) => {
+        SeriesKind::Points(y) | SeriesKind::Marks(y) => {
             let mut centres = decimate::points(&points(y));
             centres.retain(|p| map.frame.contains(p));
             if !centres.is_empty() {
-                let (diameter, opacity) = if matches!(series.kind, Kind::Marks(_)) { (MARK, 1.0) } else { (DOT, 0.75) };
+                let (diameter, opacity) =
+                    if matches!(series.kind, SeriesKind::Marks(_)) { (MARK, 1.0) } else { (DOT, 0.75) };
                 scene.shapes.push(Shape::Dots { centres, colour, diameter, opacity });
             }
         }
-        Kind::Bars(y) => {
+        SeriesKind::Bars(y) => {
             let foot = map.at([map.x[0], 0.0])[1];
             let bars = decimate::points(&points(y)).into_iter().map(|p| vec![[p[0], foot], p]).collect();
             draw_lines(scene, map, bars, colour, LINE_WIDTH, Stroke::Solid);
         }
-        Kind::Band { lower, upper } => {
+        SeriesKind::Band { lower, upper } => {
             let samples: Vec<[f64; 3]> = broken(near(map, &series.x, lower), gap)
                 .zip(broken(near(map, &series.x, upper), gap))
                 .map(|(low, high)| {
@@ -57,11 +58,11 @@ pub(crate) fn draw(scene: &mut Scene, map: &PlotArea, series: &Series) {
                 scene.shapes.push(Shape::Areas { outlines, colour, opacity: BAND_OPACITY });
             }
         }
-        Kind::Curve(y) => {
+        SeriesKind::Curve(y) => {
             let points: Vec<[f64; 2]> = series.x.iter().zip(y).map(|(x, y)| place(map, [*x, *y])).collect();
             draw_lines(scene, map, decimate::trajectory(&points), colour, LINE_WIDTH, series.stroke);
         }
-        Kind::Trajectory(y) => {
+        SeriesKind::Trajectory(y) => {
             let points: Vec<[f64; 2]> = series.x.iter().zip(y).map(|(x, y)| place(map, [*x, *y])).collect();
             draw_lines(scene, map, decimate::trajectory(&points), colour, 1.2, series.stroke);
             let end = points.iter().rev().find(|p| p[0].is_finite() && p[1].is_finite());

@@ -1,11 +1,12 @@
-//! Long records thinned out for drawing. In one pixel column only the first, lowest, highest and last sample are needed for the same
-//! picture with all spikes (method M4 of Jugel et al. 2014, Proceedings of the VLDB Endowment 7(10)). Points are in px.
+//! Long records thinned out for drawing. In one pixel column only the first, lowest, highest and last sample are needed
+//! for the same picture with all spikes (method M4 of Jugel et al. 2014, Proceedings of the VLDB Endowment 7(10)).
+//! Points are in px.
 
 /// Lines are thinned out if there are more samples per pixel column than this; with fewer it would save nothing.
 const SAMPLES_PER_COLUMN: f64 = 4.0;
 
-/// Uninterrupted lines through the points. A point that is not finite interrupts the line. If samples are so dense that several share a pixel
-/// column, only a column without any finite sample does.
+/// Uninterrupted lines through the points. A point that is not finite interrupts the line. If samples are so dense that
+/// several share a pixel column, only a column without any finite sample does.
 pub(crate) fn lines(points: &[[f64; 2]]) -> Vec<Vec<[f64; 2]>> {
     let mut lines = Vec::new();
     let mut line: Vec<[f64; 2]> = Vec::new();
@@ -44,7 +45,8 @@ pub(crate) fn points(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     }
 }
 
-/// Areas between two curves (`[x, lower, upper]`, px) as closed outlines. Of each pixel column the widest extent is kept.
+/// Areas between two curves (`[x, lower, upper]`, px) as closed outlines. Of each pixel column the widest extent is
+/// kept.
 pub(crate) fn areas(samples: &[[f64; 3]]) -> Vec<Vec<[f64; 2]>> {
     let mut spans: Vec<[f64; 3]> = Vec::new();
     let mut outlines = Vec::new();
@@ -85,7 +87,8 @@ fn close(spans: &mut Vec<[f64; 3]>, outlines: &mut Vec<Vec<[f64; 2]>>) {
     }
 }
 
-/// The points of a curve in any order of abscissa, without those that are less than half a pixel from the one before. The last one stays.
+/// The points of a curve in any order of abscissa, without those that are less than half a pixel from the one before.
+/// The last one stays.
 pub(crate) fn trajectory(points: &[[f64; 2]]) -> Vec<Vec<[f64; 2]>> {
     let mut lines = Vec::new();
     let mut line: Vec<[f64; 2]> = Vec::new();
@@ -113,9 +116,9 @@ pub(crate) fn trajectory(points: &[[f64; 2]]) -> Vec<Vec<[f64; 2]>> {
     lines
 }
 
-/// The line without the points that lie within a tenth of a pixel of the straight line between those that are kept. A smooth curve needs only
-/// a few. The method is that of Williams (1978, The Computer Journal 21(4)): it keeps the cone of the directions that meet all points since the last
-/// one kept.
+/// The line without the points that lie within a tenth of a pixel of the straight line between those that are kept. A
+/// smooth curve needs only a few. The method is that of Williams (1978, The Computer Journal 21(4)): it keeps the cone
+/// of the directions that meet all points since the last one kept.
 pub(crate) fn straightened(line: &[[f64; 2]]) -> Vec<[f64; 2]> {
     const TOLERANCE: f64 = 0.1;
     let Some((first, rest)) = line.split_first() else { return Vec::new() };
@@ -167,7 +170,8 @@ fn extent(abscissas: impl Iterator<Item = f64>) -> f64 {
     (high - low).max(1.0)
 }
 
-/// Runs of points in the same pixel column. A point whose abscissa is not finite belongs to the column of the one before.
+/// Runs of points in the same pixel column. A point whose abscissa is not finite belongs to the column of the one
+/// before.
 fn columns(points: &[[f64; 2]]) -> impl Iterator<Item = &[[f64; 2]]> {
     points.chunk_by(|a, b| !b[0].is_finite() || !a[0].is_finite() || a[0].floor() == b[0].floor())
 }

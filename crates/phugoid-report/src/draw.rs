@@ -26,7 +26,8 @@ impl Figure {
     /// The bytes of a PNG file, on white, with two pixels for each px of the layout: 1920 pixels wide.
     ///
     /// # Errors
-    /// [`ReportError::Raster`] if the figure is too large for a picture or the encoder fails, [`ReportError::Font`] if the embedded font is damaged.
+    /// [`ReportError::Raster`] if the figure is too large for a picture or the encoder fails, [`ReportError::Font`] if
+    /// the embedded font is damaged.
     pub fn to_png(&self) -> Result<Vec<u8>, ReportError> {
         png::encode(&layout::scene(self, true), &self.title)
     }

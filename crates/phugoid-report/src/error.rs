@@ -21,7 +21,7 @@ pub enum ReportError {
         "cannot draw the figure \"{figure}\" as a PNG picture ({width} x {height} px): {reason}; use its SVG instead"
     )]
     Raster {
-        /// Title of the figure.
+        /// Title of the figure that was drawn.
         figure: String,
         /// Width of the picture, pixels.
         width: u32,

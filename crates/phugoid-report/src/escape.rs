@@ -1,7 +1,7 @@
 //! Escaping of text for HTML and SVG.
 
-/// The text with the five special characters of HTML and SVG replaced, line ends and tabs as blanks, and control characters, which XML does not
-/// allow but a file name may hold, as U+FFFD.
+/// The text with the five special characters of HTML and SVG replaced, line ends and tabs as blanks, and control
+/// characters, which XML does not allow but a file name may hold, as U+FFFD.
 pub(crate) fn escape(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for character in text.chars() {

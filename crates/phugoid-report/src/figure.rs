@@ -8,10 +8,10 @@ use std::sync::Arc;
 /// use std::sync::Arc;
 ///
 /// use phugoid_report::Figure;
-/// use phugoid_report::figure::{Axis, Colour, EventMark, Kind, Panel, Series};
+/// use phugoid_report::figure::{Axis, Colour, EventMark, SeriesKind, Panel, Series};
 ///
 /// let time_s: Arc<[f64]> = Arc::from([0.0, 1.0, 2.0]);
-/// let elevator = Series::new("commanded", Colour::Blue, &time_s, Kind::Step(vec![0.0, -2.0, 0.0]));
+/// let elevator = Series::new("commanded", Colour::Blue, &time_s, SeriesKind::Step(vec![0.0, -2.0, 0.0]));
 /// let figure = Figure {
 ///     title: "Pull-up <1>".to_owned(),
 ///     x: Axis::new("Time", "s"),
@@ -28,7 +28,8 @@ use std::sync::Arc;
 pub struct Figure {
     /// Title, drawn above the legend.
     pub title: String,
-    /// What the reader should see in the figure, in a sentence or two. It stands below the figure in a page and is not drawn.
+    /// What the reader should see in the figure, in a sentence or two. It stands below the figure in a page and is not
+    /// drawn.
     pub caption: String,
     /// Abscissa of all panels that have no abscissa of their own.
     pub x: Axis,
@@ -48,10 +49,10 @@ pub struct Figure {
 /// use std::sync::Arc;
 ///
 /// use phugoid_report::Figure;
-/// use phugoid_report::figure::{Axis, Colour, Kind, Panel, Series};
+/// use phugoid_report::figure::{Axis, Colour, SeriesKind, Panel, Series};
 ///
 /// let x: Arc<[f64]> = Arc::from([0.0, 10.0]);
-/// let line = Series::new("", Colour::Ink, &x, Kind::Line(vec![-0.31, 0.12]));
+/// let line = Series::new("", Colour::Ink, &x, SeriesKind::Line(vec![-0.31, 0.12]));
 /// let y = Axis::new("Cm", "–").with_range(-0.31, 0.12);
 /// let figure = Figure { panels: vec![Panel::plot(y, vec![line])], ..Figure::default() };
 /// let svg = figure.to_svg();
@@ -73,7 +74,8 @@ impl Axis {
         Self { label: label.into(), unit: unit.into(), range: None }
     }
 
-    /// The same axis with fixed limits. Curves are cut off there. Limits that are not finite or not ascending are ignored.
+    /// The same axis with fixed limits. Curves are cut off there. Limits that are not finite or not ascending are
+    /// ignored.
     pub fn with_range(mut self, lower: f64, upper: f64) -> Self {
         self.range = (lower.is_finite() && upper.is_finite() && lower < upper).then_some([lower, upper]);
         self
@@ -89,11 +91,11 @@ pub struct Panel {
     pub x: Option<Axis>,
     /// Height of the plot area, px. A figure is 960 px wide.
     pub height: f64,
-    /// What the panel shows.
+    /// What is drawn in the plot area.
     pub body: Body,
 }
 
-/// What a panel shows.
+/// What is drawn in the plot area of a panel.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Body {
     /// Curves and reference lines against the abscissa.
@@ -139,15 +141,17 @@ pub struct Grid {
 /// A cell of a [`Grid`].
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Cell {
-    /// Text in the cell.
+    /// Text in the middle of the cell.
     pub words: String,
-    /// Colour: -1 is orange (bad), 0 is plain, 1 is blue (good); between them the colour is fainter. NaN is a cell without a value.
+    /// Colour: -1 is orange (bad), 0 is plain, 1 is blue (good); between them the colour is fainter. NaN is a cell
+    /// without a value.
     pub tone: f64,
     /// Whether the text is bold.
     pub strong: bool,
 }
 
-/// A quantity over two others, as coloured cells of equal size with a colour bar. The labels of abscissa and ordinate are those of the panel.
+/// A quantity over two others, as coloured cells of equal size with a colour bar. The labels of abscissa and ordinate
+/// are those of the panel.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct HeatMap {
     /// Abscissa of each column of cells, which is printed below it.
@@ -156,7 +160,8 @@ pub struct HeatMap {
     pub y: Vec<f64>,
     /// The quantity that the colours show; its limits are those of the colour bar.
     pub value: Axis,
-    /// Values: one row for each `y`, and in it one value for each `x`. Cells with a value that is not finite are hatched.
+    /// Values: one row for each `y`, and in it one value for each `x`. Cells with a value that is not finite are
+    /// hatched.
     pub values: Vec<Vec<f64>>,
     /// Whether the colours follow the logarithm of the value. Cells with a value that is not positive are then hatched.
     pub logarithmic: bool,
@@ -201,13 +206,13 @@ impl Panel {
 /// use std::sync::Arc;
 ///
 /// use phugoid_report::Figure;
-/// use phugoid_report::figure::{Axis, Colour, Kind, Panel, Series};
+/// use phugoid_report::figure::{Axis, Colour, SeriesKind, Panel, Series};
 ///
 /// let x: Arc<[f64]> = (0..200_000).map(f64::from).collect();
 /// let draw = |spike: f64| {
 ///     let mut y = vec![0.0; x.len()];
 ///     y[123_456] = spike;
-///     let line = Series::new("", Colour::Blue, &x, Kind::Line(y));
+///     let line = Series::new("", Colour::Blue, &x, SeriesKind::Line(y));
 ///     let panel = Panel::plot(Axis::new("y", "").with_range(-1.0, 1.0), vec![line]);
 ///     Figure { panels: vec![panel], ..Figure::default() }.to_svg()
 /// };
@@ -223,19 +228,19 @@ pub struct Series {
     pub colour: Colour,
     /// Stroke of the line, if the kind has one.
     pub stroke: Stroke,
-    /// Whether a line goes on over a gap in the abscissa. If false, it is interrupted where a step is longer than six median steps, as in a
-    /// record with missing data.
+    /// Whether a line goes on over a gap in the abscissa. If false, it is interrupted where a step is longer than six
+    /// median steps, as in a record with missing data.
     pub joined: bool,
     /// Abscissa. It has to ascend, except for curves and trajectories.
     pub x: Arc<[f64]>,
     /// How the series is drawn, with its ordinates.
-    pub kind: Kind,
+    pub kind: SeriesKind,
 }
 
 /// How a series is drawn, with its ordinates, one for each abscissa. Ordinates that are not finite interrupt it.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Kind {
-    /// Straight lines between samples.
+pub enum SeriesKind {
+    /// Straight lines from sample to sample.
     Line(Vec<f64>),
     /// Steps: each value is valid until the next sample.
     Step(Vec<f64>),
@@ -254,13 +259,15 @@ pub enum Kind {
     },
     /// Straight lines between samples whose abscissas may have any order.
     Curve(Vec<f64>),
-    /// As [`Kind::Curve`], but thinner and with a dot at the end, such as the path of an estimate in the plane of two parameters.
+    /// As [`SeriesKind::Curve`], but thinner and with a dot at the end, such as the path of an estimate in the plane of two
+    /// parameters.
     Trajectory(Vec<f64>),
 }
 
 impl Series {
-    /// A series with a solid stroke. If abscissa and ordinates differ in length, the samples beyond the shorter one are not drawn.
-    pub fn new(label: impl Into<String>, colour: Colour, x: &Arc<[f64]>, kind: Kind) -> Self {
+    /// A series with a solid stroke. If abscissa and ordinates differ in length, the samples beyond the shorter one are
+    /// not drawn.
+    pub fn new(label: impl Into<String>, colour: Colour, x: &Arc<[f64]>, kind: SeriesKind) -> Self {
         Self { label: label.into(), colour, stroke: Stroke::Solid, joined: false, x: Arc::clone(x), kind }
     }
 
@@ -280,12 +287,12 @@ impl Series {
 /// How a line is drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Stroke {
-    /// A line without gaps.
+    /// An uninterrupted line, without dashes.
     #[default]
     Solid,
-    /// A line of dashes.
+    /// A line of dashes only.
     Dashed,
-    /// A line of dots.
+    /// A line of dots only.
     Dotted,
     /// A line of dashes and dots in turn.
     DashDotted,
@@ -296,13 +303,14 @@ pub enum Stroke {
 pub struct Reference {
     /// Legend entry; empty for none.
     pub label: String,
-    /// Colour of the line.
+    /// Colour of line and legend entry.
     pub colour: Colour,
-    /// Stroke of the line.
+    /// Whether the line is solid, dashed or dotted.
     pub stroke: Stroke,
-    /// Direction and place.
+    /// Whether the line is horizontal or vertical, and where.
     pub at: At,
-    /// Whether the line is drawn over the curves instead of under them. It should be dashed then, so that they stay visible.
+    /// Whether the line is drawn over the curves instead of under them. It should be dashed then, so that they stay
+    /// visible.
     pub on_top: bool,
 }
 
@@ -320,7 +328,7 @@ pub enum At {
 /// An instant that is marked across the whole figure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EventMark {
-    /// Abscissa of the instant.
+    /// Abscissa of the instant, in the unit of the axis.
     pub x: f64,
     /// Legend entry; equal ones appear only once.
     pub label: String,
@@ -356,8 +364,9 @@ pub enum Colour {
     OnColour,
     /// White text on dark areas.
     OnDark,
-    /// A step of the colour scale of heat maps, from 0 (dark) to 255 (light), the same in light and dark pages. The scale is Cividis, whose steps
-    /// look equal with any kind of colour vision (Nuñez, Anderton and Renslow 2018, PLoS ONE 13(7)).
+    /// A step of the colour scale of heat maps, from 0 (dark) to 255 (light), the same in light and dark pages. The
+    /// scale is Cividis, whose steps look equal with any kind of colour vision (Nuñez, Anderton and Renslow 2018, PLoS
+    /// ONE 13(7)).
     Scale(u8),
 }
 

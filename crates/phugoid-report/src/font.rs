@@ -56,8 +56,8 @@ impl Fonts {
     }
 }
 
-/// Width that the layout reserves for a text of this font size, px. It is 4 % more than the font needs, because a reader of the SVG may not
-/// have the font and use a wider one.
+/// Width that the layout reserves for a text of this font size, px. It is 4 % more than the font needs, because a
+/// reader of the SVG may not have the font and use a wider one.
 pub(crate) fn reserved_width(fonts: Option<&Fonts>, text: &str, size: f64, bold: bool) -> f64 {
     // Without a font, which happens only in a damaged build, a mean width of 0.6 em is assumed.
     let em = fonts.map_or_else(|| 0.6 * text.chars().count() as f64, |fonts| fonts.width_in_em(text, bold));

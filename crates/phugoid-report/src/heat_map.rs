@@ -23,7 +23,8 @@ pub(crate) fn draw(scene: &mut Scene, fonts: Option<&Fonts>, map: &HeatMap, fram
     bar(scene, fonts, map, &scale, frame);
 }
 
-/// Ticks in the middle of cells, in numbers of cells from 0. There are as many as fit into `room`, px; `needed` gives the room for a label.
+/// Ticks in the middle of cells, in numbers of cells from 0. There are as many as fit into `room`, px; `needed` gives
+/// the room for a label.
 pub(crate) fn grid_ticks(grid: &[f64], room: f64, needed: impl Fn(&str) -> f64) -> Ticks {
     let labels: Vec<String> = grid.iter().map(|v| compact(*v, 3)).collect();
     let widest = labels.iter().map(|l| needed(l)).fold(1.0, f64::max);
@@ -80,7 +81,7 @@ impl ColourScale {
     }
 }
 
-/// Draws the cells.
+/// Draws the cells, the values in them if there is room, and the frame of the marked cell.
 fn cells(scene: &mut Scene, fonts: Option<&Fonts>, map: &HeatMap, scale: &ColourScale, frame: Frame) {
     let (columns, rows) = (map.x.len(), map.y.len());
     if columns == 0 || rows == 0 {
@@ -167,7 +168,7 @@ pub(crate) fn frame_mark(cell: &Frame) -> [Shape; 2] {
     })
 }
 
-/// Draws the colour bar.
+/// Draws the colour bar with its ticks and label.
 fn bar(scene: &mut Scene, fonts: Option<&Fonts>, map: &HeatMap, scale: &ColourScale, frame: Frame) {
     let (left, right) = (frame.right + BAR_GAP, frame.right + BAR_GAP + BAR_WIDTH);
     // The bar has a pointed end if values lie beyond its limit.

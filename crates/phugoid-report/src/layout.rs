@@ -1,7 +1,7 @@
 //! Layout: from what a figure shows to shapes at their places.
 
 use crate::clip::Frame;
-use crate::figure::{At, Axis, Body, Colour, Figure, HeatMap, Kind, Panel, Reference, Series, Stroke};
+use crate::figure::{At, Axis, Body, Colour, Figure, HeatMap, Panel, Reference, Series, SeriesKind, Stroke};
 use crate::font::{Fonts, reserved_width};
 use crate::legend::{self, Entry, Swatch};
 use crate::lettering::{NORMAL, SMALL, axis_text, fitted, text};
@@ -136,14 +136,14 @@ impl<'a> Plan<'a> {
                 scene.shapes.push(text("no data", middle, NORMAL, Anchor::Middle, false, Colour::Muted));
             }
             Body::Plot { series, references } => {
-                for series in series.iter().filter(|s| matches!(s.kind, Kind::Band { .. })) {
+                for series in series.iter().filter(|s| matches!(s.kind, SeriesKind::Band { .. })) {
                     curves::draw(scene, &map, series);
                 }
                 for reference in references.iter().filter(|r| !r.on_top) {
                     draw_reference(scene, &map, reference);
                 }
                 self.draw_events(scene, figure, &map);
-                for series in series.iter().filter(|s| !matches!(s.kind, Kind::Band { .. })) {
+                for series in series.iter().filter(|s| !matches!(s.kind, SeriesKind::Band { .. })) {
                     curves::draw(scene, &map, series);
                 }
                 for reference in references.iter().filter(|r| r.on_top) {
@@ -311,8 +311,8 @@ fn shared_limits(figure: &Figure) -> [f64; 2] {
     rounded_out(limits.or_unit())
 }
 
-/// Limits that are moved out to the next tick if that is within 1 % of the span. So the axis of a record of 2000 samples at 100 Hz, which ends at
-/// 19.99 s, ends at 20 s.
+/// Limits that are moved out to the next tick if that is within 1 % of the span. So the axis of a record of 2000
+/// samples at 100 Hz, which ends at 19.99 s, ends at 20 s.
 fn rounded_out([low, high]: [f64; 2]) -> [f64; 2] {
     let values = ticks([low - 0.01 * (high - low), high + 0.01 * (high - low)], 10).values;
     [values.first().map_or(low, |v| v.min(low)), values.last().map_or(high, |v| v.max(high))]
@@ -328,7 +328,7 @@ fn own_limits(panel: &Panel, axis: &Axis) -> [f64; 2] {
     if let Body::Plot { series, .. } = &panel.body {
         for series in series {
             limits.add_all(&series.x);
-            if matches!(series.kind, Kind::Curve(_) | Kind::Trajectory(_) | Kind::Bars(_)) {
+            if matches!(series.kind, SeriesKind::Curve(_) | SeriesKind::Trajectory(_) | SeriesKind::Bars(_)) {
                 pad = 0.04;
             }
         }
@@ -346,16 +346,19 @@ fn ordinate_limits(axis: &Axis, series: &[Series], references: &[Reference], x: 
             values.iter().enumerate().filter(|(i, _)| inside(*i)).for_each(|(_, v)| limits.add(*v));
         };
         match &series.kind {
-            Kind::Line(y) | Kind::Step(y) | Kind::Points(y) | Kind::Marks(y) | Kind::Curve(y) | Kind::Trajectory(y) => {
-                add(y)
-            }
-            Kind::Bars(y) => {
+            SeriesKind::Line(y)
+            | SeriesKind::Step(y)
+            | SeriesKind::Points(y)
+            | SeriesKind::Marks(y)
+            | SeriesKind::Curve(y)
+            | SeriesKind::Trajectory(y) => add(y),
+            SeriesKind::Bars(y) => {
                 add(y);
                 if !y.is_empty() {
                     limits.add(0.0);
                 }
             }
-            Kind::Band { lower, upper } => {
+            SeriesKind::Band { lower, upper } => {
                 add(lower);
                 add(upper);
             }

@@ -2,7 +2,7 @@
 
 use crate::clip::Frame;
 use crate::curves::{BAND_OPACITY, DOT, LINE_WIDTH, MARK};
-use crate::figure::{Colour, Kind, Series, Stroke};
+use crate::figure::{Colour, Series, SeriesKind, Stroke};
 use crate::font::{Fonts, reserved_width};
 use crate::heat_map;
 use crate::lettering::{NORMAL, text};
@@ -42,12 +42,14 @@ impl Swatch {
     /// The sample for a series.
     pub(crate) fn of(series: &Series) -> Self {
         match series.kind {
-            Kind::Line(_) | Kind::Step(_) | Kind::Bars(_) | Kind::Curve(_) | Kind::Trajectory(_) => {
-                Swatch::Line(series.stroke)
-            }
-            Kind::Points(_) => Swatch::Dots,
-            Kind::Marks(_) => Swatch::Mark,
-            Kind::Band { .. } => Swatch::Band,
+            SeriesKind::Line(_)
+            | SeriesKind::Step(_)
+            | SeriesKind::Bars(_)
+            | SeriesKind::Curve(_)
+            | SeriesKind::Trajectory(_) => Swatch::Line(series.stroke),
+            SeriesKind::Points(_) => Swatch::Dots,
+            SeriesKind::Marks(_) => Swatch::Mark,
+            SeriesKind::Band { .. } => Swatch::Band,
         }
     }
 }

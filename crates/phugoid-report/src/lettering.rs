@@ -22,8 +22,8 @@ pub(crate) fn axis_text(axis: &Axis, exponent: i32) -> String {
     format!("{}{unit}", axis.label)
 }
 
-/// The text and the first of these sizes, px, in which it fits into `room`, px. If none fits, the text is shortened in front of its unit and
-/// has the last size.
+/// The text and the first of these sizes, px, in which it fits into `room`, px. If none fits, the text is shortened in
+/// front of its unit and has the last size.
 pub(crate) fn fitted<const N: usize>(
     fonts: Option<&Fonts>,
     label: String,

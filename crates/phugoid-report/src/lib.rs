@@ -7,8 +7,8 @@
 //! | [`figure`] | what a figure shows: panels, axes, curves, colours, as plain data |
 //! | [`statistics`] | the fit of each output and the autocorrelation of residuals |
 //!
-//! Everything else is private; its functions are re-exported here. A [`Figure`] knows what is shown; the private module `layout` decides
-//! where it stands, and one writer each makes SVG and PNG of the same shapes.
+//! Everything else is private; its functions are re-exported here. A [`Figure`] knows what is shown; the private module
+//! `layout` decides where it stands, and one writer each makes SVG and PNG of the same shapes.
 
 mod arena;
 mod chart;

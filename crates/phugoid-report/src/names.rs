@@ -7,8 +7,8 @@ pub(crate) struct DisplayUnit {
     pub(crate) factor: f64,
 }
 
-/// The unit in which an SI quantity is shown: angles in degrees, all others as they are, with superscripts. The unit of a pure number (`-`, `1` or
-/// nothing) is an en dash.
+/// The unit in which an SI quantity is shown: angles in degrees, all others as they are, with superscripts. The unit of
+/// a pure number (`-`, `1` or nothing) is an en dash.
 pub(crate) fn display_unit(si: &str) -> DisplayUnit {
     let factor = match si {
         "rad" | "rad/s" | "rad/s^2" => 180.0 / std::f64::consts::PI,
@@ -77,9 +77,9 @@ fn heading(name: &str) -> String {
     }
 }
 
-/// The unit of a parameter, from its name. `bias_alpha` has the unit of its channel, which `unit_of_channel` gives in SI. A derivative such as
-/// `Cm_alpha` or `CL_alpha_elevator` is per radian, once for each angle or normalised angular rate that it multiplies. Everything else is a
-/// pure number.
+/// The unit of a parameter, from its name. `bias_alpha` has the unit of its channel, which `unit_of_channel` gives in
+/// SI. A derivative such as `Cm_alpha` or `CL_alpha_elevator` is per radian, once for each angle or normalised angular
+/// rate that it multiplies. Everything else is a pure number.
 pub(crate) fn parameter_unit(name: &str, unit_of_channel: impl Fn(&str) -> Option<String>) -> DisplayUnit {
     if let Some(unit) = name.strip_prefix("bias_").and_then(unit_of_channel) {
         return display_unit(&unit);

@@ -10,7 +10,8 @@ pub(crate) struct PlotArea {
 }
 
 impl PlotArea {
-    /// Position of a point, px. A value far outside the limits is moved to 1000 times the size of the area, so that coordinates stay finite.
+    /// Position of a point, px. A value far outside the limits is moved to 1000 times the size of the area, so that
+    /// coordinates stay finite.
     pub(crate) fn at(&self, point: [f64; 2]) -> [f64; 2] {
         let share = |v: f64, [low, high]: [f64; 2]| ((v - low) / (high - low)).clamp(-1e3, 1e3);
         let frame = &self.frame;

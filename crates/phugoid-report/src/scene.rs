@@ -1,4 +1,5 @@
-//! Shapes at their places: what the layout hands to the writers of SVG and PNG. Lengths are in px, x to the right, y down.
+//! Shapes at their places: what the layout hands to the writers of SVG and PNG. Lengths are in px, x to the right, y
+//! down.
 
 use crate::figure::{Colour, Stroke};
 

@@ -1,4 +1,5 @@
-//! Descriptions of residuals: the fit of each output, the spread of the residuals and their correlation from sample to sample.
+//! Descriptions of residuals: the fit of each output, the spread of the residuals and their correlation from sample to
+//! sample.
 
 use phugoid_identification::estimation::{Estimation, Signal};
 

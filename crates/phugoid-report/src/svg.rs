@@ -1,7 +1,7 @@
 //! A scene as SVG.
 //!
-//! Coordinates are written as whole tenths of a pixel and relative to the point before, which needs half as many bytes as decimals. Rounding
-//! errors do not add up, because positions are rounded before they are subtracted.
+//! Coordinates are written as whole tenths of a pixel and relative to the point before, which needs half as many bytes
+//! as decimals. Rounding errors do not add up, because positions are rounded before they are subtracted.
 
 use std::fmt::Write as _;
 

@@ -1,6 +1,6 @@
 //! Tick marks of axes, and numbers as text.
 
-/// Ticks of one axis.
+/// The ticks of one axis with their labels.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Ticks {
     /// Values at the ticks, ascending.
@@ -11,8 +11,8 @@ pub(crate) struct Ticks {
     pub(crate) exponent: i32,
 }
 
-/// Ticks at multiples of 1, 2 or 5 times a power of ten within the limits: about `wanted` of them, and at least three. There are none for
-/// limits that are not finite or not ascending.
+/// Ticks at multiples of 1, 2 or 5 times a power of ten within the limits: about `wanted` of them, and at least three.
+/// There are none for limits that are not finite or not ascending.
 pub(crate) fn ticks(limits: [f64; 2], wanted: usize) -> Ticks {
     let [lower, upper] = limits;
     let span = upper - lower;
@@ -21,8 +21,8 @@ pub(crate) fn ticks(limits: [f64; 2], wanted: usize) -> Ticks {
     }
     let raw = span / wanted.max(1) as f64;
     let power = 10f64.powf(raw.log10().floor());
-    // Steps from coarse to fine. The search starts at the smallest step that gives at most as many ticks as wanted, and ends at the first one
-    // that gives three. The factors near 1 allow for rounding.
+    // Steps from coarse to fine. The search starts at the smallest step that gives at most as many ticks as wanted, and
+    // ends at the first one that gives three. The factors near 1 allow for rounding.
     let steps = [10.0, 5.0, 2.0, 1.0, 0.5, 0.2, 0.1].map(|m| m * power);
     let smallest = steps.iter().copied().filter(|s| *s >= raw * 0.999).fold(10.0 * power, f64::min);
     let count_of = |step: f64| (upper / step + 1e-6).floor() - (lower / step - 1e-6).ceil() + 1.0;
@@ -43,8 +43,8 @@ pub(crate) fn ticks(limits: [f64; 2], wanted: usize) -> Ticks {
     Ticks { values, labels, exponent }
 }
 
-/// Ticks of a logarithmic axis at 1, 2 and 5 times powers of ten, or at powers of ten only if those are enough: about `wanted` of them. There
-/// are none for limits that are not positive or not ascending.
+/// Ticks of a logarithmic axis at 1, 2 and 5 times powers of ten, or at powers of ten only if those are enough: about
+/// `wanted` of them. There are none for limits that are not positive or not ascending.
 pub(crate) fn logarithmic_ticks([lower, upper]: [f64; 2], wanted: usize) -> Ticks {
     if !(lower > 0.0 && upper > lower && upper.is_finite()) {
         return Ticks { values: Vec::new(), labels: Vec::new(), exponent: 0 };
@@ -69,7 +69,8 @@ pub(crate) fn logarithmic_ticks([lower, upper]: [f64; 2], wanted: usize) -> Tick
     Ticks { values, labels, exponent: 0 }
 }
 
-/// A number that is a setting and not a result, with at most so many digits and without trailing zeros: `0.5`, `12`, `10⁻⁴`.
+/// A number that is a setting and not a result, with at most so many digits and without trailing zeros: `0.5`, `12`,
+/// `10⁻⁴`.
 pub(crate) fn compact(value: f64, digits: usize) -> String {
     let text = significant(value, digits);
     let (mantissa, power) = match text.split_once('·') {
@@ -106,8 +107,8 @@ pub(crate) fn fixed(value: f64, decimals: usize) -> String {
     }
 }
 
-/// A number with so many significant digits (1 to 15), as people write it: plain between 1e-4 and 1e6, else with a power of ten. A number that
-/// is not finite is a dash.
+/// A number with so many significant digits (1 to 15), as people write it: plain between 1e-4 and 1e6, else with a
+/// power of ten. A number that is not finite is a dash.
 ///
 /// ```
 /// use phugoid_report::significant;

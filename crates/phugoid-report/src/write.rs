@@ -8,11 +8,12 @@ use crate::error::ReportError;
 use crate::figure::Figure;
 use crate::figures::figures;
 
-/// Writes every figure of an estimation as `NAME.svg` and `NAME.png` into a folder, which is created if it does not exist. Returns the paths in
-/// the order in which they were written.
+/// Writes every figure of an estimation as `NAME.svg` and `NAME.png` into a folder, which is created if it does not
+/// exist. Returns the paths in the order in which they were written.
 ///
 /// # Errors
-/// [`ReportError::Write`] with the path that could not be written, [`ReportError::Raster`] for a figure that could not be drawn.
+/// [`ReportError::Write`] with the path that could not be written, [`ReportError::Raster`] for a figure that could not
+/// be drawn.
 pub fn write_figures(dir: &Path, estimation: &Estimation) -> Result<Vec<PathBuf>, ReportError> {
     write_named_figures(dir, &figures(estimation))
 }

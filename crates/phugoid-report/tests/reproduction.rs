@@ -8,7 +8,7 @@ use std::sync::Arc;
 use markup::assert_balanced;
 use phugoid_evaluation::chart::{Axis, Chart, Content, Curve, Level, Meaning, Panel, Shape};
 use phugoid_evaluation::table::{Cell, Column, Table};
-use phugoid_report::figure::{Body, Colour, Kind, Stroke};
+use phugoid_report::figure::{Body, Colour, SeriesKind, Stroke};
 use phugoid_report::{NotRun, ReproductionOptions, chart_figure, reproduction_html};
 use phugoid_thesis::result::{Behaviour, Outcome, ParameterOutcome, Reproduction, Requirement, Role};
 
@@ -189,7 +189,7 @@ fn meanings_decide_colours_and_strokes() {
     );
     // A command of four samples, seconds apart, is one unbroken step.
     let command = &series(&estimates(), 1)[0];
-    assert!(command.joined && matches!(command.kind, Kind::Step(_)));
+    assert!(command.joined && matches!(command.kind, SeriesKind::Step(_)));
 }
 
 #[test]

@@ -38,15 +38,15 @@ pub(super) struct Estimation {
 /// The time, s, at which the readiness that was published last had been computed.
 #[derive(Clone, Copy, Debug, Default)]
 struct ReadinessPublished {
-    /// In any document.
+    /// In a document of any kind.
     any_s: Option<f64>,
     /// In a document for the page.
     shown_s: Option<f64>,
 }
 
 impl ReadinessPublished {
-    /// Whether the next document has to hold the readiness, and notes that it does. Readers of every document and readers of those for the
-    /// page only must both get each readiness.
+    /// Whether the next document has to hold the readiness, and notes that it does. Readers of every document and
+    /// readers of those for the page only must both get each readiness.
     fn is_due(&mut self, renewed_s: Option<f64>, shown: bool) -> bool {
         let due = renewed_s != self.any_s || (shown && renewed_s != self.shown_s);
         self.any_s = renewed_s;
@@ -116,7 +116,8 @@ impl Estimation {
                 self.waiting = None;
                 self.estimates += 1;
                 if let Some(snapshot) = self.session.snapshot() {
-                    // A little less than the interval, because rounding would otherwise halve a rate of exactly fifty a second.
+                    // A little less than the interval, because rounding would otherwise halve a rate of exactly fifty a
+                    // second.
                     let shown = snapshot.time_s - self.shown_s >= SHOWN_INTERVAL_S - 1e-6;
                     if shown {
                         self.shown_s = snapshot.time_s;

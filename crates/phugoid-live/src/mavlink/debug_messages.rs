@@ -15,9 +15,9 @@ const INTERVAL: Duration = Duration::from_millis(200);
 /// System and component of the sender: system 254, which no vehicle has, and MAV_COMP_ID_ONBOARD_COMPUTER.
 const SENDER: (u8, u8) = (254, 191);
 
-/// Sends the newest estimate five times a second over UDP: one `NAMED_VALUE_FLOAT` per parameter (its name cut to ten characters), and one
-/// `DEBUG_FLOAT_ARRAY` named `phugoid` with value and standard error in turn, of the first 29 parameters. Units are those of the model
-/// (derivatives per radian); what does not exist is NaN.
+/// Sends the newest estimate five times a second over UDP: one `NAMED_VALUE_FLOAT` per parameter (its name cut to ten
+/// characters), and one `DEBUG_FLOAT_ARRAY` named `phugoid` with value and standard error in turn, of the first 29
+/// parameters. Units are those of the model (derivatives per radian); what does not exist is NaN.
 pub struct DebugMessages {
     socket: UdpSocket,
     names: Vec<String>,
@@ -30,7 +30,8 @@ impl DebugMessages {
     /// A sender to `udp://host:port`.
     ///
     /// # Errors
-    /// [`io::ErrorKind::InvalidInput`] for an address of another form or an unknown host; else what the system says about the socket.
+    /// [`io::ErrorKind::InvalidInput`] for an address of another form or an unknown host; else what the system says
+    /// about the socket.
     pub fn to(address: &str) -> io::Result<Self> {
         let wrong = |problem: &str| {
             let message =

@@ -22,8 +22,8 @@ pub struct Message {
     pub id: u32,
     /// Name of the message, such as `HIGHRES_IMU`.
     pub name: &'static str,
-    /// Last byte of the checksum (`CRC_EXTRA`), made from the names and types of the fields. It fails if sender and receiver have different
-    /// definitions of the message.
+    /// Last byte of the checksum (`CRC_EXTRA`), made from the names and types of the fields. It fails if sender and
+    /// receiver have different definitions of the message.
     pub crc_extra: u8,
     /// Fields in the order in which they stand in the payload, extensions last.
     pub fields: Vec<Field>,
@@ -44,7 +44,7 @@ pub struct Field {
     pub offset: usize,
 }
 
-/// Type of a field.
+/// Type of the value of a field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// Unsigned integer of so many bytes, little-endian.
@@ -55,7 +55,7 @@ pub enum Kind {
     Float,
     /// IEEE 754 number of eight bytes.
     Double,
-    /// One byte of text.
+    /// One byte of a text.
     Character,
 }
 
@@ -89,9 +89,9 @@ impl Kind {
 }
 
 impl Field {
-    /// The value of an element (0 for a single value) in the field's own unit, not converted. Bytes beyond the end of the payload count as
-    /// zero, because MAVLink 2 cuts zeros at the end off. `None` for text and for an element that the field does not have. 64-bit integers
-    /// beyond 2^53 are rounded.
+    /// The value of an element (0 for a single value) in the field's own unit, not converted. Bytes beyond the end of
+    /// the payload count as zero, because MAVLink 2 cuts zeros at the end off. `None` for text and for an element that
+    /// the field does not have. 64-bit integers beyond 2^53 are rounded.
     pub fn value(&self, payload: &[u8], element: usize) -> Option<f64> {
         if element >= self.count.max(1) {
             return None;
@@ -115,7 +115,8 @@ impl Field {
         })
     }
 
-    /// The text of a field of characters, up to the first zero byte; `None` for another type and for text that is not UTF-8.
+    /// The text of a field of characters, up to the first zero byte; `None` for another type and for text that is not
+    /// UTF-8.
     pub fn text(&self, payload: &[u8]) -> Option<String> {
         if self.kind != Kind::Character {
             return None;

@@ -15,9 +15,9 @@ pub struct Frame<'a> {
     pub id: u32,
     /// Counter of the frames that this component sends, modulo 256.
     pub sequence: u8,
-    /// Number of the vehicle.
+    /// Number of the vehicle that sends (system ID).
     pub system: u8,
-    /// Number of the part of the vehicle that sends.
+    /// Number of the part of the vehicle that sends (component ID).
     pub component: u8,
     /// The fields of the message; zeros at the end may be missing.
     pub payload: &'a [u8],
@@ -75,7 +75,8 @@ pub fn next(bytes: &[u8]) -> Found<'_> {
     };
     let payload = frame.get(header..header + length).unwrap_or_default();
     let Some(message) = definitions::messages().get(&id) else {
-        // The checksum cannot be verified without `CRC_EXTRA`, so the frame is accepted only if another one, or nothing, follows it.
+        // The checksum cannot be verified without `CRC_EXTRA`, so the frame is accepted only if another one, or
+        // nothing, follows it.
         let followed = bytes.get(whole).is_none_or(|byte| [START_1, START_2].contains(byte));
         let frame = Frame { id, sequence, system, component, payload, known: false };
         return if followed { Found::Frame(frame, whole) } else { Found::Garbage(1) };
@@ -88,9 +89,9 @@ pub fn next(bytes: &[u8]) -> Found<'_> {
     Found::Frame(Frame { id, sequence, system, component, payload, known: true }, whole)
 }
 
-/// Hands everything in a buffer to `out` in turn, up to what may be the beginning of a frame, and returns the number of bytes that were used.
-/// The next call should begin after them, with more bytes. Of a frame with a wrong checksum only one byte is used, because another frame
-/// may begin inside it.
+/// Hands everything in a buffer to `out` in turn, up to what may be the beginning of a frame, and returns the number of
+/// bytes that were used. The next call should begin after them, with more bytes. Of a frame with a wrong checksum only
+/// one byte is used, because another frame may begin inside it.
 ///
 /// ```
 /// use phugoid_live::mavlink::frame::{self, Found};
@@ -120,7 +121,8 @@ pub fn split<'a>(bytes: &'a [u8], out: &mut dyn FnMut(Found<'a>)) -> usize {
     at
 }
 
-/// The checksum of a frame: CRC-16/MCRF4XX over the bytes between its first byte and its checksum, then over `CRC_EXTRA` of its message.
+/// The checksum of a frame: CRC-16/MCRF4XX over the bytes between its first byte and its checksum, then over
+/// `CRC_EXTRA` of its message.
 ///
 /// ```
 /// // The catalogue of parametrised CRC algorithms gives 0x6F91 for the nine bytes `123456789`.
@@ -134,8 +136,8 @@ pub fn checksum(bytes: &[u8], extra: u8) -> u16 {
     })
 }
 
-/// A MAVLink 2 frame of a known message, without signature. Zeros at the end of the payload are cut off, as the protocol requires. `None` if
-/// the message is not known or if more than 255 bytes of payload are left.
+/// A MAVLink 2 frame of a known message, without signature. Zeros at the end of the payload are cut off, as the
+/// protocol requires. `None` if the message is not known or if more than 255 bytes of payload are left.
 pub fn encode(id: u32, sequence: u8, system: u8, component: u8, payload: &[u8]) -> Option<Vec<u8>> {
     let message = definitions::messages().get(&id)?;
     let used = payload.iter().rposition(|byte| *byte != 0).map_or(1, |last| last + 1).min(payload.len());

@@ -19,12 +19,13 @@ use rules::{Reading, Rules};
 /// Options of the reception of MAVLink.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MavlinkOptions {
-    /// How long a sample waits for messages that were sent before its time base and have not come, ns; 0 switches waiting off.
+    /// How long a sample waits for messages that were sent before its time base and have not come, ns; 0 switches
+    /// waiting off.
     pub reorder_ns: u64,
     /// Number of the vehicle whose messages are used; `None` takes the first that sends a time base.
     pub system: Option<u8>,
-    /// Name of the message whose times are those of the samples (the time base); `None` takes the best one of the profile that comes within a
-    /// second.
+    /// Name of the message whose times are those of the samples (the time base); `None` takes the best one of the
+    /// profile that comes within a second.
     pub base: Option<String>,
 }
 
@@ -36,7 +37,8 @@ impl Default for MavlinkOptions {
 
 /// A better time base is waited for this long, ns, and a time base that is silent for this long is replaced.
 const CHOICE_NS: u64 = 1_000_000_000;
-/// A stamp that differs from the time base by more than this, s, is of another clock; the message then counts as sampled when it came.
+/// A stamp that differs from the time base by more than this, s, is of another clock; the message then counts as
+/// sampled when it came.
 const ANOTHER_CLOCK_S: f64 = 3600.0;
 /// Samples that may wait at one time. With the default window and 400 samples per second there are two.
 const MOST_WAITING: usize = 4096;
@@ -70,7 +72,8 @@ pub(crate) struct Assembler {
     base: Base,
     /// Stamp of the newest message of the time base, s.
     newest_s: Option<f64>,
-    /// Frames that looked like duplicates since the last one in order. If the sender turns out to have been restarted, they were none.
+    /// Frames that looked like duplicates since the last one in order. If the sender turns out to have been restarted,
+    /// they were none.
     provisional_duplicates: u64,
 }
 
@@ -88,11 +91,12 @@ struct Base {
 }
 
 impl Assembler {
-    /// An assembler for these channels. The first `asked` of them are those of the samples; the rest serve to compute the true airspeed.
+    /// An assembler for these channels. The first `asked` of them are those of the samples; the rest serve to compute
+    /// the true airspeed.
     ///
     /// # Errors
-    /// A sentence for people: a mapping to a field that the message does not have, a unit that does not suit the channel, or a time base that is no
-    /// message with a time.
+    /// A sentence for people: a mapping to a field that the message does not have, a unit that does not suit the
+    /// channel, or a time base that is no message with a time.
     pub(crate) fn new(
         channels: &[String],
         asked: usize,
@@ -188,7 +192,8 @@ impl Assembler {
         self.waiting.pop_front().map(|waiting| waiting.ready)
     }
 
-    /// The time at which [`Assembler::ready`] will give a sample if nothing arrives before, ns; `None` if no sample waits.
+    /// The time at which [`Assembler::ready`] will give a sample if nothing arrives before, ns; `None` if no sample
+    /// waits.
     pub(crate) fn deadline_ns(&self) -> Option<u64> {
         let first = self.waiting.front()?;
         let shown = self.sequences.get(&first.component)?.latest_gap(first.index, 0)?;
@@ -200,7 +205,8 @@ impl Assembler {
         self.aligner.frame(time_s, values);
     }
 
-    /// Forgets the sequence numbers and values from before a restart of the sender's clock. Samples that wait have the new time and stay.
+    /// Forgets the sequence numbers and values from before a restart of the sender's clock. Samples that wait have the
+    /// new time and stay.
     pub(crate) fn restart(&mut self, counts: &mut Counts) {
         self.aligner.restart();
         counts.duplicated = counts.duplicated.saturating_sub(self.provisional_duplicates);

@@ -75,8 +75,8 @@ impl Sequence {
         Place { index: place, order }
     }
 
-    /// The latest arrival, ns, at or after `since_ns`, of a frame that showed a gap before `index`; `None` if no frame before `index` is missing
-    /// since then.
+    /// The latest arrival, ns, at or after `since_ns`, of a frame that showed a gap before `index`; `None` if no frame
+    /// before `index` is missing since then.
     pub fn latest_gap(&self, index: u64, since_ns: u64) -> Option<u64> {
         self.missing.iter().filter(|(place, shown)| *place < index && *shown >= since_ns).map(|(_, shown)| *shown).max()
     }

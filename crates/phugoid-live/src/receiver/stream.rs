@@ -36,7 +36,7 @@ pub(super) enum Payload {
 }
 
 impl Payload {
-    /// The payload for people.
+    /// The payload in words, for an event.
     pub(super) fn words(self) -> &'static str {
         match self {
             Self::Mavlink => "MAVLink",
@@ -131,7 +131,8 @@ impl Stream {
             }
             start += end + 1;
         }
-        // Binary data may contain bytes that look like line ends, so they are kept until the longest frame would have been complete.
+        // Binary data may contain bytes that look like line ends, so they are kept until the longest frame would have
+        // been complete.
         let binary = self.buffer.iter().any(|byte| !byte.is_ascii_graphic() && !byte.is_ascii_whitespace());
         let discarded = match binary {
             true if self.buffer.len() > UNKNOWN_BYTES => self.buffer.len() / 2,

@@ -11,7 +11,7 @@ pub(super) const LARGEST: usize = 4 << 20;
 /// Size of kind, arrival, wall clock and origin, bytes.
 const STAMPS: usize = 19;
 
-/// What a block holds.
+/// What a block of a recording holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BlockKind {
     /// The header ([`super::Header`]) as JSON.

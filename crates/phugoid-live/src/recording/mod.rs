@@ -1,7 +1,8 @@
-//! The recording: everything that arrived, with its times, in a file that can be read even if the program was killed while it was written.
+//! The recording: everything that arrived, with its times, in a file that can be read even if the program was killed
+//! while it was written.
 //!
-//! `docs/live.md` describes the format. The file is a sequence of blocks: `PHGL`, length, CRC-32, body. If a block is damaged or was not
-//! written to its end, only that block is lost; the reader goes on at the next `PHGL`.
+//! `docs/live.md` describes the format. The file is a sequence of blocks: `PHGL`, length, CRC-32, body. If a block is
+//! damaged or was not written to its end, only that block is lost; the reader goes on at the next `PHGL`.
 //!
 //! ```
 //! use phugoid_live::arrival::{Arrival, Content};

@@ -14,7 +14,7 @@ pub enum RecordingError {
     /// The operating system could not open or read the file.
     #[error("{file}: cannot be read: {error}")]
     Io {
-        /// Name of the file.
+        /// Name of the file that was opened.
         file: String,
         /// What the operating system said.
         error: io::Error,
@@ -22,9 +22,9 @@ pub enum RecordingError {
     /// The file is not a recording.
     #[error("{file}: this is no recording of `phugoid live`: it begins with {found:02x?}, expected {MARK:02x?} (PHGL)")]
     NoRecording {
-        /// Name of the file.
+        /// Name of the file that was opened.
         file: String,
-        /// Its first bytes.
+        /// The first bytes of the file, at most eight.
         found: Vec<u8>,
     },
     /// The header is damaged or missing, so that model and options are not known.
@@ -32,7 +32,7 @@ pub enum RecordingError {
         "{file}: the first block is no header that can be read ({reason}): the model and the options are not known"
     )]
     NoHeader {
-        /// Name of the file.
+        /// Name of the file that was opened.
         file: String,
         /// What is wrong with the header.
         reason: String,
@@ -42,7 +42,7 @@ pub enum RecordingError {
         "{file}: format {found} of the recording, this program reads up to {VERSION}: use the program that wrote it ({program})"
     )]
     Version {
-        /// Name of the file.
+        /// Name of the file that was opened.
         file: String,
         /// Version of the format in the file.
         found: u32,
@@ -96,7 +96,8 @@ impl Reader {
 }
 
 impl<I: Read> Reader<I> {
-    /// Reads the header of a recording from any input, such as a slice of bytes. `name` stands in the messages of errors.
+    /// Reads the header of a recording from any input, such as a slice of bytes. `name` stands in the messages of
+    /// errors.
     ///
     /// # Errors
     /// As [`Reader::open`].

@@ -15,7 +15,8 @@ use crate::arrival::{Arrival, wall_ns};
 
 /// Data are handed to the operating system within this time. A kill of the program loses no more than that.
 const WRITE_WITHIN: Duration = Duration::from_millis(50);
-/// Data are put on the disk at this interval. A loss of power loses no more than about that, if the disk does what it reports.
+/// Data are put on the disk at this interval. A loss of power loses no more than about that, if the disk does what it
+/// reports.
 const SYNC_INTERVAL: Duration = Duration::from_secs(1);
 /// Arrivals that may wait for a slow disk: 13 s at 2400 messages a second.
 const WAITING: usize = 32_768;
@@ -101,7 +102,8 @@ impl Recorder {
     }
 }
 
-/// Writes a whole recording with its end: for conversions and tests. Stamps must not decrease from one arrival to the next.
+/// Writes a whole recording with its end: for conversions and tests. Stamps must not decrease from one arrival to the
+/// next.
 ///
 /// # Errors
 /// What writing to `out` gives.

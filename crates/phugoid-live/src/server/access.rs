@@ -29,7 +29,8 @@ impl Access {
     pub(super) fn check<B>(&self, request: &Request<B>) -> Result<(), (StatusCode, &'static str)> {
         let header = |name| request.headers().get(name).and_then(|value| value.to_str().ok());
         let Some(token) = &self.token else {
-            // Protects against DNS rebinding: a web site whose name points to this machine must not read the data through a browser.
+            // Protects against DNS rebinding: a web site whose name points to this machine must not read the data
+            // through a browser.
             let host = header(header::HOST).map(host_of);
             return match host {
                 Some("localhost" | "127.0.0.1" | "[::1]") => Ok(()),

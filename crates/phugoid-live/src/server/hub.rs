@@ -11,13 +11,14 @@ use crate::document::DocumentKind;
 
 /// Documents that are kept for clients that are behind. A client that is further behind goes on with the newest.
 const RECENT: usize = 256;
-/// Estimates of the past that are kept at most. When there are more, every second one is removed, and from then on half as many are kept. So
-/// a new client gets the whole flight, however long it is.
+/// Estimates of the past that are kept at most. When there are more, every second one is removed, and from then on half
+/// as many are kept. So a new client gets the whole flight, however long it is.
 const PAST: usize = 1200;
 /// Events of the past that are kept.
 const EVENTS: usize = 200;
 
-/// The documents, shared between the estimation, which publishes, and the clients of the server. Clones share the same documents.
+/// The documents, shared between the estimation, which publishes, and the clients of the server. Clones share the same
+/// documents.
 ///
 /// ```
 /// use phugoid_live::document::DocumentKind;
@@ -93,7 +94,8 @@ impl Hub {
         (all.collect(), documents.next)
     }
 
-    /// The documents from number `place` on, and how many were left out because the client was too slow. Sets `place` to the next number.
+    /// The documents from number `place` on, and how many were left out because the client was too slow. Sets `place`
+    /// to the next number.
     pub(super) fn since(&self, place: &mut u64) -> (Vec<Arc<str>>, u64) {
         let documents = self.lock();
         let oldest = documents.recent.front().map_or(documents.next, |(number, _)| *number);
@@ -116,8 +118,8 @@ impl Hub {
         self.changed.subscribe()
     }
 
-    /// The latest `hello`, `estimate` (with the readiness that is valid), `link` and `end` as one JSON object; `null` for those that have not
-    /// come.
+    /// The latest `hello`, `estimate` (with the readiness that is valid), `link` and `end` as one JSON object; `null`
+    /// for those that have not come.
     pub fn snapshot(&self) -> String {
         let documents = self.lock();
         let part = |name: &str, text: &Option<Arc<str>>| format!("\"{name}\":{}", text.as_deref().unwrap_or("null"));
@@ -243,7 +245,8 @@ mod tests {
         assert_eq!(hub.since(&mut place), (vec![], 0));
     }
 
-    /// Estimates without readiness, after one that had it: a new client, a slow client and `result.json` get it nevertheless.
+    /// Estimates without readiness, after one that had it: a new client, a slow client and `result.json` get it
+    /// nevertheless.
     #[test]
     fn readiness_is_not_lost() {
         let hub = Hub::default();

@@ -1,4 +1,5 @@
-//! The page and the stream of documents over HTTP, on a thread of its own, so that the estimation never waits for a client.
+//! The page and the stream of documents over HTTP, on a thread of its own, so that the estimation never waits for a
+//! client.
 
 mod access;
 mod events;
@@ -28,7 +29,7 @@ const CONNECTIONS: usize = 64;
 /// A connection whose request has not come after this time is closed.
 const REQUEST_WITHIN: Duration = Duration::from_secs(10);
 
-/// What is served.
+/// What the server gives.
 #[derive(Clone)]
 enum Content {
     /// A flight: the page and its documents as they are published.
@@ -47,8 +48,8 @@ pub struct Server {
 }
 
 impl Server {
-    /// Listens on an address. With a token every request has to give it, as `?token=...` or as `Authorization: Bearer ...`. Without one
-    /// only loopback addresses are allowed.
+    /// Listens on an address. With a token every request has to give it, as `?token=...` or as `Authorization: Bearer
+    /// ...`. Without one only loopback addresses are allowed.
     ///
     /// ```
     /// use phugoid_live::server::{Server, random_token};
@@ -62,8 +63,8 @@ impl Server {
     /// ```
     ///
     /// # Errors
-    /// [`io::ErrorKind::PermissionDenied`] for an address that other machines can reach, without a token; [`io::ErrorKind::AddrInUse`] if the port is
-    /// in use; else what the operating system says.
+    /// [`io::ErrorKind::PermissionDenied`] for an address that other machines can reach, without a token;
+    /// [`io::ErrorKind::AddrInUse`] if the port is in use; else what the operating system says.
     pub fn listen(address: SocketAddr, token: Option<String>) -> io::Result<Self> {
         if token.is_none() && !address.ip().is_loopback() {
             return Err(io::Error::new(
@@ -84,8 +85,8 @@ impl Server {
         self.listener.local_addr()
     }
 
-    /// Serves the page and the documents of the hub on a thread of its own, until the program ends: `/`, `/events` (server-sent events) and
-    /// `/result.json`.
+    /// Serves the page and the documents of the hub on a thread of its own, until the program ends: `/`, `/events`
+    /// (server-sent events) and `/result.json`.
     ///
     /// # Errors
     /// What the operating system says if it gives no thread or no way to wait for connections.

@@ -13,8 +13,8 @@ const PEERS: u16 = 64;
 /// Time before a lost connection is tried again.
 const RETRY_AFTER: Duration = Duration::from_secs(1);
 
-/// Receives datagrams that are sent to an address. The second value is that address with the port that the operating system chose, if 0 was
-/// asked for.
+/// Receives datagrams that are sent to an address. The second value is that address with the port that the operating
+/// system chose, if 0 was asked for.
 pub(super) fn udp(address: &SocketAddr) -> io::Result<(Run, SocketAddr)> {
     let socket = UdpSocket::bind(address)?;
     socket.set_read_timeout(Some(LOOK))?;

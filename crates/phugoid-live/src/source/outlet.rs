@@ -29,8 +29,8 @@ impl Outlet {
         self.stop.asked().is_some()
     }
 
-    /// Puts what has just arrived into the queue; false if the source has to end. It waits if the queue is full; meanwhile the data stay in
-    /// the buffers of the operating system.
+    /// Puts what has just arrived into the queue; false if the source has to end. It waits if the queue is full;
+    /// meanwhile the data stay in the buffers of the operating system.
     pub(super) fn put(&self, origin: u16, content: Content) -> bool {
         self.pass(self.clock.stamp(origin, content))
     }

@@ -9,7 +9,7 @@ use super::outlet::{LOOK, Outlet};
 use crate::arrival::{Arrival, Content};
 use crate::recording::{Damage, Reader, RecordingError};
 
-/// Speed of a replay.
+/// The speed of a replay.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Pace {
     /// So many times as fast as it happened; 1 is real time. It has to be positive.
@@ -74,7 +74,8 @@ impl Replay {
     /// Replays a flight record as a stream of CSV rows, each at its time.
     ///
     /// # Errors
-    /// [`ReplayError::Flight`] if the record cannot be written as CSV, such as with the name of a channel that could not be read back.
+    /// [`ReplayError::Flight`] if the record cannot be written as CSV, such as with the name of a channel that could
+    /// not be read back.
     pub fn flight(record: Record, pace: Pace) -> Result<Self, ReplayError> {
         rows(&record, 0, 0)?;
         Ok(Self { name: record.source.clone(), pace, what: What::Flight(Box::new(record)) })

@@ -19,7 +19,8 @@ use std::str::FromStr;
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum SourceSpec {
-    /// `udp://[host:]port`: receives datagrams that are sent to this address. Without a host only those from this machine.
+    /// `udp://[host:]port`: receives datagrams that are sent to this address. Without a host only those from this
+    /// machine.
     Udp(SocketAddr),
     /// `tcp://host:port`: connects to this address, and connects again when the connection is lost.
     Tcp(String),
@@ -27,12 +28,12 @@ pub enum SourceSpec {
     TcpListen(SocketAddr),
     /// `serial:device[:baud]`: a serial line, on Linux and macOS.
     Serial {
-        /// Path of the device.
+        /// Path of the device, such as `/dev/ttyUSB0`.
         device: PathBuf,
         /// Speed, bits per second; 57,600 where none is written.
         baud: u32,
     },
-    /// `-`: standard input.
+    /// `-`: text or MAVLink from standard input.
     StandardInput,
 }
 

@@ -1,7 +1,7 @@
 //! Numbers in the form in which people read them.
 
-/// A value and its bound as text: the bound with two digits, the value with as many decimals. A value that is not finite is `-`, and so is a
-/// bound that is not positive.
+/// A value and its bound as text: the bound with two digits, the value with as many decimals. A value that is not
+/// finite is `-`, and so is a bound that is not positive.
 pub(super) fn with_bound(value: f64, bound: f64) -> (String, String) {
     if !value.is_finite() {
         return ("-".to_owned(), "-".to_owned());
@@ -17,7 +17,8 @@ pub(super) fn with_bound(value: f64, bound: f64) -> (String, String) {
     (format!("{value:.decimals$}"), format!("{bound:.decimals$}"))
 }
 
-/// The factor and the unit in which an SI quantity is shown. Angles are in degrees, as in the reports; derivatives stay per radian.
+/// The factor and the unit in which an SI quantity is shown. Angles are in degrees, as in the reports; derivatives stay
+/// per radian.
 pub(super) fn display_unit(si: &str) -> (f64, &str) {
     match si {
         "rad" => (180.0 / std::f64::consts::PI, "deg"),

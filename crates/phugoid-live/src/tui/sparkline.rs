@@ -26,8 +26,8 @@ impl Sparkline {
         }
     }
 
-    /// The last values as characters of eight heights, from the least of them to the greatest. What is not finite is a blank, a constant is drawn
-    /// at half height.
+    /// The last values as characters of eight heights, from the least of them to the greatest. What is not finite is a
+    /// blank, a constant is drawn at half height.
     pub(super) fn line(&self, width: usize) -> String {
         const HEIGHTS: [char; 8] = ['▁', '▂', '▃', '▄', '▅', '▆', '▇', '█'];
         let shown = self.values.iter().skip(self.values.len().saturating_sub(width));

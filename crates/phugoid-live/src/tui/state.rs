@@ -11,7 +11,7 @@ use super::sparkline::Sparkline;
 use crate::document::DocumentType;
 use crate::event::EventKind;
 
-/// Events that are kept.
+/// Events that are kept at most.
 const MOST_EVENTS: usize = 100;
 /// The data are called old if there has been no estimate for this long.
 const STALE: Duration = Duration::from_secs(2);

@@ -15,7 +15,7 @@ use crate::event::{EventKind, LiveEventKind};
 
 /// Longest line that is read as a document. An estimate of 48 parameters has some twenty thousand characters.
 const LINE_BYTES: u64 = 1 << 24;
-/// Events that are kept.
+/// Events that are kept at most.
 const MOST_EVENTS: usize = 10_000;
 
 #[derive(Deserialize)]

@@ -51,8 +51,9 @@ pub(super) struct Hello {
     pub(super) layout: Layout,
 }
 
-/// Columns over time, in this order: for each parameter its value and the lower and upper edge of its 2-sigma band; for each output the
-/// measured and predicted value and the residual; then the inputs. A missing value is NaN (in JSON `null`).
+/// Columns over time, in this order: for each parameter its value and the lower and upper edge of its 2-sigma band; for
+/// each output the measured and predicted value and the residual; then the inputs. A missing value is NaN (in JSON
+/// `null`).
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub(super) struct Columns {
     pub(super) time_s: Vec<f64>,

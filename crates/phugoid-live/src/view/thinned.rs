@@ -1,4 +1,5 @@
-//! Columns of bounded size. If there are more samples than a picture can show, the least and greatest values of groups are kept.
+//! Columns of bounded size. If there are more samples than a picture can show, the least and greatest values of groups
+//! are kept.
 
 use super::finished::Columns;
 
@@ -21,8 +22,8 @@ enum Kept {
 pub(super) struct Row(Vec<f64>);
 
 impl Row {
-    /// A row from value and standard error of each parameter, from measured value, prediction and residual of each output, and from the inputs.
-    /// A missing value is NaN.
+    /// A row from value and standard error of each parameter, from measured value, prediction and residual of each
+    /// output, and from the inputs. A missing value is NaN.
     pub(super) fn new(
         parameters: impl Iterator<Item = [f64; 2]>,
         outputs: impl Iterator<Item = [f64; 3]>,
@@ -88,7 +89,8 @@ impl Thinned {
         self.group *= 2;
     }
 
-    /// The columns. Single samples stay as they are; a group becomes two rows, at a quarter and three quarters of its time.
+    /// The columns. Single samples stay as they are; a group becomes two rows, at a quarter and three quarters of its
+    /// time.
     pub(super) fn finish(self) -> Columns {
         let samples_per_group = self.group;
         if samples_per_group == 1 {

@@ -7,8 +7,8 @@ const CUT_OFF_RATIO: f64 = 6.0;
 /// Room around everything else in that case, as a share of its range, so that it is visible where a method leaves.
 const ROOM: f64 = 0.4;
 
-/// Limits of the ordinate of a panel: those of the chart, if it has any; limits without the methods, if a method leaves the range of all others by
-/// far; else `None`, so that they follow from the data.
+/// Limits of the ordinate of a panel: those of the chart, if it has any; limits without the methods, if a method leaves
+/// the range of all others by far; else `None`, so that they follow from the data.
 pub(super) fn ordinate(chart: &Chart, panel: &Panel) -> Option<[f64; 2]> {
     if panel.y.range.is_some() {
         return panel.y.range;
@@ -62,7 +62,7 @@ fn points(curve: &Curve) -> impl Iterator<Item = (f64, f64)> {
     with_x(first).chain(with_x(second)).filter(|(x, y)| x.is_finite() && y.is_finite())
 }
 
-/// Smallest and largest value.
+/// The smallest and the largest value so far.
 struct Extent {
     low: f64,
     high: f64,

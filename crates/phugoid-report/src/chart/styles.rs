@@ -13,13 +13,13 @@ const STROKES: [Stroke; 4] = [Stroke::Solid, Stroke::Dashed, Stroke::DashDotted,
 /// The form in which a legend entry is drawn. Two entries of different forms can be distinguished by it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Form {
-    /// A curve.
+    /// A curve through samples.
     Line,
     /// A horizontal line. A curve and a level with equal meaning and label are one entry.
     Level,
-    /// A vertical line.
+    /// A vertical line at an instant.
     Instant,
-    /// Dots.
+    /// Dots without a line.
     Points,
     /// An area between two curves.
     Band,
@@ -46,7 +46,8 @@ struct Assigned {
 }
 
 impl Styles {
-    /// Colour and stroke of an entry: the usual ones of its meaning, or the next ones that no other entry of the chart has.
+    /// Colour and stroke of an entry: the usual ones of its meaning, or the next ones that no other entry of the chart
+    /// has.
     pub(super) fn of(&mut self, label: &str, meaning: Meaning, form: Form) -> (Colour, Stroke) {
         let sample = form.sample();
         let known = self.assigned.iter().find(|g| g.label == label && g.meaning == meaning && g.sample == sample);

@@ -17,9 +17,10 @@ pub(crate) use context::{event_kind, unit_of};
 pub(crate) use correlation::NAME as CORRELATION;
 pub use signals::{TimeHistoryPanel, time_histories};
 
-/// All figures of an estimation, each with a short name that serves as file name and anchor: `inputs`, `outputs`, `parameters-1`, ...,
-/// `nuisance-1`, ..., `correlation`, `parameter-planes`, `surfaces-1`, ..., `residuals`, `autocorrelation`. Figures for which the estimation has
-/// no data are left out, such as surfaces of an estimator without surfaces.
+/// All figures of an estimation, each with a short name that serves as file name and anchor: `inputs`, `outputs`,
+/// `parameters-1`, ..., `nuisance-1`, ..., `correlation`, `parameter-planes`, `surfaces-1`, ..., `residuals`,
+/// `autocorrelation`. Figures for which the estimation has no data are left out, such as surfaces of an estimator
+/// without surfaces.
 ///
 /// ```
 /// use phugoid_identification::estimation::{Estimation, History, Signal};

@@ -3,7 +3,7 @@
 use phugoid_identification::estimation::{ParameterHistory, ParameterResult};
 
 use super::context::{Context, scaled};
-use crate::figure::{At, Axis, Colour, Figure, Kind, Panel, Reference, Series, Stroke};
+use crate::figure::{At, Axis, Colour, Figure, Panel, Reference, Series, SeriesKind, Stroke};
 use crate::names::DisplayUnit;
 use crate::ticks::with_error;
 
@@ -47,10 +47,10 @@ fn panels(
     let errors = scaled(&history.std_error, unit);
     let band = |sign: f64| values.iter().zip(&errors).map(|(v, s)| v + 2.0 * sign * s).collect::<Vec<f64>>();
     let series = || {
-        let spread = Kind::Band { lower: band(-1.0), upper: band(1.0) };
+        let spread = SeriesKind::Band { lower: band(-1.0), upper: band(1.0) };
         vec![
             Series::new("±2σ (corrected)", Colour::Blue, &context.time, spread),
-            Series::new("estimate", Colour::Blue, &context.time, Kind::Line(values.clone())),
+            Series::new("estimate", Colour::Blue, &context.time, SeriesKind::Line(values.clone())),
         ]
     };
     let last = Final {
@@ -69,8 +69,8 @@ fn panels(
     })
 }
 
-/// Truth, bounds and instant of convergence. Those outside the limits of the ordinate are left out, because the legend must not name what is
-/// not visible.
+/// Truth, bounds and instant of convergence. Those outside the limits of the ordinate are left out, because the legend
+/// must not name what is not visible.
 fn references(
     context: &Context,
     parameter: &ParameterResult,
@@ -116,8 +116,8 @@ fn ranged(label: &str, unit: &DisplayUnit, range: Option<[f64; 2]>) -> Axis {
     }
 }
 
-/// Limits for the whole course: 99 % of the values, the end with +-2 sigma, the truth, and bounds that are not far away. The wide band at the
-/// beginning, where little is known, is not included.
+/// Limits for the whole course: 99 % of the values, the end with +-2 sigma, the truth, and bounds that are not far
+/// away. The wide band at the beginning, where little is known, is not included.
 fn whole_range(values: &[f64], last: &Final, bounds: Option<[f64; 2]>) -> Option<[f64; 2]> {
     let mut sorted: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
     sorted.sort_unstable_by(f64::total_cmp);
@@ -140,7 +140,8 @@ fn whole_range(values: &[f64], last: &Final, bounds: Option<[f64; 2]>) -> Option
     (pad > 0.0).then_some([from - pad, to + pad])
 }
 
-/// Limits about the final value: the movement of the estimate in the last quarter with its band, and the truth if it is not far away.
+/// Limits about the final value: the movement of the estimate in the last quarter with its band, and the truth if it is
+/// not far away.
 fn end_range(values: &[f64], last: &Final) -> Option<[f64; 2]> {
     let centre = last.value;
     let moved = values[values.len() - values.len() / 4..]

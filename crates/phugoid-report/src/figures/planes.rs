@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::context::{Context, scaled};
-use crate::figure::{At, Axis, Colour, Figure, Kind, Panel, Reference, Series, Stroke};
+use crate::figure::{At, Axis, Colour, Figure, Panel, Reference, Series, SeriesKind, Stroke};
 
 /// Planes that are drawn at most.
 const MOST: usize = 6;
@@ -64,8 +64,8 @@ struct Direction<'a> {
 }
 
 impl Direction<'_> {
-    /// The axis: four standard errors to both sides of the final value, more if the truth is not far away and needs it; `None` without a standard
-    /// error.
+    /// The axis: four standard errors to both sides of the final value, more if the truth is not far away and needs it;
+    /// `None` without a standard error.
     fn axis(&self) -> Option<Axis> {
         let away = self.truth.map_or(0.0, |t| 1.3 * (t - self.value).abs());
         let half = (4.0 * self.sigma).max(if away <= 12.0 * self.sigma { away } else { 0.0 });
@@ -88,11 +88,11 @@ fn plane(r: f64, x: Direction, y: Direction) -> Option<Panel> {
     let path: Arc<[f64]> = Arc::from(&x.path[came.min(x.path.len())..]);
     let path_y = y.path.get(came..).unwrap_or_default().to_vec();
     let mut series = vec![
-        Series::new("path of the estimate; the dot is its end", Colour::Blue, &path, Kind::Trajectory(path_y)),
-        Series::new("2σ ellipse", Colour::Orange, &ellipse_x, Kind::Curve(ellipse_y)),
+        Series::new("path of the estimate; the dot is its end", Colour::Blue, &path, SeriesKind::Trajectory(path_y)),
+        Series::new("2σ ellipse", Colour::Orange, &ellipse_x, SeriesKind::Curve(ellipse_y)),
     ];
     if let Some((x, y)) = x.truth.zip(y.truth) {
-        series.push(Series::new("truth", Colour::Vermillion, &Arc::from([x]), Kind::Marks(vec![y])));
+        series.push(Series::new("truth", Colour::Vermillion, &Arc::from([x]), SeriesKind::Marks(vec![y])));
     }
     let centre =
         |at| Reference { label: String::new(), colour: Colour::Grid, stroke: Stroke::Solid, at, on_top: false };

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::context::Context;
-use crate::figure::{At, Axis, Colour, Figure, Kind, Panel, Reference, Series, Stroke};
+use crate::figure::{At, Axis, Colour, Figure, Panel, Reference, Series, SeriesKind, Stroke};
 use crate::names::signal_label;
 use crate::statistics::{autocorrelation, median_step};
 
@@ -23,7 +23,7 @@ pub(super) fn series(context: &Context) -> Option<(String, Figure)> {
         let limit = (1.1 * largest).clamp(4.0, LIMIT);
         let axis = Axis::new(format!("Residual of {}", uncapitalised(&signal_label(&residual.name))), "σ");
         let mut dots =
-            vec![Series::new("residual", Colour::Blue, &context.time, Kind::Points(residual.values.clone()))];
+            vec![Series::new("residual", Colour::Blue, &context.time, SeriesKind::Points(residual.values.clone()))];
         if largest > limit {
             let beyond = residual
                 .values
@@ -31,7 +31,7 @@ pub(super) fn series(context: &Context) -> Option<(String, Figure)> {
                 .map(|v| if v.abs() > limit { 0.95 * limit.copysign(*v) } else { f64::NAN })
                 .collect();
             let label = format!("beyond ±{LIMIT} σ, drawn at the border");
-            dots.push(Series::new(label, Colour::Vermillion, &context.time, Kind::Marks(beyond)));
+            dots.push(Series::new(label, Colour::Vermillion, &context.time, SeriesKind::Marks(beyond)));
         }
         let panel = Panel::plot(axis.with_range(-limit, limit), dots).with_height(96.0);
         let line = |at| Reference {
@@ -73,7 +73,7 @@ pub(super) fn autocorrelations(context: &Context) -> Option<(String, Figure)> {
         let largest = r.iter().skip(1).copied().filter(|v| v.is_finite()).fold(2.0 * limit, f64::max);
         let axis = Axis::new(format!("Autocorrelation, {}", uncapitalised(&signal_label(&residual.name))), "–")
             .with_range((1.15 * smallest).min(-0.22), (1.15 * largest).clamp(0.22, 1.05));
-        let bars = Series::new("autocorrelation", Colour::Blue, &lag, Kind::Bars(r[1..].to_vec()));
+        let bars = Series::new("autocorrelation", Colour::Blue, &lag, SeriesKind::Bars(r[1..].to_vec()));
         let line = |at| Reference {
             label: "95 % limits of white noise".to_owned(),
             colour: Colour::Orange,

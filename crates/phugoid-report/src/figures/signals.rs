@@ -5,7 +5,7 @@ use std::sync::Arc;
 use phugoid_identification::estimation::Signal;
 
 use super::context::{Context, display_axis, scaled};
-use crate::figure::{Axis, Colour, Figure, Kind, LINE_COLOURS, Panel, Series};
+use crate::figure::{Axis, Colour, Figure, LINE_COLOURS, Panel, Series, SeriesKind};
 use crate::names::{display_unit, legend_label, signal_label};
 
 /// The inputs that the estimator used; `None` without inputs.
@@ -14,7 +14,7 @@ pub(super) fn inputs(context: &Context) -> Option<(String, Figure)> {
     let mut figure = context.figure("Inputs", "Known inputs as the estimator used them.");
     for input in inputs {
         let (axis, unit) = display_axis(signal_label(&input.name), &input.unit);
-        let line = Kind::Line(scaled(&input.values, &unit));
+        let line = SeriesKind::Line(scaled(&input.values, &unit));
         figure.panels.push(Panel::plot(axis, vec![Series::new("", Colour::Blue, &context.time, line)]));
     }
     (!inputs.is_empty()).then(|| ("inputs".to_owned(), figure))
@@ -30,10 +30,10 @@ pub(super) fn outputs(context: &Context) -> Option<(String, Figure)> {
     );
     for measured in &history.measured {
         let (axis, unit) = display_axis(signal_label(&measured.name), &measured.unit);
-        let dots = Kind::Points(scaled(&measured.values, &unit));
+        let dots = SeriesKind::Points(scaled(&measured.values, &unit));
         let mut series = vec![Series::new("measured", Colour::Ink, &context.time, dots)];
         if let Some(predicted) = history.predicted.iter().find(|p| p.name == measured.name) {
-            let line = Kind::Line(scaled(&predicted.values, &unit));
+            let line = SeriesKind::Line(scaled(&predicted.values, &unit));
             series.push(Series::new("estimated model, one step ahead", Colour::Vermillion, &context.time, line));
         }
         figure.panels.push(Panel::plot(axis, series));
@@ -41,10 +41,11 @@ pub(super) fn outputs(context: &Context) -> Option<(String, Figure)> {
     (!history.measured.is_empty()).then(|| ("outputs".to_owned(), figure))
 }
 
-/// One panel of [`time_histories`].
+/// One panel of the figure that [`time_histories`] makes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TimeHistoryPanel {
-    /// Name of the quantity: words or a canonical channel name. If it is empty and there is one signal, the name of that signal is used.
+    /// Name of the quantity: words or a canonical channel name. If it is empty and there is one signal, the name of
+    /// that signal is used.
     pub label: String,
     /// SI unit of all signals of the panel (`rad`, `m/s`, `-`, ...). Angles are drawn in degrees.
     pub unit: String,
@@ -52,7 +53,8 @@ pub struct TimeHistoryPanel {
     pub signals: Vec<Signal>,
 }
 
-/// A figure of histories over a common time, s, such as those of a simulated flight. More than eight panels stand in two columns.
+/// A figure of histories over a common time, s, such as those of a simulated flight. More than eight panels stand in
+/// two columns.
 ///
 /// ```
 /// use phugoid_identification::estimation::Signal;
@@ -86,7 +88,7 @@ pub fn time_histories(title: &str, caption: &str, time_s: &[f64], panels: &[Time
             .zip(LINE_COLOURS.iter().cycle())
             .map(|(signal, colour)| {
                 let name = if several { legend_label(&signal.name) } else { String::new() };
-                Series::new(name, *colour, &time, Kind::Line(scaled(&signal.values, &unit)))
+                Series::new(name, *colour, &time, SeriesKind::Line(scaled(&signal.values, &unit)))
             })
             .collect();
         figure.panels.push(Panel::plot(Axis::new(label, unit.text), series));

@@ -4,7 +4,7 @@ use phugoid_identification::estimation::Phase;
 use std::sync::Arc;
 
 use super::context::Context;
-use crate::figure::{At, Axis, Body, Colour, Figure, Kind, Panel, Reference, Series, Stroke};
+use crate::figure::{At, Axis, Body, Colour, Figure, Panel, Reference, Series, SeriesKind, Stroke};
 
 /// Number of surfaces in a figure, so that it fits on a page.
 const PER_FIGURE: usize = 8;
@@ -32,7 +32,7 @@ pub(super) fn figures(context: &Context) -> Vec<(String, Figure)> {
             Some([low, high]) => axis.with_range(low, high),
             None => axis,
         };
-        let line = Series::new("surface", Colour::Blue, &context.time, Kind::Line(surface));
+        let line = Series::new("surface", Colour::Blue, &context.time, SeriesKind::Line(surface));
         panels.push(Panel::plot(axis, vec![line]).with_height(84.0).with_reference(zero()));
     }
     let strip = phase_strip(context);
@@ -93,7 +93,8 @@ fn has_values(surface: &[f64]) -> bool {
     surface.iter().any(|s| s.is_finite() && *s != 0.0)
 }
 
-/// Limits with zero and all values, or with 98 % of the values if the others would need more than two thirds of the height.
+/// Limits with zero and all values, or with 98 % of the values if the others would need more than two thirds of the
+/// height.
 fn robust_range(values: &[f64]) -> Option<[f64; 2]> {
     let mut sorted: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
     sorted.sort_unstable_by(f64::total_cmp);

@@ -9,8 +9,8 @@ use crate::arena::{arena_figures, ratio};
 use crate::escape::escape;
 use crate::ticks::significant;
 
-/// A comparison of methods as one HTML page without scripts and without links to other files. `command` is the command that gives the same
-/// numbers again; the page shows it. Two calls with the same arguments give the same bytes.
+/// A comparison of methods as one HTML page without scripts and without links to other files. `command` is the command
+/// that gives the same numbers again; the page shows it. Two calls with the same arguments give the same bytes.
 pub fn arena_html(arena: &Arena, command: &str) -> String {
     let notes = [
         "Every flight is flown once, and every method sees the same samples and is told the same of the aircraft and its sensors."

@@ -26,8 +26,8 @@ use page::{Section, prose, trimmed};
 pub use reproduction::{NotRun, ReproductionOptions, reproduction_html};
 pub use study::{StudyPage, StudySection, study_html};
 
-/// An estimation as one HTML page without scripts and without links to other files; the figures are inside. Two calls with the same estimation
-/// and options give the same bytes.
+/// An estimation as one HTML page without scripts and without links to other files; the figures are inside. Two calls
+/// with the same estimation and options give the same bytes.
 ///
 /// ```
 /// use phugoid_identification::estimation::Estimation;
@@ -50,7 +50,7 @@ pub fn html(estimation: &Estimation, options: &HtmlOptions) -> String {
     let sections = [
         Section::new("summary", "Summary", summary(estimation)),
         Section::new("parameters", "Parameters", tables::parameters(estimation)),
-        Section::new("readiness", "May it be believed?", readiness::readiness(estimation)),
+        Section::new("readiness", "Readiness of the parameters", readiness::readiness(estimation)),
         Section::new("offer", "Terms that the residuals ask for", offer::offer(estimation)),
         Section::new("correlation-section", "Correlation", correlation(estimation, &all)),
         Section::new("figures", "Figures", drawn(&all, |name| name != CORRELATION)),

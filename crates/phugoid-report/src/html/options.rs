@@ -5,7 +5,8 @@
 pub struct HtmlOptions {
     /// Heading; `None` gives `Parameter estimation:` and the name of the record.
     pub title: Option<String>,
-    /// Paragraphs under the heading, such as what was flown and how to repeat it. Text between backticks is set as code.
+    /// Paragraphs under the heading, such as what was flown and how to repeat it. Text between backticks is set as
+    /// code.
     pub notes: Vec<String>,
     /// Settings of the estimator as name and value, in the order in which they are shown.
     pub settings: Vec<(String, String)>,

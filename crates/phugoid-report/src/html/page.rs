@@ -11,7 +11,7 @@ const STYLE: &str = include_str!("style.css");
 pub(super) struct Section {
     /// Anchor, which has to be unique in the page.
     pub(super) anchor: String,
-    /// Heading as plain text.
+    /// Heading as plain text; it is escaped when the page is written.
     pub(super) heading: String,
     /// Content as markup, escaped already.
     pub(super) body: String,
@@ -24,7 +24,8 @@ impl Section {
     }
 }
 
-/// A whole page. `header` is markup between the notes and the links to the sections. Sections with an empty body are left out.
+/// A whole page. `header` is markup between the notes and the links to the sections. Sections with an empty body are
+/// left out.
 pub(super) fn document(title: &str, by: &str, notes: &[String], header: &str, sections: &[Section]) -> String {
     let sections: Vec<&Section> = sections.iter().filter(|s| !s.body.is_empty()).collect();
     let mut page = String::new();
@@ -76,7 +77,8 @@ pub(super) fn figure(anchor: &str, level: u8, figure: &Figure) -> String {
     )
 }
 
-/// The beginning of a table, which [`END_OF_TABLE`] ends. Each head has a class (`n` for a column of numbers) and markup.
+/// The beginning of a table, which [`END_OF_TABLE`] ends. Each head has a class (`n` for a column of numbers) and
+/// markup.
 pub(super) fn table<T: AsRef<str>>(heads: &[(&str, T)]) -> String {
     format!("<div class=\"scroll\"><table>\n{}<tbody>\n", head(heads))
 }

@@ -15,8 +15,8 @@ pub(super) use case::plain_table;
 pub use options::{NotRun, ReproductionOptions};
 use parts::grouped;
 
-/// Reproduced cases and studies as one HTML page without scripts and without links to other files, by group and in the order given. Their ids
-/// have to be different. Two calls with the same arguments give the same bytes.
+/// Reproduced cases and studies as one HTML page without scripts and without links to other files, by group and in the
+/// order given. Their ids have to be different. Two calls with the same arguments give the same bytes.
 pub fn reproduction_html(reproductions: &[Reproduction], options: &ReproductionOptions) -> String {
     let title = options.title.clone().unwrap_or_else(|| "The thesis, case by case".to_owned());
     let mut sections = vec![

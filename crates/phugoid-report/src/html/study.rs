@@ -12,7 +12,7 @@ use crate::chart::chart_figure;
 pub struct StudySection {
     /// Anchor: a word without blanks, which has to be unique in the page.
     pub anchor: String,
-    /// Heading of the section.
+    /// Heading of the section, as plain text.
     pub heading: String,
     /// Paragraphs. Text between backticks is set as code.
     pub paragraphs: Vec<String>,
@@ -25,7 +25,7 @@ pub struct StudySection {
 /// A page of tables and charts; [`study_html`] writes it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct StudyPage {
-    /// Heading of the page.
+    /// Heading of the page, as plain text.
     pub title: String,
     /// Line below the heading, such as `Designed by Phugoid`.
     pub by: String,
@@ -37,7 +37,8 @@ pub struct StudyPage {
     pub sections: Vec<StudySection>,
 }
 
-/// Tables and charts as one HTML page without scripts and without links to other files. Two calls with the same page give the same bytes.
+/// Tables and charts as one HTML page without scripts and without links to other files. Two calls with the same page
+/// give the same bytes.
 ///
 /// ```
 /// use phugoid_report::{StudyPage, StudySection, study_html};

@@ -22,18 +22,20 @@ impl Conversion {
     /// The value is in SI already.
     pub(super) const NONE: Self = Self { zero: 0.0, scale: 1.0, offset: 0.0 };
 
-    /// The conversion of a unit in the spelling of MAVLink or of a profile, times a factor; `None` for a unit that is not known.
+    /// The conversion of a unit in the spelling of MAVLink or of a profile, times a factor; `None` for a unit that is
+    /// not known.
     pub(super) fn of_unit(unit: &str, factor: f64) -> Option<Self> {
         to_si(unit).map(|(scale, offset)| Self { zero: 0.0, scale: factor * scale, offset })
     }
 
-    /// The value in SI.
+    /// Converts a raw value to SI.
     pub(super) fn si(self, raw: f64) -> f64 {
         self.scale * (raw - self.zero) + self.offset
     }
 }
 
-/// The conversion of a field that the model file maps to a channel; the unit of the mapping wins over that of the field.
+/// The conversion of a field that the model file maps to a channel; the unit of the mapping wins over that of the
+/// field.
 ///
 /// # Errors
 /// A sentence for people: a unit that does not suit the channel, or a command without a scale to an angle.

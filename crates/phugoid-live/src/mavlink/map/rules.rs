@@ -32,7 +32,8 @@ pub(super) struct Reading {
 /// What is read from which message.
 pub(super) struct Rules {
     by_message: BTreeMap<u32, Vec<Rule>>,
-    /// Channel of each name of `NAMED_VALUE_FLOAT`: those of the model file, and those that have come, because the search takes time.
+    /// Channel of each name of `NAMED_VALUE_FLOAT`: those of the model file, and those that have come, because the
+    /// search takes time.
     named: BTreeMap<String, Option<(usize, Conversion)>>,
     channels: Vec<String>,
     /// How many of the channels are in the samples.
@@ -66,8 +67,8 @@ impl Rules {
     /// The rules for these channels, of which the first `asked` are in the samples.
     ///
     /// # Errors
-    /// A sentence for people: a mapping to a field that its message does not have, a unit that does not suit the channel, or a profile with a
-    /// field that MAVLink does not have.
+    /// A sentence for people: a mapping to a field that its message does not have, a unit that does not suit the
+    /// channel, or a profile with a field that MAVLink does not have.
     pub(super) fn new(
         channels: &[String],
         asked: usize,
@@ -155,8 +156,8 @@ impl Rules {
         }
     }
 
-    /// The channel that a name or a synonym means. A channel of the samples wins; for the others only the likeliest meaning counts, so that `p`,
-    /// the roll rate, is not taken for a pressure where no roll rate is asked for.
+    /// The channel that a name or a synonym means. A channel of the samples wins; for the others only the likeliest
+    /// meaning counts, so that `p`, the roll rate, is not taken for a pressure where no roll rate is asked for.
     fn by_name(&self, name: &str) -> Option<usize> {
         let position = |name: &str| self.channels.iter().position(|channel| channel == name);
         let known = channels::by_any_name(name);
@@ -164,7 +165,8 @@ impl Rules {
         position(name).or(in_samples).or_else(|| known.first().and_then(|spec| position(spec.name)))
     }
 
-    /// Reads a `NAMED_VALUE_FLOAT`: under the name of a channel in SI (`elevator` in rad), or under a name of the model file in its unit.
+    /// Reads a `NAMED_VALUE_FLOAT`: under the name of a channel in SI (`elevator` in rad), or under a name of the model
+    /// file in its unit.
     fn read_named(&mut self, message: &Message, payload: &[u8], stamp_s: f64, out: &mut dyn FnMut(Reading)) {
         let name = message.field("name").and_then(|field| field.text(payload));
         let value = message.field("value").and_then(|field| field.value(payload, 0));
@@ -187,7 +189,8 @@ impl Rules {
     }
 }
 
-/// A warning if a mapping takes another airspeed for the true one. That is allowed, but the estimates have an error then.
+/// A warning if a mapping takes another airspeed for the true one. That is allowed, but the estimates have an error
+/// then.
 fn warning(mapping: &ColumnMapping, profile: &Profile) -> Option<String> {
     let header = mapping.header.trim();
     let speeds = ["equivalent_airspeed", "calibrated_airspeed", "indicated_airspeed"];
@@ -201,8 +204,8 @@ fn warning(mapping: &ColumnMapping, profile: &Profile) -> Option<String> {
     })
 }
 
-/// The message of a source of the profile, what is read from it, and how it is converted to SI. The unit of the definition wins over that of
-/// the profile.
+/// The message of a source of the profile, what is read from it, and how it is converted to SI. The unit of the
+/// definition wins over that of the profile.
 fn of_source(source: &Source) -> Result<(&'static Message, What, Conversion), String> {
     let missing = |name: &FieldName| format!("MAVLink has no {name}");
     let found = |name: &FieldName| {
@@ -225,7 +228,8 @@ fn of_source(source: &Source) -> Result<(&'static Message, What, Conversion), St
     Ok((message, what, conversion))
 }
 
-/// Whether a source of this rank gives the channel now. It does if no better one has given a value within the last second.
+/// Whether a source of this rank gives the channel now. It does if no better one has given a value within the last
+/// second.
 fn gives(given_by: &mut (usize, f64), rank: usize, stamp_s: f64) -> bool {
     let (best, last_s) = *given_by;
     let silent = (stamp_s - last_s).abs() > TAKE_OVER_S;
