@@ -30,6 +30,8 @@ pub mod actuator;
 pub mod aircraft;
 pub mod atmosphere;
 #[cfg(feature = "std")]
+pub mod built_in;
+#[cfg(feature = "std")]
 pub mod dryden;
 pub mod f16;
 pub mod gust;
