@@ -31,6 +31,16 @@ impl AircraftName {
 
 /// A built-in aircraft.
 ///
+/// ```
+/// use phugoid_flight_dynamics::aircraft::Aircraft;
+/// use phugoid_flight_dynamics::built_in::{AircraftName, BuiltInAircraft};
+/// use phugoid_flight_dynamics::f16::F16Tables;
+///
+/// let aircraft = BuiltInAircraft::new(AircraftName::F16, F16Tables::Book, 0.30)?;
+/// assert!((aircraft.mass_properties().mass() - 9_295.0).abs() < 10.0);
+/// # Ok::<(), phugoid_flight_dynamics::f16::F16DataError>(())
+/// ```
+///
 /// It is an [`Aircraft`] itself. Where speed matters, match once and hand the aircraft inside to a generic function. An
 /// aircraft that is read from a model file becomes another variant here.
 #[derive(Clone, Debug)]

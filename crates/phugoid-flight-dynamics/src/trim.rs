@@ -186,6 +186,22 @@ const STARTS_DEG: [f64; 8] = [3.0, 8.0, 14.0, 20.0, 27.0, 34.0, 40.0, 45.0];
 ///
 /// # Errors
 /// [`TrimError`] says which limit stands against it and by how much, or how far the solver came.
+///
+/// ```
+/// use phugoid_flight_dynamics::f16::{F16, F16Options};
+/// use phugoid_flight_dynamics::trim::{TrimCondition, trim};
+///
+/// let aircraft = F16::new(F16Options::default())?;
+/// let level = trim(&aircraft, &TrimCondition::steady(&aircraft, 150.0, 1000.0, 0.0, 0.0))?;
+/// assert!((level.load_factor - 1.0).abs() < 0.01 && level.phi_rad.abs() < 1e-6);
+/// // A turn of 6 deg/s to the right banks and pulls more than 1 g; the climb that was asked for is too steep.
+/// let turn = TrimCondition::steady(&aircraft, 150.0, 1000.0, 0.0, 6.0_f64.to_radians());
+/// let turn = trim(&aircraft, &turn)?;
+/// assert!(turn.phi_rad > 0.9 && turn.load_factor > 1.7);
+/// let refused = trim(&aircraft, &TrimCondition::steady(&aircraft, 150.0, 1000.0, 1.4, 0.0));
+/// assert!(refused.unwrap_err().to_string().contains("throttle"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn trim<A: Aircraft>(aircraft: &A, condition: &TrimCondition) -> Result<Trim, TrimError> {
     check(condition)?;
     let problem = Problem::new(aircraft, condition);

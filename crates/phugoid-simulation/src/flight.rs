@@ -110,6 +110,20 @@ pub fn fly_with_progress(scenario: &Scenario, progress: &dyn Fn(f64)) -> Result<
 /// As [`fly_with_progress`], with any aircraft in place of the one that the scenario names: the entries `type`, `tables` and
 /// `cg` of its `[aircraft]` are not read.
 ///
+/// ```
+/// use phugoid_flight_dynamics::f16::{F16, F16Constants, F16Options};
+/// use phugoid_simulation::flight::{fly, fly_aircraft};
+/// use phugoid_simulation::named::scenario;
+///
+/// // The F-16 with the rounded constants of the book in place of the exact ones.
+/// let rounded = F16::new(F16Options { cg: 0.30, constants: F16Constants::BookRounded, ..F16Options::default() })?;
+/// let scenario = scenario("f16-calm")?;
+/// let (flight, usual) = (fly_aircraft(&rounded, &scenario, &|_fraction| ())?, fly(&scenario)?);
+/// let apart = (flight.trim.alpha_rad - usual.trim.alpha_rad).abs();
+/// assert!(apart > 0.0 && apart < 1e-4);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// As [`fly`].
 pub fn fly_aircraft<A: Aircraft>(
