@@ -1,6 +1,10 @@
-//! The F-16: trim and linearisation.
+//! Aircraft: trim and linearisation.
 
-use phugoid::{F16, F16Options, Linearization, Trim, TrimCondition, f16_level};
+use phugoid_flight_dynamics::built_in::{AircraftName, BuiltInAircraft};
+use phugoid_flight_dynamics::f16::F16Tables;
+use phugoid_flight_dynamics::linearize as library;
+use phugoid_flight_dynamics::motion::Disturbance;
+use phugoid_flight_dynamics::trim::{self as trimming, Trim, TrimCondition};
 use pyo3::prelude::*;
 
 use crate::error::raise;
@@ -11,14 +15,10 @@ fn trimmed(
     cg: f64,
     flight_path_rad: f64,
     turn_rate_rad_s: f64,
-) -> PyResult<(F16, Trim)> {
-    let aircraft = F16::new(F16Options { cg, ..F16Options::default() }).map_err(raise)?;
-    let wanted = TrimCondition {
-        flight_path_angle: flight_path_rad,
-        turn_rate: turn_rate_rad_s,
-        ..f16_level(speed_m_s, altitude_m)
-    };
-    let trim = phugoid::trim(&aircraft, &wanted).map_err(raise)?;
+) -> PyResult<(BuiltInAircraft, Trim)> {
+    let aircraft = BuiltInAircraft::new(AircraftName::F16, F16Tables::Book, cg).map_err(raise)?;
+    let wanted = TrimCondition::steady(&aircraft, speed_m_s, altitude_m, flight_path_rad, turn_rate_rad_s);
+    let trim = trimming::trim(&aircraft, &wanted).map_err(raise)?;
     Ok((aircraft, trim))
 }
 

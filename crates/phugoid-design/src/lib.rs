@@ -1,4 +1,6 @@
-//! Input design: what to do with the surfaces so that a flight tells the coefficients, and what it will tell.
+#![doc = include_str!("../README.md")]
+//!
+//! # How it works
 //!
 //! A [`Shape`] has a peak of one. [`fit::fitted`] flies it in a scenario and scales each surface until the strictest of the
 //! [`fit::Limits`] is met; [`predict::predict`] gives the Cramer-Rao bound of a model's parameters before anyone flies it;

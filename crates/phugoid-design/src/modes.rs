@@ -24,6 +24,18 @@ pub struct ModeFrequencies {
 impl ModeFrequencies {
     /// From the linear model about the trim of a scenario, as `phugoid linearize` gives it.
     ///
+    /// ```
+    /// use phugoid_design::modes::ModeFrequencies;
+    /// use phugoid_simulation::manoeuvre::Surface;
+    /// use phugoid_simulation::named::scenario;
+    ///
+    /// let modes = ModeFrequencies::of_scenario(&scenario("f16-calm")?)?;
+    /// assert!((1.5..1.9).contains(&modes.short_period)); // rad/s
+    /// let [lowest, highest] = modes.band_hz(&[Surface::Elevator]);
+    /// assert!(lowest < modes.short_period / 6.28 && modes.short_period / 6.28 < highest);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
     /// # Errors
     /// [`DesignError`]: no trim, no modes.
     pub fn of_scenario(scenario: &Scenario) -> Result<Self, DesignError> {

@@ -1,4 +1,4 @@
-//! What estimates are worth: Cramer-Rao bound, Monte Carlo runs, accuracy, comparison of methods, detection, tuning.
+#![doc = include_str!("../README.md")]
 #![cfg_attr(not(test), deny(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
 pub mod accuracy;

@@ -1,6 +1,15 @@
 //! Quantiles of runs, and what counts of runs tell of a probability.
 
-/// The smallest value that at least this fraction of the values do not exceed; NaN for none.
+/// The smallest value that at least this fraction (0 to 1) of the values do not exceed; NaN for no values. Infinite values are
+/// counted like any others, so that runs that never arrive can be given as infinity.
+///
+/// ```
+/// use phugoid_evaluation::statistics::quantile;
+///
+/// let latencies_s = vec![0.4, 0.2, f64::INFINITY, 0.3];
+/// assert_eq!(quantile(latencies_s.clone(), 0.5), 0.3);
+/// assert_eq!(quantile(latencies_s, 0.9), f64::INFINITY);
+/// ```
 pub fn quantile(mut values: Vec<f64>, fraction: f64) -> f64 {
     values.sort_by(f64::total_cmp);
     let rank = (fraction * values.len() as f64).ceil() as usize;

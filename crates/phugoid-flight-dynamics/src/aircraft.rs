@@ -136,6 +136,32 @@ pub struct Geometry {
     pub cg_reference: f64,
 }
 
+/// The range of flight that an aircraft's data are good for, rad, `[lowest, highest]` each. Beyond it the coefficient functions
+/// still give numbers, but those are extrapolated and describe no aircraft.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DataRange {
+    /// Angle of attack.
+    pub alpha: [f64; 2],
+    /// Sideslip angle.
+    pub beta: [f64; 2],
+    /// Elevator.
+    pub elevator: [f64; 2],
+    /// Aileron.
+    pub aileron: [f64; 2],
+    /// Rudder.
+    pub rudder: [f64; 2],
+}
+
+impl DataRange {
+    /// The range of an aircraft that says nothing about it: angles of attack from -20 to 50 deg, everything else unlimited.
+    /// Databases that go further are rare, and an aircraft has equilibria beyond its data that mean nothing.
+    pub const UNSTATED: Self = {
+        const DEGREE: f64 = core::f64::consts::PI / 180.0;
+        const ANY: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
+        Self { alpha: [-20.0 * DEGREE, 50.0 * DEGREE], beta: ANY, elevator: ANY, aileron: ANY, rudder: ANY }
+    };
+}
+
 /// An aircraft: data and the functions that make forces of them. The equations of motion are written once against
 /// this trait; another aircraft is another implementation, and no change to them.
 pub trait Aircraft {
@@ -165,4 +191,9 @@ pub trait Aircraft {
 
     /// Actuators of the surfaces.
     fn actuators(&self) -> &crate::actuator::Actuators;
+
+    /// The range of flight that the data cover; a trim outside is refused.
+    fn data_range(&self) -> DataRange {
+        DataRange::UNSTATED
+    }
 }

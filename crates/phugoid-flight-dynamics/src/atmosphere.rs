@@ -30,6 +30,13 @@ pub struct Air<T = f64> {
 
 impl Atmosphere {
     /// The air at an altitude above sea level in m (positive up).
+    ///
+    /// ```
+    /// use phugoid_flight_dynamics::atmosphere::Atmosphere;
+    ///
+    /// let air = Atmosphere::Standard.at(11_000.0);
+    /// assert!((air.temperature - 216.65).abs() < 0.01 && (air.density - 0.3639).abs() < 1e-4);
+    /// ```
     #[inline]
     pub fn at<T: Scalar>(self, altitude: T) -> Air<T> {
         match self {

@@ -136,6 +136,20 @@ fn exceedance(intensity: Intensity, feet: f64) -> f64 {
 }
 
 /// Turbulence along a flight path, one call of [`Dryden::sample`] per sample time.
+///
+/// ```
+/// use phugoid_flight_dynamics::dryden::{Dryden, DrydenField, Intensity};
+///
+/// let field = DrydenField::standard(Intensity::Moderate, 6096.0);
+/// // 205.74 m/s, a span of 9.144 m, 100 samples per second. The seed decides everything random.
+/// let gusts = |seed| -> Result<Vec<f64>, _> {
+///     let mut air = Dryden::new(field, 205.74, 9.144, 0.01, seed)?;
+///     Ok((0..100).map(|_| air.sample().velocity[2]).collect())
+/// };
+/// assert_eq!(gusts(1)?, gusts(1)?);
+/// assert_ne!(gusts(1)?, gusts(2)?);
+/// # Ok::<(), phugoid_flight_dynamics::dryden::DrydenError>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Dryden {
     random: Pcg64Mcg,

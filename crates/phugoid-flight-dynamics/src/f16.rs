@@ -11,10 +11,13 @@ pub use engine::{Engine, ThrustTables};
 pub use load::F16DataError;
 
 use crate::actuator::Actuators;
-use crate::aircraft::{AirData, Aircraft, Coefficients, Controls, Geometry, Propulsion};
+use crate::aircraft::{AirData, Aircraft, Coefficients, Controls, DataRange, Geometry, Propulsion};
 use crate::atmosphere::Atmosphere;
 use crate::mass::MassProperties;
 use crate::scalar::Scalar;
+
+/// Angles of attack that the tables cover, `[lowest, highest]`, deg (Stevens & Lewis, appendix A).
+pub const ALPHA_RANGE_DEG: [f64; 2] = [-10.0, 45.0];
 
 /// Which aerodynamic tables.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -164,5 +167,16 @@ impl Aircraft for F16 {
     #[inline]
     fn actuators(&self) -> &Actuators {
         &self.actuators
+    }
+
+    fn data_range(&self) -> DataRange {
+        let within = |limit: f64| [(-limit).to_radians(), limit.to_radians()];
+        DataRange {
+            alpha: ALPHA_RANGE_DEG.map(f64::to_radians),
+            beta: within(30.0),
+            elevator: within(25.0),
+            aileron: within(21.5),
+            rudder: within(30.0),
+        }
     }
 }

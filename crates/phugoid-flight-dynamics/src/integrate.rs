@@ -59,6 +59,16 @@ const D: [f64; 7] = [
 /// A step is accepted when the root mean square over the components of
 /// `error_i / (absolute_i + relative max(|x_i|, |x_i new|))` is at most one. The step length follows the PI controller
 /// of Hairer and Wanner (Solving ODEs II, section IV.2) with beta = 0.04.
+///
+/// ```
+/// use phugoid_flight_dynamics::integrate::DormandPrince;
+///
+/// // A harmonic oscillator over one period is back where it began.
+/// let solver = DormandPrince::with_tolerances(1e-10, 1e-12);
+/// let end = solver.integrate(|_, x: &[f64; 2]| [x[1], -x[0]], 0.0, &[1.0, 0.0], std::f64::consts::TAU)?;
+/// assert!((end[0] - 1.0).abs() < 1e-8 && end[1].abs() < 1e-8);
+/// # Ok::<(), phugoid_flight_dynamics::integrate::IntegrationError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DormandPrince<const N: usize> {
     /// Relative tolerance per step.

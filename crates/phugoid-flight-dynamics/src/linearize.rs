@@ -102,6 +102,23 @@ pub struct SubModel {
 
 /// The linear model about any state and controls, trimmed or not, under a constant disturbance. Units: SI and radians,
 /// power in percent, throttle 0 to 1.
+///
+/// ```
+/// use phugoid_flight_dynamics::f16::{F16, F16Options};
+/// use phugoid_flight_dynamics::linearize::linearize;
+/// use phugoid_flight_dynamics::motion::Disturbance;
+/// use phugoid_flight_dynamics::trim::{TrimCondition, trim};
+///
+/// let aircraft = F16::new(F16Options { cg: 0.30, ..F16Options::default() })?;
+/// let steady = trim(&aircraft, &TrimCondition::steady(&aircraft, 205.74, 6096.0, 0.0, 0.0))?;
+/// let model = linearize(&aircraft, &steady.state(), &steady.controls(), &Disturbance::default());
+/// // In trim nothing changes but the position, and the nose goes down with the elevator.
+/// assert!(model.rates[..9].iter().all(|rate| rate.abs() < 1e-10));
+/// let longitudinal = model.longitudinal()?;
+/// assert_eq!(longitudinal.states, ["speed_m_s", "alpha_rad", "theta_rad", "q_rad_s"]);
+/// assert!(longitudinal.b[3][0] < 0.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn linearize<A: Aircraft>(
     aircraft: &A,
     state: &State,

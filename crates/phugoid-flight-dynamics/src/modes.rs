@@ -115,6 +115,22 @@ pub enum ModesError {
 ///
 /// # Errors
 /// [`ModesError`] when an entry is not finite or the eigenvalues are not found.
+///
+/// ```
+/// use phugoid_flight_dynamics::modes::{ModeName, longitudinal_modes};
+///
+/// // A light aircraft at 54 m/s: V in m/s, alpha, theta and q in rad and rad/s.
+/// let a = [
+///     [-0.045, 3.5, -9.81, 0.0],
+///     [-0.0069, -2.0, 0.0, 1.0],
+///     [0.0, 0.0, 0.0, 1.0],
+///     [0.0, -8.8, 0.0, -2.1],
+/// ];
+/// let modes = longitudinal_modes(&a)?;
+/// assert_eq!(modes.iter().map(|mode| mode.name).collect::<Vec<_>>(), [ModeName::ShortPeriod, ModeName::Phugoid]);
+/// assert!(modes[0].period_s.unwrap() < 3.0 && modes[1].period_s.unwrap() > 20.0);
+/// # Ok::<(), phugoid_flight_dynamics::modes::ModesError>(())
+/// ```
 pub fn longitudinal_modes(a: &[[f64; 4]; 4]) -> Result<Vec<Mode>, ModesError> {
     const ALPHA: usize = 1;
     const Q: usize = 3;

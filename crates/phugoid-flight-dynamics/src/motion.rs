@@ -36,6 +36,22 @@ pub struct Motion<T = f64> {
 /// belong to the velocity relative to the undisturbed air; the aerodynamics see the velocity relative to the gust.
 ///
 /// Singular, with results that are not finite, at zero speed, at 90 deg of pitch, and at 90 deg of sideslip.
+///
+/// ```
+/// use phugoid_flight_dynamics::aircraft::{Controls, State};
+/// use phugoid_flight_dynamics::f16::{F16, F16Options};
+/// use phugoid_flight_dynamics::motion::{Disturbance, motion};
+///
+/// let aircraft = F16::new(F16Options { cg: 0.30, ..F16Options::default() })?;
+/// // Level flight at 20,000 ft and 675 ft/s, with a degree more of up elevator than trim needs.
+/// let mut state = State::from_array([0.0; 13]);
+/// (state.speed, state.alpha, state.theta) = (205.74, 0.0417, 0.0417);
+/// (state.altitude, state.power) = (6096.0, 10.0);
+/// let controls = Controls { throttle: 0.154, elevator: -2.96_f64.to_radians(), aileron: 0.0, rudder: 0.0 };
+/// let motion = motion(&aircraft, &state, &controls, &Disturbance::default());
+/// assert!(motion.rates.q > 0.0); // the nose comes up
+/// # Ok::<(), phugoid_flight_dynamics::f16::F16DataError>(())
+/// ```
 #[inline]
 pub fn motion<T: Scalar, A: Aircraft>(
     aircraft: &A,

@@ -75,6 +75,22 @@ pub enum SensorError {
 }
 
 /// The sensor of one channel, with its memory: ask it in order of time.
+///
+/// ```
+/// use phugoid_flight_dynamics::sensors::{Sensor, SensorSpecification};
+///
+/// // Angle of attack in rad: 0.1 deg of noise, an offset of 0.2 deg, 50 samples per second.
+/// let degree = 1.0_f64.to_radians();
+/// let vane =
+///     SensorSpecification { noise: 0.1 * degree, bias: 0.2 * degree, sample_interval: 0.02, ..Default::default() };
+/// let times: Vec<f64> = (0..1000).map(|k| 0.01 * f64::from(k)).collect();
+/// let readings = Sensor::new(vane, 7, 0)?.record(&times, &[0.05; 1000])?;
+/// assert!(readings[1].is_nan()); // no sample of its own at 0.01 s
+/// let taken: Vec<f64> = readings.into_iter().filter(|y| y.is_finite()).collect();
+/// let mean = taken.iter().sum::<f64>() / taken.len() as f64;
+/// assert!((mean - 0.05 - 0.2 * degree).abs() < 0.03 * degree);
+/// # Ok::<(), phugoid_flight_dynamics::sensors::SensorError>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Sensor {
     specification: SensorSpecification,

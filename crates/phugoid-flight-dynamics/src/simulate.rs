@@ -22,6 +22,27 @@ pub enum CommandHold {
 /// The step is `sample_time / substeps`, Runge-Kutta of order four. Commands and increments are taken at the beginning of
 /// their interval and held over it, so that what switches at `t` acts from `t` on and is in the sample at `t` (right
 /// limit). Gusts are taken at every stage of a step.
+///
+/// A doublet of one degree on the elevator, from the trim:
+///
+/// ```
+/// use phugoid_flight_dynamics::aircraft::Controls;
+/// use phugoid_flight_dynamics::f16::{F16, F16Options};
+/// use phugoid_flight_dynamics::simulate::{Simulation, still_air};
+/// use phugoid_flight_dynamics::trim::{TrimCondition, trim};
+///
+/// let aircraft = F16::new(F16Options { cg: 0.30, ..F16Options::default() })?;
+/// let steady = trim(&aircraft, &TrimCondition::steady(&aircraft, 205.74, 6096.0, 0.0, 0.0))?;
+/// let doublet = |time: f64| {
+///     let step = if time < 1.0 { 0.0 } else if time < 2.0 { -1.0 } else if time < 3.0 { 1.0 } else { 0.0 };
+///     Controls { elevator: steady.elevator_rad + f64::to_radians(step), ..steady.controls() }
+/// };
+/// let flight = Simulation::new(&aircraft, steady.state(), steady.controls(), 5.0).run(doublet, still_air)?;
+/// assert_eq!(flight.samples.len(), 501);
+/// assert!(flight.samples[100].state.q.abs() < 1e-9); // in trim until the doublet begins
+/// assert!(flight.samples[200].state.alpha > steady.alpha_rad + 0.02); // the nose came up
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Simulation<'a, A> {
     /// The aircraft.

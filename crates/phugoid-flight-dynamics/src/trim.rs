@@ -28,10 +28,10 @@ use std::ops::RangeInclusive;
 
 use serde::Serialize;
 
-use crate::aircraft::{Aircraft, Controls, State};
+use crate::aircraft::{Aircraft, Controls, DataRange, State};
 use crate::increments::Increments;
 
-use self::problem::{DEGREE, Problem, Solution, TOLERANCE, UNKNOWNS};
+use self::problem::{Problem, Solution, TOLERANCE, UNKNOWNS};
 pub use approach::{TrimStart, TrimStep, approach};
 pub use error::TrimError;
 
@@ -55,8 +55,8 @@ pub struct TrimCondition {
 }
 
 impl TrimCondition {
-    /// Straight and level at a true airspeed (m/s) and altitude (m), heading north. Angles of attack from -20 to 50 deg:
-    /// databases that go further are rare, and beyond its data an aircraft has equilibria that mean nothing.
+    /// Straight and level at a true airspeed (m/s) and altitude (m), heading north, at angles of attack from -20 to 50 deg
+    /// ([`DataRange::UNSTATED`]). [`steady`](Self::steady) takes the range of an aircraft instead.
     pub fn level(speed: f64, altitude: f64) -> Self {
         Self {
             speed,
@@ -65,8 +65,21 @@ impl TrimCondition {
             turn_rate: 0.0,
             heading: 0.0,
             increments: Increments::NONE,
-            alpha_range: [-20.0 * DEGREE, 50.0 * DEGREE],
+            alpha_range: DataRange::UNSTATED.alpha,
         }
+    }
+
+    /// Steady flight of an aircraft inside the range of its data: true airspeed in m/s, altitude in m, flight path angle in
+    /// rad (positive climbing) and rate of the heading in rad/s (positive to the right). Heading north, no increments.
+    pub fn steady<A: Aircraft>(
+        aircraft: &A,
+        speed: f64,
+        altitude: f64,
+        flight_path_angle: f64,
+        turn_rate: f64,
+    ) -> Self {
+        let alpha_range = aircraft.data_range().alpha;
+        Self { flight_path_angle, turn_rate, alpha_range, ..Self::level(speed, altitude) }
     }
 }
 
@@ -173,6 +186,22 @@ const STARTS_DEG: [f64; 8] = [3.0, 8.0, 14.0, 20.0, 27.0, 34.0, 40.0, 45.0];
 ///
 /// # Errors
 /// [`TrimError`] says which limit stands against it and by how much, or how far the solver came.
+///
+/// ```
+/// use phugoid_flight_dynamics::f16::{F16, F16Options};
+/// use phugoid_flight_dynamics::trim::{TrimCondition, trim};
+///
+/// let aircraft = F16::new(F16Options::default())?;
+/// let level = trim(&aircraft, &TrimCondition::steady(&aircraft, 150.0, 1000.0, 0.0, 0.0))?;
+/// assert!((level.load_factor - 1.0).abs() < 0.01 && level.phi_rad.abs() < 1e-6);
+/// // A turn of 6 deg/s to the right banks and pulls more than 1 g; the climb that was asked for is too steep.
+/// let turn = TrimCondition::steady(&aircraft, 150.0, 1000.0, 0.0, 6.0_f64.to_radians());
+/// let turn = trim(&aircraft, &turn)?;
+/// assert!(turn.phi_rad > 0.9 && turn.load_factor > 1.7);
+/// let refused = trim(&aircraft, &TrimCondition::steady(&aircraft, 150.0, 1000.0, 1.4, 0.0));
+/// assert!(refused.unwrap_err().to_string().contains("throttle"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn trim<A: Aircraft>(aircraft: &A, condition: &TrimCondition) -> Result<Trim, TrimError> {
     check(condition)?;
     let problem = Problem::new(aircraft, condition);

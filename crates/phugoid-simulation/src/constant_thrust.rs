@@ -1,7 +1,7 @@
 //! An aircraft whose thrust does not change.
 
 use phugoid_flight_dynamics::actuator::Actuators;
-use phugoid_flight_dynamics::aircraft::{AirData, Aircraft, Coefficients, Controls, Geometry, Propulsion};
+use phugoid_flight_dynamics::aircraft::{AirData, Aircraft, Coefficients, Controls, DataRange, Geometry, Propulsion};
 use phugoid_flight_dynamics::atmosphere::Atmosphere;
 use phugoid_flight_dynamics::mass::MassProperties;
 use phugoid_flight_dynamics::scalar::Scalar;
@@ -55,5 +55,9 @@ impl<A: Aircraft> Aircraft for ConstantThrust<'_, A> {
 
     fn actuators(&self) -> &Actuators {
         self.aircraft.actuators()
+    }
+
+    fn data_range(&self) -> DataRange {
+        self.aircraft.data_range()
     }
 }

@@ -4,9 +4,10 @@ use std::collections::BTreeMap;
 
 use phugoid_flight_data::quality::QualityReport;
 use phugoid_flight_data::record::{Channel, Quantity, Record};
-use phugoid_flight_dynamics::aircraft::{Aircraft, Controls};
+use phugoid_flight_dynamics::aircraft::{Aircraft, Controls, DataRange};
+use phugoid_flight_dynamics::built_in::BuiltInAircraft;
 use phugoid_flight_dynamics::dryden::{Dryden, DrydenError};
-use phugoid_flight_dynamics::f16::{F16, F16DataError, F16Options, F16Tables};
+use phugoid_flight_dynamics::f16::F16DataError;
 use phugoid_flight_dynamics::gust::{AirMotion, Gust, total_velocity};
 use phugoid_flight_dynamics::increments::{IncrementChange, IncrementSchedule, Increments};
 use phugoid_flight_dynamics::simulate::{CommandHold, Simulation, SimulationError, Trajectory, TrajectorySample};
@@ -15,7 +16,7 @@ use phugoid_flight_dynamics::trim::{Trim, TrimCondition, TrimError, trim};
 use crate::constant_thrust::ConstantThrust;
 use crate::manoeuvre::Surface;
 use crate::model_error::Misjudged;
-use crate::scenario::{AircraftKind, ModelError, RecordedSurfaces, Scenario, ScenarioError, Tables, Thrust};
+use crate::scenario::{ModelError, RecordedSurfaces, Scenario, ScenarioError, Thrust};
 use crate::sensing::{command_channel, measure};
 
 /// A flown scenario.
@@ -33,6 +34,8 @@ pub struct Flight {
     pub scenario: Scenario,
     /// Increments that the scenario's error of the model amounts to at the trim, by name; empty without one.
     pub error_increments: BTreeMap<String, f64>,
+    /// The range of flight that the aircraft's data cover.
+    pub data_range: DataRange,
 }
 
 /// Pitch attitude of a flight that is looked at, rad.
@@ -79,9 +82,6 @@ pub enum FlightError {
     Simulation(#[from] SimulationError),
 }
 
-/// Angles of attack that the F-16's tables cover, deg (Stevens & Lewis, appendix A).
-pub const F16_ALPHA_RANGE_DEG: [f64; 2] = [-10.0, 45.0];
-
 /// Integration steps per sample: the half sample keeps the truncation error of the fastest actuator mode far below any
 /// sensor's noise.
 const SUBSTEPS: usize = 2;
@@ -102,15 +102,44 @@ pub fn fly(scenario: &Scenario) -> Result<Flight, FlightError> {
 /// # Errors
 /// As [`fly`].
 pub fn fly_with_progress(scenario: &Scenario, progress: &dyn Fn(f64)) -> Result<Flight, FlightError> {
+    match aircraft_of(scenario)? {
+        BuiltInAircraft::F16(aircraft) => fly_aircraft(aircraft.as_ref(), scenario, progress),
+    }
+}
+
+/// As [`fly_with_progress`], with any aircraft in place of the one that the scenario names: the entries `type`, `tables` and
+/// `cg` of its `[aircraft]` are not read.
+///
+/// ```
+/// use phugoid_flight_dynamics::f16::{F16, F16Constants, F16Options};
+/// use phugoid_simulation::flight::{fly, fly_aircraft};
+/// use phugoid_simulation::named::scenario;
+///
+/// // The F-16 with the rounded constants of the book in place of the exact ones.
+/// let rounded = F16::new(F16Options { cg: 0.30, constants: F16Constants::BookRounded, ..F16Options::default() })?;
+/// let scenario = scenario("f16-calm")?;
+/// let (flight, usual) = (fly_aircraft(&rounded, &scenario, &|_fraction| ())?, fly(&scenario)?);
+/// let apart = (flight.trim.alpha_rad - usual.trim.alpha_rad).abs();
+/// assert!(apart > 0.0 && apart < 1e-4);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// As [`fly`].
+pub fn fly_aircraft<A: Aircraft>(
+    known: &A,
+    scenario: &Scenario,
+    progress: &dyn Fn(f64),
+) -> Result<Flight, FlightError> {
     let scenario = scenario.drawn();
-    let (known, known_trim) = trimmed_aircraft(&scenario)?;
+    let known_trim = trim_of(known, &scenario)?;
     let error = &scenario.model_error;
     let (mut trim, mut error_increments) = (known_trim, BTreeMap::new());
-    let mut aircraft = Misjudged::new(&known, error, trim.alpha_rad);
+    let mut aircraft = Misjudged::new(known, error, trim.alpha_rad);
     if *error != ModelError::default() {
         trim = trim_of(&aircraft, &scenario)?;
         // The quadratic term and its slope vanish at the trim: it is the same with and without.
-        aircraft = Misjudged::new(&known, error, trim.alpha_rad);
+        aircraft = Misjudged::new(known, error, trim.alpha_rad);
         trim = trim_of(&aircraft, &scenario)?;
         error_increments = aircraft.equivalent_increments(&trim);
     }
@@ -127,7 +156,9 @@ pub fn fly_with_progress(scenario: &Scenario, progress: &dyn Fn(f64)) -> Result<
     };
     let truth = true_record(&scenario, &trajectory, thrust);
     let measured = sense(&truth, &scenario, scenario.seed)?;
-    let mut flight = Flight { measured, truth, trim, true_parameters: BTreeMap::new(), scenario, error_increments };
+    let data_range = known.data_range();
+    let mut flight =
+        Flight { measured, truth, trim, true_parameters: BTreeMap::new(), scenario, error_increments, data_range };
     flight.true_parameters = flight.true_parameters_at(f64::INFINITY);
     Ok(flight)
 }
@@ -136,24 +167,26 @@ pub fn fly_with_progress(scenario: &Scenario, progress: &dyn Fn(f64)) -> Result<
 ///
 /// # Errors
 /// [`FlightError`]: the aircraft's data, no trim in this condition.
-pub fn trimmed_aircraft(scenario: &Scenario) -> Result<(F16, Trim), FlightError> {
-    let AircraftKind::F16 = scenario.aircraft.kind;
-    let tables = match scenario.aircraft.tables {
-        Tables::Book => F16Tables::Book,
-        Tables::Morelli => F16Tables::Morelli,
-    };
-    let aircraft = F16::new(F16Options { tables, cg: scenario.aircraft.cg, ..F16Options::default() })?;
+pub fn trimmed_aircraft(scenario: &Scenario) -> Result<(BuiltInAircraft, Trim), FlightError> {
+    let aircraft = aircraft_of(scenario)?;
     let trim = trim_of(&aircraft, scenario)?;
     Ok((aircraft, trim))
 }
 
-fn trim_of<A: Aircraft>(aircraft: &A, scenario: &Scenario) -> Result<Trim, TrimError> {
-    let condition = TrimCondition {
-        flight_path_angle: scenario.condition.flight_path.si(),
-        turn_rate: scenario.condition.turn_rate.si(),
-        alpha_range: F16_ALPHA_RANGE_DEG.map(f64::to_radians),
-        ..TrimCondition::level(scenario.condition.speed.si(), scenario.condition.altitude.si())
-    };
+/// The aircraft that a scenario names.
+fn aircraft_of(scenario: &Scenario) -> Result<BuiltInAircraft, FlightError> {
+    let settings = &scenario.aircraft;
+    Ok(BuiltInAircraft::new(settings.kind, settings.tables, settings.cg)?)
+}
+
+/// The steady flight that a scenario starts in, of any aircraft.
+///
+/// # Errors
+/// [`TrimError`]: the aircraft has no steady flight in this condition.
+pub fn trim_of<A: Aircraft>(aircraft: &A, scenario: &Scenario) -> Result<Trim, TrimError> {
+    let at = &scenario.condition;
+    let condition =
+        TrimCondition::steady(aircraft, at.speed.si(), at.altitude.si(), at.flight_path.si(), at.turn_rate.si());
     trim(aircraft, &condition)
 }
 

@@ -1,4 +1,4 @@
-//! Simulated flights: scenarios, manoeuvres, sensors and their faults, errors of the model.
+#![doc = include_str!("../README.md")]
 #![cfg_attr(not(test), deny(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
 pub mod constant_thrust;

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use phugoid_flight_dynamics::actuator::Actuators;
-use phugoid_flight_dynamics::aircraft::{AirData, Aircraft, Coefficients, Controls, Geometry, Propulsion};
+use phugoid_flight_dynamics::aircraft::{AirData, Aircraft, Coefficients, Controls, DataRange, Geometry, Propulsion};
 use phugoid_flight_dynamics::atmosphere::Atmosphere;
 use phugoid_flight_dynamics::mass::MassProperties;
 use phugoid_flight_dynamics::scalar::{Dual, Scalar};
@@ -135,5 +135,9 @@ impl<A: Aircraft> Aircraft for Misjudged<'_, A> {
 
     fn actuators(&self) -> &Actuators {
         self.aircraft.actuators()
+    }
+
+    fn data_range(&self) -> DataRange {
+        self.aircraft.data_range()
     }
 }

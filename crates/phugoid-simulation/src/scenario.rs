@@ -15,9 +15,7 @@ use phugoid_flight_dynamics::increments::Increments;
 use serde::Deserialize;
 
 pub use self::air::{GustSettings, Turbulence};
-pub use self::aircraft::{
-    AircraftKind, AircraftSettings, Condition, ModelError, RecordedSurfaces, TableFactors, Tables, Thrust,
-};
+pub use self::aircraft::{AircraftSettings, Condition, ModelError, RecordedSurfaces, TableFactors, Thrust};
 pub use self::built_in::{BUILT_IN, built_in};
 pub use self::damage::Damage;
 pub use self::draw::Ranges;

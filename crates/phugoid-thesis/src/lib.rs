@@ -1,12 +1,10 @@
-//! Every case, comparison and figure of the thesis that this project grew from: M. Gurbacki, *Feasibility Study of a
-//! Novel Method for Real-Time Aerodynamic Coefficient Estimation*, Rochester Institute of Technology, 2010.
+#![doc = include_str!("../README.md")]
+//!
+//! # Entries
 //!
 //! An [`Entry`] is one case or one study, with an id like `second-order/3`; running it gives a [`Reproduction`]: what was
 //! published, what we reconstructed of it, what we found, and what differs and why, as plain data for text, JSON,
 //! figures and pages. Cases are files in `scenarios/thesis/`, embedded here; a user's own file runs in the same way.
-//!
-//! The text of the thesis at hand has lost its minus signs and most digits of its tables. What is reconstructed says so.
-
 #![cfg_attr(not(test), deny(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
 pub mod aircraft_case;

@@ -23,7 +23,7 @@ pub use phugoid_identification::inspect::Inspection;
 pub use phugoid_identification::model_file::{ModelError, ModelFile as Model};
 pub use phugoid_identification::session::{Session, Snapshot, Step};
 
-pub use aircraft::{Linearization, f16_level, linearize, trim};
+pub use aircraft::{Linearization, linearize, trim};
 pub use comparison::{compare, compare_entries, entry};
 pub use error::Error;
 pub use estimation::{estimate, estimate_with_progress};

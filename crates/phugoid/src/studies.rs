@@ -10,5 +10,5 @@ pub use phugoid_simulation::named::NamedError;
 pub use phugoid_simulation::scenario::{Scenario, ScenarioError};
 
 pub(crate) use phugoid_evaluation::arena::{BUILT_IN as ARENA, Contestant, built_in as arena_entry, compare};
-pub(crate) use phugoid_simulation::flight::{F16_ALPHA_RANGE_DEG, fly_with_progress};
+pub(crate) use phugoid_simulation::flight::fly_with_progress;
 pub(crate) use phugoid_simulation::scenario::nearest;

@@ -7,11 +7,11 @@ use std::path::{Path, PathBuf};
 use phugoid::simulate_with_progress;
 use phugoid_flight_data::channels::by_name;
 use phugoid_flight_data::csv;
-use phugoid_flight_data::record::{Channel, Quantity, Record};
+use phugoid_flight_data::record::{Channel, Quantity};
 use phugoid_flight_dynamics::trim::Trim;
 use phugoid_identification::estimation::Signal;
 use phugoid_report::{Figure, TimeHistoryPanel, time_histories, write_named_figures};
-use phugoid_simulation::flight::{F16_ALPHA_RANGE_DEG, Flight, FlightError};
+use phugoid_simulation::flight::{Flight, FlightError};
 use phugoid_simulation::named::scenario_text;
 use phugoid_simulation::scenario::{BUILT_IN, Scenario};
 use serde::Serialize;
@@ -75,7 +75,7 @@ pub(crate) fn run(arguments: &arguments::Simulate) -> Result<(), Failure> {
         measured_csv: &measured,
         truth_csv: &truth,
         figures,
-        warnings: beyond_the_tables(&flight.truth),
+        warnings: beyond_the_tables(&flight),
     };
     if arguments.json { print(&json(&document)?) } else { print(&text(&document, &flight)) }
 }
@@ -156,15 +156,20 @@ fn text(document: &Document, flight: &Flight) -> String {
     text
 }
 
-/// Largest deflections in the tables of elevator, aileron and rudder, deg.
-const SURFACE_LIMITS_DEG: [(&str, f64); 3] = [("elevator", 25.0), ("aileron", 21.5), ("rudder", 30.0)];
-
 /// Where a flight leaves the aerodynamic tables: beyond their ends they are continued in straight lines, which no aircraft
 /// is.
-fn beyond_the_tables(truth: &Record) -> Vec<String> {
-    let [lowest, highest] = F16_ALPHA_RANGE_DEG;
-    let surfaces = SURFACE_LIMITS_DEG.map(|(name, limit)| (name, -limit, limit));
-    let ranges = [("alpha", lowest, highest), ("beta", -30.0, 30.0)].into_iter().chain(surfaces);
+fn beyond_the_tables(flight: &Flight) -> Vec<String> {
+    let (truth, range) = (&flight.truth, &flight.data_range);
+    let ranges = [
+        ("alpha", range.alpha),
+        ("beta", range.beta),
+        ("elevator", range.elevator),
+        ("aileron", range.aileron),
+        ("rudder", range.rudder),
+    ];
+    // Limits are stated in degrees: what the conversion there and back adds is taken off again.
+    let degrees = |limit: f64| (limit.to_degrees() * 1e6).round() / 1e6;
+    let ranges = ranges.into_iter().map(|(name, [low, high])| (name, degrees(low), degrees(high)));
     let first = |(name, low, high): (&str, f64, f64)| {
         let values = &truth.channel(name)?.values;
         let inside = |value: f64| (low - 1e-6..=high + 1e-6).contains(&value.to_degrees());

@@ -2,8 +2,10 @@
 
 use std::fmt::Write as _;
 
-use phugoid::{f16_level, trim};
-use phugoid_flight_dynamics::f16::{F16, F16Options, F16Tables};
+use phugoid::trim;
+use phugoid_flight_dynamics::aircraft::Aircraft;
+use phugoid_flight_dynamics::built_in::{self, BuiltInAircraft};
+use phugoid_flight_dynamics::f16::F16Tables;
 use phugoid_flight_dynamics::trim::{Trim, TrimCondition};
 use serde::Serialize;
 
@@ -21,23 +23,22 @@ struct Document<'a> {
 }
 
 /// The aircraft of a command line.
-pub(crate) fn aircraft(condition: &FlightCondition) -> Result<F16, Failure> {
-    let AircraftName::F16 = condition.aircraft;
+pub(crate) fn aircraft(condition: &FlightCondition) -> Result<BuiltInAircraft, Failure> {
+    let name = match condition.aircraft {
+        AircraftName::F16 => built_in::AircraftName::F16,
+    };
     let tables = match condition.tables {
         TablesName::Book => F16Tables::Book,
         TablesName::Morelli => F16Tables::Morelli,
     };
-    F16::new(F16Options { tables, cg: condition.cg, ..F16Options::default() }).map_err(Failure::impossible)
+    BuiltInAircraft::new(name, tables, condition.cg).map_err(Failure::impossible)
 }
 
 /// Its trim.
-pub(crate) fn trimmed(aircraft: &F16, condition: &FlightCondition) -> Result<Trim, Failure> {
-    let wanted = TrimCondition {
-        flight_path_angle: condition.flight_path.si(),
-        turn_rate: condition.turn_rate.si(),
-        ..f16_level(condition.speed.si(), condition.altitude.si())
-    };
-    Ok(trim(aircraft, &wanted)?)
+pub(crate) fn trimmed<A: Aircraft>(aircraft: &A, condition: &FlightCondition) -> Result<Trim, Failure> {
+    let (speed, altitude) = (condition.speed.si(), condition.altitude.si());
+    let (path, turn) = (condition.flight_path.si(), condition.turn_rate.si());
+    Ok(trim(aircraft, &TrimCondition::steady(aircraft, speed, altitude, path, turn))?)
 }
 
 /// Names of aircraft and tables for documents.

@@ -7,7 +7,6 @@ use crate::aircraft::{Aircraft, Controls, State};
 use crate::motion::{Disturbance, Motion, motion};
 use crate::scalar::{Dual, Scalar};
 
-pub(super) const DEGREE: f64 = core::f64::consts::PI / 180.0;
 pub(super) const UNKNOWNS: usize = 8;
 /// Residual of an equilibrium. The equations are of order one and exact to some 1e-15.
 pub(super) const TOLERANCE: f64 = 1e-11;

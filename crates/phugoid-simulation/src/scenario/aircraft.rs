@@ -1,5 +1,7 @@
 //! The aircraft of a scenario and where its flight starts.
 
+use phugoid_flight_dynamics::built_in::AircraftName;
+use phugoid_flight_dynamics::f16::F16Tables;
 use serde::Deserialize;
 
 use crate::quantity::{Angle, AngularRate, Length, Speed};
@@ -10,10 +12,10 @@ use crate::quantity::{Angle, AngularRate, Length, Speed};
 pub struct AircraftSettings {
     /// Which aircraft.
     #[serde(rename = "type")]
-    pub kind: AircraftKind,
+    pub kind: AircraftName,
     /// Which aerodynamic tables.
     #[serde(default)]
-    pub tables: Tables,
+    pub tables: F16Tables,
     /// Centre of gravity, fraction of the mean aerodynamic chord.
     #[serde(default = "reference_cg")]
     pub cg: f64,
@@ -27,25 +29,6 @@ pub struct AircraftSettings {
 
 fn reference_cg() -> f64 {
     0.35
-}
-
-/// Aircraft that can be flown.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum AircraftKind {
-    /// F-16 of Stevens & Lewis.
-    F16,
-}
-
-/// Aerodynamic tables of the F-16.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Tables {
-    /// Stevens, Lewis & Johnson, 3rd edition.
-    #[default]
-    Book,
-    /// Morelli's digitisation.
-    Morelli,
 }
 
 /// What thrust does after the trim.

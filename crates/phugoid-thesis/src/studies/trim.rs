@@ -16,7 +16,7 @@ use crate::units::FOOT;
 use phugoid_evaluation::accuracy::StudyError;
 use phugoid_evaluation::chart::{Axis, Chart, Content, Curve, Level, Meaning, Panel, Shape};
 use phugoid_evaluation::table::{Cell, Column, Table};
-use phugoid_simulation::flight::{F16_ALPHA_RANGE_DEG, FlightError};
+use phugoid_simulation::flight::FlightError;
 
 /// Entries of this file.
 pub(crate) const ENTRIES: &[Entry] =
@@ -43,12 +43,9 @@ struct Found {
 }
 
 fn run(id: &str, progress: &(dyn Fn(f64) + Sync)) -> Result<Reproduction, StudyError> {
-    let condition = TrimCondition {
-        alpha_range: F16_ALPHA_RANGE_DEG.map(f64::to_radians),
-        ..TrimCondition::level(SPEED_FT_S * FOOT, ALTITUDE_FT * FOOT)
-    };
     let aircraft = |tables| F16::new(F16Options { tables, cg: CG, ..F16Options::default() }).map_err(FlightError::from);
     let (book, morelli) = (aircraft(F16Tables::Book)?, aircraft(F16Tables::Morelli)?);
+    let condition = TrimCondition::steady(&book, SPEED_FT_S * FOOT, ALTITUDE_FT * FOOT, 0.0, 0.0);
     let (of_book, of_morelli) = (found(&book, &condition)?, found(&morelli, &condition)?);
     let ways = ways(&book, &condition, progress)?;
     Ok(Reproduction {

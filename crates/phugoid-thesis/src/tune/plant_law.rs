@@ -7,6 +7,7 @@ use phugoid_estimators::{Estimator, LinearizedRates, Model, Sample};
 use super::rule::Expected;
 use crate::plant_case::{Parameter, PlantCase, PlantRun, Visit, simulate};
 use phugoid_evaluation::accuracy::StudyError;
+use phugoid_evaluation::statistics::median;
 
 /// A law with its settings; bounds and start values are those of the case.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -177,7 +178,7 @@ pub(super) fn summary(
         duration_s,
         signal: mean(&|p| p.signal * p.signal).sqrt(),
         rate: mean(&|p| p.rate * p.rate).sqrt(),
-        slope: excited.get(excited.len() / 2).copied().unwrap_or(0.0),
+        slope: if excited.is_empty() { 0.0 } else { median(excited.to_vec()) },
         regressor: mean(&|p| p.regressors.iter().map(|r| r * r).sum()).sqrt(),
         largest_regressor: points
             .iter()

@@ -2,7 +2,8 @@
 
 use crate::units::STANDARD_GRAVITY;
 use phugoid_evaluation::accuracy::StudyError;
-use phugoid_simulation::flight::{F16_ALPHA_RANGE_DEG, Flight};
+use phugoid_flight_dynamics::f16::ALPHA_RANGE_DEG;
+use phugoid_simulation::flight::Flight;
 use phugoid_simulation::manoeuvre::{Manoeuvre, Surface};
 use phugoid_simulation::quantity::{Angle, Frequency, Time};
 use phugoid_simulation::scenario::Scenario;
@@ -130,7 +131,7 @@ fn strain(flight: &Flight) -> (f64, f64) {
     let largest = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, |m: f64, v| m.max(v.abs()));
     let load = largest(&mut channel("az").iter().map(|az| -az / STANDARD_GRAVITY - 1.0));
     let elevator = largest(&mut channel("elevator").iter().copied()).to_degrees();
-    let [lowest, highest] = F16_ALPHA_RANGE_DEG;
+    let [lowest, highest] = ALPHA_RANGE_DEG;
     let alpha = channel("alpha").iter().map(|a| a.to_degrees());
     let beyond = alpha.fold(0.0, |m: f64, a| m.max(a / highest).max(a / lowest));
     (load, (load / LOAD_LIMIT).max(elevator / ELEVATOR_LIMIT_DEG).max(beyond))
