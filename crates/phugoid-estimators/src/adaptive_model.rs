@@ -40,7 +40,7 @@ use crate::model_reference::{ModelReference, ModelReferenceForm, ModelReferenceS
 use crate::settings::{EstimatorSettings, SettingsError};
 use crate::thesis::{SurfaceChannel, SurfaceDerivative};
 
-/// `k`, 1/s.
+/// Decay rate `k` of the state error, 1/s.
 const ERROR_DECAY: f64 = 2.0;
 /// Time constant of an excited parameter, s.
 const ADAPTATION_TIME_S: f64 = 1.0;
