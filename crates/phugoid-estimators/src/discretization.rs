@@ -17,7 +17,7 @@
 //! // dx/da = -0.1 exp(-0.3)
 //! assert!((sensitivity[0][0] + 0.1 * (-0.3_f64).exp()).abs() < 1e-4);
 //! // Without derivatives, in steps of at most 0.01 s: more exact.
-//! assert!((simulate(&Lag, &[1.0], &[3.0, 2.0], &input, 0.1, 0.01)[0] - (-0.3_f64).exp()).abs() < 1e-9);
+//! assert!((simulate(&Lag, &[1.0], &[3.0, 2.0], &input, 0.1, 0.01)[0] - (-0.3_f64).exp()).abs() < 1e-8);
 //! ```
 
 use crate::kernels::add_scaled;

@@ -17,7 +17,7 @@
 //! **Bounds.** `std_error` is `sqrt(C_jj)` with the given noise levels. The rows' noise is coloured (the filter, the
 //! smoothed states), so `corrected_std_error` is the larger of it and the sandwich estimate over blocks of time.
 //!
-//! **Where it fails.** Noise in the regressors biases every regression, and what the state source makes of it is the
+//! **Limits.** Noise in the regressors biases every regression, and what the state source makes of it is the
 //! limit: RMSE is a multiple of the Cramer-Rao bound. An unmeasured gust goes into the angle of attack. docs/methods.md
 //! has the numbers.
 //!

@@ -1,5 +1,5 @@
-//! Champion and challenger: a suspected change never touches the running estimate until the changed one has explained
-//! fresh data better.
+//! Champion and challenger: a suspected change does not touch the running estimate (the champion). A second estimate
+//! with opened parameters (the challenger) replaces it only after it has explained fresh data better.
 
 use crate::dense::Cholesky;
 use crate::settings::ChangeDetection;
@@ -48,7 +48,7 @@ pub(crate) struct Challenge {
     pub(crate) adoptions: u32,
     pub(crate) dropped: u32,
     last_adoption_s: f64,
-    /// The model itself is wrong: changes are no longer believed.
+    /// The wander stayed large after an adoption: the model itself is wrong, and no further change is adopted.
     pub(crate) model_error: bool,
     /// Rows that are measured in the longest doubt.
     rows: f64,

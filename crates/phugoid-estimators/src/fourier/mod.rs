@@ -22,7 +22,7 @@
 //!
 //! **Forgetting** acts on the transforms. Without excitation information then fades to the prior's; the estimate stays.
 //!
-//! **Where it fails.** As [`rls`](crate::rls): the noise of the regressors. Nothing is learnt from below the band: slow
+//! **Limits.** As [`rls`](crate::rls): the noise of the regressors. Nothing is learnt from below the band: slow
 //! motion and trim. docs/methods.md has the numbers.
 //!
 //! ```

@@ -1,4 +1,4 @@
-//! What the monitor is told: what to expect of each parameter, and how often it may be wrong.
+//! Settings of the health monitor: the expected parameters with tolerances, and the accepted rate of false alarms.
 
 use core::fmt;
 

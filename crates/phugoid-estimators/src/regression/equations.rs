@@ -10,7 +10,7 @@ use crate::model::{LinearizedOutputs, LinearizedRates, Model, Sample};
 use crate::settings::{EstimatorSettings, SettingsError};
 use crate::supervisor::start::Start;
 
-/// Time constant of the mean from which excitation is told, s.
+/// Time constant of the running mean from which the motion of a state is judged, s.
 const MEAN_TIME_S: f64 = 2.0;
 /// A state that is this many sigmas of its measurement away from its own mean shows that something moves.
 const MOVING_SIGMAS: f64 = 4.0;

@@ -1,6 +1,6 @@
 //! Outliers: measurements far from what the model predicts.
 
-/// A channel that has been refused for this long, s, is believed again: it is not an outlier but a new level.
+/// A channel that has been refused for this long, s, is used again: it is not an outlier but a new level.
 const BELIEVED_AGAIN_S: f64 = 0.25;
 /// ... and at least this many frames.
 const BELIEVED_AGAIN_FRAMES: u32 = 5;

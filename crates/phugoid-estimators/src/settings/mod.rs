@@ -23,8 +23,9 @@ use core::fmt;
 use crate::discretization::InputHold;
 use crate::model::Model;
 
-/// How large a *sudden* change of a parameter in flight would be: the alternative the change detector tests against.
-/// Not the start prior: with a change prior as wide as a start prior no real change is ever believed (Occam).
+/// How large a *sudden* change of a parameter in flight would be: the alternative the change detector tests against. It
+/// is smaller than the prior of the start: with a change prior that wide the detector would hardly ever decide for a
+/// change, because the evidence is averaged over all sizes of change.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ChangePrior {
     /// Never changes: biases, offsets and other nuisance columns. Not tested, not re-opened.

@@ -167,7 +167,7 @@ mod tests {
         assert_eq!(after(51, [20.0, 8.0, 4.0, 3.0, 1.0, 1.0]).weight(0, 20.0, LIMIT), 1.0);
         // What is not rejected counts.
         assert_eq!(after(51, [5.9, 1.0, 1.0]).weight(0, 5.9, LIMIT), 1.0);
-        // An output without others has nobody to ask; one that is not measured is none.
+        // Without other outputs the row counts in full; an output that is not measured does not count as another one.
         assert_eq!(after(51, [20.0]).weight(0, 20.0, LIMIT), 1.0);
         assert_eq!(after(51, [20.0, f64::NAN]).weight(0, 20.0, LIMIT), 1.0);
         assert_eq!(after(51, [20.0, f64::NAN, 3.0]).weight(0, 20.0, LIMIT), 1.0);

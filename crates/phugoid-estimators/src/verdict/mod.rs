@@ -15,7 +15,8 @@
 //!    the last seconds.
 //!
 //! Residual whiteness (lag-one correlation of the normalised innovations over the last [`MEMORY_S`] seconds) is given
-//! beside: it speaks of an output, not of a parameter, and the corrected bounds already allow for its short part.
+//! beside: it belongs to an output, not to a parameter, and the corrected bounds already allow for correlation over
+//! short times.
 //!
 //! ```
 //! # mod lag { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/lag.rs")); }

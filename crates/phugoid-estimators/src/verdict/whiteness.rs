@@ -7,7 +7,7 @@ pub const MEMORY_S: f64 = 5.0;
 /// Share of rejected rows from which the model is said to contradict the flight. Single bad values of a sensor stay
 /// below.
 pub const CONTRADICTED: f64 = 0.25;
-/// Rows that count before a share is believed: a quarter of them is five.
+/// Rows that are needed before the share of rejected ones is used: a quarter of them is five.
 const ENOUGH: f64 = 20.0;
 
 /// The residuals of one output over the last seconds.
@@ -32,7 +32,7 @@ impl Whiteness {
         self.correlation.abs() > self.allowed
     }
 
-    /// True if so many rows were rejected that the rest is not to be believed.
+    /// True if so many rows were rejected that the estimate rests on a selection of the data.
     pub fn contradicts(&self) -> bool {
         self.rows >= ENOUGH && self.rejected > CONTRADICTED
     }
