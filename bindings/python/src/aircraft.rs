@@ -1,10 +1,6 @@
 //! Aircraft: trim and linearisation.
 
-use phugoid_flight_dynamics::built_in::{AircraftName, BuiltInAircraft};
-use phugoid_flight_dynamics::f16::F16Tables;
-use phugoid_flight_dynamics::linearize as library;
-use phugoid_flight_dynamics::motion::Disturbance;
-use phugoid_flight_dynamics::trim::{self as trimming, Trim, TrimCondition};
+use phugoid::{AircraftName, BuiltInAircraft, F16Tables, Linearization, Trim, TrimCondition};
 use pyo3::prelude::*;
 
 use crate::error::raise;
@@ -18,7 +14,7 @@ fn trimmed(
 ) -> PyResult<(BuiltInAircraft, Trim)> {
     let aircraft = BuiltInAircraft::new(AircraftName::F16, F16Tables::Book, cg).map_err(raise)?;
     let wanted = TrimCondition::steady(&aircraft, speed_m_s, altitude_m, flight_path_rad, turn_rate_rad_s);
-    let trim = trimming::trim(&aircraft, &wanted).map_err(raise)?;
+    let trim = phugoid::trim(&aircraft, &wanted).map_err(raise)?;
     Ok((aircraft, trim))
 }
 

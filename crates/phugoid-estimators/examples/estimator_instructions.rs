@@ -5,9 +5,10 @@
 //! valgrind --tool=callgrind --toggle-collect='*measured_updates*' target/release/examples/estimator_instructions 5 ekf
 //! ```
 //!
-//! The first argument is the number of parameters (4, 5, 11 or 24). After it, in any order: the method (smpe, ekf, rls, fourier,
-//! implicit-sign, super-twisting; smpe without), `wide` for room for 24, `off` for no change detection. Prints how many updates were
-//! measured (divide the total by it) and, run without callgrind, the time of the fastest hundred of them.
+//! The first argument is the number of parameters (4, 5, 11 or 24). After it, in any order: the method (smpe, ekf, rls,
+//! fourier, implicit-sign, super-twisting; smpe without), `wide` for room for 24, `off` for no change detection. Prints
+//! how many updates were measured (divide the total by it) and, run without callgrind, the time of the fastest hundred
+//! of them.
 
 #[path = "../tests/methods/mod.rs"]
 mod methods;

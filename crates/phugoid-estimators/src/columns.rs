@@ -5,11 +5,11 @@ use crate::settings::{ChangePrior, EstimatorSettings};
 /// Layout and limits of the columns. Entries from `count` on are not in use.
 #[derive(Clone, Copy, Debug)]
 pub struct Columns<const R: usize, const P: usize> {
-    /// Columns in use.
+    /// Number of columns in use, parameters and biases, at most `P`.
     pub(crate) count: usize,
     /// Those of the model's own parameters.
     pub(crate) own: usize,
-    /// Start values, parameter units.
+    /// Start values of the columns, parameter units; zero for biases.
     pub(crate) initial: [f64; P],
     /// Prior standard deviation, the unit of the scaled columns.
     pub(crate) std: [f64; P],

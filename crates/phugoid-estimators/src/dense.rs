@@ -45,14 +45,14 @@ impl<'a, const P: usize> Cholesky<'a, P> {
         self.log_determinant
     }
 
-    /// `L^-1 b` over `b`.
+    /// Solves `L y = b` and writes `y` over `b`.
     pub(crate) fn solve_lower(&self, b: &mut [f64; P]) {
         for i in 0..self.len {
             b[i] = (b[i] - dot(&self.lower[i][..i], &b[..i])) * self.inverse_diagonal[i];
         }
     }
 
-    /// `A^-1 b` over `b`.
+    /// Solves `A x = b` and writes `x` over `b`.
     pub(crate) fn solve(&self, b: &mut [f64; P]) {
         self.solve_lower(b);
         for i in (0..self.len).rev() {
@@ -62,7 +62,7 @@ impl<'a, const P: usize> Cholesky<'a, P> {
         }
     }
 
-    /// Trace of `A^-1`.
+    /// Trace of `A^-1`, from the columns of `L^-1`.
     pub(crate) fn inverse_trace(&self) -> f64 {
         let mut trace = 0.0;
         for j in 0..self.len {

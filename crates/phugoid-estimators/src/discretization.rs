@@ -17,7 +17,7 @@
 //! // dx/da = -0.1 exp(-0.3)
 //! assert!((sensitivity[0][0] + 0.1 * (-0.3_f64).exp()).abs() < 1e-4);
 //! // Without derivatives, in steps of at most 0.01 s: more exact.
-//! assert!((simulate(&Lag, &[1.0], &[3.0, 2.0], &input, 0.1, 0.01)[0] - (-0.3_f64).exp()).abs() < 1e-9);
+//! assert!((simulate(&Lag, &[1.0], &[3.0, 2.0], &input, 0.1, 0.01)[0] - (-0.3_f64).exp()).abs() < 1e-8);
 //! ```
 
 use crate::kernels::add_scaled;
@@ -39,9 +39,9 @@ pub enum InputHold {
 pub struct IntervalInput<I> {
     /// At the start of the interval.
     pub from: I,
-    /// At its end.
+    /// Value of the input at the end of the interval.
     pub to: I,
-    /// What happens between.
+    /// Whether the input is held or runs straight in between.
     pub hold: InputHold,
 }
 
@@ -59,9 +59,9 @@ impl<I: Input> IntervalInput<I> {
 /// Part of one interval, as fractions in `[0, 1]` of it.
 #[derive(Clone, Copy, Debug)]
 pub struct Part {
-    /// Where the part starts.
+    /// Where the part starts, as a fraction of the interval.
     pub from: f64,
-    /// Where it ends.
+    /// Where the part ends, as a fraction of the interval.
     pub to: f64,
 }
 

@@ -1,4 +1,4 @@
-//! What an estimator says after each sample.
+//! The estimate that an estimator gives after each sample, and the traits of an estimator.
 
 use crate::innovation::Innovations;
 use crate::model::{Input, Sample};
@@ -10,7 +10,7 @@ pub(crate) const EXCITED: f64 = 0.5;
 /// counts as converged.
 pub(crate) const CONVERGED: f64 = 0.1;
 
-/// What the change detector knows.
+/// Internal quantities of the change detector.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DetectorReport {
     /// Largest log Bayes factor of the last test, nats: change against wander.
@@ -23,9 +23,9 @@ pub struct DetectorReport {
     pub informative_windows: f64,
     /// Score of the running challenger on fresh data, nats; zero when none runs.
     pub challenger_score: f64,
-    /// Challengers adopted so far.
+    /// Number of challengers that have replaced the running estimate so far: detected changes.
     pub adoptions: u32,
-    /// Challengers dropped so far.
+    /// Number of challengers that were dropped so far: suspicions that did not hold.
     pub dropped: u32,
     /// Latched: the wander stayed large after an adoption, so the model itself is in error and changes are no longer
     /// adopted.
@@ -48,7 +48,8 @@ pub enum Phase {
     Rejected,
     /// No measurement in this frame: prediction only.
     Predicting,
-    /// The estimate stopped being a number and the estimator with it: only a law that is evaluated as printed does this.
+    /// The estimate stopped being a number and the estimator with it: only a law that is evaluated as printed does
+    /// this.
     Diverged,
 }
 
@@ -72,11 +73,11 @@ impl core::fmt::Display for Phase {
     }
 }
 
-/// What the change detector holds of the parameters.
+/// Whether the change detector suspects or has found a change of the parameters.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum ChangeState {
-    /// No change suspected.
+    /// No change of the parameters is suspected.
     #[default]
     Steady,
     /// A change is suspected and a challenger runs beside the estimate: the reported bounds are widened.
@@ -103,7 +104,7 @@ impl core::fmt::Display for ChangeState {
     }
 }
 
-/// What the change detector can see.
+/// Whether the change detector is able to detect changes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum DetectorState {
@@ -112,24 +113,25 @@ pub enum DetectorState {
     Off,
     /// Still learning how much this model wanders without any change.
     Calibrating,
-    /// Armed.
+    /// The wander has been learnt: changes are detected.
     Armed,
     /// Model error hides changes below about three times the wander: see the change sensitivity.
     Insensitive,
 }
 
-/// Verdict on one parameter.
+/// What can be said of one parameter, from its standard error and its limits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum ParameterStatus {
-    /// The data have said almost nothing about it: the bound is the prior's.
+    /// The data contain almost no information about it: the bound is that of the prior. Move the aircraft more.
     #[default]
     NotExcited,
     /// The bound is shrinking and not yet small.
     Improving,
     /// The bound is a small part of the prior's.
     Converged,
-    /// It rests on one of its limits: the bounds given to the estimator exclude what the data say.
+    /// It is held at one of its limits, or lies outside: the declared bounds exclude what the data say. Check the
+    /// bounds.
     AtLimit,
 }
 
@@ -156,9 +158,9 @@ impl core::fmt::Display for ParameterStatus {
 pub struct Status {
     /// How the last frame met the surfaces.
     pub phase: Phase,
-    /// The change detector's verdict.
+    /// Whether a change of the parameters is suspected or was just adopted.
     pub change: ChangeState,
-    /// What the change detector can see.
+    /// Whether changes can be detected.
     pub detector: DetectorState,
 }
 
@@ -175,15 +177,15 @@ pub struct Estimate<const P: usize> {
     pub corrected_std_error: [f64; P],
     /// Observability, `1 - variance / prior variance` in `[0, 1]`: 0 where the data have said nothing.
     pub observability: [f64; P],
-    /// Verdict per parameter.
+    /// Status of each parameter. Entries from the parameter count on have no meaning.
     pub parameter_status: [ParameterStatus; P],
-    /// Verdict on the estimator.
+    /// Status of the estimator as a whole.
     pub status: Status,
 }
 
 /// A causal estimator: one sample in, one estimate out; no allocation, no blocking, bounded work.
 pub trait Estimator<const R: usize, const P: usize> {
-    /// The model's known input.
+    /// Type of the known input of the model.
     type Input: Input;
 
     /// Takes the next sample and gives the estimate that holds after it.
@@ -195,14 +197,16 @@ pub trait Estimator<const R: usize, const P: usize> {
     fn covariance(&self, out: &mut [[f64; P]; P]);
 }
 
-/// A causal estimator that shows its working: what a record of a run, a plot and a verdict need beside the estimate.
+/// A causal estimator whose internal quantities can be read: a record of a run, a plot and a verdict need them beside
+/// the estimate.
 ///
 /// Columns are the model's parameters in its order, then one per estimated output bias.
 pub trait Inspect<const R: usize, const P: usize>: Estimator<R, P> {
     /// Columns in use, at most `P`.
     fn column_count(&self) -> usize;
 
-    /// One sigma of what was known of each column beforehand, parameter units; infinite where the method takes no prior.
+    /// One sigma of what was known of each column beforehand, parameter units; infinite where the method takes no
+    /// prior.
     fn prior_std(&self) -> &[f64; P];
 
     /// The last frame's rows before it corrected the estimate.

@@ -1,14 +1,16 @@
 //! Teaching mode: the sliding law with a sign on a least-squares surface.
 //!
-//! The surface of parameter `i` is `s_i = theta_LS,i - theta_i`, the law `theta_i' = K R_i sgn(s_i)`, its sign evaluated implicitly:
+//! The surface of parameter `i` is `s_i = theta_LS,i - theta_i`, the law `theta_i' = K R_i sgn(s_i)`, its sign
+//! evaluated implicitly:
 //!
 //! ```text
 //! theta_i <- theta_i + clip(s_i, +- h K R_i)
 //! ```
 //!
-//! It cannot chatter, it reaches in finite time, and it moves a parameter through its half range in `1/K` seconds at most.
-//! **What it is:** recursive least squares with a limited rate. Once the surface is reached the two are equal, so its accuracy is
-//! that of [`rls`](crate::rls), a multiple of the Cramer-Rao bound. While it is not reached its distance is part of the bounds.
+//! It cannot chatter, it reaches in finite time, and it moves a parameter through its half range in `1/K` seconds at
+//! most. **What it is:** recursive least squares with a limited rate. Once the surface is reached the two are equal, so
+//! its accuracy is that of [`rls`](crate::rls), a multiple of the Cramer-Rao bound. While it is not reached its
+//! distance is part of the bounds.
 //!
 //! ```
 //! # mod lag { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/lag.rs")); }
@@ -51,8 +53,8 @@ impl<F, const R: usize, const P: usize> ImplicitSign<F, R, P>
 where
     F: RowSource<R, P>,
 {
-    /// Follows the least-squares solution of these rows. `reaching_rate` is `K`, half ranges per second: 2 is the rule. The half
-    /// range of a parameter is twice its prior standard deviation.
+    /// Follows the least-squares solution of these rows. `reaching_rate` is `K`, half ranges per second: 2 is the rule.
+    /// The half range of a parameter is twice its prior standard deviation.
     ///
     /// # Errors
     /// [`SettingsError::Setting`] if the rate is not positive and finite.

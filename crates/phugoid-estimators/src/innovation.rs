@@ -1,6 +1,6 @@
-//! What the rows of one frame said: residuals against their predicted size, before the frame corrected the estimate.
+//! Residuals of the rows of one frame, and their predicted size, before the frame corrected the estimate.
 
-/// How one output row met its sliding surface.
+/// How one output row was used.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum RowPhase {
     /// Not measured in this frame (or not usable).
@@ -26,7 +26,7 @@ pub struct Innovations<const R: usize> {
     pub whitened: [f64; R],
     /// `s (1 + v)`, predicted variance of the residual, output units squared. NaN where missing.
     pub variance: [f64; R],
-    /// Phase per row.
+    /// How each row was used.
     pub phase: [RowPhase; R],
 }
 
@@ -40,13 +40,13 @@ impl<const R: usize> Innovations<R> {
     };
 }
 
-/// What an output row says about the parameters, before the row is used.
+/// An output row before it is used: its residual and how the parameters enter it.
 pub(crate) struct ScoredRow<'a> {
-    /// Index of the output.
+    /// Index of the output that the row belongs to.
     pub(crate) output: usize,
     /// Whitened sensitivity `psi`, columns scaled to the prior standard deviation.
     pub(crate) psi: &'a [f64],
-    /// Normalised surface `xi`.
+    /// Normalised surface `xi`: residual over its whole predicted standard deviation.
     pub(crate) xi: f64,
     /// `v = psi C psi^T`.
     pub(crate) v: f64,

@@ -1,8 +1,9 @@
 //! Inner loops over the parameter columns, in blocks of four: run-time lengths of 5 or 11 are too short for the
 //! compiler's own vectorisation to pay (its prologue costs more than the work).
 
-/// Largest room for which the arithmetic is compiled a second time, for a room that is full: with the length as a constant
-/// the loops unroll. Beyond it the loops are long enough to pay for their own overhead, and the second copy is only size.
+/// Largest room for which the arithmetic is compiled a second time, for a room that is full: with the length as a
+/// constant the loops unroll. Beyond it the loops are long enough to pay for their own overhead, and the second copy is
+/// only size.
 const UNROLLED: usize = 16;
 
 /// True if `used` of `room` places are all of them and the copy for a full room is compiled.

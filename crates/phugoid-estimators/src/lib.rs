@@ -7,7 +7,7 @@
 //! | [`smpe`] | the sliding-mode parameter estimator, with bounds, sensor biases and change detection |
 //! | [`ekf`] | the joint extended Kalman filter, with everything that surrounds SMPE |
 //! | [`supervisor`] | what these two share: start, restart, change detection, colour correction, limits |
-//! | [`settings`] | what an estimator is told before the first sample |
+//! | [`settings`] | the settings of all estimators: priors, noise levels, timing |
 //! | [`regression`] | what the regression methods share: equations, filters, and where the states come from |
 //! | [`rls`] | recursive least squares with forgetting, on a regression without derivatives |
 //! | [`fourier`] | recursive Fourier-transform regression with the end-point term |

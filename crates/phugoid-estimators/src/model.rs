@@ -1,4 +1,4 @@
-//! What an estimator needs to know of a plant.
+//! The plant as an estimator sees it: states, outputs, unknown parameters, with all derivatives.
 
 /// The known input of a plant (surface positions, thrust, altitude, ...), held or interpolated between samples.
 pub trait Input: Copy {
@@ -24,11 +24,11 @@ pub struct LinearizedRates<const N: usize, const P: usize> {
 }
 
 impl<const N: usize, const P: usize> LinearizedRates<N, P> {
-    /// All zero.
+    /// All rates, derivatives and regressors zero: what a buffer starts with.
     pub const ZERO: Self = Self { rates: [0.0; N], state_jacobian: [[0.0; N]; N], regressors: [[0.0; P]; N] };
 }
 
-/// Outputs with their derivatives.
+/// Outputs with their derivatives by the states and the parameters, at one point.
 #[derive(Clone, Copy, Debug)]
 pub struct LinearizedOutputs<const N: usize, const R: usize, const P: usize> {
     /// `h(x, theta, u)`, output units.
@@ -40,7 +40,7 @@ pub struct LinearizedOutputs<const N: usize, const R: usize, const P: usize> {
 }
 
 impl<const N: usize, const R: usize, const P: usize> LinearizedOutputs<N, R, P> {
-    /// All zero.
+    /// All outputs and derivatives zero: what a buffer starts with.
     pub const ZERO: Self = Self { outputs: [0.0; R], state_jacobian: [[0.0; N]; R], parameter_jacobian: [[0.0; P]; R] };
 }
 
@@ -50,7 +50,7 @@ impl<const N: usize, const R: usize, const P: usize> LinearizedOutputs<N, R, P> 
 /// finite for finite, physically possible ones; an estimator treats a non-finite value as a lost sample.
 /// Analytic or forward-mode Jacobians only: estimators rely on them to rounding.
 pub trait Model<const N: usize, const R: usize, const P: usize> {
-    /// The known input.
+    /// Type of the known input, an array of numbers for most plants.
     type Input: Input;
 
     /// Parameters in use, at most `P`.

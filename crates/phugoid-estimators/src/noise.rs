@@ -1,8 +1,8 @@
-//! Measurement noise told from the measurements themselves.
+//! Measurement noise, estimated from the measurements themselves.
 //!
 //! Third differences `y_k - 3 y_{k-1} + 3 y_{k-2} - y_{k-3}` remove any motion that is quadratic over three samples and
-//! have `1 + 9 + 9 + 1 = 20` times the variance of white noise; the median of their size is deaf to outliers:
-//! `sigma = 1.4826 med|d3| / sqrt(20)`.
+//! have `1 + 9 + 9 + 1 = 20` times the variance of white noise; the median of their size is not affected by single
+//! outliers: `sigma = 1.4826 med|d3| / sqrt(20)`.
 //!
 //! It needs a sample rate well above the motion: where the signal bends within three samples (a 10 Hz record of a
 //! 1 Hz manoeuvre) it reads motion as noise and comes out too large. A signal quantised more coarsely than its noise
@@ -60,7 +60,7 @@ pub struct NoiseMonitor<const R: usize, const W: usize> {
 }
 
 impl<const R: usize, const W: usize> NoiseMonitor<R, W> {
-    /// Empty.
+    /// A monitor that has not seen a sample.
     pub fn new() -> Self {
         Self { recent: [[f64::NAN; 3]; R], sizes: [[0.0; W]; R], count: [0; R] }
     }

@@ -1,24 +1,25 @@
 //! Recursive least squares on a regression without derivatives.
 //!
-//! Rows `z = w theta + n` come from [`regression`](crate::regression). With columns scaled to their prior standard deviation,
-//! `psi = w/sigma`, `e = (z - w theta)/sigma` and `C` starting at the prior,
+//! Rows `z = w theta + n` come from [`regression`](crate::regression). With columns scaled to their prior standard
+//! deviation, `psi = w/sigma`, `e = (z - w theta)/sigma` and `C` starting at the prior,
 //!
 //! ```text
 //! theta <- theta + C psi^T e/(1 + v),     C <- C - (C psi^T)(psi C)/(1 + v),     v = psi C psi^T
 //! ```
 //!
-//! `C` is kept as `U D U^T` ([`ud`](crate::ud)). Without forgetting the estimate is that of batch least squares with the prior on the same
-//! rows.
+//! `C` is kept as `U D U^T` ([`ud`](crate::ud)). Without forgetting the estimate is that of batch least squares with
+//! the prior on the same rows.
 //!
-//! **Forgetting** lets information fade as `e^{-lambda t}`, only while something moves, and towards the prior, not towards nothing:
-//! `C^-1 <- e^{-lambda h} C^-1 + (1 - e^{-lambda h}) C0^-1`, the second term column by column in turn. So `C` cannot wind up
-//! beyond the prior (to within `lambda h p`), and a quiet hour costs nothing.
+//! **Forgetting** lets information fade as `e^{-lambda t}`, only while something moves, and towards the prior, not
+//! towards nothing: `C^-1 <- e^{-lambda h} C^-1 + (1 - e^{-lambda h}) C0^-1`, the second term column by column in turn.
+//! So `C` cannot wind up beyond the prior (to within `lambda h p`), and a quiet hour costs nothing.
 //!
-//! **Bounds.** `std_error` is `sqrt(C_jj)` with the given noise levels. The rows' noise is coloured (the filter, the smoothed
-//! states), so `corrected_std_error` is the larger of it and the sandwich estimate over blocks of time.
+//! **Bounds.** `std_error` is `sqrt(C_jj)` with the given noise levels. The rows' noise is coloured (the filter, the
+//! smoothed states), so `corrected_std_error` is the larger of it and the sandwich estimate over blocks of time.
 //!
-//! **Where it fails.** Noise in the regressors biases every regression, and what the state source makes of it is the limit: RMSE
-//! is a multiple of the Cramer-Rao bound. An unmeasured gust goes into the angle of attack. docs/methods.md has the numbers.
+//! **Limits.** Noise in the regressors biases every regression, and what the state source makes of it is the
+//! limit: RMSE is a multiple of the Cramer-Rao bound. An unmeasured gust goes into the angle of attack. docs/methods.md
+//! has the numbers.
 //!
 //! ```
 //! # mod lag { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/lag.rs")); }
@@ -50,7 +51,8 @@ use crate::regression::{Claim, Frame, Row, RowSource, Taken};
 use crate::supervisor::colour::Colour;
 use crate::ud::Ud;
 
-/// Recursive least squares on the rows of `F`, a [`Regression`](crate::regression::Regression): `R` outputs, room for `P` columns.
+/// Recursive least squares on the rows of `F`, a [`Regression`](crate::regression::Regression): `R` outputs, room for
+/// `P` columns.
 ///
 /// Columns of [`Estimate`] are the model's parameters in its order, then one per biased output.
 pub struct RecursiveLeastSquares<F, const R: usize, const P: usize> {
@@ -94,8 +96,8 @@ where
         &self.rows
     }
 
-    /// [`Estimator::update`] that gives each row of the sample to `observe` before it is used: for a batch solution of the same
-    /// regression, or to look at it.
+    /// [`Estimator::update`] that gives each row of the sample to `observe` before it is used: for a batch solution of
+    /// the same regression, or to look at it.
     pub fn update_observed(&mut self, sample: &Sample<F::Input, R>, observe: impl FnMut(&Row<P>)) -> Estimate<P> {
         self.update_with(sample, observe);
         self.estimate()
@@ -214,8 +216,8 @@ where
         self.estimate_of(&self.theta)
     }
 
-    /// The same with the parameters of a law that follows the least-squares estimate: its distance from there is part of its
-    /// bounds.
+    /// The same with the parameters of a law that follows the least-squares estimate: its distance from there is part
+    /// of its bounds.
     pub(crate) fn estimate_of(&self, theta: &[f64; P]) -> Estimate<P> {
         let mut distance = [0.0; P];
         for j in 0..self.rows.frame().columns.count {

@@ -1,17 +1,18 @@
 //! Teaching mode: dynamic regressor extension and mixing with an implicit super-twisting law.
 //!
-//! The rows of [`regression`](crate::regression) are summed with memory, `W = sum psi^T psi`, `Y = sum psi^T z`, and the determinant makes
-//! one scalar equation per parameter of them (S. Aranovskiy et al., IEEE TAC 62, 2017): `adj(W) Y = det(W) theta`. The surface is
-//! what is left of it, each parameter in half ranges, and the super-twisting law drives it to zero with a continuous
-//! signal (A. Levant, 1993), evaluated implicitly:
+//! The rows of [`regression`](crate::regression) are summed with memory, `W = sum psi^T psi`, `Y = sum psi^T z`, and
+//! the determinant makes one scalar equation per parameter of them (S. Aranovskiy et al., IEEE TAC 62, 2017): `adj(W) Y
+//! = det(W) theta`. The surface is what is left of it, each parameter in half ranges, and the super-twisting law drives
+//! it to zero with a continuous signal (A. Levant, 1993), evaluated implicitly:
 //!
 //! ```text
 //! s  = D^2/(D^2 + 1) i_j/(1 + i_j) (W^-1 Y - theta)_j          D = det W, i_j = 1/[W^-1]_jj, in units of the prior's information
 //! s+ + h k1 |s+|^(1/2) sgn(s+) + h^2 k2 sgn(s+) = s - h v,      v+ = v + h k2 sgn(s+),      theta+ = theta + s - s+
 //! ```
 //!
-//! The finite reaching time holds for exact equations. With noise it is least squares of the same rows with a lag: nothing is gained
-//! over [`rls`](crate::rls), and nothing is known of the error. **There are no bounds: the standard errors are infinite.**
+//! The finite reaching time holds for exact equations. With noise it is least squares of the same rows with a lag:
+//! nothing is gained over [`rls`](crate::rls), and nothing is known of the error. **There are no bounds: the standard
+//! errors are infinite.**
 //!
 //! ```
 //! # mod lag { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/lag.rs")); }

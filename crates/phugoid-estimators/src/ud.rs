@@ -36,9 +36,9 @@ const LEAST_VARIANCE: f64 = 1e-13;
 /// A scalar measurement `y = a x + noise` seen through the factors: everything needed to judge it before it is used.
 #[derive(Clone, Copy, Debug)]
 pub struct Projection<const CAPACITY: usize> {
-    /// `U^T a`.
+    /// `f = U^T a`.
     f: [f64; CAPACITY],
-    /// `D U^T a`.
+    /// `g = D U^T a`.
     g: [f64; CAPACITY],
     /// `a C a^T + r`, the innovation variance.
     pub variance: f64,
@@ -93,7 +93,7 @@ impl<const CAPACITY: usize> Ud<CAPACITY> {
         Self { len: n, columns, diagonal }
     }
 
-    /// Size in use.
+    /// Number of rows and columns in use, at most the capacity.
     pub fn len(&self) -> usize {
         self.len
     }
@@ -272,7 +272,7 @@ impl<const CAPACITY: usize> Ud<CAPACITY> {
         }
     }
 
-    /// The diagonal of `C`.
+    /// The diagonal of `C`: the variances.
     #[inline]
     pub fn variances(&self) -> [f64; CAPACITY] {
         if self.len >= CAPACITY { self.variances_of(CAPACITY) } else { self.variances_of(self.len.min(CAPACITY)) }

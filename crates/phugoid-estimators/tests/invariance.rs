@@ -310,7 +310,7 @@ fn compare_of<E: Supervised>(changed: &Changed, settings: &EstimatorSettings<N, 
     let (a, b) = (reference.noise_scale(), other.noise_scale());
     assert!(if exact { a == b } else { (a / b - 1.0).abs() < 1e-6 }, "{a} {b}");
     assert_eq!(reference.restarts(), other.restarts());
-    if settings.change_detection != None {
+    if settings.change_detection.is_some() {
         // The comparison went through a restart, a doubt and an adoption.
         assert!(reference.restarts() == 1 && adopted >= 1, "{} restarts, {adopted} adoptions", reference.restarts());
         let (a, b) = (reference.change_sensitivity(), other.change_sensitivity());

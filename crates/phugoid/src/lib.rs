@@ -13,11 +13,12 @@ pub use phugoid_flight_data::reader::ReadError;
 pub use phugoid_flight_data::record::{Channel, Quantity, Record};
 pub use phugoid_flight_data::table::TableError;
 pub use phugoid_flight_dynamics::aircraft::Aircraft;
+pub use phugoid_flight_dynamics::built_in::{AircraftName, BuiltInAircraft};
 pub use phugoid_flight_dynamics::f16::{F16, F16Options, F16Tables};
 pub use phugoid_flight_dynamics::trim::{Trim, TrimCondition};
 pub use phugoid_identification::compatibility::{Compatibility, CompatibilityOptions};
 pub use phugoid_identification::estimate::{EstimateError, EstimateOptions, Method, OfferTerms};
-pub use phugoid_identification::estimation::{Estimation, ParameterResult};
+pub use phugoid_identification::estimation::{Estimation, EventKind, FinalStatus, ParameterResult, Phase, Readiness};
 pub use phugoid_identification::inspect::Inspection;
 #[doc(inline)]
 pub use phugoid_identification::model_file::{ModelError, ModelFile as Model};

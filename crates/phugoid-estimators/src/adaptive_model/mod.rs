@@ -41,7 +41,7 @@ use crate::model::{LinearizedOutputs, Model, Sample};
 use crate::settings::{EstimatorSettings, SettingsError};
 use state_error::{Channel, StateErrorLaw, StateErrorSettings};
 
-/// `k`, 1/s.
+/// Decay rate `k` of the state error, 1/s.
 const ERROR_DECAY: f64 = 2.0;
 /// Time constant of an excited parameter, s.
 const ADAPTATION_TIME_S: f64 = 1.0;

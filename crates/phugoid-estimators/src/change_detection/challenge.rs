@@ -1,5 +1,5 @@
-//! Champion and challenger: a suspected change never touches the running estimate until the changed one has explained
-//! fresh data better.
+//! Champion and challenger: a suspected change does not touch the running estimate (the champion). A second estimate
+//! with opened parameters (the challenger) replaces it only after it has explained fresh data better.
 
 use crate::dense::Cholesky;
 use crate::settings::ChangeDetection;
@@ -10,15 +10,17 @@ const LARGEST_CAUTION: f64 = 15.0;
 /// Adoptions closer than this look like a chain, s.
 const CHAIN_S: f64 = 30.0;
 
-/// How much more mature a change has to be for each unit by which the colour of the residuals inflates the variances: where the
-/// residuals are white it is 1.0 to 1.3 before a change, where the tables are wrong 2.5 to 70 (docs/methods.md).
+/// How much more mature a change has to be for each unit by which the colour of the residuals inflates the variances:
+/// where the residuals are white it is 1.0 to 1.3 before a change, where the tables are wrong 2.5 to 70
+/// (docs/methods.md).
 const COLOUR: f64 = 0.5;
 
 /// Up to this inflation residuals are white: a model that is right so far has nothing to wander.
 const WHITE: f64 = 1.1;
 /// Then this many times the nats that an adoption asks for, held until the doubt runs out, ...
 const DECISIVE: f64 = 10.0;
-/// ... need this part of the maturity only: small damage, soon after little has been learnt of the wander (docs/methods.md).
+/// ... need this part of the maturity only: small damage, soon after little has been learnt of the wander
+/// (docs/methods.md).
 const WHITE_MATURE: f64 = 0.3;
 
 /// What is to be done with a challenger.
@@ -37,8 +39,8 @@ pub(crate) struct Challenge {
     pub(crate) score: f64,
     /// The same on the data that it has caught up with: those that raised the suspicion.
     pub(crate) past: f64,
-    /// Variance that the residuals' colour claims for the tested parameters over what white ones would, before the change: how far
-    /// the model is known to be wrong.
+    /// Variance that the residuals' colour claims for the tested parameters over what white ones would, before the
+    /// change: how far the model is known to be wrong.
     colour: f64,
     opened_at_s: f64,
     /// `pen`: thresholds are `1 + pen` times the settings'.
@@ -46,7 +48,7 @@ pub(crate) struct Challenge {
     pub(crate) adoptions: u32,
     pub(crate) dropped: u32,
     last_adoption_s: f64,
-    /// The model itself is wrong: changes are no longer believed.
+    /// The wander stayed large after an adoption: the model itself is wrong, and no further change is adopted.
     pub(crate) model_error: bool,
     /// Rows that are measured in the longest doubt.
     rows: f64,
@@ -89,13 +91,14 @@ impl Challenge {
         self.opened_at_s = time_s;
     }
 
-    /// Decides. `maturity` is `T`, what is needed of it holds for white residuals; `sound` whether the challenger is still finite
-    /// with positive variances.
+    /// Decides. `maturity` is `T`, what is needed of it holds for white residuals; `sound` whether the challenger is
+    /// still finite with positive variances.
     pub(crate) fn decide(&self, time_s: f64, maturity: f64, needed_maturity: f64, sound: bool) -> Verdict {
         let expired = time_s - self.opened_at_s >= self.settings.doubt_limit_s;
         let caution = 1.0 + self.caution;
         let needed_nats = self.settings.adoption * caution;
-        // The past raised the suspicion and cannot confirm it, but it can refute it: a burst of outliers draws the challenger away.
+        // The past raised the suspicion and cannot confirm it, but it can refute it: a burst of outliers draws the
+        // challenger away.
         let better = self.score > needed_nats && self.score + self.past > needed_nats;
         let asked = if expired && self.colour < WHITE && self.score > DECISIVE * needed_nats {
             WHITE_MATURE
@@ -164,12 +167,12 @@ pub(crate) fn maturity<const P: usize>(
     left[..tested.len()].iter().map(|x| x * x).sum()
 }
 
-/// Part of the quantile that is asked for: real changes pass twice the quantile some hundredths of a second after it, challengers
-/// that only follow a wandering model or coloured noise less often (docs/theory.md).
+/// Part of the quantile that is asked for: real changes pass twice the quantile some hundredths of a second after it,
+/// challengers that only follow a wandering model or coloured noise less often (docs/theory.md).
 const MATURE: f64 = 2.0;
 
-/// Twice the chi-square quantile at `1 - 1.4e-4` after Wilson and Hilferty (1931): 7 % too large, thus careful, for one degree of
-/// freedom, 4 % for two, 2 % for five, less beyond.
+/// Twice the chi-square quantile at `1 - 1.4e-4` after Wilson and Hilferty (1931): 7 % too large, thus careful, for one
+/// degree of freedom, 4 % for two, 2 % for five, less beyond.
 pub(crate) fn needed_maturity(settings: &ChangeDetection, tested: usize) -> f64 {
     settings.maturity.unwrap_or_else(|| {
         let k = (tested as f64).max(1.0);

@@ -1,5 +1,5 @@
-//! The change detector: is a sudden change of the parameters a better explanation of the last second than the usual
-//! wander of this model?
+//! The change detector. It compares two explanations of the last second: a sudden change of the parameters, and the
+//! usual slow wander that errors of this model cause.
 //!
 //! The rows are whitened exactly: with `a = psi/nn` the innovations `xi = e/nn` are white with variance one for *any*
 //! covariance `C`, so `g = sum a^T xi` has covariance `M = sum a^T a` under constant parameters. For a jump
@@ -27,9 +27,10 @@ const SUFFIXES: [usize; 4] = [2, 5, 10, BLOCKS];
 /// Blocks worth of information after which the wander counts as learnt.
 const LEARNT: f64 = 10.0;
 
-/// Information up to which every window is learnt from at once. After that a window is learnt from one window later, and
-/// not at all if it has led to a trigger by then: a change that is only beginning to show otherwise raises `w` and hides
-/// itself. A single 3-2-1-1 gives about 4.5 of it: with 5 in place of 2, 9 in 100 damages between the first and the second one were missed, and 1 with 2.
+/// Information up to which every window is learnt from at once. After that a window is learnt from one window later,
+/// and not at all if it has led to a trigger by then: a change that is only beginning to show otherwise raises `w` and
+/// hides itself. A single 3-2-1-1 gives about 4.5 of it: with 5 in place of 2, 9 in 100 damages between the first and
+/// the second one were missed, and 1 with 2.
 const EAGER: f64 = 2.0;
 
 /// Log Bayes factor within which a beginning of the change counts as possible, nats.
@@ -38,7 +39,7 @@ const ONSET: f64 = 3.0;
 #[derive(Clone, Copy)]
 struct Block<const P: usize> {
     g: [f64; P],
-    /// Lower triangle.
+    /// `M = sum a^T a`, lower triangle; the entries above the diagonal are not used.
     m: [[f64; P]; P],
 }
 
@@ -65,7 +66,7 @@ impl<const P: usize> Block<P> {
 /// What calibration needs of the longest window.
 #[derive(Clone, Copy)]
 struct Moments {
-    /// `q`.
+    /// The statistic `q = g^T A1^-1 A2^-1 g` of the window.
     score: f64,
     /// `m`, its mean under no change.
     expected: f64,
@@ -92,7 +93,7 @@ pub(crate) struct ChangeDetector<const P: usize> {
     leverage: f64,
     informative: f64,
     bayes_factor: f64,
-    /// What the last window had to say, not yet believed.
+    /// Moments of the last window. They are used one window later, and not at all if that window leads to a trigger.
     pending: Option<Moments>,
     /// Working storage of the test.
     sum: Block<P>,
@@ -141,7 +142,7 @@ impl<const P: usize> ChangeDetector<P> {
     /// Adds a row, before it is used, as so much of a row as `weight` says.
     #[inline]
     pub(crate) fn observe(&mut self, row: &ScoredRow<'_>, kappa: f64, weight: f64) {
-        // A row with v >= 1 is still being learnt from; it is no evidence of a change.
+        // A row with v >= 1 still teaches the parameters more than they know; it cannot show a change.
         if row.v >= 1.0 {
             return;
         }
@@ -194,10 +195,10 @@ impl<const P: usize> ChangeDetector<P> {
         Some(best)
     }
 
-    /// Numbers of the frames between which the change has begun, from the complete blocks: the first frame that it may have
-    /// touched, and one before which it has begun, both up to a Bayes factor of `exp(ONSET)`. Each beginning is judged by all
-    /// blocks: wander before it, a jump after it. (The Bayes factors of the windows have each its own alternative and prefer long
-    /// windows.) To be asked for directly after a test.
+    /// Numbers of the frames between which the change has begun, from the complete blocks: the first frame that it may
+    /// have touched, and one before which it has begun, both up to a Bayes factor of `exp(ONSET)`. Each beginning is
+    /// judged by all blocks: wander before it, a jump after it. (The Bayes factors of the windows have each its own
+    /// alternative and prefer long windows.) To be asked for directly after a test.
     pub(crate) fn onset(&mut self, change_over_prior: &[f64; P]) -> [u64; 2] {
         let n = self.count.min(P);
         let scale = self.scale(change_over_prior);

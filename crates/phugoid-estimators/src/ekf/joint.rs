@@ -22,11 +22,11 @@ pub struct Joint<const N: usize, const P: usize> {
 #[derive(Clone, Copy, Debug)]
 struct Blocks<const N: usize, const P: usize> {
     columns: usize,
-    /// Lower triangle.
+    /// State covariance `Pxx`, lower triangle, state units.
     xx: [[f64; N]; N],
     /// Row = state, column = parameter.
     xt: [[f64; P]; N],
-    /// Lower triangle.
+    /// Parameter covariance `Ptt`, lower triangle, scaled columns.
     tt: [[f64; P]; P],
 }
 
@@ -38,7 +38,7 @@ struct Stacked<const N: usize, const P: usize> {
 }
 
 impl<const N: usize, const P: usize> Blocks<N, P> {
-    /// Column `j` of `Ptt`.
+    /// Column `j` of `Ptt`, of which the first `p` entries are filled.
     #[inline(always)]
     fn parameter_column(&self, p: usize, j: usize) -> [f64; P] {
         let mut out = [0.0; P];
@@ -49,7 +49,7 @@ impl<const N: usize, const P: usize> Blocks<N, P> {
         out
     }
 
-    /// `P a`.
+    /// Product `P a` of the joint covariance with a row.
     #[inline(never)]
     fn times(&self, p: usize, a: &Stacked<N, P>) -> Stacked<N, P> {
         if p >= P { self.times_of(P, a) } else { self.times_of(p, a) }
@@ -184,9 +184,9 @@ impl<const N: usize, const P: usize> Blocks<N, P> {
     }
 }
 
-/// The same Gauss distribution seen from the parameters, `x | theta ~ N(x + U (theta - thetahat), Px)`: the supervisor's
-/// detector and colour correction ask for the sensitivity of a row *given* the parameters. `U = Pxt Ptt^-1` once per
-/// frame, then row by row.
+/// The same Gauss distribution seen from the parameters, `x | theta ~ N(x + U (theta - thetahat), Px)`: the
+/// supervisor's detector and colour correction ask for the sensitivity of a row *given* the parameters. `U = Pxt
+/// Ptt^-1` once per frame, then row by row.
 struct Conditional<const N: usize, const P: usize> {
     sensitivity: [[f64; P]; N],
     px: [[f64; N]; N],
@@ -348,7 +348,8 @@ impl<const N: usize, const P: usize> Slot<N, P> for Joint<N, P> {
         }
     }
 
-    /// A jump of the parameters alone: `Ptt + Delta`, `Pxt` as it was, and an allowance for what the state has suffered.
+    /// A jump of the parameters alone: `Ptt + Delta`, `Pxt` as it was, and an allowance for what the state has
+    /// suffered.
     fn reopen<const R: usize>(
         &mut self,
         columns: &Columns<R, P>,

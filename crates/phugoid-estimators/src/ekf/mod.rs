@@ -5,8 +5,8 @@
 //! Identification*, 2nd ed. 2015, ch. 7), with a gate on the normalised innovation in place of SMPE's reaching law. All
 //! else (median start, sensor biases, restart, change detection, adaptation of the process noise, colour correction,
 //! limits) is the same [`Supervisor`] that SMPE has, so that the two can be compared. Gate and random walk are set in
-//! [`EkfSettings`](crate::settings::EkfSettings). Of SMPE's reaching limit only the change detector makes use (it counts an
-//! innovation as no larger than that); the rejection limit and the reaching state are not used.
+//! [`EkfSettings`](crate::settings::EkfSettings). Of SMPE's reaching limit only the change detector makes use (it
+//! counts an innovation as no larger than that); the rejection limit and the reaching state are not used.
 //!
 //! ```
 //! # mod lag { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/lag.rs")); }

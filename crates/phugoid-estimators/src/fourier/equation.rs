@@ -10,7 +10,7 @@ pub(super) struct Bins {
     /// `s = j omega - lambda`, 1/s.
     pub(super) pole: [Complex; MAXIMUM_BINS],
     pub(super) weights: [Weights; MAXIMUM_BINS],
-    /// `lambda`, 1/s.
+    /// Forgetting rate `lambda`, 1/s.
     pub(super) forgetting: f64,
     interval_s: f64,
 }

@@ -1,29 +1,29 @@
 //! Recursive Fourier-transform regression.
 //!
-//! Both sides of the equations of motion are transformed at a few frequencies, sample by sample, and least squares is done
-//! there (E. A. Morelli, *Real-Time Parameter Estimation in the Frequency Domain*, JGCD 23, 2000). Noise above the band never
-//! enters, and nothing is differentiated. With exponential forgetting `lambda`, `s = j omega - lambda` and the transform
-//! referred to the present time,
+//! Both sides of the equations of motion are transformed at a few frequencies, sample by sample, and least squares is
+//! done there (E. A. Morelli, *Real-Time Parameter Estimation in the Frequency Domain*, JGCD 23, 2000). Noise above the
+//! band never enters, and nothing is differentiated. With exponential forgetting `lambda`, `s = j omega - lambda` and
+//! the transform referred to the present time,
 //!
 //! ```text
 //! X(omega) = int_0^T x(t) e^{s(T-t)} dt          recursively:  X <- e^{sh} X + c0 x(t) + c1 x(t + h)
 //! int_0^T x' e^{s(T-t)} dt = x(T) - x(0) e^{sT} + s X
 //! ```
 //!
-//! The first two terms on the right are the **end-point term**. Where it is left out, as is usual, the record is taken to end as it
-//! began; in the middle of a manoeuvre it does not, and the moment derivatives are useless until it does
-//! ([`FourierSettings::end_point`](crate::settings::FourierSettings::end_point)). The noise of the two measurements in it is common to all frequencies: here it is estimated along
-//! with the parameters, a nuisance of known variance.
+//! The first two terms on the right are the **end-point term**. Where it is left out, as is usual, the record is taken
+//! to end as it began; in the middle of a manoeuvre it does not, and the moment derivatives are useless until it does
+//! ([`FourierSettings::end_point`](crate::settings::FourierSettings::end_point)). The noise of the two measurements in
+//! it is common to all frequencies: here it is estimated along with the parameters, a nuisance of known variance.
 //!
-//! **Weights.** The noise of an equation at a frequency is `sigma^2 |s|^2` (dynamic) or `sigma^2` (algebraic) times the length of the
-//! record; both follow from the given noise levels, and a residual larger than that raises them equation by equation. Neighbouring frequencies
-//! closer than one over the record's length say the same: information is counted once. Standard errors are those of this
-//! weighted least squares.
+//! **Weights.** The noise of an equation at a frequency is `sigma^2 |s|^2` (dynamic) or `sigma^2` (algebraic) times the
+//! length of the record; both follow from the given noise levels, and a residual larger than that raises them equation
+//! by equation. Neighbouring frequencies closer than one over the record's length say the same: information is counted
+//! once. Standard errors are those of this weighted least squares.
 //!
 //! **Forgetting** acts on the transforms. Without excitation information then fades to the prior's; the estimate stays.
 //!
-//! **Where it fails.** As [`rls`](crate::rls): the noise of the regressors. Nothing is learnt from below the band: slow motion and
-//! trim. docs/methods.md has the numbers.
+//! **Limits.** As [`rls`](crate::rls): the noise of the regressors. Nothing is learnt from below the band: slow
+//! motion and trim. docs/methods.md has the numbers.
 //!
 //! ```
 //! # mod lag { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/lag.rs")); }
@@ -155,8 +155,8 @@ where
         if collected {
             return;
         }
-        // A new stretch: the gap before it has no length in the window, and is long in time. What is forgotten meanwhile is
-        // nothing: no time passes in the transforms.
+        // A new stretch: the gap before it has no length in the window, and is long in time. What is forgotten
+        // meanwhile is nothing: no time passes in the transforms.
         for equation in self.dynamic.iter_mut().chain(&mut self.algebraic) {
             equation.close();
         }

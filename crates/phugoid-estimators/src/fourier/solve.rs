@@ -5,10 +5,10 @@ use crate::columns::Columns;
 use crate::dense::Cholesky;
 use crate::kernels::{add_scaled, dot};
 
-/// The last solution.
+/// The last solution of the least squares, with its covariance.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Solution<const P: usize> {
-    /// Parameter units.
+    /// Estimated parameters and biases, parameter units.
     pub(super) theta: [f64; P],
     /// Columns scaled to the prior standard deviation.
     pub(super) covariance: [[f64; P]; P],
@@ -25,12 +25,13 @@ struct Normal<const P: usize> {
     end_score: [f64; 2],
     /// Sum of the weighted squares of the left hand side.
     squares: f64,
-    /// Real numbers that say something of their own.
+    /// Number of independent real values among the transforms.
     independent: f64,
 }
 
 impl<const P: usize> Normal<P> {
-    /// Adds up equation `z - w centre = w delta` over the frequencies. `|s|^2` enters the noise of a dynamic one, and its ends.
+    /// Adds up equation `z - w centre = w delta` over the frequencies. `|s|^2` enters the noise of a dynamic one, and
+    /// its ends.
     fn new(
         equation: &Equation<P>,
         bins: &Bins,

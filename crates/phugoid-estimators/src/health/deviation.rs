@@ -1,4 +1,4 @@
-//! The estimate beside the expectation.
+//! Comparison of the estimate with the expectation.
 
 use super::evidence::{Information, Limits};
 use super::settings::Expected;
@@ -33,7 +33,7 @@ pub(super) fn deviation<const P: usize>(
         let sigma = estimate.corrected_std_error[j];
         let away = estimate.parameters[j] - expected.value;
         let beyond = (away.abs() - expected.tolerance).max(0.0);
-        // A standard error of zero, or none at all, is no knowledge.
+        // A standard error of zero, or one that is not finite, says nothing about the parameter.
         result.unknown[j] = !(sigma > 0.0 && 2.0 * sigma <= expected.tolerance);
         if sigma > 0.0 && sigma.is_finite() {
             result.outside[j] = if away < 0.0 { -beyond / sigma } else { beyond / sigma };

@@ -1,20 +1,21 @@
 //! How much better than "all within tolerance" a failure explains what the innovations say.
 //!
-//! A window of innovations `x_i = a_i d + noise` of variance one enters through `g = sum a^T x` and `M = sum a^T a` alone:
-//! the log likelihood of a deviation `d` against none is `d^T g - d^T M d / 2`. Columns are scaled to one sigma of a failure.
+//! A window of innovations `x_i = a_i d + noise` of variance one enters through `g = sum a^T x` and `M = sum a^T a`
+//! alone: the log likelihood of a deviation `d` against none is `d^T g - d^T M d / 2`. Columns are scaled to one sigma
+//! of a failure.
 
 use crate::dense::Cholesky;
 use crate::kernels::{add_scaled, dot};
 
-/// Sizes of a failure, in its one sigma, that the alternative is a mixture of: a small one is found sooner than by the full
-/// size alone.
+/// Sizes of a failure, in its one sigma, that the alternative is a mixture of: a small one is found sooner than by the
+/// full size alone.
 const SIZES: [f64; 2] = [1.0, 0.25];
 /// Sweeps of the ascent over the box: its remaining gap is counted against the failure.
 const SWEEPS: usize = 50;
 /// Gap, nats, at which the ascent may stop.
 const SMALL_GAP: f64 = 0.01;
-/// Ridge that keeps a window without information solvable, and the deviation (in one sigma of a failure) up to which what it
-/// takes away is given back.
+/// Ridge that keeps a window without information solvable, and the deviation (in one sigma of a failure) up to which
+/// what it takes away is given back.
 const RIDGE: f64 = 1e-6;
 const LARGEST: f64 = 20.0;
 
@@ -95,8 +96,8 @@ impl<const P: usize> Information<P> {
         largest + libm::log(sum / SIZES.len() as f64)
     }
 
-    /// An upper bound (too large by at most [`SMALL_GAP`], or by what the sweeps leave) of `d^T g - d^T M d / 2` over all `d`
-    /// within the half widths, the log likelihood of the best healthy deviation, and that deviation.
+    /// An upper bound (too large by at most [`SMALL_GAP`], or by what the sweeps leave) of `d^T g - d^T M d / 2` over
+    /// all `d` within the half widths, the log likelihood of the best healthy deviation, and that deviation.
     ///
     /// The function is concave: at any `d` with slope `r = g - M d` nothing in the box is better by more than
     /// `sum max(r_j low_j, r_j high_j) - r_j d_j`.
@@ -158,7 +159,7 @@ impl<const P: usize> Information<P> {
         self.square -= explained;
     }
 
-    /// What came after `earlier`.
+    /// The information of the innovations after those in `earlier`: the difference of the two sums.
     pub(super) fn since(&self, earlier: &Self, len: usize) -> Self {
         let mut later = *self;
         for i in 0..len {
@@ -172,8 +173,9 @@ impl<const P: usize> Information<P> {
         later
     }
 
-    /// The best log likelihood of a change from `from` after which one column is within its half width and the others anything
-    /// (up to [`LARGEST`]), for all columns. Infinite where it cannot be computed: no evidence against that column.
+    /// The best log likelihood of a change from `from` after which one column is within its half width and the others
+    /// anything (up to [`LARGEST`]), for all columns. Infinite where it cannot be computed: no evidence against that
+    /// column.
     pub(super) fn best_with_one_within(&self, from: &[f64; P], limits: &Limits<P>, len: usize) -> [f64; P] {
         let mut best = [f64::INFINITY; P];
         let mut a = self.m;
@@ -197,7 +199,8 @@ impl<const P: usize> Information<P> {
         best
     }
 
-    /// Mean square of what the best failure leaves of the innovations: one where the failure is linear and the noise as promised.
+    /// Mean square of what the best failure leaves of the innovations: one where the failure is linear and the noise as
+    /// promised.
     pub(super) fn misfit(&self, len: usize) -> f64 {
         let (d, _) = self.deviation(len);
         let explained: f64 =
@@ -205,8 +208,8 @@ impl<const P: usize> Information<P> {
         (self.square - explained) / self.rows
     }
 
-    /// The deviation itself: mean and variance of `d` given the window and `d ~ N(0, I)`. Zero and one where the arithmetic
-    /// fails.
+    /// The deviation itself: mean and variance of `d` given the window and `d ~ N(0, I)`. Zero and one where the
+    /// arithmetic fails.
     pub(super) fn deviation(&self, len: usize) -> ([f64; P], [f64; P]) {
         let (mut mean, mut variance) = ([0.0; P], [1.0; P]);
         let mut a = self.m;

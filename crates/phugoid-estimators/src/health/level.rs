@@ -1,6 +1,6 @@
 //! How large the residuals of the estimator really are, per output, against what its noise levels promise.
 
-/// Residuals count up to this many sigmas: an outlier is no noise level.
+/// Residuals are counted as no larger than this many sigmas, so that single outliers do not raise the noise level.
 const LARGEST: f64 = 4.0;
 /// Samples, and blocks, that the promise of level one is worth at the start.
 const PRIOR_SAMPLES: f64 = 50.0;

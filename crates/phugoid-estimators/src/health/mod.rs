@@ -1,12 +1,14 @@
-//! Health monitoring: does the plant still have the parameters that are expected of it, since when not, and which?
+//! Health monitoring: whether the plant still has the parameters that are expected of it, and if not, since when and
+//! which.
 //!
-//! Two things are looked at. The *estimate* is compared with the expectation, and says by how much and whether enough is
-//! known to call the plant healthy. The *flag* does not rest on the estimate, whose errors move slowly and are therefore
-//! looked at as often as one likes without ever becoming independent: it rests on the innovations of a [reference](self)
-//! that flies with the expected parameters. They are white as long as the expectation holds, so that for every possible onset
-//! `s` the mean likelihood of a failure over the likelihood of the best healthy parameters is an e-process, `E <= 1` at every
-//! stopping time. Their sum over the onsets, each weighted by the time it stands for, is bounded in the mean by the time flown
-//! (an e-detector of Shiryaev and Roberts' kind; J. Shin, A. Ramdas, A. Rinaldo, *E-detectors*, 2023), and so
+//! Two things are computed. The *estimate* is compared with the expectation: by how much it differs, and whether its
+//! bounds are small enough to call the plant healthy. The *flag* does not use the estimate, because successive errors
+//! of an estimate are strongly correlated and give no false-alarm rate. It uses the innovations of a reference model
+//! that runs with the expected parameters. They are white as long as the expectation holds, so that for every possible
+//! onset `s` the mean likelihood of a failure over the likelihood of the best healthy parameters is an e-process, `E <=
+//! 1` at every stopping time. Their sum over the onsets, each weighted by the time it stands for, is bounded in the
+//! mean by the time flown (an e-detector of Shiryaev and Roberts' kind; J. Shin, A. Ramdas, A. Rinaldo, *E-detectors*,
+//! 2023), and so
 //!
 //! ```text
 //! evidence(t) = ln sum_s dt_s E_s(t),      flag when evidence >= ln(1/rate)
@@ -75,13 +77,14 @@ use crate::settings::EstimatorSettings;
 /// The hypotheses are weighed this often, s.
 const LOOK_S: f64 = 0.05;
 
-/// A hypothesis with less than the others together by this many nats is left out of the sum (a thousandth, to the side of fewer
-/// alarms).
+/// A hypothesis with less than the others together by this many nats is left out of the sum (a thousandth, to the side
+/// of fewer alarms).
 const NEGLIGIBLE: f64 = 7.0;
 
 /// Parameters are named up to this long after the flag, s.
 const NAMING_S: f64 = 2.0;
-/// The estimate confirms a failed parameter when it lies this many corrected standard errors outside of its tolerance, ...
+/// The estimate confirms a failed parameter when it lies this many corrected standard errors outside of its tolerance,
+/// ...
 const CONFIRMED: f64 = 3.0;
 /// ... for this long, s: its bounds are wrong while it follows a failure.
 const CONFIRMED_S: f64 = 0.2;
@@ -92,12 +95,12 @@ pub enum Condition {
     /// The noise levels are still being looked at.
     #[default]
     Settling,
-    /// No divergence, but too little is known of some parameter to call it healthy: its bounds are wider than the tolerance,
-    /// or the estimate lies outside and the evidence is not yet enough.
+    /// No divergence, but too little is known of some parameter to call it healthy: its bounds are wider than the
+    /// tolerance, or the estimate lies outside and the evidence is not yet enough.
     Unknown,
     /// Every parameter is known better than its tolerance, and within it as far as is known.
     Healthy,
-    /// The plant has diverged from what is expected. It stays said until [`HealthMonitor::acknowledge`].
+    /// The plant has diverged from what is expected. The condition stays so until [`HealthMonitor::acknowledge`].
     Diverged,
 }
 
@@ -108,15 +111,16 @@ pub struct Failure<const P: usize> {
     pub flagged_s: f64,
     /// When it began; refined until [`MonitorSettings::refinement_s`] after the flag. None if it cannot be computed.
     pub onset: Option<Onset>,
-    /// Difference from the expected value since the onset, parameter units, from the innovations of the reference alone: linear
-    /// about the expectation, good for failures that are small enough for that. What the parameter *is* now says the estimator. Zero for parameters that are not monitored.
+    /// Difference from the expected value since the onset, parameter units, from the innovations of the reference
+    /// alone: linear about the expectation, and good for failures that are small enough for that. For the present value
+    /// take the estimate. Zero for parameters that are not monitored.
     pub change: [f64; P],
-    /// One sigma of it.
+    /// Standard deviation of [`Self::change`], parameter units.
     pub change_std: [f64; P],
-    /// When the parameter was named as one that has diverged, s: NaN until then. It takes as much evidence as the flag, against
-    /// the parameter anywhere within its tolerance and all others anywhere, the values before the onset taken for granted; and
-    /// the estimate, which is not linear about the expectation, has to lie outside of the tolerance by more than three corrected
-    /// standard errors for 0.2 s.
+    /// When the parameter was named as one that has diverged, s: NaN until then. It takes as much evidence as the flag,
+    /// against the parameter anywhere within its tolerance and all others anywhere, the values before the onset taken
+    /// for granted; and the estimate, which is not linear about the expectation, has to lie outside of the tolerance by
+    /// more than three corrected standard errors for 0.2 s.
     pub named_s: [f64; P],
 }
 
@@ -125,26 +129,26 @@ pub struct Failure<const P: usize> {
 pub struct Health<const P: usize> {
     /// Time of the sample, s.
     pub time_s: f64,
-    /// The verdict.
+    /// Whether the plant is healthy, has diverged, or cannot be judged yet.
     pub condition: Condition,
     /// How far the estimate lies outside of the tolerance, in corrected standard errors, with its sign; zero inside.
     pub deviation: [f64; P],
     /// Parameters too little known to call them healthy.
     pub unknown: [bool; P],
-    /// Squared distance of the estimate from the nearest healthy parameters, in its corrected covariance: all parameters
-    /// together. NaN if it cannot be computed.
+    /// Squared distance of the estimate from the nearest healthy parameters, in its corrected covariance: all
+    /// parameters together. NaN if it cannot be computed.
     pub joint_deviation: f64,
-    /// Evidence of a failure, the natural logarithm of hours: a healthy plant shows this much at most once in `exp(evidence)`
-    /// hours.
+    /// Evidence of a failure, the natural logarithm of hours: a healthy plant shows this much at most once in
+    /// `exp(evidence)` hours.
     pub evidence: f64,
-    /// The failure, once flagged.
+    /// The failure, from the sample at which it was flagged until it is acknowledged.
     pub failure: Option<Failure<P>>,
 }
 
 /// What the estimator said of the same sample.
 #[derive(Clone, Copy, Debug)]
 pub struct Watched<'a, const R: usize, const P: usize> {
-    /// Its estimate.
+    /// The estimate that the estimator gave for this sample.
     pub estimate: &'a Estimate<P>,
     /// Its covariance, of which the correlations are used ([`crate::Estimator::covariance`]).
     pub covariance: &'a [[f64; P]; P],
@@ -272,7 +276,7 @@ where
                 starts.open(time_s, horizon_s);
             }
         });
-        // After the frame was judged: the level that it is judged by does not know it.
+        // Only after the frame was judged, so that the noise level it was judged by does not depend on it.
         let steady = watched.estimate.status.change == ChangeState::Steady;
         if steady && watched.estimate.status.phase != Phase::Starting {
             self.levels.add(time_s, watched.residuals);
@@ -283,16 +287,16 @@ where
         }
     }
 
-    /// Weighs the hypotheses.
+    /// Sums the evidence of all hypotheses, and describes the failure once it is enough for the flag.
     fn look(&mut self, time_s: f64, watched: &Watched<'_, R, P>) {
         let Some(failure) = self.failure else {
             self.reference.recentre(&mut self.starts);
             self.evidence = f64::NEG_INFINITY;
-            // The youngest first: the old ones, of which data have told that nothing failed, are then left out in most looks.
+            // The youngest first: most old ones have little evidence by now and are then left out of the sum.
             for start in self.starts.iter().rev() {
                 let value =
                     start.log_weight + self.starts.evidence(start, self.evidence - NEGLIGIBLE - start.log_weight);
-                // Not a number is no evidence.
+                // Evidence that cannot be computed does not count.
                 if value.is_finite() {
                     self.evidence = log_add(self.evidence, value);
                 }
@@ -319,7 +323,7 @@ where
             }
             self.failure = Some(refined);
         } else {
-            // All is said of this failure.
+            // The description of this failure is complete; its hypotheses are not needed any more.
             self.starts.clear();
         }
     }

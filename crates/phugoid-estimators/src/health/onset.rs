@@ -1,4 +1,4 @@
-//! When did it begin? The likelihood of the innovations as a function of the onset.
+//! The time at which a failure began, from the likelihood of the innovations as a function of the onset.
 
 use super::starts::{STARTS, Starts};
 
@@ -13,11 +13,12 @@ pub struct Onset {
     pub or_earlier: bool,
 }
 
-/// The likelihood over the onset, normalised (a flat prior): median and the central 95 %. Each hypothesis' likelihood is that of
-/// the whole flight, healthy until then and the size of the failure integrated out, flattened by the misfit of the best one (a failure that is too large
-/// to be linear, or coloured noise, explains the innovations less well than it should); between two hypotheses its logarithm is a
-/// straight line. A failure that began between two hypotheses is explained by one of them only, and not always by the closer
-/// one: the interval reaches to the ends of the gaps in which its quantiles lie. None without two hypotheses with finite likelihoods.
+/// The likelihood over the onset, normalised (a flat prior): median and the central 95 %. Each hypothesis' likelihood
+/// is that of the whole flight, healthy until then and the size of the failure integrated out, flattened by the misfit
+/// of the best one (a failure that is too large to be linear, or coloured noise, explains the innovations less well
+/// than it should); between two hypotheses its logarithm is a straight line. A failure that began between two
+/// hypotheses is explained by one of them only, and not always by the closer one: the interval reaches to the ends of
+/// the gaps in which its quantiles lie. None without two hypotheses with finite likelihoods.
 pub(super) fn onset<const N: usize, const P: usize>(starts: &Starts<N, P>) -> Option<Onset> {
     let mut time = [0.0; STARTS];
     let mut log = [0.0; STARTS];

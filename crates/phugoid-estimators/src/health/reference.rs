@@ -1,5 +1,5 @@
-//! The reference: the model with the expected parameters, its state corrected by the measurements. As long as the expectation
-//! holds its innovations are white with variance one; a failure shows in them as `a d`.
+//! The reference: the model with the expected parameters, its state corrected by the measurements. As long as the
+//! expectation holds its innovations are white with variance one; a failure shows in them as `a d`.
 
 use super::level::Levels;
 use super::starts::{Row, Starts};
@@ -11,9 +11,9 @@ use crate::settings::EstimatorSettings;
 use crate::supervisor::start::Start;
 use crate::ud::Ud;
 
-/// An innovation beyond this many sigmas counts with the weight that makes it this large. A failure is told from its true
-/// course all the same, an outlier is worth eight nats at most, and the likelihood ratio of a normal number still has a mean of
-/// at most one (the test below).
+/// An innovation beyond this many sigmas counts with the weight that makes it this large. A failure is told from its
+/// true course all the same, an outlier is worth eight nats at most, and the likelihood ratio of a normal number still
+/// has a mean of at most one (the test below).
 const LARGEST_INNOVATION: f64 = 4.0;
 
 /// Weight of a normalised innovation, and of its row.
@@ -123,13 +123,13 @@ where
         }
     }
 
-    /// Whether innovations are coming.
+    /// True if the state of the reference has been started, so that frames give innovations.
     pub(super) fn is_running(&self) -> bool {
         self.running
     }
 
-    /// Flies from now on with the most likely healthy parameters: the tolerance may be far wider than what is linear. In linear
-    /// terms nothing changes.
+    /// Flies from now on with the most likely healthy parameters: the tolerance may be far wider than what is linear.
+    /// In linear terms nothing changes.
     pub(super) fn recentre(&mut self, starts: &mut Starts<N, P>) {
         let (step, state, nuisance) = starts.recentre();
         for (place, column) in self.parts.monitored[..self.parts.monitored_count].iter().enumerate() {

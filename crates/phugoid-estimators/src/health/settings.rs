@@ -1,24 +1,24 @@
-//! What the monitor is told: what to expect of each parameter, and how often it may be wrong.
+//! Settings of the health monitor: the expected parameters with tolerances, and the accepted rate of false alarms.
 
 use core::fmt;
 
 /// What is expected of one parameter of a healthy plant. Parameter units throughout.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Expected {
-    /// Expected value.
+    /// Expected value, parameter units.
     pub value: f64,
     /// Half width about it within which the parameter still counts as healthy.
     pub tolerance: f64,
-    /// One sigma of what a failure would change: the alternative that the monitor tests against. A failure of another size is
-    /// found too, a little later.
+    /// One sigma of what a failure would change: the alternative that the monitor tests against. A failure of another
+    /// size is found too, a little later.
     pub failure_std: f64,
 }
 
-/// Settings of the monitor.
+/// Settings of the health monitor: the accepted rate of false alarms and a few times.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MonitorSettings {
-    /// False alarms per flight hour that are accepted, 1/h. A healthy flight of `T` hours raises one with a probability of at
-    /// most `T` times this.
+    /// False alarms per flight hour that are accepted, 1/h. A healthy flight of `T` hours raises one with a probability
+    /// of at most `T` times this.
     pub false_alarms_per_hour: f64,
     /// Monitoring begins this long after the first sample, s: the noise levels are looked at first.
     pub settle_s: f64,
@@ -59,18 +59,18 @@ impl MonitorSettings {
 pub enum MonitorError {
     /// An expectation has an impossible value.
     Expected {
-        /// Index of the parameter.
+        /// Index of the parameter in the model.
         parameter: usize,
-        /// Which of its numbers.
+        /// Name of the number that is wrong: value, tolerance or failure_std.
         name: &'static str,
-        /// What was found.
+        /// The value that was refused.
         value: f64,
     },
     /// A setting has an impossible value.
     Setting {
-        /// Its name.
+        /// Name of the setting that is wrong.
         name: &'static str,
-        /// What was found.
+        /// The value that was refused.
         value: f64,
     },
     /// More than one false alarm within the horizon would be accepted: then no evidence is needed for an alarm.

@@ -5,10 +5,10 @@ use crate::kernels::{add_scaled, dot};
 
 /// Most hypotheses at a time.
 pub(super) const STARTS: usize = 48;
-/// Closest two hypotheses, s.
+/// Shortest time between two hypotheses, s.
 const SPACING_S: f64 = 0.02;
-/// Hypotheses of age `a` are kept about `a + RECENT_S` times a constant apart: the onset is wanted to a part of what is known
-/// about it.
+/// Hypotheses of age `a` are kept about `a + RECENT_S` times a constant apart: the onset is wanted to a part of what is
+/// known about it.
 const RECENT_S: f64 = 0.3;
 
 /// How a deviation of the monitored columns shows in the reference. Columns are scaled to one sigma of a failure.
@@ -20,19 +20,19 @@ struct Effect<const N: usize, const P: usize> {
     learnt: [[f64; P]; P],
 }
 
-/// One hypothesis.
+/// One hypothesis: the plant was healthy until `time_s` and has failed since.
 #[derive(Clone, Copy)]
 pub(super) struct FailureStart<const N: usize, const P: usize> {
     pub(super) time_s: f64,
     /// Logarithm of the share of the flight that it stands for, h.
     pub(super) log_weight: f64,
-    /// Of a change since `time_s`.
+    /// How a change since `time_s` shows.
     effect: Effect<N, P>,
-    /// On the change, with nothing else the matter.
+    /// What the innovations since then say of the change, if there is no healthy deviation beside it.
     information: Information<P>,
     /// `sum a^T a_healthy` of the change and the healthy deviation.
     cross: [[f64; P]; P],
-    /// On the healthy deviation, before `time_s`.
+    /// What the innovations before `time_s` say of the healthy deviation.
     before: Information<P>,
     /// The most likely healthy deviation before `time_s`.
     pub(super) healthy: [f64; P],
@@ -40,15 +40,15 @@ pub(super) struct FailureStart<const N: usize, const P: usize> {
 
 /// One output row of the reference.
 pub(super) struct Row<'a, const N: usize, const P: usize> {
-    /// `H` of the row.
+    /// `H` of the row: derivatives of the output by the states.
     pub(super) by_state: &'a [f64; N],
     /// `D` of the row for the monitored columns, scaled.
     pub(super) by_failure: &'a [f64; P],
     /// `psi` of the nuisance columns.
     pub(super) by_nuisance: &'a [f64; P],
-    /// `1/sqrt(s)`.
+    /// `1/sqrt(s)`, with `s` the variance of the row given the nuisance columns.
     pub(super) inverse_root: f64,
-    /// `1/sqrt(1 + v)`.
+    /// `1/sqrt(1 + v)`, with `v` the share of the nuisance columns in that variance.
     pub(super) inverse_nn: f64,
     /// Normalised innovation times its weight, of bounded size.
     pub(super) innovation: f64,
@@ -67,12 +67,12 @@ pub(super) struct Starts<const N: usize, const P: usize> {
     monitored: usize,
     nuisance: usize,
     limits: Limits<P>,
-    /// About which deviations are counted: the expected values at first.
+    /// Point about which deviations are counted, scaled; zero, the expected values, at first.
     centre: [f64; P],
     last_opened_s: f64,
-    /// Of a deviation that has always been there.
+    /// How a deviation shows that has been there since the start of the monitor.
     always: Effect<N, P>,
-    /// On it.
+    /// What all innovations since the start of the monitor say of a healthy deviation.
     healthy: Information<P>,
 }
 
@@ -168,8 +168,8 @@ impl<const N: usize, const P: usize> Starts<N, P> {
         self.healthy.since(&start.before, self.monitored)
     }
 
-    /// `ln F`: mean likelihood of a failure since `start` over that of no deviation at all, the healthy deviation of before
-    /// taken for granted.
+    /// `ln F`: mean likelihood of a failure since `start` over that of no deviation at all, the healthy deviation of
+    /// before taken for granted.
     fn failure(&self, start: &FailureStart<N, P>) -> f64 {
         let n = self.monitored;
         self.healthy_since(start).log_likelihood(&start.healthy, n) + start.change(n).failure(n)
@@ -213,8 +213,9 @@ impl<const N: usize, const P: usize> Starts<N, P> {
         &self.centre
     }
 
-    /// Counts deviations from the most likely healthy one on, so that what is linear in them need not reach far. Changes no
-    /// likelihood. Gives the step of the centre, and what it does to the state and to the nuisance columns (scaled).
+    /// Counts deviations from the most likely healthy one on, so that what is linear in them need not reach far.
+    /// Changes no likelihood. Gives the step of the centre, and what it does to the state and to the nuisance columns
+    /// (scaled).
     pub(super) fn recentre(&mut self) -> ([f64; P], [f64; N], [f64; P]) {
         let n = self.monitored;
         let (_, step) = self.healthy.best_within(&self.limits, n);
@@ -240,12 +241,12 @@ impl<const N: usize, const P: usize> Starts<N, P> {
         (step, state, nuisance)
     }
 
-    /// All, oldest first.
+    /// All hypotheses in use, the oldest one first.
     pub(super) fn iter(&self) -> impl DoubleEndedIterator<Item = &FailureStart<N, P>> {
         self.order[..self.count].iter().map(|slot| &self.slots[*slot])
     }
 
-    /// The one at a place in the order of time.
+    /// The hypothesis at a place in the order of time; `None` if there are fewer.
     pub(super) fn get(&self, index: usize) -> Option<&FailureStart<N, P>> {
         self.order[..self.count].get(index).map(|slot| &self.slots[*slot])
     }
@@ -282,7 +283,7 @@ impl<const N: usize, const P: usize> Starts<N, P> {
         self.last_opened_s = time_s;
     }
 
-    /// Drops the one whose neighbours are closest together for their age, and hands its evidence to one of them.
+    /// Drops the hypothesis whose neighbours are closest together for their age, and gives its evidence to one of them.
     fn thin(&mut self, time_s: f64) {
         let time = |place: usize| self.slots[self.order[place]].time_s;
         let mut chosen = (f64::INFINITY, 1);
@@ -296,10 +297,10 @@ impl<const N: usize, const P: usize> Starts<N, P> {
         self.remove(chosen.1);
     }
 
-    /// The evidence of a hypothesis that is dropped goes to the neighbour that can make more of it: from now on it grows as that
-    /// one does, and its mean stays what it was. For a healthy deviation `d` it is `w F_i/L_i(d)`, `F` the likelihood of a
-    /// failure and `L(d)` that of `d`, and becomes `w' F_j/L_j(d)`. So `w'` is `w F_i/F_j`, less what `L_i(d)/L_j(d)` can be at
-    /// most within the tolerances.
+    /// Gives the evidence of a hypothesis that is about to be dropped to the neighbour whose weight grows most by it.
+    /// From then on it grows as the neighbour's does, and its mean stays what it was. For a healthy deviation `d` it is
+    /// `w F_i/L_i(d)`, `F` the likelihood of a failure and `L(d)` that of `d`, and becomes `w' F_j/L_j(d)`. So `w'` is
+    /// `w F_i/F_j`, less what `L_i(d)/L_j(d)` can be at most within the tolerances.
     fn bequeath(&mut self, place: usize) {
         let n = self.monitored;
         let own = &self.slots[self.order[place]];
@@ -318,7 +319,8 @@ impl<const N: usize, const P: usize> Starts<N, P> {
                 }
             }
             let log_weight = own.log_weight + failure - self.failure(other) - most;
-            // What is not a number is nobody's: an alarm only becomes later.
+            // Evidence that cannot be computed is given to no neighbour. An alarm can only become later by that, never
+            // more frequent.
             if log_weight.is_finite() && log_weight > heir.0 {
                 heir = (log_weight, neighbour);
             }

@@ -1,4 +1,4 @@
-//! What a regression says after each sample.
+//! The estimate of a regression method, made of parameters, variances and corrections.
 
 use super::row_source::Frame;
 use crate::estimate::{CONVERGED, EXCITED};
@@ -9,7 +9,7 @@ pub(crate) struct Claim<'a, const P: usize> {
     pub(crate) time_s: f64,
     pub(crate) phase: Phase,
     pub(crate) theta: &'a [f64; P],
-    /// Over the prior variance.
+    /// Variances of the columns, as a part of their prior variances.
     pub(crate) variances: &'a [f64; P],
     /// Corrected variance over the claimed one, at least one.
     pub(crate) inflation: &'a [f64; P],

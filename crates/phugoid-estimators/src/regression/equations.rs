@@ -10,17 +10,19 @@ use crate::model::{LinearizedOutputs, LinearizedRates, Model, Sample};
 use crate::settings::{EstimatorSettings, SettingsError};
 use crate::supervisor::start::Start;
 
-/// Time constant of the mean from which excitation is told, s.
+/// Time constant of the running mean from which the motion of a state is judged, s.
 const MEAN_TIME_S: f64 = 2.0;
 /// A state that is this many sigmas of its measurement away from its own mean shows that something moves.
 const MOVING_SIGMAS: f64 = 4.0;
-/// A state whose measurement is missing for no longer than this, s, goes on as the source has it. Only its integral is taken
-/// from there: the ends of the bridge are measured. Without a bridge each missing frame would leave the noise of two ends.
+/// A state whose measurement is missing for no longer than this, s, goes on as the source has it. Only its integral is
+/// taken from there: the ends of the bridge are measured. Without a bridge each missing frame would leave the noise of
+/// two ends.
 const BRIDGE_S: f64 = 0.1;
 /// Shortest block of the colour correction, s: the residuals of a regression stay correlated for about that long.
 const LEAST_COLOUR_BLOCK_S: f64 = 1.0;
 
-/// The regression of a model: the model, the source of its states, and the terms of the equations over the last interval.
+/// The regression of a model: the model, the source of its states, and the terms of the equations over the last
+/// interval.
 pub struct Regression<M, S, const N: usize, const R: usize, const P: usize>
 where
     M: Model<N, R, P>,
@@ -120,8 +122,8 @@ where
         &self.state
     }
 
-    /// True if the rate of `state` makes an equation of the regression: it is measured, and driven by a parameter that no
-    /// output sees directly.
+    /// True if the rate of `state` makes an equation of the regression: it is measured, and driven by a parameter that
+    /// no output sees directly.
     pub(crate) fn is_dynamic(&self, state: usize) -> bool {
         self.output_of_state[state].is_some()
             && self.drives[state].iter().zip(&self.seen).any(|(drives, seen)| *drives && !seen)

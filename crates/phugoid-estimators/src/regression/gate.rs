@@ -1,6 +1,6 @@
-//! Outliers, told from what the model expects.
+//! Outliers: measurements far from what the model predicts.
 
-/// A channel that has been refused for this long, s, is believed again: it is not an outlier but a new level.
+/// A channel that has been refused for this long, s, is used again: it is not an outlier but a new level.
 const BELIEVED_AGAIN_S: f64 = 0.25;
 /// ... and at least this many frames.
 const BELIEVED_AGAIN_FRAMES: u32 = 5;
@@ -25,7 +25,7 @@ impl<const R: usize> Gate<R> {
         Self { limit, floor, variance: floor.map(|v| 2.0 * v), refused: [0; R], refused_since_s: [0.0; R] }
     }
 
-    /// The measurements that are believed, NaN for the others. `spread` is the part of the prediction's variance that comes
+    /// The measurements with NaN in place of outliers. `spread` is the part of the prediction's variance that comes
     /// from the uncertainty of the parameters.
     pub(crate) fn pass(
         &mut self,

@@ -5,8 +5,8 @@
 //! c0 + c1 = (e^{sh} - 1)/s,      c1 = h phi_2(sh),      phi_2(k) = (e^k - 1 - k)/k^2
 //! ```
 //!
-//! With `s = -w` it is the low-pass filter of Kreisselmeier's regression, with `s = j omega - lambda` the recursive Fourier
-//! transform with exponential forgetting, referred to the present time.
+//! With `s = -w` it is the low-pass filter of Kreisselmeier's regression, with `s = j omega - lambda` the recursive
+//! Fourier transform with exponential forgetting, referred to the present time.
 
 /// A complex number; real ones have an exact zero as imaginary part and keep it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -60,7 +60,7 @@ impl Complex {
 /// What one interval does to the filter and to its inputs.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Weights {
-    /// `e^{sh}`.
+    /// Factor `e^{sh}` by which the filter decays in the interval.
     pub(crate) decay: Complex,
     /// `c0`, s: of the input at the start of the interval.
     pub(crate) before: Complex,

@@ -42,14 +42,14 @@ pub struct Frame<const R: usize, const P: usize> {
 
 /// Rows `z = w theta + n`, sample by sample. The methods that use them need not know how many states there are.
 pub trait RowSource<const R: usize, const P: usize> {
-    /// The model's known input.
+    /// Type of the known input of the model.
     type Input: Input;
 
     /// What is known beside the rows.
     fn frame(&self) -> &Frame<R, P>;
 
-    /// Takes a sample. `theta`: the present estimate; `spread(row)`: the variance of `row theta`. After [`Taken::Collected`] and
-    /// [`Taken::First`] the filters of the rows are empty.
+    /// Takes a sample. `theta`: the present estimate; `spread(row)`: the variance of `row theta`. After
+    /// [`Taken::Collected`] and [`Taken::First`] the filters of the rows are empty.
     fn take(&mut self, sample: &Sample<Self::Input, R>, theta: &[f64; P], spread: impl Fn(&[f64; P]) -> f64) -> Taken;
 
     /// Gives the rows of the last frame to `use_row`, the algebraic ones first. Call it after [`Taken::Next`] only.

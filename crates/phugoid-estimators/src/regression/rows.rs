@@ -21,9 +21,9 @@ pub struct Row<const P: usize> {
 /// Known rates and regressors at one instant.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Rates<const N: usize, const P: usize> {
-    /// `f(x, u)`.
+    /// Known rates `f(x, u)`, state units per second.
     pub(crate) known: [f64; N],
-    /// `Phi(x, u)`.
+    /// Regressors `Phi(x, u)`, row = rate, column = parameter.
     pub(crate) regressors: [[f64; P]; N],
 }
 
@@ -54,14 +54,14 @@ impl<const N: usize, const P: usize> Kreisselmeier<N, P> {
         Self { pole, z: [0.0; N], upsilon: [[0.0; P]; N], weights, interval_s: 0.0 }
     }
 
-    /// Empties the filters.
+    /// Empties the filters: nothing before the next interval is remembered.
     pub(crate) fn clear(&mut self) {
         self.z = [0.0; N];
         self.upsilon = [[0.0; P]; N];
     }
 
-    /// Takes an interval of `h` s. `x`: measured states at its start and its end, NaN where not measured; `rates`: known rates and
-    /// regressors there, of which the first `own` columns are used.
+    /// Takes an interval of `h` s. `x`: measured states at its start and its end, NaN where not measured; `rates`:
+    /// known rates and regressors there, of which the first `own` columns are used.
     pub(crate) fn advance(&mut self, h: f64, own: usize, x: [&[f64; N]; 2], rates: [&Rates<N, P>; 2]) {
         // Sampling times carry rounding; weights for a nanosecond more are the same.
         if (h - self.interval_s).abs() > 1e-9 * h {

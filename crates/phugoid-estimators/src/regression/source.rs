@@ -27,8 +27,8 @@ pub struct SourceStep<'a, I, const N: usize, const R: usize> {
 ///
 /// Implementations are causal, allocate nothing and never give a state that is not finite from finite arguments.
 pub trait StateSource<I, const N: usize, const R: usize> {
-    /// Forgets everything and begins at `sample`. `state` is the median of the first measurements (what is not measured: of
-    /// the settings).
+    /// Forgets everything and begins at `sample`. `state` is the median of the first measurements (what is not
+    /// measured: of the settings).
     fn start(&mut self, sample: &Sample<I, R>, state: &[f64; N]);
 
     /// Takes the next frame and gives the state that holds at it.

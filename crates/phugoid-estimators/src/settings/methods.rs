@@ -1,13 +1,13 @@
-//! Settings that one method has of its own. They stand in [`EstimatorSettings`](super::EstimatorSettings), so that every method is
-//! set up from one value and comparisons are fair.
+//! Settings that one method has of its own. They stand in [`EstimatorSettings`](super::EstimatorSettings), so that
+//! every method is set up from one value and comparisons are fair.
 
 use super::SettingsError;
 
 /// Settings of the joint extended Kalman filter ([`ekf`](crate::ekf)).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EkfSettings<const P: usize> {
-    /// A row whose innovation is more than this many of its predicted standard deviations is not used. Greater than zero, may be
-    /// infinite. The rule is 4: one row in 16,000 of a normal distribution is refused.
+    /// A row whose innovation is more than this many of its predicted standard deviations is not used. Greater than
+    /// zero, may be infinite. The rule is 4: one row in 16,000 of a normal distribution is refused.
     pub gate: f64,
     /// Random walk of each parameter, (parameter unit)^2/s: the classical alternative to re-initialisation after a
     /// detected change. Zero for constant parameters. Biases do not walk.
@@ -34,22 +34,22 @@ impl<const P: usize> EkfSettings<P> {
 
 /// Settings of the methods that solve a regression ([`regression`](crate::regression)).
 ///
-/// Of the shared settings these methods take priors, noise levels, biases, input, start and gaps. The sliding limits, the process noise
-/// (a state source may use it) and change detection are not used. The blocks of the colour correction are at least one second
-/// long, because the residuals of a regression stay correlated for about that time.
+/// Of the shared settings these methods take priors, noise levels, biases, input, start and gaps. The sliding limits,
+/// the process noise (a state source may use it) and change detection are not used. The blocks of the colour correction
+/// are at least one second long, because the residuals of a regression stay correlated for about that time.
 ///
-/// A bias column stands for a constant offset of an output that sees the parameters directly (an accelerometer). The bias
-/// of a measured *state* shifts the regressors and is no column of a regression: such a column keeps its prior.
+/// A bias column stands for a constant offset of an output that sees the parameters directly (an accelerometer). The
+/// bias of a measured *state* shifts the regressors and is no column of a regression: such a column keeps its prior.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RegressionSettings {
-    /// `w`, rad/s: corner of the filter that spares differentiating the states. A low corner lets less noise through; with a high one
-    /// errors of the regressors are forgotten sooner. The rule is 4 rad/s (between 3 and 6 the F-16's moment derivatives change
-    /// by 15 %).
+    /// `w`, rad/s: corner of the filter that spares differentiating the states. A low corner lets less noise through;
+    /// with a high one errors of the regressors are forgotten sooner. The rule is 4 rad/s (between 3 and 6 the F-16's
+    /// moment derivatives change by 15 %).
     pub filter_rate: f64,
     /// `lambda`, 1/s: information older than `1/lambda` fades. Zero, the rule, for constant parameters.
     pub forgetting_per_s: f64,
-    /// A measurement further than this many learnt standard deviations from its prediction counts as an outlier. The rule is 6;
-    /// infinite for no such test.
+    /// A measurement further than this many learnt standard deviations from its prediction counts as an outlier. The
+    /// rule is 6; infinite for no such test.
     pub outlier_limit: f64,
 }
 
@@ -78,19 +78,20 @@ impl RegressionSettings {
 /// Most frequencies that a Fourier regression has room for.
 pub const MAXIMUM_BINS: usize = 32;
 
-/// Settings of the recursive Fourier regression ([`fourier`](crate::fourier)). It also uses [`RegressionSettings`], without their
-/// filter rate.
+/// Settings of the recursive Fourier regression ([`fourier`](crate::fourier)). It also uses [`RegressionSettings`],
+/// without their filter rate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FourierSettings {
-    /// Lowest and highest frequency, Hz. The highest has to be below half the sample rate. The rule is 0.2 to 2 Hz. (From 0.1 to
-    /// 1.5 Hz the F-16's moment derivatives are half again as wrong, because the smoothed states err slowly.)
+    /// Lowest and highest frequency, Hz. The highest has to be below half the sample rate. The rule is 0.2 to 2 Hz.
+    /// (From 0.1 to 1.5 Hz the F-16's moment derivatives are half again as wrong, because the smoothed states err
+    /// slowly.)
     pub band_hz: [f64; 2],
     /// Number of frequencies, evenly over the band; 1 to [`MAXIMUM_BINS`]. The rule is 29.
     pub bins: usize,
     /// Time between two solutions of the least squares, s. The rule is 0.1 s; zero solves at every sample.
     pub solve_interval_s: f64,
-    /// Whether the states at both ends of the record enter the transforms of their derivatives. Right is `true`; `false` shows what
-    /// leaving them out does to a record that does not end as it began.
+    /// Whether the states at both ends of the record enter the transforms of their derivatives. Right is `true`;
+    /// `false` shows what leaving them out does to a record that does not end as it began.
     pub end_point: bool,
 }
 

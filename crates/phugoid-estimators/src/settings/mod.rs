@@ -1,4 +1,4 @@
-//! What the estimator is told before the first sample.
+//! Settings of all estimators: priors of the parameters, noise levels, timing, change detection.
 //!
 //! ```
 //! use phugoid_estimators::settings::{EstimatorSettings, ParameterPrior, SettingsError};
@@ -23,8 +23,9 @@ use core::fmt;
 use crate::discretization::InputHold;
 use crate::model::Model;
 
-/// How large a *sudden* change of a parameter in flight would be: the alternative the change detector tests against.
-/// Not the start prior: with a change prior as wide as a start prior no real change is ever believed (Occam).
+/// How large a *sudden* change of a parameter in flight would be: the alternative the change detector tests against. It
+/// is smaller than the prior of the start: with a change prior that wide the detector would hardly ever decide for a
+/// change, because the evidence is averaged over all sizes of change.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ChangePrior {
     /// Never changes: biases, offsets and other nuisance columns. Not tested, not re-opened.
@@ -51,10 +52,11 @@ impl ChangePrior {
     }
 }
 
-/// What is known of one parameter before the flight. Parameter units throughout.
+/// What is known of one parameter before the flight: start value, standard deviation and bounds, all in parameter
+/// units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ParameterPrior {
-    /// Start value.
+    /// Value at the start, parameter units. It has to lie within the bounds.
     pub initial: f64,
     /// One sigma of the start value. Zero keeps the parameter fixed.
     pub std: f64,
@@ -137,31 +139,32 @@ impl ParameterPrior {
 pub struct ProcessNoise<const N: usize, const R: usize> {
     /// `Qx`, variance per second of each state, (state unit)^2/s. Scaled by the adaptive factor `q_s`.
     pub variance_per_s: [f64; N],
-    /// `q_s` at the start.
+    /// Scale `q_s` of the process noise at the start; it has to lie within the limits.
     pub initial_scale: f64,
     /// How `q_s` follows the data.
     pub adaptation: NoiseAdaptation<R>,
-    /// Limits of `q_s`.
+    /// Lowest and highest scale `q_s`; the lowest has to be positive.
     pub scale_limits: [f64; 2],
 }
 
 /// How the scale of the process noise follows the data.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum NoiseAdaptation<const R: usize> {
-    /// Not at all.
+    /// The scale stays at its start value.
     Off,
-    /// By the slope of the likelihood of all rows over the information that they have given, a Newton step per frame; each row by how far its
-    /// predicted variance depends on the process noise.
+    /// By the slope of the likelihood of all rows over the information that they have given, a Newton step per frame;
+    /// each row by how far its predicted variance depends on the process noise.
     Score {
         /// Part of that information that is forgotten per frame.
         forgetting: f64,
     },
-    /// `q_s <- q_s exp(gain (min(xi^2, 9) - 1))` for each of some rows, however little they have to do with the process noise: the
-    /// first prototype's law, with which its published traces are reproduced. In light gusts `q_s` follows the noise of these rows.
+    /// `q_s <- q_s exp(gain (min(xi^2, 9) - 1))` for each of some rows, however little they have to do with the process
+    /// noise: the first prototype's law, with which its published traces are reproduced. In light gusts `q_s` follows
+    /// the noise of these rows.
     Rows {
-        /// Gain per row.
+        /// Gain per row and frame, 0 to 1.
         gain: f64,
-        /// Which rows.
+        /// The rows whose innovations drive the scale, by output.
         outputs: [bool; R],
     },
 }
@@ -170,7 +173,7 @@ pub enum NoiseAdaptation<const R: usize> {
 const FORGETTING: f64 = 0.003;
 
 impl<const N: usize, const R: usize> ProcessNoise<N, R> {
-    /// None at all.
+    /// No process noise: the model and its input are exact.
     pub const NONE: Self = Self {
         variance_per_s: [0.0; N],
         initial_scale: 1.0,
@@ -208,12 +211,12 @@ pub struct ChangeDetection {
     pub trigger: f64,
     /// Score on fresh data at which the challenger is adopted, nats.
     pub adoption: f64,
-    /// Score over the rows that are measured in the longest doubt from which on it is adopted whatever the maturity of the change, nats
-    /// per row: the running estimate predicts next to nothing. Infinite for never.
+    /// Score over the rows that are measured in the longest doubt from which on it is adopted whatever the maturity of
+    /// the change, nats per row: the running estimate predicts next to nothing. Infinite for never.
     pub overwhelming: f64,
     /// Score at which it is dropped, nats (negative).
     pub dropping: f64,
-    /// Longest doubt, s.
+    /// Longest doubt, s: a challenger that has not been adopted by then is dropped.
     pub doubt_limit_s: f64,
     /// Maturity `dtheta^T (C_B + w^2 diag d^2)^-1 dtheta` needed for adoption; none: twice the chi-square quantile at
     /// `1 - 1.4e-4` for the number of tested parameters.
@@ -223,7 +226,7 @@ pub struct ChangeDetection {
     /// `w` at the start: how far the parameters of this model are expected to wander without any change, as a part of
     /// `d`.
     pub initial_wander: f64,
-    /// Limits of `w`.
+    /// Lowest and highest wander `w` that may be learnt.
     pub wander_limits: [f64; 2],
     /// `w` above which the detector is called insensitive (and latches "model error" after an adoption).
     pub insensitive_wander: f64,
@@ -276,13 +279,13 @@ pub enum ReachingState {
     /// As far as the joint filter with the innovation clipped at `kappa` would: continuous with the sliding phase.
     #[default]
     Joint,
-    /// `1 + v` times as far, as in the prototype whose recorded traces a test compares with. Too far while much is still to
-    /// be learnt.
+    /// `1 + v` times as far, as in the prototype whose recorded traces a test compares with. Too far while much is
+    /// still to be learnt.
     Prototype,
 }
 
-/// Everything the sliding-mode parameter estimator is told. [`EstimatorSettings::automatic`] fills it by rule; every field
-/// may then be changed.
+/// Settings of an estimator. [`EstimatorSettings::automatic`] fills them by rule; every field may then be changed. All
+/// methods take these settings; fields that only some methods use say so.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EstimatorSettings<const N: usize, const R: usize, const P: usize> {
     /// Priors of the model's parameters, the model's order; entries from its parameter count on are ignored.
@@ -294,9 +297,9 @@ pub struct EstimatorSettings<const N: usize, const R: usize, const P: usize> {
     pub bias_std: [f64; R],
     /// Start value of states that no output measures.
     pub initial_state: [f64; N],
-    /// One sigma of [`Self::initial_state`].
+    /// One sigma of [`Self::initial_state`], state units; zero if it is known exactly.
     pub initial_state_std: [f64; N],
-    /// Gusts and the like.
+    /// Noise that drives the states: gusts, and what the model leaves out.
     pub process_noise: ProcessNoise<N, R>,
     /// `kappa`: up to this normalised surface value a row slides (equivalent control).
     pub reaching_limit: f64,
@@ -304,7 +307,7 @@ pub struct EstimatorSettings<const N: usize, const R: usize, const P: usize> {
     pub rejection_limit: f64,
     /// How far a reaching row moves the state.
     pub reaching_state: ReachingState,
-    /// Nominal sample time, s.
+    /// Nominal time between samples, s. The samples themselves may come irregularly.
     pub sample_time_s: f64,
     /// What the input does between samples.
     pub input_hold: InputHold,
@@ -317,8 +320,9 @@ pub struct EstimatorSettings<const N: usize, const R: usize, const P: usize> {
     pub maximum_gap_s: f64,
     /// Length of the median start, s.
     pub start_window_s: f64,
-    /// How long the first start is on trial, s: when an output has been rejected for more than half of it, everything starts again from the
-    /// prior, twice at most. More than twice the longest burst of outliers that is to be borne (0.25 s). Zero: no trial.
+    /// How long the first start is on trial, s: when an output has been rejected for more than half of it, everything
+    /// starts again from the prior, twice at most. More than twice the longest burst of outliers that is to be borne
+    /// (0.25 s). Zero: no trial.
     pub start_trial_s: f64,
     /// Whether the very first sample also corrects (it has already helped to start the state).
     pub correct_first_sample: bool,
@@ -327,7 +331,7 @@ pub struct EstimatorSettings<const N: usize, const R: usize, const P: usize> {
     pub clip_factor: f64,
     /// Length of the blocks of the colour correction, s.
     pub colour_block_s: f64,
-    /// Change detection.
+    /// Settings of change detection; `None` switches it off.
     pub change_detection: Option<ChangeDetection>,
     /// What the joint extended Kalman filter alone uses.
     pub ekf: EkfSettings<P>,
@@ -339,8 +343,9 @@ pub struct EstimatorSettings<const N: usize, const R: usize, const P: usize> {
 
 impl<const N: usize, const R: usize, const P: usize> EstimatorSettings<N, R, P> {
     /// The automatic rule: everything from the priors (bounds), the measured noise (one sigma per output) and the
-    /// sample time. Parameters of the model beyond the last prior given are held at zero. No process noise, no biases, states not measured start at zero with variance zero: set
-    /// [`Self::process_noise`], [`Self::with_biases`] and [`Self::initial_state`] where the plant has them.
+    /// sample time. Parameters of the model beyond the last prior given are held at zero. No process noise, no biases,
+    /// states not measured start at zero with variance zero: set [`Self::process_noise`], [`Self::with_biases`] and
+    /// [`Self::initial_state`] where the plant has them.
     pub fn automatic(
         priors: &[ParameterPrior],
         noise_std: [f64; R],
@@ -508,32 +513,32 @@ fn automatic_rejection_limit(columns: usize) -> f64 {
 pub enum SettingsError {
     /// More columns (parameters and biases) than the compiled capacity.
     Capacity {
-        /// Columns needed.
+        /// Columns that the settings ask for.
         needed: usize,
         /// Columns there is room for.
         capacity: usize,
     },
     /// A start value, standard deviation or change prior is not a finite number of the right sign.
     Prior {
-        /// Index of the parameter.
+        /// Index of the parameter in the model.
         parameter: usize,
     },
     /// Bounds in the wrong order, or a start value outside of them.
     Bounds {
-        /// Index of the parameter.
+        /// Index of the parameter in the model.
         parameter: usize,
-        /// Lower bound found.
+        /// The lower bound that was given.
         lower: f64,
-        /// Start value found.
+        /// The start value that was given.
         initial: f64,
-        /// Upper bound found.
+        /// The upper bound that was given.
         upper: f64,
     },
     /// A setting has an impossible value.
     Setting {
-        /// Its name.
+        /// Name of the setting that is wrong.
         name: &'static str,
-        /// What was found.
+        /// The value that was refused.
         value: f64,
     },
     /// No output has a positive noise level: nothing could be learnt.

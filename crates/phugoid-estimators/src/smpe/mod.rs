@@ -3,8 +3,8 @@
 //! An estimated model runs in parallel with the plant. Each output row is a sliding surface, whitened by its predicted
 //! uncertainty and tied to the parameters by the *sensitivity* of the parallel model. Inside the boundary layer the
 //! equivalent control acts, outside the sign, both evaluated implicitly (proximally), so that the surfaces cannot
-//! chatter at any sample time; the bounds of the parameters decide the gain. docs/theory.md derives it and says what
-//! is proved. Honest identity: without saturation and without change detection this is the joint extended Kalman filter in
+//! chatter at any sample time; the bounds of the parameters decide the gain. docs/theory.md derives it and says what is
+//! proved. Honest identity: without saturation and without change detection this is the joint extended Kalman filter in
 //! separated form (B. Friedland, *Treatment of bias in recursive filtering*, IEEE TAC 14, 1969).
 //!
 //! ```

@@ -4,8 +4,8 @@ use crate::dense::Cholesky;
 use crate::smpe::separated::Separated;
 use crate::supervisor::slot::Slot;
 
-/// Opens the `tested` columns of a slot again. `change_over_prior` is `d_j` over the prior standard deviation;
-/// `std` holds the prior standard deviations of the columns in use; `state_variance` is added to the variances of the states.
+/// Opens the `tested` columns of a slot again. `change_over_prior` is `d_j` over the prior standard deviation; `std`
+/// holds the prior standard deviations of the columns in use; `state_variance` is added to the variances of the states.
 /// Gives `false`, with the slot in an unspecified but finite state, if the arithmetic fails.
 ///
 /// With the joint covariance `[Px + U C U^T, U C; C U^T, C]`, a jump of the parameters alone gives `C' = C + Delta`,

@@ -271,8 +271,8 @@ impl<const N: usize, const P: usize> Separated<N, P> {
                 innovations.phase[i] = RowPhase::Reaching;
                 let sign = if xi > 0.0 { 1.0 } else { -1.0 };
                 phi = kappa * sign / nn;
-                // C stays, so this row moves C^-1 theta by exactly psi^T phi. While a lot is still to be learnt (v >= 1)
-                // that is the way to the truth and not noise.
+                // C stays, so this row moves C^-1 theta by exactly psi^T phi. While a lot is still to be learnt (v >=
+                // 1) that is the way to the truth and not noise.
                 if one_plus_v < 2.0 {
                     self.common.colour.add(&psi[..p], phi);
                 }

@@ -1,10 +1,16 @@
 //! Standard errors that allow for coloured residuals.
 //!
-//! `C` counts every sample as new evidence. Its error obeys `C^-1 (theta - truth) = C0^-1 (theta0 - truth) + sum g`, with
-//! the score `g = psi^T xi` of a sliding row (the innovation stands for the unknown noise) and `g = psi^T phi` of a
-//! reaching row that knows better than it learns (`C` stays as it is). Where residuals are correlated over a time shorter than a block, the sum `S`
-//! of the outer products of the block sums of `g` shows how much the score really scatters, and `C S C` is the
-//! covariance that follows (the "sandwich"). It is reported where it is larger.
+//! The covariance `C` is right for white residuals: it counts every sample as independent evidence. The error of the
+//! estimate is a sum of scores,
+//!
+//! ```text
+//! C^-1 (theta - truth) = C0^-1 (theta0 - truth) + sum g,     g = psi^T xi (sliding row),  g = psi^T phi (reaching row)
+//! ```
+//!
+//! in which the innovation `xi` stands for the unknown noise. A reaching row counts only while `v < 1`, and leaves `C`
+//! as it is. If residuals are correlated over a time shorter than a block, the scatter of `g` is measured by `S`, the
+//! sum of the outer products of the block sums of `g`, and the covariance of the estimate is `C S C` (the "sandwich"
+//! estimate). The larger of `C` and `C S C` is reported.
 
 use crate::kernels::{add_scaled, dot};
 use crate::ud::Ud;
@@ -13,7 +19,7 @@ use crate::ud::Ud;
 pub(crate) struct Colour<const P: usize> {
     /// Score of the running block, scaled columns.
     block: [f64; P],
-    /// `S`, full and symmetric.
+    /// Scatter `S` of the scores of the blocks, scaled columns, full and symmetric.
     scatter: [[f64; P]; P],
     /// `(C S C)_jj / C_jj`, at least one.
     inflation: [f64; P],
@@ -22,8 +28,8 @@ pub(crate) struct Colour<const P: usize> {
 }
 
 /// Between the ends of blocks all inflations are renewed once in this many samples. `S` is constant then and `C` only
-/// shrinks, but their ratio may go either way while `C` turns: a corrected standard error up to four samples old is mostly
-/// within 5 % of the present one, and was up to 40 % below it in the middle of a first manoeuvre.
+/// shrinks, but their ratio may go either way while `C` turns: a corrected standard error up to four samples old is
+/// mostly within 5 % of the present one, and was up to 40 % below it in the middle of a first manoeuvre.
 const SAMPLES_PER_ROUND: usize = 4;
 
 impl<const P: usize> Colour<P> {

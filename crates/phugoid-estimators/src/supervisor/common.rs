@@ -1,4 +1,4 @@
-//! What every slot carries, whatever form its covariance has.
+//! The part of a running estimate that does not depend on the form of its covariance.
 
 use crate::columns::Columns;
 use crate::settings::{EstimatorSettings, NoiseAdaptation};
@@ -7,25 +7,25 @@ use crate::supervisor::colour::Colour;
 /// Scaled variance below which a parameter is known better than half its prior.
 const KNOWN: f64 = 0.25;
 
-/// Information about `ln q_s` below which a step counts on no less: where the rows tell little of the process noise, its scale stays
-/// nearly what it is and does not follow their noise. With 3 or 10 in its place detection in turbulence misses more
-/// damage and believes more that never was (docs/theory.md).
+/// Information about `ln q_s` below which a step counts on no less: where the rows tell little of the process noise,
+/// its scale stays nearly what it is and does not follow their noise. With 3 or 10 in its place detection in turbulence
+/// misses more damage and believes more that never was (docs/theory.md).
 const LEAST_INFORMATION: f64 = 30.0;
 
-/// What the rows of a frame say of the scale of the process noise.
+/// Slope and curvature of the likelihood of a frame's rows in the logarithm of the scale of the process noise.
 pub(crate) struct NoiseScore {
     /// Slope of the log likelihood in `ln q_s`, or what stands for it.
     slope: f64,
-    /// Its expected curvature.
+    /// Expected curvature of the log likelihood in `ln q_s`.
     information: f64,
 }
 
 impl NoiseScore {
     pub(crate) const ZERO: Self = Self { slope: 0.0, information: 0.0 };
 
-    /// Adds a used row. `share` is the part of the row's predicted variance that the state has, all of which is taken to
-    /// grow with `q_s`: `d ln s/d ln q_s`. With it the slope is `share (xi^2 - 1)/2` and the information `share^2/2`; an outlier counts as
-    /// three sigma.
+    /// Adds a used row. `share` is the part of the row's predicted variance that the state has, all of which is taken
+    /// to grow with `q_s`: `d ln s/d ln q_s`. With it the slope is `share (xi^2 - 1)/2` and the information
+    /// `share^2/2`; an outlier counts as three sigma.
     #[inline(always)]
     pub(crate) fn add<const R: usize>(&mut self, adaptation: &NoiseAdaptation<R>, output: usize, xi: f64, share: f64) {
         let excess = (xi * xi).min(9.0) - 1.0;
@@ -48,13 +48,14 @@ impl NoiseScore {
 pub struct Common<const N: usize, const P: usize> {
     pub(crate) x: [f64; N],
     pub(crate) theta: [f64; P],
-    /// `q_s`.
+    /// Adapted scale `q_s` of the process noise.
     pub(crate) noise_scale: f64,
     /// Information about `ln q_s` that has been gathered and not been forgotten.
     pub(crate) noise_information: f64,
     pub(crate) colour: Colour<P>,
-    /// Was held at a limit after it had become known better than half its prior: the bounds exclude the data. It stays
-    /// said, because what the other columns have made of it since is not to be trusted either.
+    /// True for a column that was held at a limit after its standard error had become smaller than half the prior's:
+    /// the data lie outside of the declared bounds. It stays true, because the other columns have been estimated with
+    /// the wrong value since.
     pub(crate) limited: [bool; P],
 }
 

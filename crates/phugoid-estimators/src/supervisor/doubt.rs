@@ -1,5 +1,5 @@
-//! A change in doubt: what the detector suspects, the challenger that goes back to before the change, is opened where the change
-//! has begun and catches up, the contest with the running estimate (the champion), and what becomes of it.
+//! A change in doubt: what the detector suspects, the challenger that goes back to before the change, is opened where
+//! the change has begun and catches up, the contest with the running estimate (the champion), and what becomes of it.
 
 use super::{ADAPTATION_START_S, Supervisor};
 use crate::change_detection::challenge::{Verdict, maturity, needed_maturity};
@@ -10,20 +10,21 @@ use crate::supervisor::faults::Faults;
 use crate::supervisor::history::FRAMES;
 use crate::supervisor::slot::Slot;
 
-/// State variance added where a change is gone back to, in measurement variances: pays for the state error gathered between
-/// change and trigger.
+/// State variance added where a change is gone back to, in measurement variances: pays for the state error gathered
+/// between change and trigger.
 const STATE_ALLOWANCE: f64 = 25.0;
 
-/// Frames that a challenger that has gone back works off per update: bounded work. At 100 Hz it is up to date after 0.1 s.
+/// Frames that a challenger that has gone back works off per update: bounded work. At 100 Hz it is up to date after 0.1
+/// s.
 const CATCH_UP: usize = 8;
 
-/// Where a challenger is that has gone back to before the change.
+/// Progress of a challenger that has gone back to before the change and has not caught up yet.
 #[derive(Clone, Copy)]
 pub(super) struct Behind {
     /// Number of the last frame it has seen.
     frame: u64,
-    /// It is opened before these frames, the second not before the first. The change lies between them, and what is between is
-    /// evidence of the state and not of what holds afterwards.
+    /// It is opened before these frames, the second not before the first. The change lies between them, and what is
+    /// between is evidence of the state and not of what holds afterwards.
     open: [u64; 2],
 }
 
@@ -32,10 +33,10 @@ where
     S: Slot<N, P>,
     M: Model<N, R, P>,
 {
-    /// Opens the parameters for a change that is known to happen now (damage, a flap, a store released, reported by another
-    /// system): what the detector would have had to find out. Call it between the last sample before the change and the
-    /// first one after it. Every parameter may jump by its change prior; biases and other nuisance columns keep what was
-    /// learnt of them, and a doubt that is running is settled by it. The next estimate says
+    /// Opens the parameters for a change that is known to happen now (damage, a flap, a store released, reported by
+    /// another system): what the detector would have had to find out. Call it between the last sample before the change
+    /// and the first one after it. Every parameter may jump by its change prior; biases and other nuisance columns keep
+    /// what was learnt of them, and a doubt that is running is settled by it. The next estimate says
     /// [`ChangeState::Adopted`](crate::ChangeState::Adopted).
     ///
     /// Gives `false`, and changes nothing, if no parameter has a change prior or the arithmetic fails.
@@ -132,7 +133,8 @@ where
         }
     }
 
-    /// Brings a challenger that has gone back to the present, because the state starts anew: at most all frames that are kept.
+    /// Brings a challenger that has gone back to the present, because the state starts anew: at most all frames that
+    /// are kept.
     pub(super) fn catch_up_at_once(&mut self) {
         for _ in 0..FRAMES {
             if self.behind.is_none() {
@@ -186,7 +188,7 @@ where
         challenger.is_sound(columns.count)
     }
 
-    /// No challenger: has anything changed?
+    /// Without a challenger: asks the detector whether the parameters have changed, and starts a challenger if so.
     pub(super) fn watch(&mut self, since_start_s: f64, time_s: f64) {
         let change = self.change_over_prior();
         let Some((detector, challenge)) = &mut self.detection else { return };
@@ -199,7 +201,8 @@ where
         }
     }
 
-    /// A challenger runs: who explains the newest frame? `innovations` are the challenger's.
+    /// With a challenger: compares how well the two explain the newest frame, and decides. `innovations` are the
+    /// challenger's.
     pub(super) fn contest(&mut self, innovations: &Innovations<R>, time_s: f64) {
         let change = self.change_over_prior();
         let Some((detector, challenge)) = &mut self.detection else { return };

@@ -1,5 +1,6 @@
-//! What measured rows are worth as evidence of a change. A sensor that fails for a while is not an aircraft that has changed: damage
-//! disturbs several outputs, a burst of outliers the one that has it.
+//! Weights of rejected rows as evidence of a change. Damage disturbs several outputs at once, a failing sensor only its
+//! own output: an output that is rejected while the others are predicted well is not taken for a change of the
+//! aircraft.
 
 use crate::change_detection::ChangeDetector;
 use crate::innovation::{Innovations, ScoredRow};
@@ -7,15 +8,15 @@ use crate::statistics::median;
 
 /// Weight of a rejected row when others are disturbed too: outliers that coincide must not look like a change.
 const REJECTED_WEIGHT: f64 = 0.05;
-/// ... until the output has been rejected for this long, s: a change so violent that it throws rows beyond the rejection limit is
-/// found after it.
+/// ... until the output has been rejected for this long, s: a change so violent that it throws rows beyond the
+/// rejection limit is found after it.
 const BORNE_S: f64 = 0.5;
 /// Part of a frame by which that time shrinks with each frame that is not rejected.
 const RECOVERY: f64 = 0.25;
 /// Memory of the mean squares of the other outputs, s: a burst lasts about as long.
 const MEMORY_S: f64 = 0.2;
-/// Median of their mean squares below which the other outputs know nothing of what one output shows. It is one if the model is right,
-/// with a scatter of 0.3 at 100 Hz, and nine at most.
+/// Median of their mean squares below which the other outputs do not show what one output shows. It is one if the model
+/// is right, with a scatter of 0.3 at 100 Hz, and nine at most.
 const UNDISTURBED: f64 = 2.0;
 /// Largest square of a normalised surface that counts.
 const LARGEST_SQUARE: f64 = 9.0;
@@ -45,8 +46,8 @@ impl<const R: usize> Faults<R> {
         }
     }
 
-    /// Whether there are other outputs and they know nothing of what this one shows. Their median, so that bursts that overlap do not
-    /// vouch for each other.
+    /// True if there are other outputs and they do not show what this one shows. Their median is used, so that
+    /// overlapping bursts of outliers in two outputs do not confirm each other.
     fn is_alone(&self, output: usize) -> bool {
         let mut others = [0.0; R];
         let mut count = 0;
@@ -72,7 +73,7 @@ impl<const R: usize> Faults<R> {
         merit
     }
 
-    /// Takes a frame.
+    /// Learns from a frame how well each output is predicted and for how long it has been rejected.
     pub(crate) fn note(&mut self, innovations: &Innovations<R>, rejection_limit: f64, sample_time_s: f64) {
         let forgotten = (sample_time_s / MEMORY_S).min(1.0);
         let outputs = self.rejected_s.iter_mut().zip(&mut self.mean_square);
@@ -91,8 +92,8 @@ impl<const R: usize> Faults<R> {
     }
 }
 
-/// The change detector with what it needs to judge a row. (A closure in its place would be another type at each call, and the
-/// whole correction of a frame compiled again for each.)
+/// The change detector with what it needs to judge a row. (A closure in its place would be another type at each call,
+/// and the whole correction of a frame compiled again for each.)
 pub struct Watch<'a, const R: usize, const P: usize> {
     pub(crate) detector: &'a mut ChangeDetector<P>,
     pub(crate) faults: &'a Faults<R>,
@@ -118,16 +119,16 @@ pub(crate) struct Merit {
     misfit: f64,
     /// Product of the predicted variances.
     variance: f64,
-    /// Rows that were measured.
+    /// Number of rows that were measured.
     rows: u16,
 }
 
 impl Merit {
     pub(crate) const NONE: Self = Self { misfit: 0.0, variance: 1.0, rows: 0 };
 
-    /// Nats by which another prediction of the same frame explains it better:
-    /// `sum 1/2 [(f_A min(xi_A^2, 9) - f_B min(xi_B^2, 9))/lev + ln(s_A (1+v_A)) - ln(s_B (1+v_B))]`, weights `f`. Zero if the two have not
-    /// predicted the same rows.
+    /// Nats by which another prediction of the same frame explains it better: `sum 1/2 [(f_A min(xi_A^2, 9) - f_B
+    /// min(xi_B^2, 9))/lev + ln(s_A (1+v_A)) - ln(s_B (1+v_B))]`, weights `f`. Zero if the two have not predicted the
+    /// same rows.
     pub(crate) fn nats_for(&self, other: &Self, leverage: f64) -> f64 {
         if self.rows != other.rows {
             return 0.0;
@@ -153,7 +154,8 @@ mod tests {
         faults
     }
 
-    /// However long it lasts, what one output shows and the others do not is that output's own; two bursts at once as well.
+    /// However long it lasts, what one output shows and the others do not is that output's own; two bursts at once as
+    /// well.
     #[test]
     fn a_burst_is_no_evidence_and_a_change_that_all_see_is() {
         for frames in [1, 30, 300] {
@@ -165,13 +167,14 @@ mod tests {
         assert_eq!(after(51, [20.0, 8.0, 4.0, 3.0, 1.0, 1.0]).weight(0, 20.0, LIMIT), 1.0);
         // What is not rejected counts.
         assert_eq!(after(51, [5.9, 1.0, 1.0]).weight(0, 5.9, LIMIT), 1.0);
-        // An output without others has nobody to ask; one that is not measured is none.
+        // Without other outputs the row counts in full; an output that is not measured does not count as another one.
         assert_eq!(after(51, [20.0]).weight(0, 20.0, LIMIT), 1.0);
         assert_eq!(after(51, [20.0, f64::NAN]).weight(0, 20.0, LIMIT), 1.0);
         assert_eq!(after(51, [20.0, f64::NAN, 3.0]).weight(0, 20.0, LIMIT), 1.0);
     }
 
-    /// Against the formula, row by row; a rejected one counts little, and frames of which not the same rows were predicted not at all.
+    /// Against the formula, row by row; a rejected one counts little, and frames of which not the same rows were
+    /// predicted not at all.
     #[test]
     fn the_score_is_the_bounded_difference_of_the_log_likelihoods() {
         let of = |normalised: [f64; 3], variance: [f64; 3]| Innovations { normalised, variance, ..Innovations::EMPTY };

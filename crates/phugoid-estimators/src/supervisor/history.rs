@@ -1,6 +1,7 @@
-//! The last second or so of the flight: frames, and what the estimate was before them. A suspected change is gone back to
-//! with them, so that the challenger learns from the data since the change and not only from those since the suspicion, and so that
-//! what the champion has made of the changed aircraft meanwhile (state, sensor biases, process noise) does not stick to it.
+//! The last frames of the flight (160, 1.6 s at 100 Hz), and snapshots of the estimate before them. With them a
+//! challenger starts from before a suspected change, so that the challenger learns from the data since the change and
+//! not only from those since the suspicion, and so that what the champion has made of the changed aircraft meanwhile
+//! (state, sensor biases, process noise) does not stick to it.
 
 use crate::model::Sample;
 use crate::supervisor::faults::Merit;
@@ -61,7 +62,7 @@ impl<I: Copy, S: Copy, const R: usize> History<I, S, R> {
         if kept { self.frames[place(number)].as_ref() } else { None }
     }
 
-    /// Takes the next frame.
+    /// Keeps the next frame in place of the oldest one.
     pub(crate) fn push(&mut self, sample: &Sample<I, R>) {
         self.newest += 1;
         self.frames[place(self.newest)] = Some(*sample);
@@ -89,8 +90,8 @@ impl<I: Copy, S: Copy, const R: usize> History<I, S, R> {
         }
     }
 
-    /// The newest snapshot before a frame from which everything since is still there, and the number of its own frame; the oldest such
-    /// one if all are later than that.
+    /// The newest snapshot before a frame from which everything since is still there, and the number of its own frame;
+    /// the oldest such one if all are later than that.
     pub(crate) fn before(&self, frame: u64) -> Option<(&S, u64)> {
         let complete =
             |snapshot: &&Snapshot<S>| snapshot.frame >= self.first && self.newest - snapshot.frame < FRAMES as u64 - 1;
@@ -105,7 +106,7 @@ impl<I: Copy, S: Copy, const R: usize> History<I, S, R> {
         self.snapshots = [None; SNAPSHOTS];
     }
 
-    /// The state starts again.
+    /// Forgets all frames and snapshots, because the state is started again.
     pub(crate) fn clear(&mut self) {
         self.forget_snapshots();
         self.first = self.newest + 1;

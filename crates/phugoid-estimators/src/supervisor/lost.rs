@@ -20,8 +20,8 @@ pub(super) struct Rejections {
 impl Rejections {
     pub(super) const NONE: Self = Self { since_s: 0.0, frames: 0 };
 
-    /// Takes a frame; true if the state is lost. `detecting`: with change detection; `in_doubt`: a challenger runs, and decides.
-    /// A frame without measurements changes nothing.
+    /// Takes a frame; true if the state is lost. `detecting`: with change detection; `in_doubt`: a challenger runs, and
+    /// decides. A frame without measurements changes nothing.
     pub(super) fn are_too_many<const R: usize>(
         &mut self,
         innovations: &Innovations<R>,

@@ -1,5 +1,6 @@
-//! What makes an estimator of a filter. A sample is collected for the start of the state, or predicts and corrects the
-//! estimate (here); then the detector looks at it, or a challenger competes for it (`doubt`). What a caller may know is in `report`.
+//! The supervisor: everything around a filter that makes an estimator of it. A sample is collected for the start of the
+//! state, or predicts and corrects the estimate (here); then the detector looks at it, or a challenger competes for it
+//! (`doubt`). What it reports is in `report`.
 
 pub(crate) mod colour;
 pub(crate) mod common;
@@ -32,14 +33,15 @@ use lost::Rejections;
 const ADAPTATION_START_S: f64 = 0.3;
 
 enum Stage {
-    /// Collecting the median start.
+    /// Frames are collected, of which the state starts with the median.
     Starting,
     Running,
 }
 
-/// What makes an estimator of a filter for state and parameters: median start, sensor biases, restart of a lost state,
-/// change detection with champion and challenger, colour correction, limits and verdicts. `S` keeps the covariance and
-/// does the arithmetic of one row: [`Smpe`](super::Smpe) and [`JointEkf`](crate::ekf::JointEkf) differ in nothing else.
+/// Everything that makes an estimator of a filter for state and parameters: median start, sensor biases, restart of a
+/// lost state, change detection with champion and challenger, colour correction, limits and verdicts. `S` keeps the
+/// covariance and does the arithmetic of one row: [`Smpe`](crate::smpe::Smpe) and [`JointEkf`](crate::ekf::JointEkf)
+/// differ in nothing else.
 ///
 /// `N` states, `R` outputs, room for `P` columns (parameters and biases). Columns of [`Estimate`] are the model's
 /// parameters in its order, then one per biased output.
@@ -71,7 +73,7 @@ where
     surfaces: [f64; P],
     innovations: Innovations<R>,
     phase: Phase,
-    /// Of champion and challenger.
+    /// What is known of failing sensors, with the residuals of the champion and of the challenger.
     faults: [Faults<R>; 2],
     adopted: bool,
     /// Opened for a known change since the last sample.
@@ -135,7 +137,7 @@ where
         })
     }
 
-    /// `d_j`, parameter units.
+    /// Standard deviation `d_j` of a sudden change, parameter units.
     fn change_std(&self, column: usize) -> f64 {
         self.columns.change[column].std(self.columns.initial[column], self.champion.common().theta[column])
     }

@@ -1,4 +1,5 @@
-//! What a caller may know: the estimate with its bounds and verdicts, and what goes on inside.
+//! What the estimator reports: the estimate with its standard errors and statuses, and internal quantities for
+//! inspection.
 
 use super::Supervisor;
 use crate::estimate::{
@@ -14,12 +15,12 @@ where
     S: Slot<N, P>,
     M: Model<N, R, P>,
 {
-    /// The model.
+    /// The model that the estimator was set up with.
     pub fn model(&self) -> &M {
         &self.model
     }
 
-    /// The settings in force.
+    /// The settings that the estimator was set up with.
     pub fn settings(&self) -> &EstimatorSettings<N, R, P> {
         &self.settings
     }
@@ -146,9 +147,9 @@ where
             let mut corrected = variance * inflation[j];
             estimate.observability[j] = if std > 0.0 { (1.0 - variance).clamp(0.0, 1.0) } else { 0.0 };
             if self.in_doubt && std > 0.0 {
-                // Bounds in doubt: both answers lie inside.
+                // In doubt the bounds are wide enough to hold both the champion's and the challenger's estimate.
                 let difference = (self.challenger.common().theta[j] - slot.theta[j]) / std;
-                // A challenger that is not up to date has nothing to say yet: the whole plausible change.
+                // A challenger that has not caught up yet has no estimate of now: the whole plausible change is added.
                 let open = if self.behind.is_some() { change[j] * change[j] } else { 0.0 };
                 let spread = open.max(difference * difference);
                 variance = variance.max(challenger_variances[j]) + spread;

@@ -1,4 +1,4 @@
-//! One running estimate: what the supervisor asks of it, whatever form its covariance has.
+//! One running estimate: the operations that the supervisor needs, independent of the form of the covariance.
 
 use crate::columns::Columns;
 use crate::discretization::IntervalInput;
@@ -57,8 +57,8 @@ pub trait Slot<const N: usize, const P: usize>: Copy {
         M: Model<N, R, P>;
 
     /// Opens the `tested` columns again: they have just jumped by `N(0, diag d^2)`. `change_over_prior` is `d_j` over
-    /// the prior standard deviation; `state_variance` is added to the variances of the states. Gives `false`, with the slot in an unspecified but finite state, if the arithmetic
-    /// fails.
+    /// the prior standard deviation; `state_variance` is added to the variances of the states. Gives `false`, with the
+    /// slot in an unspecified but finite state, if the arithmetic fails.
     fn reopen<const R: usize>(
         &mut self,
         columns: &Columns<R, P>,

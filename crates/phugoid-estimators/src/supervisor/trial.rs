@@ -1,6 +1,7 @@
-//! The first start on trial. The state starts from a few frames and the parameters from little more than nothing: when a burst of
-//! outliers falls on these frames, or many columns at once run away with them, an output may be rejected for good afterwards, and the
-//! others teach the parameters nonsense. Then half a second is given up and everything starts again.
+//! The first start on trial. The state starts from a few frames and the parameters from little more than nothing: when
+//! a burst of outliers falls on these frames, or many columns at once run away with them, an output may be rejected for
+//! good afterwards, and the others teach the parameters nonsense. Then half a second is given up and everything starts
+//! again.
 
 use crate::innovation::{Innovations, RowPhase};
 
@@ -56,7 +57,8 @@ mod tests {
         Innovations { phase, ..Innovations::EMPTY }
     }
 
-    /// Given up at the end of the trial and not before; a burst is borne; after the last start nothing is given up any more.
+    /// Given up at the end of the trial and not before; a burst is borne; after the last start nothing is given up any
+    /// more.
     #[test]
     fn a_start_that_an_output_contradicts_is_given_up_a_few_times() {
         let at = |k: u32| 3.0 + 0.01 * f64::from(k);

@@ -1,4 +1,4 @@
-//! Which parameters cannot be told apart.
+//! Collinearity: which parameters can only be estimated in combination, from their covariance.
 
 use super::Partner;
 use crate::dense::Cholesky;
@@ -6,8 +6,8 @@ use crate::dense::Cholesky;
 /// Variance inflation and condition of a covariance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Collinearity<const P: usize> {
-    /// `C_jj (C^-1)_jj`: variance with the others unknown over that with the others known, at least 1. Infinite for all if
-    /// the covariance is singular to rounding.
+    /// `C_jj (C^-1)_jj`: variance with the others unknown over that with the others known, at least 1. Infinite for all
+    /// if the covariance is singular to rounding.
     pub variance_inflation: [f64; P],
     /// Condition number of the correlation matrix in the 1-norm.
     pub condition: f64,

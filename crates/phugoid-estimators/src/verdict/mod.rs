@@ -1,4 +1,4 @@
-//! May a parameter be believed now? A verdict per parameter, live, with its reason.
+//! A verdict per parameter, at any time: whether its estimate can be used, with the reason.
 //!
 //! What a flight-test engineer asks of an estimate, in the order in which the answers rule one another out:
 //!
@@ -15,7 +15,8 @@
 //!    the last seconds.
 //!
 //! Residual whiteness (lag-one correlation of the normalised innovations over the last [`MEMORY_S`] seconds) is given
-//! beside: it speaks of an output, not of a parameter, and the corrected bounds already allow for its short part.
+//! beside: it belongs to an output, not to a parameter, and the corrected bounds already allow for correlation over
+//! short times.
 //!
 //! ```
 //! # mod lag { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/lag.rs")); }
@@ -50,29 +51,30 @@ use crate::estimate::{ChangeState, Estimate, Inspect, ParameterStatus, Phase};
 
 /// Variance inflation beyond which two or more parameters are said to be collinear.
 pub const INFLATED: f64 = 10.0;
-/// The bound with all others known has to be below this part of the prior, or the parameter is not excited: the data have
-/// said less than the prior did. (`1/sqrt 2`: data and prior say equally much.)
+/// The bound with all others known has to be below this part of the prior, or the parameter is not excited: the data
+/// have said less than the prior did. (`1/sqrt 2`: data and prior say equally much.)
 const EXCITED: f64 = core::f64::consts::FRAC_1_SQRT_2;
 /// Correlation from which another parameter is named as a partner.
 const PARTNER: f64 = 0.7;
 /// The estimate is compared with that of one to two of these ago, s.
 const SETTLING_S: f64 = 1.0;
-/// Correlated errors of one estimator at two times differ by less than this many of the older sigma, if nothing is wrong:
-/// `var(difference) = var(old) - var(new)`, and three sigma of it.
+/// Correlated errors of one estimator at two times differ by less than this many of the older sigma, if nothing is
+/// wrong: `var(difference) = var(old) - var(new)`, and three sigma of it.
 const SETTLED: f64 = 3.0;
 
-/// May it be believed?
+/// Whether a parameter can be used, and if not, whether waiting may help.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum Readiness {
-    /// Not from this input: more time of the same will not do.
+    /// The input does not excite this parameter, or not apart from others: waiting longer with the same input does not
+    /// help.
     #[default]
     NotIdentifiable,
-    /// The bound is shrinking, or the estimate still moves: wait, or move the aircraft more.
+    /// The bound is still shrinking, or the estimate still moves: wait, or move the aircraft more.
     Improving,
-    /// The bound is small, the estimate stands, and nothing speaks against it.
+    /// The bound is small, the estimate no longer moves, and nothing contradicts it: it can be used.
     Ready,
-    /// A number is there, and something speaks against it.
+    /// The bound is small, but something contradicts the estimate: see the reason.
     Doubtful,
 }
 
@@ -94,7 +96,7 @@ impl core::fmt::Display for Readiness {
     }
 }
 
-/// Why.
+/// The reason for a [`Readiness`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Reason {
     /// The bound is still about that of the prior even if all others were known.
@@ -108,7 +110,7 @@ pub enum Reason {
     WideBound,
     /// The estimate has moved further than its bound allowed.
     Moving,
-    /// The bound is small and the estimate stands.
+    /// The bound is small and the estimate no longer moves.
     Settled,
     /// A sudden change is suspected.
     ChangeInDoubt,
@@ -116,16 +118,16 @@ pub enum Reason {
     AtLimit,
     /// Too many rows of an output were rejected.
     ModelContradicted,
-    /// The estimator stopped.
+    /// The estimator has stopped, because its estimate was no longer finite.
     Diverged,
 }
 
 /// The verdict on one column.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ParameterVerdict {
-    /// May it be believed?
+    /// Whether the parameter can be used.
     pub readiness: Readiness,
-    /// Why.
+    /// The reason for that.
     pub reason: Reason,
     /// Bound over prior, one sigma each; 1 where nothing has been learnt. NaN without a prior.
     pub bound_over_prior: f64,
@@ -140,7 +142,7 @@ pub struct ParameterVerdict {
 /// A column whose error goes with that of another.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Partner {
-    /// Column.
+    /// Index of the column.
     pub column: usize,
     /// Correlation of the two errors, -1 to 1.
     pub correlation: f64,
@@ -154,12 +156,12 @@ pub struct Verdict<const R: usize, const P: usize> {
     /// Condition number of the correlation matrix in the 1-norm: 1 where all are independent; infinite if it cannot be
     /// inverted.
     pub condition: f64,
-    /// Per output.
+    /// Whiteness of the residuals, per output.
     pub whiteness: [Whiteness; R],
 }
 
-/// Watches an estimator and says, whenever asked, what may be believed. No allocation, bounded work; [`Self::update`] is
-/// cheap, [`Self::verdict`] inverts one matrix of the columns in use.
+/// Watches an estimator and says, whenever asked, which parameters can be used. No allocation, bounded work;
+/// [`Self::update`] is cheap, [`Self::verdict`] inverts one matrix of the columns in use.
 #[derive(Clone, Copy, Debug)]
 pub struct VerdictMonitor<const R: usize, const P: usize> {
     rows: [whiteness::RowMemory; R],
@@ -182,7 +184,7 @@ impl<const R: usize, const P: usize> Default for VerdictMonitor<R, P> {
 }
 
 impl<const R: usize, const P: usize> VerdictMonitor<R, P> {
-    /// Nothing seen yet.
+    /// A monitor that has not seen a sample.
     pub fn new() -> Self {
         let anchor = Anchor { time_s: f64::NAN, parameters: [0.0; P], std_error: [f64::INFINITY; P] };
         Self { rows: [whiteness::RowMemory::NEW; R], last_s: f64::NAN, anchors: [anchor; 2] }

@@ -1,19 +1,20 @@
-//! Are the residuals of an output what the model promises: white, and inside the gate?
+//! Whether the residuals of an output are as the model promises: white, and seldom rejected.
 
 use crate::innovation::RowPhase;
 
 /// Memory of the statistics, s: time constant of their exponential forgetting.
 pub const MEMORY_S: f64 = 5.0;
-/// Share of rejected rows from which the model is said to contradict the flight. Single bad values of a sensor stay below.
+/// Share of rejected rows from which the model is said to contradict the flight. Single bad values of a sensor stay
+/// below.
 pub const CONTRADICTED: f64 = 0.25;
-/// Rows that count before a share is believed: a quarter of them is five.
+/// Rows that are needed before the share of rejected ones is used: a quarter of them is five.
 const ENOUGH: f64 = 20.0;
 
 /// The residuals of one output over the last seconds.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Whiteness {
-    /// Lag-one correlation of the normalised innovations (clipped at three); zero for a right model, NaN before there are
-    /// any.
+    /// Lag-one correlation of the normalised innovations (clipped at three); zero for a right model, NaN before there
+    /// are any.
     pub correlation: f64,
     /// What chance allows for white residuals, `3/sqrt(n)`: three sigma at first, 4.2 when the memory is full.
     pub allowed: f64,
@@ -21,7 +22,7 @@ pub struct Whiteness {
     pub power: f64,
     /// Share of rows that were rejected.
     pub rejected: f64,
-    /// Rows in the memory.
+    /// Number of rows in the memory, faded with their age.
     pub rows: f64,
 }
 
@@ -31,13 +32,13 @@ impl Whiteness {
         self.correlation.abs() > self.allowed
     }
 
-    /// True if so many rows were rejected that the rest is not to be believed.
+    /// True if so many rows were rejected that the estimate rests on a selection of the data.
     pub fn contradicts(&self) -> bool {
         self.rows >= ENOUGH && self.rejected > CONTRADICTED
     }
 }
 
-/// Sums with exponential forgetting.
+/// Sums over the rows of one output, which fade with the time constant [`MEMORY_S`].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RowMemory {
     squares: f64,
