@@ -2,8 +2,9 @@
 
 use serde::Serialize;
 
+use super::condition::{TrimCondition, check};
+use super::error::TrimError;
 use super::problem::{Problem, UNKNOWNS};
-use super::{TrimCondition, TrimError, check};
 use crate::aircraft::Aircraft;
 
 /// Where the solver starts. Any finite numbers.
