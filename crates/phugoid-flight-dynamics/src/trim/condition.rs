@@ -11,7 +11,7 @@ use crate::increments::Increments;
 /// The steady flight asked for. Still air.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrimCondition {
-    /// True airspeed, m/s.
+    /// True airspeed, m/s; a positive number.
     pub speed: f64,
     /// Altitude above sea level, m; from -1000 to 25,000 m.
     pub altitude: f64,
@@ -21,7 +21,7 @@ pub struct TrimCondition {
     pub turn_rate: f64,
     /// Heading, rad; it does not influence the trim.
     pub heading: f64,
-    /// Aerodynamic increments in force.
+    /// Aerodynamic increments to the database that are in force.
     pub increments: Increments,
     /// Lowest and highest angle of attack, rad, that the aircraft's data are good for. A trim outside is refused.
     pub alpha_range: [f64; 2],
@@ -56,48 +56,48 @@ impl TrimCondition {
     }
 }
 
-/// A steady flight.
+/// A steady flight that was found: angles, rates, controls, and what they amount to.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Trim {
-    /// True airspeed, m/s.
+    /// True airspeed in still air, m/s.
     pub speed_m_s: f64,
-    /// Altitude, m.
+    /// Altitude above sea level, m.
     pub altitude_m: f64,
-    /// Flight path angle, rad.
+    /// Flight path angle, rad, positive climbing.
     pub flight_path_angle_rad: f64,
     /// Rate of the heading, rad/s.
     pub turn_rate_rad_s: f64,
-    /// Angle of attack, rad.
+    /// Angle of attack, rad, positive nose up.
     pub alpha_rad: f64,
-    /// Sideslip angle, rad.
+    /// Sideslip angle, rad, positive with the wind from the right.
     pub beta_rad: f64,
-    /// Bank angle, rad.
+    /// Bank angle, rad, positive with the right wing down.
     pub phi_rad: f64,
-    /// Pitch angle, rad.
+    /// Pitch angle, rad, of body x above the horizon.
     pub theta_rad: f64,
-    /// Heading, rad.
+    /// Heading from north to east, rad.
     pub psi_rad: f64,
-    /// Roll rate, rad/s.
+    /// Roll rate about body x, rad/s; not zero in a turn.
     pub p_rad_s: f64,
-    /// Pitch rate, rad/s.
+    /// Pitch rate about body y, rad/s; not zero in a turn.
     pub q_rad_s: f64,
-    /// Yaw rate, rad/s.
+    /// Yaw rate about body z, rad/s; not zero in a turn.
     pub r_rad_s: f64,
     /// Throttle lever, 0 to 1.
     pub throttle: f64,
     /// Elevator, rad, positive trailing edge down.
     pub elevator_rad: f64,
-    /// Aileron, rad.
+    /// Aileron, rad, positive rolls to the left.
     pub aileron_rad: f64,
-    /// Rudder, rad.
+    /// Rudder, rad, positive yaws to the left.
     pub rudder_rad: f64,
-    /// Engine state, percent.
+    /// Engine state that the throttle settles at, percent.
     pub power_percent: f64,
     /// Thrust, N: magnitude of the propulsive force, negative when it points backwards.
     pub thrust_n: f64,
-    /// Dynamic pressure, Pa.
+    /// Dynamic pressure of this condition, Pa.
     pub dynamic_pressure_pa: f64,
-    /// Mach number.
+    /// Mach number of this condition.
     pub mach: f64,
     /// Normal load factor at the centre of gravity, `-az/g`, 1 in level flight at small angle of attack.
     pub load_factor: f64,
