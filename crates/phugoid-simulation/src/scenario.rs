@@ -72,6 +72,13 @@ pub struct Scenario {
 impl Scenario {
     /// Reads the scenario file at this path; paths in it start from its folder.
     ///
+    /// ```
+    /// use phugoid_studies::scenario::Scenario;
+    /// let scenario = Scenario::open("../../scenarios/f16-damage.toml")?;
+    /// assert_eq!(scenario.damage[0].at.si(), 10.0); // s
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
     /// # Errors
     /// [`ScenarioError`]: the file cannot be read, or something in it is wrong.
     pub fn open(path: impl AsRef<Path>) -> Result<Self, ScenarioError> {
