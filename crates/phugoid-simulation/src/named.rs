@@ -32,7 +32,7 @@ impl Scenario {
     /// The built-in scenario with this name, for example `f16-calm`.
     ///
     /// ```
-    /// use phugoid_studies::scenario::Scenario;
+    /// use phugoid_simulation::scenario::Scenario;
     /// assert_eq!(Scenario::named("f16-calm")?.samples(), 2001); // 20 s at 100 Hz
     /// assert!(Scenario::named("f16-clam").unwrap_err().to_string().contains("`f16-calm`"));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -51,7 +51,7 @@ impl Scenario {
     /// line takes as a scenario.
     ///
     /// ```
-    /// use phugoid_studies::scenario::Scenario;
+    /// use phugoid_simulation::scenario::Scenario;
     /// assert_eq!(Scenario::find("f16-calm")?, Scenario::named("f16-calm")?);
     /// assert!(Scenario::find("no-such-file.toml").is_err());
     /// # Ok::<(), Box<dyn std::error::Error>>(())

@@ -73,7 +73,7 @@ impl Scenario {
     /// Reads the scenario file at this path; paths in it start from its folder.
     ///
     /// ```
-    /// use phugoid_studies::scenario::Scenario;
+    /// use phugoid_simulation::scenario::Scenario;
     /// let scenario = Scenario::open("../../scenarios/f16-damage.toml")?;
     /// assert_eq!(scenario.damage[0].at.si(), 10.0); // s
     /// # Ok::<(), Box<dyn std::error::Error>>(())
