@@ -12,6 +12,7 @@
 //! Modeling", *Journal of Aircraft* 49(6), 2012.
 #![cfg_attr(not(test), deny(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
+mod error;
 pub mod files;
 pub mod fit;
 pub mod modes;
@@ -24,6 +25,7 @@ mod sweep;
 
 use serde::Serialize;
 
+pub use error::DesignError;
 pub use spectrum::spectrum;
 
 use modes::ModeFrequencies;
@@ -129,20 +131,6 @@ pub struct Design {
 
 /// A [`Design`] whose deflections have a peak of one.
 pub type Shape = Design;
-
-/// Why an input could not be designed.
-#[derive(Debug, thiserror::Error)]
-pub enum DesignError {
-    /// The request cannot be met.
-    #[error("{0}")]
-    Unsuitable(String),
-    /// The flight that the input is fitted to.
-    #[error(transparent)]
-    Flight(#[from] phugoid_simulation::flight::FlightError),
-    /// The bound.
-    #[error(transparent)]
-    Study(#[from] phugoid_evaluation::accuracy::StudyError),
-}
 
 /// Most samples of a design: 1000 s at 100 Hz. The flight is simulated some ten times, and the phases of a multisine are searched.
 const MAX_SAMPLES: f64 = 100_000.0;

@@ -5,7 +5,7 @@ use phugoid_flight_dynamics::modes::{Mode, ModeName};
 use phugoid_flight_dynamics::motion::Disturbance;
 use serde::Serialize;
 
-use super::DesignError;
+use super::error::DesignError;
 use phugoid_simulation::flight::{FlightError, trimmed_aircraft};
 use phugoid_simulation::manoeuvre::Surface;
 use phugoid_simulation::scenario::Scenario;

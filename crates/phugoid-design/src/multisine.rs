@@ -19,7 +19,7 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use serde::Serialize;
 
-use super::DesignError;
+use super::error::DesignError;
 use phugoid_simulation::manoeuvre::Surface;
 
 /// One component of a multisine, `amplitude sin(2 pi index t/T + phase)`.

@@ -105,7 +105,9 @@ fn main() {
     println!("{:>6}  {:<14} {:>8} {:>8}", "noise", "estimator", "a", "+-");
     let mut errors = Vec::new();
     for noise in [0.001, 0.1] {
-        let own = ScalarKalman { value: 5.0, variance: 4.0, prior_variance: 4.0, row_variance: noise * noise };
+        // Noise of x' and a times the noise of x, with a about 3.
+        let row_variance = (1.0 + 9.0) * noise * noise;
+        let own = ScalarKalman { value: 5.0, variance: 4.0, prior_variance: 4.0, row_variance };
         let settings = EstimatorSettings::automatic(&[ParameterPrior::bounded(5.0, 1.0, 9.0)], [noise; 2], 0.01);
         let smpe = Smpe::new(FirstOrder, settings.expect("they are consistent")).expect("they suit the plant");
         for (name, estimate) in [("scalar Kalman", run(own, noise)), ("SMPE", run(smpe, noise))] {

@@ -59,7 +59,7 @@ fn estimator() -> Result<Smpe<Roll, STATES, OUTPUTS, PARAMETERS>, SettingsError>
 fn main() {
     let truth = [-2.5, 14.0];
     let mut estimator = estimator().expect("the settings are consistent");
-    let (mut x, mut noise) = ([0.0; 2], Noise(7));
+    let (mut x, mut noise) = ([0.0; 2], Noise(1));
     println!("{:>6} {:>8} {:>8} {:>8} {:>8}", "time s", "Lp", "+-", "La", "+-");
     for k in 0..=500 {
         let time_s = SAMPLE_TIME_S * f64::from(k);

@@ -8,7 +8,7 @@ use crate::aircraft::Controls;
 pub struct Actuator {
     /// Largest deflection to either side, rad.
     pub limit: f64,
-    /// Largest rate, rad/s.
+    /// Largest rate of the surface to either side, rad/s.
     pub rate_limit: f64,
     /// Time constant of the lag, s.
     pub lag: f64,
@@ -33,11 +33,11 @@ impl Actuator {
 /// The actuators of elevator, aileron and rudder. The throttle lever has none: the engine's own lag follows it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Actuators {
-    /// Elevator.
+    /// The elevator's; positive deflections have the trailing edge down.
     pub elevator: Actuator,
-    /// Aileron.
+    /// The ailerons'; positive deflections roll to the left.
     pub aileron: Actuator,
-    /// Rudder.
+    /// The rudder's; positive deflections yaw to the left.
     pub rudder: Actuator,
 }
 

@@ -11,13 +11,13 @@ pub const STATES: usize = 13;
 pub struct State<T = f64> {
     /// Speed of the centre of gravity relative to the undisturbed air, m/s (true airspeed without gusts).
     pub speed: T,
-    /// Angle of attack, rad.
+    /// Angle of attack, rad: between body x and the velocity in the plane of symmetry, positive nose up.
     pub alpha: T,
     /// Sideslip angle, rad, positive with the wind from the right.
     pub beta: T,
-    /// Roll (bank) angle, rad.
+    /// Roll (bank) angle, rad, positive with the right wing down.
     pub phi: T,
-    /// Pitch angle, rad.
+    /// Pitch angle, rad: of body x above the horizon, positive nose up.
     pub theta: T,
     /// Heading, rad, from north to east.
     pub psi: T,
@@ -27,9 +27,9 @@ pub struct State<T = f64> {
     pub q: T,
     /// Yaw rate, body z axis, rad/s.
     pub r: T,
-    /// Position north, m.
+    /// Position north of the origin, m.
     pub north: T,
-    /// Position east, m.
+    /// Position east of the origin, m.
     pub east: T,
     /// Altitude above sea level, m, positive up.
     pub altitude: T,
@@ -80,17 +80,17 @@ pub struct Controls<T = f64> {
 /// The aircraft's motion relative to the air around it (gusts included), and that air.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AirData<T = f64> {
-    /// True airspeed, m/s.
+    /// True airspeed relative to the moving air, m/s.
     pub speed: T,
-    /// Angle of attack, rad.
+    /// Angle of attack, rad: between body x and the velocity in the plane of symmetry, positive nose up.
     pub alpha: T,
-    /// Sideslip angle, rad.
+    /// Sideslip angle relative to the moving air, rad, positive with the wind from the right.
     pub beta: T,
-    /// Air density, kg/m^3.
+    /// Density of the air at the altitude of the aircraft, kg/m^3.
     pub density: T,
-    /// Dynamic pressure, Pa.
+    /// Dynamic pressure `density * speed^2 / 2`, Pa.
     pub dynamic_pressure: T,
-    /// Mach number.
+    /// Mach number: true airspeed over the speed of sound at this altitude.
     pub mach: T,
 }
 
@@ -104,31 +104,31 @@ pub struct Coefficients<T = f64> {
     pub cy: T,
     /// Normal force, body z down.
     pub cz: T,
-    /// Rolling moment.
+    /// Rolling moment about body x, positive right wing down; referred to the span.
     pub cl: T,
-    /// Pitching moment.
+    /// Pitching moment about body y, positive nose up; referred to the mean chord.
     pub cm: T,
-    /// Yawing moment.
+    /// Yawing moment about body z, positive nose right; referred to the span.
     pub cn: T,
 }
 
 /// Force and moment of the propulsion system in body axes, about the centre of gravity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Propulsion<T = f64> {
-    /// Force, N.
+    /// Force along body x, y and z, N.
     pub force: [T; 3],
-    /// Moment, N m.
+    /// Moment about body x, y and z, N m.
     pub moment: [T; 3],
 }
 
-/// Reference geometry.
+/// The lengths and the area that make coefficients of forces and moments, and the centre of gravity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Geometry {
-    /// Wing reference area, m^2.
+    /// Wing reference area `S`, m^2: forces are `qbar S` times their coefficient.
     pub wing_area: f64,
-    /// Wing span, m.
+    /// Wing span `b`, m: the length of rolling and yawing moment, and of `p b/2V` and `r b/2V`.
     pub span: f64,
-    /// Mean aerodynamic chord, m.
+    /// Mean aerodynamic chord `cbar`, m: the length of the pitching moment, and of `q cbar/2V`.
     pub mean_chord: f64,
     /// Centre of gravity, fraction of the mean aerodynamic chord behind its leading edge.
     pub cg: f64,
@@ -140,15 +140,15 @@ pub struct Geometry {
 /// still give numbers, but those are extrapolated and describe no aircraft.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DataRange {
-    /// Angle of attack.
+    /// Lowest and highest angle of attack; a trim outside is refused.
     pub alpha: [f64; 2],
-    /// Sideslip angle.
+    /// Lowest and highest sideslip angle.
     pub beta: [f64; 2],
-    /// Elevator.
+    /// Lowest and highest elevator deflection, positive trailing edge down.
     pub elevator: [f64; 2],
-    /// Aileron.
+    /// Lowest and highest aileron deflection.
     pub aileron: [f64; 2],
-    /// Rudder.
+    /// Lowest and highest rudder deflection.
     pub rudder: [f64; 2],
 }
 
@@ -165,13 +165,13 @@ impl DataRange {
 /// An aircraft: data and the functions that make forces of them. The equations of motion are written once against
 /// this trait; another aircraft is another implementation, and no change to them.
 pub trait Aircraft {
-    /// Reference geometry.
+    /// Reference area and lengths, and the centre of gravity.
     fn geometry(&self) -> &Geometry;
 
     /// Mass, rotational inertia and the spinning rotor's momentum.
     fn mass_properties(&self) -> &crate::mass::MassProperties;
 
-    /// Acceleration of gravity, m/s^2.
+    /// Acceleration of gravity, m/s^2, the same at every altitude.
     fn gravity(&self) -> f64;
 
     /// The atmosphere that the aircraft's data assume.
@@ -189,7 +189,8 @@ pub trait Aircraft {
     /// The engine state that a throttle lever position settles at, percent.
     fn steady_power<T: Scalar>(&self, throttle: T) -> T;
 
-    /// Actuators of the surfaces.
+    /// The actuators that move the surfaces; a simulation without actuators and the linear models leave them out, the
+    /// trim uses their limits.
     fn actuators(&self) -> &crate::actuator::Actuators;
 
     /// The range of flight that the data cover; a trim outside is refused.

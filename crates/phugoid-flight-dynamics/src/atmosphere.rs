@@ -2,7 +2,7 @@
 
 use crate::scalar::Scalar;
 
-/// An atmosphere at rest.
+/// The model of the air, at rest: which constants, and up to which altitude they hold.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Atmosphere {
     /// The air-data model of Stevens & Lewis (subroutine ADC, appendix A.6), with its rounded constants in slug-ft-degR:
@@ -18,13 +18,13 @@ pub enum Atmosphere {
 /// State of the air at one altitude.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Air<T = f64> {
-    /// Density, kg/m^3.
+    /// Density of the air, kg/m^3.
     pub density: T,
-    /// Temperature, K.
+    /// Static temperature of the air, K.
     pub temperature: T,
-    /// Static pressure, Pa.
+    /// Static pressure of the air, Pa.
     pub pressure: T,
-    /// Speed of sound, m/s.
+    /// Speed of sound in this air, m/s.
     pub speed_of_sound: T,
 }
 

@@ -21,7 +21,7 @@ pub enum AircraftName {
 }
 
 impl AircraftName {
-    /// The word for it.
+    /// The name as scenario files and command lines write it.
     pub fn word(self) -> &'static str {
         match self {
             Self::F16 => "f16",

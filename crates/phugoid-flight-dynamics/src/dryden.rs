@@ -35,9 +35,9 @@ const FOOT: f64 = 0.3048;
 pub enum Intensity {
     /// One part in 100 of the time.
     Light,
-    /// One part in 1000.
+    /// Exceeded one part in 1000 of the time.
     Moderate,
-    /// One part in 100,000.
+    /// Exceeded one part in 100,000 of the time.
     Severe,
 }
 
@@ -165,9 +165,9 @@ pub struct Dryden {
 pub struct DrydenError {
     /// What is out of range.
     pub what: &'static str,
-    /// What was given, SI.
+    /// The number that was given, SI units.
     pub value: f64,
-    /// What is allowed.
+    /// The numbers that are allowed, in words.
     pub expected: &'static str,
 }
 

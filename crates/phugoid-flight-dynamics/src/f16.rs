@@ -19,7 +19,7 @@ use crate::scalar::Scalar;
 /// Angles of attack that the tables cover, `[lowest, highest]`, deg (Stevens & Lewis, appendix A).
 pub const ALPHA_RANGE_DEG: [f64; 2] = [-10.0, 45.0];
 
-/// Which aerodynamic tables.
+/// Which digitisation of the aerodynamic tables the aircraft uses.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "std", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 pub enum F16Tables {
@@ -43,13 +43,13 @@ pub enum F16Constants {
     BookRounded,
 }
 
-/// Choice of an F-16.
+/// Which F-16: tables, constants and centre of gravity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "std", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 pub struct F16Options {
-    /// Aerodynamic tables.
+    /// Which digitisation of the aerodynamic tables; [`F16Tables::Book`] by default.
     pub tables: F16Tables,
-    /// Mass and inertia constants.
+    /// Exact or rounded mass and inertia; [`F16Constants::Exact`] by default.
     pub constants: F16Constants,
     /// Centre of gravity, fraction of the mean aerodynamic chord behind its leading edge; the data refer to 0.35.
     pub cg: f64,
@@ -67,17 +67,17 @@ impl Default for F16Options {
 pub struct F16 {
     /// Reference geometry and centre of gravity.
     pub geometry: Geometry,
-    /// Mass and inertia.
+    /// Mass, inertia tensor and the momentum of the engine's rotor.
     pub mass_properties: MassProperties,
     /// Acceleration of gravity, m/s^2 (the book's 32.17 ft/s^2).
     pub gravity: f64,
     /// The atmosphere that it flies in.
     pub atmosphere: Atmosphere,
-    /// Aerodynamic tables.
+    /// Tables of the aerodynamic coefficients, moments about the reference point.
     pub aerodynamics: AerodynamicTables,
     /// Thrust tables and engine dynamics.
     pub engine: Engine,
-    /// Surface actuators.
+    /// Lag, rate and deflection limits of elevator, aileron and rudder.
     pub actuators: Actuators,
 }
 

@@ -22,11 +22,11 @@ impl From<[f64; 3]> for AirMotion {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "std", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum BodyAxis {
-    /// Forward.
+    /// Body x, positive forward.
     X,
-    /// To the right.
+    /// Body y, positive to the right.
     Y,
-    /// Down.
+    /// Body z, positive down.
     Z,
 }
 

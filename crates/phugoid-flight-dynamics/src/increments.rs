@@ -37,7 +37,7 @@ pub struct Increments {
     pub dCL_alpha: f64,
     /// Lift due to pitch rate `q cbar/2V`.
     pub dCL_q: f64,
-    /// Lift due to elevator.
+    /// Lift coefficient by elevator deflection, per rad.
     #[doc(alias = "dCL_delta_e")]
     #[cfg_attr(feature = "std", serde(alias = "dCL_delta_e"))]
     pub dCL_elevator: f64,
@@ -45,7 +45,7 @@ pub struct Increments {
     pub dCD_alpha: f64,
     /// Drag due to pitch rate `q cbar/2V`.
     pub dCD_q: f64,
-    /// Drag due to elevator.
+    /// Drag coefficient by elevator deflection, per rad.
     #[doc(alias = "dCD_delta_e")]
     #[cfg_attr(feature = "std", serde(alias = "dCD_delta_e"))]
     pub dCD_elevator: f64,
@@ -94,7 +94,7 @@ pub struct Increments {
 }
 
 impl Increments {
-    /// No increments.
+    /// The database as it is: all increments and references are zero.
     pub const NONE: Self = Self {
         alpha_reference: 0.0,
         q_reference: 0.0,
@@ -305,7 +305,7 @@ pub enum ScheduleError {
     Disorder {
         /// Index of the change, from 0.
         index: usize,
-        /// Its time, s.
+        /// Time of the change that is out of order, s.
         time: f64,
         /// Time of the change before it, s (minus infinity for the first).
         previous: f64,

@@ -71,7 +71,7 @@ const D: [f64; 7] = [
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DormandPrince<const N: usize> {
-    /// Relative tolerance per step.
+    /// Relative tolerance of the local error per step, a pure number.
     pub relative_tolerance: f64,
     /// Absolute tolerance per step and component, in the component's unit.
     pub absolute_tolerance: [f64; N],
@@ -81,7 +81,7 @@ pub struct DormandPrince<const N: usize> {
     pub maximum_steps: usize,
 }
 
-/// What an integration cost.
+/// How many steps and evaluations an integration took.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct IntegrationCost {
     /// Steps whose error was within the tolerance.
@@ -98,36 +98,36 @@ pub enum IntegrationError {
     /// The tolerance cannot be met: the step has shrunk to the resolution of the time. The solution may have a pole or a
     /// jump here, or the tolerance lies below the rounding error.
     StepSizeTooSmall {
-        /// Time reached.
+        /// Time that the solution has reached, the unit of `t`.
         time: f64,
         /// Step length that was rejected.
         step: f64,
     },
     /// More steps than allowed. The problem may be stiff for an explicit method.
     TooManySteps {
-        /// Time reached.
+        /// Time that the solution has reached, the unit of `t`.
         time: f64,
         /// Steps taken, equal to the number allowed.
         steps: usize,
     },
     /// The right-hand side is not a finite number at the start of a step.
     NotFinite {
-        /// Time of the evaluation.
+        /// Time at which the right-hand side was evaluated.
         time: f64,
         /// Index of the first component that is not finite.
         component: usize,
     },
     /// An output time lies before the one that precedes it (or before the start), or is not a number.
     TimeNotIncreasing {
-        /// The output time.
+        /// The output time that was asked for.
         time: f64,
-        /// The time before it.
+        /// The output time (or start) that precedes it.
         previous: f64,
     },
     /// A tolerance that is negative, not a number, or zero together with the other one; or a longest step that is not
     /// positive.
     InvalidTolerance {
-        /// Index of the component.
+        /// Index of the component whose tolerance is wrong, from zero.
         component: usize,
     },
 }

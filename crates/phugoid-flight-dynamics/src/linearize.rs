@@ -59,16 +59,16 @@ pub struct LinearModel {
     pub rates: [f64; STATES],
     /// Outputs at the reference, `y0`, m/s^2.
     pub output_values: [f64; OUTPUTS],
-    /// State matrix.
+    /// State matrix `A`: rates (rows) by states (columns), each in its own unit per second.
     #[serde(rename = "A")]
     pub a: [[f64; STATES]; STATES],
-    /// Input matrix.
+    /// Input matrix `B`: rates (rows) by inputs (columns).
     #[serde(rename = "B")]
     pub b: [[f64; INPUTS]; STATES],
-    /// Output matrix.
+    /// Output matrix `C`: outputs (rows) by states (columns).
     #[serde(rename = "C")]
     pub c: [[f64; STATES]; OUTPUTS],
-    /// Direct input matrix.
+    /// Direct input matrix `D`: outputs (rows) by inputs (columns).
     #[serde(rename = "D")]
     pub d: [[f64; INPUTS]; OUTPUTS],
     /// Change of the settled engine state per unit of throttle, percent.
@@ -78,25 +78,25 @@ pub struct LinearModel {
 /// A part of the linear model: four states and two inputs of one plane of motion, the other states held.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SubModel {
-    /// Names of the states.
+    /// Names of the four states with their units, the order of the rows of `A` and `B`.
     pub states: [&'static str; 4],
-    /// Names of the inputs.
+    /// Names of the two inputs with their units, the order of the columns of `B` and `D`.
     pub inputs: [&'static str; 2],
     /// Names of the outputs, rows of C and D.
     pub outputs: Vec<&'static str>,
-    /// State matrix.
+    /// State matrix `A`: rates (rows) by states (columns), each in its own unit per second.
     #[serde(rename = "A")]
     pub a: [[f64; 4]; 4],
-    /// Input matrix.
+    /// Input matrix `B`: rates (rows) by inputs (columns).
     #[serde(rename = "B")]
     pub b: [[f64; 2]; 4],
-    /// Output matrix.
+    /// Output matrix `C`: outputs (rows) by states (columns).
     #[serde(rename = "C")]
     pub c: Vec<[f64; 4]>,
-    /// Direct input matrix.
+    /// Direct input matrix `D`: outputs (rows) by inputs (columns).
     #[serde(rename = "D")]
     pub d: Vec<[f64; 2]>,
-    /// Natural modes, fastest first.
+    /// Natural modes of `A`, the fastest first.
     pub modes: Vec<Mode>,
 }
 

@@ -7,11 +7,11 @@ use crate::scalar::Scalar;
 pub struct LongitudinalState<T = f64> {
     /// Speed of the centre of gravity, m/s.
     pub speed: T,
-    /// Angle of attack, rad.
+    /// Angle of attack, rad, positive nose up.
     pub alpha: T,
-    /// Pitch angle, rad.
+    /// Pitch angle, rad, of body x above the horizon.
     pub theta: T,
-    /// Pitch rate, rad/s.
+    /// Pitch rate about body y, rad/s, positive nose up.
     pub q: T,
 }
 
@@ -29,7 +29,7 @@ pub struct LongitudinalLoads<T = f64> {
 /// What the longitudinal equations give at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LongitudinalMotion<T = f64> {
-    /// Rates of the state.
+    /// Rates of the four states, each in its own unit per second.
     pub rates: LongitudinalState<T>,
     /// Specific force along body x at the centre of gravity, m/s^2.
     pub specific_force_x: T,

@@ -88,7 +88,7 @@ impl MassProperties {
         })
     }
 
-    /// Mass, kg.
+    /// The mass of the aircraft, kg.
     #[inline]
     pub fn mass(&self) -> f64 {
         self.mass

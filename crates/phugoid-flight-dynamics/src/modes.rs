@@ -65,7 +65,7 @@ impl core::fmt::Display for ModeName {
 /// One mode: a real eigenvalue, or a complex pair of which the upper one is given.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Mode {
-    /// What the motion is.
+    /// The name of the motion, after the states that take part in it.
     pub name: ModeName,
     /// Real part of the eigenvalue, 1/s.
     pub eigenvalue_real: f64,
@@ -91,17 +91,17 @@ pub enum ModesError {
     /// An entry is infinite or not a number.
     #[error("entry ({row}, {column}) of the system matrix is {value}: modes need finite numbers")]
     NotFinite {
-        /// Row, from zero.
+        /// Row of the entry, counted from zero.
         row: usize,
-        /// Column, from zero.
+        /// Column of the entry, counted from zero.
         column: usize,
-        /// The entry.
+        /// The entry that is not finite.
         value: f64,
     },
     /// The eigenvalue iteration has not settled.
     #[error("the eigenvalues were not found in {iterations} iterations")]
     NoConvergence {
-        /// Iterations done.
+        /// Number of iterations after which the search was given up.
         iterations: usize,
     },
 }

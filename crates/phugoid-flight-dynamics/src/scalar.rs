@@ -20,19 +20,19 @@ pub trait Scalar:
 {
     /// The value without its derivatives (for branches and table look-up).
     fn real(self) -> f64;
-    /// Square root.
+    /// Square root; NaN for negative numbers.
     fn sqrt(self) -> Self;
     /// Sine and cosine of an angle in radians.
     fn sin_cos(self) -> (Self, Self);
     /// Four-quadrant arc tangent of `self / x`, rad.
     fn atan2(self, x: Self) -> Self;
-    /// Arc sine, rad.
+    /// Arc sine, rad; NaN outside -1 to 1.
     fn asin(self) -> Self;
     /// Power with a constant exponent.
     fn powf(self, exponent: f64) -> Self;
-    /// Exponential.
+    /// Exponential function `e^x`.
     fn exp(self) -> Self;
-    /// Reciprocal.
+    /// Reciprocal `1/x`; infinite for zero.
     #[inline]
     fn recip(self) -> Self {
         Self::from(1.0) / self
@@ -107,9 +107,9 @@ impl Scalar for f64 {
 /// compares them with the `num-dual` crate, which needs `std` and therefore cannot serve on board.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dual<const D: usize> {
-    /// The value.
+    /// The value of the expression.
     pub value: f64,
-    /// Its derivatives.
+    /// Derivatives of the value by the `D` variables.
     pub derivatives: [f64; D],
 }
 

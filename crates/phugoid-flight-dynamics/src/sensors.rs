@@ -19,7 +19,7 @@ use serde::{Deserialize, Serialize};
 pub struct SensorSpecification {
     /// Standard deviation of the white Gaussian noise of each sample.
     pub noise: f64,
-    /// Constant offset.
+    /// Constant offset that is added to every sample.
     pub bias: f64,
     /// Time between the channel's own samples, s; zero for a sample whenever it is asked.
     pub sample_interval: f64,
@@ -45,19 +45,19 @@ pub enum SensorError {
     /// A number of the specification is out of its range.
     #[error("sensor channel {channel}: {field} is {value}, expected {expected}")]
     Specification {
-        /// Index of the channel.
+        /// Index of the channel in its run, from zero.
         channel: usize,
-        /// Name of the field.
+        /// Name of the field of [`SensorSpecification`] that is out of its range.
         field: &'static str,
-        /// What was given.
+        /// The number that was given, in the unit of the field.
         value: f64,
-        /// What is allowed.
+        /// The numbers that are allowed, in words.
         expected: &'static str,
     },
     /// Sensors are causal: they are asked in order of time.
     #[error("sensor channel {channel}: asked at {time} s after {previous} s; sort the history by time")]
     TimeBackwards {
-        /// Index of the channel.
+        /// Index of the channel in its run, from zero.
         channel: usize,
         /// The time asked for, s.
         time: f64,
@@ -67,7 +67,7 @@ pub enum SensorError {
     /// Times and values do not pair up, or values and channels.
     #[error("sensor: {values} values for {expected}")]
     Length {
-        /// Number of values given.
+        /// Number of values that were given.
         values: usize,
         /// Number of times or channels that they are for.
         expected: usize,

@@ -13,7 +13,7 @@ pub enum CommandHold {
     /// there is to know of the input.
     #[default]
     Sample,
-    /// Over one integration step.
+    /// Over one integration step, so that commands may change between samples.
     Step,
 }
 
@@ -45,9 +45,9 @@ pub enum CommandHold {
 /// ```
 #[derive(Clone, Debug)]
 pub struct Simulation<'a, A> {
-    /// The aircraft.
+    /// The aircraft that flies; any implementation of [`Aircraft`].
     pub aircraft: &'a A,
-    /// State at time zero.
+    /// State of the aircraft at time zero, usually that of a trim.
     pub initial: State,
     /// Surface positions at time zero, rad. Without actuators they are not used.
     pub initial_surfaces: Controls,
@@ -58,7 +58,7 @@ pub struct Simulation<'a, A> {
     pub increments: IncrementSchedule,
     /// Length of the flight, s.
     pub duration: f64,
-    /// Time between samples, s.
+    /// Time between the samples of the trajectory, s.
     pub sample_time: f64,
     /// Integration steps per sample, at least one.
     pub substeps: usize,
@@ -69,9 +69,9 @@ pub struct Simulation<'a, A> {
 /// The flight at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrajectorySample {
-    /// Time, s.
+    /// Time since the start of the flight, s.
     pub time: f64,
-    /// State of the aircraft.
+    /// State of the aircraft at this time.
     pub state: State,
     /// Commands in force from this instant on (rad, throttle 0 to 1).
     pub commands: Controls,
@@ -105,7 +105,7 @@ pub enum SimulationError {
          and not negative, the sample time positive and the steps at least one"
     )]
     InvalidTimes {
-        /// Duration asked for, s.
+        /// The duration that was asked for, s.
         duration: f64,
         /// Sample time asked for, s.
         sample_time: f64,

@@ -21,152 +21,17 @@
 //! been needed.
 
 mod approach;
+mod condition;
 mod error;
 mod problem;
 
-use std::ops::RangeInclusive;
+use crate::aircraft::Aircraft;
 
-use serde::Serialize;
-
-use crate::aircraft::{Aircraft, Controls, DataRange, State};
-use crate::increments::Increments;
-
-use self::problem::{Problem, Solution, TOLERANCE, UNKNOWNS};
+use self::condition::check;
+use self::problem::{Problem, STARTS_DEG, Solution, TOLERANCE, UNKNOWNS};
 pub use approach::{TrimStart, TrimStep, approach};
+pub use condition::{Trim, TrimCondition};
 pub use error::TrimError;
-
-/// The steady flight asked for. Still air.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TrimCondition {
-    /// True airspeed, m/s.
-    pub speed: f64,
-    /// Altitude above sea level, m; from -1000 to 25,000 m.
-    pub altitude: f64,
-    /// Flight path angle, rad, positive climbing. A climb is steady but for the change of the air with altitude.
-    pub flight_path_angle: f64,
-    /// Rate of the heading, rad/s, positive to the right.
-    pub turn_rate: f64,
-    /// Heading, rad; it does not influence the trim.
-    pub heading: f64,
-    /// Aerodynamic increments in force.
-    pub increments: Increments,
-    /// Lowest and highest angle of attack, rad, that the aircraft's data are good for. A trim outside is refused.
-    pub alpha_range: [f64; 2],
-}
-
-impl TrimCondition {
-    /// Straight and level at a true airspeed (m/s) and altitude (m), heading north, at angles of attack from -20 to 50 deg
-    /// ([`DataRange::UNSTATED`]). [`steady`](Self::steady) takes the range of an aircraft instead.
-    pub fn level(speed: f64, altitude: f64) -> Self {
-        Self {
-            speed,
-            altitude,
-            flight_path_angle: 0.0,
-            turn_rate: 0.0,
-            heading: 0.0,
-            increments: Increments::NONE,
-            alpha_range: DataRange::UNSTATED.alpha,
-        }
-    }
-
-    /// Steady flight of an aircraft inside the range of its data: true airspeed in m/s, altitude in m, flight path angle in
-    /// rad (positive climbing) and rate of the heading in rad/s (positive to the right). Heading north, no increments.
-    pub fn steady<A: Aircraft>(
-        aircraft: &A,
-        speed: f64,
-        altitude: f64,
-        flight_path_angle: f64,
-        turn_rate: f64,
-    ) -> Self {
-        let alpha_range = aircraft.data_range().alpha;
-        Self { flight_path_angle, turn_rate, alpha_range, ..Self::level(speed, altitude) }
-    }
-}
-
-/// A steady flight.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Trim {
-    /// True airspeed, m/s.
-    pub speed_m_s: f64,
-    /// Altitude, m.
-    pub altitude_m: f64,
-    /// Flight path angle, rad.
-    pub flight_path_angle_rad: f64,
-    /// Rate of the heading, rad/s.
-    pub turn_rate_rad_s: f64,
-    /// Angle of attack, rad.
-    pub alpha_rad: f64,
-    /// Sideslip angle, rad.
-    pub beta_rad: f64,
-    /// Bank angle, rad.
-    pub phi_rad: f64,
-    /// Pitch angle, rad.
-    pub theta_rad: f64,
-    /// Heading, rad.
-    pub psi_rad: f64,
-    /// Roll rate, rad/s.
-    pub p_rad_s: f64,
-    /// Pitch rate, rad/s.
-    pub q_rad_s: f64,
-    /// Yaw rate, rad/s.
-    pub r_rad_s: f64,
-    /// Throttle lever, 0 to 1.
-    pub throttle: f64,
-    /// Elevator, rad, positive trailing edge down.
-    pub elevator_rad: f64,
-    /// Aileron, rad.
-    pub aileron_rad: f64,
-    /// Rudder, rad.
-    pub rudder_rad: f64,
-    /// Engine state, percent.
-    pub power_percent: f64,
-    /// Thrust, N: magnitude of the propulsive force, negative when it points backwards.
-    pub thrust_n: f64,
-    /// Dynamic pressure, Pa.
-    pub dynamic_pressure_pa: f64,
-    /// Mach number.
-    pub mach: f64,
-    /// Normal load factor at the centre of gravity, `-az/g`, 1 in level flight at small angle of attack.
-    pub load_factor: f64,
-    /// Trim index of the thesis (2.31), `J = V'^2 + alpha'^2 + beta'^2 + p'^2 + q'^2 + r'^2`, here with V' in m/s^2, the
-    /// others in rad/s and rad/s^2. The thesis has V' in ft/s^2, which makes that term 10.76 times as large.
-    pub trim_index: f64,
-    /// Largest of the eight residuals: accelerations over gravity, the others in rad/s, rad/s^2, and sine of an angle.
-    pub largest_residual: f64,
-    /// Iterations of the solver from the start that succeeded.
-    pub iterations: usize,
-}
-
-impl Trim {
-    /// The state of the aircraft, above the origin.
-    pub fn state(&self) -> State {
-        State {
-            speed: self.speed_m_s,
-            alpha: self.alpha_rad,
-            beta: self.beta_rad,
-            phi: self.phi_rad,
-            theta: self.theta_rad,
-            psi: self.psi_rad,
-            p: self.p_rad_s,
-            q: self.q_rad_s,
-            r: self.r_rad_s,
-            north: 0.0,
-            east: 0.0,
-            altitude: self.altitude_m,
-            power: self.power_percent,
-        }
-    }
-
-    /// Throttle lever and surface positions.
-    pub fn controls(&self) -> Controls {
-        Controls {
-            throttle: self.throttle,
-            elevator: self.elevator_rad,
-            aileron: self.aileron_rad,
-            rudder: self.rudder_rad,
-        }
-    }
-}
 
 const EQUATIONS: [&str; UNKNOWNS] = [
     "speed rate",
@@ -178,9 +43,6 @@ const EQUATIONS: [&str; UNKNOWNS] = [
     "climb",
     "side force",
 ];
-/// Starts in angle of attack, deg: the attached-flow equilibrium is found before those beyond the stall.
-const STARTS_DEG: [f64; 8] = [3.0, 8.0, 14.0, 20.0, 27.0, 34.0, 40.0, 45.0];
-
 /// The steady flight at a condition: the first one, from starts of rising angle of attack, that lies within the aircraft's
 /// limits (throttle 0 to 1, actuator limits, the condition's range of angle of attack).
 ///
@@ -240,30 +102,4 @@ pub fn trim<A: Aircraft>(aircraft: &A, condition: &TrimCondition) -> Result<Trim
             })
         }
     }
-}
-
-/// Altitudes, m, in which the atmosphere models mean something; not far above, the air of Stevens & Lewis ends.
-const ATMOSPHERE: RangeInclusive<f64> = -1_000.0..=25_000.0;
-
-fn check(c: &TrimCondition) -> Result<(), TrimError> {
-    let [low, high] = c.alpha_range;
-    for (field, value, valid, expected) in [
-        ("speed", c.speed, c.speed > 0.0, "a positive number, m/s"),
-        (
-            "altitude",
-            c.altitude,
-            ATMOSPHERE.contains(&c.altitude),
-            "between -1000 and 25000 m, where the models of the air hold",
-        ),
-        ("flight_path_angle", c.flight_path_angle, c.flight_path_angle.abs() < 1.5, "between -1.5 and 1.5 rad"),
-        ("turn_rate", c.turn_rate, true, "a number, rad/s"),
-        ("heading", c.heading, true, "a number, rad"),
-        ("alpha_range", low, low < high, "the lower angle of attack first, rad"),
-        ("alpha_range", high, true, "a number, rad"),
-    ] {
-        if !valid || !value.is_finite() {
-            return Err(TrimError::Condition { field, value, expected });
-        }
-    }
-    Ok(())
 }

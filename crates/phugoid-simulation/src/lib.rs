@@ -10,3 +10,4 @@ pub mod named;
 pub mod quantity;
 pub mod scenario;
 pub mod sensing;
+mod text;

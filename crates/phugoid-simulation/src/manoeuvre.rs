@@ -10,7 +10,7 @@ use rand_pcg::Pcg64;
 use serde::{Deserialize, Serialize};
 
 use crate::quantity::{Angle, Frequency, Time};
-use crate::scenario::{ScenarioError, nearest};
+use crate::text::{ScenarioError, nearest};
 
 /// The surface that a manoeuvre moves.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Deserialize, Serialize)]

@@ -31,6 +31,13 @@ pub enum NamedError {
 impl Scenario {
     /// The built-in scenario with this name, for example `f16-calm`.
     ///
+    /// ```
+    /// use phugoid_simulation::scenario::Scenario;
+    /// assert_eq!(Scenario::named("f16-calm")?.samples(), 2001); // 20 s at 100 Hz
+    /// assert!(Scenario::named("f16-clam").unwrap_err().to_string().contains("`f16-calm`"));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
     /// # Errors
     /// [`NamedError::Unknown`] with the nearest name.
     pub fn named(name: &str) -> Result<Self, NamedError> {
@@ -42,6 +49,13 @@ impl Scenario {
 
     /// The scenario file at this path, or, where there is no such file, the built-in scenario of this name: what the command
     /// line takes as a scenario.
+    ///
+    /// ```
+    /// use phugoid_simulation::scenario::Scenario;
+    /// assert_eq!(Scenario::find("f16-calm")?, Scenario::named("f16-calm")?);
+    /// assert!(Scenario::find("no-such-file.toml").is_err());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     ///
     /// # Errors
     /// [`NamedError`] with the nearest name.

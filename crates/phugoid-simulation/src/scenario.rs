@@ -5,8 +5,8 @@ mod aircraft;
 mod built_in;
 mod damage;
 mod draw;
+mod ranges;
 mod sensors;
-mod text;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -18,11 +18,11 @@ pub use self::air::{GustSettings, Turbulence};
 pub use self::aircraft::{AircraftSettings, Condition, ModelError, RecordedSurfaces, TableFactors, Thrust};
 pub use self::built_in::{BUILT_IN, built_in};
 pub use self::damage::Damage;
-pub use self::draw::Ranges;
+pub use self::ranges::Ranges;
 pub use self::sensors::{Sensor, Sensors};
-pub use self::text::{ScenarioError, nearest, parse_toml};
 use crate::manoeuvre::Manoeuvre;
 use crate::quantity::{Frequency, Time};
+pub use crate::text::{ScenarioError, nearest, parse_toml};
 
 /// A simulated flight. Every quantity carries its unit: `altitude = "20000 ft"`.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -71,6 +71,13 @@ pub struct Scenario {
 
 impl Scenario {
     /// Reads the scenario file at this path; paths in it start from its folder.
+    ///
+    /// ```
+    /// use phugoid_simulation::scenario::Scenario;
+    /// let scenario = Scenario::open("../../scenarios/f16-damage.toml")?;
+    /// assert_eq!(scenario.damage[0].at.si(), 10.0); // s
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     ///
     /// # Errors
     /// [`ScenarioError`]: the file cannot be read, or something in it is wrong.

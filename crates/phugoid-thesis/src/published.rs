@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Deserialize;
 
-use super::Reproduction;
+use crate::result::Reproduction;
 use phugoid_simulation::quantity::Time;
 
 /// What was published, and what of it is ours.

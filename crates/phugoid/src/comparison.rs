@@ -60,7 +60,7 @@ pub fn compare_entries(
 ///
 /// ```
 /// use phugoid::{Error, entry};
-/// assert_eq!(entry("calm")?.model.estimated().count(), 4);
+/// assert_eq!(entry("calm")?.model.estimated().count(), 5);
 /// assert!(matches!(entry("clam"), Err(Error::NoEntry { nearest: Some("calm"), .. })));
 /// # Ok::<(), Error>(())
 /// ```

@@ -5,6 +5,7 @@
 //! against the Cramer-Rao bound of that flight, coverage of the claimed bounds, time to 5 %, changes found, missed and
 //! imagined, and time per sample; [`Arena::findings`] says in words what follows from the numbers.
 
+mod criteria;
 mod entry;
 mod findings;
 #[cfg(feature = "parquet")]
@@ -15,6 +16,7 @@ mod rows;
 mod score;
 mod trial;
 
+pub use self::criteria::{CYCLES, TOLERANCE};
 pub use self::entry::{BUILT_IN, Entry, built_in};
 pub use self::findings::{Best, Findings};
 #[cfg(feature = "parquet")]
@@ -27,12 +29,6 @@ pub use self::trial::Contestant;
 
 use crate::accuracy::StudyError;
 use crate::monte_carlo::monte_carlo;
-
-/// After how many short-period cycles the estimates are looked at.
-pub const CYCLES: [f64; 3] = [1.0, 2.0, 5.0];
-
-/// Error within which a parameter counts as found, part of its true value.
-pub const TOLERANCE: f64 = 0.05;
 
 /// Flies each entry `seeds` times, lets every contestant estimate each flight, and compares. Flight `k` of an entry has the
 /// seed of its scenario plus `k`. `done` is called after each flight with all its estimations, from any thread.

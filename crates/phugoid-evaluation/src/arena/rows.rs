@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::CYCLES;
+use super::criteria::CYCLES;
 use super::entry::Entry;
 use super::trial::{Trial, judged};
 

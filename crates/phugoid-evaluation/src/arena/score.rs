@@ -1,6 +1,6 @@
 //! From flights to scores.
 
-use super::CYCLES;
+use super::criteria::CYCLES;
 use super::entry::Entry;
 use super::result::{
     Checkpoint, Counted, Coverage, Detection, EntryResult, MethodResult, ParameterScore, Settled, Unit,

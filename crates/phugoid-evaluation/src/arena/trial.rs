@@ -8,8 +8,8 @@ use phugoid_identification::estimate::{EstimateError, EstimateOptions, Method, e
 use phugoid_identification::estimation::{Estimation, EventKind};
 use phugoid_identification::model_file::ModelFile;
 
+use super::criteria::{CYCLES, TOLERANCE};
 use super::entry::Entry;
-use super::{CYCLES, TOLERANCE};
 use crate::accuracy::{StudyError, bound_with_noise};
 use crate::settling::settled_at;
 use phugoid_simulation::flight::{Flight, fly};

@@ -7,7 +7,7 @@ use rand::{RngExt, SeedableRng};
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64Mcg;
 
-use super::{Air, Stick};
+use super::conditions::{Air, Stick};
 use crate::accuracy::StudyError;
 use phugoid_simulation::flight::{Flight, FlightError, fly};
 use phugoid_simulation::manoeuvre::{Manoeuvre, Surface};

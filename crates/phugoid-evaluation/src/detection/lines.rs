@@ -5,9 +5,9 @@ use phugoid_identification::estimation::{Estimation, EventKind};
 use phugoid_identification::model_file::ModelFile;
 use serde::Serialize;
 
+use super::conditions::{Air, Stick};
 use super::draw::{Drawn, Order, flown};
 use super::limit::informed_latency_s;
-use super::{Air, Stick};
 use crate::accuracy::StudyError;
 use crate::monte_carlo::monte_carlo;
 use crate::statistics::quantile;

@@ -1,11 +1,13 @@
 //! Is a sudden change found, how soon, and how often is one believed that never was? Every flight has its own aircraft, damage, stick,
 //! air and sensors.
 
+mod conditions;
 mod draw;
 mod limit;
 mod lines;
 mod model_error;
 
+pub use conditions::{Air, Stick};
 pub use lines::{DamageLine, RecoveryLine, damage_lines};
 pub use model_error::{ModelErrorLine, model_error_lines};
 
@@ -15,27 +17,6 @@ use serde::Serialize;
 use crate::accuracy::StudyError;
 use crate::published::{DAMAGE_SCENARIO, F16_MODEL};
 use phugoid_simulation::scenario::Scenario;
-
-/// What moves the elevator.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Stick {
-    /// A pilot's random stick.
-    Pilot,
-    /// A 3-2-1-1 every ten seconds, the first one half a second after the start; rest between them.
-    #[serde(rename = "3-2-1-1")]
-    ThreeTwoOneOne,
-}
-
-/// What disturbs the flight.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Air {
-    /// Nothing but sensor noise.
-    Calm,
-    /// Turbulence of up to 4 ft/s, 3 % outliers, 2 % of the frames lost, constant errors of the sensors.
-    Everything,
-}
 
 /// Both tables.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -5,9 +5,9 @@ use phugoid_identification::estimation::{Estimation, EventKind};
 use phugoid_identification::model_file::{ModelFile, Source, Thrust};
 use serde::Serialize;
 
+use super::conditions::{Air, Stick};
 use super::draw::{Order, flown};
 use super::lines::errors_at;
-use super::{Air, Stick};
 use crate::accuracy::StudyError;
 use crate::monte_carlo::monte_carlo;
 use phugoid_simulation::quantity::Time;

@@ -27,11 +27,11 @@ const RUDDER_UNIT: f64 = 30.0 * DEGREE;
 pub struct AerodynamicTables {
     /// Angle of attack, the axis of every table.
     pub alpha: AlphaAxis,
-    /// Elevator.
+    /// Elevator deflections of the table points.
     pub elevator: UniformAxis<ELEVATOR_POINTS>,
     /// Magnitude of the sideslip angle.
     pub sideslip_magnitude: SideslipAxis,
-    /// Sideslip angle.
+    /// Sideslip angles of the table points.
     pub sideslip: SideslipAxis,
     /// `[CX, Cm]` by elevator and angle of attack.
     pub elevator_group: [[[f64; 2]; ALPHA_POINTS]; ELEVATOR_POINTS],
@@ -49,22 +49,22 @@ pub struct AerodynamicTables {
 /// Coefficients of the plane of symmetry, body axes, moment about the reference point of the data.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Longitudinal<T> {
-    /// Axial force.
+    /// Axial force coefficient, body x, positive forward.
     pub cx: T,
-    /// Normal force (down).
+    /// Normal force coefficient, body z, positive down.
     pub cz: T,
-    /// Pitching moment.
+    /// Pitching moment coefficient, positive nose up.
     pub cm: T,
 }
 
 /// Coefficients out of the plane of symmetry, body axes, moments about the reference point of the data.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lateral<T> {
-    /// Side force.
+    /// Side force coefficient, body y, positive to the right.
     pub cy: T,
-    /// Rolling moment.
+    /// Rolling moment coefficient, positive right wing down.
     pub cl: T,
-    /// Yawing moment.
+    /// Yawing moment coefficient, positive nose right.
     pub cn: T,
 }
 

@@ -17,10 +17,10 @@ pub struct ThrustTables {
     pub thrust: [[[f64; 3]; POINTS]; POINTS],
 }
 
-/// The engine.
+/// The engine: thrust by power level, altitude and Mach number, and how the power level follows the throttle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Engine {
-    /// Thrust tables.
+    /// Tables of thrust at idle, military and full power.
     pub thrust: ThrustTables,
 }
 

@@ -28,7 +28,7 @@ pub enum F16DataError {
     /// A data file is not what it should be.
     #[error("F-16 data file {file}: {source}")]
     Json {
-        /// File name.
+        /// Name of the data file.
         file: &'static str,
         /// What the reader says, with line and column.
         source: serde_json::Error,
@@ -36,13 +36,13 @@ pub enum F16DataError {
     /// A table is missing, or of another shape than expected.
     #[error("F-16 data file {file}, table {table}: found {found}, expected {expected}")]
     Table {
-        /// File name.
+        /// Name of the data file.
         file: &'static str,
-        /// Name of the table.
+        /// Name of the table in the file.
         table: &'static str,
-        /// What is there.
+        /// What the file has in this place.
         found: String,
-        /// What should be there.
+        /// What the loader expects in this place.
         expected: String,
     },
     /// Mass and inertia that no body has.

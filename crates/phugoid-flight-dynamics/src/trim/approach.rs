@@ -2,39 +2,40 @@
 
 use serde::Serialize;
 
+use super::condition::{TrimCondition, check};
+use super::error::TrimError;
 use super::problem::{Problem, UNKNOWNS};
-use super::{TrimCondition, TrimError, check};
 use crate::aircraft::Aircraft;
 
 /// Where the solver starts. Any finite numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrimStart {
-    /// Angle of attack, rad.
+    /// Angle of attack to start from, rad.
     pub alpha: f64,
-    /// Sideslip angle, rad.
+    /// Sideslip angle to start from, rad.
     pub beta: f64,
-    /// Bank angle, rad.
+    /// Bank angle to start from, rad.
     pub phi: f64,
-    /// Pitch angle, rad.
+    /// Pitch angle to start from, rad.
     pub theta: f64,
     /// Throttle lever, 0 to 1.
     pub throttle: f64,
-    /// Elevator, rad.
+    /// Elevator to start from, rad, positive trailing edge down.
     pub elevator: f64,
-    /// Aileron, rad.
+    /// Aileron to start from, rad.
     pub aileron: f64,
-    /// Rudder, rad.
+    /// Rudder to start from, rad.
     pub rudder: f64,
 }
 
 /// Where the solver is after an iteration.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct TrimStep {
-    /// Angle of attack, rad.
+    /// Angle of attack after the iteration, rad.
     pub alpha_rad: f64,
     /// Throttle lever; beyond 0 to 1 while an extra force stands in for the thrust that the engine does not have.
     pub throttle: f64,
-    /// Elevator, rad.
+    /// Elevator after the iteration, rad, positive trailing edge down.
     pub elevator_rad: f64,
     /// Trim index of the thesis (2.31), with V' in m/s^2 as in [`Trim::trim_index`](super::Trim::trim_index).
     pub trim_index: f64,

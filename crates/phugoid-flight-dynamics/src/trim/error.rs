@@ -6,11 +6,11 @@ pub enum TrimError {
     /// A number of the condition makes no sense.
     #[error("trim: {field} is {value}, expected {expected}")]
     Condition {
-        /// Name of the field.
+        /// Name of the field of the condition that is out of its range.
         field: &'static str,
-        /// What was given.
+        /// The number that was given, in the unit of the field.
         value: f64,
-        /// What is allowed.
+        /// The numbers that are allowed, in words.
         expected: &'static str,
     },
     /// More thrust is needed than the engine has at full throttle.
@@ -19,7 +19,7 @@ pub enum TrimError {
          {:.2} deg); fly lower, less steeply, or nearer to the speed of least drag", alpha_rad.to_degrees()
     )]
     NotEnoughThrust {
-        /// Thrust needed, N.
+        /// Thrust that steady flight would need, N.
         needed_n: f64,
         /// Thrust at full throttle, N.
         available_n: f64,
@@ -32,9 +32,9 @@ pub enum TrimError {
          steeply, or at a speed with more drag", alpha_rad.to_degrees()
     )]
     TooMuchThrust {
-        /// Thrust needed, N.
+        /// Thrust that steady flight would need, N.
         needed_n: f64,
-        /// Thrust at idle, N.
+        /// Thrust that the engine gives at idle, N.
         idle_n: f64,
         /// Angle of attack of the equilibrium, rad.
         alpha_rad: f64,
@@ -45,9 +45,9 @@ pub enum TrimError {
         needed_rad.to_degrees(), limit_rad.to_degrees(), alpha_rad.to_degrees()
     )]
     SurfaceLimit {
-        /// Name of the surface.
+        /// Name of the surface that would have to go beyond its limit.
         surface: &'static str,
-        /// Deflection needed, rad.
+        /// Deflection that steady flight would need, rad.
         needed_rad: f64,
         /// Largest deflection to either side, rad.
         limit_rad: f64,
@@ -87,7 +87,7 @@ pub enum TrimError {
          of {:.2} deg", alpha_rad.to_degrees()
     )]
     NoConvergence {
-        /// Number of starting points.
+        /// Number of starting points that were tried.
         starts: usize,
         /// The equation with the largest residual.
         equation: &'static str,

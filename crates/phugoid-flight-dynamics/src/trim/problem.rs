@@ -2,12 +2,15 @@
 
 use nalgebra::{SMatrix, SVector};
 
-use super::{STARTS_DEG, Trim, TrimCondition, TrimError};
+use super::condition::{Trim, TrimCondition};
+use super::error::TrimError;
 use crate::aircraft::{Aircraft, Controls, State};
 use crate::motion::{Disturbance, Motion, motion};
 use crate::scalar::{Dual, Scalar};
 
 pub(super) const UNKNOWNS: usize = 8;
+/// Starts in angle of attack, deg: the attached-flow equilibrium is found before those beyond the stall.
+pub(super) const STARTS_DEG: [f64; 8] = [3.0, 8.0, 14.0, 20.0, 27.0, 34.0, 40.0, 45.0];
 /// Residual of an equilibrium. The equations are of order one and exact to some 1e-15.
 pub(super) const TOLERANCE: f64 = 1e-11;
 

@@ -126,6 +126,13 @@ impl ModelFile {
     /// The model file at this path, or, where there is no such file, the built-in model of this name: what the command line
     /// takes as `--model`.
     ///
+    /// ```
+    /// use phugoid_identification::model_file::ModelFile;
+    /// assert_eq!(ModelFile::find("f16")?, ModelFile::named("f16")?);
+    /// assert_eq!(ModelFile::find("../../data/models/f16.toml")?.parameters, ModelFile::named("f16")?.parameters);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
     /// # Errors
     /// [`ModelError::Unreadable`] with the nearest built-in name, or [`ModelError::Wrong`].
     pub fn find(wanted: &str) -> Result<Self, ModelError> {
@@ -146,6 +153,19 @@ impl ModelFile {
     }
 
     /// Opens a flight as [`Record::open`], with the columns that this file maps to channels by hand (its table `[channels]`).
+    ///
+    /// ```
+    /// use phugoid_identification::model_file::ModelFile;
+    /// let text = ModelFile::text("f16")?;
+    /// let channels = "[channels]\nelevator = { header = \"ELEV\", unit = \"deg\", scale = -1 }\n";
+    /// let model = ModelFile::parse("mine.toml", &format!("{text}\n{channels}"))?;
+    /// let file = std::env::temp_dir().join(format!("phugoid-columns-{}.csv", std::process::id()));
+    /// std::fs::write(&file, "time_s,ELEV\n0,1\n0.1,2\n")?;
+    /// let record = model.open_record(&file)?;
+    /// std::fs::remove_file(&file)?;
+    /// assert!((record.require("elevator")?.values[1] + 2_f64.to_radians()).abs() < 1e-15);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     ///
     /// # Errors
     /// As [`read_path`]; a mapped column that the file does not have is one.

@@ -3,7 +3,7 @@
 use phugoid_flight_dynamics::increments::Increments;
 use serde::Deserialize;
 
-use super::draw::Ranges;
+use super::ranges::Ranges;
 use crate::quantity::Time;
 
 /// Increments from a time on.

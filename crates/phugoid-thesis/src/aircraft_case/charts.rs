@@ -6,10 +6,10 @@ use crate::laws::{Diagnostics, Evaluation, ThesisForm};
 use phugoid_flight_data::record::Record;
 
 use super::case::AircraftCase;
+use super::judged::Judged;
 use super::law::LawForm;
 use super::method::{Method, ParameterRun};
 use super::reference::Reference;
-use super::run::Judged;
 use crate::result::Behaviour;
 use crate::units::FOOT;
 use phugoid_evaluation::chart::{Axis, Chart, Content, Curve, Level, Meaning, Panel, Shape};

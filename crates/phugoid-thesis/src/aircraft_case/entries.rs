@@ -1,6 +1,6 @@
 //! The published cases with the F-16, embedded.
 
-use super::AircraftCase;
+use super::case::AircraftCase;
 use crate::embedded::published_cases;
 
 published_cases! {

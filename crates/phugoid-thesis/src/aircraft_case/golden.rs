@@ -1,8 +1,8 @@
 //! The numbers of an aircraft case that are committed and compared.
 
 use super::case::AircraftCase;
+use super::judged::Judged;
 use super::method::ParameterRun;
-use super::run::Judged;
 use crate::golden::instants;
 use crate::result::Behaviour;
 use phugoid_evaluation::table::{Cell, Column, Table};

@@ -8,7 +8,9 @@ mod case;
 mod charts;
 mod condition;
 mod entries;
+mod flight;
 mod golden;
+mod judged;
 mod law;
 mod method;
 mod model;
@@ -20,20 +22,10 @@ mod run;
 pub use case::{AircraftCase, EstimatorSettings, PARAMETERS, ParameterSettings};
 pub(super) use entries::ENTRIES;
 pub use entries::{published_case, published_ids};
+pub use flight::fly;
 pub use law::{LawForm, LawSettings, Surface};
 pub use method::{Method, MethodRun, NamedMethod, ParameterRun, run_method};
 pub use model::model_file;
 pub(crate) use model::sensor_noise;
 pub use reference::Reference;
 pub use run::short_period_s;
-
-use phugoid_evaluation::accuracy::StudyError;
-use phugoid_simulation::flight::Flight;
-
-/// Flies the reference aircraft of a case.
-///
-/// # Errors
-/// [`StudyError::Flight`].
-pub fn fly(case: &AircraftCase) -> Result<Flight, StudyError> {
-    Ok(phugoid_simulation::flight::fly(&case.scenario)?)
-}

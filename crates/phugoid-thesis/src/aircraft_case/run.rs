@@ -8,7 +8,9 @@ use rayon::prelude::*;
 use super::case::AircraftCase;
 use super::charts::charts;
 use super::condition::condition;
+use super::flight::fly;
 use super::golden::golden;
+use super::judged::Judged;
 use super::method::{MethodRun, NamedMethod, run_method};
 use super::model::model_file;
 use super::rank::rank;
@@ -24,20 +26,13 @@ use phugoid_evaluation::settling::settled_at;
 /// what is left out.
 const LATERAL_PART: f64 = 0.05;
 
-/// A method with what it did.
-pub(super) struct Judged {
-    pub(super) settings: NamedMethod,
-    pub(super) run: MethodRun,
-    pub(super) outcome: Outcome,
-}
-
 impl AircraftCase {
     /// Runs the case with all its methods; `id` is the name its result bears.
     ///
     /// # Errors
     /// [`StudyError`]: the scenario cannot be flown, or a method refuses its settings.
     pub fn run(&self, id: &str) -> Result<Reproduction, StudyError> {
-        let flight = super::fly(self)?;
+        let flight = fly(self)?;
         let reference = Reference::new(&flight, &model_file(self)?)?;
         self.must_be_symmetric(&reference)?;
         let judged: Vec<Judged> = self

@@ -2,8 +2,9 @@
 
 use phugoid_estimators::Model;
 
+use super::format::PlantCase;
 use super::plant::Visit;
-use super::{PlantCase, PlantRun};
+use super::simulate::PlantRun;
 use phugoid_evaluation::accuracy::StudyError;
 use phugoid_evaluation::cramer_rao::{Between, Bound, Experiment, cramer_rao};
 

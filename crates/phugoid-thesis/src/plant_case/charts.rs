@@ -2,8 +2,10 @@
 
 use std::sync::Arc;
 
-use super::report::Judged;
-use super::{PlantCase, PlantRun, Surface};
+use super::format::PlantCase;
+use super::judged::Judged;
+use super::method::Surface;
+use super::simulate::PlantRun;
 use crate::result::Behaviour;
 use phugoid_evaluation::chart::{Axis, Chart, Content, Curve, Level, Meaning, Panel, Shape};
 

@@ -3,8 +3,10 @@
 use crate::laws::{Evaluation, LawSign, ThesisForm};
 use phugoid_estimators::{LinearizedRates, Model};
 
+use super::format::PlantCase;
+use super::method::{Method, MethodRun};
 use super::plant::Visit;
-use super::{Method, MethodRun, PlantCase, PlantRun};
+use super::simulate::PlantRun;
 
 /// `z = dD/dtheta = sum y Phi`, the slope of each surface by its own parameter, along the true motion: `[parameter][sample]`.
 ///

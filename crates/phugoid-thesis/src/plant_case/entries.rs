@@ -1,6 +1,6 @@
 //! The published plant cases, embedded.
 
-use super::PlantCase;
+use super::format::PlantCase;
 use crate::embedded::published_cases;
 
 published_cases! {

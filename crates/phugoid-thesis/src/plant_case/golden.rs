@@ -1,7 +1,8 @@
 //! The numbers of a plant case that are committed and compared.
 
-use super::report::Judged;
-use super::{PlantCase, PlantRun};
+use super::format::PlantCase;
+use super::judged::Judged;
+use super::simulate::PlantRun;
 use crate::golden::instants;
 use crate::result::Behaviour;
 use phugoid_evaluation::table::{Cell, Column, Table};

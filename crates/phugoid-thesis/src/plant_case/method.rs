@@ -8,9 +8,9 @@ use phugoid_estimators::settings::{EstimatorSettings, ParameterPrior};
 use phugoid_estimators::smpe::Smpe;
 use phugoid_estimators::{Estimator, Model, Phase};
 
+use super::format::{Parameter, PlantCase};
 use super::plant::{Plant, Visit};
 use super::simulate::{MAXIMUM_STEP_S, PlantRun};
-use super::{Parameter, PlantCase};
 use phugoid_evaluation::accuracy::StudyError;
 
 /// A method with its settings. Start values and bounds are those of the case.

@@ -9,6 +9,7 @@ mod condition;
 mod entries;
 mod format;
 mod golden;
+mod judged;
 mod method;
 mod plant;
 mod report;

@@ -4,39 +4,18 @@ use crate::laws::{Evaluation, LawSign, ThesisForm};
 
 use super::charts::charts;
 use super::condition::condition;
+use super::condition::slopes;
+use super::format::PlantCase;
 use super::golden::golden;
+use super::judged::{Judged, NamedMethod};
+use super::method::{Method, MethodRun, run_method};
+use super::simulate::{PlantRun, simulate};
 use super::verdict::{behaviour, worst};
-use super::{Method, MethodRun, PlantCase, PlantRun, run_method, simulate, slopes};
 use crate::outside::truth_outside;
 use crate::result::Reproduction;
 use crate::result::{Outcome, ParameterOutcome, Requirement, Role};
 use phugoid_evaluation::accuracy::StudyError;
 use phugoid_evaluation::settling::settled_at;
-
-/// A method as the report shows it.
-pub(super) struct NamedMethod {
-    pub(super) name: &'static str,
-    pub(super) role: Role,
-    pub(super) settings: Method,
-}
-
-/// A method with what it did.
-pub(super) struct Judged {
-    pub(super) method: NamedMethod,
-    pub(super) result: MethodRun,
-    pub(super) outcome: Outcome,
-}
-
-impl Judged {
-    /// Whether its loop is solved at every sample.
-    pub(super) fn implicit(&self) -> bool {
-        matches!(
-            self.method.settings,
-            Method::OneParameter { evaluation: Evaluation::Implicit, .. }
-                | Method::TwoParameter { evaluation: Evaluation::Implicit, .. }
-        )
-    }
-}
 
 impl PlantCase {
     /// Runs the case with all its methods; `id` is the name its result bears.

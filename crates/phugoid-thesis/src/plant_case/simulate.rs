@@ -6,7 +6,7 @@ use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64Mcg;
 
-use super::PlantCase;
+use super::format::PlantCase;
 use super::plant::Visit;
 use phugoid_evaluation::accuracy::StudyError;
 

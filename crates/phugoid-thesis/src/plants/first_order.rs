@@ -1,4 +1,4 @@
-use super::measure;
+use super::measure::measure;
 use phugoid_estimators::{LinearizedOutputs, LinearizedRates, Model};
 
 /// First order, `x' = -a x + u`. Parameter `a`, 1/s; outputs `x`, `x'`.

@@ -1,4 +1,4 @@
-use super::measure;
+use super::measure::measure;
 use phugoid_estimators::{LinearizedOutputs, LinearizedRates, Model};
 
 /// First order in the unknown with a second, known state,

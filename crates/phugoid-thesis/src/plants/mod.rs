@@ -14,6 +14,7 @@
 
 mod first_order;
 mod first_order_nonlinear;
+mod measure;
 mod second_order;
 mod second_order_nonlinear;
 
@@ -21,23 +22,3 @@ pub use first_order::FirstOrder;
 pub use first_order_nonlinear::FirstOrderNonlinear;
 pub use second_order::SecondOrder;
 pub use second_order_nonlinear::SecondOrderNonlinear;
-
-use phugoid_estimators::{LinearizedOutputs, LinearizedRates};
-
-/// Outputs of a plant whose rates are `lin` at `x`: all `N` states, then the rate of state `row`.
-fn measure<const N: usize, const R: usize, const P: usize>(
-    x: &[f64; N],
-    lin: &LinearizedRates<N, P>,
-    row: usize,
-    out: &mut LinearizedOutputs<N, R, P>,
-) {
-    const { assert!(R == N + 1, "a plant measures its states and one derivative") };
-    *out = LinearizedOutputs::ZERO;
-    for i in 0..N {
-        out.outputs[i] = x[i];
-        out.state_jacobian[i][i] = 1.0;
-    }
-    out.outputs[N] = lin.rates[row];
-    out.state_jacobian[N] = lin.state_jacobian[row];
-    out.parameter_jacobian[N] = lin.regressors[row];
-}

@@ -1,4 +1,4 @@
-use super::measure;
+use super::measure::measure;
 use phugoid_estimators::{LinearizedOutputs, LinearizedRates, Model};
 
 /// Second order with a quadratic spring, `x'' = -a2 x' - a1 x^2 + u`. Parameters `a1`, 1/s^2, and `a2`, 1/s; outputs `x`,
