@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use phugoid_estimators::settings::EstimatorSettings;
+use phugoid_estimators::settings::{EstimatorSettings, ParameterPrior};
 use phugoid_estimators::{ChangeState, DetectorReport, Estimate, Innovations, ParameterStatus, Sample, Status};
 
 use super::gate::{Gated, GatedInput, open};
@@ -185,9 +185,9 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> Ca
             }
         }
         if self.waiting {
-            estimate = unmoved(estimate, &self.settings, self.estimator.column_count(), self.estimator.prior_std());
+            estimate = unmoved(estimate, &self.settings.priors, self.estimator.column_count(), self.estimator.prior_std());
         } else {
-            still(&mut estimate, &self.settings, &self.gated, self.moved, self.estimator.prior_std());
+            still(&mut estimate, &self.settings.priors, &self.gated, self.moved, self.estimator.prior_std());
             self.readiness.look(&estimate, &*self.estimator);
         }
         if let Some(monitoring) = &mut self.monitoring {
@@ -300,15 +300,15 @@ fn gate<I: Copy, const R: usize>(sample: &Sample<I, R>, open: Moved) -> Sample<G
 }
 
 /// Shows the prior of the parameters of a group on which nothing has moved yet.
-fn still<M, const N: usize, const R: usize, const P: usize>(
+fn still<M, const P: usize>(
     estimate: &mut Estimate<P>,
-    settings: &EstimatorSettings<N, R, P>,
+    priors: &[ParameterPrior; P],
     gated: &Gated<M>,
     moved: Moved,
     prior_std: &[f64; P],
 ) {
     for j in gated.closed(moved) {
-        estimate.parameters[j] = settings.priors[j].initial;
+        estimate.parameters[j] = priors[j].initial;
         estimate.std_error[j] = prior_std[j];
         estimate.corrected_std_error[j] = prior_std[j];
         estimate.observability[j] = 0.0;
@@ -317,9 +317,9 @@ fn still<M, const N: usize, const R: usize, const P: usize>(
 }
 
 /// The estimate before anything has moved: the prior.
-fn unmoved<const N: usize, const R: usize, const P: usize>(
+fn unmoved<const P: usize>(
     estimate: Estimate<P>,
-    settings: &EstimatorSettings<N, R, P>,
+    priors: &[ParameterPrior; P],
     columns: usize,
     prior_std: &[f64; P],
 ) -> Estimate<P> {
@@ -334,7 +334,7 @@ fn unmoved<const N: usize, const R: usize, const P: usize>(
     prior.status.change = ChangeState::Steady;
     for j in 0..columns {
         // Bias columns start at zero, as the unused entries of the settings do.
-        prior.parameters[j] = settings.priors[j].initial;
+        prior.parameters[j] = priors[j].initial;
         prior.std_error[j] = prior_std[j];
         prior.corrected_std_error[j] = prior_std[j];
     }
