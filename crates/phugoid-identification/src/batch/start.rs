@@ -2,10 +2,10 @@
 
 use crate::core::options::CAPACITY;
 use phugoid_estimators::{Input, Model};
+use phugoid_flight_data::statistics::median;
 
 use super::error::BatchError;
 use super::problem::{Manoeuvre, Structure};
-use crate::preparation::noise::median;
 
 /// Values from whose median an initial state is started.
 const FIRST: usize = 5;

@@ -1,11 +1,11 @@
 //! From a record to the inputs and outputs of the kinematics.
 
 use phugoid_flight_data::record::Record;
+use phugoid_flight_data::statistics::median;
 
 use super::kinematics::{Inertial, OUTPUTS, STATES};
 use crate::batch::Noise;
 use crate::core::error::EstimateError;
-use crate::preparation::noise::median;
 use crate::preparation::prepare::channel;
 
 /// Channels of the outputs, in their order.

@@ -15,7 +15,7 @@ use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use std::fmt::Write as _;
 
-use super::{ExportError, Exported, Identified};
+use super::identified::{ExportError, Exported, Identified};
 use crate::core::term::{Coefficient, Variable};
 use crate::model_file::{RateSpeed, ReferenceValue};
 

@@ -12,7 +12,7 @@
 
 use std::fmt::Write as _;
 
-use super::{ExportError, Exported, Identified, Valued};
+use super::identified::{ExportError, Exported, Identified, Valued};
 use crate::core::term::{Coefficient, Variable};
 use crate::model_file::RateSpeed;
 

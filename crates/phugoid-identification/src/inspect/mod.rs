@@ -7,6 +7,7 @@ use std::collections::BTreeMap;
 use phugoid_flight_data::plausibility;
 use phugoid_flight_data::quality::{Finding, QualityReport};
 use phugoid_flight_data::record::{Channel, Record};
+use phugoid_flight_data::statistics::median;
 use serde::{Deserialize, Serialize};
 
 pub use crate::methods::{Predicted, PredictedParameter};
@@ -14,7 +15,7 @@ pub use model::{ModelSupport, ParameterSupport, SegmentSupport, model_support};
 
 use crate::manoeuvres::{CoefficientSupport, Found, Settings, Support, find};
 use crate::model_file::ModelFile;
-use crate::preparation::noise::{measure_noise, median};
+use crate::preparation::noise::measure_noise;
 
 /// What a record holds.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -1,9 +1,11 @@
 //! Where a control surface moves.
 
+use phugoid_flight_data::statistics::{Rank, median, quantile};
+
+use super::input::SurfaceInput;
 use super::record::{Sampled, Signals};
+use super::settings::Settings;
 use super::shape;
-use super::{Settings, SurfaceInput};
-use crate::preparation::noise::median;
 
 /// Smallest motion of a surface that counts, rad: rounding is not an input.
 const SMALLEST: f64 = 1e-4;
@@ -23,7 +25,7 @@ pub(crate) fn inputs(signals: &Signals<'_>, surface: &str, settings: &Settings) 
     let travel = travel(&sampled.time, &clean, settings.window_s);
     let threshold = SMALLEST.max(settings.sigmas * sampled.noise);
     // A control loop at work moves a surface all the time: what it does in the quietest quarter is no input.
-    let usual = quarter(&travel);
+    let usual = quantile(&mut travel.clone(), 0.25, Rank::Lower).unwrap_or(0.0);
     let mut stretches = stretches(&travel, threshold.max(ABOVE_USUAL * usual));
     if usual * ABOVE_USUAL > threshold && !stands_out(&travel, &stretches) {
         // Nothing stands out of what it does all the time: that is the input.
@@ -204,15 +206,6 @@ fn travel(time: &[f64], values: &[f64], window_s: f64) -> Vec<f64> {
         travel.push(most - least);
     }
     travel
-}
-
-fn quarter(values: &[f64]) -> f64 {
-    if values.is_empty() {
-        return 0.0;
-    }
-    let mut sorted = values.to_vec();
-    let at = (sorted.len() - 1) / 4;
-    *sorted.select_nth_unstable_by(at, f64::total_cmp).1
 }
 
 /// First and last sample of each stretch above a threshold.

@@ -28,7 +28,9 @@ mod activity;
 mod answer;
 mod equation;
 mod flying;
+mod input;
 mod record;
+mod settings;
 mod shape;
 mod short_period;
 mod support;
@@ -39,6 +41,8 @@ use serde::{Deserialize, Serialize};
 
 pub use answer::Response;
 pub use equation::Inflation;
+pub use input::SurfaceInput;
+pub use settings::Settings;
 pub use shape::Kind;
 pub use short_period::ShortPeriod;
 pub use support::{CoefficientSupport, Support};
@@ -46,39 +50,6 @@ pub use unforced::Unforced;
 
 use crate::core::axes::{Axes, Group};
 use record::Signals;
-
-/// Choices of the search. The defaults suit aircraft from small drones to airliners.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Settings {
-    /// Quiet time wanted before an input, s: the reference that departures are counted from.
-    pub lead_s: f64,
-    /// Time that the aircraft is given to settle after an input, s; inputs less than this apart are one manoeuvre.
-    pub settling_s: f64,
-    /// A surface that comes back to where it was within this time, s, was held: a long pulse, not two steps.
-    pub held_s: f64,
-    /// A surface moves where it travels by this many sigmas of its noise within [`Self::window_s`].
-    pub sigmas: f64,
-    /// Window of the travel, s; at least three samples.
-    pub window_s: f64,
-    /// The aircraft answered where an angle or a rate has at least this rms over its noise.
-    pub signal_to_noise: f64,
-    /// Lowest airspeed that counts as flight, m/s.
-    pub slowest_m_s: f64,
-}
-
-impl Default for Settings {
-    fn default() -> Self {
-        Self {
-            lead_s: 1.0,
-            settling_s: 2.0,
-            held_s: 20.0,
-            sigmas: 10.0,
-            window_s: 0.4,
-            signal_to_noise: 5.0,
-            slowest_m_s: 5.0,
-        }
-    }
-}
 
 /// What a record holds.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -114,23 +85,6 @@ pub struct Manoeuvre {
     pub remarks: Vec<String>,
     /// What it could tell.
     pub coefficients: Vec<CoefficientSupport>,
-}
-
-/// What one surface did in a manoeuvre.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct SurfaceInput {
-    /// Channel: `elevator`, `aileron`, `rudder`.
-    pub surface: String,
-    /// First motion, s.
-    pub onset_s: f64,
-    /// Last motion, s.
-    pub end_s: f64,
-    /// Largest departure from where it was before, rad, with its sign.
-    pub peak_rad: f64,
-    /// What it was.
-    pub kind: Kind,
-    /// Frequency at which it has most power per octave, Hz.
-    pub frequency_hz: Option<f64>,
 }
 
 impl Manoeuvre {

@@ -1,8 +1,7 @@
 //! What an input was, in words: the times between its changes of sign, and how flat it was in between.
 
+use phugoid_flight_data::statistics::median;
 use serde::{Deserialize, Serialize};
-
-use crate::preparation::noise::median;
 
 /// Kinds of inputs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use serde::{Deserialize, Serialize};
 
-use super::SurfaceInput;
+use super::input::SurfaceInput;
 use super::support::Judged;
 
 /// The short-period mode of a segment, by regression; approximate.

@@ -2,9 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::Settings;
 use super::answer::{SMALLEST, spread};
 use super::record::Signals;
+use super::settings::Settings;
 
 /// A stretch without input in which the aircraft moved.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

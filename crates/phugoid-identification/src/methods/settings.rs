@@ -4,6 +4,7 @@ use phugoid_estimators::discretization::InputHold;
 use phugoid_estimators::settings::{
     ChangeDetection, ChangePrior, EstimatorSettings, NoiseAdaptation, ParameterPrior, ProcessNoise,
 };
+use phugoid_flight_data::statistics::median;
 
 use crate::core::error::EstimateError;
 use crate::core::options::EstimateOptions;
@@ -77,7 +78,7 @@ fn unmeasured_start<M: Motion<N, R>, const N: usize, const R: usize>(
     let first = |output: Output| -> Option<f64> {
         let row = M::AXES.row(output)?;
         let values = prepared.outputs.iter().map(|y| y[row]).filter(|v| v.is_finite());
-        crate::preparation::noise::median(&mut values.take(5).collect::<Vec<f64>>())
+        median(&mut values.take(5).collect::<Vec<f64>>())
     };
     let degree = std::f64::consts::PI / 180.0;
     match state {
@@ -108,5 +109,5 @@ fn prior(parameter: &Parameter, base: Base) -> ParameterPrior {
 /// Median of the first fifty intervals, s: later ones must not change what was estimated before them.
 pub(super) fn sample_time(time: &[f64]) -> f64 {
     let mut steps: Vec<f64> = time.windows(2).take(50).map(|w| w[1] - w[0]).collect();
-    crate::preparation::noise::median(&mut steps).unwrap_or(f64::NAN)
+    median(&mut steps).unwrap_or(f64::NAN)
 }

@@ -3,22 +3,11 @@
 use phugoid_flight_data::quantity::Dimension;
 use toml::de::DeTable;
 
+use super::error::ModelFileError;
+use super::file::ModelFile;
+use super::parameter::{Expectation, Parameter};
 use super::section::{Section, Source as Text};
-use super::{ModelFile, ModelFileError, Parameter};
 use crate::core::words::{did_you_mean, nearest};
-
-/// What is expected of one parameter, per radian where an angle is involved.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Expectation {
-    /// Name in the model file.
-    pub name: String,
-    /// Expected value.
-    pub value: f64,
-    /// Half width about it that still counts as healthy.
-    pub tolerance: f64,
-    /// One sigma of what a failure would change; none: as for the change detector.
-    pub failure_std: Option<f64>,
-}
 
 /// Part of the parameter's own size (without a database) and of its prior sigma (with one) that is tolerated where the file does
 /// not say.

@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use phugoid_flight_data::reader::{ReadError, ReadOptions, read_path};
 use phugoid_flight_data::record::Record;
 
-use super::{ModelFile, ModelFileError};
+use super::error::ModelFileError;
+use super::file::ModelFile;
 use crate::core::words::nearest;
 
 /// Why there is no model under a name or in a file.

@@ -6,7 +6,7 @@ use phugoid_flight_data::quantity::Dimension;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use super::ModelFileError;
+use super::error::ModelFileError;
 use crate::core::words::{did_you_mean, nearest};
 
 /// The text of a model file, for turning byte offsets into lines.

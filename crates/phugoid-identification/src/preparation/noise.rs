@@ -1,5 +1,7 @@
 //! Measurement noise of a channel, from the channel itself.
 
+use phugoid_flight_data::statistics::median;
+
 /// Samples of a channel that its noise is measured from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeasuredNoise {
@@ -44,16 +46,6 @@ pub fn measure_noise(values: &[f64]) -> Option<MeasuredNoise> {
 pub(crate) struct NoiseLevel {
     pub(crate) std: f64,
     pub(crate) measured: bool,
-}
-
-/// Median; the slice is reordered. Nothing for an empty slice.
-pub(crate) fn median(values: &mut [f64]) -> Option<f64> {
-    if values.is_empty() {
-        return None;
-    }
-    let middle = values.len() / 2;
-    let (_, m, _) = values.select_nth_unstable_by(middle, f64::total_cmp);
-    Some(*m)
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! From a model file and a record to what the estimator takes: the model, its inputs and the measured outputs.
 
 use phugoid_flight_data::record::Record;
+use phugoid_flight_data::statistics::median;
 use phugoid_flight_dynamics::atmosphere::Atmosphere;
 use phugoid_flight_dynamics::f16::{F16, F16Options};
 
@@ -13,7 +14,6 @@ use crate::model_file::{AirDensity, Base, ModelFile, Reference, ReferenceValue, 
 use crate::models::longitudinal::{Database, LongitudinalModel};
 use crate::motion::{Motion, ReferencePoint};
 use crate::preparation::intake::{KnownInput, Origin, known_inputs, model_input};
-use crate::preparation::noise::median;
 use crate::preparation::trim::{LevelTrim, TrimCondition, level_trim};
 
 /// Everything the estimator needs of one record.

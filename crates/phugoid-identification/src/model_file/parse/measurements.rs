@@ -2,11 +2,12 @@
 
 use phugoid_flight_data::quantity::Dimension;
 
-use super::other_axes;
+use super::axes::other_axes;
 use crate::core::axes::Axes;
 use crate::core::output::{CHANNELS as OUTPUT_CHANNELS, Output, STATE_CHANNELS};
+use crate::model_file::error::ModelFileError;
 use crate::model_file::section::Section;
-use crate::model_file::{ModelFileError, ProcessNoise};
+use crate::model_file::settings::ProcessNoise;
 
 /// Light Dryden turbulence (1.1 m/s) at the speed and altitude of the F-16 study, and a share of the angular rates' own, by
 /// [`Output::index`]. Side gusts are as strong as vertical ones at that altitude.

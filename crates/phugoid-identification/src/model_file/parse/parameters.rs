@@ -2,12 +2,14 @@
 
 use phugoid_flight_data::quantity::Dimension;
 
-use super::other_axes;
+use super::axes::other_axes;
 use crate::core::axes::Axes;
 use crate::core::output::{CHANNELS as OUTPUT_CHANNELS, Output};
 use crate::core::term::{Coefficient, Term, Variable};
+use crate::model_file::aircraft::Base;
+use crate::model_file::error::ModelFileError;
+use crate::model_file::parameter::{Parameter, Role};
 use crate::model_file::section::Section;
-use crate::model_file::{Base, ModelFileError, Parameter, Role};
 
 const PARAMETER_KEYS: [&str; 5] = ["start", "prior_std", "bounds", "change_std", "fixed"];
 
