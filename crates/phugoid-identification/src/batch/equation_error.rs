@@ -15,7 +15,7 @@ use super::response::Rows;
 use super::result::{BatchFit, UnknownKind};
 use super::summary::{Summary, summarise};
 
-/// Choices of equation error.
+/// Settings of [`equation_error`]: the differentiation of the measured states, and which equations and terms are used.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EquationErrorSettings {
     /// Samples this far to each side make one value of a state and its slope, s. It should be short against the motion
@@ -39,7 +39,7 @@ impl EquationErrorSettings {
     }
 }
 
-/// What equation error gives.
+/// The result of [`equation_error`]: the estimates, and how much each term of each equation explains.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct EquationErrorFit {
     /// Estimates with their covariance. The fitted outputs are the smoothed states and, from them, the other outputs; the
@@ -57,13 +57,15 @@ pub struct EquationErrorFit {
 /// y_i - h_i(x, 0, u)                        = D_i(x, u) theta + e_i          a measured acceleration
 /// ```
 ///
-/// Differentiation rounds corners; the right side of a state's equation is integrated and differentiated in the same way, so
-/// that both sides agree whatever the window. Each equation has its own residual variance, found with the parameters. States that no output measures, and equations
-/// whose left side is nowhere measured, are refused or left out. No integration, no start values: it cannot diverge, and
-/// gives start values to the other methods. Noise in the states biases it (docs/methods.md, measured).
+/// Differentiation rounds corners; the right side of a state's equation is integrated and differentiated in the same
+/// way, so that both sides agree whatever the window. Each equation has its own residual variance, found with the
+/// parameters. States that no output measures, and equations whose left side is nowhere measured, are refused or left
+/// out. Nothing is integrated and no start values are needed, so that it cannot diverge; its result can start the other
+/// methods. Noise in the states biases it (docs/methods.md, measured).
 ///
 /// # Errors
-/// [`BatchError`]: input that does not fit together, a state that is not measured, terms that the data cannot tell apart.
+/// [`BatchError`]: inputs that contradict each other, a state that is not measured, terms of which the data determine
+/// only a combination.
 pub fn equation_error<M, I, const N: usize, const R: usize>(
     manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
     structure: &Structure<N, R>,
@@ -82,7 +84,7 @@ where
     let mut held = structure.clone();
     held.states.iter_mut().for_each(|s| s.free = false);
     for (i, channel) in held.outputs.iter_mut().enumerate() {
-        // A constant error of a state is no term of its equation.
+        // A constant error of a measured state does not appear in the equation of its rate.
         if state_of::<M, I, N, R>(manoeuvres, i).is_some() {
             channel.bias = Bias::None;
         }
@@ -93,7 +95,7 @@ where
     let wanted = if settings.every_equation { [true; R] } else { needed(manoeuvres, &every, &layout) };
     let residuals = |unknowns: &[f64]| Ok(rows_of(manoeuvres, &smoothed, &layout, unknowns, &wanted));
     let floor = equation_floor(&every);
-    // Linear in the parameters: the search is the iteration of the weights.
+    // The equations are linear in the parameters: only the weights have to be iterated.
     let search = OptimiserSettings { step_tolerance: 1e-6, ..OptimiserSettings::default() };
     let noise = [Noise::Estimated; R];
     let minimum = relaxation::fit(&layout.places, layout.start(), &noise, &floor, &search, residuals)?;
@@ -120,7 +122,7 @@ struct Measured<const N: usize> {
     /// By sample; NaN near the ends and where not measured.
     states: Vec<[f64; N]>,
     slopes: Vec<[f64; N]>,
-    /// What made the slopes, by state.
+    /// The local cubics that the slopes were computed with, by state.
     cubics: Vec<LocalCubics>,
 }
 
@@ -323,7 +325,7 @@ where
     std::array::from_fn(|i| acceleration(i) || (0..seen.len()).any(|j| !seen[j] && moves(i, j)))
 }
 
-/// Least residual that is believed of each equation.
+/// Smallest standard deviation of the residuals that is accepted for each equation: below it rounding decides.
 fn equation_floor<const R: usize>(every: &[Rows<R>]) -> [f64; R] {
     std::array::from_fn(|i| {
         let largest = every.iter().flat_map(|r| r.residuals.iter().map(move |e| e[i].abs())).fold(0.0, f64::max);

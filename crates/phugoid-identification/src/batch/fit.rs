@@ -5,9 +5,9 @@ use serde::{Deserialize, Serialize};
 /// Fit of one output over one manoeuvre.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct OutputFit {
-    /// Channel name.
+    /// Canonical name of the output's channel, e.g. `alpha`.
     pub name: String,
-    /// Samples compared.
+    /// Number of samples in which both signals have a value.
     pub samples: usize,
     /// Root mean square of measured minus modelled, output units.
     pub rms: f64,
@@ -17,19 +17,21 @@ pub struct OutputFit {
     /// Theil's inequality coefficient, 0 (perfect) to 1: rms error over the sum of the rms of both signals
     /// (Jategaonkar, Flight Vehicle System Identification, chapter 11; below 0.3 counts as a good agreement there).
     pub theil: f64,
-    /// Share of the squared error that a constant makes.
+    /// Share of the squared error that a constant difference between the two signals makes, 0 to 1.
     pub theil_bias: f64,
-    /// Share that different amplitudes make.
+    /// Share of the squared error that different amplitudes of the two signals make, 0 to 1.
     pub theil_variance: f64,
-    /// Share that is left, what no scaling mends: near one is what a good model leaves. The three add up to one.
+    /// The remaining share, which neither a constant nor a factor can remove; near 1 for a good model. The three shares
+    /// add up to 1.
     pub theil_covariance: f64,
-    /// Correlation of neighbouring errors: 0 for white ones.
+    /// Correlation of each error with the next one: about 0 if the errors are white.
     pub lag_one: f64,
-    /// True if the errors pass for white: Ljung & Box's sum over the first lags is below its 99 % point.
+    /// True if the errors cannot be distinguished from white noise: Ljung & Box's sum over the first lags is below its
+    /// 99 % point.
     pub white: bool,
 }
 
-/// Lags in Ljung & Box's sum.
+/// Number of lags in the sum of Ljung & Box.
 const LAGS: usize = 20;
 
 impl OutputFit {

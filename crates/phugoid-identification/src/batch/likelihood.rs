@@ -10,9 +10,9 @@ use super::response::Rows;
 pub(crate) struct Evaluation<T> {
     /// Negative logarithm of the likelihood and of the priors, without constants.
     pub(crate) cost: f64,
-    /// Minus its gradient.
+    /// Negative gradient of the cost: the direction in which it falls fastest.
     pub(crate) descent: DVector<f64>,
-    /// Fisher information, priors included.
+    /// Fisher information of the data and of the priors: the inverse of the covariance of the unknowns.
     pub(crate) information: DMatrix<f64>,
     /// What the cost was computed from.
     pub(crate) detail: T,

@@ -27,8 +27,8 @@ use super::summary::{Summary, summarise};
 /// next step is shorter than [`OptimiserSettings::step_tolerance`] standard errors.
 ///
 /// # Errors
-/// [`BatchError`]: input that does not fit together, a simulation that diverges, unknowns that the data cannot tell apart,
-/// no convergence.
+/// [`BatchError`]: inputs that contradict each other, a simulation that diverges, unknowns of which the data determine
+/// only a combination, no convergence.
 pub fn output_error<M, I, const N: usize, const R: usize>(
     manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
     structure: &Structure<N, R>,
@@ -79,5 +79,5 @@ where
     Ok(fit)
 }
 
-/// Growth of an error of the initial state from which an unstable model is spoken of.
+/// A model counts as unstable from this growth of an error of the initial state during the manoeuvre on.
 pub(crate) const GROWTH: f64 = 100.0;

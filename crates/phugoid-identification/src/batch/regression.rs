@@ -26,9 +26,9 @@ pub struct Equation {
 /// One term of an equation.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Term {
-    /// Parameter.
+    /// Name of the parameter that multiplies the term.
     pub name: String,
-    /// Estimate with all terms.
+    /// Estimate with all terms of the equation present, in the parameter's unit.
     pub value: f64,
     /// Its standard error, corrected for the colour of the residuals.
     pub corrected_std_error: f64,
@@ -36,9 +36,10 @@ pub struct Term {
     pub partial_f: f64,
     /// Partial F when it was taken in.
     pub f_when_entered: f64,
-    /// R squared from then on.
+    /// R squared of the equation with this term and all terms before it.
     pub r_squared: f64,
-    /// True if the partial F reaches the limit: the equation needs it.
+    /// True if the partial F reaches [`EquationErrorSettings::f_to_enter`](super::EquationErrorSettings::f_to_enter):
+    /// the equation needs the term.
     pub needed: bool,
 }
 
@@ -139,7 +140,7 @@ impl Sums {
         sums
     }
 
-    /// Sum of squared residuals with these terms only; none if they cannot be told apart.
+    /// Sum of squared residuals with these terms only; `None` if the data do not determine all of them.
     fn unexplained(&self, terms: &[usize]) -> Option<f64> {
         if terms.is_empty() {
             return Some(self.squares);

@@ -1,4 +1,4 @@
-//! The outputs of a free simulation with their exact derivatives by everything unknown.
+//! The outputs of a free simulation with their exact derivatives with respect to all unknowns.
 
 use crate::core::options::CAPACITY;
 use phugoid_estimators::discretization::{IntervalInput, Part, step, sub_steps};
@@ -96,7 +96,7 @@ where
                     }
                     UnknownKind::InitialState { state, .. } => (0..N).map(|l| h[l] * by_initial[l][state]).sum(),
                     UnknownKind::Bias { output, .. } => f64::from(output == i),
-                    // They do not move the outputs.
+                    // Noise variances do not move the outputs.
                     UnknownKind::Noise { .. } | UnknownKind::ProcessNoise { .. } => 0.0,
                 });
             }
@@ -134,7 +134,8 @@ where
     Ok(rows)
 }
 
-/// How far each state moves in the manoeuvre, by the output that measures it; 1 where none does or it stands still.
+/// How far each state moves in the manoeuvre, by the output that measures it; 1 where no output measures it or the
+/// output is constant.
 fn spreads<M, I, const N: usize, const R: usize>(manoeuvre: &Manoeuvre<'_, M, I, N, R>) -> [f64; N]
 where
     M: Model<N, R, CAPACITY, Input = I>,

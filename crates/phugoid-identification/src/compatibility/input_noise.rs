@@ -25,7 +25,7 @@ const SENSORS: usize = 6;
 type States = SMatrix<f64, STATES, STATES>;
 type ByParameter = SMatrix<f64, STATES, PARAMETERS>;
 
-/// What one sample has to do with the unknowns.
+/// Derivatives that connect the noise of one sample with the unknowns.
 struct Moment {
     /// `J^T R^-1 H Phi`, unknown by state.
     information: DMatrix<f64>,
@@ -35,7 +35,7 @@ struct Moment {
     impulse: SMatrix<f64, STATES, SENSORS>,
 }
 
-/// A record as the kinematics take it.
+/// The arguments of the kinematic simulation for one record.
 pub(super) struct Flight<'a> {
     pub(super) model: &'a Kinematics,
     pub(super) time: &'a [f64],

@@ -8,10 +8,10 @@ use crate::core::error::EstimateError;
 use crate::model_file::ModelFile;
 use crate::pipeline::estimate::{EstimateOptions, estimate};
 
-/// A delay that was found.
+/// The delay of an input channel against the other channels.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct InputSkew {
-    /// Channel, e.g. `elevator`.
+    /// Canonical name of the channel, e.g. `elevator`.
     pub channel: String,
     /// How late its values are, s; negative: early.
     pub delay_s: f64,

@@ -10,7 +10,7 @@ pub enum Axes {
     Longitudinal,
     /// Sideslip, bank, roll and yaw, with the measured airspeed, angle of attack and pitch as known inputs.
     LateralDirectional,
-    /// Both together.
+    /// Both motions together, coupled, with eight states.
     All,
 }
 
@@ -19,7 +19,7 @@ pub enum Axes {
 pub enum Group {
     /// In the plane of symmetry.
     Longitudinal,
-    /// Out of it.
+    /// Sideslip, roll and yaw: the motion out of the plane of symmetry.
     Lateral,
 }
 
@@ -42,7 +42,7 @@ impl Axes {
     /// Channels of the control surfaces.
     pub const SURFACES: [&'static str; 3] = ["elevator", "aileron", "rudder"];
 
-    /// In words.
+    /// The name of the motion for messages and reports, e.g. `lateral-directional`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Longitudinal => "longitudinal",
@@ -51,7 +51,7 @@ impl Axes {
         }
     }
 
-    /// As a model file writes them.
+    /// The words of a model file for these axes.
     pub fn words(self) -> &'static [&'static str] {
         match self {
             Self::Longitudinal => &["longitudinal"],
@@ -130,7 +130,7 @@ impl Axes {
         }
     }
 
-    /// Coefficients of the motion.
+    /// Force and moment coefficients whose terms the motion can estimate.
     pub fn coefficients(self) -> &'static [Coefficient] {
         match self {
             Self::Longitudinal => &Coefficient::ALL[..3],

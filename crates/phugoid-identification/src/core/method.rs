@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::words::did_you_mean;
 
-/// Estimator to use.
+/// The estimation methods of the project. Batch methods fit a whole record; the others take one sample after the other.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Method {
@@ -97,7 +97,7 @@ impl fmt::Display for Method {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("unknown method `{word}`{}", did_you_mean(word, Method::ALL.iter().map(|m| m.name())))]
 pub struct UnknownMethod {
-    /// What was found.
+    /// The word that was given.
     pub word: String,
 }
 

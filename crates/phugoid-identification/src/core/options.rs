@@ -1,4 +1,4 @@
-//! Choices of one estimation, and how much this build has room for.
+//! Options of one estimation, and the largest number of parameters.
 
 use std::collections::BTreeMap;
 
@@ -22,7 +22,7 @@ pub const fn capacity(axes: Axes) -> usize {
 /// When terms that the model lacks are tried (`estimation::Offer`): one run over the record per candidate.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum OfferTerms {
-    /// Never.
+    /// No further terms are tried. This is the default.
     #[default]
     Never,
     /// Where changes were adopted, parameters wander, or residuals are coloured.
@@ -31,7 +31,7 @@ pub enum OfferTerms {
     Always,
 }
 
-/// Choices of one estimation.
+/// Settings of one estimation beside those of the model file. The default changes nothing of the model file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct EstimateOptions {
     /// Estimator; none: as the model file says.

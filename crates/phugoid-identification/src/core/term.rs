@@ -20,13 +20,13 @@ pub enum Coefficient {
     Lift,
     /// `CD`, positive aft, along the airspeed.
     Drag,
-    /// `Cm`, positive nose up.
+    /// `Cm`, about body y, positive nose up.
     PitchingMoment,
     /// `CY`, along body y, positive to the right.
     SideForce,
     /// `Cl`, positive right wing down.
     RollingMoment,
-    /// `Cn`, positive nose right.
+    /// `Cn`, about body z, positive nose right.
     YawingMoment,
 }
 
@@ -35,7 +35,7 @@ impl Coefficient {
     pub const ALL: [Self; 6] =
         [Self::Lift, Self::Drag, Self::PitchingMoment, Self::SideForce, Self::RollingMoment, Self::YawingMoment];
 
-    /// The motion that its derivatives are learnt from.
+    /// The group of axes whose motion determines the derivatives of this coefficient.
     pub fn group(self) -> Group {
         match self {
             Self::Lift | Self::Drag | Self::PitchingMoment => Group::Longitudinal,
@@ -62,7 +62,7 @@ impl Coefficient {
 pub enum Variable {
     /// `alpha`, rad, from the reference point.
     Alpha,
-    /// `beta`, rad.
+    /// `beta`, the angle of sideslip, rad, from zero.
     Beta,
     /// `p_hat`, `p b / 2V`, b the span.
     RollRate,
@@ -70,7 +70,7 @@ pub enum Variable {
     PitchRate,
     /// `r_hat`, `r b / 2V`.
     YawRate,
-    /// `v_hat`, `V / V0`.
+    /// `v_hat`, the airspeed over the reference speed of the model file, `V / V0`.
     Airspeed,
     /// `elevator`, rad, from the reference point.
     Elevator,
@@ -83,7 +83,7 @@ pub enum Variable {
 }
 
 impl Variable {
-    /// All, in order.
+    /// All variables, in the order of a factor array.
     pub const ALL: [Self; 10] = [
         Self::Alpha,
         Self::Beta,

@@ -17,7 +17,7 @@ pub enum ExportError {
          result. Estimate with a model file without `base`, whose terms are the whole coefficients"
     )]
     Increments(String, &'static str),
-    /// Something that the form has no place for.
+    /// The other format cannot express something in the model; the sentence says what.
     #[error("{0}")]
     NoPlace(String),
 }
@@ -25,7 +25,7 @@ pub enum ExportError {
 /// A model with its identified values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Identified<'a> {
-    /// The model file.
+    /// The model file whose terms are written.
     pub model: &'a ModelFile,
     /// Values by parameter name; parameters that are not here have their start values.
     pub values: BTreeMap<String, f64>,

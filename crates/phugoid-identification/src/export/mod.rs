@@ -7,8 +7,8 @@
 //! | `<aerodynamics>` section of JSBSim | [`jsbsim()`] | every term of a model in absolute form |
 //! | parameters of Gazebo's advanced lift-drag plugin, as PX4 simulates with | [`gazebo()`] | terms of first order; the rest is said |
 //!
-//! Increments to a database are no model by themselves: what they are added to is not in the result, and these forms have no
-//! place for it. They are refused.
+//! Increments to a database are refused: the database is not part of the result, and these formats have no place for
+//! it.
 
 mod estimates;
 mod gazebo;

@@ -34,7 +34,7 @@ pub enum Form {
 }
 
 impl Form {
-    /// In words, and as the command line has it.
+    /// The word of the command line and of reports.
     pub fn name(self) -> &'static str {
         match self {
             Self::Model => "model",
@@ -52,7 +52,7 @@ impl Form {
     }
 }
 
-/// A coefficient in either axes.
+/// The symbol of a force or moment coefficient in body or stability axes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[allow(missing_docs)] // the symbols are the field's
 pub enum Symbol {
@@ -103,9 +103,9 @@ pub enum Argument {
 /// A derivative of the build-up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Derivative {
-    /// Of what.
+    /// The coefficient that is differentiated.
     pub symbol: Symbol,
-    /// With respect to what.
+    /// The variable with respect to which it is differentiated.
     pub argument: Argument,
 }
 
@@ -121,14 +121,14 @@ impl fmt::Display for Derivative {
     }
 }
 
-/// Derivatives with their covariance.
+/// Derivatives of one estimation, in one choice of axes, with their covariance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Derivatives {
-    /// What they refer to.
+    /// The axes that the derivatives refer to.
     pub form: Form,
-    /// Which ones; each at most once.
+    /// The derivatives in order; each occurs at most once.
     pub names: Vec<Derivative>,
-    /// Values, per radian.
+    /// Values, per radian, in the order of `names`.
     pub values: Vec<f64>,
     /// Covariance, row and column as in `names`.
     pub covariance: Vec<Vec<f64>>,
@@ -137,7 +137,8 @@ pub struct Derivatives {
 }
 
 impl Derivatives {
-    /// The derivatives of an estimation, and the names of the parameters that are none: products, powers and sensor biases.
+    /// The derivatives of an estimation, and the names of the parameters that are not derivatives: products, powers and
+    /// sensor biases.
     ///
     /// The covariance is that of the corrected standard errors; a fixed parameter is exact.
     pub fn of(estimation: &Estimation, file: &ModelFile) -> (Self, Vec<String>) {
@@ -186,7 +187,8 @@ impl Derivatives {
         Self { form, ..all }
     }
 
-    /// Standard errors.
+    /// Standard errors, per radian, in the order of [`names`](Self::names): the roots of the diagonal of the
+    /// covariance.
     pub fn std_errors(&self) -> Vec<f64> {
         (0..self.names.len()).map(|i| self.covariance[i][i].max(0.0).sqrt()).collect()
     }
@@ -225,7 +227,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(x, y)| x * y).sum()
 }
 
-/// What a term is a derivative with respect to; none for products and powers.
+/// The variable that a term of first order belongs to; `None` for products and powers.
 fn argument(term: &Term) -> Option<Argument> {
     match term.factors() {
         [] => Some(Argument::Constant),

@@ -23,9 +23,9 @@ use crate::preparation::prepare::prepare;
 use amplitude::Amplitudes;
 use candidate::{Candidate, candidates};
 
-/// Nats that a term has to gain beyond the logarithm of the number of terms tried. If the model is right, the ratio of the
-/// predictive densities has a mean of one, so that it exceeds `K e^10` for any of `K` terms in at most one flight in 22 000
-/// (Markov's inequality; J. Ville 1939). It is generous because no model is quite right.
+/// Nats that a term has to gain beyond the logarithm of the number of terms tried. If the model is right, the ratio of
+/// the predictive densities has a mean of one, so that it exceeds `K e^10` for any of `K` terms in at most one flight
+/// in 22 000 (Markov's inequality; J. Ville 1939). The limit is generous because no model is exactly right.
 const ENOUGH: f64 = 10.0;
 
 /// Standard errors that a term's estimate has to lie from zero: the correction for coloured residuals is in these alone, and not in
@@ -53,7 +53,7 @@ pub(crate) fn offer<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     if !wanted || task.method().is_batch() || !own.excited {
         return Ok(None);
     }
-    // One more column has to fit.
+    // The estimator must have place for one more column.
     if file.estimated().count() >= capacity(file.axes) {
         return Ok(None);
     }
@@ -76,7 +76,7 @@ pub(crate) fn offer<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     Ok(Some(Offer { reasons, method, threshold, adopted_changes: adopted(&changing.events), terms }))
 }
 
-/// What makes one suspect that a term is missing.
+/// Signs in an estimation that the model may lack a term.
 fn reasons<const R: usize>(run: &Run<R>, file: &ModelFile) -> Vec<String> {
     let mut reasons = Vec::new();
     let adopted = adopted(&run.events);
@@ -164,7 +164,7 @@ fn gain<const R: usize>(with: &Run<R>, without: &Run<R>) -> f64 {
     rows.map(|(a, b)| a - b).filter(|difference| difference.is_finite()).sum()
 }
 
-/// What the verdict says of it.
+/// The sentence of the verdict about the terms tried.
 pub(crate) fn sentence(offer: &Offer) -> String {
     match offer.best() {
         Some(best) => {
@@ -199,7 +199,7 @@ pub(crate) fn sentence(offer: &Offer) -> String {
     }
 }
 
-/// Four significant digits.
+/// The number with four significant digits, as it stands in a model file.
 fn number(value: f64) -> String {
     let exponent = if value == 0.0 || !value.is_finite() { 0 } else { value.abs().log10().floor() as i32 };
     format!("{value:.*}", (3 - exponent).clamp(0, 9) as usize)

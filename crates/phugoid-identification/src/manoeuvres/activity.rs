@@ -9,13 +9,13 @@ use super::shape;
 
 /// Smallest motion of a surface that counts, rad: rounding is not an input.
 const SMALLEST: f64 = 1e-4;
-/// A surface moves on purpose where its travel is this many times what it does all the time.
+/// A surface counts as moved on purpose where its travel is this many times its usual travel.
 const ABOVE_USUAL: f64 = 2.5;
-/// What stands out of it moves by this many times as much, in the median.
+/// Stretches stand out where their median travel is this many times the median travel outside.
 const CONTRAST: f64 = 6.0;
-/// An input departs by this many sigmas of how the surface wanders over the whole record ...
+/// An input has to depart by this many standard deviations of the surface over the whole record ...
 const WANDER: f64 = 4.0;
-/// ... or makes up this part of the record itself.
+/// ... or to last for this part of the record.
 const LARGE_PART: f64 = 0.25;
 
 /// The motions of one surface.
@@ -24,11 +24,11 @@ pub(crate) fn inputs(signals: &Signals<'_>, surface: &str, settings: &Settings) 
     let clean = medians(&sampled.values);
     let travel = travel(&sampled.time, &clean, settings.window_s);
     let threshold = SMALLEST.max(settings.sigmas * sampled.noise);
-    // A control loop at work moves a surface all the time: what it does in the quietest quarter is no input.
+    // A control loop moves a surface all the time: the travel in the quietest quarter of the samples is not an input.
     let usual = quantile(&mut travel.clone(), 0.25, Rank::Lower).unwrap_or(0.0);
     let mut stretches = stretches(&travel, threshold.max(ABOVE_USUAL * usual));
     if usual * ABOVE_USUAL > threshold && !stands_out(&travel, &stretches) {
-        // Nothing stands out of what it does all the time: that is the input.
+        // No stretch stands out of the usual travel: then the usual travel is the input.
         stretches = self::stretches(&travel, threshold);
     }
     let view = View { sampled, clean: &clean, settings, threshold };
@@ -171,7 +171,7 @@ impl View<'_> {
     }
 }
 
-/// Medians of three: a single wild value is no motion, and an edge keeps its place.
+/// Running medians of three values: they remove a single outlier and keep an edge where it is.
 fn medians(values: &[f64]) -> Vec<f64> {
     let mut clean = values.to_vec();
     for (k, w) in values.windows(3).enumerate() {

@@ -1,17 +1,20 @@
-//! Was the aircraft flying?
+//! Decides by the airspeed whether the aircraft was flying during a segment.
 
 use phugoid_flight_data::statistics::{Rank, quantile};
 
 use super::record::Signals;
 
-/// A speed this part of the fastest of the record is still flight: stall speed over top speed is more.
+/// Airspeeds above this part of the highest of the record count as flight: the ratio of stall speed to top speed is
+/// larger.
 const PART_OF_FASTEST: f64 = 0.3;
 
 /// # Errors
 /// A sentence that says why the segment is no flight, or why that is not known.
 pub(crate) fn check(signals: &Signals<'_>, from_s: f64, to_s: f64, slowest_m_s: f64) -> Result<(), String> {
     let Some((_, speed)) = signals.speed() else {
-        return Err("no airspeed: neither flight nor coefficients can be told".to_owned());
+        return Err(
+            "no airspeed: whether the aircraft flew and which derivatives can be estimated is not known".to_owned()
+        );
     };
     let mut here = speed.between(from_s, to_s).to_vec();
     // The slowest and the fastest values may be outliers: the tenth from below and the twentieth from above stand for them.

@@ -7,16 +7,16 @@ use super::shape::Kind;
 /// What one surface did in a manoeuvre.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SurfaceInput {
-    /// Channel: `elevator`, `aileron`, `rudder`.
+    /// Canonical name of the surface's channel: `elevator`, `aileron` or `rudder`.
     pub surface: String,
-    /// First motion, s.
+    /// Time of the first motion, s.
     pub onset_s: f64,
-    /// Last motion, s.
+    /// Time of the last motion, s.
     pub end_s: f64,
-    /// Largest departure from where it was before, rad, with its sign.
+    /// Largest deflection from the position before the input, rad, with its sign (positive trailing edge down).
     pub peak_rad: f64,
-    /// What it was.
+    /// The shape of the input.
     pub kind: Kind,
-    /// Frequency at which it has most power per octave, Hz.
+    /// Frequency at which the input has most power per octave, Hz; `None` where it is too short to have one.
     pub frequency_hz: Option<f64>,
 }

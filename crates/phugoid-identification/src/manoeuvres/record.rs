@@ -1,4 +1,4 @@
-//! The channels of a record that the search looks at, and a segment of them at a rate that regressions can bear.
+//! The channels of a record that the search looks at, and a segment of them at a rate that keeps the regressions fast.
 
 use std::collections::BTreeMap;
 

@@ -1,9 +1,9 @@
 //! Settings of the search for manoeuvres.
 
-/// Choices of the search. The defaults suit aircraft from small drones to airliners.
+/// Settings of the search ([`find`](super::find)). The defaults suit aircraft from small drones to airliners.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
-    /// Quiet time wanted before an input, s: the reference that departures are counted from.
+    /// Time without motion that is wanted before an input, s; the deflections of the input count from the level there.
     pub lead_s: f64,
     /// Time that the aircraft is given to settle after an input, s; inputs less than this apart are one manoeuvre.
     pub settling_s: f64,

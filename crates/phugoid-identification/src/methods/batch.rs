@@ -33,7 +33,7 @@ pub(super) fn run_batch<M: MotionModel<N, R, CAPACITY>, const N: usize, const R:
     let Task { prepared, file, options, health, .. } = *task;
     let method = task.method();
     if health.is_some() {
-        return Err(EstimateError::NoMonitorBeside { method });
+        return Err(EstimateError::MonitorNeedsCausal { method });
     }
     if !excited::<M, N, R>(task) {
         let [movers, manoeuvre] = M::AXES.excitation_words();
@@ -309,12 +309,12 @@ fn excited<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(task:
 }
 
 fn report(fit: &BatchFit, equations: Vec<Equation>, prediction: Option<Prediction>) -> BatchReport {
-    let beside = |kind: UnknownKind| !matches!(kind, UnknownKind::Parameter { .. } | UnknownKind::Bias { .. });
+    let is_additional = |kind: UnknownKind| !matches!(kind, UnknownKind::Parameter { .. } | UnknownKind::Bias { .. });
     BatchReport {
         iterations: fit.iterations.len().saturating_sub(1),
         cost: fit.iterations.last().map_or(f64::NAN, |i| i.cost),
         noise_std: fit.noise_std.clone(),
-        unknowns: fit.unknowns.iter().filter(|u| beside(u.kind)).cloned().collect(),
+        unknowns: fit.unknowns.iter().filter(|u| is_additional(u.kind)).cloned().collect(),
         manoeuvres: fit.manoeuvres.iter().map(|m| (m.name.clone(), m.outputs.clone())).collect(),
         equations,
         prediction,

@@ -1,4 +1,4 @@
-//! A model that learns of an axis only once something has moved on it.
+//! A model whose parameters of a group of axes are estimated only after something has moved on these axes.
 //!
 //! What `excitation.rs` says of steady flight holds of each axis by itself: while only the elevator moves, sideslip and roll
 //! wander by their noise alone, and an estimator of all six coefficients takes that for excitation of the lateral ones. So the
@@ -31,7 +31,7 @@ impl<I: Input> Input for GatedInput<I> {
 #[derive(Clone, Debug)]
 pub(crate) struct Gated<M> {
     model: M,
-    /// Group of each column.
+    /// The group of axes that the parameter of each column belongs to.
     groups: Vec<Group>,
 }
 

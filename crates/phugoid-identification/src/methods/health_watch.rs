@@ -15,7 +15,7 @@ use crate::motion::MotionModel;
 pub(crate) struct Monitoring<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> {
     monitor: Box<HealthMonitor<M, N, R, P>>,
     expected: Vec<Expectation>,
-    /// Column of each expectation.
+    /// Column of the estimator that each expectation belongs to.
     columns: Vec<usize>,
     run: HealthRun,
 }

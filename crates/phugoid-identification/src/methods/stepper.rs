@@ -74,7 +74,7 @@ pub(crate) struct Shown<'a> {
     /// Time of the last sample used, s.
     pub(crate) time_s: f64,
     pub(crate) status: Status,
-    /// Parameter units.
+    /// Estimates, in the units of the parameters.
     pub(crate) parameters: &'a [f64],
     /// One sigma claimed by the covariance.
     pub(crate) std_error: &'a [f64],

@@ -27,7 +27,7 @@ pub(crate) struct Run<const R: usize> {
     pub(crate) events: Vec<Event>,
     /// Of the parameters at the end, row and column as in `columns`.
     pub(crate) covariance: Vec<Vec<f64>>,
-    /// At the end.
+    /// Status of the estimator after the last sample.
     pub(crate) status: Status,
     pub(crate) detector: Option<DetectorReport>,
     /// True if any motion was visible above the noise.
@@ -41,11 +41,11 @@ pub(crate) struct Run<const R: usize> {
 /// What one run gave of one parameter.
 #[derive(Clone, Debug)]
 pub(crate) struct ColumnRun {
-    /// By sample.
+    /// Estimate after each sample, in the parameter's unit.
     pub(crate) values: Vec<f64>,
     /// By sample, corrected for the colour of the residuals.
     pub(crate) std_errors: Vec<f64>,
-    /// By sample.
+    /// Correction that the estimator would have liked to make at each sample, in the parameter's unit, for display.
     pub(crate) surfaces: Vec<f64>,
     /// The rest: at the end.
     pub(crate) value: f64,

@@ -12,7 +12,7 @@ pub enum Base {
 /// The speed that normalises the pitch rate, `q_hat = q cbar / (2 V)`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RateSpeed {
-    /// The actual airspeed.
+    /// The airspeed of the moment, as the state or the measurement gives it.
     Actual,
     /// The reference speed of the model file.
     Reference,
@@ -21,7 +21,7 @@ pub enum RateSpeed {
 /// A quantity that is constant or recorded.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Source {
-    /// Constant, SI.
+    /// The same value during the whole flight, SI.
     Constant(f64),
     /// The channel with this canonical name.
     Channel(String),
@@ -30,7 +30,7 @@ pub enum Source {
 /// Where the thrust comes from.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Thrust {
-    /// Constant (N) or recorded.
+    /// Constant (N), or recorded in a channel.
     Known(Source),
     /// Constant, from the trim at the reference point.
     Trim,
@@ -39,7 +39,7 @@ pub enum Thrust {
 /// Where the air density comes from.
 #[derive(Clone, Debug, PartialEq)]
 pub enum AirDensity {
-    /// Constant (kg/m^3) or recorded.
+    /// Constant (kg/m^3), or recorded in a channel.
     Known(Source),
     /// International standard atmosphere 1976 at the `altitude` channel.
     StandardAtmosphere,
@@ -50,7 +50,7 @@ pub enum AirDensity {
 /// The aircraft as a rigid body.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AircraftData {
-    /// Mass, kg.
+    /// Mass of the aircraft, kg.
     pub mass: Source,
     /// Moment of inertia about the body x axis, kg m^2; there where the axes need it.
     pub ixx: Option<Source>,
@@ -60,34 +60,34 @@ pub struct AircraftData {
     pub izz: Option<Source>,
     /// Product of inertia, integral of x z dm, kg m^2; there where the axes need it.
     pub ixz: Option<Source>,
-    /// Wing reference area, m^2.
+    /// Wing reference area `S`, m^2.
     pub wing_area: f64,
-    /// Mean aerodynamic chord, m.
+    /// Mean aerodynamic chord `cbar`, m.
     pub mean_chord: f64,
     /// Wing span, m; there where the axes need it.
     pub wing_span: Option<f64>,
     /// Centre of gravity behind the leading edge of the mean chord, fraction of it. Only databases need it.
     pub cg: Option<f64>,
-    /// Thrust, N.
+    /// Thrust along the thrust line, N.
     pub thrust: Thrust,
     /// Angle of the thrust line above the body x axis, rad.
     pub thrust_inclination: f64,
     /// Pitching moment per newton of thrust, m: positive where the thrust line passes below the centre of gravity.
     pub thrust_arm: f64,
-    /// Air density, kg/m^3.
+    /// Density of the air, kg/m^3.
     pub air_density: AirDensity,
     /// Angular momentum of spinning rotors along body x, kg m^2/s, positive clockwise seen from behind.
     pub rotor_momentum: f64,
-    /// Reference speed `V0`, m/s.
+    /// Reference speed `V0`, m/s; there where a term, `rate_speed` or a trim needs it.
     pub reference_speed: Option<f64>,
-    /// Acceleration of gravity, m/s^2.
+    /// Acceleration of gravity, m/s^2, positive.
     pub gravity: f64,
 }
 
 /// A component of the reference point about which increments are taken.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ReferenceValue {
-    /// Given, SI.
+    /// The value in the file, in SI units.
     Given(f64),
     /// From the level trim of the database at the reference speed and altitude.
     Trim,
@@ -99,13 +99,13 @@ pub enum ReferenceValue {
 /// rudder; sideslip and rates count from zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reference {
-    /// Angle of attack, rad.
+    /// Angle of attack at which `alpha` counts as zero, rad.
     pub alpha: ReferenceValue,
-    /// Elevator, rad.
+    /// Elevator deflection at which `elevator` counts as zero, rad.
     pub elevator: ReferenceValue,
-    /// Aileron, rad.
+    /// Aileron deflection at which `aileron` counts as zero, rad.
     pub aileron: ReferenceValue,
-    /// Rudder, rad.
+    /// Rudder deflection at which `rudder` counts as zero, rad.
     pub rudder: ReferenceValue,
     /// Altitude of the trim, m.
     pub altitude: Option<f64>,

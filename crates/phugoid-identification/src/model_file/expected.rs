@@ -1,4 +1,4 @@
-//! The table `[expected]`: what a healthy aircraft has, and how far off still counts as healthy.
+//! The table `[expected]`: the parameters of a healthy aircraft, and the deviations that still count as healthy.
 
 use phugoid_flight_data::quantity::Dimension;
 use toml::de::DeTable;

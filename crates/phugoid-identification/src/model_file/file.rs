@@ -13,17 +13,17 @@ use crate::core::output::{CHANNELS, Output};
 /// A model file that has been read and checked.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ModelFile {
-    /// File or built-in name.
+    /// Path of the file as it was given, or the name of the built-in model.
     pub source: String,
-    /// Aircraft, for reports.
+    /// Name of the aircraft, for reports.
     pub name: String,
-    /// Axes that are estimated.
+    /// The motion that is estimated, and with it the states and the possible outputs.
     pub axes: Axes,
-    /// Database.
+    /// Database that the estimated terms are added to, if there is one.
     pub base: Base,
     /// Normalisation of the pitch rate.
     pub rate_speed: RateSpeed,
-    /// Rigid body.
+    /// Mass, inertia, sizes, thrust and air of the aircraft.
     pub aircraft: AircraftData,
     /// Names of the extra input channels that terms may use.
     pub extra_inputs: Vec<String>,
@@ -35,9 +35,9 @@ pub struct ModelFile {
     pub noise: [Option<f64>; CHANNELS],
     /// Parameters: terms in the order of the file, then offsets, then biases. Fixed ones included.
     pub parameters: Vec<Parameter>,
-    /// Reference point of increments.
+    /// Where the terms count from: the values of alpha and of the surfaces at which they are zero.
     pub reference: Reference,
-    /// Process noise.
+    /// Process noise of the states, for gusts and model error.
     pub process_noise: ProcessNoise,
     /// Settings of the estimator beside the automatic rule.
     pub estimator: EstimatorTuning,
@@ -84,7 +84,7 @@ impl ModelFile {
         self.axes.outputs().iter().copied().filter(|o| self.outputs[o.index()])
     }
 
-    /// Parameters that are estimated.
+    /// The parameters that are not fixed, in the order of the file: one column of the estimator for each.
     pub fn estimated(&self) -> impl Iterator<Item = &Parameter> {
         self.parameters.iter().filter(|p| !p.fixed)
     }

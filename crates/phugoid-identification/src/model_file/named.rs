@@ -15,7 +15,7 @@ pub enum ModelError {
     /// No model of this name is built in.
     #[error("there is no built-in model `{name}`\n{}", hint(*nearest))]
     Unknown {
-        /// The name asked for.
+        /// The name that was asked for.
         name: String,
         /// The built-in name that is most similar, if one is similar at all.
         nearest: Option<&'static str>,
@@ -23,9 +23,9 @@ pub enum ModelError {
     /// The file cannot be read, and its name is not that of a built-in model.
     #[error("cannot read the model file `{}`: {source}\n{}", .path.display(), hint(*nearest))]
     Unreadable {
-        /// The file asked for.
+        /// The file that was asked for.
         path: PathBuf,
-        /// What the system says.
+        /// What the operating system says.
         source: std::io::Error,
         /// The built-in name that is most similar, if one is similar at all.
         nearest: Option<&'static str>,

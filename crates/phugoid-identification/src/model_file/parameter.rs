@@ -3,7 +3,7 @@
 use crate::core::output::Output;
 use crate::core::term::{Coefficient, Term};
 
-/// What a parameter multiplies.
+/// What a parameter of the model multiplies, and so what it stands for.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Role {
     /// A term of the build-up.
@@ -19,13 +19,13 @@ pub enum Role {
 pub struct Parameter {
     /// Name, e.g. `CL_alpha`, `dCm_q`, `offset_Cm`, `bias_alpha`.
     pub name: String,
-    /// What it multiplies.
+    /// What the parameter multiplies, and so what it stands for.
     pub role: Role,
     /// Start value, SI, per radian where an angle is involved.
     pub start: f64,
     /// One sigma of what is known beforehand about its distance from the start value.
     pub prior_std: f64,
-    /// Declared limits.
+    /// Lower and upper limit of the estimate, in the unit of the parameter; none where the file gives none.
     pub bounds: Option<[f64; 2]>,
     /// One sigma of a plausible sudden change; none for the automatic rule.
     pub change_std: Option<f64>,
@@ -54,10 +54,11 @@ impl Parameter {
 pub struct Expectation {
     /// Name in the model file.
     pub name: String,
-    /// Expected value.
+    /// Expected value, in the unit of the parameter.
     pub value: f64,
-    /// Half width about it that still counts as healthy.
+    /// Largest deviation from the expected value that still counts as healthy, in the unit of the parameter.
     pub tolerance: f64,
-    /// One sigma of what a failure would change; none: as for the change detector.
+    /// Standard deviation of the change that a failure would make, in the unit of the parameter; `None` takes the rule
+    /// of the change detector.
     pub failure_std: Option<f64>,
 }

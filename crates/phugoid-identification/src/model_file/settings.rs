@@ -13,10 +13,10 @@ pub struct ProcessNoise {
     pub adaptive: bool,
 }
 
-/// The estimator's own settings where they differ from the automatic rule (`docs/tuning.md`).
+/// The table `[estimator]`: settings of the estimator that replace the automatic rule (`docs/tuning.md`).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EstimatorTuning {
-    /// Which estimator, where the command line does not say.
+    /// The method, unless [`EstimateOptions::method`](crate::options::EstimateOptions::method) gives another one.
     pub method: Method,
     /// `kappa`: up to this normalised surface value a row slides; none for the rule, 3.
     pub reaching_limit: Option<f64>,

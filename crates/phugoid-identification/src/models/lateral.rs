@@ -17,19 +17,19 @@ pub const LATERAL_OUTPUTS: usize = 7;
 /// which is measured.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LateralInput {
-    /// Surfaces and extra inputs.
+    /// Deflections of the surfaces and the extra inputs of the model file.
     pub surfaces: Surfaces,
-    /// Air density, kg/m^3.
+    /// Density of the air, kg/m^3.
     pub air_density: f64,
-    /// Mass and inertia.
+    /// Mass, and moments and products of inertia.
     pub mass: MassInput,
-    /// True airspeed, m/s.
+    /// Measured true airspeed, m/s.
     pub speed: f64,
-    /// Angle of attack, rad.
+    /// Measured angle of attack, rad.
     pub alpha: f64,
-    /// Pitch angle, rad.
+    /// Measured pitch angle, rad, positive nose up.
     pub theta: f64,
-    /// Pitch rate, rad/s.
+    /// Measured pitch rate about body y, rad/s, positive nose up.
     pub q: f64,
     /// Specific force along body x at the centre of gravity, m/s^2: with `az` it says how fast the airspeed changes.
     pub ax: f64,
@@ -74,7 +74,7 @@ pub struct LateralModel {
     aerodynamics: Aerodynamics,
 }
 
-/// Everything at one point.
+/// The rates of the states, and what the outputs need, at one point.
 struct Motion<T> {
     rates: [T; LATERAL_STATES],
     side_force: T,

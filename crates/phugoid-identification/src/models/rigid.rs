@@ -12,13 +12,13 @@ use crate::models::longitudinal::Database;
 /// Constants of the aircraft that the models of lateral-directional and of the whole motion need.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AircraftConstants {
-    /// Wing reference area, m^2.
+    /// Wing reference area `S`, m^2.
     pub wing_area: f64,
-    /// Mean aerodynamic chord, m.
+    /// Mean aerodynamic chord `cbar`, m.
     pub mean_chord: f64,
-    /// Wing span, m.
+    /// Wing span `b`, m.
     pub span: f64,
-    /// Acceleration of gravity, m/s^2.
+    /// Acceleration of gravity, m/s^2, positive.
     pub gravity: f64,
     /// Angle of the thrust line above body x, rad.
     pub thrust_inclination: f64,
@@ -86,7 +86,7 @@ impl Surfaces {
 /// Mass and inertia at one instant: an aircraft with the x-z plane as plane of symmetry.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MassInput {
-    /// Mass, kg.
+    /// Mass of the aircraft, kg.
     pub mass: f64,
     /// Moment of inertia about body x, kg m^2.
     pub ixx: f64,

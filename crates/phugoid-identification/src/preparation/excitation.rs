@@ -1,4 +1,4 @@
-//! Has the aircraft been moved at all?
+//! Decides whether the aircraft has been moved at all.
 //!
 //! Increments to a database are learnt from departures from the reference point. Before there is any, the estimated
 //! angle of attack still wanders about it by its own noise wherever process noise is allowed for, and an estimator that
@@ -29,7 +29,7 @@ pub(crate) struct Moved {
 }
 
 impl Moved {
-    /// On both.
+    /// Something has moved on both groups of axes.
     pub(crate) const ALL: Self = Self { longitudinal: true, lateral: true };
 
     /// Whether something has moved on this group.

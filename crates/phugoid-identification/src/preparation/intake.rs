@@ -10,7 +10,7 @@ use crate::motion::{Known, Motion};
 /// Where a known input comes from.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Origin {
-    /// Always this, SI.
+    /// The same value at every sample, SI.
     Constant(f64),
     /// The channel of this name.
     Channel(String),

@@ -2,21 +2,22 @@
 
 use phugoid_flight_data::statistics::median;
 
-/// Samples of a channel that its noise is measured from.
+/// The measured noise of one channel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeasuredNoise {
-    /// One sigma, in the channel's unit.
+    /// Standard deviation of the noise, in the channel's unit.
     pub std: f64,
-    /// True if the steps of the recorder, not the noise, decided: `std` is then the step over the root of 12.
+    /// True if the noise is below the step of the recorder: `std` is then that of rounding, the step over the root of
+    /// 12.
     pub quantised: bool,
 }
 
 /// One sigma of the white noise on a channel, from its third differences.
 ///
 /// `sigma = 1.4826 median|x_k - 3 x_(k-1) + 3 x_(k-2) - x_(k-3)| / sqrt(20)`: the third difference removes any motion
-/// that is a parabola over four samples, its noise has the variance `(1 + 9 + 9 + 1) sigma^2`, and 1.4826 makes a
-/// sigma of a median, which outliers cannot move. Missing values are left out. Nothing if there are fewer than eight
-/// third differences, or if the channel does not move at all.
+/// that is a parabola over four samples, its noise has the variance `(1 + 9 + 9 + 1) sigma^2`, and 1.4826 makes a sigma
+/// of a median, which outliers cannot move. NaN counts as missing, and every difference with a missing value is left
+/// out. `None` if there are fewer than eight third differences, or if the channel is constant.
 ///
 /// Motion that is not smooth over four samples counts as noise: the value is then too large, never too small.
 pub fn measure_noise(values: &[f64]) -> Option<MeasuredNoise> {

@@ -4,35 +4,35 @@ use phugoid_flight_dynamics::scalar::{Dual, Scalar};
 
 use crate::models::longitudinal::Database;
 
-/// Steady level flight.
+/// Angle of attack, elevator and thrust of steady level flight with the wings level.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LevelTrim {
     /// Angle of attack, rad; also the pitch angle.
     pub alpha: f64,
-    /// Elevator, rad.
+    /// Elevator deflection, rad, positive trailing edge down.
     pub elevator: f64,
-    /// Thrust, N.
+    /// Thrust along the thrust line, N.
     pub thrust: f64,
 }
 
-/// Condition of a level trim, SI.
+/// The flight condition and the aircraft of a level trim, SI.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrimCondition {
-    /// Airspeed, m/s.
+    /// True airspeed, m/s.
     pub speed: f64,
-    /// Air density, kg/m^3.
+    /// Density of the air, kg/m^3.
     pub density: f64,
-    /// Mass, kg.
+    /// Mass of the aircraft, kg.
     pub mass: f64,
-    /// Acceleration of gravity, m/s^2.
+    /// Acceleration of gravity, m/s^2, positive.
     pub gravity: f64,
-    /// Wing area, m^2.
+    /// Wing reference area, m^2.
     pub wing_area: f64,
-    /// Mean chord, m.
+    /// Mean aerodynamic chord, m.
     pub mean_chord: f64,
     /// Angle of the thrust line above body x, rad.
     pub thrust_inclination: f64,
-    /// Pitching moment per newton of thrust, m.
+    /// Pitching moment about the centre of gravity per newton of thrust, m, positive nose up.
     pub thrust_arm: f64,
 }
 
@@ -40,7 +40,8 @@ pub struct TrimCondition {
 /// derivatives and halved steps.
 ///
 /// # Errors
-/// A sentence with the remaining accelerations, if no level flight was found at this condition.
+/// A sentence with the remaining imbalance if no level flight was found at this condition, which includes every NaN
+/// argument.
 pub fn level_trim(database: &Database, c: &TrimCondition) -> Result<LevelTrim, String> {
     let qbar_s = 0.5 * c.density * c.speed * c.speed * c.wing_area;
     let weight = c.mass * c.gravity;

@@ -42,13 +42,13 @@ impl AlphaRateTerms {
     }
 }
 
-/// Everything at one point.
+/// What the implicit equations of the motion need at one point.
 struct Implicit<T> {
     factors: [T; FACTORS],
     alpha_rate: T,
-    /// `cbar / 2V`, s.
+    /// Time that the air takes along half of the chord, `cbar / 2V`, s.
     chord_time: T,
-    /// `k_L, k_D, k_m`, s.
+    /// Coefficients of the rate of alpha in lift, drag and pitching moment, `k_L, k_D, k_m`, s.
     gains: [T; 3],
     motion: LongitudinalMotion<T>,
 }
