@@ -36,6 +36,16 @@ const LAGS: usize = 20;
 
 impl OutputFit {
     /// Compares two signals where both have values; none if they have fewer than two in common.
+    ///
+    /// ```
+    /// use phugoid_identification::batch::OutputFit;
+    /// let measured: Vec<f64> = (0..100).map(|k| (0.1 * f64::from(k)).sin()).collect();
+    /// let shifted: Vec<f64> = measured.iter().map(|value| value + 0.1).collect();
+    /// let fit = OutputFit::of("q", &measured, &shifted).ok_or("fewer than two values")?;
+    /// assert!((fit.rms - 0.1).abs() < 1e-12);
+    /// assert!(fit.theil_bias > 0.999, "the whole error is a constant");
+    /// # Ok::<(), &str>(())
+    /// ```
     pub fn of(name: &str, measured: &[f64], modelled: &[f64]) -> Option<Self> {
         let both: Vec<(f64, f64)> =
             measured.iter().copied().zip(modelled.iter().copied()).filter(|(y, z)| (y - z).is_finite()).collect();

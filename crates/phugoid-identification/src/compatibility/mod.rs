@@ -131,6 +131,24 @@ impl Compatibility {
 /// Needs the channels `true_airspeed`, `theta`, `q`, `ax` and `az`; `alpha` and all lateral ones are used where they are there.
 /// Without `alpha` the angle of attack is reconstructed from the rest.
 ///
+/// ```
+/// use phugoid_flight_data::record::Record;
+/// use phugoid_identification::compatibility::{CompatibilityOptions, SensorVerdict, compatibility};
+/// let mut flight = Record::open("examples/flight.csv")?;
+/// for channel in flight.channels.iter_mut().filter(|channel| channel.name == "q") {
+///     channel.values.iter_mut().for_each(|q| *q += 0.01); // a rate gyroscope with a constant error, rad/s
+/// }
+/// // Only constant errors are looked for: no scale factors and no delays.
+/// let options = CompatibilityOptions { groups: Vec::new(), ..CompatibilityOptions::default() };
+/// let result = compatibility(&flight, &options)?;
+/// let bias = result.error("bias_q").ok_or("not estimated")?;
+/// assert_eq!(bias.verdict, SensorVerdict::Significant);
+/// assert!((bias.value - 0.01).abs() < 0.001, "{bias:?}");
+/// let corrected = result.corrections.apply(&flight);
+/// assert!((flight.require("q")?.values[0] - corrected.require("q")?.values[0] - bias.value).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// [`EstimateError`]: a missing channel, too few samples, unknowns that cannot be told apart.
 pub fn compatibility(record: &Record, options: &CompatibilityOptions) -> Result<Compatibility, EstimateError> {

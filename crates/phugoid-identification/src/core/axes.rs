@@ -4,6 +4,14 @@ use crate::core::output::Output;
 use crate::core::term::{Coefficient, Variable};
 
 /// The axes of the motion that is estimated.
+///
+/// ```
+/// use phugoid_identification::axes::Axes;
+/// use phugoid_identification::output::Output;
+/// let states: Vec<&str> = Axes::Longitudinal.states().iter().map(|output| output.name()).collect();
+/// assert_eq!(states, ["true_airspeed", "alpha", "theta", "q"]);
+/// assert_eq!(Axes::Longitudinal.row(Output::Beta), None); // sideslip is not measured there
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Axes {
     /// Symmetric flight: airspeed, angle of attack, pitch.

@@ -7,7 +7,20 @@ use phugoid_estimators::settings::SettingsError;
 use super::method::Method;
 use crate::batch::BatchError;
 
-/// Why an estimation could not be made.
+/// Why an estimation could not be made. The text says what to do about it.
+///
+/// ```
+/// use phugoid_flight_data::record::Record;
+/// use phugoid_identification::error::EstimateError;
+/// use phugoid_identification::estimate::{EstimateOptions, estimate};
+/// use phugoid_identification::model_file::ModelFile;
+/// let columns = [("time_s", vec![0.0, 0.1]), ("elevatr_deg", vec![1.0, 2.0])];
+/// let flight = Record::from_columns("test flight", columns)?;
+/// let error = estimate(&flight, &ModelFile::named("f16")?, &EstimateOptions::default(), &mut |_| {}).unwrap_err();
+/// assert!(matches!(&error, EstimateError::MissingChannel { channel, .. } if channel == "elevator"));
+/// assert!(error.to_string().contains("channel `elevator` is missing"), "{error}");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum EstimateError {
     /// A channel that the model needs is not in the record.

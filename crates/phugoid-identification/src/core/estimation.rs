@@ -231,6 +231,17 @@ pub struct History {
 impl History {
     /// As a record to be written as CSV: inputs and measured outputs under their names, `<output>_predicted`,
     /// `<output>_residual` (one sigma = 1), and each parameter with `<parameter>_std`, the corrected one-sigma error.
+    ///
+    /// ```
+    /// use phugoid_flight_data::csv;
+    /// use phugoid_identification::estimation::{History, Signal};
+    /// let alpha = Signal { name: "alpha".to_owned(), unit: "rad".to_owned(), values: vec![0.05, f64::NAN] };
+    /// let history = History { time_s: vec![0.0, 0.1], measured: vec![alpha], ..History::default() };
+    /// let mut text = Vec::new();
+    /// csv::write(&history.record("example"), &mut text)?;
+    /// assert_eq!(String::from_utf8(text)?, "time_s,alpha_rad\n0,0.05\n0.1,\n");
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn record(&self, source: &str) -> Record {
         let quantity = |name: &str| by_name(name).map_or(Quantity::Number, |spec| spec.quantity);
         let channel =

@@ -8,6 +8,14 @@ use serde::{Deserialize, Serialize};
 use super::words::did_you_mean;
 
 /// The estimation methods of the project. Batch methods fit a whole record; the others take one sample after the other.
+///
+/// ```
+/// use phugoid_identification::method::Method;
+/// assert_eq!("output-error".parse(), Ok(Method::OutputError));
+/// assert!(Method::OutputError.is_batch() && !Method::default().is_batch());
+/// let error = "kalman".parse::<Method>().unwrap_err();
+/// assert!(error.to_string().contains("unknown method `kalman`"));
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Method {

@@ -140,6 +140,15 @@ fn position(name: &str, extra_inputs: &[String]) -> Option<usize> {
 impl Term {
     /// Parses `1`, `alpha`, `alpha^2`, `alpha*elevator`, ...
     ///
+    /// ```
+    /// use phugoid_identification::term::{Coefficient, Term};
+    /// let term = Term::parse("alpha * elevator^2", &[])?;
+    /// assert_eq!(term.parameter_name(Coefficient::PitchingMoment, false, &[]), "Cm_alpha_elevator2");
+    /// assert_eq!(term.parameter_unit(), "per rad^3");
+    /// assert!(Term::parse("alhpa", &[]).unwrap_err().contains("did you mean `alpha`?"));
+    /// # Ok::<(), String>(())
+    /// ```
+    ///
     /// # Errors
     /// A sentence naming the word that is not a flight variable, or the power that is not 1 to 9.
     pub fn parse(text: &str, extra_inputs: &[String]) -> Result<Self, String> {

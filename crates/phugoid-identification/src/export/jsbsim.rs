@@ -25,6 +25,16 @@ const EXTRA: [(&str, &str); 3] =
 
 /// Writes the section; numbers with all their digits.
 ///
+/// ```
+/// use phugoid_identification::export::{ExportError, Identified, jsbsim};
+/// use phugoid_identification::model_file::ModelFile;
+/// let whole = ModelFile::named("hfb320")?; // Identified::new takes the values of an estimation instead
+/// assert!(jsbsim(&Identified::start(&whole))?.text.contains("<axis name=\"PITCH\">"));
+/// let increments = ModelFile::named("f16")?;
+/// assert!(matches!(jsbsim(&Identified::start(&increments)), Err(ExportError::Increments(..))));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// [`ExportError`]: increments to a database, an extra input that JSBSim has no property for, a reference that is not in the result.
 pub fn jsbsim(identified: &Identified<'_>) -> Result<Exported, ExportError> {

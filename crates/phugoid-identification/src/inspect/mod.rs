@@ -107,6 +107,21 @@ pub struct ModelNeeds {
 
 /// Surveys a record: channels, gaps, doubtful units, manoeuvres, and the channels that it lacks for some model files.
 /// Nothing is estimated, no model is needed (`models` may be empty), and it never fails; NaN values count as missing.
+///
+/// ```
+/// use phugoid_flight_data::record::Record;
+/// use phugoid_identification::inspect::inspect;
+/// use phugoid_identification::manoeuvres::{Settings, Support};
+/// use phugoid_identification::model_file::ModelFile;
+/// let flight = Record::open("examples/flight.csv")?;
+/// let found = inspect(&flight, &[ModelFile::named("f16-six")?], &Settings::default());
+/// assert_eq!(found.found.manoeuvres[0].words(), "elevator 3-2-1-1");
+/// let stability = found.derivatives.iter().find(|d| d.coefficient.name == "Cm_alpha").ok_or("not found")?;
+/// assert_eq!(stability.coefficient.support, Support::Told);
+/// // Nothing lateral was recorded.
+/// assert!(found.models[0].missing.contains(&"beta".to_owned()));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn inspect(record: &Record, models: &[ModelFile], settings: &Settings) -> Inspection {
     let found = find(record, settings);
     let ends = record.time.first().zip(record.time.last());

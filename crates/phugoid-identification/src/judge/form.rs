@@ -175,6 +175,23 @@ impl Derivatives {
     ///
     /// A pair of which only one is there (`CL_q` without `CD_q`) has the other equal to zero, known exactly, as the model
     /// has it. The covariance of the result is therefore singular where it has more derivatives than were estimated.
+    ///
+    /// ```
+    /// use phugoid_identification::form::{Argument, Derivative, Derivatives, Form, Symbol};
+    /// use phugoid_identification::term::Variable;
+    /// let lift_slope = Derivative { symbol: Symbol::CL, argument: Argument::Variable(Variable::Alpha) };
+    /// let stability = Derivatives {
+    ///     form: Form::Model,
+    ///     names: vec![lift_slope],
+    ///     values: vec![5.0],
+    ///     covariance: vec![vec![0.01]],
+    ///     increments: false,
+    /// };
+    /// let body = stability.to(Form::Body, 0.0); // at zero angle of attack CZ is -CL
+    /// let of_cz = body.names.iter().position(|d| d.to_string() == "CZ_alpha").ok_or("missing")?;
+    /// assert_eq!((body.values[of_cz], body.std_errors()[of_cz]), (-5.0, 0.1));
+    /// # Ok::<(), &str>(())
+    /// ```
     #[must_use]
     pub fn to(&self, form: Form, alpha: f64) -> Self {
         let mut all = self.clone();

@@ -61,6 +61,16 @@ const ESTIMATOR_KEYS: [&str; 7] = [
 impl ModelFile {
     /// Reads and checks a model file.
     ///
+    /// ```
+    /// use phugoid_identification::model_file::ModelFile;
+    /// let text = ModelFile::text("f16")?.replace("wing_area", "wing_aera");
+    /// let error = ModelFile::parse("mine.toml", &text).unwrap_err();
+    /// assert_eq!((error.key.as_ref(), error.nearest.as_deref()), ("aircraft.wing_aera", Some("wing_area")));
+    /// let shown = error.to_string();
+    /// assert!(shown.starts_with("mine.toml:12:1: unknown key `wing_aera` in [aircraft]: did you mean `wing_area`?"), "{shown}");
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
     /// # Errors
     /// The first thing found wrong, with file, line, column, key and the nearest valid word.
     pub fn parse(file: &str, text: &str) -> Result<Self, ModelFileError> {

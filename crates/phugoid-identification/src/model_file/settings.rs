@@ -6,7 +6,7 @@ use crate::core::output::STATE_CHANNELS;
 /// The process noise that stands for gusts and model error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ProcessNoise {
-    /// Spectral densities of the rates of the states, by [`Output::index`]: airspeed (m^2/s^3), angles (rad^2/s), angular
+    /// Spectral densities of the rates of the states, by [`Output::index`](crate::output::Output::index): airspeed (m^2/s^3), angles (rad^2/s), angular
     /// rates (rad^2/s^3). Those that are no states of the axes are not used.
     pub density: [f64; STATE_CHANNELS],
     /// True if a scale on all of them is learnt from the residuals.

@@ -42,6 +42,28 @@ const FLYING: f64 = 0.5;
 
 /// One live estimation.
 ///
+/// ```
+/// use phugoid_flight_data::record::Record;
+/// use phugoid_identification::estimate::{EstimateOptions, estimate};
+/// use phugoid_identification::model_file::ModelFile;
+/// use phugoid_identification::session::{Session, Step};
+/// let (flight, model, options) =
+///     (Record::open("examples/flight.csv")?, ModelFile::named("f16")?, EstimateOptions::default());
+/// let mut session = Session::new(&model, &options)?;
+/// for k in 0..flight.len() {
+///     let value = |name: &String| flight.channel(name).map_or(f64::NAN, |channel| channel.values[k]);
+///     let values: Vec<f64> = session.channels().iter().map(value).collect();
+///     let step = session.update(flight.time[k], &values)?;
+///     assert_eq!(matches!(step, Step::Waiting { .. }), k < 100, "the first two seconds are collected");
+/// }
+/// // The same number as from the whole record, to the last bit.
+/// let position = session.layout().parameters.iter().position(|p| p.name == "dCm_alpha").ok_or("missing")?;
+/// let live = &session.snapshot().ok_or("no estimate")?.parameters[position];
+/// let whole = estimate(&flight, &model, &options, &mut |_| {})?;
+/// assert_eq!(Some(live.value), whole.parameter("dCm_alpha").map(|p| p.value));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// It may be moved between threads. Models of the lateral motion, or of all axes, need up to 4 MB of stack in [`Session::update`]:
 /// call it on a thread that has 16 MB.
 pub struct Session {

@@ -20,6 +20,16 @@ pub struct MeasuredNoise {
 /// out. `None` if there are fewer than eight third differences, or if the channel is constant.
 ///
 /// Motion that is not smooth over four samples counts as noise: the value is then too large, never too small.
+///
+/// ```
+/// use phugoid_identification::noise::measure_noise;
+/// // Smooth motion, recorded in steps of 0.1.
+/// let values: Vec<f64> = (0..400).map(|k| (10.0 * (0.01 * f64::from(k)).sin() * 10.0).round() / 10.0).collect();
+/// let noise = measure_noise(&values).ok_or("too short")?;
+/// assert!(noise.std < 0.1, "{noise:?}");
+/// assert_eq!(measure_noise(&[2.0; 400]), None); // a constant channel says nothing of its noise
+/// # Ok::<(), &str>(())
+/// ```
 pub fn measure_noise(values: &[f64]) -> Option<MeasuredNoise> {
     let mut third: Vec<f64> =
         values.windows(4).map(|w| (w[3] - 3.0 * w[2] + 3.0 * w[1] - w[0]).abs()).filter(|d| d.is_finite()).collect();

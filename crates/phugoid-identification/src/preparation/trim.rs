@@ -37,7 +37,29 @@ pub struct TrimCondition {
 }
 
 /// Finds alpha, elevator and thrust at which neither speed nor path nor pitch rate change, by Newton's method with exact
-/// derivatives and halved steps.
+/// derivatives and halved steps. Thrust and deflections are not limited: compare them with what the aircraft has.
+///
+/// ```
+/// use phugoid_flight_dynamics::atmosphere::Atmosphere;
+/// use phugoid_identification::model_file::ModelFile;
+/// use phugoid_identification::prepare::database;
+/// use phugoid_identification::trim::{TrimCondition, level_trim};
+/// let f16 = database(&ModelFile::named("f16")?)?;
+/// let mut condition = TrimCondition {
+///     speed: 205.74,
+///     density: Atmosphere::Book.at(6096.0).density,
+///     mass: 9299.8,
+///     gravity: 9.8054,
+///     wing_area: 27.87,
+///     mean_chord: 3.45,
+///     thrust_inclination: 0.0,
+///     thrust_arm: 0.0,
+/// };
+/// assert!((level_trim(&f16, &condition)?.alpha.to_degrees() - 2.39).abs() < 0.01);
+/// condition.density = 0.0; // no air, no lift
+/// assert!(level_trim(&f16, &condition).unwrap_err().contains("no level trim at 205.74 m/s"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Errors
 /// A sentence with the remaining imbalance if no level flight was found at this condition, which includes every NaN
