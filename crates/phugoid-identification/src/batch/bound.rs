@@ -25,9 +25,11 @@ pub struct Bounded {
     pub kind: UnknownKind,
     /// Name of the unknown as the user knows it, e.g. `Cm_alpha` or `bias of alpha`.
     pub name: String,
-    /// Smallest standard error of an unbiased estimator, where the outputs have no other error than the noise of the structure.
+    /// Smallest standard error of an unbiased estimator, where the outputs have no other error than the noise of the
+    /// structure.
     pub std_error: f64,
-    /// The same with the residuals that the model leaves at these values in place of that noise, their colour allowed for.
+    /// The same with the residuals that the model leaves at these values in place of that noise, their colour allowed
+    /// for.
     pub with_residuals: f64,
     /// The unknown whose error is most correlated with that of this one, and the correlation.
     pub closest: Option<(String, f64)>,

@@ -2,8 +2,8 @@
 //!
 //! A cubic is fitted by least squares to the samples within half a window of each sample, and its value and slope there
 //! are taken (Savitzky & Golay, Analytical Chemistry 36, 1964; Klein & Morelli, Aircraft System Identification, section
-//! 11.3), for any sample times and with missing values. Centred windows have no phase lag. Near the ends a window would be
-//! one-sided and the slope's error several times larger: there is no value there.
+//! 11.3), for any sample times and with missing values. Centred windows have no phase lag. Near the ends a window would
+//! be one-sided and the slope's error several times larger: there is no value there.
 
 use nalgebra::{Matrix4, Vector4};
 

@@ -21,13 +21,14 @@ pub struct EquationErrorSettings {
     /// Samples this far to each side make one value of a state and its slope, s. It should be short against the motion
     /// (a tenth of the short period) and hold at least three samples.
     pub half_window_s: f64,
-    /// Use smoothed states in the regressors; otherwise the measured ones, which is right for noise-free data only: noise in
-    /// a regressor biases its derivative towards zero.
+    /// Use smoothed states in the regressors; otherwise the measured ones, which is right for noise-free data only:
+    /// noise in a regressor biases its derivative towards zero.
     pub smooth_regressors: bool,
-    /// Use every equation that has a measured left side. Otherwise a state's rate is differentiated only where a parameter
-    /// needs it: a measured acceleration is better than a numerical one.
+    /// Use every equation that has a measured left side. Otherwise a state's rate is differentiated only where a
+    /// parameter needs it: a measured acceleration is better than a numerical one.
     pub every_equation: bool,
-    /// Partial F from which a term counts as needed. 4 is the 95 % point for white residuals; 20 allows for their colour.
+    /// Partial F from which a term counts as needed. 4 is the 95 % point for white residuals; 20 allows for their
+    /// colour.
     pub f_to_enter: f64,
 }
 
@@ -42,15 +43,16 @@ impl EquationErrorSettings {
 /// The result of [`equation_error`]: the estimates, and how much each term of each equation explains.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct EquationErrorFit {
-    /// Estimates with their covariance. The fitted outputs are the smoothed states and, from them, the other outputs; the
-    /// residuals are those of the equations, in the place of the output that measures the state or the acceleration.
+    /// Estimates with their covariance. The fitted outputs are the smoothed states and, from them, the other outputs;
+    /// the residuals are those of the equations, in the place of the output that measures the state or the
+    /// acceleration.
     pub fit: BatchFit,
     /// The equations, by groups that share parameters.
     pub equations: Vec<Equation>,
 }
 
-/// Solves the equations of motion for the parameters by weighted least squares, with measured states and differentiated or
-/// measured rates (Klein & Morelli, Aircraft System Identification, chapter 5):
+/// Solves the equations of motion for the parameters by weighted least squares, with measured states and differentiated
+/// or measured rates (Klein & Morelli, Aircraft System Identification, chapter 5):
 ///
 /// ```text
 /// d/dt x_i (measured, smoothed) - f_i(x, u) = Phi_i(x, u) theta + e_i        a state's equation
@@ -170,9 +172,9 @@ struct RightSide<const N: usize> {
     regressors: Vec<LinearizedRates<N, CAPACITY>>,
 }
 
-/// Integrates the right side over the samples (trapezia, with the input that acted in each interval) and takes the slope of
-/// that as it was taken of the measured state. Both sides have then been through the same window: what it rounds off, such
-/// as the step in a rate that a step of a surface makes, it rounds off on both.
+/// Integrates the right side over the samples (trapezia, with the input that acted in each interval) and takes the
+/// slope of that as it was taken of the measured state. Both sides have then been through the same window: what it
+/// rounds off, such as the step in a rate that a step of a surface makes, it rounds off on both.
 fn right_side<M, I, const N: usize, const R: usize>(
     m: &Manoeuvre<'_, M, I, N, R>,
     measured: &Measured<N>,
@@ -302,7 +304,8 @@ where
     manoeuvres.iter().zip(measured).enumerate().map(of).collect()
 }
 
-/// The equations to use: measured accelerations, and the rates of states that carry a parameter which no acceleration sees.
+/// The equations to use: measured accelerations, and the rates of states that carry a parameter which no acceleration
+/// sees.
 fn needed<M, I, const N: usize, const R: usize>(
     manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
     every: &[Rows<R>],

@@ -26,8 +26,8 @@ pub(crate) struct Tuning<const N: usize, const R: usize> {
 pub(crate) struct Innovations<const R: usize> {
     /// Outputs predicted from all samples before, with their biases.
     pub(crate) predicted: Vec<[f64; R]>,
-    /// Measured minus predicted; the outputs of a sample one after the other, each with what those before it corrected, so
-    /// that all are independent.
+    /// Measured minus predicted; the outputs of a sample one after the other, each with what those before it corrected,
+    /// so that all are independent.
     pub(crate) errors: Vec<[f64; R]>,
     /// Variance of each innovation, in the squared unit of its output.
     pub(crate) variances: Vec<[f64; R]>,

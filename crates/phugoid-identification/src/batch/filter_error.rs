@@ -46,10 +46,10 @@ const FIRST_DIFFERENCE: f64 = 1e-5;
 /// J = 1/2 sum_k sum_i [ e_i(k)^2 / s_i(k) + ln s_i(k) ]   ( + priors )
 /// ```
 ///
-/// over parameters, biases and, where they are to be estimated, the variances of measurement and process noise (by their
-/// logarithms, so that every filter on the way has a valid, stabilising gain). The filter is time-varying; the initial
-/// state is not searched but starts ten sensor sigmas wide and is found by the first samples.
-/// Fisher scoring (Gupta & Mehra, IEEE Transactions on Automatic Control AC-19, 1974; Jategaonkar, Flight Vehicle System
+/// over parameters, biases and, where they are to be estimated, the variances of measurement and process noise (by
+/// their logarithms, so that every filter on the way has a valid, stabilising gain). The filter is time-varying; the
+/// initial state is not searched but starts ten sensor sigmas wide and is found by the first samples. Fisher scoring
+/// (Gupta & Mehra, IEEE Transactions on Automatic Control AC-19, 1974; Jategaonkar, Flight Vehicle System
 /// Identification, chapter 5) with the safeguard of the other methods:
 ///
 /// ```text

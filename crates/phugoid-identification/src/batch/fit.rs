@@ -11,8 +11,8 @@ pub struct OutputFit {
     pub samples: usize,
     /// Root mean square of measured minus modelled, output units.
     pub rms: f64,
-    /// Coefficient of determination, `1 - sum of squared errors / sum of squares about the mean`: 1 is perfect, 0 is what
-    /// the mean alone explains, negative is worse than that.
+    /// Coefficient of determination, `1 - sum of squared errors / sum of squares about the mean`: 1 is perfect, 0 is
+    /// what the mean alone explains, negative is worse than that.
     pub r_squared: f64,
     /// Theil's inequality coefficient, 0 (perfect) to 1: rms error over the sum of the rms of both signals
     /// (Jategaonkar, Flight Vehicle System Identification, chapter 11; below 0.3 counts as a good agreement there).

@@ -46,8 +46,8 @@ impl<T> Evaluation<T> {
         Evaluation { cost: self.cost + cost, descent: self.descent, information: self.information, detail }
     }
 
-    /// Adds the rows of one manoeuvre, already divided by one sigma: `sum S^T nu` and `sum S^T S`. The cost is left to the
-    /// caller.
+    /// Adds the rows of one manoeuvre, already divided by one sigma: `sum S^T nu` and `sum S^T S`. The cost is left to
+    /// the caller.
     pub(crate) fn add<const R: usize>(&mut self, rows: &Rows<R>) {
         let width = rows.columns.len();
         let mut information = DMatrix::<f64>::zeros(width, width);

@@ -46,10 +46,10 @@ pub(crate) struct Minimum<T> {
 
 /// Searches the minimum of a negative log-likelihood.
 ///
-/// Each step solves `(M + lambda diag M) d = -g` with the Fisher information `M`: Gauss-Newton while that lowers the cost
-/// (`lambda = 0`), Levenberg-Marquardt with growing damping where it does not or where `M` is singular. A step is cut at
-/// the bounds; an unknown on a bound that the gradient presses against is left out of the step.
-/// `evaluate` gives none where the model has no finite answer, and may where the cost is not below its second argument.
+/// Each step solves `(M + lambda diag M) d = -g` with the Fisher information `M`: Gauss-Newton while that lowers the
+/// cost (`lambda = 0`), Levenberg-Marquardt with growing damping where it does not or where `M` is singular. A step is
+/// cut at the bounds; an unknown on a bound that the gradient presses against is left out of the step. `evaluate` gives
+/// none where the model has no finite answer, and may where the cost is not below its second argument.
 pub(crate) fn minimise<T>(
     places: &[Place],
     start: Vec<f64>,

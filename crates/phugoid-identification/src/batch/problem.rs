@@ -5,8 +5,8 @@ use phugoid_estimators::discretization::InputHold;
 
 use super::error::BatchError;
 
-/// The samples of one flight, with the model of that flight: constants such as mass may differ from flight to flight, the
-/// parameters are common to all.
+/// The samples of one flight, with the model of that flight: constants such as mass may differ from flight to flight,
+/// the parameters are common to all.
 ///
 /// `M` is a [`phugoid_estimators::Model`] with input `I`, `N` states and `R` outputs.
 #[derive(Debug)]

@@ -14,8 +14,8 @@ pub struct Equation {
     pub left_sides: Vec<String>,
     /// Samples used, over all left sides.
     pub samples: usize,
-    /// Share of the left sides' squares about their means that all terms together explain, each left side weighted by its
-    /// residual variance. What is known of the left side (tables, fixed terms) is taken off before.
+    /// Share of the left sides' squares about their means that all terms together explain, each left side weighted by
+    /// its residual variance. What is known of the left side (tables, fixed terms) is taken off before.
     pub r_squared: f64,
     /// Standard deviation of the residual of each left side, its unit.
     pub residual_std: Vec<f64>,

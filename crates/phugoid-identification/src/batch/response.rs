@@ -49,9 +49,9 @@ impl<const R: usize> Rows<R> {
 
 /// Simulates a manoeuvre; gives the time of the first value that is not finite, s from its start, if there is one.
 ///
-/// The sensitivities obey `U+ = A U + B` and `S+ = A S` with the derivatives `A`, `B` of the step map itself, so that they
-/// are those of the simulated outputs to rounding (Klein & Morelli, Aircraft System Identification, section 6.3, there in
-/// continuous time).
+/// The sensitivities obey `U+ = A U + B` and `S+ = A S` with the derivatives `A`, `B` of the step map itself, so that
+/// they are those of the simulated outputs to rounding (Klein & Morelli, Aircraft System Identification, section 6.3,
+/// there in continuous time).
 pub(crate) fn response<M, I, const N: usize, const R: usize>(
     manoeuvre: &Manoeuvre<'_, M, I, N, R>,
     index: usize,

@@ -41,9 +41,9 @@ pub struct Corrections {
 }
 
 impl Corrections {
-    /// The record as perfect sensors at the centre of gravity would have written it, as far as these corrections say. Channels that
-    /// they do not name stay as they are. Late channels are moved along a straight line between samples; where that needs a
-    /// sample beyond the end, the value is missing.
+    /// The record as perfect sensors at the centre of gravity would have written it, as far as these corrections say.
+    /// Channels that they do not name stay as they are. Late channels are moved along a straight line between samples;
+    /// where that needs a sample beyond the end, the value is missing.
     pub fn apply(&self, record: &Record) -> Record {
         let mut corrected = record.clone();
         for channel in &mut corrected.channels {
@@ -140,7 +140,8 @@ mod tests {
         corrections.channels.insert("alpha".to_owned(), ChannelCorrection { bias: 0.01, scale: 0.1, delay_s: 0.013 });
         corrections.channels.insert("az".to_owned(), ChannelCorrection { bias: 0.2, ..ChannelCorrection::default() });
         let corrected = corrections.apply(&record);
-        // The vane's own arm is seen one delay late: q moves by 0.1 * 0.013 in that time, 5e-5 rad of angle at 2 m and 50 m/s.
+        // The vane's own arm is seen one delay late: q moves by 0.1 * 0.013 in that time, 5e-5 rad of angle at 2 m and
+        // 50 m/s.
         for (found, truth) in corrected.channel("alpha").unwrap().values.iter().zip(&alpha).take(49) {
             assert!((found - truth).abs() < 6e-5, "{found} {truth}");
         }

@@ -42,8 +42,9 @@ impl Input for Inertial {
 /// (north, east, -altitude)' = R(phi, theta, psi) (u, v, w) + wind
 /// ```
 ///
-/// with true rates and forces `(1 - scale) measured - bias`, less what the accelerometers feel beside the centre of gravity. Given
-/// the state the rates are linear in the unknowns. The wind is constant, so that the air is an inertial frame.
+/// with true rates and forces `(1 - scale) measured - bias`, less what the accelerometers feel beside the centre of
+/// gravity. Given the state the rates are linear in the unknowns. The wind is constant, so that the air is an inertial
+/// frame.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Kinematics {
     /// Acceleration of gravity, m/s^2, positive.

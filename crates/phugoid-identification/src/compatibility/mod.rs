@@ -1,5 +1,5 @@
-//! Data compatibility: do the measurements of a flight agree with the kinematics of a rigid body, and with which errors of the
-//! sensors do they?
+//! Data compatibility: do the measurements of a flight agree with the kinematics of a rigid body, and with which errors
+//! of the sensors do they?
 //!
 //! The kinematic equations, driven by accelerometers and rate gyroscopes, give airspeed, flow angles and attitude
 //! without any aerodynamics. Their difference from what was measured is the work of biases, scale factors, delays,
@@ -128,8 +128,8 @@ impl Compatibility {
 
 /// Checks the kinematic consistency of a record and estimates the errors of its sensors.
 ///
-/// Needs the channels `true_airspeed`, `theta`, `q`, `ax` and `az`; `alpha` and all lateral ones are used where they are there.
-/// Without `alpha` the angle of attack is reconstructed from the rest.
+/// Needs the channels `true_airspeed`, `theta`, `q`, `ax` and `az`; `alpha` and all lateral ones are used where they
+/// are there. Without `alpha` the angle of attack is reconstructed from the rest.
 ///
 /// ```
 /// use phugoid_flight_data::record::Record;

@@ -155,8 +155,9 @@ fn unwrapped(values: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// Derivative: the slope of a straight line through five samples on either side (fewer at the ends). At 100 Hz that lowers the
-/// noise of a rate gyroscope's derivative seven times against central differences, and reaches 1 % of a 1 Hz motion.
+/// Derivative: the slope of a straight line through five samples on either side (fewer at the ends). At 100 Hz that
+/// lowers the noise of a rate gyroscope's derivative seven times against central differences, and reaches 1 % of a 1 Hz
+/// motion.
 pub(crate) fn differentiated(time: &[f64], values: &[f64]) -> Vec<f64> {
     const SIDE: usize = 5;
     (0..values.len())

@@ -1,4 +1,4 @@
-//! The axes of the motion that is estimated, and what belongs to them.
+//! The axes of the motion that is estimated, and the states, outputs, inputs and coefficients that belong to them.
 
 use crate::core::output::Output;
 use crate::core::term::{Coefficient, Variable};
@@ -14,7 +14,7 @@ use crate::core::term::{Coefficient, Variable};
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Axes {
-    /// Symmetric flight: airspeed, angle of attack, pitch.
+    /// Symmetric flight: the states are airspeed, angle of attack, pitch angle and pitch rate.
     Longitudinal,
     /// Sideslip, bank, roll and yaw, with the measured airspeed, angle of attack and pitch as known inputs.
     LateralDirectional,
@@ -25,7 +25,7 @@ pub enum Axes {
 /// The two motions that all axes are made of, each excited by inputs of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Group {
-    /// In the plane of symmetry.
+    /// The motion in the plane of symmetry: airspeed, angle of attack and pitch.
     Longitudinal,
     /// Sideslip, roll and yaw: the motion out of the plane of symmetry.
     Lateral,
@@ -47,7 +47,7 @@ impl Axes {
     /// The words of a model file: `axes = ["longitudinal", "lateral"]`.
     pub const WORDS: [&'static str; 2] = ["longitudinal", "lateral"];
 
-    /// Channels of the control surfaces.
+    /// Canonical names of the channels of the control surfaces.
     pub const SURFACES: [&'static str; 3] = ["elevator", "aileron", "rudder"];
 
     /// The name of the motion for messages and reports, e.g. `lateral-directional`.
@@ -97,13 +97,13 @@ impl Axes {
         self.outputs().get(..states).unwrap_or_default()
     }
 
-    /// Position of an output in the output vector of the motion; none if it is no output of it.
+    /// Position of an output in the output vector of the motion; `None` if the motion does not have this output.
     pub fn row(self, output: Output) -> Option<usize> {
         self.outputs().iter().position(|o| *o == output)
     }
 
-    /// Channels that every estimation of these axes takes as known inputs: the surfaces, and for the lateral-directional
-    /// motion alone the measured symmetric one.
+    /// Channels that every estimation of these axes takes as known inputs: the surfaces, and for the
+    /// lateral-directional motion alone the measured symmetric one.
     pub fn known_channels(self) -> &'static [&'static str] {
         match self {
             Self::Longitudinal => &["elevator"],
@@ -112,7 +112,7 @@ impl Axes {
         }
     }
 
-    /// Outputs in which a motion shows first: angles to the air and angular rates.
+    /// Outputs in which a motion becomes visible first: flow angles and angular rates.
     pub fn responses(self) -> &'static [Output] {
         use Output::{Alpha, Beta, PitchRate, RollRate, YawRate};
         match self {
@@ -122,7 +122,7 @@ impl Axes {
         }
     }
 
-    /// What has to move before anything can be learnt, in words, and a manoeuvre that moves it.
+    /// In words: what has to move before anything can be estimated, and a manoeuvre that moves it.
     pub(crate) fn excitation_words(self) -> [&'static str; 2] {
         match self {
             Self::Longitudinal => {

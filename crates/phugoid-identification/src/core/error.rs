@@ -37,13 +37,13 @@ pub enum EstimateError {
         /// Further missing channels, and what the reader of the record says about them.
         lacking: Box<Lacking>,
     },
-    /// A channel is there but has no value.
+    /// A channel is in the record but has no finite value.
     #[error(
         "channel `{0}` has no finite value in the whole record: check the column in the file, or, if the model can do without it, leave \
          it out of `outputs` in the model file"
     )]
     EmptyChannel(String),
-    /// Too few samples for anything.
+    /// There are too few samples for any estimation.
     #[error("the record has {samples} usable samples: at least 20 are needed")]
     TooShort {
         /// Samples in which every input has a value.
@@ -85,19 +85,19 @@ pub enum EstimateError {
         /// The method that was asked for.
         method: Method,
     },
-    /// A health monitor was asked for beside a batch method.
+    /// A health monitor was asked for together with a batch method.
     #[error("{method} sees the whole record at once: the health monitor needs a causal method")]
     MonitorNeedsCausal {
         /// The method that was asked for.
         method: Method,
     },
-    /// A parameter is expected that the model does not estimate.
+    /// An expectation was given for a parameter that the model does not estimate.
     #[error("`{name}` is expected, but the model does not estimate it")]
     NotMonitored {
         /// Name of the parameter as it was given.
         name: String,
     },
-    /// Nothing moved beyond its noise, so that a fit would be one of the noise.
+    /// Nothing moved beyond its noise, so that a batch method would fit the noise.
     #[error("no excitation: {movers} never move beyond their noise, and {method} would fit the noise. Fly {manoeuvre}")]
     NoExcitation {
         /// The method that was asked for.
@@ -107,7 +107,7 @@ pub enum EstimateError {
         /// What to fly, in words.
         manoeuvre: &'static str,
     },
-    /// A batch method has no answer.
+    /// A batch method found no estimate; the inner error says why.
     #[error(transparent)]
     Batch(#[from] BatchError),
     /// More parameters than the estimator has room for.
@@ -126,7 +126,7 @@ pub enum EstimateError {
 /// Further missing channels of a record, and the explanations of its reader.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Lacking {
-    /// Other channels that the model needs and the record has not.
+    /// Other channels that the model needs and that are not in the record.
     pub other_channels: Vec<String>,
     /// Findings of the reader of the record about the missing channels and the vehicle, with what to do.
     pub findings: Vec<String>,

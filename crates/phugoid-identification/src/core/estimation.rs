@@ -144,7 +144,7 @@ pub struct ParameterResult {
     pub bounds: Option<[f64; 2]>,
     /// The true value, where the flight was simulated.
     pub truth: Option<f64>,
-    /// True for sensor bias columns and other parameters that only support the others.
+    /// True for offsets and sensor biases, which are estimated only to keep the other parameters right.
     pub nuisance: bool,
     /// Whether the value can be used, why, and what input would help. `None` for a fixed parameter and for batch
     /// methods.
@@ -270,9 +270,9 @@ pub struct Estimation {
     pub model: String,
     /// The method that made this estimation.
     pub method: Method,
-    /// Parameters in the model's order, nuisance columns last.
+    /// Results of the parameters in the order of the model file, offsets and sensor biases last.
     pub parameters: Vec<ParameterResult>,
-    /// Correlation matrix of the parameters, same order.
+    /// Correlation matrix of the errors, row and column as in `parameters`; 0 for a fixed parameter off the diagonal.
     pub correlation: Vec<Vec<f64>>,
     /// Sums of two derivatives that the flight determines, even where it does not determine the parts.
     #[serde(default)]
@@ -308,7 +308,8 @@ pub struct BatchReport {
     pub iterations: usize,
     /// Negative logarithm of the likelihood there, without constants: for comparing models on the same record.
     pub cost: f64,
-    /// One sigma of the noise by output, given or estimated; of equation error: of the equations. NaN where not measured.
+    /// One sigma of the noise by output, given or estimated; of equation error: of the equations. NaN where not
+    /// measured.
     pub noise_std: Vec<f64>,
     /// The unknowns that were estimated in addition to the parameters and biases: initial states, noise.
     pub unknowns: Vec<Unknown>,
@@ -316,13 +317,13 @@ pub struct BatchReport {
     pub manoeuvres: Vec<(String, Vec<OutputFit>)>,
     /// Equations with their terms, from equation error.
     pub equations: Vec<Equation>,
-    /// The parameters tried on another record.
+    /// The prediction of another record with these parameters; `None` where none was given.
     pub prediction: Option<Prediction>,
     /// Warnings about the result in sentences; read them before you use the numbers.
     pub notes: Vec<String>,
 }
 
-/// The estimated parameters tried on a record that they have not seen: simulated with their values held, only the initial
+/// The prediction of a record that was not used for the estimation: simulated with their values held, only the initial
 /// state and the sensor biases fitted.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Prediction {
@@ -346,8 +347,8 @@ impl Estimation {
 }
 
 impl ParameterResult {
-    /// Two standard errors, corrected for the correlation of the residuals from sample to sample, in the parameter's unit: the
-    /// value lies between [`lower`](Self::lower) and [`upper`](Self::upper) with a probability of about 95 %.
+    /// Two standard errors, corrected for the correlation of the residuals from sample to sample, in the parameter's
+    /// unit: the value lies between [`lower`](Self::lower) and [`upper`](Self::upper) with a probability of about 95 %.
     pub fn bound(&self) -> f64 {
         2.0 * self.corrected_std_error
     }
@@ -375,9 +376,9 @@ pub struct EffectiveDerivative {
 pub struct Offer {
     /// Why terms were tried, in words; empty where they were asked for without a reason.
     pub reasons: Vec<String>,
-    /// Estimator that they were tried with.
+    /// The method with which the terms were tried.
     pub method: Method,
-    /// Gain from which a term is asked for, nats.
+    /// Smallest gain with which a term counts as missing in the model, nats.
     pub threshold: f64,
     /// Changes that the detector adopts with the model as it is.
     pub adopted_changes: usize,
@@ -386,13 +387,13 @@ pub struct Offer {
 }
 
 impl Offer {
-    /// The term that the residuals ask for most, if they ask for any.
+    /// The missing term with the largest gain; `None` if no term counts as missing.
     pub fn best(&self) -> Option<&OfferedTerm> {
         self.terms.iter().find(|term| term.asked_for)
     }
 }
 
-/// A term that the model does not have, tried in a model of its own.
+/// A term that the model does not have, and what adding it to the model would change.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct OfferedTerm {
     /// Symbol of the coefficient, e.g. `Cm`.
@@ -401,21 +402,22 @@ pub struct OfferedTerm {
     pub term: String,
     /// Name of its parameter, e.g. `dCm_alpha2`.
     pub parameter: String,
-    /// Logarithm of how much more probable the flight is with the term than without, nats; both without change detection.
+    /// Logarithm of how much more probable the flight is with the term than without, nats; both without change
+    /// detection.
     pub gain: f64,
-    /// The same with change detection in both; none where the first gain was too small to look. Where a change of the parameters
-    /// explains the flight as well, nothing is gained here.
+    /// The same with change detection in both; none where the first gain was too small to look. This gain is small
+    /// where a change of the parameters explains the flight as well as the term does.
     pub gain_with_changes: Option<f64>,
     /// Estimate at the end of the record, per radian to the power of the term.
     pub value: f64,
     /// One-sigma error, corrected for the colour of the residuals.
     pub std_error: f64,
-    /// Changes that the detector still adopts with the term in the model; none where that was not looked at.
+    /// Changes that the detector still adopts with the term in the model; `None` where that was not tried.
     pub adopted_changes: Option<usize>,
-    /// Both gains reach the threshold, the estimate lies three standard errors from zero, and fewer changes are adopted, if any
-    /// were.
+    /// True if the term counts as missing: both gains reach the threshold, the estimate lies three standard errors from
+    /// zero, and fewer changes are adopted, if any were.
     pub asked_for: bool,
-    /// What gave a reason to try terms and is still there with this one, in words; empty where that was not looked at.
+    /// Those of [`Offer::reasons`] that remain with this term in the model; empty where that was not tried.
     pub remaining: Vec<String>,
     /// The line to put under `[coefficients]`.
     pub coefficient_line: String,

@@ -1,4 +1,4 @@
-//! Health monitoring of an aircraft: what is asked for, and the result as plain data.
+//! Health monitoring of an aircraft: its options, and its result as plain data.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,7 +7,8 @@ use crate::model_file::Expectation;
 /// What a health monitor compares the aircraft with, and how many false alarms are accepted.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HealthOptions {
-    /// What is expected: [`crate::model_file::ModelFile::expectations`], or a file of its own.
+    /// The expected parameters with their tolerances: those of
+    /// [`ModelFile::expectations`](crate::model_file::ModelFile::expectations), or of a file of their own.
     pub expected: Vec<Expectation>,
     /// Accepted false alarms per flight hour, 1/h.
     pub false_alarms_per_hour: f64,
@@ -90,11 +91,11 @@ pub struct HealthHistory {
     pub time_s: Vec<f64>,
     /// Condition of the aircraft after each sample.
     pub condition: Vec<Condition>,
-    /// Evidence of a failure, natural logarithm of hours: a healthy aircraft shows this much at most once in `exp(evidence)`
-    /// hours. Minus infinity before the first look; after the flag it stays.
+    /// Evidence of a failure, natural logarithm of hours: a healthy aircraft shows this much at most once in
+    /// `exp(evidence)` hours. Minus infinity before the first look; after the flag it stays.
     pub evidence: Vec<f64>,
-    /// Squared distance of the estimate from the nearest healthy parameters, in its corrected covariance; NaN where it cannot be
-    /// computed.
+    /// Squared distance of the estimate from the nearest healthy parameters, in its corrected covariance; NaN where it
+    /// cannot be computed.
     pub joint_deviation: Vec<f64>,
     /// As [`ParameterHealth::deviation`], by parameter and sample.
     pub deviation: Vec<Vec<f64>>,

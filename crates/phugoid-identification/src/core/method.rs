@@ -101,7 +101,7 @@ impl fmt::Display for Method {
     }
 }
 
-/// A word that is no method.
+/// The error for a word that is not the name of a method.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("unknown method `{word}`{}", did_you_mean(word, Method::ALL.iter().map(|m| m.name())))]
 pub struct UnknownMethod {

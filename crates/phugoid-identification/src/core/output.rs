@@ -64,8 +64,8 @@ impl Output {
     pub const NAMES: [&'static str; CHANNELS] =
         ["true_airspeed", "alpha", "beta", "phi", "theta", "p", "q", "r", "ax", "ay", "az", "pdot", "qdot", "rdot"];
 
-    /// Position among all channels, as in [`crate::model_file::ModelFile::noise`]; the position in the output vector of a
-    /// motion is [`crate::core::axes::Axes::row`].
+    /// Position among all channels, as in [`crate::model_file::ModelFile::noise`]; the position in the output vector of
+    /// a motion is [`crate::core::axes::Axes::row`].
     pub const fn index(self) -> usize {
         self as usize
     }

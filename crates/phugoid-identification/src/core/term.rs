@@ -11,8 +11,8 @@ pub const EXTRA_INPUTS: usize = 3;
 pub const FACTORS: usize = Variable::ALL.len() + EXTRA_INPUTS;
 
 /// A coefficient, made dimensional by `qbar S` and for the moments a length: the mean chord for `Cm`, the span for `Cl`
-/// and `Cn`. Lift and drag are along the air-relative velocity in the plane of symmetry (stability axes), all else is in
-/// body axes, moments about the centre of gravity.
+/// and `Cn`. Lift and drag are along the air-relative velocity in the plane of symmetry (stability axes), all else is
+/// in body axes, moments about the centre of gravity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[repr(usize)]
 pub enum Coefficient {
@@ -233,8 +233,8 @@ impl Term {
         Self { factors }
     }
 
-    /// Unit of the parameter that multiplies it, as printed: `per rad`, `per rad^2`, `-` where no angle is involved. Rates
-    /// made dimensionless are angles (radians per time that the air takes along the chord or span), as usual.
+    /// Unit of the parameter that multiplies it, as printed: `per rad`, `per rad^2`, `-` where no angle is involved.
+    /// Rates made dimensionless are angles (radians per time that the air takes along the chord or span), as usual.
     pub fn parameter_unit(&self) -> String {
         let angular = |&&(index, _): &&(usize, i32)| index < Variable::ALL.len() && index != Variable::Airspeed.index();
         match self.factors.iter().filter(angular).map(|(_, power)| power).sum::<i32>() {

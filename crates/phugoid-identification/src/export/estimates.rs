@@ -1,12 +1,12 @@
 //! The estimates as a table: CSV, and Parquet under the feature of that name.
 //!
-//! One row per parameter: value, one-sigma error of the covariance, the same corrected for the colour of the residuals, bounds of two
-//! of these, status, whether it is a nuisance, and the truth where it is known. Derivatives per radian, all else SI; nothing where there
-//! is none.
+//! One row per parameter: value, one-sigma error of the covariance, the same corrected for the colour of the residuals,
+//! bounds of two of these, status, whether it is a nuisance, and the truth where it is known. Derivatives per radian,
+//! all else in SI units; the cell is empty where there is no finite value.
 
 use crate::core::estimation::{Estimation, ParameterResult};
 
-/// What stands in one column, from one parameter.
+/// How one column of the table is made of a parameter.
 enum Column {
     Words(fn(&ParameterResult) -> &str),
     Number(fn(&ParameterResult) -> Option<f64>),

@@ -1,4 +1,4 @@
-//! A model file with identified values, as the forms of other programs need it.
+//! A model file with identified values, as the exports to other programs need it.
 
 use std::collections::BTreeMap;
 
@@ -8,7 +8,7 @@ use crate::core::estimation::Estimation;
 use crate::core::term::{Coefficient, Term};
 use crate::model_file::{Base, ModelFile, Parameter, ReferenceValue, Role};
 
-/// Why a model cannot be written in a form.
+/// Why a model cannot be written in the format of another program.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ExportError {
     /// The terms are increments to a database.
@@ -27,24 +27,25 @@ pub enum ExportError {
 pub struct Identified<'a> {
     /// The model file whose terms are written.
     pub model: &'a ModelFile,
-    /// Values by parameter name; parameters that are not here have their start values.
+    /// Values by parameter name, per radian; a parameter that is missing here has its start value.
     pub values: BTreeMap<String, f64>,
     /// Angle of attack at which the terms' `alpha` is zero, rad.
     pub alpha_reference: f64,
-    /// Angle of attack in the middle of the flight, rad: where what does not fit is approximated.
+    /// Angle of attack in the middle of the flight, rad: terms that the other format cannot express are approximated
+    /// there.
     pub alpha_typical: f64,
     /// Elevator in the middle of the flight, rad; that of the reference where there was none.
     pub elevator_typical: f64,
-    /// Where the values are from, for the head of the file.
+    /// A sentence on where the values come from, for the head of the file.
     pub origin: String,
 }
 
-/// A model in another form.
+/// A model in the format of another program.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Exported {
     /// The text of the file.
     pub text: String,
-    /// What a user has to know: what did not fit, what was approximated, what the receiving model must have.
+    /// Notes for the user: what could not be expressed, what was approximated, and what the receiving model must have.
     pub notes: Vec<String>,
 }
 
@@ -56,7 +57,7 @@ pub(super) struct Valued {
 }
 
 impl<'a> Identified<'a> {
-    /// From an estimation with this model file.
+    /// Takes the values of an estimation with this model file.
     pub fn new(model: &'a ModelFile, estimation: &Estimation) -> Self {
         let middle = |name: &str| {
             let signal =
@@ -73,7 +74,7 @@ impl<'a> Identified<'a> {
         }
     }
 
-    /// With the start values of the model file.
+    /// Takes the start values of the model file.
     pub fn start(model: &'a ModelFile) -> Self {
         let alpha = given(model.reference.alpha);
         Self {
@@ -124,7 +125,7 @@ impl<'a> Identified<'a> {
     }
 }
 
-/// A reference that the model file gives, rad; zero where it is of a flight.
+/// The reference that the model file gives, rad; zero where it would come from a flight.
 fn given(reference: ReferenceValue) -> f64 {
     match reference {
         ReferenceValue::Given(value) => value,

@@ -1,8 +1,9 @@
 //! What input would make a parameter identifiable: the words that go with a verdict.
 //!
-//! The advice is that of the flight-test literature (R. V. Jategaonkar, *Flight Vehicle System Identification*, 2nd ed.,
-//! AIAA 2015, chapter 2; V. Klein, E. A. Morelli, *Aircraft System Identification*, AIAA 2006, chapter 9): each control
-//! surface is moved near the frequency of the mode that it excites, and one regressor is moved apart from the others.
+//! The advice is that of the flight-test literature (R. V. Jategaonkar, *Flight Vehicle System Identification*, 2nd
+//! ed., AIAA 2015, chapter 2; V. Klein, E. A. Morelli, *Aircraft System Identification*, AIAA 2006, chapter 9): each
+//! control surface is moved near the frequency of the mode that it excites, and one regressor is moved apart from the
+//! others.
 
 use crate::core::term::{Term, Variable};
 use crate::model_file::Role;

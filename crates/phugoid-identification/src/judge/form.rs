@@ -1,7 +1,8 @@
 //! Derivatives in stability axes and in body axes, each made of the other with its covariance.
 //!
-//! A model file has lift and drag along the stability axes (turned from the body axes by the angle of attack) and moments
-//! and rates in body axes. Both conventions are in use; a comparison with other people's derivatives needs one of them:
+//! A model file has lift and drag along the stability axes (turned from the body axes by the angle of attack) and
+//! moments and rates in body axes. Both conventions are in use; a comparison with other people's derivatives needs one
+//! of them:
 //!
 //! ```text
 //! CX = CL sin a - CD cos a        CX_alpha = (CL_alpha + CD_0) sin a - (CD_alpha - CL_0) cos a
@@ -173,8 +174,9 @@ impl Derivatives {
 
     /// The same derivatives in another form, at the reference angle of attack `alpha`, rad.
     ///
-    /// A pair of which only one is there (`CL_q` without `CD_q`) has the other equal to zero, known exactly, as the model
-    /// has it. The covariance of the result is therefore singular where it has more derivatives than were estimated.
+    /// A pair of which only one is there (`CL_q` without `CD_q`) has the other equal to zero, known exactly, as the
+    /// model has it. The covariance of the result is therefore singular where it has more derivatives than were
+    /// estimated.
     ///
     /// ```
     /// use phugoid_identification::form::{Argument, Derivative, Derivatives, Form, Symbol};

@@ -1,11 +1,12 @@
 //! Terms that the residuals ask for.
 //!
 //! A term that the aircraft has and the model lacks is taken up by the others: their values then really change with the
-//! flight condition, and a change detector finds changes that never happened. Here each candidate term is tried in a model of
-//! its own, and offered where the flight is so much more probable with it that chance does not explain it. The idea is that
-//! of modified stepwise regression (V. Klein, J. G. Batterson, P. C. Murphy, *Determination of Airplane Model Structure From
-//! Flight Data by Using Modified Stepwise Regression*, NASA TP-1916, 1981), with the likelihood of an estimator's innovations
-//! in place of the F statistic of a regression. docs/methods.md has the equations, and what was measured.
+//! flight condition, and a change detector finds changes that never happened. Here each candidate term is tried in a
+//! model of its own, and offered where the flight is so much more probable with it that chance does not explain it. The
+//! idea is that of modified stepwise regression (V. Klein, J. G. Batterson, P. C. Murphy, *Determination of Airplane
+//! Model Structure From Flight Data by Using Modified Stepwise Regression*, NASA TP-1916, 1981), with the likelihood of
+//! an estimator's innovations in place of the F statistic of a regression. docs/methods.md has the equations, and what
+//! was measured.
 
 mod amplitude;
 mod candidate;
@@ -28,11 +29,11 @@ use candidate::{Candidate, candidates};
 /// in 22 000 (Markov's inequality; J. Ville 1939). The limit is generous because no model is exactly right.
 const ENOUGH: f64 = 10.0;
 
-/// Standard errors that a term's estimate has to lie from zero: the correction for coloured residuals is in these alone, and not in
-/// the densities.
+/// Standard errors that a term's estimate has to lie from zero: the correction for coloured residuals is in these
+/// alone, and not in the densities.
 const FAR_FROM_ZERO: f64 = 3.0;
 
-/// Tries terms beside the estimation of a task, if it gives a reason to. The estimation stays what it is.
+/// Tries terms that the model lacks, if the estimation gives a reason to. The estimation itself is not changed.
 ///
 /// # Errors
 /// [`EstimateError`] as of the estimation itself.
@@ -104,7 +105,7 @@ fn adopted(events: &[Event]) -> usize {
 struct Trials<'a, M: EveryRoom<N, R>, const N: usize, const R: usize> {
     record: &'a Record,
     task: &'a Task<'a, M, N, R>,
-    /// Those of the task, with a method whose innovations have a density.
+    /// The options of the task with EKF or SMPE as the method: the innovations of these have a density.
     options: EstimateOptions,
 }
 

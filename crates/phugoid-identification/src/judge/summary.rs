@@ -35,7 +35,7 @@ pub(crate) fn summarise<M: Motion<N, R>, const N: usize, const R: usize>(
     let correlation = correlation(&columns, &run.covariance);
     let history = history(task, &columns, run);
     if run.excited && is_contradicted(&history.residuals) {
-        // An estimate that stands still because the samples that speak against it are rejected has not converged.
+        // An estimate that does not move only because the samples that contradict it are rejected has not converged.
         for parameter in parameters.iter_mut().filter(|p| p.status == FinalStatus::Converged) {
             parameter.status = FinalStatus::InDoubt;
             if let Some(readiness) = parameter.readiness.as_mut().filter(|r| r.verdict == Readiness::Ready) {

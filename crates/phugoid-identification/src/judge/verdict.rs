@@ -9,14 +9,15 @@ use crate::core::estimation::{BatchReport, EventKind, FinalStatus, History, Para
 use crate::methods::{Run, Task};
 use crate::motion::Motion;
 
-/// Theil's coefficient up to which a prediction counts as good (Jategaonkar, Flight Vehicle System Identification, ch. 11).
+/// Theil's coefficient up to which a prediction counts as good (Jategaonkar, Flight Vehicle System Identification, ch.
+/// 11).
 const GOOD_PREDICTION: f64 = 0.3;
 /// Correlation from which two parameters are said to be indistinguishable.
 const INDISTINGUISHABLE: f64 = 0.99;
 /// Correlation from which two parameters are said to depend on each other.
 const CORRELATED: f64 = 0.95;
-/// Share of an output's samples beyond six sigmas from which, if they also come in runs, the model is said to contradict
-/// the flight. Sensors that throw single bad values do not make runs.
+/// Share of an output's samples beyond six sigmas from which, if they also come in runs, the model is said to
+/// contradict the flight. Sensors that throw single bad values do not make runs.
 const CONTRADICTED: f64 = 0.05;
 /// Lag-one correlation of clipped residuals from which they are called coloured.
 const COLOURED: f64 = 0.4;

@@ -74,8 +74,8 @@ impl View<'_> {
         median(&mut self.clean[range].to_vec()).unwrap_or(self.clean[k])
     }
 
-    /// From the samples whose window shows motion to the motion itself: first sample that has left its level, and the one
-    /// from which the surface stays at its new level.
+    /// From the samples whose window shows motion to the motion itself: first sample that has left its level, and the
+    /// one from which the surface stays at its new level.
     fn trimmed(&self, (first, last): (usize, usize)) -> (usize, usize) {
         let small = self.threshold / 3.0;
         let begin = self.time(first);
@@ -96,8 +96,8 @@ impl View<'_> {
         (onset, end)
     }
 
-    /// Motions that are less than a settling time apart, and motions between which the surface was held away from where it had
-    /// been before the first, as long as it comes back there.
+    /// Motions that are less than a settling time apart, and motions between which the surface was held away from where
+    /// it had been before the first, as long as it comes back there.
     fn joined(&self, stretches: &[(usize, usize)]) -> Vec<(usize, usize)> {
         let mut joined = Vec::new();
         let mut index = 0;
@@ -118,8 +118,8 @@ impl View<'_> {
         1 + stretches.windows(2).take_while(|pair| self.gap(pair[0], pair[1]) < self.settings.settling_s).count()
     }
 
-    /// How many of the first stretches it takes until the surface is back for at least the settling time; none if it is not
-    /// held in between, or does not come back.
+    /// How many of the first stretches it takes until the surface is back for at least the settling time; none if it is
+    /// not held in between, or does not come back.
     fn held(&self, stretches: &[(usize, usize)]) -> Option<usize> {
         let (onset, _) = *stretches.first()?;
         let base = self.base(onset);

@@ -12,7 +12,8 @@ use crate::batch::response::Rows;
 /// How far a regressor moves together with the other regressors of its equation.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Inflation {
-    /// By how much the others multiply the variance of its derivative: `1 / (1 - R^2)`, `R^2` of its regression on them.
+    /// By how much the others multiply the variance of its derivative: `1 / (1 - R^2)`, `R^2` of its regression on
+    /// them.
     pub variance_inflation: f64,
     /// The regressor with which it is most correlated, in words, and the correlation; `None` where there is no other.
     pub with: Option<(String, f64)>,
@@ -70,8 +71,8 @@ fn half_window(time: &[f64]) -> f64 {
     f64::max(0.2, 3.0 * step)
 }
 
-/// Fits `left = sum of terms + constant`, weighted by `weight` on both sides (`weight` multiplies the regressors), both sides smoothed
-/// alike: what is measured is integrated, and the slope of local cubics is taken of the integral.
+/// Fits `left = sum of terms + constant`, weighted by `weight` on both sides (`weight` multiplies the regressors), both
+/// sides smoothed alike: what is measured is integrated, and the slope of local cubics is taken of the integral.
 ///
 /// # Errors
 /// A sentence: too few samples, terms that cannot be told apart.

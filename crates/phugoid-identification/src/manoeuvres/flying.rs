@@ -17,7 +17,8 @@ pub(crate) fn check(signals: &Signals<'_>, from_s: f64, to_s: f64, slowest_m_s: 
         );
     };
     let mut here = speed.between(from_s, to_s).to_vec();
-    // The slowest and the fastest values may be outliers: the tenth from below and the twentieth from above stand for them.
+    // The slowest and the fastest values may be outliers: the tenth from below and the twentieth from above stand for
+    // them.
     let Some(slow) = quantile(&mut here, 0.1, Rank::Lower) else {
         return Err("no airspeed was recorded in it".to_owned());
     };

@@ -13,7 +13,7 @@ pub struct SurfaceInput {
     pub onset_s: f64,
     /// Time of the last motion, s.
     pub end_s: f64,
-    /// Largest deflection from the position before the input, rad, with its sign (positive trailing edge down).
+    /// Largest deflection from the position before the input, rad, with the sign of the channel.
     pub peak_rad: f64,
     /// The shape of the input.
     pub kind: Kind,

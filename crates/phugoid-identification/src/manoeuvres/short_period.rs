@@ -19,7 +19,8 @@ pub struct ShortPeriod {
 /// An input should have its power within this factor of the mode, to either side: as designed inputs have.
 const WITHIN: f64 = 2.5;
 
-/// Of the approximation with two states (Etkin & Reid, Dynamics of Flight, section 6.3; `M` and `L` the dimensional derivatives):
+/// Of the approximation with two states (Etkin & Reid, Dynamics of Flight, section 6.3; `M` and `L` the dimensional
+/// derivatives):
 ///
 /// ```text
 /// w^2 = -(M_alpha + M_q L_alpha / V)      2 zeta w = L_alpha / V - M_q

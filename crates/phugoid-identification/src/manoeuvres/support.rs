@@ -39,7 +39,8 @@ pub struct CoefficientSupport {
     pub name: String,
     /// How well the derivative can be estimated.
     pub support: Support,
-    /// Two sigma over the value of the derivative, as a regression of this segment gives them; none where there is none.
+    /// Two sigma over the value of the derivative, as a regression of this segment gives them; none where there is
+    /// none.
     pub two_sigma_over_value: Option<f64>,
     /// How far its regressor moves with the others.
     pub inflation: Option<Inflation>,
@@ -193,7 +194,8 @@ fn regressor(window: &Window, name: &'static str, channel: &str, words: &'static
     Some(Regressor { words, name, values, noise: if rate { noise / typical } else { noise } })
 }
 
-/// The coefficient up to a constant. The airspeed changes slowly beside an angular rate, so that `(q / V^2)'` is `q' / V^2`.
+/// The coefficient up to a constant. The airspeed changes slowly beside an angular rate, so that `(q / V^2)'` is `q' /
+/// V^2`.
 fn left(window: &Window, coefficient: Coefficient) -> Option<Left> {
     let (speed, _) = window.channel("speed")?;
     let over = |values: Vec<f64>| values.iter().zip(speed).map(|(v, speed)| v / (speed * speed)).collect::<Vec<f64>>();

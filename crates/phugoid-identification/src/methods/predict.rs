@@ -25,12 +25,13 @@ use crate::preparation::prepare::{Prepared, prepare};
 pub struct PredictedParameter {
     /// Name in the model file.
     pub name: String,
-    /// Value at which the bound was taken: a rough fit by output error, else equation error, else the start value of the model file.
+    /// Value at which the bound was taken: a rough fit by output error, else equation error, else the start value of
+    /// the model file.
     pub value: f64,
     /// Standard deviation of what is known beforehand, in the parameter's unit.
     pub prior_std: f64,
-    /// Smallest standard error of an unbiased estimator, where the outputs have no error but their noise: the Cramer-Rao bound with
-    /// the priors of the model file.
+    /// Smallest standard error of an unbiased estimator, where the outputs have no error but their noise: the
+    /// Cramer-Rao bound with the priors of the model file.
     pub std_error: f64,
     /// The same with the residuals that the model leaves at these values in place of the noise, and their colour.
     pub expected_std_error: f64,
@@ -52,8 +53,8 @@ pub struct Predicted {
 /// The bound of a model's parameters on records that are fitted together.
 ///
 /// # Errors
-/// [`EstimateError`], as an estimation by output error: a missing channel, too few samples, units that are certainly wrong, a free
-/// simulation that runs away.
+/// [`EstimateError`], as an estimation by output error: a missing channel, too few samples, units that are certainly
+/// wrong, a free simulation that diverges.
 pub(crate) fn predict(records: &[Record], model: &ModelFile) -> Result<Predicted, EstimateError> {
     let (wanted, capacity) = (model.estimated().count(), capacity(model.axes));
     if wanted > capacity {
@@ -86,7 +87,7 @@ fn predict_of<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
     let task = Task { prepared: first, file: model, options: &options, noise: &noise, health: None };
     let mut structure = structure::<M, N, R>(&task)?;
     for (channel, noise) in structure.outputs.iter_mut().zip(&noise) {
-        // A simulation without noise has what the model leaves.
+        // A simulated record without noise gets the noise that the residuals of the model show.
         channel.noise = if noise.std > 0.0 { Noise::Known(noise.std) } else { Noise::Estimated };
     }
     let own = || model.estimated().filter(|p| !matches!(p.role, Role::Bias(_)));
@@ -116,7 +117,7 @@ fn predict_of<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
             name: parameter.name.clone(),
             value: place.and_then(|i| values.get(i)).copied().unwrap_or(parameter.start),
             prior_std: parameter.prior_std,
-            // What the bound does not hold keeps what was known of it.
+            // A parameter without a bound keeps its prior.
             std_error: bound.map_or(parameter.prior_std, |b| b.std_error),
             expected_std_error: bound.map_or(parameter.prior_std, |b| b.with_residuals),
             closest: bound.and_then(|b| b.closest.clone()),
@@ -126,8 +127,8 @@ fn predict_of<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
     Ok(Predicted { parameters: parameters.collect(), notes })
 }
 
-/// Values at which the bound is taken: near those of output error, within a standard error; else those of equation error; else the
-/// start values of the model file.
+/// Values at which the bound is taken: near those of output error, within a standard error; else those of equation
+/// error; else the start values of the model file.
 fn values<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
     manoeuvres: &[Manoeuvre<'_, M, M::KnownInput, N, R>],
     structure: &Structure<N, R>,

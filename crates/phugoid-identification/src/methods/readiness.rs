@@ -14,7 +14,7 @@ pub(crate) struct ColumnVerdict {
     pub(crate) ready_since_s: Option<f64>,
 }
 
-/// Asks for the verdict as the record goes by.
+/// Computes the verdicts at intervals during a run.
 pub(super) struct ReadinessWatch<const R: usize, const P: usize> {
     monitor: VerdictMonitor<R, P>,
     renewed_s: f64,

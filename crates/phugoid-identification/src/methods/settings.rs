@@ -1,4 +1,5 @@
-//! What the model file and the record say to every method: priors, noise, biases, sample time, process noise.
+//! The settings that all methods take from the model file and the record: priors, noise, biases, sample time, process
+//! noise.
 
 use phugoid_estimators::discretization::InputHold;
 use phugoid_estimators::settings::{
@@ -14,7 +15,7 @@ use crate::motion::Motion;
 use crate::preparation::noise::NoiseLevel;
 use crate::preparation::prepare::Prepared;
 
-/// Settings for a prepared record: the automatic rule with what the model file says. Methods other than SMPE take what is theirs
+/// Settings for a prepared record: the automatic rule with what the model file says. All methods take their settings
 /// from here, so that comparisons are fair.
 ///
 /// # Errors
@@ -35,7 +36,7 @@ pub(super) fn shared_settings<M: Motion<N, R>, const N: usize, const R: usize, c
         .collect();
     let mut settings = EstimatorSettings::automatic(&priors, noise.map(|n| n.std), sample_time(&prepared.time))
         .map_err(EstimateError::Settings)?;
-    // The input knows itself what is held (`Known::controls_held`).
+    // The input of the model says itself whether it is held between samples (`Known::controls_held`).
     settings.input_hold = InputHold::Linear;
     let mut biases = [0.0; R];
     for parameter in file.estimated() {
@@ -47,7 +48,7 @@ pub(super) fn shared_settings<M: Motion<N, R>, const N: usize, const R: usize, c
     }
     settings = settings.with_biases(biases);
     settings.reaching_limit = tuned.reaching_limit.unwrap_or(settings.reaching_limit);
-    // A row has to reach before it is rejected.
+    // The limit of rejection must not be below that of reaching.
     settings.rejection_limit = (tuned.rejection_scale * settings.rejection_limit).max(settings.reaching_limit);
     settings.start_window_s = tuned.start_window_s.unwrap_or(settings.start_window_s);
     let states = M::AXES.states();
@@ -68,8 +69,8 @@ pub(super) fn shared_settings<M: Motion<N, R>, const N: usize, const R: usize, c
     Ok(settings)
 }
 
-/// Where a state that nothing measures starts, and one sigma of that: flight nearly level and straight, at about the reference
-/// speed. Two degrees of path angle and sideslip are what a flight that is called level may have.
+/// Where a state that nothing measures starts, and one sigma of that: flight nearly level and straight, at about the
+/// reference speed. Two degrees of path angle and sideslip are what a flight that is called level may have.
 fn unmeasured_start<M: Motion<N, R>, const N: usize, const R: usize>(
     state: Output,
     prepared: &Prepared<M, N, R>,

@@ -15,7 +15,7 @@ pub(super) struct Watch {
 }
 
 impl Watch {
-    /// Says so where the interval between two samples is longer than `gap_s`.
+    /// A watch that reports a gap where the interval between two samples is longer than `gap_s`.
     pub(super) fn new(gap_s: f64) -> Self {
         Self { gap_s, ..Self::default() }
     }

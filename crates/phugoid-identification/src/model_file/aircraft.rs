@@ -95,8 +95,8 @@ pub enum ReferenceValue {
     FirstSample,
 }
 
-/// The reference point: terms are functions of `alpha - alpha_ref`, `elevator - elevator_ref`, and so on for aileron and
-/// rudder; sideslip and rates count from zero.
+/// The reference point: terms are functions of `alpha - alpha_ref`, `elevator - elevator_ref`, and so on for aileron
+/// and rudder; sideslip and rates count from zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reference {
     /// Angle of attack at which `alpha` counts as zero, rad.

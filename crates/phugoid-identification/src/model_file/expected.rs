@@ -9,13 +9,13 @@ use super::parameter::{Expectation, Parameter};
 use super::section::{Section, Source as Text};
 use crate::core::words::{did_you_mean, nearest};
 
-/// Part of the parameter's own size (without a database) and of its prior sigma (with one) that is tolerated where the file does
-/// not say.
+/// Part of the parameter's own size (without a database) and of its prior sigma (with one) that is tolerated where the
+/// file does not say.
 const STANDARD_TOLERANCE: f64 = 0.1;
 
 impl ModelFile {
-    /// What is expected: the table `[expected]`, or without one the start value of every term that is estimated, within a tenth
-    /// of it or, where it is zero, a tenth of the prior sigma.
+    /// What is expected: the table `[expected]`, or without one the start value of every term that is estimated, within
+    /// a tenth of it or, where it is zero, a tenth of the prior sigma.
     ///
     /// Offsets and sensor biases are not monitored.
     pub fn expectations(&self) -> Vec<Expectation> {
@@ -32,8 +32,8 @@ impl ModelFile {
         })
     }
 
-    /// Reads expectations from a file of their own, which holds nothing but the table `[expected]`; the parameters are those of
-    /// this model.
+    /// Reads expectations from a file of their own, which holds nothing but the table `[expected]`; the parameters are
+    /// those of this model.
     ///
     /// # Errors
     /// The first thing found wrong, with file, line, column, key and the nearest valid word.

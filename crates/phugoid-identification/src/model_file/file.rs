@@ -45,7 +45,8 @@ pub struct ModelFile {
     pub input: InputHold,
     /// True if a change of the parameters in flight is looked for.
     pub change_detection: bool,
-    /// What the reader of the file should know: former spellings that were read as today's. Sentences without a full stop.
+    /// What the reader of the file should know: former spellings that were read as today's. Sentences without a full
+    /// stop.
     pub notes: Vec<String>,
     /// The table `[expected]`, if there is one.
     pub expected: Option<Vec<Expectation>>,

@@ -50,8 +50,8 @@ fn names() -> impl Iterator<Item = &'static str> {
 }
 
 impl ModelFile {
-    /// The model files built into the library, in the order in which they are listed: name and text (TOML). The first four
-    /// are whole models to start one's own from; the others belong to the built-in scenarios of the F-16.
+    /// The model files built into the library, in the order in which they are listed: name and text (TOML). The first
+    /// four are whole models to start one's own from; the others belong to the built-in scenarios of the F-16.
     pub const BUILT_IN: &[(&'static str, &'static str)] = &[
         ("f16", include_str!("../../../../data/models/f16.toml")),
         ("f16-lateral", include_str!("../../../../data/models/f16-lateral.toml")),
@@ -124,8 +124,8 @@ impl ModelFile {
         Ok(Self::parse(&path.display().to_string(), &text)?)
     }
 
-    /// The model file at this path, or, where there is no such file, the built-in model of this name: what the command line
-    /// takes as `--model`.
+    /// The model file at this path, or, where there is no such file, the built-in model of this name: what the command
+    /// line takes as `--model`.
     ///
     /// # Errors
     /// [`ModelError::Unreadable`] with the nearest built-in name, or [`ModelError::Wrong`].
@@ -146,7 +146,8 @@ impl ModelFile {
         }
     }
 
-    /// Opens a flight as [`Record::open`], with the columns that this file maps to channels by hand (its table `[channels]`).
+    /// Opens a flight as [`Record::open`], with the columns that this file maps to channels by hand (its table
+    /// `[channels]`).
     ///
     /// # Errors
     /// As [`read_path`]; a mapped column that the file does not have is one.

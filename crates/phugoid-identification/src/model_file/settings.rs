@@ -3,13 +3,13 @@
 use crate::core::method::Method;
 use crate::core::output::STATE_CHANNELS;
 
-/// The process noise that stands for gusts and model error.
+/// The process noise of the states, which stands for gusts and model error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ProcessNoise {
-    /// Spectral densities of the rates of the states, by [`Output::index`](crate::output::Output::index): airspeed (m^2/s^3), angles (rad^2/s), angular
-    /// rates (rad^2/s^3). Those that are no states of the axes are not used.
+    /// Spectral densities of the rates of the states, by [`Output::index`](crate::output::Output::index): airspeed
+    /// (m^2/s^3), angles (rad^2/s), angular rates (rad^2/s^3). Those that are no states of the axes are not used.
     pub density: [f64; STATE_CHANNELS],
-    /// True if a scale on all of them is learnt from the residuals.
+    /// True if a common factor on all densities is estimated from the residuals.
     pub adaptive: bool,
 }
 
@@ -26,8 +26,8 @@ pub struct EstimatorTuning {
     pub prior_scale: f64,
     /// Factor on the process noise that the file gives (with adaptive noise: on its start).
     pub process_noise_scale: f64,
-    /// Part of the information about the scale of the process noise that is forgotten per sample; none for the rule, 0.003. Only where
-    /// it is adaptive.
+    /// Part of the information about the scale of the process noise that is forgotten per sample; none for the rule,
+    /// 0.003. Only where it is adaptive.
     pub adaptation_gain: Option<f64>,
     /// Length of the median start, s; none for the rule, 0.2 s.
     pub start_window_s: Option<f64>,
@@ -47,11 +47,11 @@ impl Default for EstimatorTuning {
     }
 }
 
-/// How the input runs between two samples.
+/// How control surfaces and extra inputs move between two samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum InputHold {
-    /// Held at the value of the earlier sample.
+    /// They keep the value of the earlier sample, as a digital command does.
     Held,
-    /// Straight line to the next sample.
+    /// They move on a straight line to the next sample, as a recorded surface does.
     Interpolated,
 }

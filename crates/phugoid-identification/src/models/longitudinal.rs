@@ -74,7 +74,7 @@ impl Input for LongitudinalInput {
     }
 }
 
-/// The known part of the aerodynamics.
+/// The known part of the aerodynamic coefficients, to which the terms of the model file are added.
 #[derive(Clone, Debug)]
 pub enum Database {
     /// None: the terms are the whole build-up.
@@ -201,7 +201,7 @@ impl LongitudinalModel {
         }
     }
 
-    /// The constants it was built with.
+    /// The constants of the aircraft that the model was built with.
     pub fn constants(&self) -> &LongitudinalConstants {
         &self.constants
     }

@@ -112,7 +112,7 @@ impl MassInput {
         }
     }
 
-    /// What turns moments into angular accelerations; none for a mass or an inertia that cannot be.
+    /// The properties that turn moments into angular accelerations; `None` for an impossible mass or inertia.
     #[inline]
     pub fn properties(&self, rotor_momentum: f64) -> Option<MassProperties> {
         let Self { mass, ixx, iyy, izz, ixz } = *self;
@@ -120,7 +120,7 @@ impl MassInput {
     }
 }
 
-/// Motion relative to the air, as the aerodynamics see it.
+/// The motion relative to the air, on which the aerodynamic coefficients depend.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Air<T> {
     pub(crate) speed: T,
@@ -142,8 +142,8 @@ pub(crate) struct Aerodynamics {
 }
 
 impl Aerodynamics {
-    /// The flight variables of the terms, in the order of [`Variable`], then the extra inputs. The rate of the angle of
-    /// attack is not among those that these models know: it is zero.
+    /// The flight variables of the terms, in the order of [`Variable`], then the extra inputs. These models have no
+    /// rate of the angle of attack: its variable is zero.
     #[inline(always)]
     pub(crate) fn variables<T: Scalar>(&self, air: &Air<T>, surfaces: &Surfaces) -> [T; FACTORS] {
         let c = &self.constants;
@@ -180,8 +180,8 @@ impl Aerodynamics {
         total
     }
 
-    /// `CX, CY, CZ, Cl, Cm, Cn` in body axes about the centre of gravity, of the database and of the terms. Lift and drag
-    /// terms are along the stability axes, perpendicular to and along the velocity in the plane of symmetry.
+    /// `CX, CY, CZ, Cl, Cm, Cn` in body axes about the centre of gravity, of the database and of the terms. Lift and
+    /// drag terms are along the stability axes, perpendicular to and along the velocity in the plane of symmetry.
     #[inline(always)]
     pub(crate) fn coefficients<T: Scalar>(
         &self,

@@ -48,10 +48,10 @@ impl Input for SixInput {
 /// ```
 ///
 /// Lift and drag are along the stability axes (turned from body axes by the angle of attack alone); with sideslip the
-/// force along the airspeed is `-qbar S (CD cos b - CY sin b)`. Equations of motion of Stevens & Lewis table 2.5-1, those of
-/// [`force_equations`], [`attitude_equations`] and `MassProperties::angular_acceleration`, which the simulation flies.
-/// Linear in the parameters; the derivatives with respect to the state are exact (dual numbers through tables and
-/// equations).
+/// force along the airspeed is `-qbar S (CD cos b - CY sin b)`. Equations of motion of Stevens & Lewis table 2.5-1,
+/// those of [`force_equations`], [`attitude_equations`] and `MassProperties::angular_acceleration`, which the
+/// simulation flies. Linear in the parameters; the derivatives with respect to the state are exact (dual numbers
+/// through tables and equations).
 #[derive(Clone, Debug)]
 pub struct SixModel {
     aerodynamics: Aerodynamics,
@@ -77,7 +77,7 @@ impl SixModel {
         Self { aerodynamics: Aerodynamics { constants, database, known, columns }, thrust_direction: [cos, -sin] }
     }
 
-    /// The constants it was built with.
+    /// The constants of the aircraft that the model was built with.
     pub fn constants(&self) -> &AircraftConstants {
         &self.aerodynamics.constants
     }
@@ -130,8 +130,8 @@ impl SixModel {
         self.motion(&std::array::from_fn(|i| Dual::<SIX_STATES>::variable(x[i], i)), theta, u)
     }
 
-    /// What one unit of each coefficient (`CL, CD, Cm, CY, Cl, Cn`) adds: to `V', alpha', beta'`, to the specific force and
-    /// to `p', q', r'`.
+    /// What one unit of each coefficient (`CL, CD, Cm, CY, Cl, Cn`) adds: to `V', alpha', beta'`, to the specific force
+    /// and to `p', q', r'`.
     fn per_coefficient(&self, x: &[f64; SIX_STATES], u: &SixInput) -> [PerCoefficient; 6] {
         let c = &self.aerodynamics.constants;
         let [speed, alpha, beta, ..] = *x;

@@ -32,8 +32,8 @@ pub trait Motion<const N: usize, const R: usize>: Clone + Debug + Send + 'static
     /// The model's input at one sample.
     fn known_input(known: &Known) -> Self::KnownInput;
 
-    /// A channel of the motion, SI, that the input holds instead of the outputs ([`Axes::known_channels`]); none if it does not.
-    /// Kinematics needs the airspeed also where it is no state.
+    /// A channel of the motion, SI, that the input holds instead of the outputs ([`Axes::known_channels`]); none if it
+    /// does not. The kinematic equations need the airspeed also where it is not a state.
     fn known_channel(_input: &Self::KnownInput, _channel: Output) -> Option<f64> {
         None
     }

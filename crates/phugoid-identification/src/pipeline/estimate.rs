@@ -21,9 +21,10 @@ use crate::preparation::noise::{NoiseLevel, measure_noise};
 use crate::preparation::prepare::{Prepared, prepare};
 
 /// Estimates the parameters of `model` from `record`, sample by sample as an on-board computer would: no estimate uses
-/// a later sample. It may be called on any thread: models of the lateral motion, whose estimators need 3 MB of stack, run on one
-/// of their own, and `progress` is called from the caller's. (Measured noise levels, where the model file gives none, are those of the first two seconds, or of
-/// the first 40 samples if that is longer.) `progress` is called with the fraction done, 0 to 1.
+/// a later sample. It may be called on any thread: models of the lateral motion, whose estimators need 3 MB of stack,
+/// run on one of their own, and `progress` is called from the caller's. (Measured noise levels, where the model file
+/// gives none, are those of the first two seconds, or of the first 40 samples if that is longer.) `progress` is called
+/// with the fraction done, 0 to 1.
 ///
 /// ```
 /// use phugoid_flight_data::record::Record;

@@ -10,8 +10,9 @@ use crate::core::options::EstimateOptions;
 use crate::methods::HealthRun;
 use crate::model_file::ModelFile;
 
-/// Estimates the parameters of `model` from `record` as [`crate::pipeline::estimate::estimate`] does, and watches beside it whether they
-/// are what is expected: sample by sample, no verdict uses a later sample. `progress` is called with the fraction done, 0 to 1.
+/// Estimates the parameters of `model` from `record` as [`crate::pipeline::estimate::estimate`] does, and watches
+/// beside it whether they are what is expected: sample by sample, no verdict uses a later sample. `progress` is called
+/// with the fraction done, 0 to 1.
 ///
 /// ```
 /// use phugoid_flight_data::record::Record;
@@ -31,7 +32,8 @@ use crate::model_file::ModelFile;
 /// ```
 ///
 /// # Errors
-/// Those of [`crate::pipeline::estimate::estimate`]; [`EstimateError::Model`] for expectations that cannot be monitored.
+/// Those of [`crate::pipeline::estimate::estimate`]; [`EstimateError::Model`] for expectations that cannot be
+/// monitored.
 pub fn monitor(
     record: &Record,
     model: &ModelFile,

@@ -1,8 +1,8 @@
 //! A live estimation: sample by sample, with the code that runs over records.
 //!
-//! The same samples give the same numbers, bit for bit, however late they come. The first two seconds (at least forty samples) are
-//! collected, because the noise levels and the reference point are taken from them; then they are worked off at once, and from
-//! there on each sample gives its estimate as it comes.
+//! The same samples give the same numbers, bit for bit, however late they come. The first two seconds (at least forty
+//! samples) are collected, because the noise levels and the reference point are taken from them; then they are worked
+//! off at once, and from there on each sample gives its estimate as it comes.
 //!
 //! ```
 //! use phugoid_identification::estimate::EstimateOptions;
@@ -64,8 +64,8 @@ const FLYING: f64 = 0.5;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
-/// It may be moved between threads. Models of the lateral motion, or of all axes, need up to 4 MB of stack in [`Session::update`]:
-/// call it on a thread that has 16 MB.
+/// It may be moved between threads. Models of the lateral motion, or of all axes, need up to 4 MB of stack in
+/// [`Session::update`]: call it on a thread that has 16 MB.
 pub struct Session {
     file: ModelFile,
     options: EstimateOptions,
@@ -183,8 +183,8 @@ impl Session {
     /// A session for this model and these options that has not seen a sample.
     ///
     /// # Errors
-    /// [`EstimateError::NotCausal`] for a batch method, [`EstimateError::OneRecordOnly`] for records and true values among the options that only a recorded flight has;
-    /// [`EstimateError::TooManyParameters`].
+    /// [`EstimateError::NotCausal`] for a batch method, [`EstimateError::OneRecordOnly`] for records and true values
+    /// among the options that only a recorded flight has; [`EstimateError::TooManyParameters`].
     pub fn new(file: &ModelFile, options: &EstimateOptions) -> Result<Self, EstimateError> {
         let method = options.method.unwrap_or(file.estimator.method);
         if method.is_batch() {
@@ -239,11 +239,12 @@ impl Session {
         &self.layout
     }
 
-    /// Takes the values of one sample, in the order of [`Session::channels`], SI, NaN where one is missing: an input is then held at
-    /// its last value, an output left out. A sample whose time does not increase is refused.
+    /// Takes the values of one sample, in the order of [`Session::channels`], SI, NaN where one is missing: an input is
+    /// then held at its last value, an output left out. A sample whose time does not increase is refused.
     ///
     /// # Errors
-    /// What makes an estimation impossible: units that are certainly wrong, a model without a trim. The session stays as it was.
+    /// What makes an estimation impossible: units that are certainly wrong, a model without a trim. The session stays
+    /// as it was.
     pub fn update(&mut self, time_s: f64, values: &[f64]) -> Result<Step, EstimateError> {
         if values.len() != self.channels.len() {
             let (found, expected) = (values.len(), self.channels.join(", "));

@@ -3,8 +3,8 @@
 use std::sync::mpsc;
 use std::thread;
 
-/// Stack of a thread that estimates, bytes: an estimator with room for 48 columns takes 3.1 MB in all its copies while it is set
-/// up (measured), a common thread has 2 MB. Only what is touched becomes memory.
+/// Stack of a thread that estimates, bytes: an estimator with room for 48 columns takes 3.1 MB in all its copies while
+/// it is set up (measured), a common thread has 2 MB. Only what is touched becomes memory.
 pub const STACK_BYTES: usize = 16 << 20;
 
 /// Runs `work` on a thread of its own with [`STACK_BYTES`] of stack, and waits; `progress` is called from the caller's

@@ -74,8 +74,8 @@ impl<M: Motion<N, R>, const N: usize, const R: usize> KinematicFrontEnd<M, N, R>
         }
     }
 
-    /// `b` of airspeed, alpha, beta, phi and theta, rad/s, as set at the start; infinite where the measurement is taken as it
-    /// is, zero where there is none.
+    /// `b` of airspeed, alpha, beta, phi and theta, rad/s, as set at the start; infinite where the measurement is taken
+    /// as it is, zero where there is none.
     pub fn corner_rates(&self) -> [f64; 5] {
         self.corners
     }

@@ -191,7 +191,7 @@ pub fn database(file: &ModelFile) -> Result<Database, EstimateError> {
     })
 }
 
-/// The known inputs of the file, and the trim where one is asked for.
+/// The known inputs of the file, and the trim where the file asks for one.
 fn known(
     record: &Record,
     file: &ModelFile,
@@ -214,8 +214,8 @@ fn recorded(record: &Record, origin: &Origin) -> Result<Vec<f64>, EstimateError>
 /// The values of a channel of the record.
 ///
 /// # Errors
-/// [`EstimateError::MissingChannel`] with the nearest channel that is there; [`EstimateError::Model`] if it is not as long
-/// as the time.
+/// [`EstimateError::MissingChannel`] with the nearest channel that is there; [`EstimateError::Model`] if it is not as
+/// long as the time.
 pub(crate) fn channel<'a>(record: &'a Record, name: &str) -> Result<&'a [f64], EstimateError> {
     match record.channel(name) {
         Some(channel) if channel.values.len() == record.time.len() => Ok(&channel.values),

@@ -36,8 +36,8 @@ pub struct TrimCondition {
     pub thrust_arm: f64,
 }
 
-/// Finds alpha, elevator and thrust at which neither speed nor path nor pitch rate change, by Newton's method with exact
-/// derivatives and halved steps. Thrust and deflections are not limited: compare them with what the aircraft has.
+/// Finds alpha, elevator and thrust at which neither speed nor path nor pitch rate change, by Newton's method with
+/// exact derivatives and halved steps. Thrust and deflections are not limited: compare them with what the aircraft has.
 ///
 /// ```
 /// use phugoid_flight_dynamics::atmosphere::Atmosphere;

@@ -27,7 +27,7 @@ pub(super) fn written(axes: Axes) -> String {
     format!("axes = [{}]", axes.words().iter().map(|w| format!("\"{w}\"")).collect::<Vec<_>>().join(", "))
 }
 
-/// What to do about something that belongs to the other axes.
+/// The advice in messages about a key or word that belongs to the other axes.
 pub(super) fn other_axes(axes: Axes) -> String {
     format!("write axes = [\"longitudinal\", \"lateral\"] for both (the file has {}), or take it out", written(axes))
 }
