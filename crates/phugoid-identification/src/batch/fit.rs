@@ -56,17 +56,17 @@ impl OutputFit {
         let mean = |f: &dyn Fn(&(f64, f64)) -> f64| both.iter().map(f).sum::<f64>() / n as f64;
         let squared = mean(&|(y, z)| (y - z).powi(2));
         let (mean_y, mean_z) = (mean(&|p| p.0), mean(&|p| p.1));
-        let sd_y = mean(&|p| (p.0 - mean_y).powi(2)).sqrt();
-        let sd_z = mean(&|p| (p.1 - mean_z).powi(2)).sqrt();
+        let std_y = mean(&|p| (p.0 - mean_y).powi(2)).sqrt();
+        let std_z = mean(&|p| (p.1 - mean_z).powi(2)).sqrt();
         let size = mean(&|p| p.0 * p.0).sqrt() + mean(&|p| p.1 * p.1).sqrt();
         let share = |part: f64| if squared > 0.0 { part / squared } else { 0.0 };
-        let (bias, variance) = (share((mean_y - mean_z).powi(2)), share((sd_y - sd_z).powi(2)));
+        let (bias, variance) = (share((mean_y - mean_z).powi(2)), share((std_y - std_z).powi(2)));
         let (lag_one, white) = whiteness(measured, modelled);
         Some(Self {
             name: name.to_owned(),
             samples: n,
             rms: squared.sqrt(),
-            r_squared: if sd_y > 0.0 { 1.0 - squared / (sd_y * sd_y) } else { f64::NAN },
+            r_squared: if std_y > 0.0 { 1.0 - squared / (std_y * std_y) } else { f64::NAN },
             theil: if size > 0.0 { squared.sqrt() / size } else { 0.0 },
             theil_bias: bias,
             theil_variance: variance,

@@ -14,9 +14,9 @@ pub(crate) struct Fitted<const R: usize> {
     pub(crate) noise_std: [f64; R],
 }
 
-/// Minimises `sum_i [ N_i ln sd_i + 1/2 sum_k e_i(k)^2 / sd_i^2 ]` and the priors. An unknown `sd_i` is at its optimum
-/// for the residuals of the moment, `sd_i^2 = sum e_i^2 / N_i`, at every evaluation: the gradient is then that of the
-/// likelihood with the noise eliminated, and one cost serves the whole search.
+/// Minimises `sum_i [ N_i ln std_i + 1/2 sum_k e_i(k)^2 / std_i^2 ]` and the priors. An unknown `std_i` is at its
+/// optimum for the residuals of the moment, `std_i^2 = sum e_i^2 / N_i`, at every evaluation: the gradient is then that
+/// of the likelihood with the noise eliminated, and one cost serves the whole search.
 pub(crate) fn fit<const R: usize>(
     places: &[Place],
     start: Vec<f64>,

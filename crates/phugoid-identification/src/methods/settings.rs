@@ -5,7 +5,7 @@ use phugoid_estimators::discretization::InputHold;
 use phugoid_estimators::settings::{
     ChangeDetection, ChangePrior, EstimatorSettings, NoiseAdaptation, ParameterPrior, ProcessNoise,
 };
-use phugoid_flight_data::statistics::median;
+use phugoid_flight_data::statistics::{median, median_step};
 
 use crate::core::error::EstimateError;
 use crate::core::options::EstimateOptions;
@@ -109,6 +109,5 @@ fn prior(parameter: &Parameter, base: Base) -> ParameterPrior {
 
 /// Median of the first fifty intervals, s: later ones must not change what was estimated before them.
 pub(super) fn sample_time(time: &[f64]) -> f64 {
-    let mut steps: Vec<f64> = time.windows(2).take(50).map(|w| w[1] - w[0]).collect();
-    median(&mut steps).unwrap_or(f64::NAN)
+    median_step(&time[..time.len().min(51)]).unwrap_or(f64::NAN)
 }

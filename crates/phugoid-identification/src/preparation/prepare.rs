@@ -1,7 +1,7 @@
 //! Makes the arguments of the estimator of a model file and a record: the model, its inputs and the measured outputs.
 
 use phugoid_flight_data::record::Record;
-use phugoid_flight_data::statistics::median;
+use phugoid_flight_data::statistics::{median, median_step};
 use phugoid_flight_dynamics::atmosphere::Atmosphere;
 use phugoid_flight_dynamics::f16::{F16, F16Options};
 
@@ -55,7 +55,7 @@ impl<M: Motion<N, R>, const N: usize, const R: usize> Prepared<M, N, R> {
 /// Says how often a surface moved while it was not sampled. The model takes it to move at the later sample, or evenly;
 /// a step that came earlier biases the moment derivatives by more than their bounds.
 fn unseen_moves(name: &str, time: &[f64], elevator: &[f64], seen: &[bool]) -> Option<String> {
-    let step = median(&mut time.windows(2).map(|pair| pair[1] - pair[0]).collect::<Vec<f64>>())?;
+    let step = median_step(time)?;
     let (low, high) = elevator.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
     let unseen = time
         .windows(2)
