@@ -1,7 +1,6 @@
 //! One update of the sliding-mode estimator on an aircraft model: the on-board cost, and the cost of unused capacity.
 //!
-//! `cargo bench -p phugoid-identification`. Change detection on; 100 Hz; a gentle elevator motion, all outputs
-//! measured.
+//! `cargo bench -p phugoid-identification`. Change detection on; 100 Hz; a gentle elevator motion, all outputs measured.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // tests and benches may
 
 use criterion::{Criterion, criterion_group, criterion_main};

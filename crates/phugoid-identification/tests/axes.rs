@@ -106,8 +106,7 @@ fn what_the_axes_do_not_have_is_refused_with_what_to_do() {
             assert_eq!(error.nearest.as_deref(), nearest, "{error}");
         }
     }
-    // In a file of the longitudinal axes: a coefficient of the other ones, and a channel of them as an input of one's
-    // own.
+    // In a file of the longitudinal axes: a coefficient of the other ones, and a channel of them as an input of one's own.
     let f16 = include_str!("../../../data/models/f16.toml");
     let side_force = f16.replacen("CL = [", "CY = [\"1\"]\nCL = [", 1);
     let error = ModelFile::parse("f16", &side_force).unwrap_err().to_string();

@@ -1,5 +1,5 @@
-//! The batch methods on a short-period motion whose truth is known: exact recovery, information, damping, colour, and
-//! what they say when they cannot.
+//! The batch methods on a short-period motion whose truth is known: exact recovery, information, damping, colour, and what
+//! they say when they cannot.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // tests and benches may
 
 mod common;
@@ -246,8 +246,8 @@ fn filter_error_finds_both_noises() {
     assert!(found.manoeuvres[0].outputs.iter().all(|o| o.white), "{:?}", found.manoeuvres[0].outputs);
 }
 
-/// Without process noise the filter is a simulation: both methods agree. The initial state starts at a measured value
-/// and ten sigmas wide instead of unknown, which is worth 1 % of the standard errors here.
+/// Without process noise the filter is a simulation: both methods agree. The initial state starts at a measured value and
+/// ten sigmas wide instead of unknown, which is worth 1 % of the standard errors here.
 #[test]
 fn filter_error_without_process_noise_is_output_error() {
     let data = fly(500, 0.5, white(8));

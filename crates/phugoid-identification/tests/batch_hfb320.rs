@@ -83,8 +83,8 @@ fn print(fit: &BatchFit) {
     }
 }
 
-/// Pure output error ends elsewhere than the published filter-error estimate, because this flight was turbulent:
-/// C_L_alpha about 3.33 and C_D_0 about 0.1125 are known for it (to the digits given).
+/// Pure output error ends elsewhere than the published filter-error estimate, because this flight was turbulent: C_L_alpha
+/// about 3.33 and C_D_0 about 0.1125 are known for it (to the digits given).
 #[test]
 fn output_error_ends_at_its_known_optimum() {
     let Some((prepared, file)) = flight() else { return };
@@ -100,8 +100,8 @@ fn output_error_ends_at_its_known_optimum() {
     assert!(fit.manoeuvres[0].outputs.iter().all(|o| !o.white));
 }
 
-/// Published noise levels, process noise estimated: within 4 % of the published estimate, C_m_V (whose standard error
-/// is larger than itself) within 16 %.
+/// Published noise levels, process noise estimated: within 4 % of the published estimate, C_m_V (whose standard error is
+/// larger than itself) within 16 %.
 #[test]
 fn filter_error_ends_at_the_published_estimate() {
     let Some((prepared, file)) = flight() else { return };

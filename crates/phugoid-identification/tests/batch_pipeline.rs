@@ -12,8 +12,8 @@ fn run(method: Method, options: EstimateOptions) -> Estimation {
     estimate(&fly(12.0, 0.026, 31), &model(), &options, &mut |_| {}).unwrap()
 }
 
-/// Within four of their own corrected standard errors; equation error is biased by noise in the states and gets ten per
-/// cent of the prior beside.
+/// Within four of their own corrected standard errors; equation error is biased by noise in the states and gets ten per cent
+/// of the prior beside.
 #[test]
 fn every_batch_method_finds_the_f16() {
     for method in [Method::EquationError, Method::OutputError, Method::FilterError] {

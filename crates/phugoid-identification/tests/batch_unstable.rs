@@ -56,8 +56,8 @@ fn settings() -> EquationErrorSettings {
     EquationErrorSettings { half_window_s: 0.1, smooth_regressors: false, every_equation: false, f_to_enter: 20.0 }
 }
 
-/// From zero, without any start values. The pitch acceleration is not measured; both sides of its equation go through
-/// the same differentiation, so that not even the window of four samples costs more than the published values' digits.
+/// From zero, without any start values. The pitch acceleration is not measured; both sides of its equation go through the
+/// same differentiation, so that not even the window of four samples costs more than the published values' digits.
 #[test]
 fn equation_error_needs_no_start() {
     let Some(flight) = flight() else { return };
@@ -99,8 +99,7 @@ fn output_error_says_that_the_aircraft_is_unstable() {
     let failure = output_error::<_, _, 2, 3>(&[manoeuvre(&flight)], &structure(start), &settings).unwrap_err();
     println!("{failure}");
     assert!(matches!(failure, BatchError::Unstable { growth, .. } if growth > 1000.0), "{failure:?}");
-    // From the truth it does converge, with az so exact that the other derivatives follow it; and says what to think of
-    // it.
+    // From the truth it does converge, with az so exact that the other derivatives follow it; and says what to think of it.
     let fit = output_error::<_, _, 2, 3>(&[manoeuvre(&flight)], &structure(TRUTH), &settings).unwrap();
     print(&fit);
     assert!(fit.notes.iter().any(|n| n.contains("unstable")), "{:?}", fit.notes);

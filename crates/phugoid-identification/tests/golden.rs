@@ -7,9 +7,9 @@
 //!   held too, the calm trace differs by 1.15e-5 of the range (a climb of 30 m/s is 1e-5 of density per sample); run
 //!   straight from sample to sample as here, by 3e-7.
 //! - It differentiates by one-sided differences with a step of 1e-5 (rad). That shows only where the angle of attack is
-//! within a step of a breakpoint of the tables: in the second trace at 2.32 s, 0.8e-5 rad below the one at 5 deg. With
-//! exact derivatives the estimates differ by 6e-4 of the range from there on (0.05 of a standard error), with that step
-//! by less than 1e-6; with steps of 1e-6 or 2e-5 by 5e-4 and 9e-5.
+//!   within a step of a breakpoint of the tables: in the second trace at 2.32 s, 0.8e-5 rad below the one at 5 deg. With
+//!   exact derivatives the estimates differ by 6e-4 of the range from there on (0.05 of a standard error), with that
+//!   step by less than 1e-6; with steps of 1e-6 or 2e-5 by 5e-4 and 9e-5.
 //! - Outputs see the elevator of their own sample (right limit). dCm_elevator is per radian.
 //! - Its median includes a frame that the second trace marks as dropped and does not give. See the test.
 //! - Its corrected standard errors are computed every tenth sample and are not compared.
@@ -193,9 +193,8 @@ fn start_values(trace: &Trace, state: usize) -> Vec<f64> {
     first
 }
 
-/// Runs from a start state with a difference step (0: exact derivatives) and gives our estimates minus the prototype's,
-/// in parts of the ranges: `[sample][parameter]` for estimates and claimed standard errors; and the process-noise
-/// scales' relative difference.
+/// Runs from a start state with a difference step (0: exact derivatives) and gives our estimates minus the prototype's, in parts of the ranges: `[sample][parameter]`
+/// for estimates and claimed standard errors; and the process-noise scales' relative difference.
 fn differences(
     trace: &Trace,
     step: f64,

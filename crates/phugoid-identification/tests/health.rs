@@ -20,8 +20,7 @@ fn expectations_come_from_the_section_or_from_the_start_values() {
     assert_eq!(found.len(), 2);
     assert!(found.contains(&dcm_q));
     assert!(found.iter().any(|e| e.name == "dCL_alpha" && (e.value, e.failure_std) == (0.1, Some(1.0))));
-    // Without the section: the tables, within a tenth of the prior sigma; a build-up within a tenth of itself. No
-    // biases.
+    // Without the section: the tables, within a tenth of the prior sigma; a build-up within a tenth of itself. No biases.
     let found = with("").unwrap().expectations();
     assert_eq!(found.len(), 5);
     let dcm_alpha = found.iter().find(|e| e.name == "dCm_alpha").unwrap();

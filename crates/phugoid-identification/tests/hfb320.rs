@@ -1,5 +1,5 @@
-//! A real flight: HFB-320, against the filter-error estimate published with it (R. V. Jategaonkar, Flight Vehicle
-//! System Identification, 2nd ed.). Eleven parameters, change detection on.
+//! A real flight: HFB-320, against the filter-error estimate published with it (R. V. Jategaonkar, Flight Vehicle System
+//! Identification, 2nd ed.). Eleven parameters, change detection on.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // tests and benches may
 
 mod common;
@@ -109,8 +109,8 @@ fn ends_at_the_published_estimate() {
     assert!(worst < 0.08);
 }
 
-/// The joint extended Kalman filter, gate, detection and all: 4 % is what the filter of the book's kind was measured to
-/// be off by, 16 % its `Cm_V`, which this flight hardly excites.
+/// The joint extended Kalman filter, gate, detection and all: 4 % is what the filter of the book's kind was measured to be off
+/// by, 16 % its `Cm_V`, which this flight hardly excites.
 #[test]
 fn the_joint_filter_ends_at_the_published_estimate() {
     let (Some(record), Some(reference)) = (flight(), reference()) else { return };

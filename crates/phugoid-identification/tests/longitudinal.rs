@@ -92,8 +92,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 64, failure_persistence: None, ..ProptestConfig::default() })]
     #[test]
     fn jacobians_agree_with_differences(
-        // Away from the table's breakpoints (5 deg, 12 deg elevator), where a one-sided slope and a difference
-        // disagree.
+        // Away from the table's breakpoints (5 deg, 12 deg elevator), where a one-sided slope and a difference disagree.
         speed in 80.0..250.0_f64, alpha in 0.005..0.08_f64, pitch in -0.2..0.3_f64, q in -0.3..0.3_f64,
         elevator in -0.15..-0.01_f64, flap in 0.0..0.5_f64, thrust in 0.0..2e4_f64, density in 0.3..1.3_f64,
         values in proptest::array::uniform24(-2.0..2.0_f64),
@@ -106,8 +105,7 @@ proptest! {
     }
 }
 
-/// The equations as Jategaonkar prints them (wind axes, thrust line inclined), with the constants as the book uses
-/// them.
+/// The equations as Jategaonkar prints them (wind axes, thrust line inclined), with the constants as the book uses them.
 #[test]
 fn hfb320_rates_are_the_books() {
     let m = hfb320();

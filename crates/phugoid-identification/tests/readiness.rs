@@ -59,8 +59,7 @@ fn two_controls_that_move_together_are_told_apart_by_moving_them_apart() {
         assert_eq!(found.verdict.word(), "not_identifiable", "{name}: {found:?}");
         assert!(found.reason.contains(other), "{}", found.reason);
         assert!(found.advice.as_ref().unwrap().contains("one after the other"));
-        // Their prior standard deviations are 0.2 and 0.4 and act as 0.2 and 0.2: together half of each variance is
-        // left.
+        // Their prior standard deviations are 0.2 and 0.4 and act as 0.2 and 0.2: together half of each variance is left.
         assert!((found.bound_over_prior - 0.5_f64.sqrt()).abs() < 0.1, "{}", found.bound_over_prior);
         assert!(found.variance_inflation > 10.0);
     }

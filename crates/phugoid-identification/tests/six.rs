@@ -1,5 +1,5 @@
-//! The model of the whole motion against the simulation's equations of motion, and the lateral and the longitudinal
-//! model against it.
+//! The model of the whole motion against the simulation's equations of motion, and the lateral and the longitudinal model
+//! against it.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // tests may
 
 use num_dual::{Dual64, DualNum};

@@ -36,7 +36,7 @@ impl<M, I, const N: usize, const R: usize> Clone for Manoeuvre<'_, M, I, N, R> {
 }
 impl<M, I, const N: usize, const R: usize> Copy for Manoeuvre<'_, M, I, N, R> {}
 
-/// One parameter of the model.
+/// One parameter of the model: where the search starts, its prior and its bounds.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BatchParameter {
     /// Name of the parameter in messages and results, e.g. `Cm_alpha`.
@@ -45,9 +45,9 @@ pub struct BatchParameter {
     pub start: f64,
     /// One sigma of what is known beforehand, about `start`; none: the data alone decide (maximum likelihood).
     pub prior_std: Option<f64>,
-    /// Lower bound; minus infinity for none.
+    /// Lower bound in the parameter's unit; minus infinity for none.
     pub lower: f64,
-    /// Upper bound; infinity for none.
+    /// Upper bound in the parameter's unit; infinity for none.
     pub upper: f64,
     /// True if the parameter is not estimated but held at `start`.
     pub fixed: bool,

@@ -23,7 +23,7 @@ pub struct Equation {
     pub terms: Vec<Term>,
 }
 
-/// One term of an equation.
+/// One term of an equation, with the statistics that say whether the equation needs it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Term {
     /// Name of the parameter that multiplies the term.

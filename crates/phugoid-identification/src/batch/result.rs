@@ -67,7 +67,7 @@ pub struct Iteration {
     pub next_step: f64,
 }
 
-/// How one manoeuvre was fitted.
+/// The fit of one manoeuvre: its initial state, biases, fitted outputs and residuals.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ManoeuvreFit {
     /// Name of the manoeuvre, e.g. its file.

@@ -61,7 +61,7 @@ pub enum EstimateError {
          values at the start. Give it under [noise] in the model file, or leave `{0}` out of `outputs`"
     )]
     Noise(String),
-    /// The model cannot be built.
+    /// The model, the signals or the reference point cannot be made of the file and the record; the sentence says why.
     #[error("{0}")]
     Model(String),
     /// The estimator refuses the settings that follow from the model file.
@@ -104,7 +104,7 @@ pub enum EstimateError {
         method: Method,
         /// What should have moved, in words.
         movers: &'static str,
-        /// What to fly, in words.
+        /// A manoeuvre that would move it, in words.
         manoeuvre: &'static str,
     },
     /// A batch method found no estimate; the inner error says why.

@@ -264,7 +264,7 @@ impl History {
 /// The result of one run of one method on one record.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Estimation {
-    /// Record (file name or scenario).
+    /// Source of the record: its file name, or the name of a scenario.
     pub source: String,
     /// Model file or its built-in name.
     pub model: String,
@@ -288,9 +288,9 @@ pub struct Estimation {
     /// Sentences for the user: the verdict, pairs of parameters that are only known together, doubtful units, model
     /// error.
     pub verdict: Vec<String>,
-    /// Events in order of time.
+    /// Suspected and adopted changes, gaps and restarts, in order of time.
     pub events: Vec<Event>,
-    /// Data quality of the record.
+    /// What the reader of the record found, assumed and left out.
     pub quality: QualityReport,
     /// Measurement noise used per output, SI: name, unit, one sigma (one value each).
     pub noise: Vec<Signal>,

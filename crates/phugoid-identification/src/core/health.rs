@@ -47,7 +47,7 @@ impl Condition {
 /// The result for one monitored parameter at the end of the record, per radian where an angle is involved.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ParameterHealth {
-    /// Name in the model file.
+    /// Name of the parameter in the model file.
     pub name: String,
     /// Expected value, in the unit of the parameter.
     pub expected: f64,
@@ -72,7 +72,7 @@ pub struct ParameterHealth {
 /// A failure that the monitor has flagged: when, since when, and in which parameters.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FailureReport {
-    /// When it was flagged, s.
+    /// Time of the sample at which the flag was raised, s.
     pub flagged_at_s: f64,
     /// When it began, s: half of the likelihood lies before.
     pub onset_s: Option<f64>,

@@ -22,7 +22,7 @@ pub enum Method {
     /// The sliding-mode parameter estimator on a parallel model (docs/theory.md).
     #[default]
     Smpe,
-    /// The joint extended Kalman filter.
+    /// The joint extended Kalman filter of states and parameters (docs/methods.md).
     Ekf,
     /// Recursive least squares on states smoothed by kinematics (docs/methods.md).
     Rls,
@@ -36,9 +36,9 @@ pub enum Method {
     SuperTwisting,
     /// Least squares on the equations of motion (docs/methods.md, as all below).
     EquationError,
-    /// Maximum likelihood without process noise.
+    /// Output error: maximum likelihood with measurement noise only, by a free simulation.
     OutputError,
-    /// Maximum likelihood with process noise.
+    /// Filter error: maximum likelihood with process noise, for turbulence and unstable aircraft.
     FilterError,
 }
 
@@ -78,7 +78,7 @@ impl Method {
         matches!(self, Self::EquationError | Self::OutputError | Self::FilterError)
     }
 
-    /// One line for a list.
+    /// One line that says what the method is, for lists of methods.
     pub fn description(self) -> &'static str {
         match self {
             Self::Smpe => "sliding-mode parameter estimator on a parallel model",

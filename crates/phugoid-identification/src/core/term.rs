@@ -24,7 +24,7 @@ pub enum Coefficient {
     PitchingMoment,
     /// `CY`, along body y, positive to the right.
     SideForce,
-    /// `Cl`, positive right wing down.
+    /// `Cl`, about body x, positive right wing down.
     RollingMoment,
     /// `Cn`, about body z, positive nose right.
     YawingMoment,
@@ -68,7 +68,7 @@ pub enum Variable {
     RollRate,
     /// `q_hat`, `q cbar / 2V`, cbar the mean chord.
     PitchRate,
-    /// `r_hat`, `r b / 2V`.
+    /// `r_hat`, the yaw rate made dimensionless, `r b / 2V`, b the span.
     YawRate,
     /// `v_hat`, the airspeed over the reference speed of the model file, `V / V0`.
     Airspeed,
@@ -78,7 +78,7 @@ pub enum Variable {
     Aileron,
     /// `rudder`, rad, from the reference point.
     Rudder,
-    /// `alpha_dot_hat`, `alpha' cbar / 2V`.
+    /// `alpha_dot_hat`, the rate of alpha made dimensionless, `alpha' cbar / 2V`, cbar the mean chord.
     AlphaRate,
 }
 
@@ -99,7 +99,7 @@ impl Variable {
     const NAMES: [&'static str; Self::ALL.len()] =
         ["alpha", "beta", "p_hat", "q_hat", "r_hat", "v_hat", "elevator", "aileron", "rudder", "alpha_dot_hat"];
 
-    /// Position in a factor array.
+    /// Position in a factor array, from 0: the order of [`Variable::ALL`].
     pub const fn index(self) -> usize {
         self as usize
     }

@@ -21,7 +21,7 @@ use crate::preparation::noise::measure_noise;
 /// The result of [`inspect`]: channels, data quality, manoeuvres, and what can be estimated from them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Inspection {
-    /// Where the record came from.
+    /// Source of the record, e.g. its file name.
     pub source: String,
     /// Number of samples of the time base.
     pub samples: usize,

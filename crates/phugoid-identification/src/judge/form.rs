@@ -101,7 +101,7 @@ pub enum Argument {
     Extra(usize),
 }
 
-/// A derivative of the build-up.
+/// One derivative: a coefficient, and the variable it is differentiated with respect to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Derivative {
     /// The coefficient that is differentiated.

@@ -107,6 +107,6 @@ pub struct Reference {
     pub aileron: ReferenceValue,
     /// Rudder deflection at which `rudder` counts as zero, rad.
     pub rudder: ReferenceValue,
-    /// Altitude of the trim, m.
+    /// Altitude at which the trim is computed, m; there where a trim is asked for.
     pub altitude: Option<f64>,
 }

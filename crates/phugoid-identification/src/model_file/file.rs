@@ -21,7 +21,7 @@ pub struct ModelFile {
     pub axes: Axes,
     /// Database that the estimated terms are added to, if there is one.
     pub base: Base,
-    /// Normalisation of the pitch rate.
+    /// The airspeed that makes the angular rates dimensionless: the actual one or the reference speed.
     pub rate_speed: RateSpeed,
     /// Mass, inertia, sizes, thrust and air of the aircraft.
     pub aircraft: AircraftData,

@@ -6,7 +6,7 @@ use crate::core::term::{Coefficient, Term};
 /// What a parameter of the model multiplies, and so what it stands for.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Role {
-    /// A term of the build-up.
+    /// A term of the build-up of a coefficient: the parameter is a derivative.
     Term(Coefficient, Term),
     /// A constant in a coefficient that takes up model error.
     Offset(Coefficient),

@@ -67,7 +67,8 @@ impl ModelFile {
     /// let error = ModelFile::parse("mine.toml", &text).unwrap_err();
     /// assert_eq!((error.key.as_ref(), error.nearest.as_deref()), ("aircraft.wing_aera", Some("wing_area")));
     /// let shown = error.to_string();
-    /// assert!(shown.starts_with("mine.toml:12:1: unknown key `wing_aera` in [aircraft]: did you mean `wing_area`?"), "{shown}");
+    /// let expected = "mine.toml:12:1: unknown key `wing_aera` in [aircraft]: did you mean `wing_area`?";
+    /// assert!(shown.starts_with(expected), "{shown}");
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///

@@ -115,7 +115,7 @@ pub struct Layout {
     pub inputs: Vec<SignalLayout>,
 }
 
-/// A parameter that is estimated.
+/// Name, unit and prior of one estimated parameter.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ParameterLayout {
     /// Name from the model file, e.g. `Cm_alpha`.
@@ -161,11 +161,11 @@ pub struct Snapshot {
     pub predicted: Vec<f64>,
     /// Residuals over their predicted standard deviation; NaN where missing.
     pub residuals: Vec<f64>,
-    /// Known inputs, SI, as used.
+    /// Known inputs as the model used them: the last value is held where one is missing, SI.
     pub inputs: Vec<f64>,
 }
 
-/// One parameter after one sample.
+/// The estimate of one parameter after one sample.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct LiveParameter {
     /// Estimate, in the unit that the layout gives.

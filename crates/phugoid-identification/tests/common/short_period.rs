@@ -1,5 +1,5 @@
-//! The unstable aircraft of R. V. Jategaonkar (Flight Vehicle System Identification, 2nd ed.): short-period motion,
-//! linear, all six derivatives unknown. For tests: its parameters have dimensions, which no model file has.
+//! The unstable aircraft of R. V. Jategaonkar (Flight Vehicle System Identification, 2nd ed.): short-period motion, linear,
+//! all six derivatives unknown. For tests: its parameters have dimensions, which no model file has.
 
 use phugoid_estimators::{LinearizedOutputs, LinearizedRates, Model};
 
