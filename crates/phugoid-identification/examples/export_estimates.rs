@@ -1,5 +1,5 @@
-//! Estimates a flight and writes the estimates as CSV and as Parquet: `export_estimates FLIGHT.csv MODEL OUT.csv OUT.parquet`, the model
-//! a built-in one. For the check of the one against the other by pyarrow.
+//! Estimates a flight and writes the estimates as CSV and as Parquet: `export_estimates FLIGHT.csv MODEL OUT.csv
+//! OUT.parquet`, the model a built-in one. For the check of the one against the other by pyarrow.
 
 use phugoid_flight_data::reader::{ReadOptions, read_path};
 use phugoid_identification::estimate::{EstimateOptions, estimate};

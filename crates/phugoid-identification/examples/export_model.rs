@@ -1,5 +1,5 @@
-//! Writes the start values of a model file in the form of another program: `export_model MODEL.toml jsbsim|gazebo`. For the checks
-//! of the exports against the programs that they are for.
+//! Writes the start values of a model file in the form of another program: `export_model MODEL.toml jsbsim|gazebo`. For
+//! the checks of the exports against the programs that they are for.
 
 use phugoid_identification::export::{Identified, gazebo, jsbsim};
 use phugoid_identification::model_file::ModelFile;

@@ -1,4 +1,5 @@
-//! What data can tell at given values of the parameters, before anything is searched: the Cramer-Rao bound.
+//! The Cramer-Rao bound: the smallest standard errors that an unbiased estimator can have on given data, with the
+//! parameters held at given values.
 
 use crate::core::options::CAPACITY;
 use nalgebra::DMatrix;
@@ -17,29 +18,32 @@ use super::relaxation::{levels, noise_floor};
 use super::response::{Rows, response};
 use super::result::UnknownKind;
 
-/// How well one unknown can be told.
+/// The bound on the standard error of one unknown.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bounded {
-    /// What it is.
+    /// Which kind of unknown this is, with its position in the model or the manoeuvre.
     pub kind: UnknownKind,
-    /// Name.
+    /// Name of the unknown as the user knows it, e.g. `Cm_alpha` or `bias of alpha`.
     pub name: String,
-    /// Smallest standard error of an unbiased estimator, where the outputs have no other error than the noise of the structure.
+    /// Smallest standard error of an unbiased estimator, where the outputs have no other error than the noise of the
+    /// structure.
     pub std_error: f64,
-    /// The same with the residuals that the model leaves at these values in place of that noise, their colour allowed for.
+    /// The same with the residuals that the model leaves at these values in place of that noise, their colour allowed
+    /// for.
     pub with_residuals: f64,
-    /// The unknown whose error goes with this one's most, and the correlation.
+    /// The unknown whose error is most correlated with that of this one, and the correlation.
     pub closest: Option<(String, f64)>,
 }
 
-/// The bound of all free unknowns of a structure with its parameters at `parameters`, from the information
-/// `sum_k S(k)^T R^-1 S(k)` of the outputs that were measured and of the priors (Klein & Morelli, Aircraft System Identification,
-/// section 6.1; with priors H. L. Van Trees, 1968, section 2.4). The sensitivities `S` are those of a free simulation with the
-/// recorded inputs, from the measured initial state. Noise that the structure does not know is that of the residuals.
+/// The bound of all free unknowns of a structure with its parameters at `parameters`, from the information `sum_k
+/// S(k)^T R^-1 S(k)` of the outputs that were measured and of the priors (Klein & Morelli, Aircraft System
+/// Identification, section 6.1; with priors H. L. Van Trees, 1968, section 2.4). The sensitivities `S` are those of a
+/// free simulation with the recorded inputs, from the measured initial state. Where the structure does not give the
+/// noise of an output, that of its residuals is used.
 ///
 /// # Errors
-/// [`BatchError`]: input that does not fit together, a simulation that diverges or is unstable, unknowns without prior that the
-/// data cannot tell apart.
+/// [`BatchError`]: inputs that contradict each other, a simulation that diverges or is unstable, unknowns without prior
+/// of which the data determine only a combination.
 pub fn bound<M, I, const N: usize, const R: usize>(
     manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
     structure: &Structure<N, R>,
@@ -95,7 +99,8 @@ where
     Ok(places.collect())
 }
 
-/// The information with these noise levels, priors included; the part of the data; and the rows divided by the levels.
+/// The information with these noise levels, priors included; the part that comes from the data; and the rows divided by
+/// the noise levels.
 fn information<const N: usize, const R: usize>(
     layout: &Layout<N>,
     unknowns: &[f64],

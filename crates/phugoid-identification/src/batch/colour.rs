@@ -1,18 +1,18 @@
 //! Standard errors when the residuals are coloured.
 //!
-//! The inverse of the information is the covariance of the estimates only if the residuals are white. In flight they are
-//! not: turbulence and model error last for many samples. With the sensitivities `S(k)` and residuals `nu(k)`, both
+//! The inverse of the information is the covariance of the estimates only if the residuals are white. In flight they
+//! are not: turbulence and model error last for many samples. With the sensitivities `S(k)` and residuals `nu(k)`, both
 //! divided by one sigma of each output,
 //!
 //! ```text
 //! Cov = M^-1 [ sum_i sum_j S(i)^T R(i - j) S(j) ] M^-1        R(k): autocorrelation matrix of nu at lag k
 //! ```
 //!
-//! (Morelli & Klein, Determining the accuracy of maximum likelihood parameter estimates with colored residuals,
-//! NASA CR-194893, 1994; Klein & Morelli, Aircraft System Identification, section 6.3).
-//! All lags together would give exactly zero, because residuals and sensitivities are orthogonal at the optimum; lags are
-//! therefore summed as far as the residuals are correlated at all, with a flat-top window whose width is found by the rule
-//! of D. N. Politis (Adaptive bandwidth choice, Journal of Nonparametric Statistics 15, 2003).
+//! (Morelli & Klein, Determining the accuracy of maximum likelihood parameter estimates with colored residuals, NASA
+//! CR-194893, 1994; Klein & Morelli, Aircraft System Identification, section 6.3). All lags together would give exactly
+//! zero, because residuals and sensitivities are orthogonal at the optimum; lags are therefore summed as far as the
+//! residuals are correlated at all, with a flat-top window whose width is found by the rule of D. N. Politis (Adaptive
+//! bandwidth choice, Journal of Nonparametric Statistics 15, 2003).
 
 use nalgebra::DMatrix;
 

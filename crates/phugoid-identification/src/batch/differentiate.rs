@@ -2,15 +2,15 @@
 //!
 //! A cubic is fitted by least squares to the samples within half a window of each sample, and its value and slope there
 //! are taken (Savitzky & Golay, Analytical Chemistry 36, 1964; Klein & Morelli, Aircraft System Identification, section
-//! 11.3), for any sample times and with missing values. Centred windows have no phase lag. Near the ends a window would be
-//! one-sided and the slope's error several times larger: there is no value there.
+//! 11.3), for any sample times and with missing values. Centred windows have no phase lag. Near the ends a window would
+//! be one-sided and the slope's error several times larger: there is no value there.
 
 use nalgebra::{Matrix4, Vector4};
 
 /// Local cubics over one set of sample times: both value and slope are weighted sums of the samples in a window.
 #[derive(Clone, Debug)]
 pub(crate) struct LocalCubics {
-    /// By sample; none near the ends and where too little was measured.
+    /// One entry per sample; `None` near the ends and where too few values were measured.
     windows: Vec<Option<Window>>,
 }
 
@@ -77,7 +77,7 @@ impl LocalCubics {
     fn apply(&self, signal: &[f64], which: usize) -> Vec<f64> {
         let at = |(k, window): (usize, &Option<Window>)| {
             let Some(window) = window else { return f64::NAN };
-            // About a value nearby, so that a large constant costs no digits.
+            // The sum is taken about a nearby value, so that a large constant offset does not cost digits.
             let level = if signal[k].is_finite() { signal[k] } else { 0.0 };
             let pairs = window.weights.iter().zip(&signal[window.from..]).filter(|(w, _)| **w != [0.0; 2]);
             let sum: f64 = pairs.map(|(w, v)| w[which] * (v - level)).sum();

@@ -15,19 +15,20 @@ use super::response::Rows;
 use super::result::{BatchFit, UnknownKind};
 use super::summary::{Summary, summarise};
 
-/// Choices of equation error.
+/// Settings of [`equation_error`]: the differentiation of the measured states, and which equations and terms are used.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EquationErrorSettings {
     /// Samples this far to each side make one value of a state and its slope, s. It should be short against the motion
     /// (a tenth of the short period) and hold at least three samples.
     pub half_window_s: f64,
-    /// Use smoothed states in the regressors; otherwise the measured ones, which is right for noise-free data only: noise in
-    /// a regressor biases its derivative towards zero.
+    /// Use smoothed states in the regressors; otherwise the measured ones, which is right for noise-free data only:
+    /// noise in a regressor biases its derivative towards zero.
     pub smooth_regressors: bool,
-    /// Use every equation that has a measured left side. Otherwise a state's rate is differentiated only where a parameter
-    /// needs it: a measured acceleration is better than a numerical one.
+    /// Use every equation that has a measured left side. Otherwise a state's rate is differentiated only where a
+    /// parameter needs it: a measured acceleration is better than a numerical one.
     pub every_equation: bool,
-    /// Partial F from which a term counts as needed. 4 is the 95 % point for white residuals; 20 allows for their colour.
+    /// Partial F from which a term counts as needed. 4 is the 95 % point for white residuals; 20 allows for their
+    /// colour.
     pub f_to_enter: f64,
 }
 
@@ -39,31 +40,34 @@ impl EquationErrorSettings {
     }
 }
 
-/// What equation error gives.
+/// The result of [`equation_error`]: the estimates, and how much each term of each equation explains.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct EquationErrorFit {
-    /// Estimates with their covariance. The fitted outputs are the smoothed states and, from them, the other outputs; the
-    /// residuals are those of the equations, in the place of the output that measures the state or the acceleration.
+    /// Estimates with their covariance. The fitted outputs are the smoothed states and, from them, the other outputs;
+    /// the residuals are those of the equations, in the place of the output that measures the state or the
+    /// acceleration.
     pub fit: BatchFit,
     /// The equations, by groups that share parameters.
     pub equations: Vec<Equation>,
 }
 
-/// Solves the equations of motion for the parameters by weighted least squares, with measured states and differentiated or
-/// measured rates (Klein & Morelli, Aircraft System Identification, chapter 5):
+/// Solves the equations of motion for the parameters by weighted least squares, with measured states and differentiated
+/// or measured rates (Klein & Morelli, Aircraft System Identification, chapter 5):
 ///
 /// ```text
 /// d/dt x_i (measured, smoothed) - f_i(x, u) = Phi_i(x, u) theta + e_i        a state's equation
 /// y_i - h_i(x, 0, u)                        = D_i(x, u) theta + e_i          a measured acceleration
 /// ```
 ///
-/// Differentiation rounds corners; the right side of a state's equation is integrated and differentiated in the same way, so
-/// that both sides agree whatever the window. Each equation has its own residual variance, found with the parameters. States that no output measures, and equations
-/// whose left side is nowhere measured, are refused or left out. No integration, no start values: it cannot diverge, and
-/// gives start values to the other methods. Noise in the states biases it (docs/methods.md, measured).
+/// Differentiation rounds corners; the right side of a state's equation is integrated and differentiated in the same
+/// way, so that both sides agree whatever the window. Each equation has its own residual variance, found with the
+/// parameters. States that no output measures, and equations whose left side is nowhere measured, are refused or left
+/// out. Nothing is integrated and no start values are needed, so that it cannot diverge; its result can start the other
+/// methods. Noise in the states biases it (docs/methods.md, measured).
 ///
 /// # Errors
-/// [`BatchError`]: input that does not fit together, a state that is not measured, terms that the data cannot tell apart.
+/// [`BatchError`]: inputs that contradict each other, a state that is not measured, terms of which the data determine
+/// only a combination.
 pub fn equation_error<M, I, const N: usize, const R: usize>(
     manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
     structure: &Structure<N, R>,
@@ -82,7 +86,7 @@ where
     let mut held = structure.clone();
     held.states.iter_mut().for_each(|s| s.free = false);
     for (i, channel) in held.outputs.iter_mut().enumerate() {
-        // A constant error of a state is no term of its equation.
+        // A constant error of a measured state does not appear in the equation of its rate.
         if state_of::<M, I, N, R>(manoeuvres, i).is_some() {
             channel.bias = Bias::None;
         }
@@ -93,7 +97,7 @@ where
     let wanted = if settings.every_equation { [true; R] } else { needed(manoeuvres, &every, &layout) };
     let residuals = |unknowns: &[f64]| Ok(rows_of(manoeuvres, &smoothed, &layout, unknowns, &wanted));
     let floor = equation_floor(&every);
-    // Linear in the parameters: the search is the iteration of the weights.
+    // The equations are linear in the parameters: only the weights have to be iterated.
     let search = OptimiserSettings { step_tolerance: 1e-6, ..OptimiserSettings::default() };
     let noise = [Noise::Estimated; R];
     let minimum = relaxation::fit(&layout.places, layout.start(), &noise, &floor, &search, residuals)?;
@@ -120,7 +124,7 @@ struct Measured<const N: usize> {
     /// By sample; NaN near the ends and where not measured.
     states: Vec<[f64; N]>,
     slopes: Vec<[f64; N]>,
-    /// What made the slopes, by state.
+    /// The local cubics that the slopes were computed with, by state.
     cubics: Vec<LocalCubics>,
 }
 
@@ -168,9 +172,9 @@ struct RightSide<const N: usize> {
     regressors: Vec<LinearizedRates<N, CAPACITY>>,
 }
 
-/// Integrates the right side over the samples (trapezia, with the input that acted in each interval) and takes the slope of
-/// that as it was taken of the measured state. Both sides have then been through the same window: what it rounds off, such
-/// as the step in a rate that a step of a surface makes, it rounds off on both.
+/// Integrates the right side over the samples (trapezia, with the input that acted in each interval) and takes the
+/// slope of that as it was taken of the measured state. Both sides have then been through the same window: what it
+/// rounds off, such as the step in a rate that a step of a surface makes, it rounds off on both.
 fn right_side<M, I, const N: usize, const R: usize>(
     m: &Manoeuvre<'_, M, I, N, R>,
     measured: &Measured<N>,
@@ -300,7 +304,8 @@ where
     manoeuvres.iter().zip(measured).enumerate().map(of).collect()
 }
 
-/// The equations to use: measured accelerations, and the rates of states that carry a parameter which no acceleration sees.
+/// The equations to use: measured accelerations, and the rates of states that carry a parameter which no acceleration
+/// sees.
 fn needed<M, I, const N: usize, const R: usize>(
     manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
     every: &[Rows<R>],
@@ -323,7 +328,7 @@ where
     std::array::from_fn(|i| acceleration(i) || (0..seen.len()).any(|j| !seen[j] && moves(i, j)))
 }
 
-/// Least residual that is believed of each equation.
+/// Smallest standard deviation of the residuals that is accepted for each equation: below it rounding decides.
 fn equation_floor<const R: usize>(every: &[Rows<R>]) -> [f64; R] {
     std::array::from_fn(|i| {
         let largest = every.iter().flat_map(|r| r.residuals.iter().map(move |e| e[i].abs())).fold(0.0, f64::max);

@@ -3,7 +3,7 @@
 /// Why a batch estimation could not be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum BatchError {
-    /// What was given does not fit together.
+    /// The arguments contradict each other or are out of range; the sentence says which.
     #[error("{0}")]
     BadInput(String),
     /// The simulation is not finite at the start values, or one damped step away from every accepted point.
@@ -13,7 +13,7 @@ pub enum BatchError {
          error, which do not integrate freely"
     )]
     Diverged {
-        /// Manoeuvre.
+        /// Name of the manoeuvre, e.g. its file.
         manoeuvre: String,
         /// Time of the first value that is not finite, s from the start of the manoeuvre.
         time_s: f64,
@@ -25,12 +25,12 @@ pub enum BatchError {
          which hold on to the measurements; or start from the result of equation error; or cut the manoeuvre"
     )]
     Unstable {
-        /// Manoeuvre.
+        /// Name of the manoeuvre, e.g. its file.
         manoeuvre: String,
-        /// Growth, each state measured by its own range.
+        /// By how much the error grows, each state in units of its own range during the manoeuvre.
         growth: f64,
     },
-    /// Some combination of the unknowns leaves every output where it is.
+    /// The data do not determine a combination of the unknowns: changing them together moves no output.
     #[error("{}", singular(culprits))]
     Singular {
         /// The unknowns of the combination, the strongest first, with their share: a step by these amounts together,
@@ -43,11 +43,12 @@ pub enum BatchError {
          (wanted: {tolerance:.1e}). Start nearer, fix what the data cannot tell, or allow more iterations"
     )]
     NotConverged {
-        /// Iterations made.
+        /// Number of accepted steps.
         iterations: usize,
         /// Length of the next Gauss-Newton step in standard errors.
         step: f64,
-        /// Length wanted.
+        /// Length at which the search would have ended:
+        /// [`OptimiserSettings::step_tolerance`](super::OptimiserSettings::step_tolerance).
         tolerance: f64,
     },
 }

@@ -6,7 +6,7 @@ use phugoid_estimators::{Input, LinearizedOutputs, Model};
 
 use super::problem::Manoeuvre;
 
-/// What the filter is run with.
+/// The values that one run of the filter holds fixed.
 #[derive(Clone, Debug)]
 pub(crate) struct Tuning<const N: usize, const R: usize> {
     pub(crate) parameters: [f64; CAPACITY],
@@ -26,10 +26,10 @@ pub(crate) struct Tuning<const N: usize, const R: usize> {
 pub(crate) struct Innovations<const R: usize> {
     /// Outputs predicted from all samples before, with their biases.
     pub(crate) predicted: Vec<[f64; R]>,
-    /// Measured minus predicted; the outputs of a sample one after the other, each with what those before it corrected, so
-    /// that all are independent.
+    /// Measured minus predicted; the outputs of a sample one after the other, each with what those before it corrected,
+    /// so that all are independent.
     pub(crate) errors: Vec<[f64; R]>,
-    /// Their variances.
+    /// Variance of each innovation, in the squared unit of its output.
     pub(crate) variances: Vec<[f64; R]>,
 }
 
@@ -123,7 +123,7 @@ fn joseph<const N: usize>(p: &[[f64; N]; N], gain: &[f64; N], h: &[f64; N], nois
     })
 }
 
-/// `A P A^T`.
+/// Covariance of the state after one step with the transition matrix `A`, without process noise: `A P A^T`.
 fn predicted_covariance<const N: usize>(p: &[[f64; N]; N], a: &[[f64; N]; N]) -> [[f64; N]; N] {
     let half: [[f64; N]; N] = std::array::from_fn(|i| std::array::from_fn(|j| (0..N).map(|l| a[i][l] * p[l][j]).sum()));
     std::array::from_fn(|i| std::array::from_fn(|j| (0..N).map(|l| half[i][l] * a[j][l]).sum()))

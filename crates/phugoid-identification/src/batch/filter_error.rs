@@ -31,7 +31,7 @@ const INITIAL_SD: f64 = 10.0;
 /// One sigma of the logarithm of a variance about its start: a factor of ten in standard deviation. It only keeps a
 /// variance that the data say nothing of from running away.
 const LOG_VARIANCE_SD: f64 = 4.605_170_186;
-/// Farthest that the logarithm of a variance goes from its start.
+/// Largest distance that the logarithm of a variance may move from its start.
 const LOG_VARIANCE_RANGE: f64 = 18.0;
 /// Step of the central differences over the standard error that an unknown would have if all others were known.
 const DIFFERENCE: f64 = 1e-3;
@@ -46,10 +46,10 @@ const FIRST_DIFFERENCE: f64 = 1e-5;
 /// J = 1/2 sum_k sum_i [ e_i(k)^2 / s_i(k) + ln s_i(k) ]   ( + priors )
 /// ```
 ///
-/// over parameters, biases and, where they are to be estimated, the variances of measurement and process noise (by their
-/// logarithms, so that every filter on the way has a valid, stabilising gain). The filter is time-varying; the initial
-/// state is not searched but starts ten sensor sigmas wide and is found by the first samples.
-/// Fisher scoring (Gupta & Mehra, IEEE Transactions on Automatic Control AC-19, 1974; Jategaonkar, Flight Vehicle System
+/// over parameters, biases and, where they are to be estimated, the variances of measurement and process noise (by
+/// their logarithms, so that every filter on the way has a valid, stabilising gain). The filter is time-varying; the
+/// initial state is not searched but starts ten sensor sigmas wide and is found by the first samples. Fisher scoring
+/// (Gupta & Mehra, IEEE Transactions on Automatic Control AC-19, 1974; Jategaonkar, Flight Vehicle System
 /// Identification, chapter 5) with the safeguard of the other methods:
 ///
 /// ```text
@@ -60,8 +60,8 @@ const FIRST_DIFFERENCE: f64 = 1e-5;
 /// standard error: their own error is some millionths of what they decide.
 ///
 /// # Errors
-/// [`BatchError`]: input that does not fit together, a filter that diverges, unknowns that the data cannot tell apart,
-/// no convergence.
+/// [`BatchError`]: inputs that contradict each other, a filter that diverges, unknowns of which the data determine only
+/// a combination, no convergence.
 pub fn filter_error<M, I, const N: usize, const R: usize>(
     manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
     structure: &Structure<N, R>,

@@ -5,35 +5,47 @@ use serde::{Deserialize, Serialize};
 /// Fit of one output over one manoeuvre.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct OutputFit {
-    /// Channel name.
+    /// Canonical name of the output's channel, e.g. `alpha`.
     pub name: String,
-    /// Samples compared.
+    /// Number of samples in which both signals have a value.
     pub samples: usize,
     /// Root mean square of measured minus modelled, output units.
     pub rms: f64,
-    /// Coefficient of determination, `1 - sum of squared errors / sum of squares about the mean`: 1 is perfect, 0 is what
-    /// the mean alone explains, negative is worse than that.
+    /// Coefficient of determination, `1 - sum of squared errors / sum of squares about the mean`: 1 is perfect, 0 is
+    /// what the mean alone explains, negative is worse than that.
     pub r_squared: f64,
     /// Theil's inequality coefficient, 0 (perfect) to 1: rms error over the sum of the rms of both signals
     /// (Jategaonkar, Flight Vehicle System Identification, chapter 11; below 0.3 counts as a good agreement there).
     pub theil: f64,
-    /// Share of the squared error that a constant makes.
+    /// Share of the squared error that a constant difference between the two signals makes, 0 to 1.
     pub theil_bias: f64,
-    /// Share that different amplitudes make.
+    /// Share of the squared error that different amplitudes of the two signals make, 0 to 1.
     pub theil_variance: f64,
-    /// Share that is left, what no scaling mends: near one is what a good model leaves. The three add up to one.
+    /// The remaining share, which neither a constant nor a factor can remove; near 1 for a good model. The three shares
+    /// add up to 1.
     pub theil_covariance: f64,
-    /// Correlation of neighbouring errors: 0 for white ones.
+    /// Correlation of each error with the next one: about 0 if the errors are white.
     pub lag_one: f64,
-    /// True if the errors pass for white: Ljung & Box's sum over the first lags is below its 99 % point.
+    /// True if the errors cannot be distinguished from white noise: Ljung & Box's sum over the first lags is below its
+    /// 99 % point.
     pub white: bool,
 }
 
-/// Lags in Ljung & Box's sum.
+/// Number of lags in the sum of Ljung & Box.
 const LAGS: usize = 20;
 
 impl OutputFit {
     /// Compares two signals where both have values; none if they have fewer than two in common.
+    ///
+    /// ```
+    /// use phugoid_identification::batch::OutputFit;
+    /// let measured: Vec<f64> = (0..100).map(|k| (0.1 * f64::from(k)).sin()).collect();
+    /// let shifted: Vec<f64> = measured.iter().map(|value| value + 0.1).collect();
+    /// let fit = OutputFit::of("q", &measured, &shifted).ok_or("fewer than two values")?;
+    /// assert!((fit.rms - 0.1).abs() < 1e-12);
+    /// assert!(fit.theil_bias > 0.999, "the whole error is a constant");
+    /// # Ok::<(), &str>(())
+    /// ```
     pub fn of(name: &str, measured: &[f64], modelled: &[f64]) -> Option<Self> {
         let both: Vec<(f64, f64)> =
             measured.iter().copied().zip(modelled.iter().copied()).filter(|(y, z)| (y - z).is_finite()).collect();
@@ -44,17 +56,17 @@ impl OutputFit {
         let mean = |f: &dyn Fn(&(f64, f64)) -> f64| both.iter().map(f).sum::<f64>() / n as f64;
         let squared = mean(&|(y, z)| (y - z).powi(2));
         let (mean_y, mean_z) = (mean(&|p| p.0), mean(&|p| p.1));
-        let sd_y = mean(&|p| (p.0 - mean_y).powi(2)).sqrt();
-        let sd_z = mean(&|p| (p.1 - mean_z).powi(2)).sqrt();
+        let std_y = mean(&|p| (p.0 - mean_y).powi(2)).sqrt();
+        let std_z = mean(&|p| (p.1 - mean_z).powi(2)).sqrt();
         let size = mean(&|p| p.0 * p.0).sqrt() + mean(&|p| p.1 * p.1).sqrt();
         let share = |part: f64| if squared > 0.0 { part / squared } else { 0.0 };
-        let (bias, variance) = (share((mean_y - mean_z).powi(2)), share((sd_y - sd_z).powi(2)));
+        let (bias, variance) = (share((mean_y - mean_z).powi(2)), share((std_y - std_z).powi(2)));
         let (lag_one, white) = whiteness(measured, modelled);
         Some(Self {
             name: name.to_owned(),
             samples: n,
             rms: squared.sqrt(),
-            r_squared: if sd_y > 0.0 { 1.0 - squared / (sd_y * sd_y) } else { f64::NAN },
+            r_squared: if std_y > 0.0 { 1.0 - squared / (std_y * std_y) } else { f64::NAN },
             theil: if size > 0.0 { squared.sqrt() / size } else { 0.0 },
             theil_bias: bias,
             theil_variance: variance,

@@ -1,4 +1,4 @@
-//! The information matrix: steps, covariance, and what it says when it is singular.
+//! The information matrix: steps of the search, covariance, and the combination of unknowns that a singular one names.
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
@@ -8,8 +8,8 @@ use super::error::BatchError;
 /// good to about 1e-15 times the root of the number of samples.
 const REGULAR: f64 = 1e-12;
 
-/// Information below which an unknown counts as one that moves nothing: a whole unit of it moves all outputs together by less
-/// than 1e-12 standard deviations, as with a surface at the rounding error of zero.
+/// An unknown with less information than this counts as one that moves no output: a whole unit of it moves all outputs
+/// together by less than 1e-12 standard deviations, as with a surface at the rounding error of zero.
 const SILENT: f64 = 1e-24;
 
 /// Scales that make the diagonal one; 1 for an unknown without any information.
@@ -38,7 +38,7 @@ pub(crate) fn solve(
     let scale = scales(&part);
     let mut part = scaled(&part, &scale);
     for j in 0..free.len() {
-        // An unknown that moves nothing stays where it is.
+        // An unknown that moves no output gets no step.
         part[(j, j)] = if part[(j, j)] > 0.0 { part[(j, j)] + damping } else { 1.0 };
     }
     let factor: Cholesky<f64, Dyn> = Cholesky::new(part)?;

@@ -1,16 +1,16 @@
-//! Which unknown is where in the vector that is searched.
+//! The order of the unknowns in the vector that the search moves.
 
 use super::problem::{Bias, Manoeuvre, Structure};
 use super::result::UnknownKind;
 use crate::core::options::CAPACITY;
 
-/// One free unknown.
+/// One free unknown: one entry of the vector that the search moves.
 #[derive(Clone, Debug)]
 pub(crate) struct Place {
     pub(crate) kind: UnknownKind,
     pub(crate) name: String,
     pub(crate) start: f64,
-    /// Infinite for none.
+    /// Standard deviation of what is known beforehand, about `start`; infinite where nothing is known.
     pub(crate) prior_std: f64,
     pub(crate) lower: f64,
     pub(crate) upper: f64,

@@ -10,9 +10,9 @@ use super::response::Rows;
 pub(crate) struct Evaluation<T> {
     /// Negative logarithm of the likelihood and of the priors, without constants.
     pub(crate) cost: f64,
-    /// Minus its gradient.
+    /// Negative gradient of the cost: the direction in which it falls fastest.
     pub(crate) descent: DVector<f64>,
-    /// Fisher information, priors included.
+    /// Fisher information of the data and of the priors: the inverse of the covariance of the unknowns.
     pub(crate) information: DMatrix<f64>,
     /// What the cost was computed from.
     pub(crate) detail: T,
@@ -46,8 +46,8 @@ impl<T> Evaluation<T> {
         Evaluation { cost: self.cost + cost, descent: self.descent, information: self.information, detail }
     }
 
-    /// Adds the rows of one manoeuvre, already divided by one sigma: `sum S^T nu` and `sum S^T S`. The cost is left to the
-    /// caller.
+    /// Adds the rows of one manoeuvre, already divided by one sigma: `sum S^T nu` and `sum S^T S`. The cost is left to
+    /// the caller.
     pub(crate) fn add<const R: usize>(&mut self, rows: &Rows<R>) {
         let width = rows.columns.len();
         let mut information = DMatrix::<f64>::zeros(width, width);

@@ -1,6 +1,6 @@
 //! Batch methods: all samples of one or more manoeuvres at once, after the flight.
 //!
-//! Written once against [`phugoid_estimators::Model`], as the causal estimators are; none hears of an aircraft.
+//! They are written against [`phugoid_estimators::Model`], as the causal estimators are, and know nothing of aircraft.
 //!
 //! | method | minimises | allows for |
 //! |---|---|---|

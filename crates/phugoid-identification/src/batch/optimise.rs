@@ -8,10 +8,10 @@ use super::layout::Place;
 use super::likelihood::Evaluation;
 use super::result::Iteration;
 
-/// When the search ends.
+/// When the search for the minimum of the cost ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OptimiserSettings {
-    /// Most steps that are accepted.
+    /// Largest number of accepted steps.
     pub maximum_iterations: usize,
     /// The minimum is reached when the next Gauss-Newton step is shorter than this many standard errors
     /// (`sqrt(g^T M^-1 g)`): every unknown is then closer than that fraction of its own standard error to the optimum.
@@ -34,7 +34,7 @@ const ATTEMPTS: usize = 20;
 /// Relative change of the cost below which rounding decides.
 const ROUNDING: f64 = 1e-12;
 
-/// Where the search ended.
+/// The point at which the search ended, with what was computed there.
 #[derive(Clone, Debug)]
 pub(crate) struct Minimum<T> {
     pub(crate) unknowns: Vec<f64>,
@@ -46,10 +46,10 @@ pub(crate) struct Minimum<T> {
 
 /// Searches the minimum of a negative log-likelihood.
 ///
-/// Each step solves `(M + lambda diag M) d = -g` with the Fisher information `M`: Gauss-Newton while that lowers the cost
-/// (`lambda = 0`), Levenberg-Marquardt with growing damping where it does not or where `M` is singular. A step is cut at
-/// the bounds; an unknown on a bound that the gradient presses against is left out of the step.
-/// `evaluate` gives none where the model has no finite answer, and may where the cost is not below its second argument.
+/// Each step solves `(M + lambda diag M) d = -g` with the Fisher information `M`: Gauss-Newton while that lowers the
+/// cost (`lambda = 0`), Levenberg-Marquardt with growing damping where it does not or where `M` is singular. A step is
+/// cut at the bounds; an unknown on a bound that the gradient presses against is left out of the step. `evaluate` gives
+/// none where the model has no finite answer, and may where the cost is not below its second argument.
 pub(crate) fn minimise<T>(
     places: &[Place],
     start: Vec<f64>,
@@ -103,7 +103,8 @@ pub(crate) fn minimise<T>(
             damping = (damping * DAMPING_FACTOR).max(FIRST_DAMPING);
         }
         let Some((trial, there)) = accepted else {
-            // No direction goes down any more: a minimum to rounding, or a singular one, which the covariance tells.
+            // No direction lowers the cost any more: the minimum is reached to rounding, or the information is
+            // singular, which the covariance reports.
             return if next_step.is_infinite() || next_step.powi(2) < 1e-6 * here.cost.abs().max(1.0) {
                 done(unknowns, here, iterations)
             } else {
@@ -113,7 +114,8 @@ pub(crate) fn minimise<T>(
         };
         used = damping;
         damping = if damping <= FIRST_DAMPING { 0.0 } else { damping / DAMPING_FACTOR };
-        // In a singular valley the cost may creep for ever: stop when it no longer falls.
+        // Where the information is singular the cost may fall by ever smaller amounts: stop when it no longer falls
+        // visibly.
         let stands = next_step.is_infinite() && here.cost - there.cost < ROUNDING * here.cost.abs().max(1.0);
         (unknowns, here) = (trial, there);
         if stands {

@@ -26,9 +26,69 @@ use super::summary::{Summary, summarise};
 /// for independent). Gauss-Newton with exact output sensitivities, safeguarded by Levenberg-Marquardt; it ends when the
 /// next step is shorter than [`OptimiserSettings::step_tolerance`] standard errors.
 ///
+/// ```
+/// use phugoid_estimators::discretization::InputHold;
+/// use phugoid_estimators::{LinearizedOutputs, LinearizedRates, Model};
+/// use phugoid_identification::batch::{
+///     BatchParameter, InitialState, Manoeuvre, Noise, OptimiserSettings, OutputChannel, Structure, output_error,
+/// };
+///
+/// /// `x' = a x + b u`, and `x` is measured: in any room for at least two parameters.
+/// struct Lag;
+///
+/// impl<const P: usize> Model<1, 1, P> for Lag {
+///     type Input = [f64; 1];
+///     fn parameter_count(&self) -> usize {
+///         2
+///     }
+///     fn rates(&self, x: &[f64; 1], theta: &[f64; P], u: &[f64; 1]) -> [f64; 1] {
+///         [theta[0] * x[0] + theta[1] * u[0]]
+///     }
+///     fn linearized_rates(&self, x: &[f64; 1], theta: &[f64; P], u: &[f64; 1], out: &mut LinearizedRates<1, P>) {
+///         *out = LinearizedRates::ZERO;
+///         out.rates = self.rates(x, theta, u);
+///         out.state_jacobian = [[theta[0]]];
+///         out.regressors[0][..2].copy_from_slice(&[x[0], u[0]]);
+///     }
+///     fn linearized_outputs(&self, x: &[f64; 1], _: &[f64; P], _: &[f64; 1], out: &mut LinearizedOutputs<1, 1, P>) {
+///         *out = LinearizedOutputs::ZERO;
+///         out.outputs = *x;
+///         out.state_jacobian = [[1.0]];
+///     }
+///     fn measuring_output(&self, _state: usize) -> Option<usize> {
+///         Some(0)
+///     }
+/// }
+///
+/// // The answer to a step of one, with a = -2 and b = 4: x = 2 (1 - exp(-2 t)).
+/// let time_s: Vec<f64> = (0..100).map(|k| 0.02 * f64::from(k)).collect();
+/// let outputs: Vec<[f64; 1]> = time_s.iter().map(|t| [2.0 * (1.0 - (-2.0 * t).exp())]).collect();
+/// let inputs = vec![[1.0]; 100];
+/// let manoeuvre = Manoeuvre {
+///     name: "step",
+///     model: &Lag,
+///     time_s: &time_s,
+///     inputs: &inputs,
+///     hold: InputHold::Zero,
+///     outputs: &outputs,
+///     initial_state: None,
+/// };
+/// let structure = Structure {
+///     parameters: vec![BatchParameter::free("a", -1.0), BatchParameter::free("b", 1.0)],
+///     states: [InitialState::free("x")],
+///     outputs: [OutputChannel::new("x", Noise::Known(0.01))],
+///     maximum_step_s: 0.02,
+/// };
+/// let fit = output_error(&[manoeuvre], &structure, &OptimiserSettings::default())?;
+/// let a = fit.unknown("a").ok_or("not estimated")?;
+/// assert!((a.value - (-2.0)).abs() < 1e-3 * 2.0, "{a:?}");
+/// assert!(a.std_error > 0.0 && a.std_error < 0.1);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
-/// [`BatchError`]: input that does not fit together, a simulation that diverges, unknowns that the data cannot tell apart,
-/// no convergence.
+/// [`BatchError`]: inputs that contradict each other, a simulation that diverges, unknowns of which the data determine
+/// only a combination, no convergence.
 pub fn output_error<M, I, const N: usize, const R: usize>(
     manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
     structure: &Structure<N, R>,
@@ -79,5 +139,5 @@ where
     Ok(fit)
 }
 
-/// Growth of an error of the initial state from which an unstable model is spoken of.
+/// A model counts as unstable from this growth of an error of the initial state during the manoeuvre on.
 pub(crate) const GROWTH: f64 = 100.0;

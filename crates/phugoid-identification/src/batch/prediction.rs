@@ -9,9 +9,9 @@ use super::output_error::output_error;
 use super::problem::{Manoeuvre, Structure};
 use super::result::BatchFit;
 
-/// Simulates other manoeuvres with `parameters` held (all of the model, in its order); only their initial states and biases
-/// are fitted. What remains is what the model does not explain: [`super::OutputFit`] tells how much
-/// (Klein & Morelli, section 5.3; Jategaonkar, chapter 11).
+/// Simulates other manoeuvres with `parameters` held (all of the model, in its order); only their initial states and
+/// biases are fitted. The remaining residuals are what the model does not explain: [`super::OutputFit`] says how much
+/// that is (Klein & Morelli, section 5.3; Jategaonkar, chapter 11).
 ///
 /// # Errors
 /// [`BatchError`], as [`output_error`].

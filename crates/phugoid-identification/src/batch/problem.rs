@@ -1,11 +1,12 @@
-//! What a batch method is given: manoeuvres, and what is unknown of them.
+//! The arguments of a batch method: the manoeuvres, and which parameters, biases, noise levels and initial states are
+//! unknown.
 
 use phugoid_estimators::discretization::InputHold;
 
 use super::error::BatchError;
 
-/// The samples of one flight, with the model of that flight: constants such as mass may differ from flight to flight, the
-/// parameters are common to all.
+/// The samples of one flight, with the model of that flight: constants such as mass may differ from flight to flight,
+/// the parameters are common to all.
 ///
 /// `M` is a [`phugoid_estimators::Model`] with input `I`, `N` states and `R` outputs.
 #[derive(Debug)]
@@ -27,7 +28,7 @@ pub struct Manoeuvre<'a, M, I, const N: usize, const R: usize> {
     pub initial_state: Option<[f64; N]>,
 }
 
-// By hand: a derive would ask it of the model, which is only borrowed.
+// Written by hand: a derive would require `M: Clone`, although the model is only borrowed.
 impl<M, I, const N: usize, const R: usize> Clone for Manoeuvre<'_, M, I, N, R> {
     fn clone(&self) -> Self {
         *self
@@ -35,20 +36,20 @@ impl<M, I, const N: usize, const R: usize> Clone for Manoeuvre<'_, M, I, N, R> {
 }
 impl<M, I, const N: usize, const R: usize> Copy for Manoeuvre<'_, M, I, N, R> {}
 
-/// One parameter of the model.
+/// One parameter of the model: where the search starts, its prior and its bounds.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BatchParameter {
-    /// Name, as the user knows it.
+    /// Name of the parameter in messages and results, e.g. `Cm_alpha`.
     pub name: String,
-    /// Where the search starts; the value of a fixed one.
+    /// Value at which the search starts, in the parameter's unit; a fixed parameter keeps it.
     pub start: f64,
     /// One sigma of what is known beforehand, about `start`; none: the data alone decide (maximum likelihood).
     pub prior_std: Option<f64>,
-    /// Lower bound; minus infinity for none.
+    /// Lower bound in the parameter's unit; minus infinity for none.
     pub lower: f64,
-    /// Upper bound; infinity for none.
+    /// Upper bound in the parameter's unit; infinity for none.
     pub upper: f64,
-    /// Held at `start`.
+    /// True if the parameter is not estimated but held at `start`.
     pub fixed: bool,
 }
 
@@ -65,14 +66,14 @@ impl BatchParameter {
 pub enum Noise {
     /// One sigma is known, output units.
     Known(f64),
-    /// It is estimated with the parameters.
+    /// The standard deviation is estimated together with the parameters.
     Estimated,
 }
 
 /// A constant error of an output, estimated with the parameters.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Bias {
-    /// None.
+    /// The output has no constant error that would have to be estimated.
     #[default]
     None,
     /// The same in all manoeuvres. The number is the prior's one sigma, output units; infinite for no prior.
@@ -84,16 +85,16 @@ pub enum Bias {
 /// One output of the model. It is used where it has values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OutputChannel {
-    /// Channel name.
+    /// Canonical name of the channel that measures the output, e.g. `alpha`.
     pub name: String,
-    /// Its noise.
+    /// What is known of the measurement noise.
     pub noise: Noise,
-    /// Its constant error.
+    /// Whether a constant error of the sensor is estimated.
     pub bias: Bias,
 }
 
 impl OutputChannel {
-    /// An output without bias.
+    /// An output without a constant error of its sensor.
     pub fn new(name: impl Into<String>, noise: Noise) -> Self {
         Self { name: name.into(), noise, bias: Bias::None }
     }
@@ -102,27 +103,27 @@ impl OutputChannel {
 /// One state of the model at the start of a manoeuvre.
 #[derive(Clone, Debug, PartialEq)]
 pub struct InitialState {
-    /// Name of the state.
+    /// Name of the state in messages, e.g. `alpha`.
     pub name: String,
     /// Estimated for each manoeuvre; otherwise held where it starts.
     pub free: bool,
 }
 
 impl InitialState {
-    /// A state that is estimated.
+    /// A state whose initial value is estimated.
     pub fn free(name: impl Into<String>) -> Self {
         Self { name: name.into(), free: true }
     }
 }
 
-/// What is unknown.
+/// What is to be estimated from one or several manoeuvres, and what is known of it beforehand.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Structure<const N: usize, const R: usize> {
-    /// As many as the model has, in its order.
+    /// The parameters of the model, all of them, in its order.
     pub parameters: Vec<BatchParameter>,
-    /// The initial states.
+    /// The states at the start of each manoeuvre, in the order of the model.
     pub states: [InitialState; N],
-    /// The outputs.
+    /// The outputs, in the order of the model.
     pub outputs: [OutputChannel; R],
     /// Longest step of the integration, s; sampling intervals that are longer are cut.
     pub maximum_step_s: f64,
@@ -134,7 +135,7 @@ impl<const N: usize, const R: usize> Structure<N, R> {
         std::array::from_fn(|i| manoeuvres.iter().any(|m| m.outputs.iter().any(|y| y[i].is_finite())))
     }
 
-    /// Refuses what cannot be worked with, naming it.
+    /// Refuses arguments that contradict each other or are out of range, and names them.
     pub(crate) fn check<M, I>(
         &self,
         manoeuvres: &[Manoeuvre<'_, M, I, N, R>],

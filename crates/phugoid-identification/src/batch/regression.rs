@@ -14,8 +14,8 @@ pub struct Equation {
     pub left_sides: Vec<String>,
     /// Samples used, over all left sides.
     pub samples: usize,
-    /// Share of the left sides' squares about their means that all terms together explain, each left side weighted by its
-    /// residual variance. What is known of the left side (tables, fixed terms) is taken off before.
+    /// Share of the left sides' squares about their means that all terms together explain, each left side weighted by
+    /// its residual variance. What is known of the left side (tables, fixed terms) is taken off before.
     pub r_squared: f64,
     /// Standard deviation of the residual of each left side, its unit.
     pub residual_std: Vec<f64>,
@@ -23,12 +23,12 @@ pub struct Equation {
     pub terms: Vec<Term>,
 }
 
-/// One term of an equation.
+/// One term of an equation, with the statistics that say whether the equation needs it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Term {
-    /// Parameter.
+    /// Name of the parameter that multiplies the term.
     pub name: String,
-    /// Estimate with all terms.
+    /// Estimate with all terms of the equation present, in the parameter's unit.
     pub value: f64,
     /// Its standard error, corrected for the colour of the residuals.
     pub corrected_std_error: f64,
@@ -36,9 +36,10 @@ pub struct Term {
     pub partial_f: f64,
     /// Partial F when it was taken in.
     pub f_when_entered: f64,
-    /// R squared from then on.
+    /// R squared of the equation with this term and all terms before it.
     pub r_squared: f64,
-    /// True if the partial F reaches the limit: the equation needs it.
+    /// True if the partial F reaches [`EquationErrorSettings::f_to_enter`](super::EquationErrorSettings::f_to_enter):
+    /// the equation needs the term.
     pub needed: bool,
 }
 
@@ -139,7 +140,7 @@ impl Sums {
         sums
     }
 
-    /// Sum of squared residuals with these terms only; none if they cannot be told apart.
+    /// Sum of squared residuals with these terms only; `None` if the data do not determine all of them.
     fn unexplained(&self, terms: &[usize]) -> Option<f64> {
         if terms.is_empty() {
             return Some(self.squares);

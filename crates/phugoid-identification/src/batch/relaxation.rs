@@ -9,14 +9,14 @@ use super::response::Rows;
 
 /// The residuals at one point, and the noise that they were divided by.
 pub(crate) struct Fitted<const R: usize> {
-    /// Divided by one sigma.
+    /// Residuals and sensitivities of each manoeuvre, divided by the standard deviation of the noise of their output.
     pub(crate) rows: Vec<Rows<R>>,
     pub(crate) noise_std: [f64; R],
 }
 
-/// Minimises `sum_i [ N_i ln sd_i + 1/2 sum_k e_i(k)^2 / sd_i^2 ]` and the priors. An unknown `sd_i` is at its optimum for
-/// the residuals of the moment, `sd_i^2 = sum e_i^2 / N_i`, at every evaluation: the gradient is then that of the
-/// likelihood with the noise eliminated, and one cost serves the whole search.
+/// Minimises `sum_i [ N_i ln std_i + 1/2 sum_k e_i(k)^2 / std_i^2 ]` and the priors. An unknown `std_i` is at its
+/// optimum for the residuals of the moment, `std_i^2 = sum e_i^2 / N_i`, at every evaluation: the gradient is then that
+/// of the likelihood with the noise eliminated, and one cost serves the whole search.
 pub(crate) fn fit<const R: usize>(
     places: &[Place],
     start: Vec<f64>,
@@ -37,7 +37,8 @@ pub(crate) fn fit<const R: usize>(
     minimise(places, start, first, settings, |unknowns, _| evaluate(unknowns).ok())
 }
 
-/// Least noise that is believed of each output: without it an exact model of exact data would have infinite information.
+/// Smallest standard deviation of the noise that is accepted for each output: without it, exact data of an exact model
+/// would have infinite information.
 pub(crate) fn noise_floor<M, I, const N: usize, const R: usize>(manoeuvres: &[Manoeuvre<'_, M, I, N, R>]) -> [f64; R] {
     std::array::from_fn(|i| {
         let values = manoeuvres.iter().flat_map(|m| m.outputs.iter().map(move |y| y[i])).filter(|v| v.is_finite());

@@ -1,4 +1,4 @@
-//! The outputs of a free simulation with their exact derivatives by everything unknown.
+//! The outputs of a free simulation with their exact derivatives with respect to all unknowns.
 
 use crate::core::options::CAPACITY;
 use phugoid_estimators::discretization::{IntervalInput, Part, step, sub_steps};
@@ -49,9 +49,9 @@ impl<const R: usize> Rows<R> {
 
 /// Simulates a manoeuvre; gives the time of the first value that is not finite, s from its start, if there is one.
 ///
-/// The sensitivities obey `U+ = A U + B` and `S+ = A S` with the derivatives `A`, `B` of the step map itself, so that they
-/// are those of the simulated outputs to rounding (Klein & Morelli, Aircraft System Identification, section 6.3, there in
-/// continuous time).
+/// The sensitivities obey `U+ = A U + B` and `S+ = A S` with the derivatives `A`, `B` of the step map itself, so that
+/// they are those of the simulated outputs to rounding (Klein & Morelli, Aircraft System Identification, section 6.3,
+/// there in continuous time).
 pub(crate) fn response<M, I, const N: usize, const R: usize>(
     manoeuvre: &Manoeuvre<'_, M, I, N, R>,
     index: usize,
@@ -96,7 +96,7 @@ where
                     }
                     UnknownKind::InitialState { state, .. } => (0..N).map(|l| h[l] * by_initial[l][state]).sum(),
                     UnknownKind::Bias { output, .. } => f64::from(output == i),
-                    // They do not move the outputs.
+                    // Noise variances do not move the outputs.
                     UnknownKind::Noise { .. } | UnknownKind::ProcessNoise { .. } => 0.0,
                 });
             }
@@ -134,7 +134,8 @@ where
     Ok(rows)
 }
 
-/// How far each state moves in the manoeuvre, by the output that measures it; 1 where none does or it stands still.
+/// How far each state moves in the manoeuvre, by the output that measures it; 1 where no output measures it or the
+/// output is constant.
 fn spreads<M, I, const N: usize, const R: usize>(manoeuvre: &Manoeuvre<'_, M, I, N, R>) -> [f64; N]
 where
     M: Model<N, R, CAPACITY, Input = I>,

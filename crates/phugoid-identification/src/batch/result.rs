@@ -1,10 +1,10 @@
-//! What a batch method gives: plain data to print, plot, save and compare.
+//! The result of a batch method: plain data to print, plot, save and compare.
 
 use serde::{Deserialize, Serialize};
 
 use super::fit::OutputFit;
 
-/// What an unknown is.
+/// The kind of an unknown, with its positions in the model and in the list of manoeuvres, all counted from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum UnknownKind {
@@ -15,26 +15,26 @@ pub enum UnknownKind {
     },
     /// A constant error of an output.
     Bias {
-        /// The output's position.
+        /// Position of the output in the output vector.
         output: usize,
         /// The manoeuvre's position; none if it is the same in all.
         manoeuvre: Option<usize>,
     },
     /// A state at the start of a manoeuvre.
     InitialState {
-        /// The state's position.
+        /// Position of the state in the state vector.
         state: usize,
-        /// The manoeuvre's position.
+        /// Position of the manoeuvre in the list.
         manoeuvre: usize,
     },
     /// One sigma of the noise of an output.
     Noise {
-        /// The output's position.
+        /// Position of the output in the output vector.
         output: usize,
     },
     /// Density of the process noise of a state: variance gained per second.
     ProcessNoise {
-        /// The state's position.
+        /// Position of the state in the state vector.
         state: usize,
     },
 }
@@ -42,17 +42,17 @@ pub enum UnknownKind {
 /// The estimate of one unknown.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Unknown {
-    /// What it is.
+    /// Which kind of unknown it is.
     pub kind: UnknownKind,
-    /// Name.
+    /// Name of the unknown, e.g. `Cm_alpha` or `bias of alpha`.
     pub name: String,
-    /// Estimate.
+    /// Estimate, in the unknown's own unit.
     pub value: f64,
     /// One-sigma error, from the inverse of the information: the Cramer-Rao bound if the residuals are white.
     pub std_error: f64,
     /// One-sigma error corrected for the colour of the residuals, never below `std_error`. Show this one.
     pub corrected_std_error: f64,
-    /// It rests on one of its bounds, and its standard error is that of a free one.
+    /// True if the estimate lies on one of its bounds; the standard error is then that of an unbounded estimate.
     pub at_limit: bool,
 }
 
@@ -67,14 +67,15 @@ pub struct Iteration {
     pub next_step: f64,
 }
 
-/// How one manoeuvre was fitted.
+/// The fit of one manoeuvre: its initial state, biases, fitted outputs and residuals.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ManoeuvreFit {
-    /// Name.
+    /// Name of the manoeuvre, e.g. its file.
     pub name: String,
-    /// Initial state used.
+    /// State at the first sample with which the fit was computed, in the order of the model's states, SI.
     pub initial_state: Vec<f64>,
-    /// Constant errors of the outputs used.
+    /// Constant errors of the sensors that the fitted outputs include, in the order of the outputs; 0 where none was
+    /// estimated.
     pub biases: Vec<f64>,
     /// Model outputs with their biases, by sample and output.
     pub fitted: Vec<Vec<f64>>,
@@ -87,11 +88,11 @@ pub struct ManoeuvreFit {
 /// The result of one batch method.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BatchFit {
-    /// `output-error`, `filter-error`.
+    /// Name of the method on the command line: `output-error`, `filter-error` or `equation-error`.
     pub method: String,
     /// All parameters of the model in its order, fixed ones included.
     pub parameters: Vec<f64>,
-    /// What was estimated: parameters, biases, initial states.
+    /// The estimated unknowns: free parameters, biases, initial states, and variances where they were estimated.
     pub unknowns: Vec<Unknown>,
     /// Covariance of the unknowns from the information.
     pub covariance: Vec<Vec<f64>>,
@@ -99,21 +100,21 @@ pub struct BatchFit {
     pub noise_std: Vec<f64>,
     /// Variance gained by each state per second, given or estimated; empty where the method knows none.
     pub process_noise: Vec<f64>,
-    /// From the start to the minimum.
+    /// The accepted steps from the start to the minimum.
     pub iterations: Vec<Iteration>,
-    /// By manoeuvre.
+    /// How each manoeuvre was fitted, in the order in which they were given.
     pub manoeuvres: Vec<ManoeuvreFit>,
-    /// What should be known before the numbers are used.
+    /// Warnings about the result in sentences; read them before you use the numbers.
     pub notes: Vec<String>,
 }
 
 impl BatchFit {
-    /// The unknown of this name.
+    /// The estimate of the unknown with this name; `None` if nothing of this name was estimated.
     pub fn unknown(&self, name: &str) -> Option<&Unknown> {
         self.unknowns.iter().find(|u| u.name == name)
     }
 
-    /// Correlation matrix of the unknowns.
+    /// Correlation matrix of the errors of the unknowns, row and column in the order of [`unknowns`](Self::unknowns).
     pub fn correlation(&self) -> Vec<Vec<f64>> {
         let c = &self.covariance;
         let entry = |i: usize, j: usize| {

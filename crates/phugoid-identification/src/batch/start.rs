@@ -2,12 +2,12 @@
 
 use crate::core::options::CAPACITY;
 use phugoid_estimators::{Input, Model};
+use phugoid_flight_data::statistics::median;
 
 use super::error::BatchError;
 use super::problem::{Manoeuvre, Structure};
-use crate::preparation::noise::median;
 
-/// Values from whose median an initial state is started.
+/// Number of values whose median starts an initial state.
 const FIRST: usize = 5;
 
 /// The initial state of each manoeuvre: as given, or each state at the median of the first values of its output.

@@ -1,4 +1,4 @@
-//! From a minimum to the result.
+//! Makes the result of a batch method of the minimum of its cost.
 
 use nalgebra::DMatrix;
 
@@ -13,7 +13,7 @@ use super::problem::{Manoeuvre, Structure};
 use super::response::Rows;
 use super::result::{BatchFit, ManoeuvreFit, Unknown, UnknownKind};
 
-/// What the result is made of.
+/// Everything that the result of a batch method is computed from.
 pub(crate) struct Summary<'a, T, M, I, const N: usize, const R: usize> {
     pub(crate) method: &'static str,
     pub(crate) structure: &'a Structure<N, R>,

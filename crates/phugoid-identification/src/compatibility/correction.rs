@@ -1,4 +1,4 @@
-//! What was found of the sensors, and its removal from a record.
+//! Corrections of sensor errors, and how they are applied to a record.
 
 use std::collections::BTreeMap;
 
@@ -11,11 +11,11 @@ use super::differentiated;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ChannelCorrection {
-    /// Constant error, SI.
+    /// Constant error that the sensor adds, in the SI unit of the channel.
     pub bias: f64,
-    /// Scale factor less one.
+    /// Relative error of the scale: 0.02 where the sensor shows 2 % too much.
     pub scale: f64,
-    /// Age of the value, s; negative if it runs ahead.
+    /// Delay of the channel, s: positive if its values come too late.
     pub delay_s: f64,
 }
 
@@ -23,7 +23,8 @@ pub struct ChannelCorrection {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Corrections {
-    /// By canonical channel name. A file has to have it, empty where nothing was found: any other file is none of corrections.
+    /// By canonical channel name. A file of corrections must have this table, empty where nothing was found, so that
+    /// another file is not read as one by mistake.
     pub channels: BTreeMap<String, ChannelCorrection>,
     /// Distance of the vane of the angle of attack ahead of the centre of gravity, m.
     #[serde(default)]
@@ -40,9 +41,9 @@ pub struct Corrections {
 }
 
 impl Corrections {
-    /// The record as perfect sensors at the centre of gravity would have written it, as far as these corrections say. Channels that
-    /// they do not name stay as they are. Late channels are moved along a straight line between samples; where that needs a
-    /// sample beyond the end, the value is missing.
+    /// The record as perfect sensors at the centre of gravity would have written it, as far as these corrections say.
+    /// Channels that they do not name stay as they are. Late channels are moved along a straight line between samples;
+    /// where that needs a sample beyond the end, the value is missing.
     pub fn apply(&self, record: &Record) -> Record {
         let mut corrected = record.clone();
         for channel in &mut corrected.channels {
@@ -90,7 +91,7 @@ impl Corrections {
     }
 }
 
-/// The signal `delay` later, along straight lines between its samples; missing where there is none.
+/// The signal at a time `delay` (s) later, interpolated linearly between its samples; NaN where it has none.
 pub(crate) fn moved(time: &[f64], values: &[f64], delay: f64) -> Vec<f64> {
     time.iter()
         .map(|t| {
@@ -139,7 +140,8 @@ mod tests {
         corrections.channels.insert("alpha".to_owned(), ChannelCorrection { bias: 0.01, scale: 0.1, delay_s: 0.013 });
         corrections.channels.insert("az".to_owned(), ChannelCorrection { bias: 0.2, ..ChannelCorrection::default() });
         let corrected = corrections.apply(&record);
-        // The vane's own arm is seen one delay late: q moves by 0.1 * 0.013 in that time, 5e-5 rad of angle at 2 m and 50 m/s.
+        // The vane's own arm is seen one delay late: q moves by 0.1 * 0.013 in that time, 5e-5 rad of angle at 2 m and
+        // 50 m/s.
         for (found, truth) in corrected.channel("alpha").unwrap().values.iter().zip(&alpha).take(49) {
             assert!((found - truth).abs() < 6e-5, "{found} {truth}");
         }

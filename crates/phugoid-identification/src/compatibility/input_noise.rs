@@ -1,15 +1,15 @@
 //! What the noise of the inertial sensors adds to the errors of the estimates.
 //!
-//! Output error takes its inputs for exact. Here they are measurements, and their noise `w` is integrated: it moves all later
-//! outputs, and the estimates with them,
+//! Output error takes its inputs for exact. Here they are measurements, and their noise `w` is integrated: it moves all
+//! later outputs, and the estimates with them,
 //!
 //! ```text
 //! dz = C sum_k J_k^T R^-1 sum_(j<k) H_k Phi(k, j+1) B_j w_j        J_k = dy_k/dz,  H_k = dy_k/dx,  C: covariance of the fit
 //! ```
 //!
-//! With `Phi(k, j+1) = Phi_k Phi_(j+1)^-1` the sum over `k > j` is a total less what came before, so that two passes over the
-//! record give `cov(dz) = C [ sum_j G_j S G_j^T ] C` with the noise variances `S`. `B_j` is the derivative by a bias of the
-//! sensor over one interval: the noise of a sample acts as such a bias until the next one.
+//! With `Phi(k, j+1) = Phi_k Phi_(j+1)^-1` the sum over `k > j` is a total less what came before, so that two passes
+//! over the record give `cov(dz) = C [ sum_j G_j S G_j^T ] C` with the noise variances `S`. `B_j` is the derivative by
+//! a bias of the sensor over one interval: the noise of a sample acts as such a bias until the next one.
 
 use nalgebra::{DMatrix, SMatrix};
 use phugoid_estimators::discretization::{InputHold, IntervalInput, Part, step, sub_steps};
@@ -25,7 +25,7 @@ const SENSORS: usize = 6;
 type States = SMatrix<f64, STATES, STATES>;
 type ByParameter = SMatrix<f64, STATES, PARAMETERS>;
 
-/// What one sample has to do with the unknowns.
+/// Derivatives that connect the noise of one sample with the unknowns.
 struct Moment {
     /// `J^T R^-1 H Phi`, unknown by state.
     information: DMatrix<f64>,
@@ -35,7 +35,7 @@ struct Moment {
     impulse: SMatrix<f64, STATES, SENSORS>,
 }
 
-/// A record as the kinematics take it.
+/// The arguments of the kinematic simulation for one record.
 pub(super) struct Flight<'a> {
     pub(super) model: &'a Kinematics,
     pub(super) time: &'a [f64],

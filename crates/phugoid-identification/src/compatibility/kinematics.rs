@@ -1,5 +1,5 @@
-//! The kinematics of a rigid body over a flat earth, driven by what the inertial sensors measured: no aircraft in it, so that it
-//! holds for all of them.
+//! The kinematics of a rigid body over a flat earth, driven by what the inertial sensors measured: they hold for every
+//! aircraft.
 
 use phugoid_estimators::{Input, LinearizedOutputs, LinearizedRates, Model};
 use phugoid_flight_dynamics::scalar::{Dual, Scalar};
@@ -8,7 +8,7 @@ use phugoid_flight_dynamics::scalar::{Dual, Scalar};
 pub(super) const STATES: usize = 9;
 /// Outputs: true airspeed, alpha, beta, phi, theta, psi, north, east, altitude.
 pub(super) const OUTPUTS: usize = 9;
-/// Unknowns, see [`super::unknowns::UNKNOWNS`].
+/// Number of unknowns that the kinematics have places for: the entries of [`super::unknowns::UNKNOWNS`].
 pub(super) const PARAMETERS: usize = 32;
 
 /// What the inertial sensors measured.
@@ -16,7 +16,7 @@ pub(super) const PARAMETERS: usize = 32;
 pub(super) struct Inertial {
     /// Specific force, body axes, m/s^2.
     pub(super) force: [f64; 3],
-    /// Angular rate, rad/s.
+    /// Angular rate about body x, y and z, rad/s.
     pub(super) rate: [f64; 3],
     /// Angular acceleration, from the rates, rad/s^2.
     pub(super) acceleration: [f64; 3],
@@ -42,11 +42,12 @@ impl Input for Inertial {
 /// (north, east, -altitude)' = R(phi, theta, psi) (u, v, w) + wind
 /// ```
 ///
-/// with true rates and forces `(1 - scale) measured - bias`, less what the accelerometers feel beside the centre of gravity. Given
-/// the state the rates are linear in the unknowns. The wind is constant, so that the air is an inertial frame.
+/// with true rates and forces `(1 - scale) measured - bias`, less what the accelerometers feel beside the centre of
+/// gravity. Given the state the rates are linear in the unknowns. The wind is constant, so that the air is an inertial
+/// frame.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Kinematics {
-    /// Acceleration of gravity, m/s^2.
+    /// Acceleration of gravity, m/s^2, positive.
     pub(super) gravity: f64,
 }
 
@@ -129,7 +130,7 @@ fn variables<const P: usize>(
     (std::array::from_fn(|i| Dual::variable(x[i], i)), std::array::from_fn(|j| Dual::variable(theta[j], STATES + j)))
 }
 
-/// In any room for at least [`PARAMETERS`] columns.
+/// The model can be compiled with place for any number of columns from [`PARAMETERS`] on.
 impl<const P: usize> Model<STATES, OUTPUTS, P> for Kinematics {
     type Input = Inertial;
 

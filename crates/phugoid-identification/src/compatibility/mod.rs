@@ -1,10 +1,11 @@
-//! Data compatibility: do the measurements of a flight agree with the kinematics of a rigid body, and with which errors of the
-//! sensors do they?
+//! Data compatibility: do the measurements of a flight agree with the kinematics of a rigid body, and with which errors
+//! of the sensors do they?
 //!
 //! The kinematic equations, driven by accelerometers and rate gyroscopes, give airspeed, flow angles and attitude
-//! without any aerodynamics. Their difference from what was measured is the work of biases, scale factors, delays, positions and wind,
-//! which [`output_error`] estimates with standard errors (Klein & Morelli, chapter 10;
-//! Jategaonkar, chapter 10). Each has a wide prior; what the data do not tell stays at its prior, and the result says so.
+//! without any aerodynamics. Their difference from what was measured is the work of biases, scale factors, delays,
+//! positions and wind, which [`output_error`] estimates with standard errors (Klein & Morelli, chapter 10; Jategaonkar,
+//! chapter 10). Each has a wide prior; an error that the data do not determine stays at its prior, and the result says
+//! so.
 
 mod correction;
 mod input_noise;
@@ -32,14 +33,14 @@ pub use skew::{InputSkew, input_skew};
 pub use unknowns::Group;
 use unknowns::UNKNOWNS;
 
-/// What is asked for.
+/// Which errors of the sensors a compatibility check estimates, and what is known of the installation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CompatibilityOptions {
-    /// Unknowns beside the biases, which are always estimated.
+    /// Groups of errors that are estimated in addition to the biases, which always are.
     pub groups: Vec<Group>,
     /// Known distance of the vanes of alpha and beta ahead of the centre of gravity, m.
     pub vanes_x: [f64; 2],
-    /// Acceleration of gravity, m/s^2.
+    /// Acceleration of gravity at the place of the flight, m/s^2, positive.
     pub gravity: f64,
 }
 
@@ -50,39 +51,39 @@ impl Default for CompatibilityOptions {
     }
 }
 
-/// What was found of one unknown.
+/// The estimate of one error of the sensors, with its standard error and a verdict.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SensorError {
-    /// Name, e.g. `bias_alpha`.
+    /// Name of the unknown, e.g. `bias_alpha`, `scale_true_airspeed` or `delay_theta`.
     pub name: String,
     /// SI unit, `-` for a pure number.
     pub unit: String,
-    /// Estimate.
+    /// Estimate, in `unit`.
     pub value: f64,
     /// One-sigma error, corrected for the colour of the residuals and for the noise of the inertial sensors.
     pub std_error: f64,
     /// One sigma of what was expected beforehand.
     pub prior_std: f64,
-    /// `|value| / std_error`.
+    /// How many standard errors the estimate is away from zero: `|value| / std_error`.
     pub significance: f64,
-    /// What it means.
+    /// Whether the error should be taken out of the record.
     pub verdict: SensorVerdict,
 }
 
-/// What is to be made of an estimate.
+/// What an estimated error of a sensor means for the record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SensorVerdict {
     /// More than two standard errors from zero: correct it.
     Significant,
-    /// Told by the data, and not different from zero.
+    /// The data determine it, and it is not different from zero: nothing has to be corrected.
     None,
     /// The manoeuvre says little beyond what was expected beforehand: the error is still above 0.7 of the prior's.
     NotIdentifiable,
 }
 
 impl SensorVerdict {
-    /// In words.
+    /// The verdict in words, as reports show it.
     pub fn words(self) -> &'static str {
         match self {
             Self::Significant => "significant",
@@ -95,26 +96,26 @@ impl SensorVerdict {
 /// The result of a compatibility check.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Compatibility {
-    /// The record.
+    /// Source of the record, e.g. its file name.
     pub source: String,
-    /// Unknowns that were estimated.
+    /// The unknowns that were estimated, in the order of the parameters of the kinematic model.
     pub errors: Vec<SensorError>,
-    /// What to take out of the record: the significant ones.
+    /// Corrections for the significant errors: apply them with [`Corrections::apply`].
     pub corrections: Corrections,
     /// How the reconstructed outputs, errors of the sensors included, follow the measured ones.
     pub fit: Vec<OutputFit>,
-    /// Times, s.
+    /// Times of the samples in [`reconstructed`](Self::reconstructed), s.
     #[serde(skip)]
     pub time_s: Vec<f64>,
-    /// Reconstructed motion.
+    /// The motion at the centre of gravity that follows from the inertial sensors and the estimated errors.
     #[serde(skip)]
     pub reconstructed: Vec<Reconstructed>,
-    /// What should be known before the numbers are used.
+    /// Warnings about the result in sentences; read them before you use the numbers.
     pub notes: Vec<String>,
 }
 
 impl Compatibility {
-    /// The unknown of this name.
+    /// The estimated error with this name; `None` if it was not estimated.
     pub fn error(&self, name: &str) -> Option<&SensorError> {
         self.errors.iter().find(|e| e.name == name)
     }
@@ -127,8 +128,26 @@ impl Compatibility {
 
 /// Checks the kinematic consistency of a record and estimates the errors of its sensors.
 ///
-/// Needs the channels `true_airspeed`, `theta`, `q`, `ax` and `az`; `alpha` and all lateral ones are used where they are there.
-/// Without `alpha` the angle of attack is reconstructed from the rest.
+/// Needs the channels `true_airspeed`, `theta`, `q`, `ax` and `az`; `alpha` and all lateral ones are used where they
+/// are there. Without `alpha` the angle of attack is reconstructed from the rest.
+///
+/// ```
+/// use phugoid_flight_data::record::Record;
+/// use phugoid_identification::compatibility::{CompatibilityOptions, SensorVerdict, compatibility};
+/// let mut flight = Record::open("examples/flight.csv")?;
+/// for channel in flight.channels.iter_mut().filter(|channel| channel.name == "q") {
+///     channel.values.iter_mut().for_each(|q| *q += 0.01); // a rate gyroscope with a constant error, rad/s
+/// }
+/// // Only constant errors are looked for: no scale factors and no delays.
+/// let options = CompatibilityOptions { groups: Vec::new(), ..CompatibilityOptions::default() };
+/// let result = compatibility(&flight, &options)?;
+/// let bias = result.error("bias_q").ok_or("not estimated")?;
+/// assert_eq!(bias.verdict, SensorVerdict::Significant);
+/// assert!((bias.value - 0.01).abs() < 0.001, "{bias:?}");
+/// let corrected = result.corrections.apply(&flight);
+/// assert!((flight.require("q")?.values[0] - corrected.require("q")?.values[0] - bias.value).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Errors
 /// [`EstimateError`]: a missing channel, too few samples, unknowns that cannot be told apart.
@@ -152,7 +171,7 @@ pub fn compatibility(record: &Record, options: &CompatibilityOptions) -> Result<
             BatchParameter { prior_std: Some(spec.prior_std), fixed: !wanted(spec), ..free }
         })
         .collect();
-    // What nothing measures and nothing moves stays where it starts.
+    // A state that nothing measures is held at its start value.
     let state = |name: &str, free: bool| InitialState { name: name.to_owned(), free };
     let structure: Structure<STATES, OUTPUTS> = Structure {
         parameters,
@@ -219,7 +238,8 @@ pub fn compatibility(record: &Record, options: &CompatibilityOptions) -> Result<
             })
         })
         .collect();
-    // The engine's notes are about models of aircraft: kinematics integrate by nature.
+    // The notes of output error are about models of aircraft and are left out: kinematic equations always integrate
+    // freely.
     notes.extend(confused(
         &fit.correlation(),
         &fit.unknowns.iter().map(|u| (u.kind, u.name.as_str())).collect::<Vec<_>>(),

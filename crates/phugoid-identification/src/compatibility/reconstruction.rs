@@ -9,11 +9,11 @@ use crate::batch::{BatchFit, UnknownKind};
 /// A channel of the reconstructed motion at the centre of gravity, without the errors of its sensor.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reconstructed {
-    /// Canonical channel name.
+    /// Canonical name of the channel, e.g. `alpha`.
     pub name: String,
-    /// SI unit.
+    /// SI unit as printed, e.g. `rad`.
     pub unit: String,
-    /// By sample, SI.
+    /// Reconstructed values, one per sample, SI.
     pub values: Vec<f64>,
     /// One-sigma error that the estimated biases and initial states leave, by sample.
     pub std_error: Vec<f64>,

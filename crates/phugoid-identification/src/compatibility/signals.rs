@@ -1,11 +1,11 @@
 //! From a record to the inputs and outputs of the kinematics.
 
 use phugoid_flight_data::record::Record;
+use phugoid_flight_data::statistics::median;
 
 use super::kinematics::{Inertial, OUTPUTS, STATES};
 use crate::batch::Noise;
 use crate::core::error::EstimateError;
-use crate::preparation::noise::median;
 use crate::preparation::prepare::channel;
 
 /// Channels of the outputs, in their order.
@@ -16,7 +16,7 @@ pub(super) const OUTPUT_CHANNELS: [&str; OUTPUTS] =
 const FORCES: [&str; 3] = ["ax", "ay", "az"];
 const RATES: [&str; 3] = ["p", "q", "r"];
 
-/// What the estimation takes.
+/// The record as the kinematic model needs it: inertial inputs, measured outputs, and the start of the search.
 pub(super) struct Signals {
     pub(super) time: Vec<f64>,
     pub(super) inputs: Vec<Inertial>,
@@ -30,7 +30,7 @@ pub(super) struct Signals {
     pub(super) notes: Vec<String>,
 }
 
-/// Collects them. Gaps of the inertial channels are bridged by straight lines.
+/// Collects the signals of a record. Gaps of the inertial channels are bridged by straight lines.
 pub(super) fn signals(record: &Record) -> Result<Signals, EstimateError> {
     for name in ["true_airspeed", "theta", "q", "ax", "az"] {
         let values = channel(record, name)?;
@@ -103,12 +103,12 @@ pub(super) fn signals(record: &Record) -> Result<Signals, EstimateError> {
     Ok(Signals { time: record.time.clone(), inputs, outputs, start, present, lateral, notes })
 }
 
-/// Least noise that is believed of each output, m/s, rad and m: noise of the inertial sensors, which is integrated and not
-/// modelled, leaves that much.
+/// Smallest standard deviation of the noise that is accepted for each output, m/s, rad and m: noise of the inertial
+/// sensors, which is integrated and not modelled, leaves that much.
 const LEAST_NOISE: [f64; OUTPUTS] = [0.02, 2e-4, 2e-4, 2e-4, 2e-4, 2e-4, 0.3, 0.3, 0.3];
 
-/// Noise of an output: estimated with the unknowns, unless the channel is too clean to be true (a simulation, a filtered
-/// signal, a channel that rests), which would give it all the weight.
+/// Noise of an output: estimated with the unknowns, unless the channel is cleaner than a sensor can be (a simulation, a
+/// filtered signal, a constant channel): an estimated noise would then give it all the weight.
 pub(super) fn noise(outputs: &[[f64; OUTPUTS]], output: usize) -> Noise {
     let values: Vec<f64> = outputs.iter().map(|y| y[output]).collect();
     let mut scratch = vec![0.0; values.len()];
@@ -139,7 +139,7 @@ fn bridged(time: &[f64], values: &[f64]) -> (Vec<f64>, usize) {
     (filled, values.len() - known.len())
 }
 
-/// An angle without jumps of a turn.
+/// The angle without jumps of 2 pi.
 fn unwrapped(values: &[f64]) -> Vec<f64> {
     use std::f64::consts::TAU;
     let mut last = f64::NAN;
@@ -155,8 +155,9 @@ fn unwrapped(values: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// Derivative: the slope of a straight line through five samples on either side (fewer at the ends). At 100 Hz that lowers the
-/// noise of a rate gyroscope's derivative seven times against central differences, and reaches 1 % of a 1 Hz motion.
+/// Derivative: the slope of a straight line through five samples on either side (fewer at the ends). At 100 Hz that
+/// lowers the noise of a rate gyroscope's derivative seven times against central differences, and reaches 1 % of a 1 Hz
+/// motion.
 pub(crate) fn differentiated(time: &[f64], values: &[f64]) -> Vec<f64> {
     const SIDE: usize = 5;
     (0..values.len())

@@ -8,10 +8,10 @@ use crate::core::error::EstimateError;
 use crate::model_file::ModelFile;
 use crate::pipeline::estimate::{EstimateOptions, estimate};
 
-/// A delay that was found.
+/// The delay of an input channel against the other channels.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct InputSkew {
-    /// Channel, e.g. `elevator`.
+    /// Canonical name of the channel, e.g. `elevator`.
     pub channel: String,
     /// How late its values are, s; negative: early.
     pub delay_s: f64,
@@ -21,13 +21,13 @@ pub struct InputSkew {
     pub tried: Vec<[f64; 2]>,
 }
 
-/// Finds the delay of an input channel with which the innovations of the estimator are smallest: the maximum of the likelihood over
-/// the delay, all parameters at their estimates for it. Delays of up to three samples either way are tried in half samples, and a
-/// parabola through the best three gives the rest.
+/// Finds the delay of an input channel with which the innovations of the estimator are smallest: the maximum of the
+/// likelihood over the delay, all parameters at their estimates for it. Delays of up to three samples either way are
+/// tried in half samples, and a parabola through the best three gives the rest.
 ///
 /// # Errors
-/// [`EstimateError`] from the estimation; [`EstimateError::Model`] if the smallest lies at the end of the range, or nothing
-/// in the record depends on the delay.
+/// [`EstimateError`] from the estimation; [`EstimateError::Model`] if the smallest lies at the end of the range, or
+/// nothing in the record depends on the delay.
 pub fn input_skew(record: &Record, model: &ModelFile, channel: &str) -> Result<InputSkew, EstimateError> {
     const HALVES: i32 = 6;
     let step = 0.5 * record.sample_time_s();

@@ -23,7 +23,7 @@ pub enum Group {
 }
 
 impl Group {
-    /// All of them.
+    /// All groups, in the order in which they are listed.
     pub const ALL: [Self; 7] = [
         Self::Biases,
         Self::AirDataScales,
@@ -35,15 +35,15 @@ impl Group {
     ];
 }
 
-/// One unknown.
+/// One unknown of the kinematic model, and what is known of it beforehand.
 pub(super) struct Spec {
     pub(super) name: &'static str,
     pub(super) unit: &'static str,
     pub(super) group: Group,
-    /// One sigma of what is expected of an ordinary installation: this project's choice, wide on purpose. Where the data do not
-    /// say more, the result is this.
+    /// One sigma of what is expected of an ordinary installation: this project's choice, wide on purpose. Where the
+    /// data do not determine the error, the result keeps this standard deviation.
     pub(super) prior_std: f64,
-    /// Channel without which it has no meaning.
+    /// Channel that the record must have for this unknown to be estimated.
     pub(super) channel: &'static str,
 }
 

@@ -1,25 +1,33 @@
-//! The axes of the motion that is estimated, and what belongs to them.
+//! The axes of the motion that is estimated, and the states, outputs, inputs and coefficients that belong to them.
 
 use crate::core::output::Output;
 use crate::core::term::{Coefficient, Variable};
 
 /// The axes of the motion that is estimated.
+///
+/// ```
+/// use phugoid_identification::axes::Axes;
+/// use phugoid_identification::output::Output;
+/// let states: Vec<&str> = Axes::Longitudinal.states().iter().map(|output| output.name()).collect();
+/// assert_eq!(states, ["true_airspeed", "alpha", "theta", "q"]);
+/// assert_eq!(Axes::Longitudinal.row(Output::Beta), None); // sideslip is not measured there
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Axes {
-    /// Symmetric flight: airspeed, angle of attack, pitch.
+    /// Symmetric flight: the states are airspeed, angle of attack, pitch angle and pitch rate.
     Longitudinal,
     /// Sideslip, bank, roll and yaw, with the measured airspeed, angle of attack and pitch as known inputs.
     LateralDirectional,
-    /// Both together.
+    /// Both motions together, coupled, with eight states.
     All,
 }
 
 /// The two motions that all axes are made of, each excited by inputs of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Group {
-    /// In the plane of symmetry.
+    /// The motion in the plane of symmetry: airspeed, angle of attack and pitch.
     Longitudinal,
-    /// Out of it.
+    /// Sideslip, roll and yaw: the motion out of the plane of symmetry.
     Lateral,
 }
 
@@ -39,10 +47,10 @@ impl Axes {
     /// The words of a model file: `axes = ["longitudinal", "lateral"]`.
     pub const WORDS: [&'static str; 2] = ["longitudinal", "lateral"];
 
-    /// Channels of the control surfaces.
+    /// Canonical names of the channels of the control surfaces.
     pub const SURFACES: [&'static str; 3] = ["elevator", "aileron", "rudder"];
 
-    /// In words.
+    /// The name of the motion for messages and reports, e.g. `lateral-directional`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Longitudinal => "longitudinal",
@@ -51,7 +59,7 @@ impl Axes {
         }
     }
 
-    /// As a model file writes them.
+    /// The words of a model file for these axes.
     pub fn words(self) -> &'static [&'static str] {
         match self {
             Self::Longitudinal => &["longitudinal"],
@@ -89,13 +97,13 @@ impl Axes {
         self.outputs().get(..states).unwrap_or_default()
     }
 
-    /// Position of an output in the output vector of the motion; none if it is no output of it.
+    /// Position of an output in the output vector of the motion; `None` if the motion does not have this output.
     pub fn row(self, output: Output) -> Option<usize> {
         self.outputs().iter().position(|o| *o == output)
     }
 
-    /// Channels that every estimation of these axes takes as known inputs: the surfaces, and for the lateral-directional
-    /// motion alone the measured symmetric one.
+    /// Channels that every estimation of these axes takes as known inputs: the surfaces, and for the
+    /// lateral-directional motion alone the measured symmetric one.
     pub fn known_channels(self) -> &'static [&'static str] {
         match self {
             Self::Longitudinal => &["elevator"],
@@ -104,7 +112,7 @@ impl Axes {
         }
     }
 
-    /// Outputs in which a motion shows first: angles to the air and angular rates.
+    /// Outputs in which a motion becomes visible first: flow angles and angular rates.
     pub fn responses(self) -> &'static [Output] {
         use Output::{Alpha, Beta, PitchRate, RollRate, YawRate};
         match self {
@@ -114,7 +122,7 @@ impl Axes {
         }
     }
 
-    /// What has to move before anything can be learnt, in words, and a manoeuvre that moves it.
+    /// In words: what has to move before anything can be estimated, and a manoeuvre that moves it.
     pub(crate) fn excitation_words(self) -> [&'static str; 2] {
         match self {
             Self::Longitudinal => {
@@ -130,7 +138,7 @@ impl Axes {
         }
     }
 
-    /// Coefficients of the motion.
+    /// Force and moment coefficients whose terms the motion can estimate.
     pub fn coefficients(self) -> &'static [Coefficient] {
         match self {
             Self::Longitudinal => &Coefficient::ALL[..3],

@@ -7,30 +7,43 @@ use phugoid_estimators::settings::SettingsError;
 use super::method::Method;
 use crate::batch::BatchError;
 
-/// Why an estimation could not be made.
+/// Why an estimation could not be made. The text says what to do about it.
+///
+/// ```
+/// use phugoid_flight_data::record::Record;
+/// use phugoid_identification::error::EstimateError;
+/// use phugoid_identification::estimate::{EstimateOptions, estimate};
+/// use phugoid_identification::model_file::ModelFile;
+/// let columns = [("time_s", vec![0.0, 0.1]), ("elevatr_deg", vec![1.0, 2.0])];
+/// let flight = Record::from_columns("test flight", columns)?;
+/// let error = estimate(&flight, &ModelFile::named("f16")?, &EstimateOptions::default(), &mut |_| {}).unwrap_err();
+/// assert!(matches!(&error, EstimateError::MissingChannel { channel, .. } if channel == "elevator"));
+/// assert!(error.to_string().contains("channel `elevator` is missing"), "{error}");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum EstimateError {
     /// A channel that the model needs is not in the record.
     #[error("{}", missing_channel(record, channel, present, nearest.as_deref(), lacking))]
     MissingChannel {
-        /// Source of the record.
+        /// Source of the record, e.g. its file name.
         record: String,
         /// Canonical name of the channel that is not there.
         channel: String,
-        /// Channels that are there.
+        /// Canonical names of the channels that the record has.
         present: Vec<String>,
         /// The one among them with the most similar name.
         nearest: Option<String>,
-        /// What else there is to say.
+        /// Further missing channels, and what the reader of the record says about them.
         lacking: Box<Lacking>,
     },
-    /// A channel is there but has no value.
+    /// A channel is in the record but has no finite value.
     #[error(
         "channel `{0}` has no finite value in the whole record: check the column in the file, or, if the model can do without it, leave \
          it out of `outputs` in the model file"
     )]
     EmptyChannel(String),
-    /// Too few samples for anything.
+    /// There are too few samples for any estimation.
     #[error("the record has {samples} usable samples: at least 20 are needed")]
     TooShort {
         /// Samples in which every input has a value.
@@ -39,7 +52,7 @@ pub enum EstimateError {
     /// A channel has an impossible unit or sign.
     #[error("{}", units.join("\n"))]
     Units {
-        /// One sentence per channel.
+        /// What is wrong, one sentence for each channel concerned.
         units: Vec<String>,
     },
     /// The noise of an output cannot be measured.
@@ -48,7 +61,7 @@ pub enum EstimateError {
          values at the start. Give it under [noise] in the model file, or leave `{0}` out of `outputs`"
     )]
     Noise(String),
-    /// The model cannot be built.
+    /// The model, the signals or the reference point cannot be made of the file and the record; the sentence says why.
     #[error("{0}")]
     Model(String),
     /// The estimator refuses the settings that follow from the model file.
@@ -60,7 +73,7 @@ pub enum EstimateError {
         Method::ALL.iter().filter(|m| !m.is_batch()).map(|m| m.name()).collect::<Vec<_>>().join(", ")
     )]
     NotCausal {
-        /// The method.
+        /// The method that was asked for.
         method: Method,
     },
     /// A causal method was given further records, or one to predict.
@@ -69,32 +82,32 @@ pub enum EstimateError {
         Method::ALL.iter().filter(|m| m.is_batch()).map(|m| m.name()).collect::<Vec<_>>().join(", ")
     )]
     OneRecordOnly {
-        /// The method.
+        /// The method that was asked for.
         method: Method,
     },
-    /// A health monitor was asked for beside a batch method.
+    /// A health monitor was asked for together with a batch method.
     #[error("{method} sees the whole record at once: the health monitor needs a causal method")]
-    NoMonitorBeside {
-        /// The method.
+    MonitorNeedsCausal {
+        /// The method that was asked for.
         method: Method,
     },
-    /// A parameter is expected that the model does not estimate.
+    /// An expectation was given for a parameter that the model does not estimate.
     #[error("`{name}` is expected, but the model does not estimate it")]
     NotMonitored {
-        /// Its name.
+        /// Name of the parameter as it was given.
         name: String,
     },
-    /// Nothing moved beyond its noise, so that a fit would be one of the noise.
+    /// Nothing moved beyond its noise, so that a batch method would fit the noise.
     #[error("no excitation: {movers} never move beyond their noise, and {method} would fit the noise. Fly {manoeuvre}")]
     NoExcitation {
-        /// The method.
+        /// The method that was asked for.
         method: Method,
         /// What should have moved, in words.
         movers: &'static str,
-        /// What to fly, in words.
+        /// A manoeuvre that would move it, in words.
         manoeuvre: &'static str,
     },
-    /// A batch method has no answer.
+    /// A batch method found no estimate; the inner error says why.
     #[error(transparent)]
     Batch(#[from] BatchError),
     /// More parameters than the estimator has room for.
@@ -105,18 +118,18 @@ pub enum EstimateError {
     TooManyParameters {
         /// Parameters of the model file that are not fixed.
         wanted: usize,
-        /// Capacity.
+        /// Number of parameters that one estimation of these axes has room for: [`capacity`](super::options::capacity).
         capacity: usize,
     },
 }
 
-/// What a record lacks beside one channel, and why.
+/// Further missing channels of a record, and the explanations of its reader.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Lacking {
-    /// Other channels that the model needs and the record has not.
-    pub also: Vec<String>,
-    /// What the reader of the record said of those that are not there, and of the vehicle.
-    pub told: Vec<String>,
+    /// Other channels that the model needs and that are not in the record.
+    pub other_channels: Vec<String>,
+    /// Findings of the reader of the record about the missing channels and the vehicle, with what to do.
+    pub findings: Vec<String>,
 }
 
 fn missing_channel(
@@ -124,18 +137,18 @@ fn missing_channel(
     channel: &str,
     present: &[String],
     nearest: Option<&str>,
-    Lacking { also, told }: &Lacking,
+    Lacking { other_channels, findings }: &Lacking,
 ) -> String {
     let mut text = format!("{record}: channel `{channel}` is missing");
     if let Some(near) = nearest {
         text.push_str(&format!("; the nearest one there is `{near}`"));
     }
-    if !also.is_empty() {
-        text.push_str(&format!("; the model also needs `{}`, not there either", also.join("`, `")));
+    if !other_channels.is_empty() {
+        text.push_str(&format!("; the model also needs `{}`, not there either", other_channels.join("`, `")));
     }
     let present = present.join(", ");
-    if !told.is_empty() {
-        text.push_str(&format!(".\n  {}\nChannels in the record: {present}", told.join("\n  ")));
+    if !findings.is_empty() {
+        text.push_str(&format!(".\n  {}\nChannels in the record: {present}", findings.join("\n  ")));
         return text;
     }
     let synonyms = by_name(channel).map_or(&[][..], |spec| spec.synonyms);

@@ -13,17 +13,19 @@ pub use phugoid_estimators::{ChangeState, ParameterStatus, Phase};
 use super::method::Method;
 use crate::batch::{Equation, OutputFit, Unknown};
 
-/// What the flight made of a parameter by the end of the record.
+/// How well a parameter is known at the end of the record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum FinalStatus {
-    /// The bound is a small part of what was known beforehand, and nothing in the residuals speaks against the value.
+    /// The bound is small against the prior, and the residuals do not contradict the value: it can be used.
     Converged,
-    /// The bound is shrinking and not yet small: more excitation would help.
+    /// The bound has become smaller than the prior but is not small yet: more excitation would help.
     Improving,
-    /// The flight said almost nothing about it: the bound is that of the prior.
+    /// The flight hardly determines the parameter: the bound is still that of the prior. Fly an input that moves its
+    /// regressor.
     NotExcited,
-    /// It rests on one of its declared limits, which exclude what the data say.
+    /// The estimate lies on one of the limits of the model file, which exclude the value that the data ask for. Check
+    /// the limits and the model.
     AtLimit,
     /// The bound is small, but the model contradicts the flight, so that the value must not be used.
     InDoubt,
@@ -32,7 +34,7 @@ pub enum FinalStatus {
 }
 
 impl FinalStatus {
-    /// Its word in results: that of its serialised form, e.g. `not_excited`.
+    /// The word that results, recordings and other programs use, e.g. `not_excited`.
     pub const fn word(self) -> &'static str {
         match self {
             Self::Converged => "converged",
@@ -62,27 +64,28 @@ impl From<ParameterStatus> for FinalStatus {
     }
 }
 
-/// What happened at one instant of an estimation.
+/// The kinds of events during an estimation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum EventKind {
     /// A change of the parameters is suspected; bounds are widened until it is decided.
     InDoubt,
-    /// A change was adopted. Results of older versions say `re_reached`.
+    /// A change of the parameters was adopted: from here on the estimates are those after it. Results of older versions
+    /// say `re_reached`.
     #[serde(alias = "re_reached")]
     Adopted,
-    /// The suspicion was dropped.
+    /// The suspected change was not confirmed: the estimate from before it is kept.
     DoubtDropped,
-    /// Model error hides small changes from here on.
+    /// From here on model error hides small changes of the parameters.
     Insensitive,
-    /// No sample for longer than is predicted through.
+    /// There was no sample for longer than the estimator predicts without one.
     Gap,
     /// The state was started again from the measurements.
     Restarted,
 }
 
 impl EventKind {
-    /// Its word in results: that of its serialised form, e.g. `doubt_dropped`.
+    /// The word that results, recordings and other programs use, e.g. `doubt_dropped`.
     pub const fn word(self) -> &'static str {
         match self {
             Self::InDoubt => "in_doubt",
@@ -94,7 +97,7 @@ impl EventKind {
         }
     }
 
-    /// True for what the change detector says.
+    /// True for the events of the change detector.
     pub const fn is_of_detector(self) -> bool {
         matches!(self, Self::InDoubt | Self::Adopted | Self::DoubtDropped | Self::Insensitive)
     }
@@ -106,7 +109,7 @@ impl fmt::Display for EventKind {
     }
 }
 
-/// The final word on one parameter.
+/// The result for one parameter at the end of the record.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ParameterResult {
     /// Name from the model file, e.g. `Cm_alpha` or `dCm_alpha`.
@@ -120,47 +123,49 @@ pub struct ParameterResult {
     pub std_error: f64,
     /// One-sigma error corrected for the colour of the residuals; this one makes the bounds.
     pub corrected_std_error: f64,
-    /// `value - 2 corrected_std_error`.
+    /// Lower bound at about 95 %: `value - 2 corrected_std_error`.
     pub lower: f64,
-    /// `value + 2 corrected_std_error`.
+    /// Upper bound at about 95 %: `value + 2 corrected_std_error`.
     pub upper: f64,
-    /// What the flight made of it.
+    /// How well the parameter is known.
     pub status: FinalStatus,
     /// First time after which the estimate stays within 5 % of its final value, or of the truth where that is known, s
     /// from the start of the record; none if it is not reached or the parameter was not excited.
     pub converged_at_s: Option<f64>,
-    /// Observability, `1 - variance / prior variance`.
+    /// Observability, `1 - variance / prior variance`: 0 where the flight adds nothing to the prior, near 1 where it
+    /// decides.
     pub observability: f64,
-    /// Start value.
+    /// Start value from the model file, in the parameter's unit.
     pub initial: f64,
-    /// Prior one-sigma.
+    /// Standard deviation of what was known beforehand about the distance from the start value, in the parameter's
+    /// unit.
     pub prior_std: f64,
     /// Declared lower and upper bounds, if any.
     pub bounds: Option<[f64; 2]>,
     /// The true value, where the flight was simulated.
     pub truth: Option<f64>,
-    /// True for sensor bias columns and other parameters that only support the others.
+    /// True for offsets and sensor biases, which are estimated only to keep the other parameters right.
     pub nuisance: bool,
-    /// May it be believed, and what would help? None for a fixed parameter and for methods that look at the record as a
-    /// whole.
+    /// Whether the value can be used, why, and what input would help. `None` for a fixed parameter and for batch
+    /// methods.
     #[serde(default)]
     pub readiness: Option<ParameterReadiness>,
 }
 
-/// May a parameter be believed at the end of the record?
+/// Whether the value of a parameter can be used, and what input would improve it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ParameterReadiness {
     /// Whether the value can be used.
     pub verdict: Readiness,
-    /// Why, in words.
+    /// Why the verdict is what it is, in words.
     pub reason: String,
     /// What input would help, in words; none where an input would not.
     pub advice: Option<String>,
-    /// Since when it has been ready without a break, s; none if it is not.
+    /// Time since which the parameter has been ready without interruption, s; `None` if it is not ready.
     pub ready_since_s: Option<f64>,
-    /// Bound over prior, one sigma each.
+    /// Standard error over the standard deviation of the prior.
     pub bound_over_prior: f64,
-    /// The same if all other parameters were known: what the excitation of this regressor alone gives.
+    /// The same ratio if all other parameters were known: the effect of the excitation of this regressor alone.
     pub excitation: f64,
     /// Variance inflation factor: variance with the others unknown over that with the others known.
     pub variance_inflation: f64,
@@ -175,56 +180,68 @@ pub struct Signal {
     pub name: String,
     /// SI unit as printed, e.g. `rad`, `m/s`, or `-`.
     pub unit: String,
-    /// Values; NaN where missing.
+    /// One value per time, in `unit`; NaN where it is missing.
     pub values: Vec<f64>,
 }
 
-/// Parameter against time.
+/// The course of one parameter over the samples of the record.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ParameterHistory {
     /// Name as in [`ParameterResult::name`].
     pub name: String,
-    /// Estimate after each sample.
+    /// Estimate after each sample, in the parameter's unit.
     pub value: Vec<f64>,
     /// Corrected one-sigma error after each sample.
     pub std_error: Vec<f64>,
-    /// Surface per parameter for display: `theta_LS - theta`, in parameter units.
+    /// The correction that the least squares of the moment would make, `theta_LS - theta`, in the parameter's unit; for
+    /// display only.
     pub surface: Vec<f64>,
 }
 
 /// What happened at one instant of the estimation: a change suspected or adopted, a gap, a restart.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Event {
-    /// When, s.
+    /// Time of the sample at which it was noticed, s.
     pub time_s: f64,
-    /// What kind of event.
+    /// What happened, as a word for programs.
     pub kind: EventKind,
-    /// In words.
+    /// What happened, in words for the user.
     pub message: String,
 }
 
 /// Histories over the samples of the record, all of the length of `time_s`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct History {
-    /// Time, s.
+    /// Times of the samples, s, on the time base of the record.
     pub time_s: Vec<f64>,
-    /// Known inputs as used.
+    /// Known inputs as the model used them: held over missing samples, SI.
     pub inputs: Vec<Signal>,
-    /// Measured outputs.
+    /// Measured outputs, SI; NaN where missing.
     pub measured: Vec<Signal>,
     /// The estimated model's outputs before the correction by the same sample (one-step prediction).
     pub predicted: Vec<Signal>,
     /// Whitened residuals, one sigma = 1, one signal per output.
     pub residuals: Vec<Signal>,
-    /// Parameters.
+    /// Course of each parameter, in the order of [`Estimation::parameters`].
     pub parameters: Vec<ParameterHistory>,
-    /// How the estimator met each sample.
+    /// How the estimator treated each sample.
     pub phase: Vec<Phase>,
 }
 
 impl History {
     /// As a record to be written as CSV: inputs and measured outputs under their names, `<output>_predicted`,
     /// `<output>_residual` (one sigma = 1), and each parameter with `<parameter>_std`, the corrected one-sigma error.
+    ///
+    /// ```
+    /// use phugoid_flight_data::csv;
+    /// use phugoid_identification::estimation::{History, Signal};
+    /// let alpha = Signal { name: "alpha".to_owned(), unit: "rad".to_owned(), values: vec![0.05, f64::NAN] };
+    /// let history = History { time_s: vec![0.0, 0.1], measured: vec![alpha], ..History::default() };
+    /// let mut text = Vec::new();
+    /// csv::write(&history.record("example"), &mut text)?;
+    /// assert_eq!(String::from_utf8(text)?, "time_s,alpha_rad\n0,0.05\n0.1,\n");
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn record(&self, source: &str) -> Record {
         let quantity = |name: &str| by_name(name).map_or(Quantity::Number, |spec| spec.quantity);
         let channel =
@@ -244,77 +261,81 @@ impl History {
     }
 }
 
-/// Everything one run of one estimator on one record gives.
+/// The result of one run of one method on one record.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Estimation {
-    /// Record (file name or scenario).
+    /// Source of the record: its file name, or the name of a scenario.
     pub source: String,
     /// Model file or its built-in name.
     pub model: String,
-    /// Method used.
+    /// The method that made this estimation.
     pub method: Method,
-    /// Parameters in the model's order, nuisance columns last.
+    /// Results of the parameters in the order of the model file, offsets and sensor biases last.
     pub parameters: Vec<ParameterResult>,
-    /// Correlation matrix of the parameters, same order.
+    /// Correlation matrix of the errors, row and column as in `parameters`; 0 for a fixed parameter off the diagonal.
     pub correlation: Vec<Vec<f64>>,
-    /// Sums of derivatives that the flight determines although it may not tell the parts apart.
+    /// Sums of two derivatives that the flight determines, even where it does not determine the parts.
     #[serde(default)]
     pub effective: Vec<EffectiveDerivative>,
     /// Angle of attack at which the terms' `alpha` is zero, rad: where derivatives are turned into other axes.
     #[serde(default)]
     pub alpha_reference: f64,
-    /// Terms that the residuals ask for; none where nobody asked, or there was no reason to look.
+    /// Terms that the model lacks, by the residuals; `None` where
+    /// [`EstimateOptions::offer`](super::options::EstimateOptions::offer) did not ask for them or gave no reason to
+    /// try.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub offer: Option<Offer>,
-    /// Sentences for the user: verdict, pairs that cannot be told apart, unit doubts, model error.
+    /// Sentences for the user: the verdict, pairs of parameters that are only known together, doubtful units, model
+    /// error.
     pub verdict: Vec<String>,
-    /// Events in order of time.
+    /// Suspected and adopted changes, gaps and restarts, in order of time.
     pub events: Vec<Event>,
-    /// Data quality of the record.
+    /// What the reader of the record found, assumed and left out.
     pub quality: QualityReport,
     /// Measurement noise used per output, SI: name, unit, one sigma (one value each).
     pub noise: Vec<Signal>,
     /// Histories. Of a batch method: the fitted outputs as predictions, the parameters constant.
     pub history: History,
-    /// What a batch method says beside; none for a causal one.
+    /// The additional results of a batch method; `None` for a causal one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub batch: Option<BatchReport>,
 }
 
-/// What a batch method says beside the parameters.
+/// The additional results of a batch method: cost, noise, fit by output, equations, prediction.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BatchReport {
-    /// Iterations to the minimum.
+    /// Number of steps from the start values to the minimum.
     pub iterations: usize,
     /// Negative logarithm of the likelihood there, without constants: for comparing models on the same record.
     pub cost: f64,
-    /// One sigma of the noise by output, given or estimated; of equation error: of the equations. NaN where not measured.
+    /// One sigma of the noise by output, given or estimated; of equation error: of the equations. NaN where not
+    /// measured.
     pub noise_std: Vec<f64>,
-    /// What was estimated beside the parameters and biases: initial states, noise.
+    /// The unknowns that were estimated in addition to the parameters and biases: initial states, noise.
     pub unknowns: Vec<Unknown>,
     /// Fit by manoeuvre and output: this record first, then the others that were fitted with it.
     pub manoeuvres: Vec<(String, Vec<OutputFit>)>,
     /// Equations with their terms, from equation error.
     pub equations: Vec<Equation>,
-    /// The parameters tried on another record.
+    /// The prediction of another record with these parameters; `None` where none was given.
     pub prediction: Option<Prediction>,
-    /// What should be known before the numbers are used.
+    /// Warnings about the result in sentences; read them before you use the numbers.
     pub notes: Vec<String>,
 }
 
-/// The estimated parameters tried on a record that they have not seen: simulated with their values held, only the initial
+/// The prediction of a record that was not used for the estimation: simulated with their values held, only the initial
 /// state and the sensor biases fitted.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Prediction {
-    /// The record.
+    /// Source of the record, e.g. its file name.
     pub source: String,
-    /// Agreement by output.
+    /// How well each predicted output follows the measured one.
     pub fit: Vec<OutputFit>,
-    /// Time, s.
+    /// Times of the samples, s.
     pub time_s: Vec<f64>,
-    /// Measured outputs.
+    /// Measured outputs, SI; NaN where missing.
     pub measured: Vec<Signal>,
-    /// Predicted outputs.
+    /// Outputs of the simulation with the estimated parameters, SI.
     pub predicted: Vec<Signal>,
 }
 
@@ -326,38 +347,38 @@ impl Estimation {
 }
 
 impl ParameterResult {
-    /// Two standard errors, corrected for the correlation of the residuals from sample to sample, in the parameter's unit: the
-    /// value lies between [`lower`](Self::lower) and [`upper`](Self::upper) with a probability of about 95 %.
+    /// Two standard errors, corrected for the correlation of the residuals from sample to sample, in the parameter's
+    /// unit: the value lies between [`lower`](Self::lower) and [`upper`](Self::upper) with a probability of about 95 %.
     pub fn bound(&self) -> f64 {
         2.0 * self.corrected_std_error
     }
 }
 
-/// A sum of two derivatives that a flight determines although it may not tell them apart.
+/// A sum of two derivatives that a flight determines even where it does not determine the two parts.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct EffectiveDerivative {
-    /// E.g. `Cm_q + Cm_alpha_dot`.
+    /// Name of the sum, e.g. `Cm_q + Cm_alpha_dot`.
     pub name: String,
-    /// Its value, per radian.
+    /// Estimate of the sum, per radian.
     pub value: f64,
     /// One-sigma error, corrected for the colour of the residuals.
     pub std_error: f64,
-    /// The parts.
+    /// Names of the two parameters that are added.
     pub parts: [String; 2],
-    /// Correlation of their errors.
+    /// Correlation of the errors of the two parts, -1 to 1.
     pub correlation: f64,
-    /// True if the flight told the parts apart, so that each may be believed by itself.
+    /// True if the flight determines each of the parts, so that each can be used by itself.
     pub separable: bool,
 }
 
-/// What came of trying terms that the model does not have.
+/// The result of trying terms that the model does not have.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Offer {
     /// Why terms were tried, in words; empty where they were asked for without a reason.
     pub reasons: Vec<String>,
-    /// Estimator that they were tried with.
+    /// The method with which the terms were tried.
     pub method: Method,
-    /// Gain from which a term is asked for, nats.
+    /// Smallest gain with which a term counts as missing in the model, nats.
     pub threshold: f64,
     /// Changes that the detector adopts with the model as it is.
     pub adopted_changes: usize,
@@ -366,13 +387,13 @@ pub struct Offer {
 }
 
 impl Offer {
-    /// The term that the residuals ask for most, if they ask for any.
+    /// The missing term with the largest gain; `None` if no term counts as missing.
     pub fn best(&self) -> Option<&OfferedTerm> {
         self.terms.iter().find(|term| term.asked_for)
     }
 }
 
-/// A term that the model does not have, tried in a model of its own.
+/// A term that the model does not have, and what adding it to the model would change.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct OfferedTerm {
     /// Symbol of the coefficient, e.g. `Cm`.
@@ -381,21 +402,22 @@ pub struct OfferedTerm {
     pub term: String,
     /// Name of its parameter, e.g. `dCm_alpha2`.
     pub parameter: String,
-    /// Logarithm of how much more probable the flight is with the term than without, nats; both without change detection.
+    /// Logarithm of how much more probable the flight is with the term than without, nats; both without change
+    /// detection.
     pub gain: f64,
-    /// The same with change detection in both; none where the first gain was too small to look. Where a change of the parameters
-    /// explains the flight as well, nothing is gained here.
+    /// The same with change detection in both; none where the first gain was too small to look. This gain is small
+    /// where a change of the parameters explains the flight as well as the term does.
     pub gain_with_changes: Option<f64>,
     /// Estimate at the end of the record, per radian to the power of the term.
     pub value: f64,
     /// One-sigma error, corrected for the colour of the residuals.
     pub std_error: f64,
-    /// Changes that the detector still adopts with the term in the model; none where that was not looked at.
+    /// Changes that the detector still adopts with the term in the model; `None` where that was not tried.
     pub adopted_changes: Option<usize>,
-    /// Both gains reach the threshold, the estimate lies three standard errors from zero, and fewer changes are adopted, if any
-    /// were.
+    /// True if the term counts as missing: both gains reach the threshold, the estimate lies three standard errors from
+    /// zero, and fewer changes are adopted, if any were.
     pub asked_for: bool,
-    /// What gave a reason to try terms and is still there with this one, in words; empty where that was not looked at.
+    /// Those of [`Offer::reasons`] that remain with this term in the model; empty where that was not tried.
     pub remaining: Vec<String>,
     /// The line to put under `[coefficients]`.
     pub coefficient_line: String,

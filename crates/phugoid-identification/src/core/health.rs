@@ -1,26 +1,27 @@
-//! Health monitoring of an aircraft: what is asked for, and the result as plain data.
+//! Health monitoring of an aircraft: its options, and its result as plain data.
 
 use serde::{Deserialize, Serialize};
 
 use crate::model_file::Expectation;
 
-/// What a monitor is asked for.
+/// What a health monitor compares the aircraft with, and how many false alarms are accepted.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HealthOptions {
-    /// What is expected: [`crate::model_file::ModelFile::expectations`], or a file of its own.
+    /// The expected parameters with their tolerances: those of
+    /// [`ModelFile::expectations`](crate::model_file::ModelFile::expectations), or of a file of their own.
     pub expected: Vec<Expectation>,
     /// Accepted false alarms per flight hour, 1/h.
     pub false_alarms_per_hour: f64,
 }
 
-/// False alarms per flight hour that are accepted where nobody says otherwise: one in a hundred hours.
+/// The default of [`HealthOptions::false_alarms_per_hour`]: one false alarm in a hundred flight hours.
 pub const FALSE_ALARMS_PER_HOUR: f64 = 0.01;
 
-/// The verdict on the aircraft.
+/// The condition of the aircraft by the health monitor.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Condition {
-    /// The noise levels are still being looked at.
+    /// The noise levels are still being measured; there is no judgement yet.
     #[default]
     Settling,
     /// No divergence, but too little is known to call the aircraft healthy.
@@ -32,7 +33,7 @@ pub enum Condition {
 }
 
 impl Condition {
-    /// In words.
+    /// The condition in words, as reports show it.
     pub fn words(self) -> &'static str {
         match self {
             Self::Settling => "settling",
@@ -43,12 +44,12 @@ impl Condition {
     }
 }
 
-/// The final word on one monitored parameter, per radian where an angle is involved.
+/// The result for one monitored parameter at the end of the record, per radian where an angle is involved.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ParameterHealth {
-    /// Name in the model file.
+    /// Name of the parameter in the model file.
     pub name: String,
-    /// Expected value.
+    /// Expected value, in the unit of the parameter.
     pub expected: f64,
     /// Half width that still counts as healthy.
     pub tolerance: f64,
@@ -56,22 +57,22 @@ pub struct ParameterHealth {
     pub value: f64,
     /// One-sigma error of it, corrected for the colour of the residuals.
     pub corrected_std_error: f64,
-    /// How far the estimate lies outside of the tolerance, in these errors, with its sign; zero inside.
+    /// How far the estimate lies outside of the tolerance, in corrected standard errors, with its sign; zero inside.
     pub deviation: f64,
     /// False while the bounds are wider than the tolerance.
     pub known: bool,
-    /// When it was named as one that has diverged, s.
+    /// Time at which the parameter was named as diverged, s; `None` if it was not.
     pub diverged_at_s: Option<f64>,
     /// Change since the onset, from the innovations of the reference alone, linear about the expectation.
     pub change: Option<f64>,
-    /// One sigma of it.
+    /// Standard error of [`change`](Self::change).
     pub change_std: Option<f64>,
 }
 
-/// A failure.
+/// A failure that the monitor has flagged: when, since when, and in which parameters.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FailureReport {
-    /// When it was flagged, s.
+    /// Time of the sample at which the flag was raised, s.
     pub flagged_at_s: f64,
     /// When it began, s: half of the likelihood lies before.
     pub onset_s: Option<f64>,
@@ -83,29 +84,29 @@ pub struct FailureReport {
     pub parameters: Vec<String>,
 }
 
-/// What the monitor said at each sample.
+/// The course of the monitor: one entry per sample.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct HealthHistory {
-    /// Time, s.
+    /// Times of the samples, s.
     pub time_s: Vec<f64>,
-    /// Verdict.
+    /// Condition of the aircraft after each sample.
     pub condition: Vec<Condition>,
-    /// Evidence of a failure, natural logarithm of hours: a healthy aircraft shows this much at most once in `exp(evidence)`
-    /// hours. Minus infinity before the first look; after the flag it stays.
+    /// Evidence of a failure, natural logarithm of hours: a healthy aircraft shows this much at most once in
+    /// `exp(evidence)` hours. Minus infinity before the first look; after the flag it stays.
     pub evidence: Vec<f64>,
-    /// Squared distance of the estimate from the nearest healthy parameters, in its corrected covariance; NaN where it cannot be
-    /// computed.
+    /// Squared distance of the estimate from the nearest healthy parameters, in its corrected covariance; NaN where it
+    /// cannot be computed.
     pub joint_deviation: Vec<f64>,
     /// As [`ParameterHealth::deviation`], by parameter and sample.
     pub deviation: Vec<Vec<f64>>,
 }
 
-/// Everything that one run of the monitor gives.
+/// The result of one run of the health monitor.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct HealthReport {
-    /// Record.
+    /// Source of the record, e.g. its file name.
     pub source: String,
-    /// Model file.
+    /// Name of the model file or of the built-in model.
     pub model: String,
     /// Accepted false alarms per flight hour, 1/h.
     pub false_alarms_per_hour: f64,
@@ -113,14 +114,14 @@ pub struct HealthReport {
     pub threshold: f64,
     /// Largest evidence so far, natural logarithm of hours.
     pub evidence: f64,
-    /// Verdict at the end.
+    /// Condition of the aircraft at the end of the record.
     pub condition: Condition,
-    /// Monitored parameters.
+    /// The monitored parameters, in the order of [`HealthOptions::expected`].
     pub parameters: Vec<ParameterHealth>,
     /// The failure, if there is one.
     pub failure: Option<FailureReport>,
-    /// Sentences for the user.
+    /// The result in sentences for the user.
     pub sentences: Vec<String>,
-    /// Histories.
+    /// Course of the monitor over the samples.
     pub history: HealthHistory,
 }

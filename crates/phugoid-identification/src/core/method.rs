@@ -7,14 +7,22 @@ use serde::{Deserialize, Serialize};
 
 use super::words::did_you_mean;
 
-/// Estimator to use.
+/// The estimation methods of the project. Batch methods fit a whole record; the others take one sample after the other.
+///
+/// ```
+/// use phugoid_identification::method::Method;
+/// assert_eq!("output-error".parse(), Ok(Method::OutputError));
+/// assert!(Method::OutputError.is_batch() && !Method::default().is_batch());
+/// let error = "kalman".parse::<Method>().unwrap_err();
+/// assert!(error.to_string().contains("unknown method `kalman`"));
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Method {
     /// The sliding-mode parameter estimator on a parallel model (docs/theory.md).
     #[default]
     Smpe,
-    /// The joint extended Kalman filter.
+    /// The joint extended Kalman filter of states and parameters (docs/methods.md).
     Ekf,
     /// Recursive least squares on states smoothed by kinematics (docs/methods.md).
     Rls,
@@ -28,9 +36,9 @@ pub enum Method {
     SuperTwisting,
     /// Least squares on the equations of motion (docs/methods.md, as all below).
     EquationError,
-    /// Maximum likelihood without process noise.
+    /// Output error: maximum likelihood with measurement noise only, by a free simulation.
     OutputError,
-    /// Maximum likelihood with process noise.
+    /// Filter error: maximum likelihood with process noise, for turbulence and unstable aircraft.
     FilterError,
 }
 
@@ -70,7 +78,7 @@ impl Method {
         matches!(self, Self::EquationError | Self::OutputError | Self::FilterError)
     }
 
-    /// One line for a list.
+    /// One line that says what the method is, for lists of methods.
     pub fn description(self) -> &'static str {
         match self {
             Self::Smpe => "sliding-mode parameter estimator on a parallel model",
@@ -93,11 +101,11 @@ impl fmt::Display for Method {
     }
 }
 
-/// A word that is no method.
+/// The error for a word that is not the name of a method.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("unknown method `{word}`{}", did_you_mean(word, Method::ALL.iter().map(|m| m.name())))]
 pub struct UnknownMethod {
-    /// What was found.
+    /// The word that was given.
     pub word: String,
 }
 

@@ -1,5 +1,5 @@
-//! What is asked of an estimation and what it answers: plain data that every other part shares, without computation beyond their
-//! own conversions.
+//! What is asked of an estimation and what it answers: plain data that every other part shares, without computation
+//! beyond their own conversions.
 
 pub mod axes;
 pub mod error;

@@ -12,9 +12,9 @@ pub const STATE_CHANNELS: usize = 8;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[repr(usize)]
 pub enum Output {
-    /// True airspeed, m/s.
+    /// True airspeed: the speed relative to the air, m/s.
     TrueAirspeed,
-    /// Angle of attack, rad.
+    /// Angle of attack, rad, positive with the air from below.
     Alpha,
     /// Angle of sideslip, rad, positive with the air from the right.
     Beta,
@@ -34,16 +34,16 @@ pub enum Output {
     Ay,
     /// Specific force along body z (down), m/s^2: about -g in level flight.
     Az,
-    /// Roll acceleration, rad/s^2.
+    /// Roll acceleration `p'` about body x, rad/s^2, positive right wing down.
     RollAcceleration,
-    /// Pitch acceleration, rad/s^2.
+    /// Pitch acceleration `q'` about body y, rad/s^2, positive nose up.
     PitchAcceleration,
-    /// Yaw acceleration, rad/s^2.
+    /// Yaw acceleration `r'` about body z, rad/s^2, positive nose right.
     YawAcceleration,
 }
 
 impl Output {
-    /// All, in order.
+    /// All outputs, in the order of the output vector of the motion of all axes.
     pub const ALL: [Self; CHANNELS] = [
         Self::TrueAirspeed,
         Self::Alpha,
@@ -60,22 +60,22 @@ impl Output {
         Self::PitchAcceleration,
         Self::YawAcceleration,
     ];
-    /// Channel names, in order.
+    /// Canonical channel names, in the order of [`Output::ALL`].
     pub const NAMES: [&'static str; CHANNELS] =
         ["true_airspeed", "alpha", "beta", "phi", "theta", "p", "q", "r", "ax", "ay", "az", "pdot", "qdot", "rdot"];
 
-    /// Position among all channels, as in [`crate::model_file::ModelFile::noise`]; the position in the output vector of a
-    /// motion is [`crate::core::axes::Axes::row`].
+    /// Position among all channels, as in [`crate::model_file::ModelFile::noise`]; the position in the output vector of
+    /// a motion is [`crate::core::axes::Axes::row`].
     pub const fn index(self) -> usize {
         self as usize
     }
 
-    /// Canonical channel name.
+    /// The canonical name of its channel, e.g. `alpha`.
     pub fn name(self) -> &'static str {
         Self::NAMES[self.index()]
     }
 
-    /// SI unit as printed.
+    /// The SI unit as printed, e.g. `rad`, `m/s^2`.
     pub fn unit(self) -> &'static str {
         self.dimension().si_unit()
     }
@@ -85,7 +85,7 @@ impl Output {
         Self::NAMES.iter().position(|n| *n == name).map(|i| Self::ALL[i])
     }
 
-    /// Its dimension.
+    /// The physical dimension, for reading numbers with units.
     pub fn dimension(self) -> Dimension {
         match self {
             Self::TrueAirspeed => Dimension::SPEED,

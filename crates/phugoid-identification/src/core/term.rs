@@ -11,8 +11,8 @@ pub const EXTRA_INPUTS: usize = 3;
 pub const FACTORS: usize = Variable::ALL.len() + EXTRA_INPUTS;
 
 /// A coefficient, made dimensional by `qbar S` and for the moments a length: the mean chord for `Cm`, the span for `Cl`
-/// and `Cn`. Lift and drag are along the air-relative velocity in the plane of symmetry (stability axes), all else is in
-/// body axes, moments about the centre of gravity.
+/// and `Cn`. Lift and drag are along the air-relative velocity in the plane of symmetry (stability axes), all else is
+/// in body axes, moments about the centre of gravity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[repr(usize)]
 pub enum Coefficient {
@@ -20,13 +20,13 @@ pub enum Coefficient {
     Lift,
     /// `CD`, positive aft, along the airspeed.
     Drag,
-    /// `Cm`, positive nose up.
+    /// `Cm`, about body y, positive nose up.
     PitchingMoment,
     /// `CY`, along body y, positive to the right.
     SideForce,
-    /// `Cl`, positive right wing down.
+    /// `Cl`, about body x, positive right wing down.
     RollingMoment,
-    /// `Cn`, positive nose right.
+    /// `Cn`, about body z, positive nose right.
     YawingMoment,
 }
 
@@ -35,7 +35,7 @@ impl Coefficient {
     pub const ALL: [Self; 6] =
         [Self::Lift, Self::Drag, Self::PitchingMoment, Self::SideForce, Self::RollingMoment, Self::YawingMoment];
 
-    /// The motion that its derivatives are learnt from.
+    /// The group of axes whose motion determines the derivatives of this coefficient.
     pub fn group(self) -> Group {
         match self {
             Self::Lift | Self::Drag | Self::PitchingMoment => Group::Longitudinal,
@@ -62,15 +62,15 @@ impl Coefficient {
 pub enum Variable {
     /// `alpha`, rad, from the reference point.
     Alpha,
-    /// `beta`, rad.
+    /// `beta`, the angle of sideslip, rad, from zero.
     Beta,
     /// `p_hat`, `p b / 2V`, b the span.
     RollRate,
     /// `q_hat`, `q cbar / 2V`, cbar the mean chord.
     PitchRate,
-    /// `r_hat`, `r b / 2V`.
+    /// `r_hat`, the yaw rate made dimensionless, `r b / 2V`, b the span.
     YawRate,
-    /// `v_hat`, `V / V0`.
+    /// `v_hat`, the airspeed over the reference speed of the model file, `V / V0`.
     Airspeed,
     /// `elevator`, rad, from the reference point.
     Elevator,
@@ -78,12 +78,12 @@ pub enum Variable {
     Aileron,
     /// `rudder`, rad, from the reference point.
     Rudder,
-    /// `alpha_dot_hat`, `alpha' cbar / 2V`.
+    /// `alpha_dot_hat`, the rate of alpha made dimensionless, `alpha' cbar / 2V`, cbar the mean chord.
     AlphaRate,
 }
 
 impl Variable {
-    /// All, in order.
+    /// All variables, in the order of a factor array.
     pub const ALL: [Self; 10] = [
         Self::Alpha,
         Self::Beta,
@@ -99,7 +99,7 @@ impl Variable {
     const NAMES: [&'static str; Self::ALL.len()] =
         ["alpha", "beta", "p_hat", "q_hat", "r_hat", "v_hat", "elevator", "aileron", "rudder", "alpha_dot_hat"];
 
-    /// Position in a factor array.
+    /// Position in a factor array, from 0: the order of [`Variable::ALL`].
     pub const fn index(self) -> usize {
         self as usize
     }
@@ -139,6 +139,15 @@ fn position(name: &str, extra_inputs: &[String]) -> Option<usize> {
 
 impl Term {
     /// Parses `1`, `alpha`, `alpha^2`, `alpha*elevator`, ...
+    ///
+    /// ```
+    /// use phugoid_identification::term::{Coefficient, Term};
+    /// let term = Term::parse("alpha * elevator^2", &[])?;
+    /// assert_eq!(term.parameter_name(Coefficient::PitchingMoment, false, &[]), "Cm_alpha_elevator2");
+    /// assert_eq!(term.parameter_unit(), "per rad^3");
+    /// assert!(Term::parse("alhpa", &[]).unwrap_err().contains("did you mean `alpha`?"));
+    /// # Ok::<(), String>(())
+    /// ```
     ///
     /// # Errors
     /// A sentence naming the word that is not a flight variable, or the power that is not 1 to 9.
@@ -224,8 +233,8 @@ impl Term {
         Self { factors }
     }
 
-    /// Unit of the parameter that multiplies it, as printed: `per rad`, `per rad^2`, `-` where no angle is involved. Rates
-    /// made dimensionless are angles (radians per time that the air takes along the chord or span), as usual.
+    /// Unit of the parameter that multiplies it, as printed: `per rad`, `per rad^2`, `-` where no angle is involved.
+    /// Rates made dimensionless are angles (radians per time that the air takes along the chord or span), as usual.
     pub fn parameter_unit(&self) -> String {
         let angular = |&&(index, _): &&(usize, i32)| index < Variable::ALL.len() && index != Variable::Airspeed.index();
         match self.factors.iter().filter(angular).map(|(_, power)| power).sum::<i32>() {

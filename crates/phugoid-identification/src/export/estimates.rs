@@ -1,12 +1,12 @@
 //! The estimates as a table: CSV, and Parquet under the feature of that name.
 //!
-//! One row per parameter: value, one-sigma error of the covariance, the same corrected for the colour of the residuals, bounds of two
-//! of these, status, whether it is a nuisance, and the truth where it is known. Derivatives per radian, all else SI; nothing where there
-//! is none.
+//! One row per parameter: value, one-sigma error of the covariance, the same corrected for the colour of the residuals,
+//! bounds of two of these, status, whether it is a nuisance, and the truth where it is known. Derivatives per radian,
+//! all else in SI units; the cell is empty where there is no finite value.
 
 use crate::core::estimation::{Estimation, ParameterResult};
 
-/// What stands in one column, from one parameter.
+/// How one column of the table is made of a parameter.
 enum Column {
     Words(fn(&ParameterResult) -> &str),
     Number(fn(&ParameterResult) -> Option<f64>),
@@ -30,6 +30,19 @@ const COLUMNS: [(&str, Column); 9] = [
 /// ```text
 /// name,value,std_error,corrected_std_error,lower,upper,status,nuisance,truth
 /// Cm_alpha,-0.99762,0.0101,0.0203,-1.0382,-0.957,converged,false,
+/// ```
+///
+/// ```
+/// use phugoid_identification::estimation::{Estimation, FinalStatus, ParameterResult};
+/// use phugoid_identification::export::csv;
+/// let result = r#"{"name": "Cm_alpha", "value": -1.0, "std_error": 0.01, "corrected_std_error": 0.02, "lower": -1.04,
+///     "upper": -0.96, "status": "converged", "converged_at_s": 4.0, "observability": 0.99, "initial": 0.0,
+///     "prior_std": 1.0, "bounds": null, "truth": null, "nuisance": false}"#;
+/// let mut parameter: ParameterResult = serde_json::from_str(result)?;
+/// parameter.std_error = f64::INFINITY; // a method that gives no bound
+/// let estimation = Estimation { parameters: vec![parameter], ..Estimation::default() };
+/// assert_eq!(csv(&estimation).lines().nth(1), Some("Cm_alpha,-1,,0.02,-1.04,-0.96,converged,false,"));
+/// # Ok::<(), serde_json::Error>(())
 /// ```
 pub fn csv(estimation: &Estimation) -> String {
     // Names of parameters and statuses are words.

@@ -1,21 +1,23 @@
 //! Parameters of Gazebo's `AdvancedLiftDrag` system, which PX4's simulations of aeroplanes use.
 //!
-//! Names, units and equations are those of the plugin's source (gz-sim, `AdvancedLiftDrag.cc`): coefficients of first order about zero
-//! angle of attack, rates made dimensionless by `b/2V` and `mac/2V`, control derivatives **per degree**, and the drag
+//! Names, units and equations are those of the plugin's source (gz-sim, `AdvancedLiftDrag.cc`): coefficients of first
+//! order about zero angle of attack, rates made dimensionless by `b/2V` and `mac/2V`, control derivatives **per
+//! degree**, and the drag
 //!
 //! ```text
 //! CD = CD0 + CL^2 / (pi AR eff)
 //! ```
 //!
-//! in place of terms in the angle of attack: `CD0` and `eff` are made to give value and slope of the identified drag at the angle of attack
-//! and the elevator of the flight. Moments are about body axes, lift and drag along and across the velocity in the plane of symmetry, the
-//! side force along body y: as here. What differs is said in the notes, and in docs/inspect.md.
+//! in place of terms in the angle of attack: `CD0` and `eff` are made to give value and slope of the identified drag at
+//! the angle of attack and the elevator of the flight. Moments are about body axes, lift and drag along and across the
+//! velocity in the plane of symmetry, the side force along body y: as here. What differs is said in the notes, and in
+//! docs/inspect.md.
 
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use std::fmt::Write as _;
 
-use super::{ExportError, Exported, Identified};
+use super::identified::{ExportError, Exported, Identified};
 use crate::core::term::{Coefficient, Variable};
 use crate::model_file::{RateSpeed, ReferenceValue};
 
@@ -149,8 +151,8 @@ pub fn gazebo(identified: &Identified<'_>) -> Result<Exported, ExportError> {
     Ok(Exported { text, notes })
 }
 
-/// The plugin's lift coefficient before its surfaces: a flat plate, `2 sgn(alpha) sin^2 alpha cos alpha`, is blended in by a sigmoid of
-/// steepness 15 per radian about the stall.
+/// The plugin's lift coefficient before its surfaces: a flat plate, `2 sgn(alpha) sin^2 alpha cos alpha`, is blended in
+/// by a sigmoid of steepness 15 per radian about the stall.
 fn blended(lift: f64, alpha: f64) -> f64 {
     const STEEPNESS: f64 = 15.0;
     let (below, above) = ((-STEEPNESS * (alpha - STALL)).exp(), (STEEPNESS * (alpha + STALL)).exp());
@@ -167,7 +169,8 @@ impl Elements {
     }
 }
 
-/// First order about zero; the airspeed at its reference; what is of higher order is said.
+/// The coefficient to first order about zero angle of attack, at the reference airspeed. What is left out or
+/// approximated goes into the notes.
 fn linearised(
     identified: &Identified<'_>,
     coefficient: Coefficient,
@@ -227,7 +230,7 @@ fn drag(
             l.constant + slope * identified.alpha_typical + l.slope(Variable::Elevator) * identified.elevator_typical;
         (value, slope)
     };
-    // The plugin adds what the elevator does to the drag by itself.
+    // The plugin adds the drag of the elevator itself.
     let own = linear.get(&Coefficient::Drag).map_or(0.0, |l| l.slope(Variable::Elevator)) * identified.elevator_typical;
     let ((lift, lift_slope), (drag, drag_slope)) = (at(Coefficient::Lift), at(Coefficient::Drag));
     let induced = drag_slope / (2.0 * lift * lift_slope);

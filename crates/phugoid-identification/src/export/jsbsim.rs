@@ -1,18 +1,19 @@
 //! The `<aerodynamics>` section of a JSBSim aircraft (JSBSim Reference Manual, section 3.1.10; `FGAerodynamics`).
 //!
-//! JSBSim works in slug, foot and pound. Its LIFT, DRAG and SIDE axes are wind axes: drag along the velocity, positive aft, whatever the
-//! sideslip. Lift and drag of a model file lie in the plane of symmetry and its side force along body y; with sideslip
+//! JSBSim works in slug, foot and pound. Its LIFT, DRAG and SIDE axes are wind axes: drag along the velocity, positive
+//! aft, whatever the sideslip. Lift and drag of a model file lie in the plane of symmetry and its side force along body
+//! y; with sideslip
 //!
 //! ```text
 //! DRAG = qbar S (CD cos beta - CY sin beta)      SIDE = qbar S (CD sin beta + CY cos beta)      LIFT = qbar S CL
 //! ```
 //!
-//! give the same force. Moments are about the aerodynamic reference point: `AERORP` has to be the centre of gravity that the estimates
-//! refer to, otherwise JSBSim adds the forces' arms.
+//! give the same force. Moments are about the aerodynamic reference point: `AERORP` has to be the centre of gravity
+//! that the estimates refer to, otherwise JSBSim adds the forces' arms.
 
 use std::fmt::Write as _;
 
-use super::{ExportError, Exported, Identified, Valued};
+use super::identified::{ExportError, Exported, Identified, Valued};
 use crate::core::term::{Coefficient, Variable};
 use crate::model_file::RateSpeed;
 
@@ -25,8 +26,19 @@ const EXTRA: [(&str, &str); 3] =
 
 /// Writes the section; numbers with all their digits.
 ///
+/// ```
+/// use phugoid_identification::export::{ExportError, Identified, jsbsim};
+/// use phugoid_identification::model_file::ModelFile;
+/// let whole = ModelFile::named("hfb320")?; // Identified::new takes the values of an estimation instead
+/// assert!(jsbsim(&Identified::start(&whole))?.text.contains("<axis name=\"PITCH\">"));
+/// let increments = ModelFile::named("f16")?;
+/// assert!(matches!(jsbsim(&Identified::start(&increments)), Err(ExportError::Increments(..))));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
-/// [`ExportError`]: increments to a database, an extra input that JSBSim has no property for, a reference that is not in the result.
+/// [`ExportError`]: increments to a database, an extra input that JSBSim has no property for, a reference that is not
+/// in the result.
 pub fn jsbsim(identified: &Identified<'_>) -> Result<Exported, ExportError> {
     identified.absolute("JSBSim's <aerodynamics>")?;
     let mut functions = String::new();

@@ -7,147 +7,17 @@
 //! | `<aerodynamics>` section of JSBSim | [`jsbsim()`] | every term of a model in absolute form |
 //! | parameters of Gazebo's advanced lift-drag plugin, as PX4 simulates with | [`gazebo()`] | terms of first order; the rest is said |
 //!
-//! Increments to a database are no model by themselves: what they are added to is not in the result, and these forms have no
-//! place for it. They are refused.
+//! Increments to a database are refused: the database is not part of the result, and these formats have no place for
+//! it.
 
 mod estimates;
 mod gazebo;
+mod identified;
 mod jsbsim;
-
-use std::collections::BTreeMap;
 
 pub use estimates::csv;
 #[cfg(feature = "parquet")]
 pub use estimates::parquet;
 pub use gazebo::gazebo;
+pub use identified::{ExportError, Exported, Identified};
 pub use jsbsim::jsbsim;
-
-use crate::core::estimation::Estimation;
-use crate::core::term::{Coefficient, Term};
-use crate::model_file::{Base, ModelFile, ReferenceValue, Role};
-
-/// Why a model cannot be written in a form.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum ExportError {
-    /// The terms are increments to a database.
-    #[error(
-        "the model `{0}` holds increments to a database: {1} takes whole coefficients, and the database is no part of the \
-         result. Estimate with a model file without `base`, whose terms are the whole coefficients"
-    )]
-    Increments(String, &'static str),
-    /// Something that the form has no place for.
-    #[error("{0}")]
-    NoPlace(String),
-}
-
-/// A model with its identified values.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Identified<'a> {
-    /// The model file.
-    pub model: &'a ModelFile,
-    /// Values by parameter name; parameters that are not here have their start values.
-    pub values: BTreeMap<String, f64>,
-    /// Angle of attack at which the terms' `alpha` is zero, rad.
-    pub alpha_reference: f64,
-    /// Angle of attack in the middle of the flight, rad: where what does not fit is approximated.
-    pub alpha_typical: f64,
-    /// Elevator in the middle of the flight, rad; that of the reference where there was none.
-    pub elevator_typical: f64,
-    /// Where the values are from, for the head of the file.
-    pub origin: String,
-}
-
-/// A model in another form.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Exported {
-    /// The text of the file.
-    pub text: String,
-    /// What a user has to know: what did not fit, what was approximated, what the receiving model must have.
-    pub notes: Vec<String>,
-}
-
-/// A term with its value.
-struct Valued {
-    name: String,
-    term: Term,
-    value: f64,
-}
-
-impl<'a> Identified<'a> {
-    /// From an estimation with this model file.
-    pub fn new(model: &'a ModelFile, estimation: &Estimation) -> Self {
-        let middle = |name: &str| {
-            let signal =
-                estimation.history.measured.iter().chain(&estimation.history.inputs).find(|s| s.name == name)?;
-            crate::preparation::noise::median(
-                &mut signal.values.iter().copied().filter(|v| v.is_finite()).collect::<Vec<f64>>(),
-            )
-        };
-        Self {
-            model,
-            values: estimation.parameters.iter().map(|p| (p.name.clone(), p.value)).collect(),
-            alpha_reference: estimation.alpha_reference,
-            alpha_typical: middle("alpha").unwrap_or(estimation.alpha_reference),
-            elevator_typical: middle("elevator").unwrap_or_else(|| given(model.reference.elevator)),
-            origin: format!("{}, model {}, estimator {}", estimation.source, estimation.model, estimation.method),
-        }
-    }
-
-    /// With the start values of the model file.
-    pub fn start(model: &'a ModelFile) -> Self {
-        let alpha = given(model.reference.alpha);
-        Self {
-            model,
-            values: BTreeMap::new(),
-            alpha_reference: alpha,
-            alpha_typical: alpha,
-            elevator_typical: given(model.reference.elevator),
-            origin: format!("start values of {}", model.source),
-        }
-    }
-
-    /// # Errors
-    /// Increments to a database.
-    fn absolute(&self, form: &'static str) -> Result<(), ExportError> {
-        match self.model.base {
-            Base::None => Ok(()),
-            Base::F16 => Err(ExportError::Increments(self.model.name.clone(), form)),
-        }
-    }
-
-    /// The terms of a coefficient; an offset is a constant one.
-    fn terms(&self, coefficient: Coefficient) -> Vec<Valued> {
-        let of = |p: &crate::model_file::Parameter| {
-            let term = match &p.role {
-                Role::Term(c, term) if *c == coefficient => term.clone(),
-                Role::Offset(c) if *c == coefficient => Term::default(),
-                _ => return None,
-            };
-            let value = self.values.get(&p.name).copied().unwrap_or(p.start);
-            Some(Valued { name: p.name.clone(), term, value })
-        };
-        self.model.parameters.iter().filter_map(of).collect()
-    }
-
-    /// The deflection at which a surface's variable is zero, rad.
-    ///
-    /// # Errors
-    /// It was taken from the record and is not in the result.
-    fn surface_reference(&self, surface: &str, value: ReferenceValue) -> Result<f64, ExportError> {
-        match value {
-            ReferenceValue::Given(value) => Ok(value),
-            ReferenceValue::Trim | ReferenceValue::FirstSample => Err(ExportError::NoPlace(format!(
-                "the reference of the {surface} was the first sample of the record, which the result does not hold: give it \
-                 a value under [reference] in the model file"
-            ))),
-        }
-    }
-}
-
-/// A reference that the model file gives, rad; zero where it is of a flight.
-fn given(reference: ReferenceValue) -> f64 {
-    match reference {
-        ReferenceValue::Given(value) => value,
-        ReferenceValue::Trim | ReferenceValue::FirstSample => 0.0,
-    }
-}

@@ -1,4 +1,5 @@
-//! What a record holds, before anything is estimated from it: channels, gaps, doubts, manoeuvres, and what they could tell.
+//! What a record holds, before anything is estimated from it: channels, gaps, doubts, manoeuvres, and which derivatives
+//! could be estimated from them.
 
 mod model;
 
@@ -7,6 +8,7 @@ use std::collections::BTreeMap;
 use phugoid_flight_data::plausibility;
 use phugoid_flight_data::quality::{Finding, QualityReport};
 use phugoid_flight_data::record::{Channel, Record};
+use phugoid_flight_data::statistics::median;
 use serde::{Deserialize, Serialize};
 
 pub use crate::methods::{Predicted, PredictedParameter};
@@ -14,14 +16,14 @@ pub use model::{ModelSupport, ParameterSupport, SegmentSupport, model_support};
 
 use crate::manoeuvres::{CoefficientSupport, Found, Settings, Support, find};
 use crate::model_file::ModelFile;
-use crate::preparation::noise::{measure_noise, median};
+use crate::preparation::noise::measure_noise;
 
-/// What a record holds.
+/// The result of [`inspect`]: channels, data quality, manoeuvres, and what can be estimated from them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Inspection {
-    /// Where the record came from.
+    /// Source of the record, e.g. its file name.
     pub source: String,
-    /// Number of times.
+    /// Number of samples of the time base.
     pub samples: usize,
     /// First and last time, s; none of an empty record.
     pub span_s: Option<[f64; 2]>,
@@ -31,70 +33,71 @@ pub struct Inspection {
     pub gaps_s: Vec<[f64; 2]>,
     /// Channels in the order of the file.
     pub channels: Vec<ChannelSurvey>,
-    /// What the reader found, mended and left out.
+    /// What the reader of the file found, repaired and left out.
     pub quality: QualityReport,
-    /// Units and signs that cannot be, or hardly.
+    /// Units and signs that are impossible or implausible, by the checks of [`plausibility`].
     pub doubts: Vec<Finding>,
-    /// Manoeuvres, motion without input, and why nothing can be told where nothing can.
+    /// Manoeuvres, motion without input, and why nothing can be estimated, where that is so.
     pub found: Found,
-    /// The best that any useful manoeuvre says of each derivative, and which manoeuvre that is.
+    /// For each derivative the useful manoeuvre from which it can be estimated best.
     pub derivatives: Vec<Derivative>,
-    /// The model files that were asked about, and what the record lacks for each.
+    /// The channels that the record lacks for each of the model files given.
     pub models: Vec<ModelNeeds>,
-    /// What the record could tell of the parameters of one model, where that was asked ([`model_support`]).
+    /// How well the parameters of one model could be estimated; `None` unless [`model_support`] was called and its
+    /// result put here.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub support: Option<ModelSupport>,
 }
 
-/// What one channel holds. Values in SI.
+/// Statistics of one channel of the record, in SI units.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ChannelSurvey {
-    /// Canonical name.
+    /// Canonical name of the channel, e.g. `alpha`.
     pub name: String,
     /// Header it was read from; empty for a record made in memory.
     pub header: String,
     /// Unit as given in the file, as the header says it; empty for a record made in memory.
     pub unit_given: String,
-    /// Whether the file did not say the unit.
+    /// True if the file did not give the unit, so that SI was assumed.
     pub unit_assumed: bool,
-    /// Unit of the numbers here.
+    /// SI unit of the numbers in this survey.
     pub unit: String,
-    /// Values that are there.
+    /// Number of finite values.
     pub values: usize,
-    /// Values that are missing.
+    /// Number of samples without a finite value.
     pub missing: usize,
     /// Values per second from the first to the last; none with fewer than two.
     pub rate_hz: Option<f64>,
     /// Longest time between two values, s.
     pub longest_gap_s: Option<f64>,
-    /// Smallest value.
+    /// Smallest finite value, in `unit`.
     pub minimum: Option<f64>,
-    /// Median.
+    /// Median of the finite values, in `unit`.
     pub median: Option<f64>,
-    /// Largest value.
+    /// Largest finite value, in `unit`.
     pub maximum: Option<f64>,
-    /// One sigma of its noise; none if it does not move.
+    /// Standard deviation of its noise, from third differences; `None` if the channel is constant or too short.
     pub noise: Option<f64>,
-    /// Whether the recorder's steps decided that, not the noise.
+    /// True if the steps of the recorder are larger than the noise and decide [`noise`](Self::noise).
     pub quantised: bool,
 }
 
-/// The best that a record says of a derivative.
+/// How well one derivative can be estimated from the best of the useful manoeuvres.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Derivative {
-    /// Number of the manoeuvre.
+    /// Number of the manoeuvre that says it, as in [`Manoeuvre::number`](crate::manoeuvres::Manoeuvre::number).
     pub manoeuvre: usize,
-    /// What it says.
+    /// The derivative, and how well it can be estimated from that manoeuvre.
     #[serde(flatten)]
     pub coefficient: CoefficientSupport,
 }
 
-/// What a record lacks for a model file.
+/// The channels that a model file needs and the record does not have.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ModelNeeds {
-    /// File or built-in name.
+    /// Name of the model file or of the built-in model.
     pub model: String,
-    /// Aircraft.
+    /// Name of the aircraft that the model file gives.
     pub aircraft: String,
     /// Channels that it reads and the record does not have.
     pub missing: Vec<String>,
@@ -102,7 +105,23 @@ pub struct ModelNeeds {
     pub empty: Vec<String>,
 }
 
-/// Looks at a record, and at what it lacks for some model files. What it could tell of their parameters is [`model_support`].
+/// Surveys a record: channels, gaps, doubtful units, manoeuvres, and the channels that it lacks for some model files.
+/// Nothing is estimated, no model is needed (`models` may be empty), and it never fails; NaN values count as missing.
+///
+/// ```
+/// use phugoid_flight_data::record::Record;
+/// use phugoid_identification::inspect::inspect;
+/// use phugoid_identification::manoeuvres::{Settings, Support};
+/// use phugoid_identification::model_file::ModelFile;
+/// let flight = Record::open("examples/flight.csv")?;
+/// let found = inspect(&flight, &[ModelFile::named("f16-six")?], &Settings::default());
+/// assert_eq!(found.found.manoeuvres[0].words(), "elevator 3-2-1-1");
+/// let stability = found.derivatives.iter().find(|d| d.coefficient.name == "Cm_alpha").ok_or("not found")?;
+/// assert_eq!(stability.coefficient.support, Support::Told);
+/// // Nothing lateral was recorded.
+/// assert!(found.models[0].missing.contains(&"beta".to_owned()));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn inspect(record: &Record, models: &[ModelFile], settings: &Settings) -> Inspection {
     let found = find(record, settings);
     let ends = record.time.first().zip(record.time.last());
@@ -123,16 +142,16 @@ pub fn inspect(record: &Record, models: &[ModelFile], settings: &Settings) -> In
 }
 
 impl Inspection {
-    /// The manoeuvre of a number, or the sentence that says which there are.
+    /// First and last time (s) of the manoeuvre with this number, counted from 1.
     ///
     /// # Errors
-    /// That sentence.
+    /// A sentence that says which manoeuvres there are.
     pub fn segment(&self, number: usize) -> Result<[f64; 2], String> {
         segment(&self.found, number)
     }
 }
 
-/// From and to (s) of the manoeuvre of a number.
+/// First and last time (s) of the manoeuvre with this number, counted from 1.
 ///
 /// # Errors
 /// A sentence that says which manoeuvres there are.

@@ -1,4 +1,4 @@
-//! What a record could tell of the parameters of one model: its Cramer-Rao bound, manoeuvre by manoeuvre.
+//! How well the parameters of one model could be estimated from a record: the Cramer-Rao bound, manoeuvre by manoeuvre.
 
 use phugoid_flight_data::record::Record;
 use serde::{Deserialize, Serialize};
@@ -10,54 +10,56 @@ use crate::model_file::{Base, ModelFile};
 
 /// Manoeuvres that are looked at, the useful ones from the first on.
 const MOST_MANOEUVRES: usize = 20;
-/// Two sigma of a parameter that is told, over its value, and of one that is told roughly.
-const TOLD: f64 = 0.25;
-const ROUGHLY: f64 = 1.0;
-/// A standard error above this part of what was known beforehand: the data add nothing.
+/// Largest two standard errors, relative to the value, of a parameter that counts as well known, and of one that counts
+/// as roughly known.
+const WELL_KNOWN: f64 = 0.25;
+const ROUGHLY_KNOWN: f64 = 1.0;
+/// A standard error above this part of the prior's means that the data add nothing.
 const NOTHING_NEW: f64 = 0.95;
-/// Correlation of errors from which two parameters are read together only.
+/// Correlation of errors from which on two parameters are only known together.
 const TOGETHER: f64 = 0.9;
 
-/// What a record could tell of the parameters of a model.
+/// How well the parameters of one model could be estimated from the manoeuvres of a record.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ModelSupport {
     /// File or built-in name of the model.
     pub model: String,
     /// One entry per useful manoeuvre, and one for all of them together where there are several.
     pub segments: Vec<SegmentSupport>,
-    /// Why nothing was looked at.
+    /// Why manoeuvres were not looked at, one sentence each.
     pub reasons: Vec<String>,
 }
 
-/// What one manoeuvre, or several that are fitted together, could tell.
+/// How well the parameters could be estimated from one manoeuvre, or from several that are fitted together.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SegmentSupport {
     /// Numbers of the manoeuvres, as for `--segment`.
     pub manoeuvres: Vec<usize>,
     /// Parameters in the order of the model file, offsets and sensor biases left out.
     pub parameters: Vec<ParameterSupport>,
-    /// How the bounds were had, or why there are none.
+    /// How the bounds were computed, or why there are none, one sentence each.
     pub notes: Vec<String>,
 }
 
-/// How well a parameter could be told.
+/// How well one parameter could be estimated.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ParameterSupport {
-    /// How well, by the expected error.
+    /// The class of [`expected`](Self::expected).
     pub support: Support,
-    /// Two sigma as they are expected, over the value (over one sigma of what was known beforehand for an increment to a database).
+    /// Two expected standard errors over the size of the value; for an increment to a database, over one prior standard
+    /// deviation.
     pub expected: f64,
     /// Two sigma of the Cramer-Rao bound with the noise of the sensors alone, over the same.
     pub at_best: f64,
-    /// Why, in words.
+    /// Why the parameter cannot be estimated better, in words; empty where nothing is to be said.
     pub reason: String,
-    /// The bound.
+    /// The Cramer-Rao bound of the parameter on these manoeuvres.
     #[serde(flatten)]
     pub bound: PredictedParameter,
 }
 
 impl ModelSupport {
-    /// The manoeuvres, or all together, that tell most of a parameter.
+    /// The entry with the smallest expected error of this parameter; `None` if no entry has a bound of it.
     pub fn best(&self, parameter: &str) -> Option<(&SegmentSupport, &ParameterSupport)> {
         let of = |segment: &'_ SegmentSupport| segment.parameters.iter().position(|p| p.bound.name == parameter);
         let all = self.segments.iter().filter_map(|segment| Some((segment, segment.parameters.get(of(segment)?)?)));
@@ -115,12 +117,12 @@ fn judge(bound: PredictedParameter, base: Base) -> ParameterSupport {
     let with = together.map(|(name, correlation)| format!("goes with {name} (correlation {correlation:+.2})"));
     let (support, reason) = if bound.expected_std_error > NOTHING_NEW * bound.prior_std {
         (Support::No, "the data add nothing to what was known beforehand".to_owned())
-    } else if expected <= TOLD {
+    } else if expected <= WELL_KNOWN {
         (Support::Told, String::new())
-    } else if expected <= ROUGHLY {
+    } else if expected <= ROUGHLY_KNOWN {
         (Support::Roughly, with.unwrap_or_default())
     } else {
-        (Support::No, with.unwrap_or_else(|| "not told from zero".to_owned()))
+        (Support::No, with.unwrap_or_else(|| "not distinguished from zero".to_owned()))
     };
     ParameterSupport { support, expected, at_best, reason, bound }
 }

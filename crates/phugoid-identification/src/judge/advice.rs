@@ -1,14 +1,15 @@
 //! What input would make a parameter identifiable: the words that go with a verdict.
 //!
-//! The advice is that of the flight-test literature (R. V. Jategaonkar, *Flight Vehicle System Identification*, 2nd ed.,
-//! AIAA 2015, chapter 2; V. Klein, E. A. Morelli, *Aircraft System Identification*, AIAA 2006, chapter 9): each control
-//! surface is moved near the frequency of the mode that it excites, and one regressor is moved apart from the others.
+//! The advice is that of the flight-test literature (R. V. Jategaonkar, *Flight Vehicle System Identification*, 2nd
+//! ed., AIAA 2015, chapter 2; V. Klein, E. A. Morelli, *Aircraft System Identification*, AIAA 2006, chapter 9): each
+//! control surface is moved near the frequency of the mode that it excites, and one regressor is moved apart from the
+//! others.
 
 use crate::core::term::{Term, Variable};
 use crate::model_file::Role;
 
-/// What to fly so that a parameter that nothing has excited becomes known. `None` for a nuisance column, which is told by
-/// whatever tells the others.
+/// What to fly so that a parameter that nothing has excited becomes known. `None` for offsets and sensor biases, which
+/// become known together with the other parameters.
 pub(crate) fn to_excite(role: &Role, extra_inputs: &[String]) -> Option<String> {
     let Role::Term(_, term) = role else { return None };
     Some(match single(term) {
@@ -37,7 +38,7 @@ pub(crate) fn to_excite(role: &Role, extra_inputs: &[String]) -> Option<String> 
     })
 }
 
-/// What to fly so that two parameters that go together can be told apart.
+/// What to fly so that two parameters with strongly correlated errors can be estimated separately.
 pub(crate) fn to_separate(a: &Role, b: &Role) -> String {
     // The variable of a term that is no product; extra inputs count as controls.
     let variable = |role: &Role| match role {

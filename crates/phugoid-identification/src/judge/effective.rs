@@ -1,21 +1,23 @@
-//! Effective derivatives: what a flight tells of `q` and the rate of the angle of attack together.
+//! Effective derivatives: the sums of the derivatives with respect to `q` and to the rate of the angle of attack, which
+//! a flight determines better than the parts.
 //!
-//! `alpha' = q - (qbar S CL / m + ...) / V + g cos(theta - alpha) / V`: in one manoeuvre of the short period the regressor
-//! `alpha_dot_hat` is very nearly `q_hat` plus a multiple of `alpha`. The flight then tells `Cm_q + Cm_alpha_dot` (and
-//! `Cm_alpha` less the lift slope's share) but not its parts (Klein & Morelli, Aircraft System Identification, section 3.3).
-//! A part is given only where the flight has told it apart; else the sum is, with its own, much smaller standard error.
+//! `alpha' = q - (qbar S CL / m + ...) / V + g cos(theta - alpha) / V`: in one manoeuvre of the short period the
+//! regressor `alpha_dot_hat` is very nearly `q_hat` plus a multiple of `alpha`. The flight then determines `Cm_q +
+//! Cm_alpha_dot` (and `Cm_alpha` less the lift slope's share) but not its parts (Klein & Morelli, Aircraft System
+//! Identification, section 3.3). A part is given by itself only where the flight determines it; otherwise the sum is
+//! given, with its own, much smaller standard error.
 
 use crate::core::estimation::{EffectiveDerivative, FinalStatus, ParameterResult};
 use crate::core::term::{Coefficient, Variable};
 use crate::model_file::{ModelFile, Role};
 
-/// Correlation of the two parts from which they are one to the flight; as in the verdict.
+/// From this correlation of the errors on the two parts are not separable; the same limit as in the verdict.
 const INDISTINGUISHABLE: f64 = 0.99;
 /// Share of the prior variance that the flight must have removed from a part before it is given by itself.
-const TOLD: f64 = 0.9;
+const DETERMINED: f64 = 0.9;
 
-/// The effective derivatives of an estimation: one for each coefficient with both a `q_hat` and an `alpha_dot_hat` term. A
-/// part that the flight has not told apart is not called converged.
+/// The effective derivatives of an estimation: one for each coefficient with both a `q_hat` and an `alpha_dot_hat`
+/// term. A part that is not separable is not called converged.
 pub(crate) fn effective(
     parameters: &mut [ParameterResult],
     correlation: &[Vec<f64>],
@@ -39,7 +41,7 @@ pub(crate) fn effective(
         let r = correlation.get(q).and_then(|row| row.get(rate)).copied().unwrap_or(0.0);
         let (a, b) = (&parameters[q], &parameters[rate]);
         let (sa, sb) = (a.corrected_std_error, b.corrected_std_error);
-        let separable = r.abs() < INDISTINGUISHABLE && b.observability >= TOLD && a.observability >= TOLD;
+        let separable = r.abs() < INDISTINGUISHABLE && b.observability >= DETERMINED && a.observability >= DETERMINED;
         found.push(EffectiveDerivative {
             name: format!("{} + {}", a.name, b.name),
             value: a.value + b.value,
@@ -59,7 +61,7 @@ pub(crate) fn effective(
     found
 }
 
-/// What the verdict says of it.
+/// The sentence of the verdict about the sum.
 pub(crate) fn sentence(effective: &EffectiveDerivative) -> String {
     let EffectiveDerivative { name, value, std_error, parts: [q, rate], correlation, separable } = effective;
     let sum = format!("{name} = {value:.4} +- {std_error:.4} (one sigma)");

@@ -1,7 +1,8 @@
 //! Derivatives in stability axes and in body axes, each made of the other with its covariance.
 //!
-//! A model file has lift and drag along the stability axes (turned from the body axes by the angle of attack) and moments
-//! and rates in body axes. Both conventions are in use; a comparison with other people's derivatives needs one of them:
+//! A model file has lift and drag along the stability axes (turned from the body axes by the angle of attack) and
+//! moments and rates in body axes. Both conventions are in use; a comparison with other people's derivatives needs one
+//! of them:
 //!
 //! ```text
 //! CX = CL sin a - CD cos a        CX_alpha = (CL_alpha + CD_0) sin a - (CD_alpha - CL_0) cos a
@@ -34,7 +35,7 @@ pub enum Form {
 }
 
 impl Form {
-    /// In words, and as the command line has it.
+    /// The word of the command line and of reports.
     pub fn name(self) -> &'static str {
         match self {
             Self::Model => "model",
@@ -52,7 +53,7 @@ impl Form {
     }
 }
 
-/// A coefficient in either axes.
+/// The symbol of a force or moment coefficient in body or stability axes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[allow(missing_docs)] // the symbols are the field's
 pub enum Symbol {
@@ -100,12 +101,12 @@ pub enum Argument {
     Extra(usize),
 }
 
-/// A derivative of the build-up.
+/// One derivative: a coefficient, and the variable it is differentiated with respect to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Derivative {
-    /// Of what.
+    /// The coefficient that is differentiated.
     pub symbol: Symbol,
-    /// With respect to what.
+    /// The variable with respect to which it is differentiated.
     pub argument: Argument,
 }
 
@@ -121,14 +122,14 @@ impl fmt::Display for Derivative {
     }
 }
 
-/// Derivatives with their covariance.
+/// Derivatives of one estimation, in one choice of axes, with their covariance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Derivatives {
-    /// What they refer to.
+    /// The axes that the derivatives refer to.
     pub form: Form,
-    /// Which ones; each at most once.
+    /// The derivatives in order; each occurs at most once.
     pub names: Vec<Derivative>,
-    /// Values, per radian.
+    /// Values, per radian, in the order of `names`.
     pub values: Vec<f64>,
     /// Covariance, row and column as in `names`.
     pub covariance: Vec<Vec<f64>>,
@@ -137,7 +138,8 @@ pub struct Derivatives {
 }
 
 impl Derivatives {
-    /// The derivatives of an estimation, and the names of the parameters that are none: products, powers and sensor biases.
+    /// The derivatives of an estimation, and the names of the parameters that are not derivatives: products, powers and
+    /// sensor biases.
     ///
     /// The covariance is that of the corrected standard errors; a fixed parameter is exact.
     pub fn of(estimation: &Estimation, file: &ModelFile) -> (Self, Vec<String>) {
@@ -172,8 +174,26 @@ impl Derivatives {
 
     /// The same derivatives in another form, at the reference angle of attack `alpha`, rad.
     ///
-    /// A pair of which only one is there (`CL_q` without `CD_q`) has the other equal to zero, known exactly, as the model
-    /// has it. The covariance of the result is therefore singular where it has more derivatives than were estimated.
+    /// A pair of which only one is there (`CL_q` without `CD_q`) has the other equal to zero, known exactly, as the
+    /// model has it. The covariance of the result is therefore singular where it has more derivatives than were
+    /// estimated.
+    ///
+    /// ```
+    /// use phugoid_identification::form::{Argument, Derivative, Derivatives, Form, Symbol};
+    /// use phugoid_identification::term::Variable;
+    /// let lift_slope = Derivative { symbol: Symbol::CL, argument: Argument::Variable(Variable::Alpha) };
+    /// let stability = Derivatives {
+    ///     form: Form::Model,
+    ///     names: vec![lift_slope],
+    ///     values: vec![5.0],
+    ///     covariance: vec![vec![0.01]],
+    ///     increments: false,
+    /// };
+    /// let body = stability.to(Form::Body, 0.0); // at zero angle of attack CZ is -CL
+    /// let of_cz = body.names.iter().position(|d| d.to_string() == "CZ_alpha").ok_or("missing")?;
+    /// assert_eq!((body.values[of_cz], body.std_errors()[of_cz]), (-5.0, 0.1));
+    /// # Ok::<(), &str>(())
+    /// ```
     #[must_use]
     pub fn to(&self, form: Form, alpha: f64) -> Self {
         let mut all = self.clone();
@@ -186,7 +206,8 @@ impl Derivatives {
         Self { form, ..all }
     }
 
-    /// Standard errors.
+    /// Standard errors, per radian, in the order of [`names`](Self::names): the roots of the diagonal of the
+    /// covariance.
     pub fn std_errors(&self) -> Vec<f64> {
         (0..self.names.len()).map(|i| self.covariance[i][i].max(0.0).sqrt()).collect()
     }
@@ -225,7 +246,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(x, y)| x * y).sum()
 }
 
-/// What a term is a derivative with respect to; none for products and powers.
+/// The variable that a term of first order belongs to; `None` for products and powers.
 fn argument(term: &Term) -> Option<Argument> {
     match term.factors() {
         [] => Some(Argument::Constant),

@@ -1,4 +1,4 @@
-//! What a run means: results with their verdicts, advice, terms that the model lacks, derivatives in other axes.
+//! The judgement of a run: results with verdicts and advice, terms that the model lacks, derivatives in other axes.
 
 mod advice;
 mod effective;

@@ -1,11 +1,12 @@
 //! Terms that the residuals ask for.
 //!
 //! A term that the aircraft has and the model lacks is taken up by the others: their values then really change with the
-//! flight condition, and a change detector finds changes that never happened. Here each candidate term is tried in a model of
-//! its own, and offered where the flight is so much more probable with it that chance does not explain it. The idea is that
-//! of modified stepwise regression (V. Klein, J. G. Batterson, P. C. Murphy, *Determination of Airplane Model Structure From
-//! Flight Data by Using Modified Stepwise Regression*, NASA TP-1916, 1981), with the likelihood of an estimator's innovations
-//! in place of the F statistic of a regression. docs/methods.md has the equations, and what was measured.
+//! flight condition, and a change detector finds changes that never happened. Here each candidate term is tried in a
+//! model of its own, and offered where the flight is so much more probable with it that chance does not explain it. The
+//! idea is that of modified stepwise regression (V. Klein, J. G. Batterson, P. C. Murphy, *Determination of Airplane
+//! Model Structure From Flight Data by Using Modified Stepwise Regression*, NASA TP-1916, 1981), with the likelihood of
+//! an estimator's innovations in place of the F statistic of a regression. docs/methods.md has the equations, and what
+//! was measured.
 
 mod amplitude;
 mod candidate;
@@ -23,16 +24,16 @@ use crate::preparation::prepare::prepare;
 use amplitude::Amplitudes;
 use candidate::{Candidate, candidates};
 
-/// Nats that a term has to gain beyond the logarithm of the number of terms tried. If the model is right, the ratio of the
-/// predictive densities has a mean of one, so that it exceeds `K e^10` for any of `K` terms in at most one flight in 22 000
-/// (Markov's inequality; J. Ville 1939). It is generous because no model is quite right.
+/// Nats that a term has to gain beyond the logarithm of the number of terms tried. If the model is right, the ratio of
+/// the predictive densities has a mean of one, so that it exceeds `K e^10` for any of `K` terms in at most one flight
+/// in 22 000 (Markov's inequality; J. Ville 1939). The limit is generous because no model is exactly right.
 const ENOUGH: f64 = 10.0;
 
-/// Standard errors that a term's estimate has to lie from zero: the correction for coloured residuals is in these alone, and not in
-/// the densities.
+/// Standard errors that a term's estimate has to lie from zero: the correction for coloured residuals is in these
+/// alone, and not in the densities.
 const FAR_FROM_ZERO: f64 = 3.0;
 
-/// Tries terms beside the estimation of a task, if it gives a reason to. The estimation stays what it is.
+/// Tries terms that the model lacks, if the estimation gives a reason to. The estimation itself is not changed.
 ///
 /// # Errors
 /// [`EstimateError`] as of the estimation itself.
@@ -53,7 +54,7 @@ pub(crate) fn offer<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     if !wanted || task.method().is_batch() || !own.excited {
         return Ok(None);
     }
-    // One more column has to fit.
+    // The estimator must have place for one more column.
     if file.estimated().count() >= capacity(file.axes) {
         return Ok(None);
     }
@@ -76,7 +77,7 @@ pub(crate) fn offer<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     Ok(Some(Offer { reasons, method, threshold, adopted_changes: adopted(&changing.events), terms }))
 }
 
-/// What makes one suspect that a term is missing.
+/// Signs in an estimation that the model may lack a term.
 fn reasons<const R: usize>(run: &Run<R>, file: &ModelFile) -> Vec<String> {
     let mut reasons = Vec::new();
     let adopted = adopted(&run.events);
@@ -104,7 +105,7 @@ fn adopted(events: &[Event]) -> usize {
 struct Trials<'a, M: EveryRoom<N, R>, const N: usize, const R: usize> {
     record: &'a Record,
     task: &'a Task<'a, M, N, R>,
-    /// Those of the task, with a method whose innovations have a density.
+    /// The options of the task with EKF or SMPE as the method: the innovations of these have a density.
     options: EstimateOptions,
 }
 
@@ -164,7 +165,7 @@ fn gain<const R: usize>(with: &Run<R>, without: &Run<R>) -> f64 {
     rows.map(|(a, b)| a - b).filter(|difference| difference.is_finite()).sum()
 }
 
-/// What the verdict says of it.
+/// The sentence of the verdict about the terms tried.
 pub(crate) fn sentence(offer: &Offer) -> String {
     match offer.best() {
         Some(best) => {
@@ -199,7 +200,7 @@ pub(crate) fn sentence(offer: &Offer) -> String {
     }
 }
 
-/// Four significant digits.
+/// The number with four significant digits, as it stands in a model file.
 fn number(value: f64) -> String {
     let exponent = if value == 0.0 || !value.is_finite() { 0 } else { value.abs().log10().floor() as i32 };
     format!("{value:.*}", (3 - exponent).clamp(0, 9) as usize)

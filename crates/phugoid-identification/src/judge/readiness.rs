@@ -42,7 +42,7 @@ pub(crate) fn readiness(
 
 fn reason_words(reason: Reason, partners: &str) -> String {
     let words = match reason {
-        Reason::Settled => "its bound is small, and it stands still",
+        Reason::Settled => "the bound is small and the estimate no longer moves",
         Reason::Moving => "it has moved further than its bound allowed",
         Reason::WideBound => "its bound is not small yet",
         Reason::NotExcited => "this input does not move its regressor",

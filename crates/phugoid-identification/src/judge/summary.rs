@@ -35,7 +35,7 @@ pub(crate) fn summarise<M: Motion<N, R>, const N: usize, const R: usize>(
     let correlation = correlation(&columns, &run.covariance);
     let history = history(task, &columns, run);
     if run.excited && is_contradicted(&history.residuals) {
-        // An estimate that stands still because the samples that speak against it are rejected has not converged.
+        // An estimate that does not move only because the samples that contradict it are rejected has not converged.
         for parameter in parameters.iter_mut().filter(|p| p.status == FinalStatus::Converged) {
             parameter.status = FinalStatus::InDoubt;
             if let Some(readiness) = parameter.readiness.as_mut().filter(|r| r.verdict == Readiness::Ready) {
@@ -46,10 +46,10 @@ pub(crate) fn summarise<M: Motion<N, R>, const N: usize, const R: usize>(
         }
     }
     if run.batch.is_some() {
-        // All samples decide at once: there is no time from which on.
+        // A batch method uses all samples at once: there is no time of convergence.
         parameters.iter_mut().for_each(|p| p.converged_at_s = None);
     }
-    // Residuals of equations are no noise of sensors.
+    // The residuals of equation error are not the noise of sensors.
     let found = run.batch.as_ref().filter(|_| task.method() != Method::EquationError).map(|b| &b.noise_std);
     let std = |row: usize| found.and_then(|std| std.get(row)).copied().unwrap_or(noise[row].std);
     let noise_signals = measured(file).map(|(row, o)| signal(o.name(), o.unit(), vec![std(row)])).collect();
@@ -76,7 +76,7 @@ pub(crate) fn summarise<M: Motion<N, R>, const N: usize, const R: usize>(
     }
 }
 
-/// The reader's findings without those that the verdict tells.
+/// The findings of the reader without those that the verdict repeats.
 fn without(quality: &QualityReport, doubts: &[Doubt]) -> QualityReport {
     // The reader saw the whole flight, the estimation perhaps a part of it: the same finding with other numbers.
     let words = |text: &str| -> String { text.chars().filter(|c| c.is_alphabetic()).collect() };

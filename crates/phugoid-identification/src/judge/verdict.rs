@@ -9,14 +9,15 @@ use crate::core::estimation::{BatchReport, EventKind, FinalStatus, History, Para
 use crate::methods::{Run, Task};
 use crate::motion::Motion;
 
-/// Theil's coefficient up to which a prediction counts as good (Jategaonkar, Flight Vehicle System Identification, ch. 11).
+/// Theil's coefficient up to which a prediction counts as good (Jategaonkar, Flight Vehicle System Identification, ch.
+/// 11).
 const GOOD_PREDICTION: f64 = 0.3;
 /// Correlation from which two parameters are said to be indistinguishable.
 const INDISTINGUISHABLE: f64 = 0.99;
 /// Correlation from which two parameters are said to depend on each other.
 const CORRELATED: f64 = 0.95;
-/// Share of an output's samples beyond six sigmas from which, if they also come in runs, the model is said to contradict
-/// the flight. Sensors that throw single bad values do not make runs.
+/// Share of an output's samples beyond six sigmas from which, if they also come in runs, the model is said to
+/// contradict the flight. Sensors that throw single bad values do not make runs.
 const CONTRADICTED: f64 = 0.05;
 /// Lag-one correlation of clipped residuals from which they are called coloured.
 const COLOURED: f64 = 0.4;
@@ -59,7 +60,7 @@ pub(crate) fn verdict<M: Motion<N, R>, const N: usize, const R: usize>(
     sentences
 }
 
-/// What a batch method found beside, and how its parameters do on another record.
+/// The sentences about a batch method: its notes, and how well its parameters predict another record.
 fn batch(report: &BatchReport, sentences: &mut Vec<String>) {
     sentences.extend(report.notes.iter().map(|n| format!("{}.", capitalised(n))));
     for equation in &report.equations {
@@ -105,7 +106,7 @@ fn no_excitation(axes: Axes, measured: &[Signal], sentences: &mut Vec<String>) {
 fn excitation(parameters: &[ParameterResult], pairs: &[Pair], sentences: &mut Vec<String>) {
     let wanted: Vec<&ParameterResult> =
         parameters.iter().filter(|p| !p.nuisance && p.status != FinalStatus::Fixed).collect();
-    // A parameter that only its twin hides is not short of excitation.
+    // A parameter that is only hidden by a correlated one does not lack excitation.
     let twin = |p: &ParameterResult| {
         let is = |i: usize| parameters[i].name == p.name;
         pairs.iter().any(|(r, i, j)| r.abs() >= INDISTINGUISHABLE && (is(*i) || is(*j)))
@@ -144,24 +145,24 @@ fn excitation(parameters: &[ParameterResult], pairs: &[Pair], sentences: &mut Ve
     }
 }
 
-/// What to fly, for the parameters that more of the same input will not tell.
+/// What to fly for the parameters that more of the same input would not determine.
 fn advice(parameters: &[ParameterResult], sentences: &mut Vec<String>) {
-    let mut told: Vec<(&str, Vec<&str>)> = Vec::new();
+    let mut grouped: Vec<(&str, Vec<&str>)> = Vec::new();
     for parameter in parameters.iter().filter(|p| !p.nuisance) {
         let Some(readiness) = parameter.readiness.as_ref().filter(|r| r.verdict == Readiness::NotIdentifiable) else {
             continue;
         };
         let Some(advice) = readiness.advice.as_deref() else { continue };
-        match told.iter_mut().find(|(known, _)| *known == advice) {
+        match grouped.iter_mut().find(|(known, _)| *known == advice) {
             Some((_, names)) => names.push(&parameter.name),
-            None => told.push((advice, vec![&parameter.name])),
+            None => grouped.push((advice, vec![&parameter.name])),
         }
     }
-    sentences.extend(told.iter().map(|(advice, names)| format!("For {}: {advice}.", names.join(", "))));
+    sentences.extend(grouped.iter().map(|(advice, names)| format!("For {}: {advice}.", names.join(", "))));
 }
 
-/// Parameters that the data cannot tell apart, the worst pair first. Before the data have spoken parameters are
-/// uncorrelated, so that a correlation is always the data's.
+/// Pairs of parameters of which the data determine only a combination, the worst first. The priors are uncorrelated, so
+/// that every correlation comes from the data.
 fn pairs(parameters: &[ParameterResult], correlation: &[Vec<f64>]) -> Vec<Pair> {
     let estimated = |i: usize| parameters[i].status != FinalStatus::Fixed;
     let mut found: Vec<Pair> = Vec::new();
@@ -225,9 +226,9 @@ fn changes<const R: usize>(
 
 /// How the whitened residuals of one output are spread, once there are enough of them.
 struct Spread {
-    /// Samples with a residual.
+    /// Number of samples that have a residual.
     present: usize,
-    /// Those beyond six sigmas.
+    /// Number of residuals beyond six standard deviations.
     outliers: usize,
     /// Lag-one correlation, outliers clipped to three sigmas.
     colour: f64,
@@ -259,7 +260,7 @@ impl Spread {
 }
 
 /// Whether some output disagrees with its prediction so often, and in runs, that it is the model that is wrong. The
-/// samples in question were rejected, so that bounds learnt from the others alone are not to be believed.
+/// contradicting samples were rejected, so that bounds from the remaining samples alone are too small.
 pub(crate) fn is_contradicted(residuals: &[Signal]) -> bool {
     residuals.iter().filter_map(Spread::of).any(|spread| spread.contradicts())
 }
@@ -270,17 +271,17 @@ pub(crate) fn colour(residuals: impl Iterator<Item = f64>) -> Option<f64> {
 }
 
 fn contradiction(residuals: &[Signal], sentences: &mut Vec<String>) {
-    let told: Vec<String> = residuals
+    let named: Vec<String> = residuals
         .iter()
         .filter_map(|signal| Spread::of(signal).filter(Spread::contradicts).map(|s| (signal, s)))
         .map(|(signal, s)| format!("{:.0} % of {}", 100.0 * s.outliers as f64 / s.present as f64, signal.name))
         .collect();
-    if !told.is_empty() {
+    if !named.is_empty() {
         sentences.push(format!(
             "The model contradicts this flight: more than six sigmas away are {}. Do not use these numbers, nor their \
              bounds. Look for a wrong unit, sign or time, a delay or an offset of a sensor, a wrong mass or geometry, or \
              noise levels that are too small.",
-            told.join(", ")
+            named.join(", ")
         ));
     }
 }

@@ -1,19 +1,21 @@
 //! Where a control surface moves.
 
+use phugoid_flight_data::statistics::{Rank, median, quantile};
+
+use super::input::SurfaceInput;
 use super::record::{Sampled, Signals};
+use super::settings::Settings;
 use super::shape;
-use super::{Settings, SurfaceInput};
-use crate::preparation::noise::median;
 
 /// Smallest motion of a surface that counts, rad: rounding is not an input.
 const SMALLEST: f64 = 1e-4;
-/// A surface moves on purpose where its travel is this many times what it does all the time.
+/// A surface counts as moved on purpose where its travel is this many times its usual travel.
 const ABOVE_USUAL: f64 = 2.5;
-/// What stands out of it moves by this many times as much, in the median.
+/// Stretches stand out where their median travel is this many times the median travel outside.
 const CONTRAST: f64 = 6.0;
-/// An input departs by this many sigmas of how the surface wanders over the whole record ...
+/// An input has to depart by this many standard deviations of the surface over the whole record ...
 const WANDER: f64 = 4.0;
-/// ... or makes up this part of the record itself.
+/// ... or to last for this part of the record.
 const LARGE_PART: f64 = 0.25;
 
 /// The motions of one surface.
@@ -22,11 +24,11 @@ pub(crate) fn inputs(signals: &Signals<'_>, surface: &str, settings: &Settings) 
     let clean = medians(&sampled.values);
     let travel = travel(&sampled.time, &clean, settings.window_s);
     let threshold = SMALLEST.max(settings.sigmas * sampled.noise);
-    // A control loop at work moves a surface all the time: what it does in the quietest quarter is no input.
-    let usual = quarter(&travel);
+    // A control loop moves a surface all the time: the travel in the quietest quarter of the samples is not an input.
+    let usual = quantile(&mut travel.clone(), 0.25, Rank::Lower).unwrap_or(0.0);
     let mut stretches = stretches(&travel, threshold.max(ABOVE_USUAL * usual));
     if usual * ABOVE_USUAL > threshold && !stands_out(&travel, &stretches) {
-        // Nothing stands out of what it does all the time: that is the input.
+        // No stretch stands out of the usual travel: then the usual travel is the input.
         stretches = self::stretches(&travel, threshold);
     }
     let view = View { sampled, clean: &clean, settings, threshold };
@@ -72,8 +74,8 @@ impl View<'_> {
         median(&mut self.clean[range].to_vec()).unwrap_or(self.clean[k])
     }
 
-    /// From the samples whose window shows motion to the motion itself: first sample that has left its level, and the one
-    /// from which the surface stays at its new level.
+    /// From the samples whose window shows motion to the motion itself: first sample that has left its level, and the
+    /// one from which the surface stays at its new level.
     fn trimmed(&self, (first, last): (usize, usize)) -> (usize, usize) {
         let small = self.threshold / 3.0;
         let begin = self.time(first);
@@ -94,8 +96,8 @@ impl View<'_> {
         (onset, end)
     }
 
-    /// Motions that are less than a settling time apart, and motions between which the surface was held away from where it had
-    /// been before the first, as long as it comes back there.
+    /// Motions that are less than a settling time apart, and motions between which the surface was held away from where
+    /// it had been before the first, as long as it comes back there.
     fn joined(&self, stretches: &[(usize, usize)]) -> Vec<(usize, usize)> {
         let mut joined = Vec::new();
         let mut index = 0;
@@ -116,8 +118,8 @@ impl View<'_> {
         1 + stretches.windows(2).take_while(|pair| self.gap(pair[0], pair[1]) < self.settings.settling_s).count()
     }
 
-    /// How many of the first stretches it takes until the surface is back for at least the settling time; none if it is not
-    /// held in between, or does not come back.
+    /// How many of the first stretches it takes until the surface is back for at least the settling time; none if it is
+    /// not held in between, or does not come back.
     fn held(&self, stretches: &[(usize, usize)]) -> Option<usize> {
         let (onset, _) = *stretches.first()?;
         let base = self.base(onset);
@@ -169,7 +171,7 @@ impl View<'_> {
     }
 }
 
-/// Medians of three: a single wild value is no motion, and an edge keeps its place.
+/// Running medians of three values: they remove a single outlier and keep an edge where it is.
 fn medians(values: &[f64]) -> Vec<f64> {
     let mut clean = values.to_vec();
     for (k, w) in values.windows(3).enumerate() {
@@ -204,15 +206,6 @@ fn travel(time: &[f64], values: &[f64], window_s: f64) -> Vec<f64> {
         travel.push(most - least);
     }
     travel
-}
-
-fn quarter(values: &[f64]) -> f64 {
-    if values.is_empty() {
-        return 0.0;
-    }
-    let mut sorted = values.to_vec();
-    let at = (sorted.len() - 1) / 4;
-    *sorted.select_nth_unstable_by(at, f64::total_cmp).1
 }
 
 /// First and last sample of each stretch above a threshold.

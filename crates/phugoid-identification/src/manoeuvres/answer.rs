@@ -1,20 +1,20 @@
-//! How the aircraft answered.
+//! How strongly the aircraft answered an input: the motion of its rates and angles against their noise.
 
 use serde::{Deserialize, Serialize};
 
 use super::record::Signals;
 use crate::core::axes::Group;
 
-/// The answer of one channel.
+/// How strongly one channel answered.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Response {
-    /// Channel.
+    /// Canonical name of the channel, e.g. `q`.
     pub channel: String,
     /// Root mean square about its mean from the onset of the input to the end of the segment, SI.
     pub rms: f64,
     /// One sigma of its noise, SI, measured over the record.
     pub noise: f64,
-    /// The first over the second.
+    /// [`rms`](Self::rms) over [`noise`](Self::noise), with the noise taken as at least 1e-4 rad or rad/s.
     pub signal_to_noise: f64,
 }
 

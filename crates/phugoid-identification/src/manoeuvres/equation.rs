@@ -1,4 +1,5 @@
-//! One coefficient's equation over a segment: least squares with honest errors and what stands in the way of each term.
+//! One coefficient's equation over a segment: least squares with errors that allow for coloured residuals, and the
+//! reason why a term is not determined.
 
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
@@ -8,12 +9,13 @@ use crate::batch::colour::Colour;
 use crate::batch::differentiate::LocalCubics;
 use crate::batch::response::Rows;
 
-/// A regressor that moves with others.
+/// How far a regressor moves together with the other regressors of its equation.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Inflation {
-    /// By how much the others multiply the variance of its derivative: `1 / (1 - R^2)`, `R^2` of its regression on them.
+    /// By how much the others multiply the variance of its derivative: `1 / (1 - R^2)`, `R^2` of its regression on
+    /// them.
     pub variance_inflation: f64,
-    /// The one that it moves with most, and their correlation.
+    /// The regressor with which it is most correlated, in words, and the correlation; `None` where there is no other.
     pub with: Option<(String, f64)>,
 }
 
@@ -23,7 +25,7 @@ pub(crate) struct Regressor {
     pub(crate) words: &'static str,
     /// Name in the parameter: `alpha`.
     pub(crate) name: &'static str,
-    /// NaN where missing.
+    /// Values at the times of the window; NaN where missing.
     pub(crate) values: Vec<f64>,
     /// One sigma of the noise of a value.
     pub(crate) noise: f64,
@@ -42,12 +44,12 @@ pub(crate) struct TermFit {
     pub(crate) std_error: f64,
     /// Root mean square of the smoothed regressor about its mean.
     pub(crate) spread: f64,
-    /// Whether that is visibly more than its noise; if not it was left out.
+    /// True if the spread is visibly larger than the noise; otherwise the term was left out.
     pub(crate) moved: bool,
     pub(crate) inflation: Inflation,
 }
 
-/// A fitted equation.
+/// The fit of one equation: its terms, and how much the left side moved.
 #[derive(Clone, Debug)]
 pub(crate) struct Fit {
     pub(crate) terms: Vec<TermFit>,
@@ -59,7 +61,7 @@ pub(crate) struct Fit {
 pub(crate) enum Left {
     /// Its integral was measured: an angular rate for an angular acceleration.
     Integral(Vec<f64>),
-    /// Itself: a specific force.
+    /// The left side itself was measured, such as a specific force.
     Value(Vec<f64>),
 }
 
@@ -69,8 +71,8 @@ fn half_window(time: &[f64]) -> f64 {
     f64::max(0.2, 3.0 * step)
 }
 
-/// Fits `left = sum of terms + constant`, weighted by `weight` on both sides (`weight` multiplies the regressors), both sides smoothed
-/// alike: what is measured is integrated, and the slope of local cubics is taken of the integral.
+/// Fits `left = sum of terms + constant`, weighted by `weight` on both sides (`weight` multiplies the regressors), both
+/// sides smoothed alike: what is measured is integrated, and the slope of local cubics is taken of the integral.
 ///
 /// # Errors
 /// A sentence: too few samples, terms that cannot be told apart.

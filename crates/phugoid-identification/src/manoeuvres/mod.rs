@@ -1,10 +1,12 @@
-//! Manoeuvres in a flight: where a control surface was moved, whether the aircraft answered, and what that can tell.
+//! Manoeuvres in a flight: where a control surface was moved, whether the aircraft answered, and which derivatives can
+//! be estimated from that.
 //!
-//! A surface's motion is measured against its own noise ([`crate::preparation::noise`]) and against what it does all the time, so that the
-//! work of an autopilot or of a pilot in rough air is not taken for an input. Motions of surfaces that are less than a settling time
-//! apart are one manoeuvre. Each is classified in words, asked whether the aircraft was flying and answered, and put into
-//! regressions of the coefficients ([`Manoeuvre::coefficients`]), which say in advance how well each derivative can be told and
-//! what stands in its way. Mass, inertia and size cancel in this: no model of the aircraft is needed.
+//! A surface's motion is measured against its own noise ([`crate::preparation::noise`]) and against what it does all
+//! the time, so that the work of an autopilot or of a pilot in rough air is not taken for an input. Motions of surfaces
+//! that are less than a settling time apart are one manoeuvre. Each is classified in words, asked whether the aircraft
+//! was flying and answered, and put into regressions of the coefficients ([`Manoeuvre::coefficients`]), which say in
+//! advance how well each derivative can be estimated and, if it cannot, why. Mass, inertia and size cancel in the ratio
+//! of a derivative to its bound: no model of the aircraft is needed.
 //!
 //! ```
 //! use phugoid_flight_data::csv::{self, CsvOptions};
@@ -28,7 +30,9 @@ mod activity;
 mod answer;
 mod equation;
 mod flying;
+mod input;
 mod record;
+mod settings;
 mod shape;
 mod short_period;
 mod support;
@@ -39,6 +43,8 @@ use serde::{Deserialize, Serialize};
 
 pub use answer::Response;
 pub use equation::Inflation;
+pub use input::SurfaceInput;
+pub use settings::Settings;
 pub use shape::Kind;
 pub use short_period::ShortPeriod;
 pub use support::{CoefficientSupport, Support};
@@ -47,54 +53,21 @@ pub use unforced::Unforced;
 use crate::core::axes::{Axes, Group};
 use record::Signals;
 
-/// Choices of the search. The defaults suit aircraft from small drones to airliners.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Settings {
-    /// Quiet time wanted before an input, s: the reference that departures are counted from.
-    pub lead_s: f64,
-    /// Time that the aircraft is given to settle after an input, s; inputs less than this apart are one manoeuvre.
-    pub settling_s: f64,
-    /// A surface that comes back to where it was within this time, s, was held: a long pulse, not two steps.
-    pub held_s: f64,
-    /// A surface moves where it travels by this many sigmas of its noise within [`Self::window_s`].
-    pub sigmas: f64,
-    /// Window of the travel, s; at least three samples.
-    pub window_s: f64,
-    /// The aircraft answered where an angle or a rate has at least this rms over its noise.
-    pub signal_to_noise: f64,
-    /// Lowest airspeed that counts as flight, m/s.
-    pub slowest_m_s: f64,
-}
-
-impl Default for Settings {
-    fn default() -> Self {
-        Self {
-            lead_s: 1.0,
-            settling_s: 2.0,
-            held_s: 20.0,
-            sigmas: 10.0,
-            window_s: 0.4,
-            signal_to_noise: 5.0,
-            slowest_m_s: 5.0,
-        }
-    }
-}
-
-/// What a record holds.
+/// The result of [`find`]: manoeuvres, motion without input, and what stands in the way of finding more.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Found {
     /// Manoeuvres in the order of time; useful or not.
     pub manoeuvres: Vec<Manoeuvre>,
     /// Where the aircraft moved and no surface did: turbulence, or a free response.
     pub unforced: Vec<Unforced>,
-    /// Why nothing can be found or told, and what is missing, one sentence each.
+    /// Why no manoeuvre was found or nothing can be estimated, and which channels are missing, one sentence each.
     pub reasons: Vec<String>,
 }
 
-/// One manoeuvre.
+/// One manoeuvre: one or several inputs, the answer of the aircraft, and what can be estimated from both.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Manoeuvre {
-    /// Number, from 1: `phugoid estimate --segment`.
+    /// Number of the manoeuvre, from 1; the program takes it as `phugoid estimate --segment`.
     pub number: usize,
     /// First time of the segment, s: the quiet lead before the first input, as far as there is one.
     pub from_s: f64,
@@ -108,45 +81,29 @@ pub struct Manoeuvre {
     pub responses: Vec<Response>,
     /// The short period as the segment shows it, if it does.
     pub short_period: Option<ShortPeriod>,
-    /// Whether it is worth estimating from.
+    /// True if the aircraft was flying and answered, and at least one derivative can be estimated.
     pub useful: bool,
-    /// Why not, and what is in the way.
+    /// Why the manoeuvre is not useful, and what limits it, one sentence each.
     pub remarks: Vec<String>,
-    /// What it could tell.
+    /// How well each derivative of the moved axes can be estimated from this segment.
     pub coefficients: Vec<CoefficientSupport>,
 }
 
-/// What one surface did in a manoeuvre.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct SurfaceInput {
-    /// Channel: `elevator`, `aileron`, `rudder`.
-    pub surface: String,
-    /// First motion, s.
-    pub onset_s: f64,
-    /// Last motion, s.
-    pub end_s: f64,
-    /// Largest departure from where it was before, rad, with its sign.
-    pub peak_rad: f64,
-    /// What it was.
-    pub kind: Kind,
-    /// Frequency at which it has most power per octave, Hz.
-    pub frequency_hz: Option<f64>,
-}
-
 impl Manoeuvre {
-    /// What was done, in words: `elevator 3-2-1-1`, `rudder doublet and aileron pulse`.
+    /// The inputs in words: `elevator 3-2-1-1`, `rudder doublet, aileron pulse`.
     pub fn words(&self) -> String {
         let each: Vec<String> = self.inputs.iter().map(|i| format!("{} {}", i.surface, i.kind.words())).collect();
         each.join(", ")
     }
 
-    /// Whether a surface of this group was moved.
+    /// True if a surface of this group of axes was moved.
     pub fn moves(&self, group: Group) -> bool {
         self.inputs.iter().any(|input| Group::of_surface(&input.surface) == group)
     }
 }
 
-/// Looks for manoeuvres in a record.
+/// Looks for manoeuvres in a record. It never fails: what stands in the way is in [`Found::reasons`]. NaN values count
+/// as missing.
 pub fn find(record: &Record, settings: &Settings) -> Found {
     let signals = Signals::of(record);
     let mut reasons = signals.missing();
@@ -220,15 +177,15 @@ fn judge(signals: &Signals<'_>, settings: &Settings, inputs: Vec<SurfaceInput>, 
             remarks.push(format!("what it can tell is judged by its first {:.0} s", record::LONGEST_S));
         }
         for group in &groups {
-            let told = support::support(&window, *group);
+            let judged = support::support(&window, *group);
             if *group == Group::Longitudinal {
-                short = short_period::of(&told);
+                short = short_period::of(&judged);
             }
-            coefficients.extend(told.into_iter().map(|t| t.coefficient));
+            coefficients.extend(judged.into_iter().map(|t| t.coefficient));
         }
         if useful && !coefficients.iter().any(|c| matches!(c.support, Support::Told | Support::Roughly)) {
             let why = coefficients.first().map_or_else(String::new, |c| format!(": {}", c.reason));
-            remarks.push(format!("no derivative can be told from it{why}"));
+            remarks.push(format!("no derivative can be estimated from it{why}"));
             useful = false;
         }
     }
@@ -238,8 +195,8 @@ fn judge(signals: &Signals<'_>, settings: &Settings, inputs: Vec<SurfaceInput>, 
     Manoeuvre { number, from_s, to_s, lead_s, inputs, responses, short_period: short, useful, remarks, coefficients }
 }
 
-/// Leaves out what a pilot corrected on the side: a surface that moved beside another and whose answer does not show in the moment
-/// that it makes. It belongs to the motion, but is no input to learn from.
+/// Leaves out small corrections by the pilot: a surface that moved together with another one, but whose effect does not
+/// show in the moment that it makes. It belongs to the motion, but nothing can be estimated from it.
 fn without_corrections(
     signals: &Signals<'_>,
     groups: Vec<Vec<SurfaceInput>>,

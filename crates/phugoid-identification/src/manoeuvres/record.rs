@@ -1,4 +1,4 @@
-//! The channels of a record that the search looks at, and a segment of them at a rate that regressions can bear.
+//! The channels of a record that the search looks at, and a segment of them at a rate that keeps the regressions fast.
 
 use std::collections::BTreeMap;
 
@@ -12,16 +12,16 @@ const RATE_HZ: f64 = 50.0;
 /// Longest part of a segment that regressions take, s.
 pub(crate) const LONGEST_S: f64 = 120.0;
 
-/// Airspeeds that dynamic pressure can be had from, the best first.
+/// Channels from which the dynamic pressure can be computed, the best first.
 const SPEEDS: [&str; 4] = ["true_airspeed", "equivalent_airspeed", "calibrated_airspeed", "indicated_airspeed"];
-/// Every channel that is looked at, beside surfaces and airspeeds.
+/// Every channel that the search uses, apart from surfaces and airspeeds.
 const MOTIONS: [&str; 10] = ["alpha", "beta", "theta", "phi", "p", "q", "r", "ax", "ay", "az"];
 
-/// The values of one channel where it has any.
+/// The finite values of one channel with their times.
 pub(crate) struct Sampled {
     pub(crate) time: Vec<f64>,
     pub(crate) values: Vec<f64>,
-    /// One sigma; 0 where it cannot be measured.
+    /// Standard deviation of the noise, SI; 0 where it cannot be measured.
     pub(crate) noise: f64,
 }
 
@@ -38,8 +38,8 @@ impl Sampled {
     }
 }
 
-/// One sigma. Where a recorder's steps would decide it they must be small beside the range: a surface that only steps between a few
-/// positions, in a simulation, has no noise.
+/// One sigma. Where a recorder's steps would decide it they must be small beside the range: a surface that only steps
+/// between a few positions, in a simulation, has no noise.
 fn noise(values: &[f64]) -> f64 {
     let (low, high) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
     let measured = measure_noise(values).filter(|n| !n.quantised || n.std < 0.02 * (high - low));

@@ -1,34 +1,33 @@
-//! What an input was, in words: the times between its changes of sign, and how flat it was in between.
+//! The shape of an input, from the times between its changes of sign and from how flat it is in between.
 
+use phugoid_flight_data::statistics::median;
 use serde::{Deserialize, Serialize};
 
-use crate::preparation::noise::median;
-
-/// Kinds of inputs.
+/// Shapes of inputs, told apart by the times between their changes of sign and by how flat they are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Kind {
-    /// Away and not back.
+    /// The surface moves away and does not come back.
     Step,
-    /// Away and back.
+    /// The surface moves to one side and comes back.
     Pulse,
-    /// To one side, as long to the other, and back.
+    /// The surface moves to one side, for the same time to the other side, and back.
     Doublet,
     /// Steps of alternating sign, three, two, one and one units long.
     #[serde(rename = "3-2-1-1")]
     ThreeTwoOneOne,
-    /// Other steps one after the other.
+    /// Several steps one after the other that are not a 3-2-1-1.
     MultiStep,
-    /// Of one frequency.
+    /// An oscillation of one frequency.
     Sine,
-    /// Of steadily rising or falling frequency.
+    /// An oscillation of steadily rising or falling frequency.
     Sweep,
     /// Anything else: a multisine, a pilot's stick, a control loop at work.
     Other,
 }
 
 impl Kind {
-    /// In words.
+    /// The shape in words, as reports show it.
     pub fn words(self) -> &'static str {
         match self {
             Self::Step => "step",
@@ -48,7 +47,7 @@ pub(crate) const BACK: f64 = 0.35;
 /// Least part of the time near the level of its run that makes a run a step: a sine has a third.
 const FLAT: f64 = 0.55;
 
-/// More steps than these are a pilot at work.
+/// More steps than this count as the work of a pilot and not as a multi-step.
 const MOST_STEPS: usize = 8;
 
 /// A stretch on one side of the level before.
@@ -153,7 +152,7 @@ fn runs(time: &[f64], departures: &[f64]) -> Vec<Run> {
             open = true;
         }
     }
-    // What is a tenth of the longest is an overshoot.
+    // A run of less than a tenth of the longest is an overshoot and not a step.
     let longest = runs.iter().map(Run::seconds).fold(0.0, f64::max);
     runs.retain(|run| run.values.len() > 1 && run.seconds() > 0.05 * longest);
     runs
@@ -166,7 +165,7 @@ pub(crate) fn frequency(time: &[f64], departures: &[f64], seconds: f64) -> Optio
     if seconds.is_nan() || seconds <= 0.0 || step <= 0.0 {
         return None;
     }
-    // At most two thousand samples: what is faster than the segment's thousandth is no matter.
+    // At most two thousand samples: frequencies above those are not looked for.
     let stride = time.len().div_ceil(2000);
     let (low, high) = (0.25 / seconds, 0.25 / (step * stride as f64));
     let octaves = (high / low).log2();

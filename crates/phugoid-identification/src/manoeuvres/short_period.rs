@@ -4,22 +4,23 @@ use std::f64::consts::TAU;
 
 use serde::{Deserialize, Serialize};
 
-use super::SurfaceInput;
+use super::input::SurfaceInput;
 use super::support::Judged;
 
-/// The short-period mode of a segment, by regression; approximate.
+/// The short-period mode that follows from the regressions of a segment, by the approximation with two states.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ShortPeriod {
-    /// Undamped natural frequency, rad/s.
+    /// Undamped natural frequency of the mode, rad/s.
     pub frequency_rad_s: f64,
-    /// Damping ratio.
+    /// Damping ratio of the mode: 1 is critical damping.
     pub damping: f64,
 }
 
 /// An input should have its power within this factor of the mode, to either side: as designed inputs have.
 const WITHIN: f64 = 2.5;
 
-/// Of the approximation with two states (Etkin & Reid, Dynamics of Flight, section 6.3; `M` and `L` the dimensional derivatives):
+/// Of the approximation with two states (Etkin & Reid, Dynamics of Flight, section 6.3; `M` and `L` the dimensional
+/// derivatives):
 ///
 /// ```text
 /// w^2 = -(M_alpha + M_q L_alpha / V)      2 zeta w = L_alpha / V - M_q
@@ -40,7 +41,7 @@ pub(crate) fn of(judged: &[Judged]) -> Option<ShortPeriod> {
 }
 
 impl ShortPeriod {
-    /// A word on an input that is much slower or faster than the mode.
+    /// A sentence about an input that is much slower or faster than the mode; `None` where its frequency suits.
     pub(crate) fn remark(&self, input: &SurfaceInput) -> Option<String> {
         let (own, mode) = (TAU * input.frequency_hz?, self.frequency_rad_s);
         let what = if own < mode / WITHIN {

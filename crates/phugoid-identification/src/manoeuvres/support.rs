@@ -1,4 +1,4 @@
-//! Which derivatives a segment can tell, by regressions of the coefficients on what was measured.
+//! Which derivatives can be estimated from a segment, by regressions of the coefficients on the measured channels.
 //!
 //! Up to constants of the aircraft, which cancel in the ratio of a derivative to its bound,
 //!
@@ -8,8 +8,8 @@
 //! p' / V^2 ~ Cl,  r' / V^2 ~ Cn,  ay / V^2 ~ CY      on beta, p/V, r/V, aileron, rudder
 //! ```
 //!
-//! Small couplings (products of rates and inertia, the part of `r'` in `p'`, the change of density and thrust) are left out: this says what
-//! can be told, the estimation tells it.
+//! Small couplings (products of rates and inertia, the part of `r'` in `p'`, the change of density and thrust) are left
+//! out: the result says how well the derivatives can be estimated, not their values.
 
 use serde::{Deserialize, Serialize};
 
@@ -18,32 +18,33 @@ use super::record::Window;
 use crate::core::axes::Group;
 use crate::core::term::Coefficient;
 
-/// How well a derivative can be told.
+/// How well a derivative can be estimated, from worst to best.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Support {
-    /// Not at all; the reason says why.
+    /// It cannot be estimated; the reason says why.
     No,
-    /// Its effect is small here, and known to be: the derivative is near zero beside the others.
+    /// The bound shows that its effect is small in this segment, less than a tenth of the motion of the coefficient.
     Small,
-    /// Two sigma are between a quarter of its value and the value.
+    /// Two standard errors are between a quarter of the value and the value.
     Roughly,
-    /// Two sigma are at most a quarter of its value.
+    /// Two standard errors are at most a quarter of the value.
     Told,
 }
 
-/// What a segment can say of one derivative.
+/// How well one derivative can be estimated from a segment.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CoefficientSupport {
     /// Name as in a model file: `Cm_alpha`.
     pub name: String,
-    /// How well.
+    /// How well the derivative can be estimated.
     pub support: Support,
-    /// Two sigma over the value of the derivative, as a regression of this segment gives them; none where there is none.
+    /// Two sigma over the value of the derivative, as a regression of this segment gives them; none where there is
+    /// none.
     pub two_sigma_over_value: Option<f64>,
     /// How far its regressor moves with the others.
     pub inflation: Option<Inflation>,
-    /// Why, in words.
+    /// Why it cannot be estimated better, or how large its bound is, in words.
     pub reason: String,
 }
 
@@ -52,24 +53,24 @@ pub(crate) struct Judged {
     pub(crate) coefficient: CoefficientSupport,
     /// The term as it was fitted.
     pub(crate) term: Option<TermFit>,
-    /// Mean airspeed, m/s.
+    /// Mean airspeed of the segment, m/s.
     pub(crate) speed: f64,
 }
 
 /// Variance inflation from which a regressor counts as moving with others.
 const COLLINEAR: f64 = 20.0;
-/// Angles (rad) and rates (rad/s) know no smaller noise than this: rounding is not motion.
+/// Smallest noise that is assumed for angles (rad) and rates (rad/s): less is rounding.
 const ROUNDING: f64 = 1e-5;
-/// A derivative whose bound is worth this part of what the coefficient does altogether is small.
+/// A derivative counts as small where its bound corresponds to at most this part of the motion of the coefficient.
 const SMALL: f64 = 0.1;
 
-/// What can be told of the coefficients of a group.
+/// How well the derivatives of a group of axes can be estimated.
 pub(crate) fn support(window: &Window, group: Group) -> Vec<Judged> {
     let coefficients = Coefficient::ALL.into_iter().filter(|c| c.group() == group);
     coefficients.flat_map(|coefficient| judge(window, coefficient)).collect()
 }
 
-/// Whether the moment that a surface makes shows it; true where that cannot be told.
+/// Whether the effect of a surface shows in the moment that it makes; true where that cannot be decided.
 pub(crate) fn answers(window: &Window, surface: &str) -> bool {
     let coefficient = match surface {
         "elevator" => Coefficient::PitchingMoment,
@@ -166,7 +167,8 @@ fn judge(window: &Window, coefficient: Coefficient) -> Vec<Judged> {
     judged
 }
 
-/// Whether the rate of the angle of attack can be told from the pitch rate.
+/// How well the derivative with respect to the rate of the angle of attack can be estimated beside that of the pitch
+/// rate.
 fn alpha_rate(window: &Window, left: &Left, mut used: Vec<Regressor>, speed: f64) -> Option<Judged> {
     let (alpha, noise) = window.channel("alpha")?;
     let (airspeed, _) = window.channel("speed")?;
@@ -192,7 +194,8 @@ fn regressor(window: &Window, name: &'static str, channel: &str, words: &'static
     Some(Regressor { words, name, values, noise: if rate { noise / typical } else { noise } })
 }
 
-/// The coefficient up to a constant. The airspeed changes slowly beside an angular rate, so that `(q / V^2)'` is `q' / V^2`.
+/// The coefficient up to a constant. The airspeed changes slowly beside an angular rate, so that `(q / V^2)'` is `q' /
+/// V^2`.
 fn left(window: &Window, coefficient: Coefficient) -> Option<Left> {
     let (speed, _) = window.channel("speed")?;
     let over = |values: Vec<f64>| values.iter().zip(speed).map(|(v, speed)| v / (speed * speed)).collect::<Vec<f64>>();
@@ -225,7 +228,7 @@ fn verdict(coefficient: Coefficient, term: &TermFit, fit: &Fit, speed: f64) -> J
     let bound = 2.0 * term.std_error;
     let relative = bound / term.value.abs();
     let percent = 100.0 * relative;
-    // A derivative that stays unknown by more than a tenth of all that the coefficient did.
+    // False if the bound corresponds to more than a tenth of the motion of the coefficient.
     let small = bound * term.spread <= SMALL * fit.spread;
     let inflation = &term.inflation;
     let (support, reason) = if !term.moved {
@@ -235,7 +238,7 @@ fn verdict(coefficient: Coefficient, term: &TermFit, fit: &Fit, speed: f64) -> J
     } else if relative <= 1.0 {
         (Support::Roughly, format!("2 sigma are {percent:.0} % of its value{}", collinear(term)))
     } else if small {
-        (Support::Small, "its effect is too small to be told from none here".to_owned())
+        (Support::Small, "its effect is too small here to be distinguished from zero".to_owned())
     } else if inflation.variance_inflation > COLLINEAR {
         (Support::No, collinear(term).trim_start_matches(": ").to_owned())
     } else {

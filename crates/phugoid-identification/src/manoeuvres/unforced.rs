@@ -1,17 +1,17 @@
-//! Where the aircraft moved and no surface did.
+//! Finds stretches in which the aircraft moved although no surface did.
 
 use serde::{Deserialize, Serialize};
 
-use super::Settings;
 use super::answer::{SMALLEST, spread};
 use super::record::Signals;
+use super::settings::Settings;
 
 /// A stretch without input in which the aircraft moved.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Unforced {
-    /// First time, s.
+    /// Time at which the stretch begins, s.
     pub from_s: f64,
-    /// Last time, s.
+    /// Time at which the stretch ends, s.
     pub to_s: f64,
     /// Largest rms over noise of the rates in it.
     pub signal_to_noise: f64,
@@ -21,7 +21,7 @@ pub struct Unforced {
 
 /// Rates whose rms is this many times their noise move: noise alone has one.
 const VISIBLE: f64 = 2.0;
-/// Shortest stretch that is told, s.
+/// Shortest stretch that is reported, s.
 const SHORTEST_S: f64 = 2.0;
 
 /// Looks for motion of the rates between the inputs (first and last motion of each manoeuvre, s).
@@ -44,7 +44,7 @@ pub(crate) fn unforced(signals: &Signals<'_>, inputs: &[(f64, f64)], settings: &
         (signal_to_noise >= VISIBLE).then(|| Unforced { from_s, to_s, signal_to_noise, words: words.to_owned() })
     };
     if !signals.has_surface() {
-        // What the surfaces did is not known.
+        // Without a recorded surface every motion might be an answer to one.
         return Vec::new();
     }
     starts.zip(ends).filter_map(of).collect()

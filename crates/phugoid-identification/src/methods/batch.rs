@@ -1,4 +1,4 @@
-//! A batch method over a record: all samples at once, and what that says at each of them.
+//! Runs a batch method over a record, and puts its result into the form of a causal run.
 
 use phugoid_estimators::discretization::InputHold;
 use phugoid_estimators::{ParameterStatus, Phase, Status};
@@ -20,12 +20,13 @@ use crate::motion::MotionModel;
 use crate::preparation::excitation::Excitation;
 use crate::preparation::prepare::{Prepared, prepare};
 
-/// One sigma over what was known beforehand below which a parameter counts as known, and the observability below which it
-/// counts as not excited: the same as for the causal methods.
+/// One sigma over what was known beforehand below which a parameter counts as known, and the observability below which
+/// it counts as not excited: the same as for the causal methods.
 const CONVERGED: f64 = 0.1;
 const EXCITED: f64 = 0.5;
 
-/// Runs a batch method on the record of the task and on those given beside it, and predicts another if asked to.
+/// Runs a batch method on the record of the task and on the further records of its options, and predicts another record
+/// if the options name one.
 pub(super) fn run_batch<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
     task: &Task<M, N, R>,
     progress: &mut dyn FnMut(f64),
@@ -33,7 +34,7 @@ pub(super) fn run_batch<M: MotionModel<N, R, CAPACITY>, const N: usize, const R:
     let Task { prepared, file, options, health, .. } = *task;
     let method = task.method();
     if health.is_some() {
-        return Err(EstimateError::NoMonitorBeside { method });
+        return Err(EstimateError::MonitorNeedsCausal { method });
     }
     if !excited::<M, N, R>(task) {
         let [movers, manoeuvre] = M::AXES.excitation_words();
@@ -94,18 +95,19 @@ pub(super) fn manoeuvre<'a, M: MotionModel<N, R, CAPACITY>, const N: usize, cons
         model: &prepared.model,
         time_s: &prepared.time,
         inputs: &prepared.inputs,
-        // The input knows itself what is held.
+        // The input of the model says itself whether it is held between samples.
         hold: InputHold::Linear,
         outputs: &prepared.outputs,
         initial_state: None,
     }
 }
 
-/// What is unknown, from the model file: parameters inside their bounds and without priors (the likelihood decides), sensor
-/// biases with theirs, initial states free.
+/// What is unknown, from the model file: parameters inside their bounds and without priors (the likelihood decides),
+/// sensor biases with theirs, initial states free.
 ///
-/// Output error and equation error estimate the noise, as their residuals hold turbulence and model error too. Filter error
-/// has the process noise for those, and takes the file's noise levels where it gives any: both together are hardly told apart.
+/// Output error and equation error estimate the noise, as their residuals hold turbulence and model error too. Filter
+/// error has the process noise for those, and takes the file's noise levels where it gives any: the data hardly
+/// determine both together.
 pub(super) fn structure<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
     task: &Task<M, N, R>,
 ) -> Result<Structure<N, R>, EstimateError> {
@@ -168,7 +170,7 @@ fn solve<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
         Ok(fit) => return Ok((fit, Vec::new())),
         Err(failure) => failure,
     };
-    // A bad start is what equation error helps against; nothing helps where the data do not tell.
+    // Equation error helps against a bad start; it does not help where the data do not determine the parameters.
     if matches!(failure, BatchError::BadInput(_) | BatchError::Singular { .. }) {
         return Err(failure.into());
     }
@@ -183,7 +185,7 @@ fn solve<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
     Ok((fit, Vec::new()))
 }
 
-/// The parameters on a record that they have not seen.
+/// Predicts a record that was not used for the estimation.
 fn predict<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
     task: &Task<M, N, R>,
     record: &Record,
@@ -239,7 +241,7 @@ fn column<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
     samples: usize,
     task: &Task<M, N, R>,
 ) -> ColumnRun {
-    // A bias that the method does not estimate keeps what was known of it.
+    // A bias that the method does not estimate keeps its prior.
     let prior = (parameter.start, parameter.prior_std, parameter.prior_std, false);
     let (value, std_error, corrected, at_limit) = position::<M, N, R>(parameter, fit)
         .map(|i| &fit.unknowns[i])
@@ -294,7 +296,7 @@ fn rows<const R: usize>(values: &[Vec<f64>]) -> Vec<[f64; R]> {
     values.iter().map(|row| std::array::from_fn(|i| row.get(i).copied().unwrap_or(f64::NAN))).collect()
 }
 
-/// Every sample that was used counts alike.
+/// Every sample that was used has the same phase.
 fn phase(residuals: &[f64]) -> Phase {
     if residuals.iter().any(|e| e.is_finite()) { Phase::Sliding } else { Phase::Predicting }
 }
@@ -309,12 +311,12 @@ fn excited<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(task:
 }
 
 fn report(fit: &BatchFit, equations: Vec<Equation>, prediction: Option<Prediction>) -> BatchReport {
-    let beside = |kind: UnknownKind| !matches!(kind, UnknownKind::Parameter { .. } | UnknownKind::Bias { .. });
+    let is_additional = |kind: UnknownKind| !matches!(kind, UnknownKind::Parameter { .. } | UnknownKind::Bias { .. });
     BatchReport {
         iterations: fit.iterations.len().saturating_sub(1),
         cost: fit.iterations.last().map_or(f64::NAN, |i| i.cost),
         noise_std: fit.noise_std.clone(),
-        unknowns: fit.unknowns.iter().filter(|u| beside(u.kind)).cloned().collect(),
+        unknowns: fit.unknowns.iter().filter(|u| is_additional(u.kind)).cloned().collect(),
         manoeuvres: fit.manoeuvres.iter().map(|m| (m.name.clone(), m.outputs.clone())).collect(),
         equations,
         prediction,

@@ -1,4 +1,4 @@
-//! A causal method over a record: sample by sample, no estimate uses a later sample.
+//! Runs a causal method over a record, sample by sample: no estimate uses a later sample.
 
 use phugoid_estimators::{ParameterStatus, Phase, Sample, Status};
 

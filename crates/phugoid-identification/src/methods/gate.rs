@@ -1,9 +1,9 @@
-//! A model that learns of an axis only once something has moved on it.
+//! A model whose parameters of a group of axes are estimated only after something has moved on these axes.
 //!
-//! What `excitation.rs` says of steady flight holds of each axis by itself: while only the elevator moves, sideslip and roll
-//! wander by their noise alone, and an estimator of all six coefficients takes that for excitation of the lateral ones. So the
-//! sensitivity to increments of an axis is zero until its first visible motion: their estimates and bounds stay those given
-//! beforehand.
+//! What `excitation.rs` says of steady flight holds of each axis by itself: while only the elevator moves, sideslip and
+//! roll wander by their noise alone, and an estimator of all six coefficients takes that for excitation of the lateral
+//! ones. So the sensitivity to increments of an axis is zero until its first visible motion: their estimates and bounds
+//! stay those given beforehand.
 
 use phugoid_estimators::{Input, LinearizedOutputs, LinearizedRates, Model};
 
@@ -13,7 +13,7 @@ use crate::models::longitudinal::Database;
 use crate::motion::{Known, Motion, MotionModel, ReferencePoint, terms};
 use crate::preparation::excitation::Moved;
 
-/// A known input, and which groups of axes may be learnt from it on.
+/// A known input, and the groups of axes whose parameters are estimated at this sample.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct GatedInput<I> {
     pub(super) input: I,
@@ -31,7 +31,7 @@ impl<I: Input> Input for GatedInput<I> {
 #[derive(Clone, Debug)]
 pub(crate) struct Gated<M> {
     model: M,
-    /// Group of each column.
+    /// The group of axes that the parameter of each column belongs to.
     groups: Vec<Group>,
 }
 
@@ -41,7 +41,8 @@ impl<M> Gated<M> {
         Self { model, groups }
     }
 
-    /// Columns of the groups on which nothing has moved. A motion of one group alone does not reach this: it waits as a whole.
+    /// Columns of the groups on which nothing has moved. A motion of one group alone does not reach this: it waits as a
+    /// whole.
     pub(super) fn closed(&self, moved: Moved) -> impl Iterator<Item = usize> + '_ {
         let closed = move |(j, group): (usize, &Group)| (!moved.has(*group)).then_some(j);
         self.groups.iter().enumerate().filter_map(closed)
@@ -60,7 +61,7 @@ impl<M> Gated<M> {
     }
 }
 
-/// Which groups are open: in absolute form all, since the sums that steady flight tells are worth keeping; increments where
+/// Which groups are open: in absolute form all, since steady flight determines sums of parameters; increments where
 /// something has moved, and with one group alone all, since the estimation then starts anew with the first motion.
 pub(super) fn open(axes: Axes, base: Base, moved: Moved) -> Moved {
     if axes == Axes::All && base != Base::None { moved } else { Moved::ALL }

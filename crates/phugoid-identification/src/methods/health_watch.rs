@@ -11,16 +11,16 @@ use crate::core::health::{Condition, HealthHistory, HealthOptions};
 use crate::model_file::{Expectation, ModelFile, Role};
 use crate::motion::MotionModel;
 
-/// The monitor while a record is run, in the room of the estimator beside it.
+/// The monitor during a run, with the same room for parameters as the estimator.
 pub(crate) struct Monitoring<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> {
     monitor: Box<HealthMonitor<M, N, R, P>>,
     expected: Vec<Expectation>,
-    /// Column of each expectation.
+    /// Column of the estimator that each expectation belongs to.
     columns: Vec<usize>,
     run: HealthRun,
 }
 
-/// What the monitor said over a record.
+/// The result of the monitor over a record.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct HealthRun {
     pub(crate) history: HealthHistory,

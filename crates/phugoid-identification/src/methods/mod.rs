@@ -26,7 +26,7 @@ pub(crate) use task::{ColumnRun, Run, Task};
 /// Runs the method of the task.
 ///
 /// # Errors
-/// [`EstimateError`]: what the method needs and the record or the model file does not give.
+/// [`EstimateError`]: what the method needs and is missing in the record or the model file.
 pub(crate) fn run<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     task: &Task<M, N, R>,
     progress: &mut dyn FnMut(f64),

@@ -1,4 +1,4 @@
-//! What records can tell of the parameters of a model, before they are estimated.
+//! How well the parameters of a model can be estimated from records: the bounds before the estimation.
 
 use phugoid_flight_data::record::Record;
 use serde::{Deserialize, Serialize};
@@ -20,52 +20,55 @@ use crate::pipeline::estimate::{doubts, noise_levels};
 use crate::pipeline::stack::on_a_large_stack;
 use crate::preparation::prepare::{Prepared, prepare};
 
-/// How well a parameter of a model can be told.
+/// How well one parameter of a model can be estimated.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PredictedParameter {
     /// Name in the model file.
     pub name: String,
-    /// Value at which the bound was taken: a rough fit by output error, else equation error, else the start value of the model file.
+    /// Value at which the bound was taken: a rough fit by output error, else equation error, else the start value of
+    /// the model file.
     pub value: f64,
-    /// What is known of it beforehand, one sigma.
+    /// Standard deviation of what is known beforehand, in the parameter's unit.
     pub prior_std: f64,
-    /// Smallest standard error of an unbiased estimator, where the outputs have no error but their noise: the Cramer-Rao bound with
-    /// the priors of the model file.
+    /// Smallest standard error of an unbiased estimator, where the outputs have no error but their noise: the
+    /// Cramer-Rao bound with the priors of the model file.
     pub std_error: f64,
     /// The same with the residuals that the model leaves at these values in place of the noise, and their colour.
     pub expected_std_error: f64,
-    /// The unknown whose error goes with this one's most, and the correlation.
+    /// The unknown whose error is most correlated with that of this parameter, and the correlation.
     pub closest: Option<(String, f64)>,
     /// True for offsets and sensor biases.
     pub nuisance: bool,
 }
 
-/// What the flight can tell.
+/// The bounds of all parameters of a model on some records.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Predicted {
     /// In the order of the model file, those that are estimated.
     pub parameters: Vec<PredictedParameter>,
-    /// Sentences on how it was had.
+    /// How the bounds were computed, one sentence each.
     pub notes: Vec<String>,
 }
 
 /// The bound of a model's parameters on records that are fitted together.
 ///
 /// # Errors
-/// [`EstimateError`], as an estimation by output error: a missing channel, too few samples, units that are certainly wrong, a free
-/// simulation that runs away.
+/// [`EstimateError`], as an estimation by output error: a missing channel, too few samples, units that are certainly
+/// wrong, a free simulation that diverges.
 pub(crate) fn predict(records: &[Record], model: &ModelFile) -> Result<Predicted, EstimateError> {
     let (wanted, capacity) = (model.estimated().count(), capacity(model.axes));
     if wanted > capacity {
         return Err(EstimateError::TooManyParameters { wanted, capacity });
     }
-    let nobody = &mut |_: f64| {};
+    let no_progress = &mut |_: f64| {};
     match model.axes {
         Axes::Longitudinal => predict_of::<LongitudinalModel, _, _>(records, model),
         Axes::LateralDirectional => {
-            on_a_large_stack(&|_: &mut dyn FnMut(f64)| predict_of::<LateralModel, _, _>(records, model), nobody)
+            on_a_large_stack(&|_: &mut dyn FnMut(f64)| predict_of::<LateralModel, _, _>(records, model), no_progress)
         }
-        Axes::All => on_a_large_stack(&|_: &mut dyn FnMut(f64)| predict_of::<SixModel, _, _>(records, model), nobody),
+        Axes::All => {
+            on_a_large_stack(&|_: &mut dyn FnMut(f64)| predict_of::<SixModel, _, _>(records, model), no_progress)
+        }
     }
 }
 
@@ -84,7 +87,7 @@ fn predict_of<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
     let task = Task { prepared: first, file: model, options: &options, noise: &noise, health: None };
     let mut structure = structure::<M, N, R>(&task)?;
     for (channel, noise) in structure.outputs.iter_mut().zip(&noise) {
-        // A simulation without noise has what the model leaves.
+        // A simulated record without noise gets the noise that the residuals of the model show.
         channel.noise = if noise.std > 0.0 { Noise::Known(noise.std) } else { Noise::Estimated };
     }
     let own = || model.estimated().filter(|p| !matches!(p.role, Role::Bias(_)));
@@ -114,7 +117,7 @@ fn predict_of<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
             name: parameter.name.clone(),
             value: place.and_then(|i| values.get(i)).copied().unwrap_or(parameter.start),
             prior_std: parameter.prior_std,
-            // What the bound does not hold keeps what was known of it.
+            // A parameter without a bound keeps its prior.
             std_error: bound.map_or(parameter.prior_std, |b| b.std_error),
             expected_std_error: bound.map_or(parameter.prior_std, |b| b.with_residuals),
             closest: bound.and_then(|b| b.closest.clone()),
@@ -124,8 +127,8 @@ fn predict_of<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
     Ok(Predicted { parameters: parameters.collect(), notes })
 }
 
-/// Values at which the bound is taken: near those of output error, within a standard error; else those of equation error; else the
-/// start values of the model file.
+/// Values at which the bound is taken: near those of output error, within a standard error; else those of equation
+/// error; else the start values of the model file.
 fn values<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
     manoeuvres: &[Manoeuvre<'_, M, M::KnownInput, N, R>],
     structure: &Structure<N, R>,

@@ -1,9 +1,9 @@
-//! Since when each parameter may be believed.
+//! Records since when the estimate of each parameter can be used.
 
 use phugoid_estimators::verdict::{ParameterVerdict, Readiness, VerdictMonitor};
 use phugoid_estimators::{Estimate, Inspect};
 
-/// The verdict is renewed at this interval, s: it inverts a matrix, and nobody reads faster.
+/// The verdict is renewed at this interval, s: it inverts a matrix, and no display needs it faster.
 const RENEWAL_S: f64 = 0.1;
 
 /// The verdict on one column at the end of the record.
@@ -14,11 +14,11 @@ pub(crate) struct ColumnVerdict {
     pub(crate) ready_since_s: Option<f64>,
 }
 
-/// Asks for the verdict as the record goes by.
+/// Computes the verdicts at intervals during a run.
 pub(super) struct ReadinessWatch<const R: usize, const P: usize> {
     monitor: VerdictMonitor<R, P>,
     renewed_s: f64,
-    /// As of `renewed_s`.
+    /// The verdicts as they were at `renewed_s`.
     latest: [ColumnVerdict; P],
 }
 

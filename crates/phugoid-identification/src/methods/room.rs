@@ -7,8 +7,8 @@ use crate::core::error::EstimateError;
 use crate::core::options::CAPACITY;
 use crate::motion::MotionModel;
 
-/// Rooms that are compiled in beside [`CAPACITY`]: unused room costs time in every update, and an estimator that is full
-/// has loops of constant length (five parameters take 1.95 us in room for five and 2.57 us in room for 24;
+/// Rooms that are compiled in beside [`CAPACITY`]: unused room costs time in every update, and an estimator that is
+/// full has loops of constant length (five parameters take 1.95 us in room for five and 2.57 us in room for 24;
 /// benches/update.rs). Five is the longitudinal increments of a database; eleven those with six biases, or a whole
 /// longitudinal build-up; 24 holds the 18 lateral derivatives.
 pub(super) const SMALL_ROOM: usize = 5;
@@ -32,8 +32,9 @@ impl<M, const N: usize, const R: usize> EveryRoom<N, R> for M where
 {
 }
 
-/// Sets the causal method of a task up in the smallest room that holds its model; the numbers do not depend on the room. Which rooms
-/// there are is decided when the motion is compiled: the small ones for the longitudinal alone, the largest for the others alone.
+/// Sets the causal method of a task up in the smallest room that holds its model; the numbers do not depend on the
+/// room. Which rooms there are is decided when the motion is compiled: the small ones for the longitudinal alone, the
+/// largest for the others alone.
 ///
 /// # Errors
 /// [`EstimateError::NotCausal`] for a batch method, and what the settings are refused for.

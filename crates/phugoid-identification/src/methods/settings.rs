@@ -1,9 +1,11 @@
-//! What the model file and the record say to every method: priors, noise, biases, sample time, process noise.
+//! The settings that all methods take from the model file and the record: priors, noise, biases, sample time, process
+//! noise.
 
 use phugoid_estimators::discretization::InputHold;
 use phugoid_estimators::settings::{
     ChangeDetection, ChangePrior, EstimatorSettings, NoiseAdaptation, ParameterPrior, ProcessNoise,
 };
+use phugoid_flight_data::statistics::{median, median_step};
 
 use crate::core::error::EstimateError;
 use crate::core::options::EstimateOptions;
@@ -13,7 +15,7 @@ use crate::motion::Motion;
 use crate::preparation::noise::NoiseLevel;
 use crate::preparation::prepare::Prepared;
 
-/// Settings for a prepared record: the automatic rule with what the model file says. Methods other than SMPE take what is theirs
+/// Settings for a prepared record: the automatic rule with what the model file says. All methods take their settings
 /// from here, so that comparisons are fair.
 ///
 /// # Errors
@@ -34,7 +36,7 @@ pub(super) fn shared_settings<M: Motion<N, R>, const N: usize, const R: usize, c
         .collect();
     let mut settings = EstimatorSettings::automatic(&priors, noise.map(|n| n.std), sample_time(&prepared.time))
         .map_err(EstimateError::Settings)?;
-    // The input knows itself what is held (`Known::controls_held`).
+    // The input of the model says itself whether it is held between samples (`Known::controls_held`).
     settings.input_hold = InputHold::Linear;
     let mut biases = [0.0; R];
     for parameter in file.estimated() {
@@ -46,7 +48,7 @@ pub(super) fn shared_settings<M: Motion<N, R>, const N: usize, const R: usize, c
     }
     settings = settings.with_biases(biases);
     settings.reaching_limit = tuned.reaching_limit.unwrap_or(settings.reaching_limit);
-    // A row has to reach before it is rejected.
+    // The limit of rejection must not be below that of reaching.
     settings.rejection_limit = (tuned.rejection_scale * settings.rejection_limit).max(settings.reaching_limit);
     settings.start_window_s = tuned.start_window_s.unwrap_or(settings.start_window_s);
     let states = M::AXES.states();
@@ -67,8 +69,8 @@ pub(super) fn shared_settings<M: Motion<N, R>, const N: usize, const R: usize, c
     Ok(settings)
 }
 
-/// Where a state that nothing measures starts, and one sigma of that: flight nearly level and straight, at about the reference
-/// speed. Two degrees of path angle and sideslip are what a flight that is called level may have.
+/// Where a state that nothing measures starts, and one sigma of that: flight nearly level and straight, at about the
+/// reference speed. Two degrees of path angle and sideslip are what a flight that is called level may have.
 fn unmeasured_start<M: Motion<N, R>, const N: usize, const R: usize>(
     state: Output,
     prepared: &Prepared<M, N, R>,
@@ -77,7 +79,7 @@ fn unmeasured_start<M: Motion<N, R>, const N: usize, const R: usize>(
     let first = |output: Output| -> Option<f64> {
         let row = M::AXES.row(output)?;
         let values = prepared.outputs.iter().map(|y| y[row]).filter(|v| v.is_finite());
-        crate::preparation::noise::median(&mut values.take(5).collect::<Vec<f64>>())
+        median(&mut values.take(5).collect::<Vec<f64>>())
     };
     let degree = std::f64::consts::PI / 180.0;
     match state {
@@ -107,6 +109,5 @@ fn prior(parameter: &Parameter, base: Base) -> ParameterPrior {
 
 /// Median of the first fifty intervals, s: later ones must not change what was estimated before them.
 pub(super) fn sample_time(time: &[f64]) -> f64 {
-    let mut steps: Vec<f64> = time.windows(2).take(50).map(|w| w[1] - w[0]).collect();
-    crate::preparation::noise::median(&mut steps).unwrap_or(f64::NAN)
+    median_step(&time[..time.len().min(51)]).unwrap_or(f64::NAN)
 }

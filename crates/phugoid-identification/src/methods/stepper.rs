@@ -22,11 +22,12 @@ use crate::preparation::excitation::{Excitation, Moved};
 /// How far before the first visible motion the estimation of increments starts, s.
 const LEAD_S: f64 = 1.0;
 
-/// A causal method that is being run, whatever the method and the room of its estimator: known inputs of type `I`, `R` outputs. Slices have
-/// one entry per column in use: the estimated parameters in the order of the model file, then one per estimated sensor bias.
+/// A causal method that is being run, whatever the method and the room of its estimator: known inputs of type `I`, `R`
+/// outputs. Slices have one entry per column in use: the estimated parameters in the order of the model file, then one
+/// per estimated sensor bias.
 pub(crate) trait CausalRun<I, const R: usize>: Send {
-    /// Takes the next sample, with the positions of the surfaces (rad, in the order of the prepared ones). What happened is added to
-    /// `events`.
+    /// Takes the next sample, with the positions of the surfaces (rad, in the order of the prepared ones). What
+    /// happened is added to `events`.
     ///
     /// # Errors
     /// [`EstimateError::Settings`] if the settings are refused where the estimation starts anew with the first motion.
@@ -64,7 +65,7 @@ pub(crate) trait CausalRun<I, const R: usize>: Send {
     /// What the change detector knows; none without one.
     fn detector(&self) -> Option<DetectorReport>;
 
-    /// What the health monitor said is taken out, if one was asked for.
+    /// Takes the result of the health monitor out, if there is one.
     fn take_health(&mut self) -> Option<HealthRun>;
 }
 
@@ -74,7 +75,7 @@ pub(crate) struct Shown<'a> {
     /// Time of the last sample used, s.
     pub(crate) time_s: f64,
     pub(crate) status: Status,
-    /// Parameter units.
+    /// Estimates, in the units of the parameters.
     pub(crate) parameters: &'a [f64],
     /// One sigma claimed by the covariance.
     pub(crate) std_error: &'a [f64],
@@ -84,7 +85,8 @@ pub(crate) struct Shown<'a> {
     pub(crate) parameter_status: &'a [ParameterStatus],
 }
 
-/// A causal method with what stands around it: the first motion, known changes, events, verdicts, the health monitor.
+/// A causal method with everything that a run needs around the estimator: the first motion, known changes, events,
+/// verdicts, the health monitor.
 pub(super) struct Stepper<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> {
     file: ModelFile,
     method: Method,
@@ -93,7 +95,8 @@ pub(super) struct Stepper<M: MotionModel<N, R, P>, const N: usize, const R: usiz
     estimator: Boxed<GatedInput<M::KnownInput>, R, P>,
     /// The last estimate as it is shown.
     shown: Estimate<P>,
-    /// Until something has moved the prior is all that is known of single parameters: steady flight tells sums of terms.
+    /// True until something has moved: until then only the priors of single parameters are known, because steady flight
+    /// determines sums of terms.
     waiting: bool,
     moved: Moved,
     excitation: Excitation,
@@ -101,12 +104,13 @@ pub(super) struct Stepper<M: MotionModel<N, R, P>, const N: usize, const R: usiz
     watch: Watch,
     readiness: ReadinessWatch<R, P>,
     monitoring: Option<Monitoring<M, N, R, P>>,
-    /// Still to come, s, in order.
+    /// Times of the known changes that are still to come, s, in order.
     known_changes_s: VecDeque<f64>,
 }
 
 impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> Stepper<M, N, R, P> {
-    /// For a record, or the beginning of a flight: its first two seconds are what the noise of surfaces is measured from.
+    /// For a record, or the beginning of a flight: its first two seconds are what the noise of surfaces is measured
+    /// from.
     ///
     /// # Errors
     /// [`EstimateError::Settings`] if the settings are refused.
@@ -166,7 +170,7 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> Ca
             self.estimator.reopen_now();
         }
         let mut estimate = self.estimator.update(&gate(sample, open));
-        // In absolute form the sums that steady flight tells are worth keeping.
+        // In absolute form the estimator keeps the sums of terms that steady flight determines.
         let starts_anew = self.waiting && self.file.base != Base::None;
         if starts_anew {
             self.lead.push(sample);
@@ -175,7 +179,7 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> Ca
             self.waiting = false;
             let (lead, is_a_part) = self.lead.take();
             if is_a_part {
-                // Forget what was taken for excitation before there was any.
+                // Forget what the estimator took for excitation before there was any.
                 self.estimator =
                     table::set_up(self.method, self.gated.clone(), &self.settings, self.file.aircraft.gravity)?;
                 for sample in &lead {
@@ -195,7 +199,7 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> Ca
         }
         self.watch.look(&estimate, sample.time_s, self.estimator.restarts(), events);
         if self.waiting {
-            // Before anything has moved the detector has nothing to speak of.
+            // Before anything has moved the reports of the detector have no meaning.
             events.retain(|event| !event.kind.is_of_detector());
         }
         self.shown = estimate;
@@ -247,7 +251,7 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> Ca
             self.estimator.covariance(&mut covariance);
         }
         for j in self.gated.closed(self.moved) {
-            // What steady flight tells of the sums is not shown of single ones.
+            // Steady flight determines sums of parameters: the single ones are shown with their priors.
             covariance[j] = [0.0; P];
             covariance.iter_mut().for_each(|row| row[j] = 0.0);
             covariance[j][j] = self.estimator.prior_std()[j].powi(2);
@@ -288,13 +292,13 @@ impl<I: Copy, const R: usize> Lead<I, R> {
         self.samples.push_back(*sample);
     }
 
-    /// The samples, and whether there were others before them.
+    /// The samples, oldest first, and whether samples before them were dropped.
     fn take(&mut self) -> (VecDeque<Sample<I, R>>, bool) {
         (std::mem::take(&mut self.samples), self.is_a_part)
     }
 }
 
-/// The sample with word of what may be learnt from it.
+/// The sample, and the groups of axes whose parameters are estimated from it.
 fn gate<I: Copy, const R: usize>(sample: &Sample<I, R>, open: Moved) -> Sample<GatedInput<I>, R> {
     Sample { time_s: sample.time_s, input: GatedInput { input: sample.input, open }, outputs: sample.outputs }
 }

@@ -1,7 +1,7 @@
 //! The table of the causal methods: how the estimator of each is set up in a room for `P` columns.
 //!
-//! Everything around an estimator works on `dyn Inspect` and is compiled once per motion and room; only what is listed here is compiled once
-//! per method as well. A new causal method is an arm of [`set_up`] and a name in [`Method`].
+//! Everything around an estimator works on `dyn Inspect` and is compiled once per motion and room; only what is listed
+//! here is compiled once per method as well. A new causal method is an arm of [`set_up`] and a name in [`Method`].
 
 use phugoid_estimators::adaptive_model::AdaptiveModel;
 use phugoid_estimators::ekf::JointEkf;
@@ -25,8 +25,8 @@ const REACHING_RATE: f64 = 2.0;
 /// An estimator on the heap, whatever its method: with room for 48 columns it is too large for the stack of a thread.
 pub(super) type Boxed<I, const R: usize, const P: usize> = Box<dyn Inspect<R, P, Input = I> + Send>;
 
-/// The estimator of a causal method for a model with the settings that all methods share: priors, noise, biases, sample time, process
-/// noise. `gravity` (m/s^2) is for the kinematics that smooth the states of the regression methods.
+/// The estimator of a causal method for a model with the settings that all methods share: priors, noise, biases, sample
+/// time, process noise. `gravity` (m/s^2) is for the kinematics that smooth the states of the regression methods.
 ///
 /// # Errors
 /// [`EstimateError::Settings`] if the settings are refused; [`EstimateError::NotCausal`] for a batch method.
@@ -60,7 +60,8 @@ pub(super) fn set_up<M: MotionModel<N, R, P>, const N: usize, const R: usize, co
     })
 }
 
-/// Makes an estimator and puts it on the heap. Each has a frame of its own on the stack, which holds the copies of this one only.
+/// Makes an estimator and puts it on the heap. Each has a frame of its own on the stack, which holds the copies of this
+/// one only.
 #[inline(never)]
 fn place<I: Input, E, const R: usize, const P: usize>(
     make: impl FnOnce() -> Result<E, SettingsError>,

@@ -1,4 +1,4 @@
-//! What a method is run on, and what one run gives.
+//! The arguments of a run of a method, and its result.
 
 use phugoid_estimators::{DetectorReport, Innovations, ParameterStatus, Phase, Status};
 
@@ -13,39 +13,39 @@ use crate::motion::Motion;
 use crate::preparation::noise::NoiseLevel;
 use crate::preparation::prepare::Prepared;
 
-/// Everything that one run gave, by sample and by column.
+/// The result of one run, by sample and by column.
 #[derive(Debug)]
 pub(crate) struct Run<const R: usize> {
     /// One per estimated parameter, in the order of the columns.
     pub(crate) columns: Vec<ColumnRun>,
     pub(crate) predicted: Vec<[f64; R]>,
     pub(crate) residuals: Vec<[f64; R]>,
-    /// Bounded logarithm of the density that each innovation had before it was seen ([`log_density`]), by sample: NaN where
-    /// there was none and before anything had moved. Empty for a batch method.
+    /// Bounded logarithm of the density that each innovation had before it was seen ([`log_density`]), by sample: NaN
+    /// where there was none and before anything had moved. Empty for a batch method.
     pub(crate) log_density: Vec<[f64; R]>,
     pub(crate) phases: Vec<Phase>,
     pub(crate) events: Vec<Event>,
     /// Of the parameters at the end, row and column as in `columns`.
     pub(crate) covariance: Vec<Vec<f64>>,
-    /// At the end.
+    /// Status of the estimator after the last sample.
     pub(crate) status: Status,
     pub(crate) detector: Option<DetectorReport>,
     /// True if any motion was visible above the noise.
     pub(crate) excited: bool,
-    /// What the health monitor said, if one was asked for.
+    /// The result of the health monitor; `None` without one.
     pub(crate) health: Option<HealthRun>,
-    /// What a batch method says beside.
+    /// The additional results of a batch method; `None` for a causal one.
     pub(crate) batch: Option<BatchReport>,
 }
 
-/// What one run gave of one parameter.
+/// The result of one run for one parameter.
 #[derive(Clone, Debug)]
 pub(crate) struct ColumnRun {
-    /// By sample.
+    /// Estimate after each sample, in the parameter's unit.
     pub(crate) values: Vec<f64>,
     /// By sample, corrected for the colour of the residuals.
     pub(crate) std_errors: Vec<f64>,
-    /// By sample.
+    /// Correction that the estimator would have liked to make at each sample, in the parameter's unit, for display.
     pub(crate) surfaces: Vec<f64>,
     /// The rest: at the end.
     pub(crate) value: f64,
@@ -58,13 +58,13 @@ pub(crate) struct ColumnRun {
     pub(crate) verdict: ColumnVerdict,
 }
 
-/// What a method is run on.
+/// The arguments of a run of a method.
 pub(crate) struct Task<'a, M: Motion<N, R>, const N: usize, const R: usize> {
     pub(crate) prepared: &'a Prepared<M, N, R>,
     pub(crate) file: &'a ModelFile,
     pub(crate) options: &'a EstimateOptions,
     pub(crate) noise: &'a [NoiseLevel; R],
-    /// What is to be watched beside it, if anything.
+    /// The options of the health monitor; `None` without one.
     pub(crate) health: Option<&'a HealthOptions>,
 }
 
@@ -75,12 +75,12 @@ impl<M: Motion<N, R>, const N: usize, const R: usize> Task<'_, M, N, R> {
     }
 }
 
-/// `-(min(xi^2, 9) + ln S)/2` of each row, nats, without the constant `ln(2 pi)/2`: the score of the change detector's contest
-/// (docs/theory.md), so that one outlier costs 4.5 nats and no more.
+/// `-(min(xi^2, 9) + ln S)/2` of each row, nats, without the constant `ln(2 pi)/2`: the score of the change detector's
+/// contest (docs/theory.md), so that one outlier costs 4.5 nats and no more.
 pub(crate) fn log_density<const R: usize>(innovations: &Innovations<R>) -> [f64; R] {
     std::array::from_fn(|i| {
         let xi = innovations.normalised[i];
-        // `min` alone would make a number of a missing row.
+        // `f64::min` ignores NaN and would turn a missing row into a number.
         if xi.is_finite() { -0.5 * ((xi * xi).min(9.0) + innovations.variance[i].ln()) } else { f64::NAN }
     })
 }

@@ -15,7 +15,7 @@ pub(super) struct Watch {
 }
 
 impl Watch {
-    /// Says so where the interval between two samples is longer than `gap_s`.
+    /// A watch that reports a gap where the interval between two samples is longer than `gap_s`.
     pub(super) fn new(gap_s: f64) -> Self {
         Self { gap_s, ..Self::default() }
     }
@@ -53,7 +53,10 @@ impl Watch {
                 "a change of the parameters is suspected: bounds are widened until it is decided".to_owned(),
             ),
             ChangeState::Steady if self.in_doubt => {
-                say(EventKind::DoubtDropped, "the suspicion was dropped: the estimate was right all along".to_owned());
+                say(
+                    EventKind::DoubtDropped,
+                    "the suspicion was dropped: the estimate from before it still explains the data".to_owned(),
+                );
             }
             _ => {}
         }

@@ -1,32 +1,21 @@
-//! The table `[expected]`: what a healthy aircraft has, and how far off still counts as healthy.
+//! The table `[expected]`: the parameters of a healthy aircraft, and the deviations that still count as healthy.
 
 use phugoid_flight_data::quantity::Dimension;
 use toml::de::DeTable;
 
+use super::error::ModelFileError;
+use super::file::ModelFile;
+use super::parameter::{Expectation, Parameter};
 use super::section::{Section, Source as Text};
-use super::{ModelFile, ModelFileError, Parameter};
 use crate::core::words::{did_you_mean, nearest};
 
-/// What is expected of one parameter, per radian where an angle is involved.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Expectation {
-    /// Name in the model file.
-    pub name: String,
-    /// Expected value.
-    pub value: f64,
-    /// Half width about it that still counts as healthy.
-    pub tolerance: f64,
-    /// One sigma of what a failure would change; none: as for the change detector.
-    pub failure_std: Option<f64>,
-}
-
-/// Part of the parameter's own size (without a database) and of its prior sigma (with one) that is tolerated where the file does
-/// not say.
+/// Part of the parameter's own size (without a database) and of its prior sigma (with one) that is tolerated where the
+/// file does not say.
 const STANDARD_TOLERANCE: f64 = 0.1;
 
 impl ModelFile {
-    /// What is expected: the table `[expected]`, or without one the start value of every term that is estimated, within a tenth
-    /// of it or, where it is zero, a tenth of the prior sigma.
+    /// What is expected: the table `[expected]`, or without one the start value of every term that is estimated, within
+    /// a tenth of it or, where it is zero, a tenth of the prior sigma.
     ///
     /// Offsets and sensor biases are not monitored.
     pub fn expectations(&self) -> Vec<Expectation> {
@@ -43,8 +32,8 @@ impl ModelFile {
         })
     }
 
-    /// Reads expectations from a file of their own, which holds nothing but the table `[expected]`; the parameters are those of
-    /// this model.
+    /// Reads expectations from a file of their own, which holds nothing but the table `[expected]`; the parameters are
+    /// those of this model.
     ///
     /// # Errors
     /// The first thing found wrong, with file, line, column, key and the nearest valid word.

@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use phugoid_flight_data::reader::{ReadError, ReadOptions, read_path};
 use phugoid_flight_data::record::Record;
 
-use super::{ModelFile, ModelFileError};
+use super::error::ModelFileError;
+use super::file::ModelFile;
 use crate::core::words::nearest;
 
 /// Why there is no model under a name or in a file.
@@ -14,7 +15,7 @@ pub enum ModelError {
     /// No model of this name is built in.
     #[error("there is no built-in model `{name}`\n{}", hint(*nearest))]
     Unknown {
-        /// The name asked for.
+        /// The name that was asked for.
         name: String,
         /// The built-in name that is most similar, if one is similar at all.
         nearest: Option<&'static str>,
@@ -22,9 +23,9 @@ pub enum ModelError {
     /// The file cannot be read, and its name is not that of a built-in model.
     #[error("cannot read the model file `{}`: {source}\n{}", .path.display(), hint(*nearest))]
     Unreadable {
-        /// The file asked for.
+        /// The file that was asked for.
         path: PathBuf,
-        /// What the system says.
+        /// What the operating system says.
         source: std::io::Error,
         /// The built-in name that is most similar, if one is similar at all.
         nearest: Option<&'static str>,
@@ -49,8 +50,8 @@ fn names() -> impl Iterator<Item = &'static str> {
 }
 
 impl ModelFile {
-    /// The model files built into the library, in the order in which they are listed: name and text (TOML). The first four
-    /// are whole models to start one's own from; the others belong to the built-in scenarios of the F-16.
+    /// The model files built into the library, in the order in which they are listed: name and text (TOML). The first
+    /// four are whole models to start one's own from; the others belong to the built-in scenarios of the F-16.
     pub const BUILT_IN: &[(&'static str, &'static str)] = &[
         ("f16", include_str!("../../../../data/models/f16.toml")),
         ("f16-lateral", include_str!("../../../../data/models/f16-lateral.toml")),
@@ -123,8 +124,8 @@ impl ModelFile {
         Ok(Self::parse(&path.display().to_string(), &text)?)
     }
 
-    /// The model file at this path, or, where there is no such file, the built-in model of this name: what the command line
-    /// takes as `--model`.
+    /// The model file at this path, or, where there is no such file, the built-in model of this name: what the command
+    /// line takes as `--model`.
     ///
     /// ```
     /// use phugoid_identification::model_file::ModelFile;
@@ -152,7 +153,8 @@ impl ModelFile {
         }
     }
 
-    /// Opens a flight as [`Record::open`], with the columns that this file maps to channels by hand (its table `[channels]`).
+    /// Opens a flight as [`Record::open`], with the columns that this file maps to channels by hand (its table
+    /// `[channels]`).
     ///
     /// ```
     /// use phugoid_identification::model_file::ModelFile;

@@ -1,6 +1,7 @@
 //! From TOML text to a checked [`ModelFile`]: the file as a whole; what has many lines of its own is beside.
 
 mod aircraft;
+mod axes;
 mod channels;
 mod measurements;
 mod parameters;
@@ -9,15 +10,17 @@ use phugoid_flight_data::quantity::Dimension;
 use toml::de::DeTable;
 
 use self::aircraft::aircraft;
+use self::axes::axes;
 use self::channels::channels;
 use self::measurements::{noise, outputs, process_noise};
 use self::parameters::parameters;
+use super::aircraft::{AirDensity, Base, RateSpeed, Reference, ReferenceValue, Source, Thrust};
+use super::error::ModelFileError;
 use super::expected::expected;
+use super::file::ModelFile;
+use super::parameter::Role;
 use super::section::{Section, Source as Text};
-use super::{
-    AirDensity, Base, EstimatorTuning, InputHold, ModelFile, ModelFileError, RateSpeed, Reference, ReferenceValue,
-    Role, Source, Thrust,
-};
+use super::settings::{EstimatorTuning, InputHold};
 use crate::core::axes::Axes;
 use crate::core::method::Method;
 use crate::core::term::{EXTRA_INPUTS, Variable};
@@ -55,7 +58,28 @@ const ESTIMATOR_KEYS: [&str; 7] = [
     "start_window",
 ];
 
-pub(super) fn parse(file: &str, text: &str) -> Result<ModelFile, ModelFileError> {
+impl ModelFile {
+    /// Reads and checks a model file.
+    ///
+    /// ```
+    /// use phugoid_identification::model_file::ModelFile;
+    /// let text = ModelFile::text("f16")?.replace("wing_area", "wing_aera");
+    /// let error = ModelFile::parse("mine.toml", &text).unwrap_err();
+    /// assert_eq!((error.key.as_ref(), error.nearest.as_deref()), ("aircraft.wing_aera", Some("wing_area")));
+    /// let shown = error.to_string();
+    /// let expected = "mine.toml:12:1: unknown key `wing_aera` in [aircraft]: did you mean `wing_area`?";
+    /// assert!(shown.starts_with(expected), "{shown}");
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// The first thing found wrong, with file, line, column, key and the nearest valid word.
+    pub fn parse(file: &str, text: &str) -> Result<Self, ModelFileError> {
+        parse(file, text)
+    }
+}
+
+fn parse(file: &str, text: &str) -> Result<ModelFile, ModelFileError> {
     let source = Text { file, text };
     let document = DeTable::parse(text).map_err(|error| {
         let message = format!("not valid TOML: {}", error.message());
@@ -120,28 +144,6 @@ fn change_detection(top: &Section, former: bool) -> Result<(bool, Vec<String>), 
     Ok((top.boolean(FORMER_CHANGE_DETECTION)?.unwrap_or(true), vec![note]))
 }
 
-fn axes(top: &Section) -> Result<Axes, ModelFileError> {
-    let Some(list) = top.strings("axes")? else { return Err(top.missing("axes", "axes = [\"longitudinal\"]")) };
-    let (mut longitudinal, mut lateral) = (false, false);
-    for (axis, span) in list {
-        match top.choose("axes", axis, span, &Axes::WORDS)? {
-            "lateral" => lateral = true,
-            _ => longitudinal = true,
-        }
-    }
-    match (longitudinal, lateral) {
-        (true, false) => Ok(Axes::Longitudinal),
-        (false, true) => Ok(Axes::LateralDirectional),
-        (true, true) => Ok(Axes::All),
-        (false, false) => Err(top.error("axes", "no axes: expected axes = [\"longitudinal\"], [\"lateral\"] or both")),
-    }
-}
-
-/// The words of a model file for its axes, as it writes them.
-fn written(axes: Axes) -> String {
-    format!("axes = [{}]", axes.words().iter().map(|w| format!("\"{w}\"")).collect::<Vec<_>>().join(", "))
-}
-
 fn check_reference_speed(top: &Section, model: &ModelFile) -> Result<(), ModelFileError> {
     let uses_v_hat = model.parameters.iter().any(|p| match &p.role {
         Role::Term(_, term) => term.factors().iter().any(|(i, _)| *i == Variable::Airspeed.index()),
@@ -186,11 +188,6 @@ fn extra_inputs(top: &Section, axes: Axes) -> Result<Vec<String>, ModelFileError
         names.push(name.to_owned());
     }
     Ok(names)
-}
-
-/// What to do about something that belongs to the other axes.
-fn other_axes(axes: Axes) -> String {
-    format!("write axes = [\"longitudinal\", \"lateral\"] for both (the file has {}), or take it out", written(axes))
 }
 
 fn estimator(top: &Section) -> Result<EstimatorTuning, ModelFileError> {

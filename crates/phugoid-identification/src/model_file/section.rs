@@ -6,7 +6,7 @@ use phugoid_flight_data::quantity::Dimension;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use super::ModelFileError;
+use super::error::ModelFileError;
 use crate::core::words::{did_you_mean, nearest};
 
 /// The text of a model file, for turning byte offsets into lines.
@@ -46,7 +46,7 @@ pub(super) struct Section<'a> {
     pub(super) span: Range<usize>,
 }
 
-/// Strings with their places.
+/// Strings of a list, each with its byte range in the text.
 type Words<'a> = Vec<(&'a str, Range<usize>)>;
 type Found<'a> = Option<&'a Spanned<DeValue<'a>>>;
 
@@ -111,7 +111,7 @@ impl<'a> Section<'a> {
         )
     }
 
-    /// A sub-table.
+    /// The sub-table under this key; none if the key is not there.
     pub(super) fn section(&self, key: &str) -> Result<Option<Section<'a>>, ModelFileError> {
         let Some(value) = self.get(key) else { return Ok(None) };
         let Some(table) = value.get_ref().as_table() else {

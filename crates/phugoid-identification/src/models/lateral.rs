@@ -13,23 +13,23 @@ pub const LATERAL_STATES: usize = 4;
 /// Outputs: the states, the specific force along body y at the centre of gravity, roll and yaw acceleration.
 pub const LATERAL_OUTPUTS: usize = 7;
 
-/// What is known of the flight at one instant beside the state: surfaces and air, and the motion in the plane of symmetry,
-/// which is measured.
+/// What is known of the flight at one instant beside the state: surfaces and air, and the motion in the plane of
+/// symmetry, which is measured.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LateralInput {
-    /// Surfaces and extra inputs.
+    /// Deflections of the surfaces and the extra inputs of the model file.
     pub surfaces: Surfaces,
-    /// Air density, kg/m^3.
+    /// Density of the air, kg/m^3.
     pub air_density: f64,
-    /// Mass and inertia.
+    /// Mass, and moments and products of inertia.
     pub mass: MassInput,
-    /// True airspeed, m/s.
+    /// Measured true airspeed, m/s.
     pub speed: f64,
-    /// Angle of attack, rad.
+    /// Measured angle of attack, rad.
     pub alpha: f64,
-    /// Pitch angle, rad.
+    /// Measured pitch angle, rad, positive nose up.
     pub theta: f64,
-    /// Pitch rate, rad/s.
+    /// Measured pitch rate about body y, rad/s, positive nose up.
     pub q: f64,
     /// Specific force along body x at the centre of gravity, m/s^2: with `az` it says how fast the airspeed changes.
     pub ax: f64,
@@ -65,16 +65,16 @@ impl Input for LateralInput {
 /// p', r' from [L, N] = qbar S b [Cl, Cn], Ixx, Iyy, Izz, Ixz, the rotor, p, q, r             body axes, about the CG
 /// ```
 ///
-/// The equations are those of [`SixModel`](crate::models::six::SixModel) with `V, alpha, theta, q` measured instead of integrated;
-/// `u'` and `w'` come from the measured specific forces, so that thrust, lift and drag are not needed. The noise of these
-/// measured inputs is not known to an estimator; `docs/methods.md` says what it does. Linear in the parameters; the
-/// derivatives with respect to the state are exact.
+/// The equations are those of [`SixModel`](crate::models::six::SixModel) with `V, alpha, theta, q` measured instead of
+/// integrated; `u'` and `w'` come from the measured specific forces, so that thrust, lift and drag are not needed. The
+/// noise of these measured inputs is not known to an estimator; `docs/methods.md` says what it does. Linear in the
+/// parameters; the derivatives with respect to the state are exact.
 #[derive(Clone, Debug)]
 pub struct LateralModel {
     aerodynamics: Aerodynamics,
 }
 
-/// Everything at one point.
+/// The rates of the states, and what the outputs need, at one point.
 struct Motion<T> {
     rates: [T; LATERAL_STATES],
     side_force: T,
@@ -82,8 +82,8 @@ struct Motion<T> {
 }
 
 impl LateralModel {
-    /// A model with estimated `columns` (the parameter vector's order) and `known` terms with their values. Terms of lift, drag
-    /// and pitching moment have no effect.
+    /// A model with estimated `columns` (the parameter vector's order) and `known` terms with their values. Terms of
+    /// lift, drag and pitching moment have no effect.
     pub fn new(
         constants: AircraftConstants,
         database: Database,
@@ -93,7 +93,7 @@ impl LateralModel {
         Self { aerodynamics: Aerodynamics { constants, database, known, columns } }
     }
 
-    /// The constants it was built with.
+    /// The constants of the aircraft that the model was built with.
     pub fn constants(&self) -> &AircraftConstants {
         &self.aerodynamics.constants
     }
@@ -121,8 +121,8 @@ impl LateralModel {
             force_equations(speed, &angles, angles.body_velocity(speed), rates, specific_force, c.gravity);
         let [phi_rate, _, _] = attitude_equations(&angles, rates);
         let moment = [coefficients.cl * (force * c.span), T::from(0.0), coefficients.cn * (force * c.span)];
-        // With a plane of symmetry the pitching moment turns nothing out of it. An inertia that cannot be makes the rates
-        // no number, and the sample a lost one.
+        // With a plane of symmetry the pitching moment does not turn the aircraft out of this plane. An impossible
+        // inertia makes the rates NaN, and the estimator leaves the sample out.
         let [p_rate, _, r_rate] = match u.mass.properties(c.rotor_momentum) {
             Some(properties) => properties.angular_acceleration(rates, moment),
             None => [T::from(f64::NAN); 3],

@@ -21,19 +21,19 @@ pub const OUTPUTS: usize = 7;
 
 /// Positions in the output vector, those of [`crate::core::axes::Axes::outputs`]; the first four are the states.
 pub mod row {
-    /// True airspeed, m/s.
+    /// True airspeed, m/s: also the first state.
     pub const TRUE_AIRSPEED: usize = 0;
-    /// Angle of attack, rad.
+    /// Angle of attack, rad: also the second state.
     pub const ALPHA: usize = 1;
-    /// Pitch angle, rad.
+    /// Pitch angle, rad, positive nose up: also the third state.
     pub const THETA: usize = 2;
-    /// Pitch rate, rad/s.
+    /// Pitch rate about body y, rad/s, positive nose up: also the fourth state.
     pub const PITCH_RATE: usize = 3;
     /// Specific force along body x, m/s^2.
     pub const AX: usize = 4;
     /// Specific force along body z, m/s^2.
     pub const AZ: usize = 5;
-    /// Pitch acceleration, rad/s^2.
+    /// Pitch acceleration `q'`, rad/s^2, positive nose up.
     pub const PITCH_ACCELERATION: usize = 6;
 }
 
@@ -42,11 +42,11 @@ pub mod row {
 pub struct LongitudinalInput {
     /// Elevator, rad, positive trailing edge down.
     pub elevator: f64,
-    /// Air density, kg/m^3.
+    /// Density of the air, kg/m^3.
     pub air_density: f64,
-    /// Thrust, N.
+    /// Thrust along the thrust line, N.
     pub thrust: f64,
-    /// Mass, kg.
+    /// Mass of the aircraft, kg.
     pub mass: f64,
     /// Moment of inertia about body y, kg m^2.
     pub iyy: f64,
@@ -74,7 +74,7 @@ impl Input for LongitudinalInput {
     }
 }
 
-/// The known part of the aerodynamics.
+/// The known part of the aerodynamic coefficients, to which the terms of the model file are added.
 #[derive(Clone, Debug)]
 pub enum Database {
     /// None: the terms are the whole build-up.
@@ -102,11 +102,11 @@ impl Database {
 /// Constants of the aircraft that [`LongitudinalModel`] needs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LongitudinalConstants {
-    /// Wing reference area, m^2.
+    /// Wing reference area `S`, m^2.
     pub wing_area: f64,
-    /// Mean aerodynamic chord, m.
+    /// Mean aerodynamic chord `cbar`, m.
     pub mean_chord: f64,
-    /// Acceleration of gravity, m/s^2.
+    /// Acceleration of gravity, m/s^2, positive.
     pub gravity: f64,
     /// Angle of the thrust line above body x, rad.
     pub thrust_inclination: f64,
@@ -155,7 +155,7 @@ pub struct LongitudinalModel {
 /// What rates and outputs share: coefficients with their derivatives, and the factors that make forces of them.
 struct Point {
     variables: Variables,
-    /// `CL, CD, Cm`.
+    /// The coefficients `CL, CD, Cm`, dimensionless.
     c: [f64; 3],
     /// Their derivatives with respect to V, alpha and q.
     dc: [[f64; 3]; 3],
@@ -201,7 +201,7 @@ impl LongitudinalModel {
         }
     }
 
-    /// The constants it was built with.
+    /// The constants of the aircraft that the model was built with.
     pub fn constants(&self) -> &LongitudinalConstants {
         &self.constants
     }

@@ -12,13 +12,13 @@ use crate::models::longitudinal::Database;
 /// Constants of the aircraft that the models of lateral-directional and of the whole motion need.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AircraftConstants {
-    /// Wing reference area, m^2.
+    /// Wing reference area `S`, m^2.
     pub wing_area: f64,
-    /// Mean aerodynamic chord, m.
+    /// Mean aerodynamic chord `cbar`, m.
     pub mean_chord: f64,
-    /// Wing span, m.
+    /// Wing span `b`, m.
     pub span: f64,
-    /// Acceleration of gravity, m/s^2.
+    /// Acceleration of gravity, m/s^2, positive.
     pub gravity: f64,
     /// Angle of the thrust line above body x, rad.
     pub thrust_inclination: f64,
@@ -86,7 +86,7 @@ impl Surfaces {
 /// Mass and inertia at one instant: an aircraft with the x-z plane as plane of symmetry.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MassInput {
-    /// Mass, kg.
+    /// Mass of the aircraft, kg.
     pub mass: f64,
     /// Moment of inertia about body x, kg m^2.
     pub ixx: f64,
@@ -112,7 +112,7 @@ impl MassInput {
         }
     }
 
-    /// What turns moments into angular accelerations; none for a mass or an inertia that cannot be.
+    /// The properties that turn moments into angular accelerations; `None` for an impossible mass or inertia.
     #[inline]
     pub fn properties(&self, rotor_momentum: f64) -> Option<MassProperties> {
         let Self { mass, ixx, iyy, izz, ixz } = *self;
@@ -120,7 +120,7 @@ impl MassInput {
     }
 }
 
-/// Motion relative to the air, as the aerodynamics see it.
+/// The motion relative to the air, on which the aerodynamic coefficients depend.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Air<T> {
     pub(crate) speed: T,
@@ -142,8 +142,8 @@ pub(crate) struct Aerodynamics {
 }
 
 impl Aerodynamics {
-    /// The flight variables of the terms, in the order of [`Variable`], then the extra inputs. The rate of the angle of
-    /// attack is not among those that these models know: it is zero.
+    /// The flight variables of the terms, in the order of [`Variable`], then the extra inputs. These models have no
+    /// rate of the angle of attack: its variable is zero.
     #[inline(always)]
     pub(crate) fn variables<T: Scalar>(&self, air: &Air<T>, surfaces: &Surfaces) -> [T; FACTORS] {
         let c = &self.constants;
@@ -180,8 +180,8 @@ impl Aerodynamics {
         total
     }
 
-    /// `CX, CY, CZ, Cl, Cm, Cn` in body axes about the centre of gravity, of the database and of the terms. Lift and drag
-    /// terms are along the stability axes, perpendicular to and along the velocity in the plane of symmetry.
+    /// `CX, CY, CZ, Cl, Cm, Cn` in body axes about the centre of gravity, of the database and of the terms. Lift and
+    /// drag terms are along the stability axes, perpendicular to and along the velocity in the plane of symmetry.
     #[inline(always)]
     pub(crate) fn coefficients<T: Scalar>(
         &self,

@@ -16,13 +16,13 @@ pub const SIX_OUTPUTS: usize = 14;
 /// What is known of the flight at one instant beside the state.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SixInput {
-    /// Surfaces and extra inputs.
+    /// Deflections of the surfaces and the extra inputs of the model file.
     pub surfaces: Surfaces,
-    /// Air density, kg/m^3.
+    /// Density of the air, kg/m^3.
     pub air_density: f64,
-    /// Thrust, N.
+    /// Thrust along the thrust line, N.
     pub thrust: f64,
-    /// Mass and inertia.
+    /// Mass, and moments and products of inertia.
     pub mass: MassInput,
 }
 
@@ -48,17 +48,17 @@ impl Input for SixInput {
 /// ```
 ///
 /// Lift and drag are along the stability axes (turned from body axes by the angle of attack alone); with sideslip the
-/// force along the airspeed is `-qbar S (CD cos b - CY sin b)`. Equations of motion of Stevens & Lewis table 2.5-1, those of
-/// [`force_equations`], [`attitude_equations`] and `MassProperties::angular_acceleration`, which the simulation flies.
-/// Linear in the parameters; the derivatives with respect to the state are exact (dual numbers through tables and
-/// equations).
+/// force along the airspeed is `-qbar S (CD cos b - CY sin b)`. Equations of motion of Stevens & Lewis table 2.5-1,
+/// those of [`force_equations`], [`attitude_equations`] and `MassProperties::angular_acceleration`, which the
+/// simulation flies. Linear in the parameters; the derivatives with respect to the state are exact (dual numbers
+/// through tables and equations).
 #[derive(Clone, Debug)]
 pub struct SixModel {
     aerodynamics: Aerodynamics,
     thrust_direction: [f64; 2],
 }
 
-/// Everything at one point.
+/// The rates of the states, and what the outputs need, at one point.
 struct Motion<T> {
     rates: [T; SIX_STATES],
     specific_force: [T; 3],
@@ -77,7 +77,7 @@ impl SixModel {
         Self { aerodynamics: Aerodynamics { constants, database, known, columns }, thrust_direction: [cos, -sin] }
     }
 
-    /// The constants it was built with.
+    /// The constants of the aircraft that the model was built with.
     pub fn constants(&self) -> &AircraftConstants {
         &self.aerodynamics.constants
     }
@@ -114,7 +114,7 @@ impl SixModel {
         let [speed_rate, alpha_rate, beta_rate] =
             force_equations(speed, &angles, angles.body_velocity(speed), rates, specific_force, c.gravity);
         let [phi_rate, pitch_rate, _] = attitude_equations(&angles, rates);
-        // An inertia that cannot be makes the rates no number, and the sample a lost one.
+        // An impossible inertia makes the rates NaN, and the estimator leaves the sample out.
         let [p_rate, q_rate, r_rate] = match u.mass.properties(c.rotor_momentum) {
             Some(properties) => properties.angular_acceleration(rates, moment),
             None => [T::from(f64::NAN); 3],
@@ -130,8 +130,8 @@ impl SixModel {
         self.motion(&std::array::from_fn(|i| Dual::<SIX_STATES>::variable(x[i], i)), theta, u)
     }
 
-    /// What one unit of each coefficient (`CL, CD, Cm, CY, Cl, Cn`) adds: to `V', alpha', beta'`, to the specific force and
-    /// to `p', q', r'`.
+    /// What one unit of each coefficient (`CL, CD, Cm, CY, Cl, Cn`) adds: to `V', alpha', beta'`, to the specific force
+    /// and to `p', q', r'`.
     fn per_coefficient(&self, x: &[f64; SIX_STATES], u: &SixInput) -> [PerCoefficient; 6] {
         let c = &self.aerodynamics.constants;
         let [speed, alpha, beta, ..] = *x;
@@ -169,11 +169,11 @@ impl SixModel {
 /// What one unit of a coefficient adds.
 #[derive(Clone, Copy, Default)]
 struct PerCoefficient {
-    /// To `V', alpha', beta'`.
+    /// What it adds to `V', alpha', beta'`.
     velocity: [f64; 3],
-    /// To the specific force.
+    /// What it adds to the specific force.
     force: [f64; 3],
-    /// To `p', q', r'`.
+    /// What it adds to `p', q', r'`.
     angular: [f64; 3],
 }
 

@@ -1,4 +1,5 @@
-//! What a motion model is to the estimation: built from a model file, with inputs made from the channels of a record.
+//! The interface between a motion model and the estimation: how it is built from a model file, and how its inputs are
+//! made from the channels of a record.
 
 mod lateral;
 mod longitudinal;
@@ -22,7 +23,7 @@ pub trait Motion<const N: usize, const R: usize>: Clone + Debug + Send + 'static
     /// The known input of the model at one sample.
     type KnownInput: Input + Debug + Send;
 
-    /// Its axes; their states and outputs are the model's, in the same order.
+    /// The axes of the motion; their states and outputs are those of the model, in the same order.
     const AXES: Axes;
 
     /// The model of a file about a reference point: estimated terms become columns, fixed ones known terms ([`terms`]).
@@ -31,8 +32,8 @@ pub trait Motion<const N: usize, const R: usize>: Clone + Debug + Send + 'static
     /// The model's input at one sample.
     fn known_input(known: &Known) -> Self::KnownInput;
 
-    /// A channel of the motion, SI, that the input holds instead of the outputs ([`Axes::known_channels`]); none if it does not.
-    /// Kinematics needs the airspeed also where it is no state.
+    /// A channel of the motion, SI, that the input holds instead of the outputs ([`Axes::known_channels`]); none if it
+    /// does not. The kinematic equations need the airspeed also where it is not a state.
     fn known_channel(_input: &Self::KnownInput, _channel: Output) -> Option<f64> {
         None
     }
@@ -49,16 +50,16 @@ impl<M, const N: usize, const R: usize, const P: usize> MotionModel<N, R, P> for
 {
 }
 
-/// Where increments to a database are zero: the terms count from here.
+/// The reference point: the angle of attack and the deflections at which the terms of the build-up are zero.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ReferencePoint {
-    /// Angle of attack, rad.
+    /// Angle of attack at which `alpha` counts as zero, rad.
     pub alpha: f64,
-    /// Elevator, rad.
+    /// Elevator deflection at which `elevator` counts as zero, rad.
     pub elevator: f64,
-    /// Aileron, rad.
+    /// Aileron deflection at which `aileron` counts as zero, rad.
     pub aileron: f64,
-    /// Rudder, rad.
+    /// Rudder deflection at which `rudder` counts as zero, rad.
     pub rudder: f64,
 }
 
@@ -75,19 +76,19 @@ pub struct Known {
     pub true_airspeed: f64,
     /// Measured angle of attack, rad.
     pub alpha: f64,
-    /// Measured pitch angle, rad.
+    /// Measured pitch angle, rad, positive nose up.
     pub theta: f64,
-    /// Measured pitch rate, rad/s.
+    /// Measured pitch rate about body y, rad/s, positive nose up.
     pub q: f64,
     /// Measured specific force along body x, m/s^2.
     pub ax: f64,
     /// Measured specific force along body z, m/s^2.
     pub az: f64,
-    /// Air density, kg/m^3.
+    /// Density of the air, kg/m^3.
     pub air_density: f64,
-    /// Thrust, N.
+    /// Thrust along the thrust line, N.
     pub thrust: f64,
-    /// Mass, kg.
+    /// Mass of the aircraft, kg.
     pub mass: f64,
     /// Moment of inertia about body x, kg m^2.
     pub ixx: f64,
@@ -137,7 +138,8 @@ pub type Columns = Vec<(Coefficient, Term)>;
 /// Known terms with their values.
 pub type KnownTerms = Vec<(Coefficient, Term, f64)>;
 
-/// The terms of a model file: estimated ones, and fixed ones with their values. Sensor biases are the estimator's matter.
+/// The terms of a model file: estimated ones, and fixed ones with their values. Sensor biases are left out: the
+/// estimator adds their columns itself.
 pub fn terms(file: &ModelFile) -> (Columns, KnownTerms) {
     let (mut columns, mut known) = (Vec::new(), Vec::new());
     for parameter in &file.parameters {

@@ -23,8 +23,8 @@ impl Motion<SIX_STATES, SIX_OUTPUTS> for SixModel {
 }
 
 impl AircraftConstants {
-    /// Those of a model file about a reference point. The rotor's momentum is the database's if the file gives none. The
-    /// span of a file of lateral axes is there: it is refused without.
+    /// Those of a model file about a reference point. The rotor's momentum is the database's if the file gives none.
+    /// The span of a file of lateral axes is there: it is refused without.
     pub(crate) fn of(file: &ModelFile, database: &Database, reference: &ReferencePoint) -> Self {
         let aircraft = &file.aircraft;
         let reference_speed = aircraft.reference_speed.unwrap_or(1.0);

@@ -21,9 +21,26 @@ use crate::preparation::noise::{NoiseLevel, measure_noise};
 use crate::preparation::prepare::{Prepared, prepare};
 
 /// Estimates the parameters of `model` from `record`, sample by sample as an on-board computer would: no estimate uses
-/// a later sample. It may be called on any thread: models of the lateral motion, whose estimators need 3 MB of stack, run on one
-/// of their own, and `progress` is called from the caller's. (Measured noise levels, where the model file gives none, are those of the first two seconds, or of
-/// the first 40 samples if that is longer.) `progress` is called with the fraction done, 0 to 1.
+/// a later sample. It may be called on any thread: models of the lateral motion, whose estimators need 3 MB of stack,
+/// run on one of their own, and `progress` is called from the caller's. (Measured noise levels, where the model file
+/// gives none, are those of the first two seconds, or of the first 40 samples if that is longer.) `progress` is called
+/// with the fraction done, 0 to 1.
+///
+/// ```
+/// use phugoid_flight_data::record::Record;
+/// use phugoid_identification::estimate::{EstimateOptions, Method, estimate};
+/// use phugoid_identification::estimation::FinalStatus;
+/// use phugoid_identification::model_file::ModelFile;
+/// let flight = Record::open("examples/flight.csv")?;
+/// let options = EstimateOptions { method: Some(Method::Ekf), ..EstimateOptions::default() };
+/// let mut done = 0.0;
+/// let result = estimate(&flight, &ModelFile::named("f16")?, &options, &mut |fraction| done = fraction)?;
+/// let stability = result.parameter("dCm_alpha").ok_or("no such parameter")?;
+/// assert_eq!(stability.status, FinalStatus::Converged);
+/// assert!(stability.lower < -0.2 && -0.2 < stability.upper); // it was flown with -0.2 per rad
+/// assert_eq!(done, 1.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Errors
 /// [`EstimateError`]: a missing channel, too few samples, units that are certainly wrong, too many parameters.

@@ -1,4 +1,4 @@
-//! The way from a record, or from samples as they come, to the result: what the crate's users call.
+//! The whole way from a record, or from samples as they come, to the result: the functions that users call.
 
 pub mod estimate;
 pub mod monitor;

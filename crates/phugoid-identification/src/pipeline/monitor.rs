@@ -10,11 +10,30 @@ use crate::core::options::EstimateOptions;
 use crate::methods::HealthRun;
 use crate::model_file::ModelFile;
 
-/// Estimates the parameters of `model` from `record` as [`crate::pipeline::estimate::estimate`] does, and watches beside it whether they
-/// are what is expected: sample by sample, no verdict uses a later sample. `progress` is called with the fraction done, 0 to 1.
+/// Estimates the parameters of `model` from `record` as [`crate::pipeline::estimate::estimate`] does, and watches
+/// beside it whether they are what is expected: sample by sample, no verdict uses a later sample. `progress` is called
+/// with the fraction done, 0 to 1.
+///
+/// ```
+/// use phugoid_flight_data::record::Record;
+/// use phugoid_identification::estimate::EstimateOptions;
+/// use phugoid_identification::health::{Condition, FALSE_ALARMS_PER_HOUR, HealthOptions};
+/// use phugoid_identification::model_file::{Expectation, ModelFile};
+/// use phugoid_identification::monitor::monitor;
+/// let flight = Record::open("examples/flight.csv")?;
+/// // The elevator should have its full effect, within 0.04 per rad; it was flown with 0.15 per rad less.
+/// let elevator = Expectation { name: "dCm_elevator".to_owned(), value: 0.0, tolerance: 0.04, failure_std: None };
+/// let health = HealthOptions { expected: vec![elevator], false_alarms_per_hour: FALSE_ALARMS_PER_HOUR };
+/// let model = ModelFile::named("f16")?;
+/// let (_, report) = monitor(&flight, &model, &EstimateOptions::default(), &health, &mut |_| {})?;
+/// assert_eq!(report.condition, Condition::Diverged);
+/// assert!(report.sentences[0].starts_with("dCm_elevator diverged"), "{:?}", report.sentences);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Errors
-/// Those of [`crate::pipeline::estimate::estimate`]; [`EstimateError::Model`] for expectations that cannot be monitored.
+/// Those of [`crate::pipeline::estimate::estimate`]; [`EstimateError::Model`] for expectations that cannot be
+/// monitored.
 pub fn monitor(
     record: &Record,
     model: &ModelFile,

@@ -1,8 +1,8 @@
 //! A live estimation: sample by sample, with the code that runs over records.
 //!
-//! The same samples give the same numbers, bit for bit, however late they come. The first two seconds (at least forty samples) are
-//! collected, because the noise levels and the reference point are taken from them; then they are worked off at once, and from
-//! there on each sample gives its estimate as it comes.
+//! The same samples give the same numbers, bit for bit, however late they come. The first two seconds (at least forty
+//! samples) are collected, because the noise levels and the reference point are taken from them; then they are worked
+//! off at once, and from there on each sample gives its estimate as it comes.
 //!
 //! ```
 //! use phugoid_identification::estimate::EstimateOptions;
@@ -37,19 +37,41 @@ const START_S: f64 = 2.0;
 const START_SAMPLES: usize = 40;
 /// Values of a measured output among them, so that its noise can be measured.
 const START_VALUES: usize = 11;
-/// An aircraft slower than this part of its reference speed is not taken to fly.
+/// An aircraft that is slower than this part of its reference speed counts as not flying.
 const FLYING: f64 = 0.5;
 
 /// One live estimation.
 ///
-/// It may be moved between threads. Models of the lateral motion, or of all axes, need up to 4 MB of stack in [`Session::update`]:
-/// call it on a thread that has 16 MB.
+/// ```
+/// use phugoid_flight_data::record::Record;
+/// use phugoid_identification::estimate::{EstimateOptions, estimate};
+/// use phugoid_identification::model_file::ModelFile;
+/// use phugoid_identification::session::{Session, Step};
+/// let (flight, model, options) =
+///     (Record::open("examples/flight.csv")?, ModelFile::named("f16")?, EstimateOptions::default());
+/// let mut session = Session::new(&model, &options)?;
+/// for k in 0..flight.len() {
+///     let value = |name: &String| flight.channel(name).map_or(f64::NAN, |channel| channel.values[k]);
+///     let values: Vec<f64> = session.channels().iter().map(value).collect();
+///     let step = session.update(flight.time[k], &values)?;
+///     assert_eq!(matches!(step, Step::Waiting { .. }), k < 100, "the first two seconds are collected");
+/// }
+/// // The same number as from the whole record, to the last bit.
+/// let position = session.layout().parameters.iter().position(|p| p.name == "dCm_alpha").ok_or("missing")?;
+/// let live = &session.snapshot().ok_or("no estimate")?.parameters[position];
+/// let whole = estimate(&flight, &model, &options, &mut |_| {})?;
+/// assert_eq!(Some(live.value), whole.parameter("dCm_alpha").map(|p| p.value));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// It may be moved between threads. Models of the lateral motion, or of all axes, need up to 4 MB of stack in
+/// [`Session::update`]: call it on a thread that has 16 MB.
 pub struct Session {
     file: ModelFile,
     options: EstimateOptions,
     layout: Layout,
     channels: Vec<String>,
-    /// Until the course begins.
+    /// The samples that are collected until the estimation begins; empty from then on.
     start: Record,
     course: Option<Box<dyn Course>>,
     snapshot: Option<Snapshot>,
@@ -57,49 +79,50 @@ pub struct Session {
     last_s: f64,
 }
 
-/// What became of a sample.
+/// What a session did with a sample.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Step {
-    /// It is kept for the start.
+    /// The sample was kept: the estimation has not begun.
     Waiting {
-        /// Time collected, s.
+        /// Time that has been collected so far, s.
         have_s: f64,
-        /// Time needed, s.
+        /// Time that is needed before the estimation begins, s.
         need_s: f64,
         /// What else is missing, in words.
         reason: Option<String>,
     },
-    /// It gave an estimate: see [`Session::snapshot`].
+    /// The sample gave an estimate: read it with [`Session::snapshot`].
     Estimated,
-    /// It was left out, for this reason.
+    /// The sample was left out, for this reason.
     Refused(String),
 }
 
-/// What the entries of a [`Snapshot`] are.
+/// Names and units of the entries of a [`Snapshot`].
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Layout {
     /// Model file or its built-in name.
     pub model: String,
-    /// Causal method.
+    /// The method that runs; never a batch method.
     pub method: Method,
     /// Axes of the motion, as in a model file: `longitudinal`, `lateral`.
     pub axes: Vec<String>,
-    /// Parameters that are estimated.
+    /// The parameters that are estimated, in the order of the model file.
     pub parameters: Vec<ParameterLayout>,
-    /// Measured outputs.
+    /// The measured outputs, in the order of the output vector.
     pub outputs: Vec<SignalLayout>,
-    /// Known inputs.
+    /// The known inputs that a snapshot shows, in the order of
+    /// [`Axes::known_channels`](crate::axes::Axes::known_channels).
     pub inputs: Vec<SignalLayout>,
 }
 
-/// A parameter that is estimated.
+/// Name, unit and prior of one estimated parameter.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ParameterLayout {
     /// Name from the model file, e.g. `Cm_alpha`.
     pub name: String,
     /// Unit as printed: `per rad`, `-`; that of the sensor for a bias.
     pub unit: String,
-    /// Start value.
+    /// Start value from the model file, in `unit`.
     pub initial: f64,
     /// One sigma of what is known beforehand.
     pub prior_std: f64,
@@ -107,12 +130,12 @@ pub struct ParameterLayout {
     pub nuisance: bool,
 }
 
-/// A signal.
+/// The name and the unit of one signal of a snapshot.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SignalLayout {
-    /// Canonical name, e.g. `alpha`.
+    /// Canonical name of the channel, e.g. `alpha`.
     pub name: String,
-    /// SI unit as printed.
+    /// SI unit as printed, e.g. `rad`.
     pub unit: String,
 }
 
@@ -121,16 +144,16 @@ pub struct SignalLayout {
 pub struct Snapshot {
     /// Time of the sample, s.
     pub time_s: f64,
-    /// How the estimator met the sample.
+    /// How the estimator treated the sample.
     pub phase: Phase,
-    /// What the change detector holds of the parameters; in doubt the bounds are widened.
+    /// State of the change detector; while a change is in doubt the bounds are widened.
     pub change: ChangeState,
-    /// Whether anything has moved yet; before, the parameters are what was known beforehand.
+    /// True once anything has moved; before that the parameters are those of the priors.
     pub moved: bool,
-    /// When the readiness of the parameters was renewed last, s; none before the first motion.
+    /// Time at which the readiness of the parameters was computed last, s; `None` before the first motion.
     #[serde(default)]
     pub readiness_s: Option<f64>,
-    /// Parameters.
+    /// The estimate of each parameter after this sample.
     pub parameters: Vec<LiveParameter>,
     /// Measured outputs, SI; NaN (in JSON `null`) where missing.
     pub outputs: Vec<f64>,
@@ -138,29 +161,30 @@ pub struct Snapshot {
     pub predicted: Vec<f64>,
     /// Residuals over their predicted standard deviation; NaN where missing.
     pub residuals: Vec<f64>,
-    /// Known inputs, SI, as used.
+    /// Known inputs as the model used them: the last value is held where one is missing, SI.
     pub inputs: Vec<f64>,
 }
 
-/// One parameter after one sample.
+/// The estimate of one parameter after one sample.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct LiveParameter {
-    /// Estimate.
+    /// Estimate, in the unit that the layout gives.
     pub value: f64,
     /// One-sigma error, corrected for the colour of the residuals; bounds are two of them.
     pub std_error: f64,
-    /// How far it is known.
+    /// How well the parameter is known.
     pub status: ParameterStatus,
-    /// May it be believed, why, and what would help? Renewed ten times a second; none before the first motion.
+    /// Whether the value can be used, why, and what input would help. Computed ten times a second; `None` before the
+    /// first motion.
     pub readiness: Option<ParameterReadiness>,
 }
 
 impl Session {
-    /// An estimation that has not begun.
+    /// A session for this model and these options that has not seen a sample.
     ///
     /// # Errors
-    /// [`EstimateError::NotCausal`] for a batch method, [`EstimateError::OneRecordOnly`] for records and true values among the options that only a recorded flight has;
-    /// [`EstimateError::TooManyParameters`].
+    /// [`EstimateError::NotCausal`] for a batch method, [`EstimateError::OneRecordOnly`] for records and true values
+    /// among the options that only a recorded flight has; [`EstimateError::TooManyParameters`].
     pub fn new(file: &ModelFile, options: &EstimateOptions) -> Result<Self, EstimateError> {
         let method = options.method.unwrap_or(file.estimator.method);
         if method.is_batch() {
@@ -210,16 +234,17 @@ impl Session {
         &self.channels
     }
 
-    /// What the entries of a snapshot are.
+    /// Names and units of the entries of a snapshot, in their order.
     pub fn layout(&self) -> &Layout {
         &self.layout
     }
 
-    /// Takes the values of one sample, in the order of [`Session::channels`], SI, NaN where one is missing: an input is then held at
-    /// its last value, an output left out. A sample whose time does not increase is refused.
+    /// Takes the values of one sample, in the order of [`Session::channels`], SI, NaN where one is missing: an input is
+    /// then held at its last value, an output left out. A sample whose time does not increase is refused.
     ///
     /// # Errors
-    /// What makes an estimation impossible: units that are certainly wrong, a model without a trim. The session stays as it was.
+    /// What makes an estimation impossible: units that are certainly wrong, a model without a trim. The session stays
+    /// as it was.
     pub fn update(&mut self, time_s: f64, values: &[f64]) -> Result<Step, EstimateError> {
         if values.len() != self.channels.len() {
             let (found, expected) = (values.len(), self.channels.join(", "));
@@ -241,7 +266,7 @@ impl Session {
         self.snapshot.as_ref()
     }
 
-    /// What happened since this was asked last.
+    /// The events since the last call, in order of time: suspected and adopted changes, gaps, restarts.
     pub fn take_events(&mut self) -> Vec<Event> {
         std::mem::take(&mut self.events)
     }
@@ -254,7 +279,7 @@ impl Session {
 
     fn collect(&mut self, time_s: f64, values: &[f64]) -> Result<Step, EstimateError> {
         if let Some(reason) = self.not_flying(values) {
-            // What was measured on the ground tells nothing of the flight.
+            // Samples from the ground must not decide the noise levels and the reference point.
             self.slide(f64::INFINITY, 0);
             return Ok(Step::Waiting { have_s: 0.0, need_s: START_S, reason: Some(reason) });
         }
@@ -263,7 +288,7 @@ impl Session {
             channel.values.push(*value);
         }
         let have_s = time_s - self.start.time.first().copied().unwrap_or(time_s);
-        // A hair less than two seconds is what rounding makes of two seconds.
+        // Rounding may make two seconds a little shorter.
         if have_s < START_S - 1e-6 || self.start.time.len() < START_SAMPLES {
             return Ok(Step::Waiting { have_s, need_s: START_S, reason: None });
         }
@@ -292,7 +317,7 @@ impl Session {
         (!names.is_empty()).then(|| format!("too few values of {} in the last {START_S} s", names.join(", ")))
     }
 
-    /// Goes on collecting with what is still of use.
+    /// Continues to collect, with the samples that are young enough to be used.
     fn wait_on(&mut self, reason: String) -> Step {
         self.slide(self.last_s - START_S - 1e-6, START_SAMPLES);
         Step::Waiting { have_s: START_S, need_s: START_S, reason: Some(reason) }
@@ -311,7 +336,7 @@ impl Session {
     fn begin(&mut self) -> Result<Step, EstimateError> {
         let (course, first) = match course::begin(&self.start, &self.file, &self.options, &self.channels) {
             Ok(course) => course,
-            // More samples may mend it.
+            // Further samples may remove the cause.
             Err(
                 error @ (EstimateError::Noise(_) | EstimateError::EmptyChannel(_) | EstimateError::TooShort { .. }),
             ) => {

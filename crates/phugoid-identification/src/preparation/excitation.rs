@@ -1,12 +1,12 @@
-//! Has the aircraft been moved at all?
+//! Decides whether the aircraft has been moved at all.
 //!
 //! Increments to a database are learnt from departures from the reference point. Before there is any, the estimated
 //! angle of attack still wanders about it by its own noise wherever process noise is allowed for, and an estimator that
 //! linearises about its estimate takes that wander for excitation: on a simulated F-16 in steady flight it "learnt"
 //! dCL_alpha to 0.3 where the prior is 0.75, and was seven of these sigmas wrong. So the estimates of increments start
-//! with the first motion that is visible above the noise, not before. In absolute form steady flight does tell something,
-//! but of sums of terms: there the estimator runs from the first sample, and its estimates are shown from the first motion
-//! on.
+//! with the first motion that is visible above the noise, not before. In absolute form steady flight does tell
+//! something, but of sums of terms: there the estimator runs from the first sample, and its estimates are shown from
+//! the first motion on.
 
 use crate::core::axes::{Axes, Group};
 use crate::core::output::Output;
@@ -29,7 +29,7 @@ pub(crate) struct Moved {
 }
 
 impl Moved {
-    /// On both.
+    /// Something has moved on both groups of axes.
     pub(crate) const ALL: Self = Self { longitudinal: true, lateral: true };
 
     /// Whether something has moved on this group.
@@ -96,7 +96,8 @@ impl Excitation {
         Self::new(M::AXES, &noise.map(|n| n.std), surfaces)
     }
 
-    /// With the noise of the outputs (one sigma, SI), and the group, the first value and the noise of each surface (rad).
+    /// With the noise of the outputs (one sigma, SI), and the group, the first value and the noise of each surface
+    /// (rad).
     fn new(axes: Axes, noise: &[f64], surfaces: impl Iterator<Item = (Group, f64, f64)>) -> Self {
         let response = |output: &Output| {
             let row = axes.row(*output)?;
@@ -117,8 +118,8 @@ impl Excitation {
         }
     }
 
-    /// Takes a sample, the surfaces in the order in which they were given; what it gives is set from the first visible motion of a
-    /// group on.
+    /// Takes a sample, the surfaces in the order in which they were given; what it gives is set from the first visible
+    /// motion of a group on.
     pub(crate) fn update(&mut self, time_s: f64, surfaces: impl Iterator<Item = f64>, outputs: &[f64]) -> Moved {
         for (surface, position) in self.surfaces.iter().zip(surfaces) {
             if (position - surface.start).abs() > surface.threshold {

@@ -6,12 +6,13 @@
 //! V' = f_V(ax, ay, az),   alpha' = q + f_a(ax, az)/V + ...,   beta' = ...,   phi' = p + ...,   theta' = q cos(phi) - r sin(phi)
 //! ```
 //!
-//! (Stevens & Lewis, table 2.5-1). Each of these states is integrated and drawn towards its own measurement with the gain
-//! `max(1/(k+1), 1 - e^{-b h})` at its `k`-th measurement: the mean of all at first, a filter of corner `b` later. The rule for the corner is the
-//! stationary Kalman gain of a random walk, `b = sqrt((s_i^2 h + Q)/(s^2 h))`, with `s` the noise of the measurement (one sigma), `s_i`
-//! that of the integrated rate, `Q` the process noise of the state (variance per second) and `h` the sample time. Nothing is left to
-//! choose: 0.3, 1 and 2 rad/s for V, alpha and theta of the F-16 in calm air, and some 30 rad/s in light turbulence, where the vane feels gusts
-//! that no accelerometer predicts.
+//! (Stevens & Lewis, table 2.5-1). Each of these states is integrated and drawn towards its own measurement with the
+//! gain `max(1/(k+1), 1 - e^{-b h})` at its `k`-th measurement: the mean of all at first, a filter of corner `b` later.
+//! The rule for the corner is the stationary Kalman gain of a random walk, `b = sqrt((s_i^2 h + Q)/(s^2 h))`, with `s`
+//! the noise of the measurement (one sigma), `s_i` that of the integrated rate, `Q` the process noise of the state
+//! (variance per second) and `h` the sample time. There is nothing to tune: 0.3, 1 and 2 rad/s for V, alpha and theta
+//! of the F-16 in calm air, and some 30 rad/s in light turbulence, where the vane feels gusts that no accelerometer
+//! predicts.
 //!
 //! Angular rates stay as measured: only the unknown moments could smooth them.
 
@@ -39,7 +40,7 @@ pub struct KinematicFrontEnd<M, const N: usize, const R: usize> {
     /// Process noise of the integrated states, variance per second.
     process: [f64; 5],
     sample_time_s: f64,
-    /// `b`, rad/s.
+    /// Corner frequencies `b` of the five filters, rad/s.
     corners: [f64; 5],
     /// Measurements taken, per integrated state.
     taken: [f64; 5],
@@ -73,8 +74,8 @@ impl<M: Motion<N, R>, const N: usize, const R: usize> KinematicFrontEnd<M, N, R>
         }
     }
 
-    /// `b` of airspeed, alpha, beta, phi and theta, rad/s, as set at the start; infinite where the measurement is taken as it
-    /// is, zero where there is none.
+    /// `b` of airspeed, alpha, beta, phi and theta, rad/s, as set at the start; infinite where the measurement is taken
+    /// as it is, zero where there is none.
     pub fn corner_rates(&self) -> [f64; 5] {
         self.corners
     }
@@ -83,7 +84,8 @@ impl<M: Motion<N, R>, const N: usize, const R: usize> KinematicFrontEnd<M, N, R>
         let noise = |channel: Output| self.noise[channel.index()];
         let square = |std: f64| std * std;
         let per_speed = 1.0 / speed.max(1.0);
-        // A rate that is known from elsewhere (an input) has no noise here; one that is not known at all has no end of it.
+        // A rate that is known from elsewhere (an input) has no noise here; a channel that is not known at all has
+        // infinite noise.
         let force = |channel: Output| match self.rows[channel.index()] {
             Some(_) => square(noise(channel)),
             None => 0.0,

@@ -10,7 +10,7 @@ use crate::motion::{Known, Motion};
 /// Where a known input comes from.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Origin {
-    /// Always this, SI.
+    /// The same value at every sample, SI.
     Constant(f64),
     /// The channel of this name.
     Channel(String),
@@ -65,8 +65,8 @@ pub(crate) struct KnownInput {
     pub(crate) origin: Origin,
 }
 
-/// The known inputs of a model: those of its axes, then air, mass and inertia, then the extra inputs. `trim_thrust` (N) is used
-/// where the file takes the thrust from the trim.
+/// The known inputs of a model: those of its axes, then air, mass and inertia, then the extra inputs. `trim_thrust` (N)
+/// is used where the file takes the thrust from the trim.
 ///
 /// # Errors
 /// [`EstimateError::Model`] if the file lacks what its axes need.
@@ -104,8 +104,8 @@ pub(crate) fn known_inputs(file: &ModelFile, trim_thrust: Option<f64>) -> Result
     Ok(known)
 }
 
-/// The model's input from the values of its known inputs, in the order of [`known_inputs`]: those before `named` go to their
-/// places by name, the rest are the extra inputs.
+/// The model's input from the values of its known inputs, in the order of [`known_inputs`]: those before `named` go to
+/// their places by name, the rest are the extra inputs.
 pub(crate) fn model_input<'a, M: Motion<N, R>, const N: usize, const R: usize>(
     hold: InputHold,
     named: usize,

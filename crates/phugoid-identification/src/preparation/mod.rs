@@ -1,4 +1,5 @@
-//! From a flight record to the samples that a model takes: inputs, noise levels, the trim, and whether anything has moved.
+//! From a flight record to the samples that a model takes: inputs, noise levels, the trim, and whether anything has
+//! moved.
 
 pub(crate) mod excitation;
 pub mod front_end;

@@ -1,22 +1,35 @@
 //! Measurement noise of a channel, from the channel itself.
 
-/// Samples of a channel that its noise is measured from.
+use phugoid_flight_data::statistics::median;
+
+/// The measured noise of one channel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeasuredNoise {
-    /// One sigma, in the channel's unit.
+    /// Standard deviation of the noise, in the channel's unit.
     pub std: f64,
-    /// True if the steps of the recorder, not the noise, decided: `std` is then the step over the root of 12.
+    /// True if the noise is below the step of the recorder: `std` is then that of rounding, the step over the root of
+    /// 12.
     pub quantised: bool,
 }
 
 /// One sigma of the white noise on a channel, from its third differences.
 ///
 /// `sigma = 1.4826 median|x_k - 3 x_(k-1) + 3 x_(k-2) - x_(k-3)| / sqrt(20)`: the third difference removes any motion
-/// that is a parabola over four samples, its noise has the variance `(1 + 9 + 9 + 1) sigma^2`, and 1.4826 makes a
-/// sigma of a median, which outliers cannot move. Missing values are left out. Nothing if there are fewer than eight
-/// third differences, or if the channel does not move at all.
+/// that is a parabola over four samples, its noise has the variance `(1 + 9 + 9 + 1) sigma^2`, and 1.4826 makes a sigma
+/// of a median, which outliers cannot move. NaN counts as missing, and every difference with a missing value is left
+/// out. `None` if there are fewer than eight third differences, or if the channel is constant.
 ///
 /// Motion that is not smooth over four samples counts as noise: the value is then too large, never too small.
+///
+/// ```
+/// use phugoid_identification::noise::measure_noise;
+/// // Smooth motion, recorded in steps of 0.1.
+/// let values: Vec<f64> = (0..400).map(|k| (10.0 * (0.01 * f64::from(k)).sin() * 10.0).round() / 10.0).collect();
+/// let noise = measure_noise(&values).ok_or("too short")?;
+/// assert!(noise.std < 0.1, "{noise:?}");
+/// assert_eq!(measure_noise(&[2.0; 400]), None); // a constant channel says nothing of its noise
+/// # Ok::<(), &str>(())
+/// ```
 pub fn measure_noise(values: &[f64]) -> Option<MeasuredNoise> {
     let mut third: Vec<f64> =
         values.windows(4).map(|w| (w[3] - 3.0 * w[2] + 3.0 * w[1] - w[0]).abs()).filter(|d| d.is_finite()).collect();
@@ -44,16 +57,6 @@ pub fn measure_noise(values: &[f64]) -> Option<MeasuredNoise> {
 pub(crate) struct NoiseLevel {
     pub(crate) std: f64,
     pub(crate) measured: bool,
-}
-
-/// Median; the slice is reordered. Nothing for an empty slice.
-pub(crate) fn median(values: &mut [f64]) -> Option<f64> {
-    if values.is_empty() {
-        return None;
-    }
-    let middle = values.len() / 2;
-    let (_, m, _) = values.select_nth_unstable_by(middle, f64::total_cmp);
-    Some(*m)
 }
 
 #[cfg(test)]

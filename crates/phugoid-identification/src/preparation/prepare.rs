@@ -1,6 +1,7 @@
-//! From a model file and a record to what the estimator takes: the model, its inputs and the measured outputs.
+//! Makes the arguments of the estimator of a model file and a record: the model, its inputs and the measured outputs.
 
 use phugoid_flight_data::record::Record;
+use phugoid_flight_data::statistics::{median, median_step};
 use phugoid_flight_dynamics::atmosphere::Atmosphere;
 use phugoid_flight_dynamics::f16::{F16, F16Options};
 
@@ -13,17 +14,16 @@ use crate::model_file::{AirDensity, Base, ModelFile, Reference, ReferenceValue, 
 use crate::models::longitudinal::{Database, LongitudinalModel};
 use crate::motion::{Motion, ReferencePoint};
 use crate::preparation::intake::{KnownInput, Origin, known_inputs, model_input};
-use crate::preparation::noise::median;
 use crate::preparation::trim::{LevelTrim, TrimCondition, level_trim};
 
 /// Everything the estimator needs of one record.
 #[derive(Clone, Debug)]
 pub struct Prepared<M: Motion<N, R>, const N: usize, const R: usize> {
-    /// The model with its constants filled in.
+    /// The model, built with the constants of the file and the reference point.
     pub model: M,
-    /// Time, s.
+    /// Times of the samples used, s.
     pub time: Vec<f64>,
-    /// Known input per sample.
+    /// Known input of the model at each sample.
     pub inputs: Vec<M::KnownInput>,
     /// Measured outputs per sample; NaN where missing.
     pub outputs: Vec<[f64; R]>,
@@ -31,11 +31,11 @@ pub struct Prepared<M: Motion<N, R>, const N: usize, const R: usize> {
     pub known: Vec<Signal>,
     /// Where they come from, in the same order.
     pub(crate) origins: Vec<Origin>,
-    /// Where increments are zero and the terms count from.
+    /// The reference point: the values at which the terms are zero.
     pub reference: ReferencePoint,
     /// Index in the record of the first sample used.
     pub first: usize,
-    /// Sentences about what was filled in.
+    /// Sentences about what was assumed, held or left out.
     pub notes: Vec<String>,
 }
 
@@ -55,7 +55,7 @@ impl<M: Motion<N, R>, const N: usize, const R: usize> Prepared<M, N, R> {
 /// Says how often a surface moved while it was not sampled. The model takes it to move at the later sample, or evenly;
 /// a step that came earlier biases the moment derivatives by more than their bounds.
 fn unseen_moves(name: &str, time: &[f64], elevator: &[f64], seen: &[bool]) -> Option<String> {
-    let step = median(&mut time.windows(2).map(|pair| pair[1] - pair[0]).collect::<Vec<f64>>())?;
+    let step = median_step(time)?;
     let (low, high) = elevator.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
     let unseen = time
         .windows(2)
@@ -191,7 +191,7 @@ pub fn database(file: &ModelFile) -> Result<Database, EstimateError> {
     })
 }
 
-/// The known inputs of the file, and the trim where one is asked for.
+/// The known inputs of the file, and the trim where the file asks for one.
 fn known(
     record: &Record,
     file: &ModelFile,
@@ -214,8 +214,8 @@ fn recorded(record: &Record, origin: &Origin) -> Result<Vec<f64>, EstimateError>
 /// The values of a channel of the record.
 ///
 /// # Errors
-/// [`EstimateError::MissingChannel`] with the nearest channel that is there; [`EstimateError::Model`] if it is not as long
-/// as the time.
+/// [`EstimateError::MissingChannel`] with the nearest channel that is there; [`EstimateError::Model`] if it is not as
+/// long as the time.
 pub(crate) fn channel<'a>(record: &'a Record, name: &str) -> Result<&'a [f64], EstimateError> {
     match record.channel(name) {
         Some(channel) if channel.values.len() == record.time.len() => Ok(&channel.values),
@@ -230,20 +230,20 @@ pub(crate) fn channel<'a>(record: &'a Record, name: &str) -> Result<&'a [f64], E
 }
 
 fn missing(record: &Record, name: &str, others: &[&str]) -> EstimateError {
-    let mut also: Vec<String> =
+    let mut other_channels: Vec<String> =
         others.iter().filter(|other| **other != name).map(|other| (*other).to_owned()).collect();
-    also.dedup();
-    // A log says of a channel that it lacks where it was looked for, and what to do.
-    let about = |place: &str| place == name || place == "vehicle" || also.iter().any(|other| other == place);
-    let findings = record.quality.findings.iter().filter(|finding| about(&finding.place));
-    let told =
-        findings.map(|finding| format!("{}: {}", finding.place, finding.message.replace('\n', "\n  "))).collect();
+    other_channels.dedup();
+    // The reader of a log says for a missing channel where it was looked for and what to do.
+    let about = |place: &str| place == name || place == "vehicle" || other_channels.iter().any(|other| other == place);
+    let about_channels = record.quality.findings.iter().filter(|finding| about(&finding.place));
+    let findings =
+        about_channels.map(|finding| format!("{}: {}", finding.place, finding.message.replace('\n', "\n  "))).collect();
     EstimateError::MissingChannel {
         record: record.source.clone(),
         channel: name.to_owned(),
         present: record.channels.iter().map(|c| c.name.clone()).collect(),
         nearest: nearest(name, record.channels.iter().map(|c| c.name.as_str())).map(str::to_owned),
-        lacking: Box::new(Lacking { also, told }),
+        lacking: Box::new(Lacking { other_channels, findings }),
     }
 }
 

@@ -4,43 +4,66 @@ use phugoid_flight_dynamics::scalar::{Dual, Scalar};
 
 use crate::models::longitudinal::Database;
 
-/// Steady level flight.
+/// Angle of attack, elevator and thrust of steady level flight with the wings level.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LevelTrim {
     /// Angle of attack, rad; also the pitch angle.
     pub alpha: f64,
-    /// Elevator, rad.
+    /// Elevator deflection, rad, positive trailing edge down.
     pub elevator: f64,
-    /// Thrust, N.
+    /// Thrust along the thrust line, N.
     pub thrust: f64,
 }
 
-/// Condition of a level trim, SI.
+/// The flight condition and the aircraft of a level trim, SI.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrimCondition {
-    /// Airspeed, m/s.
+    /// True airspeed, m/s.
     pub speed: f64,
-    /// Air density, kg/m^3.
+    /// Density of the air, kg/m^3.
     pub density: f64,
-    /// Mass, kg.
+    /// Mass of the aircraft, kg.
     pub mass: f64,
-    /// Acceleration of gravity, m/s^2.
+    /// Acceleration of gravity, m/s^2, positive.
     pub gravity: f64,
-    /// Wing area, m^2.
+    /// Wing reference area, m^2.
     pub wing_area: f64,
-    /// Mean chord, m.
+    /// Mean aerodynamic chord, m.
     pub mean_chord: f64,
     /// Angle of the thrust line above body x, rad.
     pub thrust_inclination: f64,
-    /// Pitching moment per newton of thrust, m.
+    /// Pitching moment about the centre of gravity per newton of thrust, m, positive nose up.
     pub thrust_arm: f64,
 }
 
-/// Finds alpha, elevator and thrust at which neither speed nor path nor pitch rate change, by Newton's method with exact
-/// derivatives and halved steps.
+/// Finds alpha, elevator and thrust at which neither speed nor path nor pitch rate change, by Newton's method with
+/// exact derivatives and halved steps. Thrust and deflections are not limited: compare them with what the aircraft has.
+///
+/// ```
+/// use phugoid_flight_dynamics::atmosphere::Atmosphere;
+/// use phugoid_identification::model_file::ModelFile;
+/// use phugoid_identification::prepare::database;
+/// use phugoid_identification::trim::{TrimCondition, level_trim};
+/// let f16 = database(&ModelFile::named("f16")?)?;
+/// let mut condition = TrimCondition {
+///     speed: 205.74,
+///     density: Atmosphere::Book.at(6096.0).density,
+///     mass: 9299.8,
+///     gravity: 9.8054,
+///     wing_area: 27.87,
+///     mean_chord: 3.45,
+///     thrust_inclination: 0.0,
+///     thrust_arm: 0.0,
+/// };
+/// assert!((level_trim(&f16, &condition)?.alpha.to_degrees() - 2.39).abs() < 0.01);
+/// condition.density = 0.0; // no air, no lift
+/// assert!(level_trim(&f16, &condition).unwrap_err().contains("no level trim at 205.74 m/s"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Errors
-/// A sentence with the remaining accelerations, if no level flight was found at this condition.
+/// A sentence with the remaining imbalance if no level flight was found at this condition, which includes every NaN
+/// argument.
 pub fn level_trim(database: &Database, c: &TrimCondition) -> Result<LevelTrim, String> {
     let qbar_s = 0.5 * c.density * c.speed * c.speed * c.wing_area;
     let weight = c.mass * c.gravity;

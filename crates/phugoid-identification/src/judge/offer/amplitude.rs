@@ -1,4 +1,4 @@
-//! How far the terms move in a flight.
+//! How far each term of the build-up moves during a flight.
 
 use crate::core::output::Output;
 use crate::core::term::{FACTORS, Term, Variable};
@@ -58,7 +58,7 @@ fn factors<M: Motion<N, R>, const N: usize, const R: usize>(
             Variable::Elevator => value("elevator") - reference.elevator,
             Variable::Aileron => value("aileron") - reference.aileron,
             Variable::Rudder => value("rudder") - reference.rudder,
-            // In no candidate: the model takes it to the first power alone.
+            // The rate of alpha is in no candidate: the model takes it to the first power only.
             Variable::AlphaRate => 0.0,
         };
     }

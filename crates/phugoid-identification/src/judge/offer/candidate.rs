@@ -1,4 +1,4 @@
-//! Which terms are tried, and what is taken to be known of them beforehand.
+//! The candidate terms that are tried, and the priors of their parameters.
 
 use super::amplitude::Amplitudes;
 use crate::core::estimation::ParameterResult;
@@ -26,7 +26,7 @@ impl Candidate {
         with
     }
 
-    /// The line under `[coefficients]`.
+    /// The line that a user puts under `[coefficients]` to add the term.
     pub(super) fn coefficient_line(&self, file: &ModelFile) -> String {
         let there = terms_of(file, self.coefficient).map(|(_, term)| term);
         let words: Vec<String> =
@@ -34,7 +34,7 @@ impl Candidate {
         format!("{} = [{}]", self.coefficient.symbol(), words.join(", "))
     }
 
-    /// The line under `[parameters]`.
+    /// The line that a user puts under `[parameters]` to give the term its prior.
     pub(super) fn parameter_line(&self, file: &ModelFile) -> String {
         let [lower, upper] = self.parameter.bounds.unwrap_or_default();
         let start = if file.base == Base::None { "start = 0, " } else { "" };
@@ -67,7 +67,7 @@ pub(super) fn candidates(file: &ModelFile, found: &[ParameterResult], amplitudes
                     name,
                     role: Role::Term(coefficient, term.clone()),
                     start: 0.0,
-                    // What a model file with these bounds has.
+                    // The prior that a model file with these bounds would give.
                     prior_std: 0.5 * half_width,
                     bounds: Some([-half_width, half_width]),
                     change_std: None,
@@ -102,7 +102,8 @@ fn plausible_change(parameter: &Parameter, file: &ModelFile, found: &[ParameterR
     }
 }
 
-/// The next of 1, 1.5, 2, 3, 4, 5, 6, 8, 10 times a power of ten: a number for a model file. None for what is no size.
+/// The next of 1, 1.5, 2, 3, 4, 5, 6, 8, 10 times a power of ten: a number for a model file. `None` for a value that is
+/// not positive and finite.
 fn round_up(value: f64) -> Option<f64> {
     if !(value.is_finite() && value > 0.0) {
         return None;

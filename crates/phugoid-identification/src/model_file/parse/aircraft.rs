@@ -4,10 +4,11 @@ use phugoid_flight_data::quantity::Dimension;
 use toml::Spanned;
 use toml::de::DeValue;
 
-use super::written;
+use super::axes::written;
 use crate::core::axes::Axes;
+use crate::model_file::aircraft::{AirDensity, AircraftData, Base, Source, Thrust};
+use crate::model_file::error::ModelFileError;
 use crate::model_file::section::Section;
-use crate::model_file::{AirDensity, AircraftData, Base, ModelFileError, Source, Thrust};
 
 const AIRCRAFT_KEYS: [&str; 16] = [
     "rotor_momentum",

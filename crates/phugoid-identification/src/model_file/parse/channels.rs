@@ -7,7 +7,7 @@ use phugoid_flight_data::table::ColumnMapping;
 use toml::Spanned;
 use toml::de::DeValue;
 
-use crate::model_file::ModelFileError;
+use crate::model_file::error::ModelFileError;
 use crate::model_file::section::Section;
 
 /// Channels that a model can use; only these can be mapped.

@@ -1,21 +1,22 @@
-//! What is measured, and how well: `outputs`, `[noise]`, `[process_noise]`.
+//! The measured outputs and their noise: `outputs`, `[noise]`, `[process_noise]`.
 
 use phugoid_flight_data::quantity::Dimension;
 
-use super::other_axes;
+use super::axes::other_axes;
 use crate::core::axes::Axes;
 use crate::core::output::{CHANNELS as OUTPUT_CHANNELS, Output, STATE_CHANNELS};
+use crate::model_file::error::ModelFileError;
 use crate::model_file::section::Section;
-use crate::model_file::{ModelFileError, ProcessNoise};
+use crate::model_file::settings::ProcessNoise;
 
-/// Light Dryden turbulence (1.1 m/s) at the speed and altitude of the F-16 study, and a share of the angular rates' own, by
-/// [`Output::index`]. Side gusts are as strong as vertical ones at that altitude.
+/// Light Dryden turbulence (1.1 m/s) at the speed and altitude of the F-16 study, and a share of the angular rates'
+/// own, by [`Output::index`]. Side gusts are as strong as vertical ones at that altitude.
 const LIGHT_TURBULENCE: [f64; STATE_CHANNELS] = [10.0 * 0.3048 * 0.3048, 3.4e-5, 3.4e-5, 0.0, 0.0, 1e-6, 1e-6, 1e-6];
 
 pub(super) fn outputs(top: &Section, axes: Axes) -> Result<[bool; OUTPUT_CHANNELS], ModelFileError> {
     let mut outputs = [false; OUTPUT_CHANNELS];
     let Some(list) = top.strings("outputs")? else {
-        // What the motion is usually measured by; angular accelerations only on request.
+        // The usual outputs of the motion; angular accelerations only on request, because few recorders have them.
         for output in axes.outputs().iter().filter(|o| !o.is_angular_acceleration()) {
             outputs[output.index()] = true;
         }
@@ -34,8 +35,8 @@ pub(super) fn outputs(top: &Section, axes: Axes) -> Result<[bool; OUTPUT_CHANNEL
             outputs[output.index()] = true;
         }
     }
-    // The state is started from its own measurements; a flow angle, for which many aircraft have no vane, from nearly straight
-    // and level flight.
+    // The state is started from its own measurements; a flow angle, for which many aircraft have no vane, from nearly
+    // straight and level flight.
     for state in axes.states() {
         let dispensable = matches!(state, Output::Alpha | Output::Beta);
         if !dispensable && !outputs[state.index()] {

@@ -2,12 +2,14 @@
 
 use phugoid_flight_data::quantity::Dimension;
 
-use super::other_axes;
+use super::axes::other_axes;
 use crate::core::axes::Axes;
 use crate::core::output::{CHANNELS as OUTPUT_CHANNELS, Output};
 use crate::core::term::{Coefficient, Term, Variable};
+use crate::model_file::aircraft::Base;
+use crate::model_file::error::ModelFileError;
+use crate::model_file::parameter::{Parameter, Role};
 use crate::model_file::section::Section;
-use crate::model_file::{Base, ModelFileError, Parameter, Role};
 
 const PARAMETER_KEYS: [&str; 5] = ["start", "prior_std", "bounds", "change_std", "fixed"];
 
@@ -16,7 +18,8 @@ const PARAMETER_KEYS: [&str; 5] = ["start", "prior_std", "bounds", "change_std",
 const F16_RANGES: [(&str, f64); 5] =
     [("dCm_alpha", 0.5), ("dCm_q", 6.0), ("dCL_alpha", 1.5), ("dCD_alpha", 0.5), ("dCm_elevator", 0.4)];
 
-/// Prior one sigma of the offsets in the coefficients. Those of the lateral moments are the pitching moment's over the span.
+/// Prior one sigma of the offsets in the coefficients. Those of the lateral moments are the pitching moment's over the
+/// span.
 const OFFSET_STD: [(Coefficient, f64); 6] = [
     (Coefficient::Lift, 0.025),
     (Coefficient::Drag, 0.01),
@@ -84,7 +87,7 @@ pub(super) fn parameters(
     }
     if coefficients.boolean("offsets")?.unwrap_or(false) {
         for coefficient in axes.coefficients().iter().copied() {
-            // A coefficient with a constant term of its own needs no other one.
+            // A coefficient that has a constant term does not get a second one.
             let own = |r: &Role| matches!(r, Role::Term(c, term) if *c == coefficient && term.is_constant());
             if !wanted.iter().any(|(_, role)| own(role)) {
                 wanted.push((format!("offset_{}", coefficient.symbol()), Role::Offset(coefficient)));

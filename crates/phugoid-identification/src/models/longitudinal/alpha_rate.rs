@@ -1,6 +1,7 @@
 //! Terms with the rate of the angle of attack, `alpha' cbar / 2V`: the equations that they make implicit.
 //!
-//! `alpha'` depends on CL, and with such terms CL (and CD and Cm) on `alpha'`, linearly. The equation is solved exactly:
+//! `alpha'` depends on CL, and with such terms CL (and CD and Cm) on `alpha'`, linearly. The equation is solved
+//! exactly:
 //!
 //! ```text
 //! V alpha' = V q + g cos(theta - alpha) + T_perpendicular/m - f (CL_s + k_L alpha'),    f = qbar S/m
@@ -8,9 +9,9 @@
 //! C_k = C_k,s + k_k alpha',      k_k = (cbar/2V) * sum of theta_j r_j over the terms r_j alpha_dot_hat of C_k
 //! ```
 //!
-//! `C_s` are the coefficients without these terms. The motion is then no longer linear in the parameters: `alpha'` holds
-//! those of CL, divided by `V + f k_L`. What the model gives as regressors are the derivatives at the parameters asked
-//! for, which is what filters and output error use; at `theta = 0` they are the linear model's.
+//! `C_s` are the coefficients without these terms. The motion is then no longer linear in the parameters: `alpha'`
+//! holds those of CL, divided by `V + f k_L`. What the model gives as regressors are the derivatives at the parameters
+//! asked for, which is what filters and output error use; at `theta = 0` they are the linear model's.
 
 use phugoid_estimators::{LinearizedOutputs, LinearizedRates};
 use phugoid_flight_dynamics::longitudinal::LongitudinalMotion;
@@ -28,7 +29,7 @@ pub(super) struct AlphaRateTerms {
 }
 
 impl AlphaRateTerms {
-    /// Those among estimated and known terms; none if there is none, so that an explicit model pays nothing.
+    /// Those among estimated and known terms; `None` if there is none, so that an explicit model costs no time for it.
     pub(super) fn of(columns: &[(Coefficient, Term)], known: &[(Coefficient, Term, f64)]) -> Option<Self> {
         let rest = |coefficient: Coefficient, term: &Term| {
             let rest = term.without(Variable::AlphaRate)?;
@@ -42,13 +43,13 @@ impl AlphaRateTerms {
     }
 }
 
-/// Everything at one point.
+/// What the implicit equations of the motion need at one point.
 struct Implicit<T> {
     factors: [T; FACTORS],
     alpha_rate: T,
-    /// `cbar / 2V`, s.
+    /// Time that the air takes along half of the chord, `cbar / 2V`, s.
     chord_time: T,
-    /// `k_L, k_D, k_m`, s.
+    /// Coefficients of the rate of alpha in lift, drag and pitching moment, `k_L, k_D, k_m`, s.
     gains: [T; 3],
     motion: LongitudinalMotion<T>,
 }

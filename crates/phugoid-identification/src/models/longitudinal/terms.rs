@@ -11,8 +11,8 @@ pub(super) struct QuickTerm {
     term: Term,
 }
 
-/// Flight variables of symmetric flight: alpha, q_hat, v_hat, elevator, and the extra inputs. Few, because all of them are
-/// evaluated at every step on board.
+/// Flight variables of symmetric flight: alpha, q_hat, v_hat, elevator, and the extra inputs. Few, because all of them
+/// are evaluated at every step on board.
 pub(super) const FACTORS: usize = 4 + EXTRA_INPUTS;
 
 /// A term in the order of these. Variables and coefficients of the lateral motion are zero in symmetric flight.

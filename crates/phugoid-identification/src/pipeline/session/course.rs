@@ -1,4 +1,4 @@
-//! The running part of a session: one method in one room.
+//! The part of a session that runs the estimator, once the first samples are collected.
 
 use phugoid_estimators::{Phase, Sample};
 use phugoid_flight_data::record::Record;
@@ -20,7 +20,7 @@ use crate::pipeline::stack::on_a_large_stack;
 use crate::preparation::intake::{Origin, model_input};
 use crate::preparation::prepare::prepare;
 
-/// A method that has begun, whatever its type.
+/// A running method, behind one interface for all motions and sizes of the estimator.
 pub(super) trait Course: Send {
     /// Takes the values of a sample, in the order of the session's channels, and brings the snapshot up to it.
     ///
@@ -35,7 +35,8 @@ pub(super) trait Course: Send {
     ) -> Result<(), EstimateError>;
 }
 
-/// Sets the method up from the beginning of a flight; the second is how many of its samples come too early to be used.
+/// Sets the method up from the beginning of a flight; the second value is the number of samples at the beginning that
+/// cannot be used because an input is missing.
 pub(super) fn begin(
     start: &Record,
     file: &ModelFile,
@@ -92,10 +93,10 @@ where
 /// A known input as the samples give it.
 struct Input {
     name: String,
-    /// Among the session's channels; none if it is constant.
+    /// Position among the channels of the session; `None` for a constant.
     channel: Option<usize>,
     origin: Origin,
-    /// Its last value.
+    /// The last finite value, which is used while none comes; NaN before the first.
     held: f64,
     is_surface: bool,
 }
@@ -111,7 +112,7 @@ struct Running<M: Motion<N, R>, const N: usize, const R: usize> {
     /// Channel of each output; none where it is not measured.
     outputs: [Option<usize>; R],
     file: ModelFile,
-    /// When the verdicts were put into words last.
+    /// Time of the verdicts that were last put into words, s.
     worded_s: f64,
 }
 
