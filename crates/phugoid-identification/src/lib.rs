@@ -35,10 +35,10 @@ pub mod motion;
 mod pipeline;
 mod preparation;
 
-pub use self::core::{axes, error, estimation, health, method, options, output, term};
+pub use self::core::{axes, error, estimation, health, method, options, output, stack, term};
 pub use judge::form;
 pub use models::{lateral, longitudinal, rigid, six};
-pub use pipeline::{estimate, monitor, session, stack};
+pub use pipeline::{estimate, monitor, session};
 pub use preparation::{front_end, noise, prepare, trim};
 
 // The helpers of the integration tests, used in unit tests too, call this crate by its name.

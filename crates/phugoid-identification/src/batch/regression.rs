@@ -18,6 +18,7 @@ pub struct Equation {
     /// its residual variance. What is known of the left side (tables, fixed terms) is taken off before.
     pub r_squared: f64,
     /// Standard deviation of the residual of each left side, its unit.
+    #[serde(alias = "residual_sd")]
     pub residual_std: Vec<f64>,
     /// Terms in the order in which stepwise regression takes them in: each time the one that helps most.
     pub terms: Vec<Term>,

@@ -310,6 +310,7 @@ pub struct BatchReport {
     pub cost: f64,
     /// One sigma of the noise by output, given or estimated; of equation error: of the equations. NaN where not
     /// measured.
+    #[serde(alias = "noise_sd")]
     pub noise_std: Vec<f64>,
     /// The unknowns that were estimated in addition to the parameters and biases: initial states, noise.
     pub unknowns: Vec<Unknown>,

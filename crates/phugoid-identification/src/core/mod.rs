@@ -8,5 +8,6 @@ pub mod health;
 pub mod method;
 pub mod options;
 pub mod output;
+pub mod stack;
 pub mod term;
 pub(crate) mod words;

@@ -11,13 +11,13 @@ use crate::core::axes::Axes;
 use crate::core::error::EstimateError;
 use crate::core::method::Method;
 use crate::core::options::{CAPACITY, EstimateOptions, capacity};
+use crate::core::stack::on_a_large_stack;
 use crate::model_file::{ModelFile, Role};
 use crate::models::lateral::LateralModel;
 use crate::models::longitudinal::LongitudinalModel;
 use crate::models::six::SixModel;
 use crate::motion::MotionModel;
-use crate::pipeline::estimate::{doubts, noise_levels};
-use crate::pipeline::stack::on_a_large_stack;
+use crate::preparation::checks::{doubts, noise_levels};
 use crate::preparation::prepare::{Prepared, prepare};
 
 /// How well one parameter of a model can be estimated.

@@ -189,7 +189,8 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> Ca
             }
         }
         if self.waiting {
-            estimate = unmoved(estimate, &self.settings.priors, self.estimator.column_count(), self.estimator.prior_std());
+            estimate =
+                unmoved(estimate, &self.settings.priors, self.estimator.column_count(), self.estimator.prior_std());
         } else {
             still(&mut estimate, &self.settings.priors, &self.gated, self.moved, self.estimator.prior_std());
             self.readiness.look(&estimate, &*self.estimator);

@@ -3,4 +3,3 @@
 pub mod estimate;
 pub mod monitor;
 pub mod session;
-pub mod stack;

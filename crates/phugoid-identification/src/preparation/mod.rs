@@ -1,6 +1,7 @@
 //! From a flight record to the samples that a model takes: inputs, noise levels, the trim, and whether anything has
 //! moved.
 
+pub(crate) mod checks;
 pub(crate) mod excitation;
 pub mod front_end;
 pub(crate) mod intake;

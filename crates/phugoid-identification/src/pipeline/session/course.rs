@@ -8,6 +8,7 @@ use crate::core::axes::Axes;
 use crate::core::error::EstimateError;
 use crate::core::estimation::Event;
 use crate::core::options::EstimateOptions;
+use crate::core::stack::on_a_large_stack;
 use crate::judge::readiness::readiness;
 use crate::methods::{CausalRun, EveryRoom, Task, causal_run};
 use crate::model_file::{InputHold, ModelFile};
@@ -15,8 +16,7 @@ use crate::models::lateral::LateralModel;
 use crate::models::longitudinal::LongitudinalModel;
 use crate::models::six::SixModel;
 use crate::motion::Motion;
-use crate::pipeline::estimate::{doubts, noise_levels};
-use crate::pipeline::stack::on_a_large_stack;
+use crate::preparation::checks::{doubts, noise_levels};
 use crate::preparation::intake::{Origin, model_input};
 use crate::preparation::prepare::prepare;
 

@@ -1,0 +1,50 @@
+//! What is settled of a record before a method takes it: whether its units can be right, and the noise of each output.
+
+use phugoid_flight_data::plausibility::{self, Certainty, Doubt};
+use phugoid_flight_data::record::Record;
+
+use super::noise::{NoiseLevel, measure_noise};
+use super::prepare::Prepared;
+use crate::core::error::EstimateError;
+use crate::model_file::ModelFile;
+use crate::motion::Motion;
+
+/// What is doubtful about the units of the channels that the model uses.
+///
+/// # Errors
+/// [`EstimateError::Units`] if one of them is certainly wrong.
+pub(crate) fn doubts(record: &Record, model: &ModelFile) -> Result<Vec<Doubt>, EstimateError> {
+    let used = model.channels_used();
+    let is_used = |name: &String| used.contains(&name.as_str());
+    let concerned = plausibility::check(record).into_iter().filter(|doubt| doubt.channels.iter().any(is_used));
+    // Where two contradict one another and one of them is not used, the other may well be right.
+    let (refused, doubts): (Vec<Doubt>, Vec<Doubt>) =
+        concerned.partition(|doubt| doubt.certainty == Certainty::Certain && doubt.channels.iter().all(is_used));
+    if !refused.is_empty() {
+        return Err(EstimateError::Units { units: refused.iter().map(Doubt::to_string).collect() });
+    }
+    Ok(doubts)
+}
+
+/// One sigma of the noise per output: the model file's, else measured from the beginning of the record.
+///
+/// # Errors
+/// [`EstimateError::Noise`] if it cannot be measured.
+pub(crate) fn noise_levels<M: Motion<N, R>, const N: usize, const R: usize>(
+    prepared: &Prepared<M, N, R>,
+    model: &ModelFile,
+) -> Result<[NoiseLevel; R], EstimateError> {
+    let length = prepared.noise_samples();
+    let mut levels = [NoiseLevel { std: 0.0, measured: false }; R];
+    for (row, output) in M::AXES.outputs().iter().enumerate().filter(|(_, o)| model.outputs[o.index()]) {
+        levels[row] = match model.noise[output.index()] {
+            Some(std) => NoiseLevel { std, measured: false },
+            None => {
+                let values: Vec<f64> = prepared.outputs[..length].iter().map(|y| y[row]).collect();
+                let found = measure_noise(&values).ok_or_else(|| EstimateError::Noise(output.name().to_owned()))?;
+                NoiseLevel { std: found.std, measured: true }
+            }
+        };
+    }
+    Ok(levels)
+}
