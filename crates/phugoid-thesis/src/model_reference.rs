@@ -51,8 +51,9 @@
 
 use core::fmt;
 
+use crate::laws::parallel::{measured, parts};
 use crate::laws::{SurfaceChannel, SurfaceDerivative};
-use phugoid_estimators::discretization::{self, InputHold, IntervalInput, Part};
+use phugoid_estimators::discretization::{self, InputHold, IntervalInput};
 use phugoid_estimators::{Estimate, Estimator, ParameterStatus, Phase, Status};
 use phugoid_estimators::{Model, Sample};
 
@@ -299,8 +300,9 @@ where
         if !self.settings.channels.iter().all(|channel| sample.outputs[channel.output].is_finite()) {
             return;
         }
-        self.x =
-            core::array::from_fn(|state| self.measured(state, sample).unwrap_or(self.settings.initial_state[state]));
+        self.x = core::array::from_fn(|state| {
+            measured(self.model.measuring_output(state), sample).unwrap_or(self.settings.initial_state[state])
+        });
         for channel in &self.settings.channels {
             self.x[channel.state] = sample.outputs[channel.output];
         }
@@ -308,11 +310,6 @@ where
         self.sensitivity = [[0.0; P]; N];
         self.energy = Some(0.0);
         self.running = true;
-    }
-
-    fn measured(&self, state: usize, sample: &Sample<M::Input, R>) -> Option<f64> {
-        let output = self.model.measuring_output(state).filter(|&output| output < R)?;
-        Some(sample.outputs[output]).filter(|y| y.is_finite())
     }
 
     fn advance(&mut self, sample: &Sample<M::Input, R>) {
@@ -345,7 +342,7 @@ where
                 ModelReferenceForm::StateError => !is_channel,
                 _ => self.settings.follow[state] && !is_channel,
             };
-            if let (true, Some(value)) = (follows, self.measured(state, sample)) {
+            if let (true, Some(value)) = (follows, measured(self.model.measuring_output(state), sample)) {
                 self.x[state] = value;
                 self.sensitivity[state] = [0.0; P];
             }
@@ -361,24 +358,12 @@ where
 
     /// The estimated model over one interval, and `self.sensitivity` with it.
     fn integrate(&mut self, input: &IntervalInput<M::Input>, interval_s: f64) -> [f64; N] {
-        let steps = discretization::sub_steps(interval_s, self.settings.maximum_step_s);
-        let mut x = self.x;
+        let columns = self.model.parameter_count().min(P);
         let mut transition = [[0.0; N]; N];
-        for k in 0..steps {
-            let part = Part { from: k as f64 / steps as f64, to: (k + 1) as f64 / steps as f64 };
-            x = discretization::step(
-                &self.model,
-                &x,
-                &self.theta,
-                input,
-                interval_s,
-                part,
-                self.model.parameter_count().min(P),
-                &mut self.sensitivity,
-                &mut transition,
-            );
-        }
-        x
+        parts(interval_s, self.settings.maximum_step_s).fold(self.x, |x, part| {
+            let (theta, into, by_state) = (&self.theta, &mut self.sensitivity, &mut transition);
+            discretization::step(&self.model, &x, theta, input, interval_s, part, columns, into, by_state)
+        })
     }
 
     /// Half the scaled energy difference and `d(S/2)/d(theta/R)`.
@@ -418,8 +403,9 @@ where
                     let rate = match channel.derivative {
                         SurfaceDerivative::Output(derivative) => sample.outputs[derivative],
                         _ => {
-                            let seen: [f64; N] =
-                                core::array::from_fn(|i| self.measured(i, sample).unwrap_or(self.x[i]));
+                            let seen: [f64; N] = core::array::from_fn(|i| {
+                                measured(self.model.measuring_output(i), sample).unwrap_or(self.x[i])
+                            });
                             self.model.rates(&seen, &self.theta, &sample.input)[channel.state]
                         }
                     };

@@ -20,14 +20,19 @@
 use super::claim::{verdict, without_covariance};
 use super::error::ThesisError;
 use super::gain::{gain, spread};
-use super::parallel::{integrate, measured};
+use super::parallel::{measured, parts};
 use super::settings::{Evaluation, LawSign, ThesisForm};
-use phugoid_estimators::discretization::{InputHold, IntervalInput};
+use phugoid_estimators::discretization::{self, InputHold, IntervalInput};
 use phugoid_estimators::{Estimate, Estimator, Phase};
 use phugoid_estimators::{LinearizedRates, Model, Sample};
 
 /// Most Newton steps per sample.
 const MAXIMUM_ITERATIONS: usize = 25;
+
+/// States of a plant of second order: `x` and `x'`.
+const STATES: usize = 2;
+/// What is measured of it: both states and `x''`.
+const OUTPUTS: usize = 3;
 
 /// Settings of the two-parameter law. Parameters 0 and 1 of the model are the unknown ones.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -98,7 +103,7 @@ impl<const P: usize> TwoParameterSettings<P> {
         self
     }
 
-    fn check(&self, states: usize, outputs: usize, parameters: usize) -> Result<(), ThesisError> {
+    fn check(&self, parameters: usize) -> Result<(), ThesisError> {
         if parameters < 2 {
             return Err(ThesisError::Parameter { index: 1, count: parameters });
         }
@@ -108,8 +113,7 @@ impl<const P: usize> TwoParameterSettings<P> {
                 return Err(ThesisError::Bounds { lower, upper });
             }
         }
-        let known = states.min(outputs);
-        if self.position >= known || self.velocity >= known || self.acceleration >= outputs {
+        if self.position >= STATES || self.velocity >= STATES || self.acceleration >= OUTPUTS {
             return Err(ThesisError::Channel { index: 0 });
         }
         if self.margin.is_nan() || self.margin < 0.0 {
@@ -155,16 +159,17 @@ pub struct TwoParameterDiagnostics {
     pub loop_determinant: f64,
 }
 
-/// The thesis's law for two parameters over two surfaces.
-pub struct TwoParameterLaw<M, const N: usize, const R: usize, const P: usize>
+/// The thesis's law for two parameters over two surfaces, for a plant of second order: its states are `x` and `x'`, its outputs
+/// both of them and `x''`.
+pub struct TwoParameterLaw<M, const P: usize>
 where
-    M: Model<N, R, P>,
+    M: Model<STATES, OUTPUTS, P>,
 {
     model: M,
     settings: TwoParameterSettings<P>,
     running: bool,
     theta: [f64; P],
-    x: [f64; N],
+    x: [f64; STATES],
     last_s: f64,
     last_input: Option<M::Input>,
     diagnostics: TwoParameterDiagnostics,
@@ -188,19 +193,19 @@ impl Rates {
     }
 }
 
-impl<M, const N: usize, const R: usize, const P: usize> TwoParameterLaw<M, N, R, P>
+impl<M, const P: usize> TwoParameterLaw<M, P>
 where
-    M: Model<N, R, P>,
+    M: Model<STATES, OUTPUTS, P>,
 {
     /// Sets the law up; the first frame that measures both states starts it.
     pub fn new(model: M, settings: TwoParameterSettings<P>) -> Result<Self, ThesisError> {
-        settings.check(N, R, model.parameter_count().min(P))?;
+        settings.check(model.parameter_count().min(P))?;
         Ok(Self {
             model,
             settings,
             running: false,
             theta: settings.parameters,
-            x: [0.0; N],
+            x: [0.0; STATES],
             last_s: f64::NEG_INFINITY,
             last_input: None,
             diagnostics: TwoParameterDiagnostics::default(),
@@ -209,7 +214,7 @@ where
     }
 
     /// State of the estimated model.
-    pub fn state(&self) -> &[f64; N] {
+    pub fn state(&self) -> &[f64; STATES] {
         &self.x
     }
 
@@ -218,13 +223,13 @@ where
         &self.diagnostics
     }
 
-    fn start(&mut self, sample: &Sample<M::Input, R>) {
+    fn start(&mut self, sample: &Sample<M::Input, OUTPUTS>) {
         self.phase = Phase::Starting;
         self.last_s = sample.time_s;
         self.last_input = Some(sample.input);
         self.running = false;
-        for state in 0..N {
-            if let Some(value) = measured(&self.model, state, sample) {
+        for state in 0..STATES {
+            if let Some(value) = measured(self.model.measuring_output(state), sample) {
                 self.x[state] = value;
             } else if state == self.settings.position || state == self.settings.velocity {
                 return;
@@ -323,7 +328,7 @@ where
         None
     }
 
-    fn advance(&mut self, sample: &Sample<M::Input, R>) {
+    fn advance(&mut self, sample: &Sample<M::Input, OUTPUTS>) {
         let settings = self.settings;
         let interval_s = sample.time_s - self.last_s;
         let Some(from) = self.last_input else { return self.start(sample) };
@@ -333,7 +338,7 @@ where
         let input = IntervalInput { from, to: sample.input, hold: settings.input_hold };
         self.last_s = sample.time_s;
         self.last_input = Some(sample.input);
-        let (x, _) = integrate(&self.model, &self.x, &self.theta, &input, interval_s, settings.maximum_step_s, 0);
+        let x = self.integrate(&input, interval_s);
         if !x.iter().sum::<f64>().is_finite() {
             return match settings.evaluation {
                 Evaluation::Delayed => self.stop(),
@@ -361,8 +366,17 @@ where
         self.phase = if solved.is_some() { Phase::Sliding } else { Phase::Rejected };
     }
 
+    /// State of the estimated model after one interval; its derivatives by the parameters are not needed.
+    fn integrate(&self, input: &IntervalInput<M::Input>, interval_s: f64) -> [f64; STATES] {
+        let (mut sensitivity, mut transition) = ([[0.0; P]; STATES], [[0.0; STATES]; STATES]);
+        parts(interval_s, self.settings.maximum_step_s).fold(self.x, |x, part| {
+            let (theta, into, by_state) = (&self.theta, &mut sensitivity, &mut transition);
+            discretization::step(&self.model, &x, theta, input, interval_s, part, 0, into, by_state)
+        })
+    }
+
     fn rates_at_sample(&self, [xm, vm, am]: [f64; 3], input: &M::Input) -> Rates {
-        let mut lin = LinearizedRates::<N, P>::ZERO;
+        let mut lin = LinearizedRates::<STATES, P>::ZERO;
         self.model.linearized_rates(&self.x, &self.theta, input, &mut lin);
         let (x, v) = (self.x[self.settings.position], self.x[self.settings.velocity]);
         let phi = &lin.regressors[self.settings.velocity];
@@ -416,13 +430,13 @@ fn singular_values(matrix: [[f64; 2]; 2]) -> [f64; 2] {
     [larger, if larger > 0.0 { product / larger } else { 0.0 }]
 }
 
-impl<M, const N: usize, const R: usize, const P: usize> Estimator<R, P> for TwoParameterLaw<M, N, R, P>
+impl<M, const P: usize> Estimator<OUTPUTS, P> for TwoParameterLaw<M, P>
 where
-    M: Model<N, R, P>,
+    M: Model<STATES, OUTPUTS, P>,
 {
     type Input = M::Input;
 
-    fn update(&mut self, sample: &Sample<Self::Input, R>) -> Estimate<P> {
+    fn update(&mut self, sample: &Sample<Self::Input, OUTPUTS>) -> Estimate<P> {
         if self.phase == Phase::Diverged {
             self.last_s = self.last_s.max(sample.time_s);
         } else if !sample.time_s.is_finite() || sample.time_s <= self.last_s {

@@ -3,7 +3,7 @@
 use phugoid_estimators::Model;
 
 use super::format::PlantCase;
-use super::plant::Visit;
+use super::plant::{ROOM, Visit};
 use super::simulate::PlantRun;
 use phugoid_evaluation::accuracy::StudyError;
 use phugoid_evaluation::cramer_rao::{Between, Bound, Experiment, cramer_rao};
@@ -29,12 +29,12 @@ struct Bounded<'a> {
 impl Visit for Bounded<'_> {
     type Output = Result<Vec<Bound>, StudyError>;
 
-    fn visit<M, const N: usize, const R: usize, const P: usize, const I: usize>(self, model: &M) -> Self::Output
+    fn visit<M, const N: usize, const R: usize, const I: usize>(self, model: &M) -> Self::Output
     where
-        M: Model<N, R, P, Input = [f64; I]> + Copy + Sync,
+        M: Model<N, R, ROOM, Input = [f64; I]> + Copy + Sync,
     {
         let inputs: Vec<[f64; I]> = self.run.inputs.iter().map(|u| std::array::from_fn(|i| u[i])).collect();
-        let mut parameters = [0.0; P];
+        let mut parameters = [0.0; ROOM];
         for (slot, (_, parameter)) in parameters.iter_mut().zip(self.case.unknowns()) {
             *slot = parameter.truth;
         }
