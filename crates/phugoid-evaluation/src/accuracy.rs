@@ -13,7 +13,7 @@ use phugoid_identification::prepare::prepare;
 use phugoid_identification::six::SixModel;
 use serde::Serialize;
 
-use crate::cramer_rao::{Between, Bound, CramerRaoError, Experiment, Knowledge, cramer_rao_knowing};
+use crate::cramer_rao::{Between, Bound, CramerRaoError, Experiment, Knowledge};
 use crate::monte_carlo::{Accuracy, Outcome, monte_carlo};
 use phugoid_simulation::flight::{Flight, FlightError, fly, sense};
 use phugoid_simulation::scenario::Scenario;
@@ -189,7 +189,7 @@ where
     let unsuitable = |what: &str| Err(StudyError::Unsuitable(format!("model `{}`: {what}", model.source)));
     let prepared = prepare::<M, N, R>(&flight.truth, model)?;
     let mut parameters = [0.0; P];
-    let mut knowledge = Knowledge::<R, P>::NONE;
+    let mut knowledge = Knowledge::<R, P>::of_noise([f64::INFINITY; R]);
     let mut terms = 0;
     for parameter in model.estimated() {
         if let Role::Bias(output) = parameter.role {
@@ -212,10 +212,9 @@ where
         }
         terms += 1;
     }
-    let mut sigma = [f64::INFINITY; R];
     for (row, output) in M::AXES.outputs().iter().enumerate().filter(|(_, o)| model.outputs[o.index()]) {
         match model.noise[output.index()].or_else(|| noise(*output)) {
-            Some(noise) => sigma[row] = noise,
+            Some(noise) => knowledge.noise_std[row] = noise,
             None => return unsuitable(&format!("the noise of `{}` is needed: give it under [noise]", output.name())),
         }
     }
@@ -235,7 +234,6 @@ where
             // The input knows itself what is held; a measured motion that is an input runs on between the samples.
             _ => Between::Interpolated,
         },
-        sigma,
     };
-    Ok(cramer_rao_knowing::<_, N, R, P>(&prepared.model, &experiment, &knowledge, at)?)
+    Ok(experiment.bound(&prepared.model, &knowledge, at)?)
 }

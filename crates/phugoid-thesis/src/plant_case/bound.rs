@@ -6,7 +6,7 @@ use super::format::PlantCase;
 use super::plant::{ROOM, Visit};
 use super::simulate::PlantRun;
 use phugoid_evaluation::accuracy::StudyError;
-use phugoid_evaluation::cramer_rao::{Between, Bound, Experiment, cramer_rao};
+use phugoid_evaluation::cramer_rao::{Between, Bound, Experiment, Knowledge};
 
 /// Smallest standard error that any unbiased estimator can have from the measured states at each of the times `at` (s), with
 /// unknown initial states and no prior; the noise is that of the run.
@@ -44,10 +44,10 @@ impl Visit for Bounded<'_> {
             time_s: &self.run.time_s,
             inputs: &inputs,
             between: Between::Held,
-            // The derivative is not used by what is compared with the bound.
-            sigma: std::array::from_fn(|i| if i < N { self.run.noise_std } else { f64::INFINITY }),
         };
-        Ok(cramer_rao(model, &experiment, self.at)?)
+        // The derivative is not used by what is compared with the bound.
+        let noise = std::array::from_fn(|i| if i < N { self.run.noise_std } else { f64::INFINITY });
+        Ok(experiment.bound(model, &Knowledge::<R, ROOM>::of_noise(noise), self.at)?)
     }
 }
 
