@@ -21,6 +21,9 @@ use rand_pcg::Pcg64Mcg;
 
 const RUNS: u64 = 40;
 
+/// Room for parameters: no model here has more than four.
+const ROOM: usize = 4;
+
 /// Spread of the sigma points, `n (alpha^2 - 1)` with `kappa = 0`: the points lie `alpha sqrt(n)` standard deviations out.
 const ALPHA: f64 = 0.5;
 /// Best for a normal distribution.
@@ -161,16 +164,16 @@ impl Score {
 }
 
 /// Runs both filters over the flights; prints and gives `[EKF, UKF]` by checkpoint.
-fn contest<M, const N: usize, const R: usize, const P: usize>(
+fn contest<M, const N: usize, const R: usize>(
     what: &str,
     model: &M,
-    settings: EstimatorSettings<N, R, P>,
+    settings: EstimatorSettings<N, R, ROOM>,
     truth: &[f64],
     at_s: &[f64],
     flight: impl Fn(u64) -> Vec<Sample<M::Input, R>>,
 ) -> Vec<[Score; 2]>
 where
-    M: Model<N, R, P> + Clone,
+    M: Model<N, R, ROOM> + Clone,
 {
     let mut plain = settings;
     plain.start_window_s = 0.0;
@@ -181,7 +184,7 @@ where
     open.ekf.gate = f64::INFINITY;
     let mut scores: Vec<[Score; 2]> = at_s.iter().map(|_| Default::default()).collect();
     let mut seconds = [0.0; 2];
-    let split = |z: &[f64]| -> ([f64; N], [f64; P]) {
+    let split = |z: &[f64]| -> ([f64; N], [f64; ROOM]) {
         (std::array::from_fn(|k| z[k]), std::array::from_fn(|j| z.get(N + j).copied().unwrap_or(0.0)))
     };
     let plant = Plant {
@@ -191,7 +194,7 @@ where
         },
         outputs: &|z, input| {
             let (x, theta) = split(z);
-            let mut lin = LinearizedOutputs::<N, R, P>::ZERO;
+            let mut lin = LinearizedOutputs::<N, R, ROOM>::ZERO;
             model.linearized_outputs(&x, &theta, input, &mut lin);
             lin.outputs.to_vec()
         },
@@ -214,7 +217,7 @@ where
     };
     for seed in 0..RUNS {
         let samples = flight(seed);
-        let mut ekf: JointEkf<M, N, R, P> = JointEkf::new(model.clone(), open).unwrap();
+        let mut ekf: JointEkf<M, N, R, ROOM> = JointEkf::new(model.clone(), open).unwrap();
         let mut ukf = start(&samples[0]);
         let mut next = 0;
         for (k, sample) in samples.iter().enumerate() {
@@ -249,15 +252,15 @@ where
     scores
 }
 
-/// A plant of the thesis with its one or two true parameters, its input a square wave, its states measured.
+/// A plant of the thesis with its true parameters, zero where it has none, its input a square wave, its states measured.
 fn fly_plant<M, const N: usize, const R: usize>(
     model: &M,
-    truth: [f64; 2],
+    truth: [f64; ROOM],
     noise_std: [f64; R],
     seed: u64,
 ) -> Vec<Sample<[f64; 1], R>>
 where
-    M: Model<N, R, 2, Input = [f64; 1]>,
+    M: Model<N, R, ROOM, Input = [f64; 1]>,
 {
     let mut rng = Pcg64Mcg::seed_from_u64(seed);
     let input = |t: f64| [if (t * 0.7).fract() < 0.5 { 1.0 } else { 0.2 }];
@@ -308,7 +311,7 @@ fn on_an_aircraft_an_unscented_filter_gains_little_and_only_early() {
                 ParameterPrior::bounded(0.0, factor * low, factor * high)
             })
             .collect();
-        let mut settings = EstimatorSettings::<STATES, OUTPUTS, 4>::automatic(&priors, noise, 0.01).unwrap();
+        let mut settings = EstimatorSettings::<STATES, OUTPUTS, ROOM>::automatic(&priors, noise, 0.01).unwrap();
         settings.input_hold = InputHold::Linear;
         let scores = contest(what, &prepared.model, settings, &truth, &[1.5, 2.5, 4.7, 20.0], samples);
         for [ekf, ukf] in &scores[2..] {
@@ -323,12 +326,12 @@ fn on_an_aircraft_an_unscented_filter_gains_little_and_only_early() {
 fn an_unscented_filter_with_wide_priors() {
     for (what, noise) in [("coarse", 0.1), ("fine", 0.001)] {
         let wide = ParameterPrior::absolute(20.0, 20.0);
-        let lag = EstimatorSettings::<1, 2, 1>::automatic(&[wide], [noise, 0.0], 0.01).unwrap();
+        let lag = EstimatorSettings::<1, 2, ROOM>::automatic(&[wide], [noise, 0.0], 0.01).unwrap();
         let of_lag =
             contest(&format!("x' = -a x + u, wide, {what}"), &FirstOrder, lag, &[3.0], &[0.2, 0.5, 1.0, 4.9], |seed| {
-                fly_plant(&FirstOrder, [3.0, 0.0], [noise, 0.0], seed)
+                fly_plant(&FirstOrder, [3.0, 0.0, 0.0, 0.0], [noise, 0.0], seed)
             });
-        let spring = EstimatorSettings::<2, 3, 2>::automatic(
+        let spring = EstimatorSettings::<2, 3, ROOM>::automatic(
             &[wide, ParameterPrior::absolute(5.0, 5.0)],
             [noise, noise, 0.0],
             0.01,
@@ -340,7 +343,7 @@ fn an_unscented_filter_with_wide_priors() {
             spring,
             &[4.0, 2.0],
             &[0.2, 0.5, 1.0, 4.9],
-            |seed| fly_plant(&SecondOrderNonlinear, [4.0, 2.0], [noise, noise, 0.0], seed),
+            |seed| fly_plant(&SecondOrderNonlinear, [4.0, 2.0, 0.0, 0.0], [noise, noise, 0.0], seed),
         );
         for scores in [of_lag, of_spring] {
             let [ekf, ukf] = &scores[3];
