@@ -24,7 +24,7 @@ const LONGITUDINAL_CAPACITY: usize = capacity(Axes::Longitudinal);
 /// Accuracy at one time of the flight.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Checkpoint {
-    /// Time, s.
+    /// Time of the checkpoint from the start of the record, s.
     pub time_s: f64,
     /// Parameters in the model's order.
     pub parameters: Vec<Accuracy>,
@@ -33,11 +33,11 @@ pub struct Checkpoint {
 /// Result of an accuracy study.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct AccuracyStudy {
-    /// Scenario.
+    /// Name of the scenario that was flown.
     pub scenario: String,
-    /// Model file.
+    /// Name of the model file.
     pub model: String,
-    /// Estimator.
+    /// Name of the estimator.
     pub method: String,
     /// Number of runs; run `i` has the scenario's seed plus `i`.
     pub runs: usize,
@@ -50,13 +50,13 @@ pub struct AccuracyStudy {
 /// Why a study could not be made.
 #[derive(Debug, thiserror::Error)]
 pub enum StudyError {
-    /// The flight.
+    /// The scenario could not be flown.
     #[error(transparent)]
     Flight(#[from] FlightError),
-    /// The estimation.
+    /// The flight could not be estimated with the model file.
     #[error(transparent)]
     Estimate(#[from] EstimateError),
-    /// The bound.
+    /// The Cramer-Rao bound could not be computed.
     #[error("Cramer-Rao bound: {0}")]
     CramerRao(#[from] CramerRaoError),
     /// The study does not fit the model.

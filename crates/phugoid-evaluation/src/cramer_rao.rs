@@ -3,7 +3,50 @@
 //! With outputs `y_k = h(x_k, theta) + n`, `n ~ N(0, diag sigma^2)` and no process noise, the information after sample
 //! `k` is the sum of `g^T g / sigma^2` over all output rows so far, where `g` is the derivative of the output with
 //! respect to everything unknown (Klein & Morelli, Aircraft System Identification, section 6.1). Unknown are the
-//! initial states and the parameters; no prior is used, so the bound says what the data alone can give.
+//! initial states and the parameters. Without priors and biases ([`Knowledge::of_noise`]) the bound says what the data alone can
+//! give.
+//!
+//! For `x' = theta u`, `y = x + n` with `u = 1` this is fitting a straight line, whose slope has a known standard error:
+//!
+//! ```
+//! use phugoid_estimators::{LinearizedOutputs, LinearizedRates, Model};
+//! use phugoid_evaluation::cramer_rao::{Between, Experiment, Knowledge};
+//!
+//! struct Integrator;
+//!
+//! impl Model<1, 1, 1> for Integrator {
+//!     type Input = [f64; 1];
+//!     fn parameter_count(&self) -> usize {
+//!         1
+//!     }
+//!     fn rates(&self, _: &[f64; 1], theta: &[f64; 1], u: &[f64; 1]) -> [f64; 1] {
+//!         [theta[0] * u[0]]
+//!     }
+//!     fn linearized_rates(&self, x: &[f64; 1], theta: &[f64; 1], u: &[f64; 1], out: &mut LinearizedRates<1, 1>) {
+//!         *out = LinearizedRates { rates: self.rates(x, theta, u), regressors: [*u], ..LinearizedRates::ZERO };
+//!     }
+//!     fn linearized_outputs(&self, x: &[f64; 1], _: &[f64; 1], _: &[f64; 1], out: &mut LinearizedOutputs<1, 1, 1>) {
+//!         *out = LinearizedOutputs { outputs: *x, state_jacobian: [[1.0]], ..LinearizedOutputs::ZERO };
+//!     }
+//!     fn measuring_output(&self, _: usize) -> Option<usize> {
+//!         Some(0)
+//!     }
+//! }
+//!
+//! // Five samples, one second apart, measured with a noise of 0.1.
+//! let experiment = Experiment {
+//!     initial_state: [3.0],
+//!     parameters: [2.0],
+//!     time_s: &[0.0, 1.0, 2.0, 3.0, 4.0],
+//!     inputs: &[[1.0]; 5],
+//!     between: Between::Held,
+//! };
+//! let bound = experiment.bound(&Integrator, &Knowledge::of_noise([0.1]), &[0.0, 4.0])?;
+//! assert!(bound[0].std_error[0].is_infinite()); // one sample does not tell a slope
+//! // sigma / sqrt(sum (t - mean t)^2), and the sum is 10.
+//! assert!((bound[1].std_error[0] - 0.1 / 10_f64.sqrt()).abs() < 1e-9);
+//! # Ok::<(), phugoid_evaluation::cramer_rao::CramerRaoError>(())
+//! ```
 
 use nalgebra::{DMatrix, DVector};
 use phugoid_estimators::{Input, LinearizedOutputs, LinearizedRates, Model};
@@ -58,7 +101,7 @@ pub enum CramerRaoError {
     },
 }
 
-/// How the input goes from one sample to the next.
+/// How the known input goes from one sample to the next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Between {
     /// Held at the value of the earlier sample.
@@ -72,7 +115,7 @@ pub enum Between {
 pub struct Experiment<'a, I, const N: usize, const P: usize> {
     /// True initial state, the model's units.
     pub initial_state: [f64; N],
-    /// True parameters.
+    /// True values of the model's parameters, in their units; entries beyond the model's count are not used.
     pub parameters: [f64; P],
     /// Sample times, s, strictly increasing.
     pub time_s: &'a [f64],

@@ -14,7 +14,7 @@ use phugoid_simulation::scenario::Scenario;
 /// Accuracy of one parameter some time after the damage.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Recovery {
-    /// Parameter.
+    /// Name of the parameter, as in the model file.
     pub name: String,
     /// True value after the damage.
     pub truth: f64,
@@ -38,9 +38,9 @@ pub struct RecoveryAt {
 /// Result of a damage study.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DamageStudy {
-    /// Scenario.
+    /// Name of the scenario that was flown.
     pub scenario: String,
-    /// Model file.
+    /// Name of the model file.
     pub model: String,
     /// Number of runs; run `i` has the scenario's seed plus `i`, for the sensors and the pilot.
     pub runs: usize,

@@ -29,9 +29,9 @@ const SETTLE_S: f64 = 2.0;
 /// False alarms at one accepted rate.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FalseAlarms {
-    /// Accepted rate, 1/h.
+    /// Rate of false alarms that the monitor was set to accept, 1/h.
     pub accepted_per_hour: f64,
-    /// Flights with a false alarm.
+    /// Number of healthy flights in which the monitor raised at least one (false) alarm.
     pub flights: usize,
     /// Promised: at most this probability of one per flight.
     pub promised: f64,
@@ -42,11 +42,11 @@ pub struct FalseAlarms {
 /// Result of the study of healthy flights.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct HealthyStudy {
-    /// Flights.
+    /// Number of healthy flights.
     pub runs: usize,
-    /// Hours monitored.
+    /// Hours of flight over all runs in which the monitor was watching.
     pub hours: f64,
-    /// By accepted rate.
+    /// False alarms found, one element for each accepted rate.
     pub false_alarms: Vec<FalseAlarms>,
     /// Flights called healthy at their end (at 0.01 per hour).
     pub called_healthy: usize,
@@ -65,13 +65,13 @@ pub enum Stick {
 /// Result of the study of failures.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FailureStudy {
-    /// What moved the stick.
+    /// What moved the stick in these flights.
     pub stick: Stick,
     /// Flights, each with one failure of one to three coefficients.
     pub runs: usize,
     /// Flights with the flag before the failure.
     pub false_alarms: usize,
-    /// Flights without a flag.
+    /// Number of flights in which the failure was not flagged before the end.
     pub missed: usize,
     /// Time from the failure to the flag, s: half of those found are faster.
     pub latency_median_s: f64,
@@ -87,7 +87,7 @@ pub struct FailureStudy {
     pub onset_width_median_s: f64,
     /// Coefficients that failed in the flights found, and how many of them were named.
     pub failed: usize,
-    /// Of those, named.
+    /// How many of the failed coefficients were named by the monitor.
     pub named: usize,
     /// Coefficients named that had not failed.
     pub wrongly_named: usize,

@@ -19,12 +19,12 @@ use crate::model_error::Misjudged;
 use crate::scenario::{ModelError, RecordedSurfaces, Scenario, ScenarioError, Thrust};
 use crate::sensing::{command_channel, measure};
 
-/// A flown scenario.
+/// A flown scenario: what the sensors measured, what was true, and where the flight started.
 #[derive(Clone, Debug)]
 pub struct Flight {
     /// What the sensors measured, canonical channels in SI.
     pub measured: Record,
-    /// What was true at the same times.
+    /// What was true at the same times, under the same channel names and in SI: no noise, no delay, no missing values.
     pub truth: Record,
     /// The trim that the flight started in.
     pub trim: Trim,
@@ -65,19 +65,19 @@ impl Flight {
 /// Why a scenario could not be flown.
 #[derive(Debug, thiserror::Error)]
 pub enum FlightError {
-    /// Something in the scenario.
+    /// The scenario contains something that cannot be flown.
     #[error(transparent)]
     Scenario(#[from] ScenarioError),
-    /// The aircraft's data.
+    /// The data of the aircraft could not be read or are not complete.
     #[error(transparent)]
     Aircraft(#[from] F16DataError),
-    /// No trim.
+    /// The aircraft has no steady state at the condition of the scenario.
     #[error("the scenario has no trim to start in: {0}")]
     Trim(#[from] TrimError),
-    /// The turbulence.
+    /// The turbulence could not be generated from its settings.
     #[error(transparent)]
     Turbulence(#[from] DrydenError),
-    /// The motion diverges.
+    /// The simulation failed: the times make no grid, or the motion is not finite. The message says which.
     #[error("{0}")]
     Simulation(#[from] SimulationError),
 }

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-/// What moves the elevator.
+/// What moves the elevator in a flight of the study.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Stick {
@@ -13,7 +13,7 @@ pub enum Stick {
     ThreeTwoOneOne,
 }
 
-/// What disturbs the flight.
+/// What disturbs a flight of the study beside the damage.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Air {

@@ -38,14 +38,14 @@ pub const HELD_OUT_RUNS: u64 = 1_000_000;
 pub enum Part {
     /// Seen by the search.
     Training,
-    /// Not seen.
+    /// Runs that the search never sees; they tell whether the tuned settings are better in other flights too.
     HeldOut,
 }
 
 /// One run of a scenario or case.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct RunName {
-    /// Scenario or case.
+    /// Name of the scenario or plant case.
     pub scenario: String,
     /// Number of the run in it: another truth, another noise.
     pub run: u64,
@@ -72,12 +72,12 @@ pub trait Tunable: Sync {
     fn settings_file(&self, values: &[f64]) -> String;
 }
 
-/// How to tune.
+/// How many settings are tried, with which random numbers, and where the search keeps its state.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TuneOptions {
     /// Settings to try, the rule's included; whole generations are tried. Zero: the rule only.
     pub budget: usize,
-    /// Seed of the search.
+    /// Seed of the search's random numbers; the same seed gives the same result.
     pub seed: u64,
     /// File that holds the state of the search, written after every generation.
     pub state: Option<PathBuf>,
@@ -86,22 +86,22 @@ pub struct TuneOptions {
 /// One setting, by rule and tuned.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Choice {
-    /// The setting.
+    /// The setting with its limits and the value that the rule gives it.
     pub setting: Setting,
-    /// Tuned value.
+    /// Value that the search found, in the unit of the setting.
     pub tuned: f64,
 }
 
-/// What tuning gave.
+/// The result of tuning one method: settings, objectives and the comparison on the held-out runs.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Tuning {
-    /// Method.
+    /// Name of the method that was tuned.
     pub method: &'static str,
     /// Settings by rule and tuned.
     pub settings: Vec<Choice>,
-    /// Settings that were tried.
+    /// Number of different settings that were tried, the rule's included.
     pub evaluations: usize,
-    /// Generations.
+    /// Number of generations of the search.
     pub generations: u64,
     /// Mean objective of the training runs with the rule.
     pub training_rule: f64,
@@ -109,7 +109,7 @@ pub struct Tuning {
     pub training_tuned: f64,
     /// Best mean objective after each generation.
     pub best_scores: Vec<f64>,
-    /// Training runs.
+    /// Number of runs on which the search compared settings.
     pub training_runs: usize,
     /// Rule and tuned settings on the held-out runs; none if only the rule was asked for.
     pub held_out: Option<Comparison>,
@@ -138,7 +138,7 @@ pub enum TuneError {
     /// No runs to tune on, or none held out.
     #[error("{0}")]
     NoRuns(String),
-    /// The state file.
+    /// The state file of the search could not be read or written, or belongs to another search.
     #[error(transparent)]
     State(#[from] StateError),
     /// A scenario cannot be run at all.

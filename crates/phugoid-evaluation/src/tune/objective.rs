@@ -33,7 +33,7 @@ const LARGEST_RATIO: f64 = 100.0;
 pub struct Trace {
     /// True value at the end, not zero.
     pub truth: f64,
-    /// Estimates.
+    /// Estimates, one per sample of the run, in the parameter's unit.
     pub values: Vec<f64>,
     /// One-sigma errors claimed; none from a method that claims none.
     pub std_errors: Option<Vec<f64>>,
@@ -42,7 +42,7 @@ pub struct Trace {
 /// What a run was worth, and why.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Score {
-    /// `J`.
+    /// The objective `J` that tuning minimises; the [module](self) defines it.
     pub objective: f64,
     /// Geometric mean over the parameters of the time until the estimate stays within 5 % of the truth, s; those that never
     /// do count as the whole record.

@@ -51,7 +51,7 @@ pub enum StateError {
         /// What differs, a phrase each.
         differences: Vec<String>,
     },
-    /// It cannot be written.
+    /// The state file could not be written, for the reason given.
     #[error("cannot write the state file `{}`: {source}", .file.display())]
     Unwritable {
         /// The file.
