@@ -20,9 +20,9 @@ pub struct Limits {
     pub alpha: f64,
     /// Load factor from trim, g.
     pub load_factor: f64,
-    /// Sideslip, rad.
+    /// Largest sideslip angle to either side, rad.
     pub beta: f64,
-    /// Bank from trim, rad.
+    /// Largest change of the bank angle from the trim, rad.
     pub bank: f64,
 }
 
@@ -64,24 +64,24 @@ impl Default for Limits {
 /// Largest excursions of a flight from its beginning.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Excursions {
-    /// Angle of attack, rad.
+    /// Largest change of the angle of attack, either sign, rad.
     pub alpha: f64,
-    /// Load factor, g.
+    /// Largest change of the load factor, either sign, g.
     pub load_factor: f64,
-    /// Sideslip, rad.
+    /// Largest sideslip angle to either side, rad.
     pub beta: f64,
-    /// Bank, rad.
+    /// Largest change of the bank angle, either sign, rad.
     pub bank: f64,
 }
 
 /// A fitted input and the flight that it makes.
 #[derive(Clone, Debug)]
 pub struct Fitted {
-    /// The input, rad.
+    /// The input with its final size: deflections from trim, rad.
     pub design: Design,
     /// The scenario with this input in place of its manoeuvres.
     pub scenario: Scenario,
-    /// Its flight.
+    /// The flight that this scenario makes, simulated.
     pub flight: Flight,
     /// How far the aircraft is moved.
     pub excursions: Excursions,

@@ -33,7 +33,7 @@ pub struct PredictedParameter {
 /// The bound for one input.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Prediction {
-    /// Model file.
+    /// Name of the model file whose parameters are predicted.
     pub model: String,
     /// Parameters in the order of the model file.
     pub parameters: Vec<PredictedParameter>,

@@ -57,7 +57,7 @@ use phugoid_estimators::discretization::{self, InputHold, IntervalInput};
 use phugoid_estimators::{Estimate, Estimator, ParameterStatus, Phase, Status};
 use phugoid_estimators::{Model, Sample};
 
-/// Which law.
+/// The forms of the model-reference law.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ModelReferenceForm {
     /// As printed, (3.3): feedback of the energy's rate of change.
@@ -69,7 +69,7 @@ pub enum ModelReferenceForm {
     StateError,
 }
 
-/// Settings of the law.
+/// Settings of the model-reference law over `S` channels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ModelReferenceSettings<const N: usize, const P: usize, const S: usize> {
     /// Start values, the model's units.
@@ -82,7 +82,7 @@ pub struct ModelReferenceSettings<const N: usize, const P: usize, const S: usize
     pub upper: [f64; P],
     /// The channels that are compared. Derivatives are used by the printed form alone.
     pub channels: [SurfaceChannel; S],
-    /// Which law.
+    /// The form of the law that is evaluated.
     pub form: ModelReferenceForm,
     /// `g`. Printed, state error: a pure number; energy gradient: 1/s. Normalised: 1/s^2, 1/s^2, 1/s.
     pub gain: f64,
@@ -95,9 +95,9 @@ pub struct ModelReferenceSettings<const N: usize, const P: usize, const S: usize
     /// States outside the channels that follow their measurement instead of the estimated model. The state-error form
     /// takes every measured state from its measurement.
     pub follow: [bool; N],
-    /// Input between samples.
+    /// How the input goes from one sample to the next.
     pub input_hold: InputHold,
-    /// Longest integration step, s.
+    /// Longest step with which the estimated model is integrated, s.
     pub maximum_step_s: f64,
     /// Longest interval that is predicted through, s; after a longer one the model starts again from the measurements.
     pub maximum_gap_s: f64,
@@ -136,7 +136,7 @@ impl<const N: usize, const P: usize, const S: usize> ModelReferenceSettings<N, P
 pub enum ModelReferenceError {
     /// A start value, range or bound of a parameter is not possible.
     Parameter {
-        /// Index of the parameter.
+        /// Index of the first parameter that is wrong, counted from 0.
         index: usize,
     },
     /// Every range is zero: nothing is unknown.
@@ -144,14 +144,14 @@ pub enum ModelReferenceError {
     /// A channel names a state or output that does not exist, has no positive scale, or mixes measured and integrated
     /// derivatives.
     Channel {
-        /// Index of the channel.
+        /// Index of the first channel that is wrong, counted from 0.
         index: usize,
     },
     /// A number that must be positive is not.
     Setting {
-        /// Name.
+        /// Name of the setting, as the field is called.
         name: &'static str,
-        /// Value found.
+        /// Value that was given; it may be NaN.
         value: f64,
     },
 }
@@ -268,7 +268,7 @@ where
         })
     }
 
-    /// The model.
+    /// The estimated model, as it was given to [`ModelReference::new`].
     pub fn model(&self) -> &M {
         &self.model
     }

@@ -29,10 +29,12 @@ const ALPHA: f64 = 0.5;
 /// Best for a normal distribution.
 const BETA: f64 = 2.0;
 
+/// Replaces the states of a model by those after an interval of this length, s.
+type Propagate<'a, I> = &'a dyn Fn(&mut [f64], &IntervalInput<I>, f64);
+
 /// What the filter knows of a model. States and parameters come in one vector, states first.
 struct Plant<'a, I> {
-    /// Replaces the states by those after an interval of this length, s.
-    propagate: &'a dyn Fn(&mut [f64], &IntervalInput<I>, f64),
+    propagate: Propagate<'a, I>,
     /// The outputs at an instant.
     outputs: &'a dyn Fn(&[f64], &I) -> Vec<f64>,
 }

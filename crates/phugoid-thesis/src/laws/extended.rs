@@ -60,7 +60,7 @@ pub struct ExtendedSettings<const N: usize, const P: usize> {
     pub relative_floor: f64,
     /// The same, absolute, in scaled state units squared times seconds: what noise alone accumulates.
     pub floor: f64,
-    /// Input between samples.
+    /// How the input goes from one sample to the next.
     pub input_hold: InputHold,
     /// Longest interval that gives a row, s: the trapezoid errs by its square. After a longer one the filter starts again.
     pub maximum_gap_s: f64,

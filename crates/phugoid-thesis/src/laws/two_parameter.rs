@@ -45,7 +45,7 @@ pub struct TwoParameterSettings<const P: usize> {
     pub position: usize,
     /// State and output that hold `v = x'`.
     pub velocity: usize,
-    /// Output that holds `v'`.
+    /// Index of the output that holds `v'`.
     pub acceleration: usize,
     /// `lambda` of each surface, 1/s.
     pub lambda: [f64; 2],
@@ -55,13 +55,13 @@ pub struct TwoParameterSettings<const P: usize> {
     pub form: ThesisForm,
     /// How the loop is closed.
     pub evaluation: Evaluation,
-    /// Sign of the law.
+    /// How the sign of the law's right hand side is chosen.
     pub sign: LawSign,
     /// How far outside their bounds the implicit solutions may lie, as a part of their width. May be infinite.
     pub margin: f64,
-    /// Input between samples.
+    /// How the input goes from one sample to the next.
     pub input_hold: InputHold,
-    /// Longest integration step, s.
+    /// Longest step with which the estimated model is integrated, s.
     pub maximum_step_s: f64,
     /// Longest interval that is predicted through, s; after a longer one the model starts again from the measurements.
     pub maximum_gap_s: f64,
@@ -137,17 +137,17 @@ impl<const P: usize> TwoParameterSettings<P> {
 /// What the two-parameter law looks like from inside after one sample. Arrays: one entry per surface or parameter.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TwoParameterDiagnostics {
-    /// `s_i`.
+    /// The surfaces `s_i`; both are zero when the law has reached them.
     pub surface: [f64; 2],
     /// `sdot_i = D + lambda_i F` with the estimates that hold from this sample on, 1/s.
     pub surface_rate: [f64; 2],
     /// `s_i sdot_i + eta |s_i|`: the reaching condition holds where this is not positive.
     pub reaching: [f64; 2],
-    /// `k_i`.
+    /// The gains `k_i` that follow from the bounds of the parameters.
     pub gain: [f64; 2],
     /// `k_i F + eta`, denominators of the printed law.
     pub denominator: [f64; 2],
-    /// `z_i = dD/da_i`.
+    /// The slopes `z_i = dD/da_i` by which the parameters act on both surfaces.
     pub slope: [f64; 2],
     /// `sdot_i` vanishes on the line `z_1 a_1 + z_2 a_2 = level_i`.
     pub level: [f64; 2],
@@ -155,7 +155,7 @@ pub struct TwoParameterDiagnostics {
     pub information: [f64; 2],
     /// Singular values, larger first, of the Jacobian of the whole algebraic loop, with `eta` and the gains in it.
     pub loop_singular_values: [f64; 2],
-    /// Determinant of that Jacobian.
+    /// Determinant of the Jacobian of the whole loop; near zero the loop has no clear solution.
     pub loop_determinant: f64,
 }
 

@@ -81,7 +81,7 @@ pub struct MethodRun {
 /// A surface of a printed law, sample by sample.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Surface {
-    /// `s`.
+    /// The surface `s` itself; zero when the law has reached it.
     pub surface: Vec<f64>,
     /// `s sdot + eta |s|`: the reaching condition holds where it is not positive.
     pub reaching: Vec<f64>,

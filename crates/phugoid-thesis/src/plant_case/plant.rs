@@ -6,7 +6,7 @@ use serde::Deserialize;
 
 use phugoid_simulation::quantity::Frequency;
 
-/// Which plant.
+/// One of the four proof-of-concept plants, with its constants.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(tag = "type", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Plant {

@@ -17,7 +17,7 @@ pub(super) const MAXIMUM_STEP_S: f64 = 2e-3;
 /// A plant's motion, sample by sample. States and parameters are pure numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlantRun {
-    /// Sample times, s.
+    /// Times of the samples from the start of the record, s.
     pub time_s: Vec<f64>,
     /// Known inputs at each sample, held until the next.
     pub inputs: Vec<Vec<f64>>,

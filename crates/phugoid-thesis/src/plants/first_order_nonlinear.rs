@@ -11,9 +11,9 @@ use phugoid_estimators::{LinearizedOutputs, LinearizedRates, Model};
 /// Parameter `a`, 1/s; input `u` and the value of `sin(w t)`; outputs `x`, `y`, `x'`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FirstOrderNonlinear {
-    /// `B`, 1/s.
+    /// `B`, the gain of the input `u` on `x'`, 1/s.
     pub input_gain: f64,
-    /// `C`, 1/s.
+    /// `C`, the factor of the product `y x` in `y'`, 1/s.
     pub coupling: f64,
 }
 
