@@ -1,5 +1,5 @@
-//! How good are the estimates, and how true their bounds? Many flights of one scenario, each with its own sensor noise,
-//! against the Cramer-Rao bound.
+//! Accuracy study: many flights of one scenario, each with its own sensor noise. The errors of the estimates and the
+//! standard errors that they claim are compared with the Cramer-Rao bound.
 
 use phugoid_identification::axes::Axes;
 use phugoid_identification::estimate::{CAPACITY, EstimateError, EstimateOptions, capacity, estimate};

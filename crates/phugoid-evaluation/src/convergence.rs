@@ -1,4 +1,4 @@
-//! When do the estimates reach the truth?
+//! Convergence study: the time after which the estimates stay close to the truth.
 
 use phugoid_identification::estimate::{EstimateOptions, estimate};
 use phugoid_identification::model_file::ModelFile;
@@ -29,7 +29,7 @@ pub struct ConvergenceStudy {
     pub scenario: String,
     /// Name of the model file with which the flight was estimated.
     pub model: String,
-    /// Error counted as reached, fraction of the truth.
+    /// Largest error that counts as having reached the truth, fraction of the true value.
     pub tolerance: f64,
     /// When the input starts to move: the first sample whose elevator differs from that of the trim, s.
     pub input_starts_s: f64,

@@ -1,4 +1,5 @@
-//! Is a sudden change of the coefficients found, how soon, and are the bounds right again afterwards?
+//! Damage study: whether a sudden change of the coefficients is found, how soon, and whether the claimed bounds hold
+//! again afterwards.
 
 use phugoid_identification::estimate::{EstimateOptions, estimate};
 use phugoid_identification::estimation::EventKind;

@@ -1,4 +1,4 @@
-//! Flying a scenario: from the trim to what the sensors say.
+//! Flies a scenario: trims the aircraft, integrates its motion, and simulates the sensors.
 
 use std::collections::BTreeMap;
 
@@ -30,7 +30,7 @@ pub struct Flight {
     pub trim: Trim,
     /// As [`Scenario::true_parameters`], and what the scenario's error of the model amounts to.
     pub true_parameters: BTreeMap<String, f64>,
-    /// The scenario as flown: what differs from flight to flight is drawn.
+    /// The scenario as flown: everything that is drawn once per flight has its drawn value here.
     pub scenario: Scenario,
     /// Increments that the scenario's error of the model amounts to at the trim, by name; empty without one.
     pub error_increments: BTreeMap<String, f64>,
@@ -51,8 +51,8 @@ impl Flight {
         truth
     }
 
-    /// Time of the last sample before the true pitch attitude first leaves +-1 rad, s; infinite if it never does: nobody holds a
-    /// failed aircraft, and what comes then is no longer looked at.
+    /// Time of the last sample before the true pitch attitude first leaves +-1 rad, s; infinite if it never does. After
+    /// this time the aircraft is lost, and studies no longer judge the estimates.
     pub fn held_until_s(&self) -> f64 {
         let theta = self.truth.channel("theta").map(|channel| channel.values.as_slice()).unwrap_or_default();
         match theta.iter().position(|theta| !(-ATTITUDE..=ATTITUDE).contains(theta)) {

@@ -49,10 +49,11 @@ pub struct Scenario {
     pub gust: Vec<GustSettings>,
     /// Continuous turbulence, in addition to the gusts; none if it is not given.
     pub turbulence: Option<Turbulence>,
-    /// How the aircraft that flies differs from the tables, beside the increments: what no estimator is told.
+    /// How the aircraft that flies differs from its tables, in addition to the increments. No estimator is told of it.
     #[serde(default)]
     pub model_error: ModelError,
-    /// Aerodynamic increments from the start: what the estimator has to find. They vanish at the trim point.
+    /// Aerodynamic increments from the start of the flight, which the estimator has to find. Their forces and moments
+    /// are zero at the trim point, so the trim does not depend on them.
     #[serde(default)]
     pub increments: Increments,
     /// Increments of the start that are drawn, in place of those above: `dCm_alpha = [-0.3, 0.1]`.

@@ -212,7 +212,7 @@ where
     /// Sets the law up; the first frame with all channels starts it.
     ///
     /// # Errors
-    /// [`ModelReferenceError`]: what cannot be, and which.
+    /// [`ModelReferenceError`]: which parameter, channel or setting is not possible.
     pub fn new(model: M, settings: ModelReferenceSettings<N, P, S>) -> Result<Self, ModelReferenceError> {
         let count = model.parameter_count().min(P);
         for index in 0..count {

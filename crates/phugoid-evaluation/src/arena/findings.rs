@@ -1,4 +1,4 @@
-//! Where each method wins and loses, from the numbers alone.
+//! Says in sentences where each method is better or worse than the others, from the numbers alone.
 
 use serde::Serialize;
 

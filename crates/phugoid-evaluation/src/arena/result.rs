@@ -52,7 +52,7 @@ pub struct EntryResult {
 pub enum Unit {
     /// The Cramer-Rao bound of the flight.
     CramerRao,
-    /// The Cramer-Rao bound that the flight would have without the gusts: the methods cannot reach it.
+    /// The Cramer-Rao bound that the flight would have without gusts. With gusts no method can reach it.
     CalmCramerRao,
     /// The deviation that the model file expects beforehand: the flight has no bound.
     Prior,
@@ -84,14 +84,15 @@ pub struct MethodResult {
     pub checkpoints: Vec<Checkpoint>,
     /// When the parameters came within 5 % of the truth for good.
     pub settled: Vec<Settled>,
-    /// When the slowest parameter came there, median over the flights, s after the reference; none if never in half of them.
+    /// Time at which the slowest parameter has settled, median over the flights, s after the reference; none if it
+    /// never settles in half of them or more.
     pub settled_median_s: Option<f64>,
     /// How many changes the method found, missed, or reported although there were none.
     pub detection: Detection,
     /// Time of computing per sample, the whole pipeline around the method included, microseconds; median over the flights.
     /// Not reproducible.
     pub microseconds: f64,
-    /// The same over that of the first method.
+    /// Computing time per sample divided by that of the first method.
     pub relative_time: f64,
 }
 

@@ -6,7 +6,7 @@ use super::criteria::CYCLES;
 use super::entry::Entry;
 use super::trial::{Trial, judged};
 
-/// One parameter of one flight after some cycles, as one method has it.
+/// The estimate of one parameter by one method, some cycles into one flight.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Row {
     /// Name of the entry.

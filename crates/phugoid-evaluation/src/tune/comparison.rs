@@ -51,7 +51,7 @@ pub struct ScenarioDifference {
     pub runs: usize,
     /// Mean difference of the objective, tuned less rule.
     pub mean_difference: f64,
-    /// 95 % bootstrap interval of it over the runs; nothing wide for a single run.
+    /// 95 % bootstrap interval of the mean difference over the runs; for a single run both ends are equal to it.
     pub interval: [f64; 2],
 }
 
@@ -60,7 +60,7 @@ pub struct ScenarioDifference {
 pub struct Comparison {
     /// Every held-out run with both scores.
     pub pairs: Vec<Pair>,
-    /// By scenario: a mean over all of them may come from one.
+    /// The differences scenario by scenario: they show whether the mean over all comes from a single one.
     pub scenarios: Vec<ScenarioDifference>,
     /// Mean difference of the objective.
     pub mean_difference: f64,

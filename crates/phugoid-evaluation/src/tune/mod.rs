@@ -47,7 +47,7 @@ pub enum Part {
 pub struct RunName {
     /// Name of the scenario or plant case.
     pub scenario: String,
-    /// Number of the run in it: another truth, another noise.
+    /// Number of the run in it; every run has its own true values and its own noise.
     pub run: u64,
 }
 
@@ -65,10 +65,11 @@ pub trait Tunable: Sync {
     /// Scores one of them with the values of the settings. A run that fails is [`Score::FAILURE`].
     fn score(&self, values: &[f64], part: Part, run: usize) -> Score;
 
-    /// What decides the scores of the training runs beside settings and run names, by name: fingerprints of files.
+    /// Everything that decides the scores of the training runs in addition to settings and run names: fingerprints of
+    /// files, by name.
     fn sources(&self) -> BTreeMap<String, String>;
 
-    /// What a user can take along: the settings as a file, with a comment at its head.
+    /// The settings as the text of a file that a user can use, with a comment at its head.
     fn settings_file(&self, values: &[f64]) -> String;
 }
 

@@ -1,4 +1,5 @@
-//! The state file: what a stopped search needs to go on, and what it was a search of.
+//! The state file of a search: everything that is needed to continue it after it was stopped, and a description of the
+//! problem that it belongs to.
 
 use std::collections::BTreeMap;
 use std::io::Write as _;
@@ -22,7 +23,7 @@ struct State {
     search: Search,
 }
 
-/// Why a search cannot go on from a state file, or cannot leave one.
+/// Why a search cannot be continued from a state file, or cannot write one.
 #[derive(Debug, thiserror::Error)]
 pub enum StateError {
     /// The file is there and cannot be read.

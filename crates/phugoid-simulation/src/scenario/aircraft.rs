@@ -106,7 +106,7 @@ pub enum RecordedSurfaces {
     /// The true position of the surface, after the actuator, as its sensor measures it.
     #[default]
     Measured,
-    /// Where it has been commanded: the lag of the actuator is not known.
+    /// The commanded position of the surface; an estimator then does not know the lag of the actuator.
     Commanded,
 }
 
