@@ -27,9 +27,9 @@ impl ModeFrequencies {
     /// ```
     /// use phugoid_design::modes::ModeFrequencies;
     /// use phugoid_simulation::manoeuvre::Surface;
-    /// use phugoid_simulation::named::scenario;
+    /// use phugoid_simulation::scenario::Scenario;
     ///
-    /// let modes = ModeFrequencies::of_scenario(&scenario("f16-calm")?)?;
+    /// let modes = ModeFrequencies::of_scenario(&Scenario::named("f16-calm")?)?;
     /// assert!((1.5..1.9).contains(&modes.short_period)); // rad/s
     /// let [lowest, highest] = modes.band_hz(&[Surface::Elevator]);
     /// assert!(lowest < modes.short_period / 6.28 && modes.short_period / 6.28 < highest);

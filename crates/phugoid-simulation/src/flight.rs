@@ -113,11 +113,11 @@ pub fn fly_with_progress(scenario: &Scenario, progress: &dyn Fn(f64)) -> Result<
 /// ```
 /// use phugoid_flight_dynamics::f16::{F16, F16Constants, F16Options};
 /// use phugoid_simulation::flight::{fly, fly_aircraft};
-/// use phugoid_simulation::named::scenario;
+/// use phugoid_simulation::scenario::Scenario;
 ///
 /// // The F-16 with the rounded constants of the book in place of the exact ones.
 /// let rounded = F16::new(F16Options { cg: 0.30, constants: F16Constants::BookRounded, ..F16Options::default() })?;
-/// let scenario = scenario("f16-calm")?;
+/// let scenario = Scenario::named("f16-calm")?;
 /// let (flight, usual) = (fly_aircraft(&rounded, &scenario, &|_fraction| ())?, fly(&scenario)?);
 /// let apart = (flight.trim.alpha_rad - usual.trim.alpha_rad).abs();
 /// assert!(apart > 0.0 && apart < 1e-4);
