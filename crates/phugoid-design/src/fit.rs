@@ -1,4 +1,4 @@
-//! How large an input may be: flown, and scaled until the strictest limit is met.
+//! Finds how large an input may be: the input is flown in the simulation and scaled until the strictest limit is met.
 
 use phugoid_flight_data::record::Record;
 use serde::Serialize;
@@ -12,13 +12,13 @@ use phugoid_simulation::scenario::Scenario;
 /// How far the aircraft may be moved from its trim. Infinite: no limit.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Limits {
-    /// Deflection of each surface from trim, rad.
+    /// Largest deflection of each surface from trim, rad.
     pub deflection: f64,
-    /// Rate of each surface, rad/s.
+    /// Largest rate of each surface, rad/s.
     pub surface_rate: f64,
-    /// Angle of attack from trim, rad.
+    /// Largest change of the angle of attack from trim, either sign, rad.
     pub alpha: f64,
-    /// Load factor from trim, g.
+    /// Largest change of the load factor from trim, either sign, g.
     pub load_factor: f64,
     /// Largest sideslip angle to either side, rad.
     pub beta: f64,
@@ -83,9 +83,9 @@ pub struct Fitted {
     pub scenario: Scenario,
     /// The flight that this scenario makes, simulated.
     pub flight: Flight,
-    /// How far the aircraft is moved.
+    /// Largest excursions of the aircraft in this flight.
     pub excursions: Excursions,
-    /// What keeps each surface from moving more, in the order of the inputs.
+    /// Name of the limit that keeps each surface from moving more, in the order of the inputs.
     pub limited_by: Vec<&'static str>,
 }
 

@@ -37,7 +37,7 @@ impl ModeFrequencies {
     /// ```
     ///
     /// # Errors
-    /// [`DesignError`]: no trim, no modes.
+    /// [`DesignError`]: the aircraft has no trim in the scenario's condition, or the modes cannot be computed.
     pub fn of_scenario(scenario: &Scenario) -> Result<Self, DesignError> {
         let (aircraft, trim) = trimmed_aircraft(scenario)?;
         let model = linearize(&aircraft, &trim.state(), &trim.controls(), &Disturbance::default());
@@ -64,7 +64,7 @@ impl ModeFrequencies {
         }
     }
 
-    /// Of the mode that a surface moves most.
+    /// Natural frequency of the mode that this surface moves most, rad/s.
     pub fn of(&self, surface: Surface) -> f64 {
         match surface {
             Surface::Elevator => self.short_period,

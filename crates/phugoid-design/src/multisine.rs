@@ -63,7 +63,7 @@ impl Multisine {
 pub struct MultisineSet {
     /// Period, s: a whole number of samples.
     pub period_s: f64,
-    /// One per surface, in the order asked for.
+    /// The multisines, one per surface, in the order of the surfaces that were asked for.
     pub inputs: Vec<Multisine>,
 }
 

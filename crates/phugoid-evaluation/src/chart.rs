@@ -60,7 +60,7 @@ pub struct Panel {
 pub enum Content {
     /// Curves over the chart's abscissa.
     Curves {
-        /// Curves, first one lowest.
+        /// The curves; each is drawn over those before it.
         curves: Vec<Curve>,
         /// Horizontal lines: a published value, a threshold.
         levels: Vec<Level>,
@@ -105,7 +105,7 @@ pub struct Curve {
 pub enum Meaning {
     /// The truth: a true parameter, the reference aircraft.
     Truth,
-    /// A measurement.
+    /// A measured signal, as it comes from a sensor.
     Measured,
     /// A command or an input.
     Command,
@@ -121,17 +121,17 @@ pub enum Meaning {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Shape {
-    /// Straight lines between samples.
+    /// Values at the samples, joined by straight lines.
     Line(Vec<f64>),
     /// Each value holds until the next sample.
     Step(Vec<f64>),
-    /// One dot per sample.
+    /// Values at the samples, one dot each, not joined.
     Points(Vec<f64>),
     /// The area between two curves.
     Band {
-        /// Lower curve.
+        /// Values of the lower curve at the samples.
         lower: Vec<f64>,
-        /// Upper curve.
+        /// Values of the upper curve at the samples.
         upper: Vec<f64>,
     },
 }

@@ -90,13 +90,13 @@ pub enum CramerRaoError {
     /// The model's rates or outputs became infinite or not a number.
     #[error("the model's motion is not finite at {time_s} s: the flight leaves the range of the model")]
     NotFinite {
-        /// Time, s.
+        /// Time of the sample at which it happened, s.
         time_s: f64,
     },
     /// Times do not increase or lengths differ.
     #[error("the {what}")]
     BadInput {
-        /// What is wrong.
+        /// What is wrong with the input, as a sentence without a subject.
         what: &'static str,
     },
 }
@@ -106,7 +106,7 @@ pub enum CramerRaoError {
 pub enum Between {
     /// Held at the value of the earlier sample.
     Held,
-    /// Interpolated linearly.
+    /// Interpolated linearly between the two samples.
     Interpolated,
 }
 

@@ -57,7 +57,7 @@ pub struct HealthyStudy {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Stick {
-    /// The scenario's random stick.
+    /// The random stick of the scenario's pilot, which moves all the time.
     Pilot,
     /// A 3-2-1-1 of 1.5 deg every ten seconds and no input between them. Without input a failure cannot be seen.
     Calm,

@@ -38,7 +38,7 @@ impl Column {
 pub enum Cell {
     /// A number, in the unit of its column; NaN prints as a dash.
     Number(f64),
-    /// Words.
+    /// Words instead of a number, printed as they are.
     Text(String),
 }
 

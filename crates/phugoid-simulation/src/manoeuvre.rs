@@ -48,9 +48,9 @@ pub enum Manoeuvre {
         surface: Surface,
         /// Time at which the command begins, from the start of the flight.
         start: Time,
-        /// Duration of each half.
+        /// Duration of each of the two halves.
         width: Time,
-        /// Deflection from trim.
+        /// Deflection from trim in the first half; the second half has the opposite sign.
         amplitude: Angle,
     },
     /// The classical 3-2-1-1: steps of alternating sign, three, two, one and one units long.
@@ -75,7 +75,7 @@ pub enum Manoeuvre {
         start: Time,
         /// Frequency of the sine, cycles per second.
         frequency: Frequency,
-        /// Amplitude about trim.
+        /// Amplitude of the deflection about the trim position.
         amplitude: Angle,
         /// Duration; to the end of the flight if it is not given.
         duration: Option<Time>,

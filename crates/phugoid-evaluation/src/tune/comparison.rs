@@ -34,7 +34,7 @@ pub enum Verdict {
     Gained,
     /// The whole interval lies above zero.
     Lost,
-    /// The interval contains zero.
+    /// The interval contains zero: the runs do not show a difference.
     NoDifference,
     /// The search found nothing better than the rule even on the training runs: both are the same.
     Kept,

@@ -36,7 +36,7 @@ pub const HELD_OUT_RUNS: u64 = 1_000_000;
 /// Which runs: those that the search sees, or those that it does not.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
-    /// Seen by the search.
+    /// Runs on which the search compares settings.
     Training,
     /// Runs that the search never sees; they tell whether the tuned settings are better in other flights too.
     HeldOut,
@@ -129,11 +129,11 @@ pub enum TuneError {
          --rule-only for the rule alone"
     )]
     Budget {
-        /// Budget asked for.
+        /// Number of settings to try that was asked for.
         budget: usize,
-        /// Settings of the method.
+        /// Number of settings that the method has.
         settings: usize,
-        /// Least budget.
+        /// Smallest budget with which this many settings can be searched.
         least: usize,
     },
     /// No runs to tune on, or none held out.

@@ -29,17 +29,17 @@ pub enum StateError {
     /// The file is there and cannot be read.
     #[error("cannot read the state file `{}`: {source}", .file.display())]
     Unreadable {
-        /// The file.
+        /// Path of the state file.
         file: PathBuf,
-        /// What the system says.
+        /// The error of the operating system.
         source: std::io::Error,
     },
     /// It is no state file, or a damaged one.
     #[error("`{}` is no state file of `phugoid tune`: {message}\nGive another file, or delete it to start anew.", .file.display())]
     Invalid {
-        /// The file.
+        /// Path of the state file.
         file: PathBuf,
-        /// What is wrong.
+        /// What is wrong with the contents of the file.
         message: String,
     },
     /// It belongs to another problem.
@@ -47,7 +47,7 @@ pub enum StateError {
         "the state file `{}` is of another problem: {}\nGive another file, or delete it to start anew.", .file.display(), .differences.join("; ")
     )]
     OtherProblem {
-        /// The file.
+        /// Path of the state file.
         file: PathBuf,
         /// What differs, a phrase each.
         differences: Vec<String>,
@@ -55,9 +55,9 @@ pub enum StateError {
     /// The state file could not be written, for the reason given.
     #[error("cannot write the state file `{}`: {source}", .file.display())]
     Unwritable {
-        /// The file.
+        /// Path of the state file.
         file: PathBuf,
-        /// What the system says.
+        /// The error of the operating system.
         source: std::io::Error,
     },
 }

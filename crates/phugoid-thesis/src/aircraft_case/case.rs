@@ -68,7 +68,7 @@ impl Default for EstimatorSettings {
 }
 
 impl ParameterSettings {
-    /// Start value, per radian.
+    /// Start value of the estimates, per radian: the given one, else the geometric mean of the bounds with their sign.
     pub fn start(&self) -> f64 {
         self.start.unwrap_or_else(|| (self.lower * self.upper).sqrt().copysign(self.lower))
     }

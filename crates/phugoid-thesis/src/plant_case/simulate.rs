@@ -21,7 +21,7 @@ pub struct PlantRun {
     pub time_s: Vec<f64>,
     /// Known inputs at each sample, held until the next.
     pub inputs: Vec<Vec<f64>>,
-    /// True states, `[state][sample]`.
+    /// True states without noise, indexed `[state][sample]`.
     pub states: Vec<Vec<f64>>,
     /// What is measured, `[output][sample]`: all states, then the derivative of the last state that carries an unknown.
     pub outputs: Vec<Vec<f64>>,

@@ -18,7 +18,7 @@ use phugoid_simulation::scenario::{BUILT_IN, Scenario, ScenarioError, built_in, 
 /// Methods that can be tuned.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
-    /// The flagship, on flights.
+    /// The flagship, tuned on simulated flights of aircraft.
     Smpe,
     /// The one-parameter sliding law of the thesis, on cases with one unknown.
     ThesisLaw,
