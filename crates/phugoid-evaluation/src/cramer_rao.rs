@@ -96,7 +96,7 @@ pub enum CramerRaoError {
     /// Times do not increase or lengths differ.
     #[error("the {what}")]
     BadInput {
-        /// What is wrong with the input, as a sentence without a subject.
+        /// What is wrong with the times or the inputs, in a few words.
         what: &'static str,
     },
 }
