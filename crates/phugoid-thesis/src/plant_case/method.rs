@@ -265,7 +265,8 @@ impl Visit for Runner<'_> {
                 settings.reaching_time_s = *reaching_time_s;
                 settings.floor = *floor;
                 settings.maximum_gap_s = settings.maximum_gap_s.max(2.0 * case.sample_time.si());
-                let mut law = ExtendedLaw::<_, N, R, ROOM>::new(*model, settings).map_err(|error| refused(&error))?;
+                let mut law =
+                    ExtendedLaw::<_, [f64; I], N, ROOM>::new(*model, settings).map_err(|error| refused(&error))?;
                 record.states = Vec::new();
                 for sample in run.samples::<I, R>() {
                     let estimate = law.update(&sample);
