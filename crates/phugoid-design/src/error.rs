@@ -9,7 +9,7 @@ pub enum DesignError {
     /// The flight that the input is fitted to.
     #[error(transparent)]
     Flight(#[from] phugoid_simulation::flight::FlightError),
-    /// The bound.
+    /// The accuracy that the input promises could not be computed.
     #[error(transparent)]
     Study(#[from] phugoid_evaluation::accuracy::StudyError),
 }

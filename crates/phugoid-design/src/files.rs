@@ -1,4 +1,4 @@
-//! An input as files: for `phugoid simulate`, and for autopilots.
+//! Writes an input as files: for `phugoid simulate` and for autopilots.
 
 use std::fmt::Write as _;
 

@@ -1,4 +1,4 @@
-//! How large an input may be: flown, and scaled until the strictest limit is met.
+//! Finds how large an input may be: the input is flown in the simulation and scaled until the strictest limit is met.
 
 use phugoid_flight_data::record::Record;
 use serde::Serialize;
@@ -12,17 +12,17 @@ use phugoid_simulation::scenario::Scenario;
 /// How far the aircraft may be moved from its trim. Infinite: no limit.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Limits {
-    /// Deflection of each surface from trim, rad.
+    /// Largest deflection of each surface from trim, rad.
     pub deflection: f64,
-    /// Rate of each surface, rad/s.
+    /// Largest rate of each surface, rad/s.
     pub surface_rate: f64,
-    /// Angle of attack from trim, rad.
+    /// Largest change of the angle of attack from trim, either sign, rad.
     pub alpha: f64,
-    /// Load factor from trim, g.
+    /// Largest change of the load factor from trim, either sign, g.
     pub load_factor: f64,
-    /// Sideslip, rad.
+    /// Largest sideslip angle to either side, rad.
     pub beta: f64,
-    /// Bank from trim, rad.
+    /// Largest change of the bank angle from the trim, rad.
     pub bank: f64,
 }
 
@@ -64,28 +64,28 @@ impl Default for Limits {
 /// Largest excursions of a flight from its beginning.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Excursions {
-    /// Angle of attack, rad.
+    /// Largest change of the angle of attack, either sign, rad.
     pub alpha: f64,
-    /// Load factor, g.
+    /// Largest change of the load factor, either sign, g.
     pub load_factor: f64,
-    /// Sideslip, rad.
+    /// Largest sideslip angle to either side, rad.
     pub beta: f64,
-    /// Bank, rad.
+    /// Largest change of the bank angle, either sign, rad.
     pub bank: f64,
 }
 
 /// A fitted input and the flight that it makes.
 #[derive(Clone, Debug)]
 pub struct Fitted {
-    /// The input, rad.
+    /// The input with its final size: deflections from trim, rad.
     pub design: Design,
     /// The scenario with this input in place of its manoeuvres.
     pub scenario: Scenario,
-    /// Its flight.
+    /// The flight that this scenario makes, simulated.
     pub flight: Flight,
-    /// How far the aircraft is moved.
+    /// Largest excursions of the aircraft in this flight.
     pub excursions: Excursions,
-    /// What keeps each surface from moving more, in the order of the inputs.
+    /// Name of the limit that keeps each surface from moving more, in the order of the inputs.
     pub limited_by: Vec<&'static str>,
 }
 

@@ -32,7 +32,7 @@ use modes::ModeFrequencies;
 use multisine::Harmonic;
 use phugoid_simulation::manoeuvre::Surface;
 
-/// Families of inputs.
+/// The families of inputs that can be designed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
 pub enum Kind {
     /// Up and down, the pulse at the peak of whose spectrum the mode lies.
@@ -50,7 +50,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// All of them.
+    /// All families, in the order in which they are compared.
     pub const ALL: [Self; 4] = [Self::Doublet, Self::ThreeTwoOneOne, Self::Sweep, Self::Multisine];
 
     /// Name as on the command line.
@@ -64,7 +64,7 @@ impl Kind {
     }
 }
 
-/// What is asked for.
+/// What the input is designed for: surfaces, duration, sampling and frequency band.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Request {
     /// Surfaces to move, each once.
@@ -73,7 +73,7 @@ pub struct Request {
     pub duration_s: f64,
     /// Quiet time before the input, s.
     pub lead_s: f64,
-    /// Samples per second.
+    /// Samples per second of the deflections.
     pub sample_rate_hz: f64,
     /// Band of sweeps and multisines, Hz; from the modes where none: 0.4 times the slowest to 2.5 times the fastest.
     pub band_hz: Option<[f64; 2]>,
@@ -84,7 +84,7 @@ pub struct Request {
 /// The input of one surface.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SurfaceInput {
-    /// Which surface.
+    /// The surface that is moved.
     pub surface: Surface,
     /// Deflection from trim at each sample, rad (of a shape: peak of one).
     #[serde(skip)]
@@ -95,7 +95,7 @@ pub struct SurfaceInput {
     pub pulse_width_s: Option<f64>,
     /// `(max - min)/(2 sqrt(2) rms)` while the input is on: 1 for one sine (Morelli 2003).
     pub relative_peak_factor: f64,
-    /// Components of a multisine.
+    /// The components of a multisine; empty for the other families.
     pub harmonics: Vec<Harmonic>,
 }
 
@@ -114,14 +114,14 @@ impl SurfaceInput {
 /// An input: deflections of one or more surfaces on one time base.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Design {
-    /// Family.
+    /// The family that the input belongs to.
     pub kind: Kind,
-    /// Time, s.
+    /// Times of the samples from the start of the record, s.
     #[serde(skip)]
     pub time_s: Vec<f64>,
-    /// Samples per second.
+    /// Samples per second of the deflections.
     pub sample_rate_hz: f64,
-    /// One per surface.
+    /// The inputs, one for each surface of the request.
     pub inputs: Vec<SurfaceInput>,
     /// Period of a multisine, s.
     pub period_s: Option<f64>,

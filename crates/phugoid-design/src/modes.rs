@@ -27,9 +27,9 @@ impl ModeFrequencies {
     /// ```
     /// use phugoid_design::modes::ModeFrequencies;
     /// use phugoid_simulation::manoeuvre::Surface;
-    /// use phugoid_simulation::named::scenario;
+    /// use phugoid_simulation::scenario::Scenario;
     ///
-    /// let modes = ModeFrequencies::of_scenario(&scenario("f16-calm")?)?;
+    /// let modes = ModeFrequencies::of_scenario(&Scenario::named("f16-calm")?)?;
     /// assert!((1.5..1.9).contains(&modes.short_period)); // rad/s
     /// let [lowest, highest] = modes.band_hz(&[Surface::Elevator]);
     /// assert!(lowest < modes.short_period / 6.28 && modes.short_period / 6.28 < highest);
@@ -37,7 +37,7 @@ impl ModeFrequencies {
     /// ```
     ///
     /// # Errors
-    /// [`DesignError`]: no trim, no modes.
+    /// [`DesignError`]: the aircraft has no trim in the scenario's condition, or the modes cannot be computed.
     pub fn of_scenario(scenario: &Scenario) -> Result<Self, DesignError> {
         let (aircraft, trim) = trimmed_aircraft(scenario)?;
         let model = linearize(&aircraft, &trim.state(), &trim.controls(), &Disturbance::default());
@@ -64,7 +64,7 @@ impl ModeFrequencies {
         }
     }
 
-    /// Of the mode that a surface moves most.
+    /// Natural frequency of the mode that this surface moves most, rad/s.
     pub fn of(&self, surface: Surface) -> f64 {
         match surface {
             Surface::Elevator => self.short_period,

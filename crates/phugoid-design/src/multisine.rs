@@ -27,20 +27,20 @@ use phugoid_simulation::manoeuvre::Surface;
 pub struct Harmonic {
     /// Number of periods in the period of the multisine.
     pub index: u32,
-    /// Frequency, Hz.
+    /// Frequency of the component, Hz: `index` divided by the period of the multisine.
     pub frequency_hz: f64,
     /// Amplitude as a part of the surface's peak.
     pub amplitude: f64,
-    /// Phase, rad.
+    /// Phase of the component at the start of the multisine, rad.
     pub phase_rad: f64,
 }
 
 /// The multisine of one surface, peak one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Multisine {
-    /// Surface.
+    /// The surface that this multisine moves.
     pub surface: Surface,
-    /// Components.
+    /// The components, in the order of their frequencies.
     pub harmonics: Vec<Harmonic>,
     /// `(max - min)/(2 sqrt(2) rms)`.
     pub relative_peak_factor: f64,
@@ -63,7 +63,7 @@ impl Multisine {
 pub struct MultisineSet {
     /// Period, s: a whole number of samples.
     pub period_s: f64,
-    /// One per surface, in the order asked for.
+    /// The multisines, one per surface, in the order of the surfaces that were asked for.
     pub inputs: Vec<Multisine>,
 }
 

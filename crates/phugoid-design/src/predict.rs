@@ -1,4 +1,4 @@
-//! What a flight will tell, before anyone flies it: the Cramer-Rao bound of a model's parameters for an input.
+//! Predicts what a flight will tell: the Cramer-Rao bound of a model's parameters for an input, before anyone flies it.
 
 use phugoid_identification::model_file::{ModelFile, Parameter, Role};
 use phugoid_identification::output::Output;
@@ -10,16 +10,17 @@ use phugoid_evaluation::accuracy::bound_with_noise;
 use phugoid_evaluation::cramer_rao::Bound;
 use phugoid_simulation::scenario::Scenario;
 
-/// What an input tells of one parameter.
+/// How accurately a flight with this input can determine one parameter.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PredictedParameter {
-    /// Name in the model file.
+    /// Name of the parameter in the model file.
     pub name: String,
     /// Value at which the bound was taken, SI.
     pub value: f64,
-    /// What is known of it beforehand, one sigma.
+    /// Prior standard deviation of the parameter, in its unit.
     pub prior_std: f64,
-    /// Smallest standard error that any unbiased estimator can have after the flight; infinite: the input does not tell it.
+    /// Smallest standard error that any unbiased estimator can have after the flight, in the parameter's unit; infinite
+    /// where the input does not determine the parameter.
     pub std_error: f64,
     /// `std_error` in percent of the prior.
     pub percent_of_prior: f64,
@@ -33,7 +34,7 @@ pub struct PredictedParameter {
 /// The bound for one input.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Prediction {
-    /// Model file.
+    /// Name of the model file whose parameters are predicted.
     pub model: String,
     /// Parameters in the order of the model file.
     pub parameters: Vec<PredictedParameter>,

@@ -10,8 +10,11 @@ use proptest::prelude::*;
 
 const WHOLE: Part = Part { from: 0.0, to: 1.0 };
 
+/// States of the plants here.
+const N: usize = 2;
+
 /// Derivatives of one step and its central differences, relative to the larger of them and one.
-fn worst_derivative_error<M, const N: usize, const R: usize, const P: usize>(
+fn worst_derivative_error<M, const P: usize>(
     model: &M,
     x: [f64; N],
     theta: [f64; P],
@@ -19,7 +22,7 @@ fn worst_derivative_error<M, const N: usize, const R: usize, const P: usize>(
     h: f64,
 ) -> f64
 where
-    M: Model<N, R, P>,
+    M: Model<N, 3, P>,
 {
     let p = model.parameter_count();
     let mut b = [[0.0; P]; N];
@@ -67,7 +70,7 @@ proptest! {
         let hold = if linear { InputHold::Linear } else { InputHold::Zero };
         let input = IntervalInput { from: [u[0]], to: [u[1]], hold };
         // Second order nonlinear in the state: the derivatives change along the step.
-        let error = worst_derivative_error::<_, 2, 3, 4>(&QuadraticSpring, x, [a1, a2, 7.0, 7.0], &input, h);
+        let error = worst_derivative_error::<_, 4>(&QuadraticSpring, x, [a1, a2, 7.0, 7.0], &input, h);
         prop_assert!(error < 1e-7, "{error}");
     }
 
@@ -104,7 +107,7 @@ proptest! {
         let model = ShortPeriod { parameters: 6, ..JET };
         let theta: [f64; 6] = core::array::from_fn(|j| if j < 4 { JET_TRUTH[j] * scale[j] } else { 0.01 * scale[j] });
         let input = IntervalInput { from: [elevator], to: [elevator], hold: InputHold::Zero };
-        let error = worst_derivative_error::<_, 2, 3, 6>(&model, x, theta, &input, 0.02);
+        let error = worst_derivative_error::<_, 6>(&model, x, theta, &input, 0.02);
         prop_assert!(error < 1e-7, "{error}");
         let mut lin = LinearizedOutputs::<2, 3, 6>::ZERO;
         model.linearized_outputs(&x, &theta, &[elevator], &mut lin);

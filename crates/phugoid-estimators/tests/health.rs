@@ -14,6 +14,9 @@ use synthetic::Synthetic;
 
 const STEP_S: f64 = 0.02;
 
+/// Room for parameters in the estimators here: no plant has more than five.
+const ROOM: usize = 5;
+
 /// `x` measured with noise of 0.01, its rate not at all.
 const NOISE: [f64; 2] = [0.01, f64::NAN];
 
@@ -24,24 +27,24 @@ fn first_order(seed: u64, duration_s: f64, a: impl Fn(f64) -> f64) -> Vec<Sample
     fly::<_, 1, 2, 1>(&FirstOrder, &times, [0.0], |t| [a(t)], input, NOISE, &mut seeded(seed))
 }
 
-fn smpe_settings() -> EstimatorSettings<1, 2, 1> {
+fn smpe_settings() -> EstimatorSettings<1, 2, ROOM> {
     EstimatorSettings::automatic(&[ParameterPrior::bounded(3.0, 1.0, 5.0)], NOISE, STEP_S).unwrap()
 }
 
 /// Every word of the monitor over a flight.
-fn monitored<M, const N: usize, const R: usize, const P: usize>(
+fn monitored<M, const N: usize, const R: usize>(
     model: &M,
-    settings: EstimatorSettings<N, R, P>,
+    settings: EstimatorSettings<N, R, ROOM>,
     expected: &[Option<Expected>],
     monitor: MonitorSettings,
     flight: &[Sample<M::Input, R>],
-) -> Vec<Health<P>>
+) -> Vec<Health<ROOM>>
 where
-    M: Model<N, R, P> + Clone,
+    M: Model<N, R, ROOM> + Clone,
 {
     let mut smpe = Smpe::new(model.clone(), settings).unwrap();
     let mut monitor = HealthMonitor::new(model.clone(), &settings, expected, monitor).unwrap();
-    let mut covariance = [[0.0; P]; P];
+    let mut covariance = [[0.0; ROOM]; ROOM];
     flight
         .iter()
         .map(|sample| {
@@ -134,7 +137,7 @@ fn the_onset_of_a_failure_is_found_with_its_uncertainty() {
     assert!(errors[errors.len() / 2] < 0.25);
 }
 
-fn five(seed: u64, onset_s: f64) -> (Synthetic<5>, EstimatorSettings<4, 6, 5>, Vec<Sample<[f64; 1], 6>>) {
+fn five(seed: u64, onset_s: f64) -> (Synthetic<ROOM>, EstimatorSettings<4, 6, ROOM>, Vec<Sample<[f64; 1], 6>>) {
     let model = Synthetic::<5>::new(5);
     let settings = EstimatorSettings::automatic(&synthetic::priors(5), [0.01; 6], 0.01).unwrap();
     let input = |t: f64| [(1.1 * t).sin() + (2.7 * t).sin() + if (t * 0.5).fract() < 0.5 { 0.5 } else { -0.5 }];
@@ -186,32 +189,32 @@ fn a_healthy_plant_is_called_healthy_once_it_is_known() {
 fn units_of_the_parameters_do_not_matter() {
     #[derive(Clone)]
     struct Thousandths;
-    impl Model<1, 2, 1> for Thousandths {
+    impl Model<1, 2, ROOM> for Thousandths {
         type Input = [f64; 1];
         fn parameter_count(&self) -> usize {
             1
         }
-        fn rates(&self, x: &[f64; 1], a: &[f64; 1], u: &[f64; 1]) -> [f64; 1] {
-            Model::<1, 2, 1>::rates(&FirstOrder, x, &[a[0] / 1000.0], u)
+        fn rates(&self, x: &[f64; 1], a: &[f64; ROOM], u: &[f64; 1]) -> [f64; 1] {
+            Model::<1, 2, ROOM>::rates(&FirstOrder, x, &a.map(|a| a / 1000.0), u)
         }
         fn linearized_rates(
             &self,
             x: &[f64; 1],
-            a: &[f64; 1],
+            a: &[f64; ROOM],
             u: &[f64; 1],
-            out: &mut phugoid_estimators::LinearizedRates<1, 1>,
+            out: &mut phugoid_estimators::LinearizedRates<1, ROOM>,
         ) {
-            Model::<1, 2, 1>::linearized_rates(&FirstOrder, x, &[a[0] / 1000.0], u, out);
+            Model::<1, 2, ROOM>::linearized_rates(&FirstOrder, x, &a.map(|a| a / 1000.0), u, out);
             out.regressors[0][0] /= 1000.0;
         }
         fn linearized_outputs(
             &self,
             x: &[f64; 1],
-            a: &[f64; 1],
+            a: &[f64; ROOM],
             u: &[f64; 1],
-            out: &mut phugoid_estimators::LinearizedOutputs<1, 2, 1>,
+            out: &mut phugoid_estimators::LinearizedOutputs<1, 2, ROOM>,
         ) {
-            FirstOrder.linearized_outputs(x, &[a[0] / 1000.0], u, out);
+            FirstOrder.linearized_outputs(x, &a.map(|a| a / 1000.0), u, out);
         }
         fn measuring_output(&self, _: usize) -> Option<usize> {
             Some(0)

@@ -1,5 +1,5 @@
-//! How good are the estimates, and how true their bounds? Many flights of one scenario, each with its own sensor noise,
-//! against the Cramer-Rao bound.
+//! Accuracy study: many flights of one scenario, each with its own sensor noise. The errors of the estimates and the
+//! standard errors that they claim are compared with the Cramer-Rao bound.
 
 use phugoid_identification::axes::Axes;
 use phugoid_identification::estimate::{CAPACITY, EstimateError, EstimateOptions, capacity, estimate};
@@ -7,13 +7,13 @@ use phugoid_identification::estimation::{Estimation, EventKind};
 use phugoid_identification::lateral::LateralModel;
 use phugoid_identification::longitudinal::LongitudinalModel;
 use phugoid_identification::model_file::{InputHold, ModelFile, Role};
-use phugoid_identification::motion::MotionModel;
+use phugoid_identification::motion::{Motion, MotionModel};
 use phugoid_identification::output::Output;
-use phugoid_identification::prepare::prepare;
+use phugoid_identification::prepare::{Prepared, prepare};
 use phugoid_identification::six::SixModel;
 use serde::Serialize;
 
-use crate::cramer_rao::{Between, Bound, CramerRaoError, Experiment, Knowledge, cramer_rao_knowing};
+use crate::cramer_rao::{Between, Bound, CramerRaoError, Experiment, Knowledge};
 use crate::monte_carlo::{Accuracy, Outcome, monte_carlo};
 use phugoid_simulation::flight::{Flight, FlightError, fly, sense};
 use phugoid_simulation::scenario::Scenario;
@@ -24,7 +24,7 @@ const LONGITUDINAL_CAPACITY: usize = capacity(Axes::Longitudinal);
 /// Accuracy at one time of the flight.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Checkpoint {
-    /// Time, s.
+    /// Time of the checkpoint from the start of the record, s.
     pub time_s: f64,
     /// Parameters in the model's order.
     pub parameters: Vec<Accuracy>,
@@ -33,11 +33,11 @@ pub struct Checkpoint {
 /// Result of an accuracy study.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct AccuracyStudy {
-    /// Scenario.
+    /// Name of the scenario that was flown.
     pub scenario: String,
-    /// Model file.
+    /// Name of the model file.
     pub model: String,
-    /// Estimator.
+    /// Name of the estimator.
     pub method: String,
     /// Number of runs; run `i` has the scenario's seed plus `i`.
     pub runs: usize,
@@ -50,13 +50,13 @@ pub struct AccuracyStudy {
 /// Why a study could not be made.
 #[derive(Debug, thiserror::Error)]
 pub enum StudyError {
-    /// The flight.
+    /// The scenario could not be flown.
     #[error(transparent)]
     Flight(#[from] FlightError),
-    /// The estimation.
+    /// The flight could not be estimated with the model file.
     #[error(transparent)]
     Estimate(#[from] EstimateError),
-    /// The bound.
+    /// The Cramer-Rao bound could not be computed.
     #[error("Cramer-Rao bound: {0}")]
     CramerRao(#[from] CramerRaoError),
     /// The study does not fit the model.
@@ -171,71 +171,96 @@ pub fn bound_with_noise(
     at: &[f64],
 ) -> Result<Vec<Bound>, StudyError> {
     match model.axes {
-        Axes::Longitudinal => bound_of::<LongitudinalModel, _, _, LONGITUDINAL_CAPACITY>(flight, model, noise, at),
-        Axes::LateralDirectional => bound_of::<LateralModel, _, _, CAPACITY>(flight, model, noise, at),
-        Axes::All => bound_of::<SixModel, _, _, CAPACITY>(flight, model, noise, at),
+        Axes::Longitudinal => {
+            Asked::<LongitudinalModel, _, _>::new(flight, model, noise)?.bound::<LONGITUDINAL_CAPACITY>(at)
+        }
+        Axes::LateralDirectional => Asked::<LateralModel, _, _>::new(flight, model, noise)?.bound::<CAPACITY>(at),
+        Axes::All => Asked::<SixModel, _, _>::new(flight, model, noise)?.bound::<CAPACITY>(at),
     }
 }
 
-fn bound_of<M, const N: usize, const R: usize, const P: usize>(
-    flight: &Flight,
-    model: &ModelFile,
-    noise: &dyn Fn(Output) -> Option<f64>,
-    at: &[f64],
-) -> Result<Vec<Bound>, StudyError>
-where
-    M: MotionModel<N, R, P>,
-{
-    let unsuitable = |what: &str| Err(StudyError::Unsuitable(format!("model `{}`: {what}", model.source)));
-    let prepared = prepare::<M, N, R>(&flight.truth, model)?;
-    let mut parameters = [0.0; P];
-    let mut knowledge = Knowledge::<R, P>::NONE;
-    let mut terms = 0;
-    for parameter in model.estimated() {
-        if let Role::Bias(output) = parameter.role {
-            if let Some(row) = M::AXES.row(output) {
-                knowledge.bias_std[row] = parameter.prior_std;
+/// The flight, the sensors and the parameters that a bound is asked for.
+struct Asked<M: Motion<N, R>, const N: usize, const R: usize> {
+    source: String,
+    prepared: Prepared<M, N, R>,
+    initial_state: [f64; N],
+    /// True values of the model's parameters.
+    parameters: Vec<f64>,
+    /// What is known of each beforehand, standard deviation in its unit; infinite for nothing.
+    prior_std: Vec<f64>,
+    noise_std: [f64; R],
+    bias_std: [f64; R],
+    between: Between,
+}
+
+impl<M: Motion<N, R>, const N: usize, const R: usize> Asked<M, N, R> {
+    fn new(flight: &Flight, model: &ModelFile, noise: &dyn Fn(Output) -> Option<f64>) -> Result<Self, StudyError> {
+        let prepared = prepare::<M, N, R>(&flight.truth, model)?;
+        let (mut parameters, mut prior_std) = (Vec::new(), Vec::new());
+        let mut bias_std = [0.0; R];
+        for parameter in model.estimated() {
+            if let Role::Bias(output) = parameter.role {
+                if let Some(row) = M::AXES.row(output) {
+                    bias_std[row] = parameter.prior_std;
+                }
+                continue;
             }
-            continue;
+            let known = flight.true_parameters.get(&parameter.name).copied();
+            let Some(truth) = known.or(parameter.is_nuisance().then_some(0.0)) else {
+                let what = format!("the true value of `{}` is not known", parameter.name);
+                return Err(unsuitable(&model.source, &what));
+            };
+            parameters.push(truth);
+            prior_std.push(if parameter.is_nuisance() { parameter.prior_std } else { f64::INFINITY });
         }
-        let Some(truth) =
-            flight.true_parameters.get(&parameter.name).copied().or(parameter.is_nuisance().then_some(0.0))
-        else {
-            return unsuitable(&format!("the true value of `{}` is not known", parameter.name));
-        };
-        let Some(slot) = parameters.get_mut(terms) else {
-            return unsuitable(&format!("there is room for {P} parameters"));
-        };
-        *slot = truth;
-        if parameter.is_nuisance() {
-            knowledge.prior_std[terms] = parameter.prior_std;
+        let mut noise_std = [f64::INFINITY; R];
+        for (row, output) in M::AXES.outputs().iter().enumerate().filter(|(_, o)| model.outputs[o.index()]) {
+            let given = model.noise[output.index()].or_else(|| noise(*output));
+            noise_std[row] = given.ok_or_else(|| {
+                let what = format!("the noise of `{}` is needed: give it under [noise]", output.name());
+                unsuitable(&model.source, &what)
+            })?;
         }
-        terms += 1;
-    }
-    let mut sigma = [f64::INFINITY; R];
-    for (row, output) in M::AXES.outputs().iter().enumerate().filter(|(_, o)| model.outputs[o.index()]) {
-        match model.noise[output.index()].or_else(|| noise(*output)) {
-            Some(noise) => sigma[row] = noise,
-            None => return unsuitable(&format!("the noise of `{}` is needed: give it under [noise]", output.name())),
+        // A state need not be measured: its true value is in the flight.
+        let mut initial_state = [f64::NAN; N];
+        for (value, state) in initial_state.iter_mut().zip(M::AXES.states()) {
+            let truth = flight.truth.channel(state.name()).and_then(|c| c.values.get(prepared.first));
+            *value = truth.copied().unwrap_or(f64::NAN);
         }
-    }
-    // A state need not be measured: its true value is in the flight.
-    let mut initial_state = [f64::NAN; N];
-    for (value, state) in initial_state.iter_mut().zip(M::AXES.states()) {
-        let truth = flight.truth.channel(state.name()).and_then(|c| c.values.get(prepared.first));
-        *value = truth.copied().unwrap_or(f64::NAN);
-    }
-    let experiment = Experiment {
-        initial_state,
-        parameters,
-        time_s: &prepared.time,
-        inputs: &prepared.inputs,
-        between: match (model.input, M::AXES) {
+        let between = match (model.input, M::AXES) {
             (InputHold::Held, Axes::Longitudinal) => Between::Held,
             // The input knows itself what is held; a measured motion that is an input runs on between the samples.
             _ => Between::Interpolated,
-        },
-        sigma,
-    };
-    Ok(cramer_rao_knowing::<_, N, R, P>(&prepared.model, &experiment, &knowledge, at)?)
+        };
+        let source = model.source.clone();
+        Ok(Self { source, prepared, initial_state, parameters, prior_std, noise_std, bias_std, between })
+    }
+
+    /// The bound, computed with room for `P` parameters.
+    fn bound<const P: usize>(&self, at: &[f64]) -> Result<Vec<Bound>, StudyError>
+    where
+        M: MotionModel<N, R, P>,
+    {
+        let count = self.parameters.len();
+        if count > P {
+            return Err(unsuitable(&self.source, &format!("there is room for {P} parameters")));
+        }
+        let mut parameters = [0.0; P];
+        parameters[..count].copy_from_slice(&self.parameters);
+        let mut knowledge = Knowledge::<R, P>::of_noise(self.noise_std);
+        knowledge.bias_std = self.bias_std;
+        knowledge.prior_std[..count].copy_from_slice(&self.prior_std);
+        let experiment = Experiment {
+            initial_state: self.initial_state,
+            parameters,
+            time_s: &self.prepared.time,
+            inputs: &self.prepared.inputs,
+            between: self.between,
+        };
+        Ok(experiment.bound(&self.prepared.model, &knowledge, at)?)
+    }
+}
+
+fn unsuitable(source: &str, what: &str) -> StudyError {
+    StudyError::Unsuitable(format!("model `{source}`: {what}"))
 }

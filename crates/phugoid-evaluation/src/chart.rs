@@ -9,13 +9,13 @@ use serde::Serialize;
 pub struct Chart {
     /// Name for files, unique within the entry, e.g. `estimates`.
     pub name: String,
-    /// Title.
+    /// Title of the figure, printed above its panels.
     pub title: String,
     /// What to see in it, in a sentence or two.
     pub caption: String,
-    /// Abscissa of all panels.
+    /// The horizontal axis, which all panels share.
     pub x: Axis,
-    /// Panels.
+    /// The panels, row by row from the top left.
     pub panels: Vec<Panel>,
     /// Panels per row; 0 counts as 1.
     pub columns: usize,
@@ -24,7 +24,7 @@ pub struct Chart {
 /// A quantity along an axis.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Axis {
-    /// Quantity, e.g. `Time`.
+    /// Name of the quantity without its unit, for instance `Time`.
     pub label: String,
     /// Unit as printed, e.g. `s`; `–` for a pure number.
     pub unit: String,
@@ -45,22 +45,22 @@ impl Axis {
     }
 }
 
-/// One panel.
+/// One panel of a figure: a vertical axis and what is drawn above the shared horizontal one.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Panel {
-    /// Ordinate.
+    /// The vertical axis of the panel.
     pub y: Axis,
-    /// What is drawn.
+    /// The curves or the map that the panel shows.
     pub content: Content,
 }
 
-/// What a panel shows.
+/// What a panel shows: curves, or a map of coloured cells.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Content {
     /// Curves over the chart's abscissa.
     Curves {
-        /// Curves, first one lowest.
+        /// The curves; each is drawn over those before it.
         curves: Vec<Curve>,
         /// Horizontal lines: a published value, a threshold.
         levels: Vec<Level>,
@@ -86,26 +86,26 @@ pub enum Content {
     },
 }
 
-/// A curve.
+/// A curve with its legend entry.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Curve {
-    /// Legend entry.
+    /// Text of the curve in the legend.
     pub label: String,
     /// What it is; decides colour and stroke.
     pub meaning: Meaning,
-    /// Abscissa.
+    /// Values along the horizontal axis, one per sample, in the unit of [`Chart::x`].
     pub x: Arc<[f64]>,
-    /// Shape and ordinates.
+    /// How the samples are joined, with their values along the vertical axis.
     pub shape: Shape,
 }
 
-/// What a curve is.
+/// What a curve stands for; the drawing chooses colour and stroke by it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Meaning {
     /// The truth: a true parameter, the reference aircraft.
     Truth,
-    /// A measurement.
+    /// A measured signal, as it comes from a sensor.
     Measured,
     /// A command or an input.
     Command,
@@ -121,17 +121,17 @@ pub enum Meaning {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Shape {
-    /// Straight lines between samples.
+    /// Values at the samples, joined by straight lines.
     Line(Vec<f64>),
     /// Each value holds until the next sample.
     Step(Vec<f64>),
-    /// One dot per sample.
+    /// Values at the samples, one dot each, not joined.
     Points(Vec<f64>),
     /// The area between two curves.
     Band {
-        /// Lower curve.
+        /// Values of the lower curve at the samples.
         lower: Vec<f64>,
-        /// Upper curve.
+        /// Values of the upper curve at the samples.
         upper: Vec<f64>,
     },
 }
@@ -141,14 +141,14 @@ pub enum Shape {
 pub struct Level {
     /// Legend entry; empty for none.
     pub label: String,
-    /// Where.
+    /// Position of the line, in the unit of the axis that it crosses.
     pub at: f64,
     /// What it is; decides colour and stroke.
     pub meaning: Meaning,
 }
 
 impl Level {
-    /// A line.
+    /// A line at `at` (unit of the axis that it crosses) with this legend entry; an empty one is not listed.
     pub fn new(label: impl Into<String>, at: f64, meaning: Meaning) -> Self {
         Self { label: label.into(), at, meaning }
     }

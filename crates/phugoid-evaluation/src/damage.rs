@@ -1,4 +1,5 @@
-//! Is a sudden change of the coefficients found, how soon, and are the bounds right again afterwards?
+//! Damage study: whether a sudden change of the coefficients is found, how soon, and whether the claimed bounds hold
+//! again afterwards.
 
 use phugoid_identification::estimate::{EstimateOptions, estimate};
 use phugoid_identification::estimation::EventKind;
@@ -14,7 +15,7 @@ use phugoid_simulation::scenario::Scenario;
 /// Accuracy of one parameter some time after the damage.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Recovery {
-    /// Parameter.
+    /// Name of the parameter, as in the model file.
     pub name: String,
     /// True value after the damage.
     pub truth: f64,
@@ -38,9 +39,9 @@ pub struct RecoveryAt {
 /// Result of a damage study.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DamageStudy {
-    /// Scenario.
+    /// Name of the scenario that was flown.
     pub scenario: String,
-    /// Model file.
+    /// Name of the model file.
     pub model: String,
     /// Number of runs; run `i` has the scenario's seed plus `i`, for the sensors and the pilot.
     pub runs: usize,

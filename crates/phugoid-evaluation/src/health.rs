@@ -1,4 +1,5 @@
-//! How often does the health monitor cry wolf, does it find failures, how soon, and does it know when they began?
+//! Studies of the health monitor: how often it raises a false alarm, how many failures it finds, how soon, and how well
+//! it tells when they began.
 //!
 //! Every run has its own pilot, sensor noise, noise *levels*, constant sensor errors, and its own place within the tolerances.
 
@@ -29,11 +30,11 @@ const SETTLE_S: f64 = 2.0;
 /// False alarms at one accepted rate.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FalseAlarms {
-    /// Accepted rate, 1/h.
+    /// Rate of false alarms that the monitor was set to accept, 1/h.
     pub accepted_per_hour: f64,
-    /// Flights with a false alarm.
+    /// Number of healthy flights in which the monitor raised at least one (false) alarm.
     pub flights: usize,
-    /// Promised: at most this probability of one per flight.
+    /// Largest probability of a false alarm per flight that the accepted rate promises.
     pub promised: f64,
     /// 95 % interval (Clopper and Pearson) of the probability per flight.
     pub interval: [f64; 2],
@@ -42,11 +43,11 @@ pub struct FalseAlarms {
 /// Result of the study of healthy flights.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct HealthyStudy {
-    /// Flights.
+    /// Number of healthy flights.
     pub runs: usize,
-    /// Hours monitored.
+    /// Hours of flight over all runs in which the monitor was watching.
     pub hours: f64,
-    /// By accepted rate.
+    /// False alarms found, one element for each accepted rate.
     pub false_alarms: Vec<FalseAlarms>,
     /// Flights called healthy at their end (at 0.01 per hour).
     pub called_healthy: usize,
@@ -56,40 +57,40 @@ pub struct HealthyStudy {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Stick {
-    /// The scenario's random stick.
+    /// The random stick of the scenario's pilot, which moves all the time.
     Pilot,
-    /// A 3-2-1-1 of 1.5 deg every ten seconds, and rest between: nothing is to be seen of a failure then.
+    /// A 3-2-1-1 of 1.5 deg every ten seconds and no input between them. Without input a failure cannot be seen.
     Calm,
 }
 
 /// Result of the study of failures.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FailureStudy {
-    /// What moved the stick.
+    /// What moved the stick in these flights.
     pub stick: Stick,
     /// Flights, each with one failure of one to three coefficients.
     pub runs: usize,
-    /// Flights with the flag before the failure.
+    /// Number of flights in which the monitor raised its flag before the failure.
     pub false_alarms: usize,
-    /// Flights without a flag.
+    /// Number of flights in which the failure was not flagged before the end.
     pub missed: usize,
-    /// Time from the failure to the flag, s: half of those found are faster.
+    /// Median time from the failure to the flag over the failures that were found, s.
     pub latency_median_s: f64,
-    /// The same for nine of ten.
+    /// 90 % quantile of the same time, s.
     pub latency_90_percent_s: f64,
     /// Median of the absolute error of the onset, s.
     pub onset_error_median_s: f64,
-    /// Nine of ten onsets are closer than this, s.
+    /// 90 % quantile of the absolute error of the onset, s.
     pub onset_error_90_percent_s: f64,
     /// Fraction of the found failures whose onset lies in the 95 % interval.
     pub onset_coverage: f64,
     /// Median width of that interval, s.
     pub onset_width_median_s: f64,
-    /// Coefficients that failed in the flights found, and how many of them were named.
+    /// Number of coefficients that failed, over all flights in which the failure was found.
     pub failed: usize,
-    /// Of those, named.
+    /// How many of the failed coefficients were named by the monitor.
     pub named: usize,
-    /// Coefficients named that had not failed.
+    /// Number of coefficients that the monitor named although they had not failed.
     pub wrongly_named: usize,
 }
 

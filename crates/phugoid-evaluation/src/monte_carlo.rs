@@ -9,7 +9,19 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 /// Runs `experiment` for the run numbers `0..runs` on all cores and gives the results in the order of the runs.
 ///
 /// A run must draw its random numbers from its number alone, so that the result is the same on any machine and with
-/// any number of cores. `done` is called after each run, from any thread. The first error in run order is returned.
+/// any number of cores. `done` is called after each run, from any thread.
+///
+/// # Errors
+/// The first error in the order of the runs; the other runs are made all the same.
+///
+/// ```
+/// use phugoid_evaluation::monte_carlo::monte_carlo;
+///
+/// let squares = monte_carlo(5, |run| Ok::<_, String>(run * run), || ());
+/// assert_eq!(squares, Ok(vec![0, 1, 4, 9, 16]));
+/// let failed = monte_carlo(5, |run| if run < 2 { Ok(run) } else { Err(format!("run {run}")) }, || ());
+/// assert_eq!(failed, Err("run 2".to_owned()));
+/// ```
 pub fn monte_carlo<T, E, F, D>(runs: usize, experiment: F, done: D) -> Result<Vec<T>, E>
 where
     T: Send,
@@ -44,11 +56,11 @@ fn workers() -> Option<&'static ThreadPool> {
 /// How the errors of one parameter over the runs compare with the bounds.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Accuracy {
-    /// Parameter.
+    /// Name of the parameter, as in the model file.
     pub name: String,
-    /// True value.
+    /// True value of the parameter, in its unit.
     pub truth: f64,
-    /// Cramer-Rao bound, one sigma.
+    /// Cramer-Rao bound: the smallest standard error of an unbiased estimator, in the parameter's unit.
     pub cramer_rao: f64,
     /// Root mean square error over the runs.
     pub rmse: f64,
@@ -56,23 +68,35 @@ pub struct Accuracy {
     pub bias: f64,
     /// Root mean square of the standard errors that the estimator claims, corrected for the colour of the residuals.
     pub claimed: f64,
-    /// `rmse / cramer_rao`.
+    /// Root mean square error divided by the Cramer-Rao bound: 1 for an estimator that cannot be improved.
     pub rmse_over_cramer_rao: f64,
     /// Fraction of the runs in which the truth lies within two claimed standard errors of the estimate.
     pub coverage: f64,
 }
 
-/// One run's word on one parameter.
+/// What one run gave for one parameter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outcome {
-    /// Estimate.
+    /// Estimate of the parameter, in its unit.
     pub value: f64,
     /// Claimed standard error, corrected for the colour of the residuals.
     pub corrected_std_error: f64,
 }
 
 impl Accuracy {
-    /// Compares outcomes with the truth and the bound.
+    /// Compares the outcomes of many runs with the truth and the bound. Without outcomes all means are zero; a NaN
+    /// among them makes the means NaN.
+    ///
+    /// ```
+    /// use phugoid_evaluation::monte_carlo::{Accuracy, Outcome};
+    ///
+    /// // Two runs that are wrong by +1 and -1, of which one claims too small an error.
+    /// let runs = [(6.0, 1.0), (4.0, 0.4)];
+    /// let runs = runs.map(|(value, corrected_std_error)| Outcome { value, corrected_std_error });
+    /// let accuracy = Accuracy::of("Cm_alpha", 5.0, 0.5, &runs);
+    /// assert_eq!((accuracy.bias, accuracy.rmse, accuracy.rmse_over_cramer_rao), (0.0, 1.0, 2.0));
+    /// assert_eq!(accuracy.coverage, 0.5); // the second run's two standard errors are 0.8
+    /// ```
     pub fn of(name: &str, truth: f64, cramer_rao: f64, outcomes: &[Outcome]) -> Self {
         let mean = |f: &dyn Fn(&Outcome) -> f64| outcomes.iter().map(f).sum::<f64>() / outcomes.len().max(1) as f64;
         let rmse = mean(&|o| (o.value - truth).powi(2)).sqrt();

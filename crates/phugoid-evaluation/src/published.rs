@@ -20,7 +20,7 @@ pub const GUST_SCENARIO: &str = include_str!("../../../scenarios/f16-gust-actuat
 pub const GUST_MODEL: &str = include_str!("../../../scenarios/f16-gust-model.toml");
 /// A failure at 10 s, for the health monitor.
 pub const FAILURE_SCENARIO: &str = include_str!("../../../scenarios/f16-failure.toml");
-/// The same aircraft, healthy.
+/// Scenario of the same aircraft without any change of its coefficients.
 pub const HEALTHY_SCENARIO: &str = include_str!("../../../scenarios/f16-healthy.toml");
 /// What their estimator and monitor are told.
 pub const HEALTH_MODEL: &str = include_str!("../../../scenarios/f16-health-model.toml");

@@ -1,7 +1,12 @@
 //! Quantiles of runs, and what counts of runs tell of a probability.
+//!
+//! [`quantile`] and [`median`] are those of [`phugoid_flight_data::statistics`], for a vector that is no longer needed and with
+//! NaN where there are no values.
 
-/// The smallest value that at least this fraction (0 to 1) of the values do not exceed; NaN for no values. Infinite values are
-/// counted like any others, so that runs that never arrive can be given as infinity.
+use phugoid_flight_data::statistics::{self, Rank};
+
+/// The smallest value that at least this fraction (0 to 1) of the values do not exceed ([`Rank::InverseDistribution`]); NaN for no
+/// values. Infinite values are counted like any others, so that runs that never arrive can be given as infinity.
 ///
 /// ```
 /// use phugoid_evaluation::statistics::quantile;
@@ -11,15 +16,12 @@
 /// assert_eq!(quantile(latencies_s, 0.9), f64::INFINITY);
 /// ```
 pub fn quantile(mut values: Vec<f64>, fraction: f64) -> f64 {
-    values.sort_by(f64::total_cmp);
-    let rank = (fraction * values.len() as f64).ceil() as usize;
-    values.get(rank.saturating_sub(1)).copied().unwrap_or(f64::NAN)
+    statistics::quantile(&mut values, fraction, Rank::InverseDistribution).unwrap_or(f64::NAN)
 }
 
 /// The middle value, of an even number of values the larger one of the two in the middle; NaN for none.
 pub fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
+    statistics::median(&mut values).unwrap_or(f64::NAN)
 }
 
 /// 95 % interval of a probability of which `k` of `n` trials tell (C. J. Clopper, E. S. Pearson, *Biometrika* 26, 1934).

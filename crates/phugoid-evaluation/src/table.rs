@@ -5,12 +5,12 @@
 
 use serde::Serialize;
 
-/// A table.
+/// A table: columns with units, and rows with one cell per column.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Table {
-    /// What it shows.
+    /// What the table shows, as its heading.
     pub title: String,
-    /// Columns.
+    /// The columns, from left to right.
     pub columns: Vec<Column>,
     /// Rows, each with one cell per column.
     pub rows: Vec<Vec<Cell>>,
@@ -19,14 +19,14 @@ pub struct Table {
 /// A column of a table.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Column {
-    /// Name.
+    /// Heading of the column, without its unit.
     pub name: String,
     /// Unit as printed; empty for words and pure numbers.
     pub unit: String,
 }
 
 impl Column {
-    /// A column.
+    /// A column with this heading and unit; an empty unit is for words and pure numbers.
     pub fn new(name: impl Into<String>, unit: impl Into<String>) -> Self {
         Self { name: name.into(), unit: unit.into() }
     }
@@ -38,7 +38,7 @@ impl Column {
 pub enum Cell {
     /// A number, in the unit of its column; NaN prints as a dash.
     Number(f64),
-    /// Words.
+    /// Words instead of a number, printed as they are.
     Text(String),
 }
 

@@ -1,4 +1,4 @@
-//! Flying a scenario: from the trim to what the sensors say.
+//! Flies a scenario: trims the aircraft, integrates its motion, and simulates the sensors.
 
 use std::collections::BTreeMap;
 
@@ -19,18 +19,18 @@ use crate::model_error::Misjudged;
 use crate::scenario::{ModelError, RecordedSurfaces, Scenario, ScenarioError, Thrust};
 use crate::sensing::{command_channel, measure};
 
-/// A flown scenario.
+/// A flown scenario: what the sensors measured, what was true, and where the flight started.
 #[derive(Clone, Debug)]
 pub struct Flight {
     /// What the sensors measured, canonical channels in SI.
     pub measured: Record,
-    /// What was true at the same times.
+    /// What was true at the same times, under the same channel names and in SI: no noise, no delay, no missing values.
     pub truth: Record,
     /// The trim that the flight started in.
     pub trim: Trim,
     /// As [`Scenario::true_parameters`], and what the scenario's error of the model amounts to.
     pub true_parameters: BTreeMap<String, f64>,
-    /// The scenario as flown: what differs from flight to flight is drawn.
+    /// The scenario as flown: everything that is drawn once per flight has its drawn value here.
     pub scenario: Scenario,
     /// Increments that the scenario's error of the model amounts to at the trim, by name; empty without one.
     pub error_increments: BTreeMap<String, f64>,
@@ -51,8 +51,8 @@ impl Flight {
         truth
     }
 
-    /// Time of the last sample before the true pitch attitude first leaves +-1 rad, s; infinite if it never does: nobody holds a
-    /// failed aircraft, and what comes then is no longer looked at.
+    /// Time of the last sample before the true pitch attitude first leaves +-1 rad, s; infinite if it never does. After
+    /// this time the aircraft is lost, and studies no longer judge the estimates.
     pub fn held_until_s(&self) -> f64 {
         let theta = self.truth.channel("theta").map(|channel| channel.values.as_slice()).unwrap_or_default();
         match theta.iter().position(|theta| !(-ATTITUDE..=ATTITUDE).contains(theta)) {
@@ -65,19 +65,19 @@ impl Flight {
 /// Why a scenario could not be flown.
 #[derive(Debug, thiserror::Error)]
 pub enum FlightError {
-    /// Something in the scenario.
+    /// The scenario contains something that cannot be flown.
     #[error(transparent)]
     Scenario(#[from] ScenarioError),
-    /// The aircraft's data.
+    /// The data of the aircraft could not be read or are not complete.
     #[error(transparent)]
     Aircraft(#[from] F16DataError),
-    /// No trim.
+    /// The aircraft has no steady state at the condition of the scenario.
     #[error("the scenario has no trim to start in: {0}")]
     Trim(#[from] TrimError),
-    /// The turbulence.
+    /// The turbulence could not be generated from its settings.
     #[error(transparent)]
     Turbulence(#[from] DrydenError),
-    /// The motion diverges.
+    /// The simulation failed: the times make no grid, or the motion is not finite. The message says which.
     #[error("{0}")]
     Simulation(#[from] SimulationError),
 }
@@ -113,11 +113,11 @@ pub fn fly_with_progress(scenario: &Scenario, progress: &dyn Fn(f64)) -> Result<
 /// ```
 /// use phugoid_flight_dynamics::f16::{F16, F16Constants, F16Options};
 /// use phugoid_simulation::flight::{fly, fly_aircraft};
-/// use phugoid_simulation::named::scenario;
+/// use phugoid_simulation::scenario::Scenario;
 ///
 /// // The F-16 with the rounded constants of the book in place of the exact ones.
 /// let rounded = F16::new(F16Options { cg: 0.30, constants: F16Constants::BookRounded, ..F16Options::default() })?;
-/// let scenario = scenario("f16-calm")?;
+/// let scenario = Scenario::named("f16-calm")?;
 /// let (flight, usual) = (fly_aircraft(&rounded, &scenario, &|_fraction| ())?, fly(&scenario)?);
 /// let apart = (flight.trim.alpha_rad - usual.trim.alpha_rad).abs();
 /// assert!(apart > 0.0 && apart < 1e-4);

@@ -19,14 +19,14 @@ pub enum Surface {
     /// Elevator, positive trailing edge down.
     #[default]
     Elevator,
-    /// Aileron.
+    /// The ailerons, which roll the aircraft.
     Aileron,
-    /// Rudder.
+    /// The rudder, which yaws the aircraft.
     Rudder,
 }
 
 impl Surface {
-    /// Name of its channel.
+    /// Name of the surface's channel in records and model files, for instance `elevator`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Elevator => "elevator",
@@ -43,59 +43,59 @@ impl Surface {
 pub enum Manoeuvre {
     /// Up and down: `+amplitude` for `width`, then `-amplitude` for `width`.
     Doublet {
-        /// Surface moved.
+        /// The surface that is moved; the elevator if none is given.
         #[serde(default)]
         surface: Surface,
-        /// Beginning.
+        /// Time at which the command begins, from the start of the flight.
         start: Time,
-        /// Duration of each half.
+        /// Duration of each of the two halves.
         width: Time,
-        /// Deflection from trim.
+        /// Deflection from trim in the first half; the second half has the opposite sign.
         amplitude: Angle,
     },
     /// The classical 3-2-1-1: steps of alternating sign, three, two, one and one units long.
     #[serde(rename = "3-2-1-1")]
     ThreeTwoOneOne {
-        /// Surface moved.
+        /// The surface that is moved; the elevator if none is given.
         #[serde(default)]
         surface: Surface,
-        /// Beginning.
+        /// Time at which the command begins, from the start of the flight.
         start: Time,
         /// Duration of the unit; about a quarter of the period to excite.
         unit: Time,
         /// Deflection from trim; the first step has this sign.
         amplitude: Angle,
     },
-    /// A sine.
+    /// A sine about the trim position, beginning with zero deflection.
     Sine {
-        /// Surface moved.
+        /// The surface that is moved; the elevator if none is given.
         #[serde(default)]
         surface: Surface,
-        /// Beginning.
+        /// Time at which the command begins, from the start of the flight.
         start: Time,
-        /// Frequency.
+        /// Frequency of the sine, cycles per second.
         frequency: Frequency,
-        /// Amplitude about trim.
+        /// Amplitude of the deflection about the trim position.
         amplitude: Angle,
         /// Duration; to the end of the flight if it is not given.
         duration: Option<Time>,
     },
-    /// Steps one after the other.
+    /// Steps of any length and size, one directly after the other; the surface then returns to trim.
     Multistep {
-        /// Surface moved.
+        /// The surface that is moved; the elevator if none is given.
         #[serde(default)]
         surface: Surface,
-        /// Beginning.
+        /// Time at which the command begins, from the start of the flight.
         start: Time,
         /// Duration and deflection from trim of each step.
         steps: Vec<(Time, Angle)>,
     },
     /// A pilot's random stick: white noise through two equal first-order lags.
     Pilot {
-        /// Surface moved.
+        /// The surface that is moved; the elevator if none is given.
         #[serde(default)]
         surface: Surface,
-        /// Beginning.
+        /// Time at which the command begins, from the start of the flight.
         #[serde(default)]
         start: Time,
         /// Standard deviation once it has settled.
@@ -108,7 +108,7 @@ pub enum Manoeuvre {
     },
     /// A recorded signal, taken as a deflection from its first value and held between its samples.
     Csv {
-        /// Surface moved.
+        /// The surface that is moved; the elevator if none is given.
         #[serde(default)]
         surface: Surface,
         /// The record; relative to the scenario file, or `built-in:` and the name of one of [`BUILT_IN_RECORDS`].
@@ -119,7 +119,7 @@ pub enum Manoeuvre {
     /// A signal in memory, held between its samples: a designed input. Not for scenario files, which name a `csv`.
     #[serde(skip)]
     Samples {
-        /// Surface moved.
+        /// The surface that is moved; the elevator if none is given.
         surface: Surface,
         /// Samples per second, the first one at time zero.
         rate: Frequency,
@@ -172,7 +172,7 @@ fn pilot(time: &[f64], start: f64, bandwidth_hz: f64, seed: u64) -> Vec<f64> {
 }
 
 impl Manoeuvre {
-    /// The surface moved.
+    /// The surface that this manoeuvre moves.
     pub fn surface(&self) -> Surface {
         match self {
             Self::Doublet { surface, .. }

@@ -10,7 +10,7 @@ pub enum NamedError {
     /// No scenario of this name is built in.
     #[error("there is no built-in scenario `{name}`\n{hint}")]
     Unknown {
-        /// The name asked for.
+        /// The name that was asked for and is not known.
         name: String,
         /// The nearest name, or all of them, in a sentence.
         hint: String,
@@ -18,7 +18,7 @@ pub enum NamedError {
     /// Neither a file that can be read nor a built-in scenario.
     #[error("{error}\n{hint}")]
     NoScenario {
-        /// What the reader says.
+        /// Why the file cannot be read or parsed.
         error: ScenarioError,
         /// The nearest name, or all of them, in a sentence.
         hint: String,

@@ -35,7 +35,7 @@ macro_rules! quantity {
                 Self(value)
             }
 
-            /// The value in SI.
+            /// The value in the SI unit of the quantity: angles in radians, angular rates in rad/s, frequencies in Hz.
             pub const fn si(self) -> f64 {
                 self.0
             }

@@ -30,29 +30,30 @@ pub use crate::text::{ScenarioError, nearest, parse_toml};
 pub struct Scenario {
     /// What it shows, in a few words.
     pub name: String,
-    /// Length of the flight.
+    /// Duration of the flight from the trim to the last sample.
     pub duration: Time,
     /// Samples per second of the record; commands change at the samples too.
     pub sample_rate: Frequency,
     /// Seed of everything random: sensor noise, outliers, dropped frames, the pilot, turbulence, and what is drawn.
     #[serde(default)]
     pub seed: u64,
-    /// Aircraft.
+    /// The aircraft that flies, with its actuators and its engine.
     pub aircraft: AircraftSettings,
     /// Where the flight starts, in trim.
     pub condition: Condition,
-    /// Commands beside the trim.
+    /// Commands to the surfaces, added to their trim positions; several to one surface add up.
     #[serde(default)]
     pub manoeuvre: Vec<Manoeuvre>,
-    /// Gusts.
+    /// Single gusts along the body axes; several add up.
     #[serde(default)]
     pub gust: Vec<GustSettings>,
-    /// Turbulence, beside the gusts.
+    /// Continuous turbulence, in addition to the gusts; none if it is not given.
     pub turbulence: Option<Turbulence>,
-    /// How the aircraft that flies differs from the tables, beside the increments: what no estimator is told.
+    /// How the aircraft that flies differs from its tables, in addition to the increments. No estimator is told of it.
     #[serde(default)]
     pub model_error: ModelError,
-    /// Aerodynamic increments from the start: what the estimator has to find. They vanish at the trim point.
+    /// Aerodynamic increments from the start of the flight, which the estimator has to find. Their forces and moments
+    /// are zero at the trim point, so the trim does not depend on them.
     #[serde(default)]
     pub increments: Increments,
     /// Increments of the start that are drawn, in place of those above: `dCm_alpha = [-0.3, 0.1]`.

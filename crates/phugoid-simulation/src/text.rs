@@ -10,9 +10,9 @@ pub enum ScenarioError {
     /// The file cannot be read.
     #[error("cannot read the scenario `{}`: {source}", .file.display())]
     Unreadable {
-        /// The file.
+        /// Path of the file that cannot be read.
         file: PathBuf,
-        /// What the system says.
+        /// The error of the operating system.
         source: std::io::Error,
     },
     /// The text is not a scenario.
@@ -20,11 +20,11 @@ pub enum ScenarioError {
     Invalid {
         /// File or name of the scenario.
         place: String,
-        /// Line, from one.
+        /// Number of the line in the text, counted from 1.
         line: usize,
         /// What is wrong and what to write.
         message: String,
-        /// The line itself.
+        /// Text of the line in which the error is.
         excerpt: String,
     },
     /// A value is out of range.

@@ -23,7 +23,7 @@ use phugoid_simulation::scenario::{ScenarioError, parse_toml};
 /// A case, ready to run.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Case {
-    /// A proof-of-concept plant.
+    /// A case of a proof-of-concept plant.
     Plant(Box<PlantCase>),
     /// A flight of the F-16.
     Aircraft(Box<AircraftCase>),

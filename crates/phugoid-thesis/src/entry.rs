@@ -4,14 +4,14 @@ use phugoid_evaluation::accuracy::StudyError;
 
 use crate::result::Reproduction;
 
-/// One case or study.
+/// One case or study of the thesis, ready to be run.
 #[derive(Clone, Copy)]
 pub struct Entry {
-    /// `group/name`, e.g. `second-order/3`.
+    /// Its name as `group/name`, for instance `second-order/3`.
     pub id: &'static str,
     /// What it is, in a few words.
     pub title: &'static str,
-    /// How it is run.
+    /// The function that runs it.
     pub run: Run,
 }
 

@@ -99,29 +99,29 @@ impl From<csv::Error> for GoldenError {
 pub enum Difference {
     /// The columns are not the same.
     Columns {
-        /// Headers found.
+        /// Headers of the table that was computed now.
         found: Vec<String>,
-        /// Headers committed.
+        /// Headers of the table that is committed.
         committed: Vec<String>,
     },
     /// There are more or fewer rows.
     Rows {
-        /// Rows found.
+        /// Number of rows computed now.
         found: usize,
-        /// Rows committed.
+        /// Number of rows in the committed table.
         committed: usize,
     },
-    /// A cell differs.
+    /// A cell of both tables differs by more than the tolerance.
     Cell {
         /// Row, counted from 1 below the header.
         row: usize,
         /// The first cell of the row: its time, say.
         at: String,
-        /// Column.
+        /// Header of the cell's column.
         column: String,
-        /// Found.
+        /// What the cell holds in the table that was computed now.
         found: String,
-        /// Committed.
+        /// What the cell holds in the committed table.
         committed: String,
         /// Difference of the numbers in the measure of [`TOLERANCE`]; none for words.
         relative: Option<f64>,

@@ -5,7 +5,7 @@
 pub struct Group {
     /// The part of the id before the slash.
     pub id: &'static str,
-    /// Title.
+    /// Title of the group in reports.
     pub title: &'static str,
     /// Headings of `docs/theory.md` to read beside its cases.
     pub theory: &'static [&'static str],

@@ -51,12 +51,13 @@
 
 use core::fmt;
 
+use crate::laws::parallel::{measured, parts};
 use crate::laws::{SurfaceChannel, SurfaceDerivative};
-use phugoid_estimators::discretization::{self, InputHold, IntervalInput, Part};
+use phugoid_estimators::discretization::{self, InputHold, IntervalInput};
 use phugoid_estimators::{Estimate, Estimator, ParameterStatus, Phase, Status};
 use phugoid_estimators::{Model, Sample};
 
-/// Which law.
+/// The forms of the model-reference law.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ModelReferenceForm {
     /// As printed, (3.3): feedback of the energy's rate of change.
@@ -68,7 +69,7 @@ pub enum ModelReferenceForm {
     StateError,
 }
 
-/// Settings of the law.
+/// Settings of the model-reference law over `S` channels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ModelReferenceSettings<const N: usize, const P: usize, const S: usize> {
     /// Start values, the model's units.
@@ -81,7 +82,7 @@ pub struct ModelReferenceSettings<const N: usize, const P: usize, const S: usize
     pub upper: [f64; P],
     /// The channels that are compared. Derivatives are used by the printed form alone.
     pub channels: [SurfaceChannel; S],
-    /// Which law.
+    /// The form of the law that is evaluated.
     pub form: ModelReferenceForm,
     /// `g`. Printed, state error: a pure number; energy gradient: 1/s. Normalised: 1/s^2, 1/s^2, 1/s.
     pub gain: f64,
@@ -94,9 +95,9 @@ pub struct ModelReferenceSettings<const N: usize, const P: usize, const S: usize
     /// States outside the channels that follow their measurement instead of the estimated model. The state-error form
     /// takes every measured state from its measurement.
     pub follow: [bool; N],
-    /// Input between samples.
+    /// How the input goes from one sample to the next.
     pub input_hold: InputHold,
-    /// Longest integration step, s.
+    /// Longest step with which the estimated model is integrated, s.
     pub maximum_step_s: f64,
     /// Longest interval that is predicted through, s; after a longer one the model starts again from the measurements.
     pub maximum_gap_s: f64,
@@ -135,7 +136,7 @@ impl<const N: usize, const P: usize, const S: usize> ModelReferenceSettings<N, P
 pub enum ModelReferenceError {
     /// A start value, range or bound of a parameter is not possible.
     Parameter {
-        /// Index of the parameter.
+        /// Index of the first parameter that is wrong, counted from 0.
         index: usize,
     },
     /// Every range is zero: nothing is unknown.
@@ -143,14 +144,14 @@ pub enum ModelReferenceError {
     /// A channel names a state or output that does not exist, has no positive scale, or mixes measured and integrated
     /// derivatives.
     Channel {
-        /// Index of the channel.
+        /// Index of the first channel that is wrong, counted from 0.
         index: usize,
     },
     /// A number that must be positive is not.
     Setting {
-        /// Name.
+        /// Name of the setting, as the field is called.
         name: &'static str,
-        /// Value found.
+        /// Value that was given; it may be NaN.
         value: f64,
     },
 }
@@ -211,7 +212,7 @@ where
     /// Sets the law up; the first frame with all channels starts it.
     ///
     /// # Errors
-    /// [`ModelReferenceError`]: what cannot be, and which.
+    /// [`ModelReferenceError`]: which parameter, channel or setting is not possible.
     pub fn new(model: M, settings: ModelReferenceSettings<N, P, S>) -> Result<Self, ModelReferenceError> {
         let count = model.parameter_count().min(P);
         for index in 0..count {
@@ -267,7 +268,7 @@ where
         })
     }
 
-    /// The model.
+    /// The estimated model, as it was given to [`ModelReference::new`].
     pub fn model(&self) -> &M {
         &self.model
     }
@@ -299,8 +300,9 @@ where
         if !self.settings.channels.iter().all(|channel| sample.outputs[channel.output].is_finite()) {
             return;
         }
-        self.x =
-            core::array::from_fn(|state| self.measured(state, sample).unwrap_or(self.settings.initial_state[state]));
+        self.x = core::array::from_fn(|state| {
+            measured(self.model.measuring_output(state), sample).unwrap_or(self.settings.initial_state[state])
+        });
         for channel in &self.settings.channels {
             self.x[channel.state] = sample.outputs[channel.output];
         }
@@ -308,11 +310,6 @@ where
         self.sensitivity = [[0.0; P]; N];
         self.energy = Some(0.0);
         self.running = true;
-    }
-
-    fn measured(&self, state: usize, sample: &Sample<M::Input, R>) -> Option<f64> {
-        let output = self.model.measuring_output(state).filter(|&output| output < R)?;
-        Some(sample.outputs[output]).filter(|y| y.is_finite())
     }
 
     fn advance(&mut self, sample: &Sample<M::Input, R>) {
@@ -345,7 +342,7 @@ where
                 ModelReferenceForm::StateError => !is_channel,
                 _ => self.settings.follow[state] && !is_channel,
             };
-            if let (true, Some(value)) = (follows, self.measured(state, sample)) {
+            if let (true, Some(value)) = (follows, measured(self.model.measuring_output(state), sample)) {
                 self.x[state] = value;
                 self.sensitivity[state] = [0.0; P];
             }
@@ -361,24 +358,12 @@ where
 
     /// The estimated model over one interval, and `self.sensitivity` with it.
     fn integrate(&mut self, input: &IntervalInput<M::Input>, interval_s: f64) -> [f64; N] {
-        let steps = discretization::sub_steps(interval_s, self.settings.maximum_step_s);
-        let mut x = self.x;
+        let columns = self.model.parameter_count().min(P);
         let mut transition = [[0.0; N]; N];
-        for k in 0..steps {
-            let part = Part { from: k as f64 / steps as f64, to: (k + 1) as f64 / steps as f64 };
-            x = discretization::step(
-                &self.model,
-                &x,
-                &self.theta,
-                input,
-                interval_s,
-                part,
-                self.model.parameter_count().min(P),
-                &mut self.sensitivity,
-                &mut transition,
-            );
-        }
-        x
+        parts(interval_s, self.settings.maximum_step_s).fold(self.x, |x, part| {
+            let (theta, into, by_state) = (&self.theta, &mut self.sensitivity, &mut transition);
+            discretization::step(&self.model, &x, theta, input, interval_s, part, columns, into, by_state)
+        })
     }
 
     /// Half the scaled energy difference and `d(S/2)/d(theta/R)`.
@@ -418,8 +403,9 @@ where
                     let rate = match channel.derivative {
                         SurfaceDerivative::Output(derivative) => sample.outputs[derivative],
                         _ => {
-                            let seen: [f64; N] =
-                                core::array::from_fn(|i| self.measured(i, sample).unwrap_or(self.x[i]));
+                            let seen: [f64; N] = core::array::from_fn(|i| {
+                                measured(self.model.measuring_output(i), sample).unwrap_or(self.x[i])
+                            });
                             self.model.rates(&seen, &self.theta, &sample.input)[channel.state]
                         }
                     };

@@ -10,13 +10,13 @@ use serde::Serialize;
 /// One case or study, with everything that the report shows of it.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Reproduction {
-    /// Id, e.g. `second-order/3`.
+    /// Id of the case or study, for instance `second-order/3`.
     pub id: String,
     /// What it is, in a few words.
     pub title: String,
     /// Where it was published, e.g. `table 4.3, case 3`.
     pub place: String,
-    /// What was published.
+    /// What the thesis says came out of it.
     pub published: String,
     /// What of it is reconstructed.
     pub reconstruction: String,
@@ -26,9 +26,9 @@ pub struct Reproduction {
     pub outcomes: Vec<Outcome>,
     /// What had to be shown, and whether it was.
     pub requirements: Vec<Requirement>,
-    /// Tables.
+    /// Tables, in the order in which they are shown.
     pub tables: Vec<Table>,
-    /// Figures.
+    /// Figures, in the order in which they are shown.
     pub charts: Vec<Chart>,
     /// The few numbers that are committed and compared, so that a change of behaviour is seen as a difference: for a case some
     /// forty instants of its estimates, for a study its result. Deterministic; nothing chaotic (of a law that chatters or
@@ -85,7 +85,7 @@ impl Behaviour {
     /// All of them, best first.
     pub const ALL: [Self; 5] = [Self::Converges, Self::Unfinished, Self::Biased, Self::Chatters, Self::Diverges];
 
-    /// In one word.
+    /// The behaviour in one word, as tables print it.
     pub fn word(self) -> &'static str {
         match self {
             Self::Converges => "converges",
@@ -102,9 +102,9 @@ impl Behaviour {
 pub struct ParameterOutcome {
     /// Name, e.g. `a1` or `dCm_alpha`.
     pub name: String,
-    /// True value.
+    /// True value of the parameter, in its unit.
     pub truth: f64,
-    /// Start value.
+    /// Estimate before the first sample, in the parameter's unit.
     pub start: f64,
     /// Estimate at the end of the record.
     pub end: f64,
@@ -130,7 +130,7 @@ pub struct Requirement {
     pub limit: String,
     /// What was found, with its unit.
     pub found: String,
-    /// Whether that is enough.
+    /// Whether what was found satisfies the limit.
     pub met: bool,
 }
 

@@ -52,7 +52,7 @@ fn the_lyapunov_function_never_increases_at_any_rank_and_gain() {
         let mut settings = ExtendedSettings::<2, P>::new([0.0; P], [[-1.0, 1.0]; P], [1.0; 2]);
         settings.reaching_time_s = [0.02, 1.0, 50.0][seed as usize % 3];
         settings.memory_s = if seed % 2 == 0 { f64::INFINITY } else { 0.3 };
-        let mut law = ExtendedLaw::<_, 2, 2, P>::new(Rows, settings).unwrap();
+        let mut law = ExtendedLaw::<_, _, 2, P>::new(Rows, settings).unwrap();
         let mut v = 0.5 * truth.iter().map(|t| t * t).sum::<f64>();
         let v0 = v;
         let mut x = [0.0; 2];
@@ -93,7 +93,7 @@ fn both_parameters_of_the_second_order_plants_are_found() {
         let flight =
             fly(&SecondOrder, &regular(3000, 0.001), [0.0; 2], |_| [8.0, 6.0], |_| [1.0], [0.0; 3], &mut seeded(1));
         let settings = ExtendedSettings::new([5.0, 9.0], [[4.0, 16.0], [3.0, 12.0]], [0.1, 0.2]);
-        let mut law = ExtendedLaw::<_, 2, 3, 2>::new(SecondOrder, settings).unwrap();
+        let mut law = ExtendedLaw::<_, _, 2, 2>::new(SecondOrder, settings).unwrap();
         let history: Vec<[f64; 2]> = flight.iter().map(|sample| law.update(sample).parameters).collect();
         let [a, b] = *law.eigenvalues();
         println!("eigenvalues {a:.2e} and {b:.2e}");
@@ -105,7 +105,7 @@ fn both_parameters_of_the_second_order_plants_are_found() {
         let flight =
             fly(&plant, &regular(3000, 0.001), [0.0; 2], |_| [13.0, 10.0], |_| [20.0], [0.0; 3], &mut seeded(1));
         let settings = ExtendedSettings::new([40.0, 30.0], [[4.0, 42.0], [3.0, 33.0]], [1.0, 2.0]);
-        let mut law = ExtendedLaw::<_, 2, 3, 2>::new(plant, settings).unwrap();
+        let mut law = ExtendedLaw::<_, _, 2, 2>::new(plant, settings).unwrap();
         let history: Vec<[f64; 2]> = flight.iter().map(|sample| law.update(sample).parameters).collect();
         (settle(&history, [13.0, 10.0]), history[2999])
     };
@@ -126,7 +126,7 @@ fn gaps_missing_values_and_backward_time_leave_exact_rows_exact() {
     }
     flight[500].time_s = 0.1;
     let settings = ExtendedSettings::new([5.0, 9.0], [[4.0, 16.0], [3.0, 12.0]], [0.1, 0.2]);
-    let mut law = ExtendedLaw::<_, 2, 3, 2>::new(SecondOrder, settings).unwrap();
+    let mut law = ExtendedLaw::<_, _, 2, 2>::new(SecondOrder, settings).unwrap();
     let mut last = [0.0; 2];
     for sample in &flight {
         last = law.update(sample).parameters;
@@ -141,7 +141,7 @@ fn a_held_parameter_stays() {
     let flight =
         fly(&SecondOrder, &regular(1000, 0.001), [0.0; 2], |_| [8.0, 6.0], |_| [1.0], [0.0; 3], &mut seeded(1));
     let settings = ExtendedSettings::new([8.0, 9.0], [[8.0, 8.0], [3.0, 12.0]], [0.1, 0.2]);
-    let mut law = ExtendedLaw::<_, 2, 3, 2>::new(SecondOrder, settings).unwrap();
+    let mut law = ExtendedLaw::<_, _, 2, 2>::new(SecondOrder, settings).unwrap();
     let last = flight.iter().map(|sample| law.update(sample)).last().unwrap();
     assert_eq!(last.parameters[0], 8.0);
     assert!((last.parameters[1] - 6.0).abs() < 1e-3 && last.std_error == [0.0, f64::INFINITY]);
@@ -150,7 +150,7 @@ fn a_held_parameter_stays() {
 #[test]
 fn impossible_settings_are_refused() {
     let good = ExtendedSettings::new([5.0, 9.0], [[4.0, 16.0], [3.0, 12.0]], [0.1, 0.2]);
-    let refuse = |settings| ExtendedLaw::<_, 2, 3, 2>::new(SecondOrder, settings).err().unwrap();
+    let refuse = |settings| ExtendedLaw::<_, _, 2, 2>::new(SecondOrder, settings).err().unwrap();
     let mut wrong = good;
     wrong.scale[1] = 0.0;
     assert_eq!(refuse(wrong), ThesisError::Setting { name: "scale", value: 0.0 });

@@ -9,7 +9,7 @@ use phugoid_thesis::laws::{Evaluation, ThesisError, TwoParameterLaw, TwoParamete
 use phugoid_thesis::plants::SecondOrder;
 use plants::*;
 
-type Law = TwoParameterLaw<SecondOrder, 2, 3, 2>;
+type Law = TwoParameterLaw<SecondOrder, 2>;
 
 /// Table 4.3, case 1: a1 = 8, a2 = 6, unit step, eta = 0.001; start values and bounds are ours.
 const TRUTH: [f64; 2] = [8.0, 6.0];

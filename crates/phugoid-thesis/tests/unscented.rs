@@ -21,21 +21,33 @@ use rand_pcg::Pcg64Mcg;
 
 const RUNS: u64 = 40;
 
+/// Room for parameters: no model here has more than four.
+const ROOM: usize = 4;
+
 /// Spread of the sigma points, `n (alpha^2 - 1)` with `kappa = 0`: the points lie `alpha sqrt(n)` standard deviations out.
 const ALPHA: f64 = 0.5;
 /// Best for a normal distribution.
 const BETA: f64 = 2.0;
 
-/// State and parameters in one vector, `n = N + p`.
-struct Unscented<M, const N: usize, const R: usize, const P: usize>
-where
-    M: Model<N, R, P>,
-{
-    model: M,
-    settings: EstimatorSettings<N, R, P>,
+/// Replaces the states of a model by those after an interval of this length, s.
+type Propagate<'a, I> = &'a dyn Fn(&mut [f64], &IntervalInput<I>, f64);
+
+/// What the filter knows of a model. States and parameters come in one vector, states first.
+struct Plant<'a, I> {
+    propagate: Propagate<'a, I>,
+    /// The outputs at an instant.
+    outputs: &'a dyn Fn(&[f64], &I) -> Vec<f64>,
+}
+
+/// The filter: mean and covariance of states and parameters in one vector.
+struct Unscented<I> {
     z: Vec<f64>,
     p: Vec<Vec<f64>>,
-    before: Sample<M::Input, R>,
+    /// Variance per second that is added to each state.
+    process: Vec<f64>,
+    noise_std: Vec<f64>,
+    hold: InputHold,
+    before: (f64, I),
 }
 
 /// Lower Cholesky factor.
@@ -51,30 +63,7 @@ fn cholesky(a: &[Vec<f64>]) -> Vec<Vec<f64>> {
     l
 }
 
-impl<M, const N: usize, const R: usize, const P: usize> Unscented<M, N, R, P>
-where
-    M: Model<N, R, P>,
-{
-    /// Starts from the first sample, as the extended filter does with a start window of length zero.
-    fn new(model: M, settings: EstimatorSettings<N, R, P>, first: &Sample<M::Input, R>) -> Self {
-        let n = N + model.parameter_count();
-        let (mut z, mut p) = (vec![0.0; n], vec![vec![0.0; n]; n]);
-        for k in 0..N {
-            let output = model.measuring_output(k).unwrap();
-            z[k] = first.outputs[output];
-            p[k][k] = settings.noise_std[output].powi(2);
-        }
-        for j in 0..model.parameter_count() {
-            z[N + j] = settings.priors[j].initial;
-            p[N + j][N + j] = settings.priors[j].std.powi(2);
-        }
-        Self { model, settings, z, p, before: *first }
-    }
-
-    fn split(z: &[f64]) -> ([f64; N], [f64; P]) {
-        (std::array::from_fn(|k| z[k]), std::array::from_fn(|j| z.get(N + j).copied().unwrap_or(0.0)))
-    }
-
+impl<I: Copy> Unscented<I> {
     /// The sigma points with the weights of mean and covariance.
     fn points(&self) -> Vec<(Vec<f64>, f64, f64)> {
         let n = self.z.len();
@@ -91,16 +80,13 @@ where
         points
     }
 
-    fn update(&mut self, sample: &Sample<M::Input, R>) {
+    fn update<const R: usize>(&mut self, plant: &Plant<'_, I>, sample: &Sample<I, R>) {
         let n = self.z.len();
-        let input = IntervalInput { from: self.before.input, to: sample.input, hold: self.settings.input_hold };
-        let interval_s = sample.time_s - self.before.time_s;
-        let step = self.settings.maximum_step_s;
+        let input = IntervalInput { from: self.before.1, to: sample.input, hold: self.hold };
+        let interval_s = sample.time_s - self.before.0;
         let mut points = self.points();
         for (point, ..) in &mut points {
-            let (x, theta) = Self::split(point);
-            let x = simulate(&self.model, &x, &theta, &input, interval_s, step);
-            point[..N].copy_from_slice(&x);
+            (plant.propagate)(point, &input, interval_s);
         }
         let mean = |values: &dyn Fn(&[f64]) -> f64| points.iter().map(|(z, w, _)| w * values(z)).sum::<f64>();
         self.z = (0..n).map(|i| mean(&|z| z[i])).collect();
@@ -109,21 +95,13 @@ where
                 self.p[i][j] = points.iter().map(|(z, _, w)| w * (z[i] - self.z[i]) * (z[j] - self.z[j])).sum();
             }
         }
-        for k in 0..N {
-            self.p[k][k] += self.settings.process_noise.variance_per_s[k] * interval_s;
+        for (k, variance_per_s) in self.process.iter().enumerate() {
+            self.p[k][k] += variance_per_s * interval_s;
         }
-        self.before = *sample;
+        self.before = (sample.time_s, sample.input);
 
         let points = self.points();
-        let outputs: Vec<[f64; R]> = points
-            .iter()
-            .map(|(z, ..)| {
-                let (x, theta) = Self::split(z);
-                let mut lin = LinearizedOutputs::<N, R, P>::ZERO;
-                self.model.linearized_outputs(&x, &theta, &sample.input, &mut lin);
-                lin.outputs
-            })
-            .collect();
+        let outputs: Vec<Vec<f64>> = points.iter().map(|(z, ..)| (plant.outputs)(z, &sample.input)).collect();
         let mut y: [f64; R] = std::array::from_fn(|i| points.iter().zip(&outputs).map(|((_, w, _), y)| w * y[i]).sum());
         let covariance = |a: &dyn Fn(usize) -> f64, b: &dyn Fn(usize) -> f64| -> f64 {
             (0..points.len()).map(|k| points[k].2 * a(k) * b(k)).sum()
@@ -136,7 +114,7 @@ where
             .collect();
         // Conditioning on one output after the other is conditioning on all.
         for i in 0..R {
-            let sigma = self.settings.noise_std[i];
+            let sigma = self.noise_std[i];
             if !(sample.outputs[i].is_finite() && sigma.is_finite() && sigma > 0.0) {
                 continue;
             }
@@ -188,16 +166,16 @@ impl Score {
 }
 
 /// Runs both filters over the flights; prints and gives `[EKF, UKF]` by checkpoint.
-fn contest<M, const N: usize, const R: usize, const P: usize>(
+fn contest<M, const N: usize, const R: usize>(
     what: &str,
     model: &M,
-    settings: EstimatorSettings<N, R, P>,
+    settings: EstimatorSettings<N, R, ROOM>,
     truth: &[f64],
     at_s: &[f64],
     flight: impl Fn(u64) -> Vec<Sample<M::Input, R>>,
 ) -> Vec<[Score; 2]>
 where
-    M: Model<N, R, P> + Clone,
+    M: Model<N, R, ROOM> + Clone,
 {
     let mut plain = settings;
     plain.start_window_s = 0.0;
@@ -208,10 +186,41 @@ where
     open.ekf.gate = f64::INFINITY;
     let mut scores: Vec<[Score; 2]> = at_s.iter().map(|_| Default::default()).collect();
     let mut seconds = [0.0; 2];
+    let split = |z: &[f64]| -> ([f64; N], [f64; ROOM]) {
+        (std::array::from_fn(|k| z[k]), std::array::from_fn(|j| z.get(N + j).copied().unwrap_or(0.0)))
+    };
+    let plant = Plant {
+        propagate: &|z, input, interval_s| {
+            let (x, theta) = split(z);
+            z[..N].copy_from_slice(&simulate(model, &x, &theta, input, interval_s, plain.maximum_step_s));
+        },
+        outputs: &|z, input| {
+            let (x, theta) = split(z);
+            let mut lin = LinearizedOutputs::<N, R, ROOM>::ZERO;
+            model.linearized_outputs(&x, &theta, input, &mut lin);
+            lin.outputs.to_vec()
+        },
+    };
+    // Starts from the first sample, as the extended filter does with a start window of length zero.
+    let start = |first: &Sample<M::Input, R>| {
+        let measuring: Vec<usize> = (0..N).map(|k| model.measuring_output(k).unwrap()).collect();
+        let priors = &plain.priors[..model.parameter_count()];
+        let states = measuring.iter().map(|&output| [first.outputs[output], plain.noise_std[output]]);
+        let start: Vec<[f64; 2]> = states.chain(priors.iter().map(|prior| [prior.initial, prior.std])).collect();
+        let variance = |i: usize, j: usize| if i == j { start[i][1].powi(2) } else { 0.0 };
+        Unscented {
+            z: start.iter().map(|[value, _]| *value).collect(),
+            p: (0..start.len()).map(|i| (0..start.len()).map(|j| variance(i, j)).collect()).collect(),
+            process: plain.process_noise.variance_per_s.to_vec(),
+            noise_std: plain.noise_std.to_vec(),
+            hold: plain.input_hold,
+            before: (first.time_s, first.input),
+        }
+    };
     for seed in 0..RUNS {
         let samples = flight(seed);
-        let mut ekf: JointEkf<M, N, R, P> = JointEkf::new(model.clone(), open).unwrap();
-        let mut ukf = Unscented::new(model.clone(), plain, &samples[0]);
+        let mut ekf: JointEkf<M, N, R, ROOM> = JointEkf::new(model.clone(), open).unwrap();
+        let mut ukf = start(&samples[0]);
         let mut next = 0;
         for (k, sample) in samples.iter().enumerate() {
             let start = std::time::Instant::now();
@@ -219,7 +228,7 @@ where
             seconds[0] += start.elapsed().as_secs_f64();
             if k > 0 {
                 let start = std::time::Instant::now();
-                ukf.update(sample);
+                ukf.update(&plant, sample);
                 seconds[1] += start.elapsed().as_secs_f64();
             }
             if next < at_s.len() && sample.time_s >= at_s[next] - 1e-9 {
@@ -245,15 +254,15 @@ where
     scores
 }
 
-/// A plant of the thesis, its input a square wave, its states measured.
-fn fly_plant<M, const N: usize, const R: usize, const P: usize>(
+/// A plant of the thesis with its true parameters, zero where it has none, its input a square wave, its states measured.
+fn fly_plant<M, const N: usize, const R: usize>(
     model: &M,
-    truth: [f64; P],
+    truth: [f64; ROOM],
     noise_std: [f64; R],
     seed: u64,
 ) -> Vec<Sample<[f64; 1], R>>
 where
-    M: Model<N, R, P, Input = [f64; 1]>,
+    M: Model<N, R, ROOM, Input = [f64; 1]>,
 {
     let mut rng = Pcg64Mcg::seed_from_u64(seed);
     let input = |t: f64| [if (t * 0.7).fract() < 0.5 { 1.0 } else { 0.2 }];
@@ -304,7 +313,7 @@ fn on_an_aircraft_an_unscented_filter_gains_little_and_only_early() {
                 ParameterPrior::bounded(0.0, factor * low, factor * high)
             })
             .collect();
-        let mut settings = EstimatorSettings::<STATES, OUTPUTS, 4>::automatic(&priors, noise, 0.01).unwrap();
+        let mut settings = EstimatorSettings::<STATES, OUTPUTS, ROOM>::automatic(&priors, noise, 0.01).unwrap();
         settings.input_hold = InputHold::Linear;
         let scores = contest(what, &prepared.model, settings, &truth, &[1.5, 2.5, 4.7, 20.0], samples);
         for [ekf, ukf] in &scores[2..] {
@@ -319,12 +328,12 @@ fn on_an_aircraft_an_unscented_filter_gains_little_and_only_early() {
 fn an_unscented_filter_with_wide_priors() {
     for (what, noise) in [("coarse", 0.1), ("fine", 0.001)] {
         let wide = ParameterPrior::absolute(20.0, 20.0);
-        let lag = EstimatorSettings::<1, 2, 1>::automatic(&[wide], [noise, 0.0], 0.01).unwrap();
+        let lag = EstimatorSettings::<1, 2, ROOM>::automatic(&[wide], [noise, 0.0], 0.01).unwrap();
         let of_lag =
             contest(&format!("x' = -a x + u, wide, {what}"), &FirstOrder, lag, &[3.0], &[0.2, 0.5, 1.0, 4.9], |seed| {
-                fly_plant(&FirstOrder, [3.0], [noise, 0.0], seed)
+                fly_plant(&FirstOrder, [3.0, 0.0, 0.0, 0.0], [noise, 0.0], seed)
             });
-        let spring = EstimatorSettings::<2, 3, 2>::automatic(
+        let spring = EstimatorSettings::<2, 3, ROOM>::automatic(
             &[wide, ParameterPrior::absolute(5.0, 5.0)],
             [noise, noise, 0.0],
             0.01,
@@ -336,7 +345,7 @@ fn an_unscented_filter_with_wide_priors() {
             spring,
             &[4.0, 2.0],
             &[0.2, 0.5, 1.0, 4.9],
-            |seed| fly_plant(&SecondOrderNonlinear, [4.0, 2.0], [noise, noise, 0.0], seed),
+            |seed| fly_plant(&SecondOrderNonlinear, [4.0, 2.0, 0.0, 0.0], [noise, noise, 0.0], seed),
         );
         for scores in [of_lag, of_spring] {
             let [ekf, ukf] = &scores[3];

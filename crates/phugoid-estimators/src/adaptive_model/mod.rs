@@ -35,11 +35,12 @@
 
 mod state_error;
 
+use crate::discretization::{self, Part};
 use crate::estimate::{Estimate, Estimator, Inspect};
 use crate::innovation::{Innovations, RowPhase};
 use crate::model::{LinearizedOutputs, Model, Sample};
 use crate::settings::{EstimatorSettings, SettingsError};
-use state_error::{Channel, StateErrorLaw, StateErrorSettings};
+use state_error::{StateErrorLaw, StateErrorSettings};
 
 /// Decay rate `k` of the state error, 1/s.
 const ERROR_DECAY: f64 = 2.0;
@@ -51,7 +52,11 @@ pub struct AdaptiveModel<M, const N: usize, const R: usize, const P: usize>
 where
     M: Model<N, R, P>,
 {
-    law: StateErrorLaw<M, N, R, P>,
+    model: M,
+    law: StateErrorLaw<M::Input, N, P>,
+    /// Output that measures each state directly.
+    measuring: [usize; N],
+    maximum_step_s: f64,
     noise_std: [f64; R],
     /// Of the parameters, then of the biases, which keep it.
     prior_std: [f64; P],
@@ -73,14 +78,14 @@ where
     /// [`SettingsError::NoOutput`] if a state is not measured; what cannot be among the settings.
     pub fn new(model: M, settings: &EstimatorSettings<N, R, P>) -> Result<Self, SettingsError> {
         settings.check(model.parameter_count())?;
-        let mut channels = [Channel { output: 0, scale: 1.0 }; N];
-        for (state, channel) in channels.iter_mut().enumerate() {
+        let (mut measuring, mut scale) = ([0; N], [1.0; N]);
+        for state in 0..N {
             let output = model.measuring_output(state).filter(|output| *output < R).ok_or(SettingsError::NoOutput)?;
-            let scale = settings.noise_std[output];
-            if !(scale > 0.0 && scale.is_finite()) {
+            let noise_std = settings.noise_std[output];
+            if !(noise_std > 0.0 && noise_std.is_finite()) {
                 return Err(SettingsError::NoOutput);
             }
-            *channel = Channel { output, scale };
+            (measuring[state], scale[state]) = (output, noise_std);
         }
         let count = model.parameter_count().min(P);
         let of = |j: usize, value: f64| if j < count { value } else { 0.0 };
@@ -97,19 +102,22 @@ where
             ranges,
             lower: core::array::from_fn(|j| settings.priors[j].lower),
             upper: core::array::from_fn(|j| settings.priors[j].upper),
-            channels,
+            scale,
             gain: ERROR_DECAY / ADAPTATION_TIME_S,
             normalisation: ERROR_DECAY * ERROR_DECAY,
             error_decay: ERROR_DECAY,
             initial_state: settings.initial_state,
             input_hold: settings.input_hold,
-            maximum_step_s: settings.maximum_step_s,
             maximum_gap_s: settings.maximum_gap_s,
         };
-        let law = StateErrorLaw::new(model, law)
-            .ok_or(SettingsError::Setting { name: "model reference", value: f64::NAN })?;
+        let impossible = SettingsError::Setting { name: "model reference", value: f64::NAN };
+        let step_is_possible = settings.maximum_step_s > 0.0 && settings.maximum_step_s.is_finite();
+        let law = StateErrorLaw::new(count, law).filter(|_| step_is_possible).ok_or(impossible)?;
         Ok(Self {
+            model,
             law,
+            measuring,
+            maximum_step_s: settings.maximum_step_s,
             noise_std: settings.noise_std,
             prior_std,
             columns,
@@ -121,7 +129,7 @@ where
 
     fn look(&mut self, sample: &Sample<M::Input, R>) {
         self.innovations = Innovations::EMPTY;
-        self.law.model().linearized_outputs(&self.law.state(), &self.theta, &sample.input, &mut self.outputs);
+        self.model.linearized_outputs(&self.law.state(), &self.theta, &sample.input, &mut self.outputs);
         self.innovations.predicted = self.outputs.outputs;
         for i in 0..R {
             let residual = (sample.outputs[i] - self.outputs.outputs[i]) / self.noise_std[i];
@@ -142,8 +150,20 @@ where
     type Input = M::Input;
 
     fn update(&mut self, sample: &Sample<Self::Input, R>) -> Estimate<P> {
-        let mut estimate = self.law.update(sample);
-        for j in self.law.model().parameter_count().min(P)..self.columns {
+        let Self { model, maximum_step_s, law, measuring, .. } = self;
+        let columns = law.count();
+        let measured = core::array::from_fn(|state| sample.outputs[measuring[state]]);
+        let mut estimate = law.update(sample.time_s, sample.input, &measured, |x, theta, input, interval_s| {
+            let steps = discretization::sub_steps(interval_s, *maximum_step_s);
+            let (mut x, mut sensitivity, mut transition) = (*x, [[0.0; P]; N], [[0.0; N]; N]);
+            for k in 0..steps {
+                let part = Part { from: k as f64 / steps as f64, to: (k + 1) as f64 / steps as f64 };
+                let (into, by_state) = (&mut sensitivity, &mut transition);
+                x = discretization::step(&*model, &x, theta, input, interval_s, part, columns, into, by_state);
+            }
+            (x, sensitivity)
+        });
+        for j in self.law.count()..self.columns {
             estimate.std_error[j] = self.prior_std[j];
             estimate.corrected_std_error[j] = self.prior_std[j];
         }
@@ -155,7 +175,7 @@ where
     /// Infinite for the unknown parameters: the law knows no covariance.
     fn covariance(&self, out: &mut [[f64; P]; P]) {
         self.law.covariance(out);
-        for j in self.law.model().parameter_count().min(P)..self.columns {
+        for j in self.law.count()..self.columns {
             out[j][j] = self.prior_std[j] * self.prior_std[j];
         }
     }

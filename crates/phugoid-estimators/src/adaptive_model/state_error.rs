@@ -11,18 +11,11 @@
 //!
 //! `phugoid-thesis` has this law beside the other forms that the thesis compares with, and tests that both give the same.
 
-use crate::discretization::{self, InputHold, IntervalInput, Part};
+use crate::discretization::{InputHold, IntervalInput};
 use crate::estimate::{Estimate, ParameterStatus, Phase, Status};
-use crate::model::{Model, Sample};
 
-/// The measurement of one state.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Channel {
-    /// Output that measures the state directly.
-    pub(super) output: usize,
-    /// The state's error enters divided by this, state units, positive.
-    pub(super) scale: f64,
-}
+/// State after an interval and its derivatives by the parameters, row = state, column = parameter.
+pub(super) type Predicted<const N: usize, const P: usize> = ([f64; N], [[f64; P]; N]);
 
 /// What the law is told.
 #[derive(Clone, Copy, Debug)]
@@ -35,8 +28,8 @@ pub(super) struct StateErrorSettings<const N: usize, const P: usize> {
     pub(super) lower: [f64; P],
     /// Upper bounds.
     pub(super) upper: [f64; P],
-    /// How each state is measured.
-    pub(super) channels: [Channel; N],
+    /// The error of each state enters divided by this, state units, positive.
+    pub(super) scale: [f64; N],
     /// `g`, 1/s^2.
     pub(super) gain: f64,
     /// `c`, 1/s^2.
@@ -47,18 +40,15 @@ pub(super) struct StateErrorSettings<const N: usize, const P: usize> {
     pub(super) initial_state: [f64; N],
     /// Input between samples.
     pub(super) input_hold: InputHold,
-    /// Longest integration step, s.
-    pub(super) maximum_step_s: f64,
     /// Longest interval that is predicted through, s; after a longer one the model starts again from the measurements.
     pub(super) maximum_gap_s: f64,
 }
 
-/// The law over all `N` states of a model.
-pub(super) struct StateErrorLaw<M, const N: usize, const R: usize, const P: usize>
-where
-    M: Model<N, R, P>,
-{
-    model: M,
+/// The law over all `N` states of a model whose input is `I`. It knows the model only by what it is given in
+/// [`StateErrorLaw::update`].
+pub(super) struct StateErrorLaw<I, const N: usize, const P: usize> {
+    /// Parameters that the model has.
+    count: usize,
     settings: StateErrorSettings<N, P>,
     running: bool,
     theta: [f64; P],
@@ -69,18 +59,15 @@ where
     /// Whether a parameter has moved.
     moved: [bool; P],
     last_s: f64,
-    last_input: Option<M::Input>,
+    last_input: Option<I>,
     phase: Phase,
 }
 
-impl<M, const N: usize, const R: usize, const P: usize> StateErrorLaw<M, N, R, P>
-where
-    M: Model<N, R, P>,
-{
-    /// Sets the law up; the first frame with all states starts it. `None` if a start value lies outside its bounds, a range is
+impl<I: Copy, const N: usize, const P: usize> StateErrorLaw<I, N, P> {
+    /// Sets the law up for a model with `count` parameters; the first frame with all states starts it. `None` if a start value lies outside its bounds, a range is
     /// negative, all of them are zero, or a number that must be positive is not.
-    pub(super) fn new(model: M, settings: StateErrorSettings<N, P>) -> Option<Self> {
-        let count = model.parameter_count().min(P);
+    pub(super) fn new(count: usize, settings: StateErrorSettings<N, P>) -> Option<Self> {
+        let count = count.min(P);
         let possible = |j: usize| {
             let (start, range) = (settings.parameters[j], settings.ranges[j]);
             let within = settings.lower[j] <= start && start <= settings.upper[j];
@@ -89,13 +76,13 @@ where
         let unknown = settings.ranges[..count].iter().any(|range| *range > 0.0);
         let positive = [settings.gain, settings.normalisation, settings.error_decay]
             .into_iter()
-            .chain([settings.maximum_step_s, settings.maximum_gap_s])
+            .chain([settings.maximum_gap_s])
             .all(|value| value > 0.0 && value.is_finite());
         if N == 0 || !(0..count).all(possible) || !unknown || !positive {
             return None;
         }
         Some(Self {
-            model,
+            count,
             settings,
             running: false,
             theta: core::array::from_fn(|j| if j < count { settings.parameters[j] } else { 0.0 }),
@@ -108,8 +95,9 @@ where
         })
     }
 
-    pub(super) fn model(&self) -> &M {
-        &self.model
+    /// Parameters that the model has.
+    pub(super) fn count(&self) -> usize {
+        self.count
     }
 
     /// State of the estimated model.
@@ -117,13 +105,22 @@ where
         core::array::from_fn(|i| self.x[i] - self.error[i])
     }
 
-    pub(super) fn update(&mut self, sample: &Sample<M::Input, R>) -> Estimate<P> {
-        if !sample.time_s.is_finite() || sample.time_s <= self.last_s {
+    /// Takes one sample: its time (s), the input from then on and the measured states (NaN where one is missing). `predict` gives
+    /// from a state, the parameters, the input and the length of an interval (s) the state at the end of it, with its derivatives
+    /// by the parameters.
+    pub(super) fn update(
+        &mut self,
+        time_s: f64,
+        input: I,
+        measured: &[f64; N],
+        predict: impl FnOnce(&[f64; N], &[f64; P], &IntervalInput<I>, f64) -> Predicted<N, P>,
+    ) -> Estimate<P> {
+        if !time_s.is_finite() || time_s <= self.last_s {
             self.phase = Phase::Rejected;
         } else if self.running {
-            self.advance(sample);
+            self.advance(time_s, input, measured, predict);
         } else {
-            self.start(sample);
+            self.start(time_s, input, measured);
         }
         self.estimate()
     }
@@ -131,82 +128,61 @@ where
     /// Infinite for the unknown parameters: the law knows no covariance.
     pub(super) fn covariance(&self, out: &mut [[f64; P]; P]) {
         *out = [[0.0; P]; P];
-        for j in 0..self.model.parameter_count().min(P) {
+        for j in 0..self.count {
             if self.settings.ranges[j] > 0.0 {
                 out[j][j] = f64::INFINITY;
             }
         }
     }
 
-    fn start(&mut self, sample: &Sample<M::Input, R>) {
+    fn start(&mut self, time_s: f64, input: I, measured: &[f64; N]) {
         self.phase = Phase::Starting;
         self.running = false;
-        self.last_s = sample.time_s;
-        self.last_input = Some(sample.input);
-        if !self.complete(sample) {
+        self.last_s = time_s;
+        self.last_input = Some(input);
+        if !complete(measured) {
             return;
         }
-        self.x = core::array::from_fn(|i| sample.outputs[self.settings.channels[i].output]);
+        self.x = *measured;
         self.error = [0.0; N];
         self.running = true;
     }
 
-    /// Whether every state is measured in this frame.
-    fn complete(&self, sample: &Sample<M::Input, R>) -> bool {
-        self.settings.channels.iter().all(|channel| sample.outputs[channel.output].is_finite())
-    }
-
-    fn advance(&mut self, sample: &Sample<M::Input, R>) {
-        let interval_s = sample.time_s - self.last_s;
-        let Some(from) = self.last_input else { return self.start(sample) };
+    fn advance(
+        &mut self,
+        time_s: f64,
+        input: I,
+        measured: &[f64; N],
+        predict: impl FnOnce(&[f64; N], &[f64; P], &IntervalInput<I>, f64) -> Predicted<N, P>,
+    ) {
+        let interval_s = time_s - self.last_s;
+        let Some(from) = self.last_input else { return self.start(time_s, input, measured) };
         if interval_s > self.settings.maximum_gap_s {
-            return self.start(sample);
+            return self.start(time_s, input, measured);
         }
-        let input = IntervalInput { from, to: sample.input, hold: self.settings.input_hold };
-        self.last_s = sample.time_s;
-        self.last_input = Some(sample.input);
-        let complete = self.complete(sample);
-        let sensitivity = self.integrate(&input, interval_s);
+        let over = IntervalInput { from, to: input, hold: self.settings.input_hold };
+        self.last_s = time_s;
+        self.last_input = Some(input);
+        let complete = complete(measured);
+        let (x, sensitivity) = predict(&self.x, &self.theta, &over, interval_s);
+        self.x = x;
         if !self.x.iter().all(|value| value.is_finite()) {
-            return self.start(sample);
+            return self.start(time_s, input, measured);
         }
-        let step = self.step(sample, &sensitivity, interval_s);
+        let step = self.step(measured, &sensitivity, interval_s);
         if complete {
             self.adapt(&step);
         }
         self.phase = if complete { Phase::Sliding } else { Phase::Predicting };
     }
 
-    /// The estimated model over one interval; gives `B`.
-    fn integrate(&mut self, input: &IntervalInput<M::Input>, interval_s: f64) -> [[f64; P]; N] {
-        let steps = discretization::sub_steps(interval_s, self.settings.maximum_step_s);
-        let mut sensitivity = [[0.0; P]; N];
-        let mut transition = [[0.0; N]; N];
-        for k in 0..steps {
-            let part = Part { from: k as f64 / steps as f64, to: (k + 1) as f64 / steps as f64 };
-            self.x = discretization::step(
-                &self.model,
-                &self.x,
-                &self.theta,
-                input,
-                interval_s,
-                part,
-                self.model.parameter_count().min(P),
-                &mut sensitivity,
-                &mut transition,
-            );
-        }
-        sensitivity
-    }
-
     /// Takes the errors on by one sample and the states from their measurements; gives the step of `theta/R`.
-    fn step(&mut self, sample: &Sample<M::Input, R>, sensitivity: &[[f64; P]; N], interval_s: f64) -> [f64; P] {
+    fn step(&mut self, measured: &[f64; N], sensitivity: &[[f64; P]; N], interval_s: f64) -> [f64; P] {
         let decay = libm::exp(-self.settings.error_decay * interval_s);
         let mut step = [0.0; P];
         let mut squared = 0.0;
-        for (i, channel) in self.settings.channels.iter().enumerate() {
+        for (i, (&measured, &scale)) in measured.iter().zip(&self.settings.scale).enumerate() {
             self.error[i] *= decay;
-            let measured = sample.outputs[channel.output];
             if !measured.is_finite() {
                 continue;
             }
@@ -214,8 +190,8 @@ where
             self.error[i] += measured - self.x[i];
             self.x[i] = measured;
             for j in 0..P {
-                let b = sensitivity[i][j] * self.settings.ranges[j] / channel.scale;
-                step[j] += b * self.error[i] / channel.scale;
+                let b = sensitivity[i][j] * self.settings.ranges[j] / scale;
+                step[j] += b * self.error[i] / scale;
                 squared += b * b / (interval_s * interval_s);
             }
         }
@@ -225,7 +201,7 @@ where
 
     /// Moves the parameters by `step` of their ranges and projects them; a step that is not a number moves nothing.
     fn adapt(&mut self, step: &[f64; P]) {
-        for (j, step) in step.iter().enumerate().take(self.model.parameter_count().min(P)) {
+        for (j, step) in step.iter().enumerate().take(self.count) {
             let moved = self.theta[j] + self.settings.ranges[j] * step;
             if moved.is_finite() && moved != self.theta[j] {
                 self.theta[j] = moved.clamp(self.settings.lower[j], self.settings.upper[j]);
@@ -235,7 +211,7 @@ where
     }
 
     fn estimate(&self) -> Estimate<P> {
-        let unknown = |j: usize| j < self.model.parameter_count() && self.settings.ranges[j] > 0.0;
+        let unknown = |j: usize| j < self.count && self.settings.ranges[j] > 0.0;
         let std_error = core::array::from_fn(|j| if unknown(j) { f64::INFINITY } else { 0.0 });
         let parameter_status = core::array::from_fn(|j| {
             if unknown(j) && (self.theta[j] <= self.settings.lower[j] || self.theta[j] >= self.settings.upper[j]) {
@@ -256,4 +232,9 @@ where
             status: Status { phase: self.phase, ..Status::default() },
         }
     }
+}
+
+/// Whether every state is measured.
+fn complete(measured: &[f64]) -> bool {
+    measured.iter().all(|value| value.is_finite())
 }

@@ -9,7 +9,7 @@ use phugoid_simulation::scenario::{Scenario, ScenarioError};
 pub struct Entry {
     /// Its name on the command line.
     pub id: String,
-    /// A few words.
+    /// Title of the scenario for tables, a few words.
     pub title: String,
     /// What is to be seen in it, in a sentence.
     pub shows: String,
@@ -22,7 +22,8 @@ pub struct Entry {
 }
 
 impl Entry {
-    /// A scenario and a model of a user's own.
+    /// An entry from a scenario and a model file; `cycle_s` (s) is the period in which times are counted, for instance
+    /// that of the short period. The title is the name of the scenario.
     pub fn new(id: impl Into<String>, scenario: Scenario, model: ModelFile, cycle_s: f64) -> Self {
         let title = scenario.name.clone();
         Self { id: id.into(), title, shows: String::new(), scenario, model, cycle_s }
@@ -70,7 +71,18 @@ pub const BUILT_IN: &[(&str, &str)] = built_in![
     "everything",
 ];
 
-/// A built-in entry by name.
+/// A built-in entry by its name in [`BUILT_IN`]; `None` for any other name.
+///
+/// ```
+/// use phugoid_evaluation::arena::{BUILT_IN, built_in};
+///
+/// let calm = built_in("calm").expect("it is built in")?;
+/// assert_eq!(calm.id, "calm");
+/// assert!(calm.cycle_s > 3.0 && calm.cycle_s < 6.0); // the short period of the F-16, s
+/// assert!(built_in("stormy").is_none());
+/// assert_eq!(BUILT_IN[0].0, "calm");
+/// # Ok::<(), phugoid_simulation::scenario::ScenarioError>(())
+/// ```
 pub fn built_in(id: &str) -> Option<Result<Entry, ScenarioError>> {
     BUILT_IN.iter().find(|(known, _)| *known == id).map(|(known, text)| Entry::parse(text, known))
 }

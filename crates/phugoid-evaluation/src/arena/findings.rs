@@ -1,4 +1,4 @@
-//! Where each method wins and loses, from the numbers alone.
+//! Says in sentences where each method is better or worse than the others, from the numbers alone.
 
 use serde::Serialize;
 
@@ -16,7 +16,7 @@ const SOONER: (f64, f64) = (0.1, 0.1);
 /// What the numbers say, in words.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Findings {
-    /// How winning is counted.
+    /// The rule, in a sentence, by which a method counts as best.
     pub rule: String,
     /// One per entry: who is best.
     pub best: Vec<Best>,
@@ -29,7 +29,7 @@ pub struct Findings {
 /// Who is best in one entry.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Best {
-    /// Entry.
+    /// Name of the entry ([`EntryResult::id`]).
     pub entry: String,
     /// The most accurate method whose bounds can be trusted, and those within 5 % of it, best first; empty if there is none.
     pub methods: Vec<String>,

@@ -1,4 +1,5 @@
-//! The arena: every method on the same samples of the same flights, and where each of them wins and loses.
+//! The arena: every method estimates the same samples of the same flights, and the results say where each of them is
+//! better or worse than the others.
 //!
 //! An [`Entry`] is a scenario and what every method is told of the aircraft; those in `scenarios/arena` are built in. Each
 //! seed is flown once, and every [`Contestant`] sees the same measured record. [`compare`] counts, for each of them, errors

@@ -8,31 +8,31 @@ use super::rows::Row;
 /// Every method on every entry.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Arena {
-    /// Flights per entry.
+    /// Number of flights per entry; each has its own seed.
     pub seeds: usize,
     /// Methods, in the order of every list here; the first one is ours.
     pub methods: Vec<String>,
-    /// Entries.
+    /// Results of all entries, in the order in which they were flown.
     pub entries: Vec<EntryResult>,
-    /// What follows, in words.
+    /// Sentences on where each method is best and where it fails, made from the numbers alone.
     pub findings: Findings,
     /// Every judged number of every flight.
     #[serde(skip)]
     pub rows: Vec<Row>,
 }
 
-/// One entry.
+/// Results of all methods on one entry.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct EntryResult {
-    /// Name.
+    /// Name of the entry on the command line.
     pub id: String,
-    /// Title.
+    /// Title of the entry for tables.
     pub title: String,
     /// What is to be seen in it.
     pub shows: String,
-    /// Flights.
+    /// Number of flights.
     pub flights: usize,
-    /// Length of each, s.
+    /// Duration of each flight, s.
     pub duration_s: f64,
     /// Period in which times are counted, s.
     pub cycle_s: f64,
@@ -42,7 +42,7 @@ pub struct EntryResult {
     pub damaged: bool,
     /// What errors are measured in.
     pub unit: Unit,
-    /// By method.
+    /// Results of each method, in the order of [`Arena::methods`].
     pub methods: Vec<MethodResult>,
 }
 
@@ -52,14 +52,14 @@ pub struct EntryResult {
 pub enum Unit {
     /// The Cramer-Rao bound of the flight.
     CramerRao,
-    /// The Cramer-Rao bound that the flight would have without the gusts: the methods cannot reach it.
+    /// The Cramer-Rao bound that the flight would have without gusts. With gusts no method can reach it.
     CalmCramerRao,
     /// The deviation that the model file expects beforehand: the flight has no bound.
     Prior,
 }
 
 impl Unit {
-    /// As it is printed.
+    /// The unit in words, as tables print it.
     pub fn words(self) -> &'static str {
         match self {
             Self::CramerRao => "Cramer-Rao bound",
@@ -72,11 +72,11 @@ impl Unit {
 /// One method on one entry.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MethodResult {
-    /// Method.
+    /// Name of the method.
     pub method: String,
     /// Flights in which it ended without an estimate, or with one that is not finite; they are left out below.
     pub failed: usize,
-    /// Why, the first time.
+    /// Message of the first flight in which it failed; none if it never failed.
     pub failure: Option<String>,
     /// Flights in which it claims no bound for some parameter: a coverage cannot be told.
     pub without_bounds: usize,
@@ -84,40 +84,41 @@ pub struct MethodResult {
     pub checkpoints: Vec<Checkpoint>,
     /// When the parameters came within 5 % of the truth for good.
     pub settled: Vec<Settled>,
-    /// When the slowest parameter came there, median over the flights, s after the reference; none if never in half of them.
+    /// Time at which the slowest parameter has settled, median over the flights, s after the reference; none if it
+    /// never settles in half of them or more.
     pub settled_median_s: Option<f64>,
-    /// Changes found, missed, imagined.
+    /// How many changes the method found, missed, or reported although there were none.
     pub detection: Detection,
     /// Time of computing per sample, the whole pipeline around the method included, microseconds; median over the flights.
     /// Not reproducible.
     pub microseconds: f64,
-    /// The same over that of the first method.
+    /// Computing time per sample divided by that of the first method.
     pub relative_time: f64,
 }
 
 /// All parameters after some cycles.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Checkpoint {
-    /// Cycles after the reference.
+    /// Time of the checkpoint after the instant from which the flight is counted, in cycles of the entry.
     pub cycles: f64,
-    /// The same in seconds.
+    /// Time of the checkpoint after the instant from which the flight is counted, s.
     pub after_s: f64,
     /// Geometric mean over the parameters of root mean square error over unit.
     pub accuracy: Option<f64>,
     /// Parameters within two claimed standard errors of the truth, all together.
     pub coverage: Option<Coverage>,
-    /// By parameter.
+    /// Scores of each parameter, in the model's order.
     pub parameters: Vec<ParameterScore>,
 }
 
 /// One parameter after some cycles, over all flights.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ParameterScore {
-    /// Name.
+    /// Name of the parameter, as in the model file.
     pub name: String,
     /// Mean error, the parameter's unit.
     pub bias: f64,
-    /// Root mean square error.
+    /// Root mean square error over the flights, the parameter's unit.
     pub rmse: f64,
     /// Root mean square of the error over the unit of its flight.
     pub rmse_over_unit: f64,
@@ -133,7 +134,7 @@ pub struct ParameterScore {
 /// How often the truth lies within two claimed standard errors.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Coverage {
-    /// Part of the cases.
+    /// Fraction of the cases, 0 to 1, in which the truth lies within two claimed standard errors.
     pub fraction: f64,
     /// 95 % interval of the probability (Clopper and Pearson); where several parameters of one flight are counted, as if
     /// there were as many independent cases as the spread between the flights tells.
@@ -143,7 +144,7 @@ pub struct Coverage {
 /// When one parameter came within 5 % of the truth for good.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Settled {
-    /// Name.
+    /// Name of the parameter, as in the model file.
     pub name: String,
     /// Median over the flights, s after the reference; none if it never does in half of them.
     pub median_s: Option<f64>,
@@ -154,16 +155,16 @@ pub struct Settled {
 /// A count over a time.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Counted {
-    /// How many.
+    /// Number of events that were counted.
     pub count: usize,
     /// Per ten minutes of flight.
     pub per_ten_minutes: f64,
 }
 
-/// Changes of the parameters.
+/// How well a method detects sudden changes of the parameters.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Detection {
-    /// Flights with damage.
+    /// Number of flights in which the scenario has damage.
     pub damaged: usize,
     /// Of these, those in which a change was adopted after it.
     pub found: usize,

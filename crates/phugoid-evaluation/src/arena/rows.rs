@@ -6,20 +6,20 @@ use super::criteria::CYCLES;
 use super::entry::Entry;
 use super::trial::{Trial, judged};
 
-/// One parameter of one flight after some cycles, as one method has it.
+/// The estimate of one parameter by one method, some cycles into one flight.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Row {
-    /// Entry.
+    /// Name of the entry.
     pub entry: String,
-    /// Method.
+    /// Name of the method.
     pub method: String,
-    /// Seed flown.
+    /// Seed of the flight: that of the entry's scenario plus the number of the flight.
     pub seed: u64,
-    /// Cycles after the reference.
+    /// Time of this row after the instant from which the flight is counted, in cycles of the entry.
     pub cycles: f64,
-    /// Parameter.
+    /// Name of the parameter, as in the model file.
     pub parameter: String,
-    /// Its truth then.
+    /// True value of the parameter at this time, in its unit.
     pub truth: f64,
     /// Estimate; NaN where the method failed.
     pub estimate: f64,

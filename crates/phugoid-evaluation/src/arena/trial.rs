@@ -38,7 +38,8 @@ impl Contestant {
         Self::new(method.name(), !method.is_batch(), run)
     }
 
-    /// Any estimator.
+    /// Any estimator under a name of its own. `causal` says whether an estimate uses only the samples before it, `run`
+    /// estimates one record.
     pub fn new(
         name: impl Into<String>,
         causal: bool,

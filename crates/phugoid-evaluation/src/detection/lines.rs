@@ -29,7 +29,7 @@ pub struct RecoveryLine {
     pub median_over_oracle: f64,
     /// The same with the 90 % quantile.
     pub ninety_over_oracle: f64,
-    /// Median error.
+    /// Median of the absolute errors, fraction of the half width of the parameter's bounds.
     pub median: f64,
     /// Part of the true values within two claimed standard errors.
     pub coverage: f64,
@@ -40,13 +40,13 @@ pub struct RecoveryLine {
 /// One line of the table of damages.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DamageLine {
-    /// What moved the elevator.
+    /// What moved the elevator in the flights of this line.
     pub stick: Stick,
-    /// What disturbed the flight.
+    /// What disturbed the flights of this line beside the damage.
     pub air: Air,
     /// When the damage happened, s.
     pub damage_at_s: f64,
-    /// Flights.
+    /// Number of flights, each with a damage of its own.
     pub runs: usize,
     /// Time from the damage to the doubt, s: median and nine of ten (infinite: never).
     pub doubt_s: [f64; 2],
@@ -56,13 +56,13 @@ pub struct DamageLine {
     pub informed_s: [f64; 2],
     /// Flights in which no change was adopted after the damage.
     pub missed: usize,
-    /// Seeds of those.
+    /// Seeds of the flights in which the damage was missed, so that they can be flown again.
     pub missed_seeds: Vec<u64>,
     /// Adoptions before the damage, over all flights.
     pub false_before: usize,
     /// Adoptions beyond the first one after the damage, over all flights.
     pub extra: usize,
-    /// Errors afterwards, all runs.
+    /// Errors at several times after the damage, over all runs.
     pub recovery: Vec<RecoveryLine>,
 }
 

@@ -18,7 +18,7 @@ use crate::accuracy::StudyError;
 use crate::published::{DAMAGE_SCENARIO, F16_MODEL};
 use phugoid_simulation::scenario::Scenario;
 
-/// Both tables.
+/// Result of the detection study: flights with damage, and flights without damage but with an error of the model.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DetectionStudy {
     /// Flights, and minutes of flight, per line.

@@ -29,13 +29,13 @@ pub struct ModelErrorLine {
     pub error: String,
     /// Whether the model file has the term that the error asks for (`alpha^2` in `Cm`).
     pub term: bool,
-    /// What disturbed the flights.
+    /// What disturbed the flights of this line.
     pub air: Air,
     /// Minutes flown, half with each stick.
     pub minutes: f64,
     /// Adoptions, none of them right.
     pub adoptions: usize,
-    /// Per 10 minutes.
+    /// Adoptions per ten minutes of flight; every one of them is false.
     pub per_ten_minutes: f64,
     /// 95 % interval of the rate, for Poisson counts.
     pub interval: [f64; 2],
@@ -43,7 +43,7 @@ pub struct ModelErrorLine {
     pub harmful: usize,
     /// Those of them in which it is also outside of three claimed standard errors.
     pub harmful_and_claimed: usize,
-    /// Doubts raised.
+    /// Number of doubts (first suspicions of a change) raised over all flights.
     pub doubts: usize,
     /// Flights at whose end the detector called itself insensitive.
     pub insensitive: usize,

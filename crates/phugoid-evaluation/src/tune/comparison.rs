@@ -16,13 +16,13 @@ const FEWEST: usize = 5;
 /// One held-out run with both settings.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Pair {
-    /// Scenario or case.
+    /// Name of the scenario or plant case.
     pub scenario: String,
-    /// Run of it.
+    /// Number of the run in it.
     pub run: u64,
-    /// With the settings by rule.
+    /// Score of the run with the settings that the rule gives.
     pub rule: Score,
-    /// With the tuned settings.
+    /// Score of the run with the settings that the search found.
     pub tuned: Score,
 }
 
@@ -34,49 +34,49 @@ pub enum Verdict {
     Gained,
     /// The whole interval lies above zero.
     Lost,
-    /// The interval contains zero.
+    /// The interval contains zero: the runs do not show a difference.
     NoDifference,
     /// The search found nothing better than the rule even on the training runs: both are the same.
     Kept,
-    /// Too few held-out runs.
+    /// There are too few held-out runs to tell.
     TooFew,
 }
 
 /// Difference of the objective on the runs of one scenario.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ScenarioDifference {
-    /// Scenario or case.
+    /// Name of the scenario or plant case.
     pub scenario: String,
-    /// Held-out runs of it.
+    /// Number of held-out runs of this scenario.
     pub runs: usize,
     /// Mean difference of the objective, tuned less rule.
     pub mean_difference: f64,
-    /// 95 % bootstrap interval of it over the runs; nothing wide for a single run.
+    /// 95 % bootstrap interval of the mean difference over the runs; for a single run both ends are equal to it.
     pub interval: [f64; 2],
 }
 
 /// Differences of the objective, tuned less rule: negative is better.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Comparison {
-    /// Every held-out run.
+    /// Every held-out run with both scores.
     pub pairs: Vec<Pair>,
-    /// By scenario: a mean over all of them may come from one.
+    /// The differences scenario by scenario: they show whether the mean over all comes from a single one.
     pub scenarios: Vec<ScenarioDifference>,
     /// Mean difference of the objective.
     pub mean_difference: f64,
     /// 95 % confidence interval of the mean difference: percentiles of a bootstrap that draws runs anew within each scenario.
     /// It speaks of further runs of these scenarios, not of scenarios that are not among them.
     pub interval: [f64; 2],
-    /// Runs that are better tuned.
+    /// Number of runs with a smaller objective with the tuned settings than with the rule's.
     pub better: usize,
-    /// Runs that are worse tuned.
+    /// Number of runs with a larger objective with the tuned settings than with the rule's.
     pub worse: usize,
-    /// In a word.
+    /// What the interval of the mean difference says of the tuned settings.
     pub verdict: Verdict,
 }
 
 impl Comparison {
-    /// Compares pairs.
+    /// Compares the scores of held-out runs: mean difference, its bootstrap interval, and the verdict.
     pub fn of(pairs: Vec<Pair>) -> Self {
         let differences: Vec<f64> = pairs.iter().map(|p| p.tuned.objective - p.rule.objective).collect();
         let strata = strata(&pairs, &differences);

@@ -36,18 +36,18 @@ pub const HELD_OUT_RUNS: u64 = 1_000_000;
 /// Which runs: those that the search sees, or those that it does not.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
-    /// Seen by the search.
+    /// Runs on which the search compares settings.
     Training,
-    /// Not seen.
+    /// Runs that the search never sees; they tell whether the tuned settings are better in other flights too.
     HeldOut,
 }
 
 /// One run of a scenario or case.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct RunName {
-    /// Scenario or case.
+    /// Name of the scenario or plant case.
     pub scenario: String,
-    /// Number of the run in it: another truth, another noise.
+    /// Number of the run in it; every run has its own true values and its own noise.
     pub run: u64,
 }
 
@@ -65,19 +65,20 @@ pub trait Tunable: Sync {
     /// Scores one of them with the values of the settings. A run that fails is [`Score::FAILURE`].
     fn score(&self, values: &[f64], part: Part, run: usize) -> Score;
 
-    /// What decides the scores of the training runs beside settings and run names, by name: fingerprints of files.
+    /// Everything that decides the scores of the training runs in addition to settings and run names: fingerprints of
+    /// files, by name.
     fn sources(&self) -> BTreeMap<String, String>;
 
-    /// What a user can take along: the settings as a file, with a comment at its head.
+    /// The settings as the text of a file that a user can use, with a comment at its head.
     fn settings_file(&self, values: &[f64]) -> String;
 }
 
-/// How to tune.
+/// How many settings are tried, with which random numbers, and where the search keeps its state.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TuneOptions {
     /// Settings to try, the rule's included; whole generations are tried. Zero: the rule only.
     pub budget: usize,
-    /// Seed of the search.
+    /// Seed of the search's random numbers; the same seed gives the same result.
     pub seed: u64,
     /// File that holds the state of the search, written after every generation.
     pub state: Option<PathBuf>,
@@ -86,22 +87,22 @@ pub struct TuneOptions {
 /// One setting, by rule and tuned.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Choice {
-    /// The setting.
+    /// The setting with its limits and the value that the rule gives it.
     pub setting: Setting,
-    /// Tuned value.
+    /// Value that the search found, in the unit of the setting.
     pub tuned: f64,
 }
 
-/// What tuning gave.
+/// The result of tuning one method: settings, objectives and the comparison on the held-out runs.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Tuning {
-    /// Method.
+    /// Name of the method that was tuned.
     pub method: &'static str,
     /// Settings by rule and tuned.
     pub settings: Vec<Choice>,
-    /// Settings that were tried.
+    /// Number of different settings that were tried, the rule's included.
     pub evaluations: usize,
-    /// Generations.
+    /// Number of generations of the search.
     pub generations: u64,
     /// Mean objective of the training runs with the rule.
     pub training_rule: f64,
@@ -109,7 +110,7 @@ pub struct Tuning {
     pub training_tuned: f64,
     /// Best mean objective after each generation.
     pub best_scores: Vec<f64>,
-    /// Training runs.
+    /// Number of runs on which the search compared settings.
     pub training_runs: usize,
     /// Rule and tuned settings on the held-out runs; none if only the rule was asked for.
     pub held_out: Option<Comparison>,
@@ -128,17 +129,17 @@ pub enum TuneError {
          --rule-only for the rule alone"
     )]
     Budget {
-        /// Budget asked for.
+        /// Number of settings to try that was asked for.
         budget: usize,
-        /// Settings of the method.
+        /// Number of settings that the method has.
         settings: usize,
-        /// Least budget.
+        /// Smallest budget with which this many settings can be searched.
         least: usize,
     },
     /// No runs to tune on, or none held out.
     #[error("{0}")]
     NoRuns(String),
-    /// The state file.
+    /// The state file of the search could not be read or written, or belongs to another search.
     #[error(transparent)]
     State(#[from] StateError),
     /// A scenario cannot be run at all.

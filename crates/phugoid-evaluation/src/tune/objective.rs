@@ -1,4 +1,4 @@
-//! What a run is worth: one number, lower is better.
+//! The objective of tuning: one number for each run; lower is better.
 //!
 //! ```text
 //! J = mean over parameters of  ln(t5/T) + ln(1 + e/5 %)                        without claimed errors
@@ -28,21 +28,21 @@ const INSTANTS: usize = 10;
 /// Largest ratio of the error to the bound that is counted.
 const LARGEST_RATIO: f64 = 100.0;
 
-/// What a method said of one parameter over a run.
+/// The estimates of one parameter over a run, with the errors that the method claims.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trace {
     /// True value at the end, not zero.
     pub truth: f64,
-    /// Estimates.
+    /// Estimates, one per sample of the run, in the parameter's unit.
     pub values: Vec<f64>,
     /// One-sigma errors claimed; none from a method that claims none.
     pub std_errors: Option<Vec<f64>>,
 }
 
-/// What a run was worth, and why.
+/// The objective of one run, and the quantities that it is made of.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Score {
-    /// `J`.
+    /// The objective `J` that tuning minimises; the [module](self) defines it.
     pub objective: f64,
     /// Geometric mean over the parameters of the time until the estimate stays within 5 % of the truth, s; those that never
     /// do count as the whole record.

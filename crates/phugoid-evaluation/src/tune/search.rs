@@ -23,7 +23,7 @@ const NEAR: f64 = 0.1;
 /// A point of the unit cube that has been evaluated.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Member {
-    /// Coordinates, 0 to 1.
+    /// Coordinates in the unit cube, one per setting, each from 0 (lower limit) to 1 (upper limit).
     pub point: Vec<f64>,
     /// Its score; lower is better.
     pub score: f64,
@@ -32,11 +32,11 @@ pub struct Member {
 /// A search between two generations.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Search {
-    /// Seed.
+    /// Seed of the search's random numbers; the same seed gives the same search.
     pub seed: u64,
-    /// Generations evaluated.
+    /// Number of generations that have been evaluated so far.
     pub generation: u64,
-    /// Points evaluated.
+    /// Number of points that have been evaluated so far, over all generations.
     pub evaluations: usize,
     /// Best score after each generation.
     pub best_scores: Vec<f64>,

@@ -8,14 +8,14 @@ use serde::Serialize;
 pub enum Range {
     /// Between two positive numbers, in the logarithm.
     Logarithmic {
-        /// Smallest value.
+        /// Smallest value that is tried, in the setting's unit.
         lower: f64,
-        /// Largest value.
+        /// Largest value that is tried, in the setting's unit.
         upper: f64,
     },
     /// One of a few words; the value is the index of the word.
     Choice {
-        /// The words.
+        /// The words that can be chosen, as they stand in settings files.
         words: Vec<&'static str>,
     },
 }

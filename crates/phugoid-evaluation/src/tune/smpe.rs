@@ -22,13 +22,13 @@ use phugoid_simulation::scenario::Scenario;
 /// A scenario with what the estimator is told of it.
 #[derive(Clone, Debug)]
 pub struct Assignment {
-    /// Name, e.g. `f16-calm`.
+    /// Name of the assignment in results and state files, for instance `f16-calm`.
     pub name: String,
-    /// The flight.
+    /// The scenario that is flown.
     pub scenario: Scenario,
-    /// What the estimator is told.
+    /// The model file with which the flight is estimated.
     pub model: ModelFile,
-    /// Fingerprint of both.
+    /// Fingerprint of the scenario and the model file: it differs if one of them has been changed.
     pub fingerprint: String,
 }
 

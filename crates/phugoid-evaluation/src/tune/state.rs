@@ -1,4 +1,5 @@
-//! The state file: what a stopped search needs to go on, and what it was a search of.
+//! The state file of a search: everything that is needed to continue it after it was stopped, and a description of the
+//! problem that it belongs to.
 
 use std::collections::BTreeMap;
 use std::io::Write as _;
@@ -22,23 +23,23 @@ struct State {
     search: Search,
 }
 
-/// Why a search cannot go on from a state file, or cannot leave one.
+/// Why a search cannot be continued from a state file, or cannot write one.
 #[derive(Debug, thiserror::Error)]
 pub enum StateError {
     /// The file is there and cannot be read.
     #[error("cannot read the state file `{}`: {source}", .file.display())]
     Unreadable {
-        /// The file.
+        /// Path of the state file.
         file: PathBuf,
-        /// What the system says.
+        /// The error of the operating system.
         source: std::io::Error,
     },
     /// It is no state file, or a damaged one.
     #[error("`{}` is no state file of `phugoid tune`: {message}\nGive another file, or delete it to start anew.", .file.display())]
     Invalid {
-        /// The file.
+        /// Path of the state file.
         file: PathBuf,
-        /// What is wrong.
+        /// What is wrong with the contents of the file.
         message: String,
     },
     /// It belongs to another problem.
@@ -46,17 +47,17 @@ pub enum StateError {
         "the state file `{}` is of another problem: {}\nGive another file, or delete it to start anew.", .file.display(), .differences.join("; ")
     )]
     OtherProblem {
-        /// The file.
+        /// Path of the state file.
         file: PathBuf,
         /// What differs, a phrase each.
         differences: Vec<String>,
     },
-    /// It cannot be written.
+    /// The state file could not be written, for the reason given.
     #[error("cannot write the state file `{}`: {source}", .file.display())]
     Unwritable {
-        /// The file.
+        /// Path of the state file.
         file: PathBuf,
-        /// What the system says.
+        /// The error of the operating system.
         source: std::io::Error,
     },
 }

@@ -13,9 +13,9 @@ pub struct GustSettings {
     pub axis: phugoid_flight_dynamics::gust::BodyAxis,
     /// Final velocity of the air along the axis.
     pub amplitude: Speed,
-    /// Duration of the rise.
+    /// Time that the air takes to rise from rest to the final velocity.
     pub duration: Time,
-    /// Beginning.
+    /// Time at which the rise begins, from the start of the flight.
     #[serde(default)]
     pub start: Time,
 }

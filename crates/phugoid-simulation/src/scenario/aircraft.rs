@@ -10,10 +10,10 @@ use crate::quantity::{Angle, AngularRate, Length, Speed};
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct AircraftSettings {
-    /// Which aircraft.
+    /// The built-in aircraft that flies, for instance the F-16.
     #[serde(rename = "type")]
     pub kind: AircraftName,
-    /// Which aerodynamic tables.
+    /// The set of aerodynamic tables that is used for the F-16: `book` or `morelli`.
     #[serde(default)]
     pub tables: F16Tables,
     /// Centre of gravity, fraction of the mean aerodynamic chord.
@@ -35,20 +35,20 @@ fn reference_cg() -> f64 {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Thrust {
-    /// It stays as trimmed.
+    /// Thrust keeps the value that it has in the trim, whatever the aircraft does afterwards.
     #[default]
     Constant,
     /// The engine at the trim throttle: thrust follows Mach number and altitude.
     Engine,
 }
 
-/// Trim condition.
+/// The steady condition in which the flight starts; the aircraft is trimmed there.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Condition {
-    /// Altitude above sea level.
+    /// Altitude above mean sea level, in the standard atmosphere.
     pub altitude: Length,
-    /// True airspeed.
+    /// True airspeed at the start of the flight.
     pub speed: Speed,
     /// Angle of climb, positive up.
     #[serde(default)]
@@ -79,17 +79,17 @@ pub struct ModelError {
 #[serde(default, deny_unknown_fields)]
 #[allow(non_snake_case)] // the field's own spelling, which scenario files use as well
 pub struct TableFactors {
-    /// Axial force.
+    /// Factor of the axial force coefficient, body x axis, positive forward; 1 leaves the tables as they are.
     pub CX: f64,
-    /// Side force.
+    /// Factor of the side force coefficient, body y axis, positive to the right; 1 leaves the tables as they are.
     pub CY: f64,
-    /// Normal force.
+    /// Factor of the normal force coefficient, body z axis, positive down; 1 leaves the tables as they are.
     pub CZ: f64,
-    /// Rolling moment.
+    /// Factor of the rolling moment coefficient, positive right wing down; 1 leaves the tables as they are.
     pub Cl: f64,
-    /// Pitching moment.
+    /// Factor of the pitching moment coefficient, positive nose up; 1 leaves the tables as they are.
     pub Cm: f64,
-    /// Yawing moment.
+    /// Factor of the yawing moment coefficient, positive nose right; 1 leaves the tables as they are.
     pub Cn: f64,
 }
 
@@ -103,10 +103,10 @@ impl Default for TableFactors {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum RecordedSurfaces {
-    /// Where it is.
+    /// The true position of the surface, after the actuator, as its sensor measures it.
     #[default]
     Measured,
-    /// Where it has been commanded: the lag of the actuator is not known.
+    /// The commanded position of the surface; an estimator then does not know the lag of the actuator.
     Commanded,
 }
 

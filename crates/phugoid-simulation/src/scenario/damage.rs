@@ -6,16 +6,16 @@ use serde::Deserialize;
 use super::ranges::Ranges;
 use crate::quantity::Time;
 
-/// Increments from a time on.
+/// A change of the aerodynamic increments in flight, sudden or gradual.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Damage {
-    /// When.
+    /// Time at which the change begins, from the start of the flight.
     pub at: Time,
     /// How long it takes to get there, evenly; zero for at once.
     #[serde(default)]
     pub over: Time,
-    /// What holds from then on.
+    /// Increments that hold once the change is complete; they replace those that held before.
     #[serde(default)]
     pub increments: Increments,
     /// Increments that are drawn, in place of those above.
@@ -24,7 +24,7 @@ pub struct Damage {
 }
 
 impl Damage {
-    /// Everything at once, nothing drawn.
+    /// A change that is complete at once and whose increments are given, not drawn.
     pub fn sudden(at: Time, increments: Increments) -> Self {
         Self { at, increments, ..Self::default() }
     }

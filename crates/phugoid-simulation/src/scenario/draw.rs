@@ -1,4 +1,4 @@
-//! What differs from flight to flight: drawn once from the seed of the scenario.
+//! Values that differ from flight to flight: they are drawn once, from the seed of the scenario.
 
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
@@ -9,8 +9,8 @@ use super::sensors::{Sensor, Sensors};
 use crate::quantity::{Acceleration, Angle, AngularAcceleration, AngularRate, Length, Quantity, Speed};
 
 impl Scenario {
-    /// The scenario as its seed flies it: everything that is drawn once per flight is drawn, and no longer asked for. Noise,
-    /// outliers, dropped frames, the pilot and turbulence stay random signals of the seed.
+    /// The scenario as it is flown with its seed: every value that is drawn once per flight is replaced by its drawn
+    /// value. Noise, outliers, dropped frames, the pilot and turbulence stay random signals of the seed.
     #[must_use]
     pub fn drawn(&self) -> Self {
         let mut flown = self.clone();

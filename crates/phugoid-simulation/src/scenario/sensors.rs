@@ -13,13 +13,13 @@ use crate::quantity::{
 pub struct Sensor<Q> {
     /// Standard deviation of white noise.
     pub noise: Q,
-    /// Constant error.
+    /// Constant error that is added to every value, the same in every flight.
     pub bias: Q,
     /// Standard deviation of a further constant error that is drawn once per flight.
     pub bias_spread: Q,
     /// Size of the steps of the digital output.
     pub quantisation: Q,
-    /// Age of what is measured.
+    /// Age of what is measured: a value at time t is that of the aircraft at t minus this delay.
     pub delay: Time,
     /// Rate of the sensor's own samples; between them there is no value. Every sample has one if it is not given.
     pub rate: Option<Frequency>,
@@ -34,7 +34,7 @@ pub struct Sensor<Q> {
 }
 
 impl<Q: Quantity> Sensor<Q> {
-    /// The sensor in SI.
+    /// The sensor with all its numbers in SI, as the simulation takes it.
     pub fn specification(&self) -> SensorSpecification {
         SensorSpecification {
             noise: self.noise.si(),
@@ -50,7 +50,7 @@ impl<Q: Quantity> Sensor<Q> {
     }
 }
 
-/// Sensors, by channel.
+/// The sensors of all measured channels. A sensor that the scenario does not name is perfect.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Sensors {
@@ -62,23 +62,23 @@ pub struct Sensors {
     pub accelerometers: [Length; 3],
     /// Where the vanes for angle of attack and sideslip are, likewise.
     pub vanes: [Length; 3],
-    /// True airspeed.
+    /// Sensor of the true airspeed: speed of the aircraft through the air.
     pub true_airspeed: Sensor<Speed>,
-    /// Angle of attack.
+    /// Sensor of the angle of attack, positive with the air from below.
     pub alpha: Sensor<Angle>,
-    /// Sideslip angle.
+    /// Sensor of the sideslip angle, positive with the air from the right.
     pub beta: Sensor<Angle>,
-    /// Roll angle.
+    /// Sensor of the roll angle (Euler angle), positive right wing down.
     pub phi: Sensor<Angle>,
-    /// Pitch angle.
+    /// Sensor of the pitch angle (Euler angle), positive nose up.
     pub theta: Sensor<Angle>,
-    /// Heading.
+    /// Sensor of the heading (Euler angle), clockwise from north seen from above.
     pub psi: Sensor<Angle>,
-    /// Roll rate.
+    /// Sensor of the roll rate about the body x axis, positive right wing down.
     pub p: Sensor<AngularRate>,
-    /// Pitch rate.
+    /// Sensor of the pitch rate about the body y axis, positive nose up.
     pub q: Sensor<AngularRate>,
-    /// Yaw rate.
+    /// Sensor of the yaw rate about the body z axis, positive nose right.
     pub r: Sensor<AngularRate>,
     /// Roll acceleration; not measured unless it is named.
     pub pdot: Option<Sensor<AngularAcceleration>>,
@@ -86,19 +86,19 @@ pub struct Sensors {
     pub qdot: Option<Sensor<AngularAcceleration>>,
     /// Yaw acceleration; not measured unless it is named.
     pub rdot: Option<Sensor<AngularAcceleration>>,
-    /// Specific force, body x.
+    /// Accelerometer along the body x axis (specific force, without gravity), positive forward.
     pub ax: Sensor<Acceleration>,
-    /// Specific force, body y.
+    /// Accelerometer along the body y axis (specific force, without gravity), positive to the right.
     pub ay: Sensor<Acceleration>,
-    /// Specific force, body z.
+    /// Accelerometer along the body z axis (specific force, without gravity), positive down.
     pub az: Sensor<Acceleration>,
-    /// Altitude.
+    /// Sensor of the altitude above sea level.
     pub altitude: Sensor<Length>,
-    /// Elevator position.
+    /// Sensor of the elevator's position, with the sign of the aircraft's data.
     pub elevator: Sensor<Angle>,
-    /// Aileron position.
+    /// Sensor of the ailerons' position, with the sign of the aircraft's data.
     pub aileron: Sensor<Angle>,
-    /// Rudder position.
+    /// Sensor of the rudder's position, with the sign of the aircraft's data.
     pub rudder: Sensor<Angle>,
 }
 

@@ -16,7 +16,7 @@ pub const PARAMETERS: [&str; 4] = ["dCm_alpha", "dCm_q", "dCL_alpha", "dCD_alpha
 pub struct AircraftCase {
     /// What it is, in a few words.
     pub title: String,
-    /// What was published.
+    /// What the thesis published of this case.
     #[serde(default)]
     pub published: Published,
     /// The flight of the reference aircraft, with its true increments.
@@ -33,7 +33,7 @@ pub struct AircraftCase {
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ParameterSettings {
-    /// Lower bound, per radian.
+    /// Lower bound that the estimators are told, per radian.
     pub lower: f64,
     /// Upper bound, per radian. Of the sign of the lower one: the printed gain contains `sqrt(upper/lower)`.
     pub upper: f64,
@@ -68,7 +68,7 @@ impl Default for EstimatorSettings {
 }
 
 impl ParameterSettings {
-    /// Start value, per radian.
+    /// Start value of the estimates, per radian: the given one, else the geometric mean of the bounds with their sign.
     pub fn start(&self) -> f64 {
         self.start.unwrap_or_else(|| (self.lower * self.upper).sqrt().copysign(self.lower))
     }

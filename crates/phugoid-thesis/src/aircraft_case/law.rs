@@ -17,15 +17,15 @@ use phugoid_evaluation::accuracy::StudyError;
 pub struct LawSettings {
     /// The increment, one of [`PARAMETERS`].
     pub parameter: &'static str,
-    /// Form of the law.
+    /// The form of the law that is evaluated.
     pub form: LawForm,
-    /// Channels of its surface.
+    /// The channels that make up its surface.
     pub surface: Surface,
     /// Lower and upper bound, per radian, of one sign.
     pub bounds: [f64; 2],
-    /// Start value, per radian.
+    /// Estimate before the first sample, per radian.
     pub start: f64,
-    /// `lambda`, 1/s.
+    /// `lambda`, the rate at which the energy difference decays on the surface, 1/s.
     pub lambda: f64,
     /// `eta`, in units of `z` with the surface's channels.
     pub eta: f64,

@@ -24,11 +24,11 @@ pub struct NamedMethod {
     pub name: String,
     /// What it is to the reader.
     pub role: Role,
-    /// The method.
+    /// The method with its settings.
     pub method: Method,
 }
 
-/// What estimates.
+/// What estimates the increments of a flight.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Method {
     /// The flagship with what it is told, see [`model_file`].
@@ -106,7 +106,7 @@ impl AircraftCase {
 /// What a method said of one increment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ParameterRun {
-    /// Name, e.g. `dCm_alpha`.
+    /// Name of the increment, for instance `dCm_alpha`.
     pub name: String,
     /// Estimate after each sample, per radian.
     pub values: Vec<f64>,
@@ -120,9 +120,9 @@ pub struct ParameterRun {
 /// What a method made of a flight.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MethodRun {
-    /// Time, s.
+    /// Times of the samples from the start of the record, s.
     pub time_s: Vec<f64>,
-    /// The increments looked for.
+    /// The increments that were looked for, each with its estimates.
     pub parameters: Vec<ParameterRun>,
     /// The estimated aircraft, V, alpha, theta, q (SI), flying beside the reference from the same input with the current
     /// estimates, never corrected.

@@ -21,9 +21,9 @@ pub struct Reference {
     pub names: Vec<String>,
     /// Their start values, per radian.
     pub starts: Vec<f64>,
-    /// Time, s.
+    /// Times of the samples from the start of the record, s.
     pub time: Vec<f64>,
-    /// Known input per sample.
+    /// Known input of the estimated model at each sample.
     pub inputs: Vec<LongitudinalInput>,
     /// Measured outputs per sample, SI; NaN where missing.
     pub outputs: Vec<[f64; OUTPUTS]>,

@@ -18,7 +18,7 @@ pub const UNKNOWN: &str = "dCm_q";
 pub struct ComparisonCase {
     /// What it is, in a few words.
     pub title: String,
-    /// What was published.
+    /// What the thesis published of this comparison.
     #[serde(default)]
     pub published: Published,
     /// The flight of the reference aircraft, with the true `dCm_q`. If `sensors.qdot` is named, the laws that want the
@@ -34,7 +34,7 @@ pub struct ComparisonCase {
 pub struct Comparison {
     /// Lower and upper bound, per radian; either sign.
     pub bounds: [f64; 2],
-    /// Start value, per radian.
+    /// Estimate before the first sample, per radian.
     #[serde(default)]
     pub start: f64,
     /// True values of the flights on which the gains of the laws are tuned, per radian. The flagship has no gain to tune.

@@ -20,21 +20,21 @@ use phugoid_evaluation::settling::settled_at;
 use phugoid_simulation::flight::fly;
 use phugoid_simulation::scenario::Scenario;
 
-/// A method.
+/// A method that takes part in the comparison.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
     /// The estimator that this project recommends.
     Flagship,
     /// The thesis's sliding-mode law, damped and solved implicitly.
     Sliding,
-    /// The model-reference estimator.
+    /// The model-reference estimator in one of its forms, divided by its gradient or not.
     ModelReference(ModelReferenceForm, Normalised),
 }
 
 /// Whether a law is divided by its gradient.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Normalised {
-    /// As it is.
+    /// The law is used as it is.
     No,
     /// Divided by `c + |gradient|^2`.
     Yes,
@@ -56,7 +56,7 @@ impl Method {
         ]
     };
 
-    /// As printed.
+    /// The name of the method in tables and figures.
     pub fn name(self) -> &'static str {
         use ModelReferenceForm::{EnergyGradient, Printed, StateError};
         match self {
@@ -113,7 +113,7 @@ pub struct Gain {
 
 /// One flight as the methods see it.
 pub struct Flown {
-    /// True value, per radian.
+    /// True value of the unknown increment, per radian.
     pub truth: f64,
     measured: Record,
     prepared: Prepared<LongitudinalModel, STATES, OUTPUTS>,
@@ -124,7 +124,7 @@ pub struct Flown {
 /// The estimates of one method over a flight.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Track {
-    /// Time, s.
+    /// Times of the samples from the start of the record, s.
     pub time: Vec<f64>,
     /// Estimate after each sample, per radian.
     pub values: Vec<f64>,
@@ -135,7 +135,7 @@ pub struct Track {
 /// How good a track is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Score {
-    /// What became of it.
+    /// Whether the estimate converges, stays biased, chatters or diverges.
     pub behaviour: Behaviour,
     /// When it came within 5 % to stay, s from the start of the record; none unless it [converges](Behaviour::Converges).
     pub converged_s: Option<f64>,
@@ -164,7 +164,7 @@ impl Flown {
 }
 
 impl Track {
-    /// Compares with the truth.
+    /// Compares the estimates with the truth, both per radian; `bounds` are lower and upper bound of the unknown.
     pub fn score(&self, truth: f64, bounds: [f64; 2]) -> Score {
         let behaviour = behaviour(&self.time, &self.values, truth, bounds);
         let arrived = settled_at(&self.time, &self.values, truth, 0.05);
@@ -180,7 +180,7 @@ impl Track {
 
 /// What does not depend on the truth of a flight.
 pub struct Setting<'a> {
-    /// The comparison.
+    /// The comparison case with its flight and settings.
     pub case: &'a ComparisonCase,
     /// What the flagship is told.
     model: ModelFile,

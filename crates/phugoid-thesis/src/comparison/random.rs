@@ -22,7 +22,7 @@ use phugoid_evaluation::statistics::quantile;
 use phugoid_evaluation::table::{Cell, Column, Table};
 use phugoid_simulation::scenario::Scenario;
 
-/// Number of truths.
+/// Number of true values that are drawn, one flight for each.
 pub const TRUTHS: usize = 100;
 /// Smallest magnitude of a truth as a part of the bounds' half width: 5 % of a truth near zero is nothing to ask for.
 pub const SMALLEST: f64 = 0.05;

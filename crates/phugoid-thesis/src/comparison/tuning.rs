@@ -16,7 +16,7 @@ const REFINEMENTS: [f64; 3] = [1.778_279_41, 1.333_521_43, 1.154_781_98];
 /// A tuned gain with what it reached in training.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tuned {
-    /// The best gain.
+    /// The gain with the best score on the training flights.
     pub gain: Gain,
     /// Its mean cost over the flights, s: the time to 5 %; if that is not reached the length of the record times
     /// one plus the late error as a part of the truth (at most 1).

@@ -5,34 +5,34 @@ use core::fmt;
 pub enum ThesisError {
     /// The unknown parameter is not one of the model's.
     Parameter {
-        /// Index asked for.
+        /// Index that was asked for, counted from 0.
         index: usize,
-        /// Parameters of the model.
+        /// Number of parameters that the model has.
         count: usize,
     },
     /// Bounds out of order, not finite, or of both signs for the printed form.
     Bounds {
-        /// Lower bound found.
+        /// Lower bound that was given, in the parameter's unit.
         lower: f64,
-        /// Upper bound found.
+        /// Upper bound that was given, in the parameter's unit.
         upper: f64,
     },
     /// A surface channel names a state or output that does not exist, has no positive scale, or mixes measured and
     /// integrated derivatives.
     Channel {
-        /// Index of the channel.
+        /// Index of the first channel that is wrong, counted from 0.
         index: usize,
     },
     /// No output measures a state, and the law needs all of them.
     NotMeasured {
-        /// Index of the state.
+        /// Index of the state that is not measured, counted from 0.
         state: usize,
     },
     /// `lambda` or `eta` or a step is not a positive number.
     Setting {
-        /// Name.
+        /// Name of the setting, as the field is called.
         name: &'static str,
-        /// Value found.
+        /// Value that was given; it may be NaN.
         value: f64,
     },
 }

@@ -36,7 +36,7 @@ use super::eigen::symmetric;
 use super::error::ThesisError;
 use phugoid_estimators::discretization::InputHold;
 use phugoid_estimators::{Estimate, Estimator, Phase};
-use phugoid_estimators::{LinearizedRates, Model, Sample};
+use phugoid_estimators::{Input, LinearizedRates, Model, Sample};
 
 /// Eigenvalues below this part of the largest are rounding.
 const ROUNDING: f64 = 1e-13;
@@ -60,7 +60,7 @@ pub struct ExtendedSettings<const N: usize, const P: usize> {
     pub relative_floor: f64,
     /// The same, absolute, in scaled state units squared times seconds: what noise alone accumulates.
     pub floor: f64,
-    /// Input between samples.
+    /// How the input goes from one sample to the next.
     pub input_hold: InputHold,
     /// Longest interval that gives a row, s: the trapezoid errs by its square. After a longer one the filter starts again.
     pub maximum_gap_s: f64,
@@ -114,11 +114,9 @@ impl<const N: usize, const P: usize> ExtendedSettings<N, P> {
     }
 }
 
-/// The extended law, for any number of parameters of a model whose states are all measured.
-pub struct ExtendedLaw<M, const N: usize, const R: usize, const P: usize>
-where
-    M: Model<N, R, P>,
-{
+/// The extended law, for any number of parameters of a model `M` with the known input `I` whose states are all measured. What it
+/// keeps depends on states and parameters only, not on the number of outputs.
+pub struct ExtendedLaw<M, I, const N: usize, const P: usize> {
     model: M,
     settings: ExtendedSettings<N, P>,
     /// Output that measures each state.
@@ -128,7 +126,7 @@ where
     range: [f64; P],
     phi: [f64; P],
     /// Last complete frame: time, states, input.
-    last: Option<(f64, [f64; N], M::Input)>,
+    last: Option<(f64, [f64; N], I)>,
     last_s: f64,
     z: [f64; N],
     upsilon: [[f64; P]; N],
@@ -139,15 +137,15 @@ where
     phase: Phase,
 }
 
-impl<M, const N: usize, const R: usize, const P: usize> ExtendedLaw<M, N, R, P>
-where
-    M: Model<N, R, P>,
-{
+impl<M, I: Copy, const N: usize, const P: usize> ExtendedLaw<M, I, N, P> {
     /// Sets the law up; the second frame that measures all states gives the first row.
     ///
     /// # Errors
     /// A state that no output measures, bounds out of order or infinite, or a setting out of its range.
-    pub fn new(model: M, settings: ExtendedSettings<N, P>) -> Result<Self, ThesisError> {
+    pub fn new<const R: usize>(model: M, settings: ExtendedSettings<N, P>) -> Result<Self, ThesisError>
+    where
+        M: Model<N, R, P, Input = I>,
+    {
         let count = model.parameter_count().min(P);
         settings.check(count)?;
         let mut output = [0; N];
@@ -203,12 +201,15 @@ where
         core::array::from_fn(|j| if free(j) { self.phi[j] * self.range[j] } else { self.settings.parameters[j] })
     }
 
-    fn states(&self, sample: &Sample<M::Input, R>) -> Option<[f64; N]> {
+    fn states<const R: usize>(&self, sample: &Sample<I, R>) -> Option<[f64; N]> {
         let x: [f64; N] = core::array::from_fn(|i| sample.outputs[self.output[i]]);
         x.iter().all(|value| value.is_finite()).then_some(x)
     }
 
-    fn advance(&mut self, sample: &Sample<M::Input, R>) {
+    fn advance<const R: usize>(&mut self, sample: &Sample<I, R>)
+    where
+        M: Model<N, R, P, Input = I>,
+    {
         self.last_s = sample.time_s;
         let Some(x) = self.states(sample) else {
             self.phase = Phase::Predicting;
@@ -221,7 +222,7 @@ where
                 InputHold::Zero => input,
                 InputHold::Linear => sample.input,
             };
-            self.filter(sample.time_s - time_s, [&from, &x], [&input, &to_input])
+            self.filter::<R>(sample.time_s - time_s, [&from, &x], [&input, &to_input])
         });
         if filtered {
             let interval_s = sample.time_s - before.map_or(sample.time_s, |(time_s, ..)| time_s);
@@ -236,7 +237,10 @@ where
     }
 
     /// Carries the row filter over one interval. False if the model does not answer with numbers.
-    fn filter(&mut self, interval_s: f64, x: [&[f64; N]; 2], input: [&M::Input; 2]) -> bool {
+    fn filter<const R: usize>(&mut self, interval_s: f64, x: [&[f64; N]; 2], input: [&I; 2]) -> bool
+    where
+        M: Model<N, R, P, Input = I>,
+    {
         let known = core::array::from_fn(|j| if self.range[j] > 0.0 { 0.0 } else { self.settings.parameters[j] });
         let decay = libm::exp(-self.settings.filter_rate * interval_s);
         for i in 0..N {
@@ -314,11 +318,12 @@ where
     }
 }
 
-impl<M, const N: usize, const R: usize, const P: usize> Estimator<R, P> for ExtendedLaw<M, N, R, P>
+impl<M, I, const N: usize, const R: usize, const P: usize> Estimator<R, P> for ExtendedLaw<M, I, N, P>
 where
-    M: Model<N, R, P>,
+    I: Input,
+    M: Model<N, R, P, Input = I>,
 {
-    type Input = M::Input;
+    type Input = I;
 
     fn update(&mut self, sample: &Sample<Self::Input, R>) -> Estimate<P> {
         if !sample.time_s.is_finite() || sample.time_s <= self.last_s {

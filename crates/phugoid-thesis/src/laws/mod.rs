@@ -43,7 +43,7 @@ mod error;
 mod extended;
 mod gain;
 mod one_parameter;
-mod parallel;
+pub(crate) mod parallel;
 mod settings;
 mod two_parameter;
 

@@ -29,9 +29,9 @@ use super::claim::{verdict, without_covariance};
 use super::diagnostics::Diagnostics;
 use super::error::ThesisError;
 use super::gain::{gain, spread};
-use super::parallel::{integrate, measured};
+use super::parallel::{measured, parts};
 use super::settings::{Evaluation, LawSign, SurfaceDerivative, ThesisForm, ThesisSettings};
-use phugoid_estimators::discretization::IntervalInput;
+use phugoid_estimators::discretization::{self, IntervalInput};
 use phugoid_estimators::{Estimate, Estimator, Phase};
 use phugoid_estimators::{LinearizedRates, Model, Sample};
 
@@ -167,7 +167,7 @@ where
             return;
         }
         for state in 0..N {
-            if let Some(value) = measured(&self.model, state, sample) {
+            if let Some(value) = measured(self.model.measuring_output(state), sample) {
                 self.x[state] = value;
             }
         }
@@ -199,7 +199,12 @@ where
         let mut theta = self.theta;
         theta[self.settings.parameter] = value;
         let columns = self.settings.parameter + 1;
-        integrate(&self.model, &self.x, &theta, input, interval_s, self.settings.maximum_step_s, columns)
+        let (mut by_parameter, mut transition) = ([[0.0; P]; N], [[0.0; N]; N]);
+        let x = parts(interval_s, self.settings.maximum_step_s).fold(self.x, |x, part| {
+            let (into, by_state) = (&mut by_parameter, &mut transition);
+            discretization::step(&self.model, &x, &theta, input, interval_s, part, columns, into, by_state)
+        });
+        (x, by_parameter)
     }
 
     /// What the right hand side is multiplied by: plus one as printed.
@@ -317,7 +322,9 @@ where
         self.x = x;
         self.theta[self.settings.parameter] = theta;
         for state in 0..N {
-            if let (true, Some(value)) = (self.settings.follow[state], measured(&self.model, state, sample)) {
+            if let (true, Some(value)) =
+                (self.settings.follow[state], measured(self.model.measuring_output(state), sample))
+            {
                 self.x[state] = value;
             }
         }
@@ -360,7 +367,8 @@ where
     fn rate_at_sample(&self, sample: &Sample<M::Input, R>) -> (f64, f64) {
         let mut lin = LinearizedRates::<N, P>::ZERO;
         self.model.linearized_rates(&self.x, &self.theta, &sample.input, &mut lin);
-        let seen = core::array::from_fn(|state| measured(&self.model, state, sample).unwrap_or(self.x[state]));
+        let seen =
+            core::array::from_fn(|state| measured(self.model.measuring_output(state), sample).unwrap_or(self.x[state]));
         let (mut d, mut z) = (0.0, 0.0);
         for channel in &self.settings.channels {
             let rate = match channel.derivative {

@@ -1,42 +1,16 @@
 //! The estimated model that runs beside the plant.
 
-use phugoid_estimators::discretization::{self, IntervalInput, Part};
-use phugoid_estimators::{Model, Sample};
+use phugoid_estimators::Sample;
+use phugoid_estimators::discretization::{Part, sub_steps};
 
-/// State after one interval and its derivatives by the first `columns` parameters.
-pub(super) fn integrate<M, const N: usize, const R: usize, const P: usize>(
-    model: &M,
-    x: &[f64; N],
-    theta: &[f64; P],
-    input: &IntervalInput<M::Input>,
-    interval_s: f64,
-    maximum_step_s: f64,
-    columns: usize,
-) -> ([f64; N], [[f64; P]; N])
-where
-    M: Model<N, R, P>,
-{
-    let steps = discretization::sub_steps(interval_s, maximum_step_s);
-    let mut x = *x;
-    let mut by_parameter = [[0.0; P]; N];
-    let mut transition = [[0.0; N]; N];
-    for k in 0..steps {
-        let part = Part { from: k as f64 / steps as f64, to: (k + 1) as f64 / steps as f64 };
-        let sensitivity = &mut by_parameter;
-        x = discretization::step(model, &x, theta, input, interval_s, part, columns, sensitivity, &mut transition);
-    }
-    (x, by_parameter)
+/// The equal integration steps of an interval of `interval_s`, none longer than `maximum_step_s` (both in s).
+pub(crate) fn parts(interval_s: f64, maximum_step_s: f64) -> impl Iterator<Item = Part> {
+    let steps = sub_steps(interval_s, maximum_step_s);
+    (0..steps).map(move |k| Part { from: k as f64 / steps as f64, to: (k + 1) as f64 / steps as f64 })
 }
 
-/// The measured value of a state, if there is one in this sample.
-pub(super) fn measured<M, const N: usize, const R: usize, const P: usize>(
-    model: &M,
-    state: usize,
-    sample: &Sample<M::Input, R>,
-) -> Option<f64>
-where
-    M: Model<N, R, P>,
-{
-    let output = model.measuring_output(state).filter(|&output| output < R)?;
-    Some(sample.outputs[output]).filter(|y| y.is_finite())
+/// The value of the output that measures a state ([`measuring_output`](phugoid_estimators::Model::measuring_output) names it).
+/// `None` where no output measures the state, and where its value is missing from this sample.
+pub(crate) fn measured<I, const R: usize>(output: Option<usize>, sample: &Sample<I, R>) -> Option<f64> {
+    sample.outputs.get(output?).copied().filter(|y| y.is_finite())
 }

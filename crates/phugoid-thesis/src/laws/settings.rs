@@ -15,9 +15,9 @@ pub enum SurfaceDerivative {
 /// One channel of the energy surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfaceChannel {
-    /// State of the model.
+    /// Index of the model's state that is compared, counted from 0.
     pub state: usize,
-    /// Output that measures it directly.
+    /// Index of the output that measures this state directly, counted from 0.
     pub output: usize,
     /// Its typical size: the channel enters divided by this. State units, positive.
     pub scale: f64,
@@ -25,7 +25,7 @@ pub struct SurfaceChannel {
     pub derivative: SurfaceDerivative,
 }
 
-/// Which form of the law.
+/// The forms of the law: as printed, or with what the project has changed in it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ThesisForm {
     /// As printed, with the gain `K` from the bounds; needs bounds of one sign.
@@ -60,7 +60,7 @@ pub enum LawSign {
     FromSlope,
 }
 
-/// Settings of the law.
+/// Settings of the one-parameter law over a surface of `S` channels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ThesisSettings<const N: usize, const P: usize, const S: usize> {
     /// The unknown parameter's index in the model.
@@ -69,21 +69,21 @@ pub struct ThesisSettings<const N: usize, const P: usize, const S: usize> {
     pub parameters: [f64; P],
     /// Lower bound of the unknown parameter.
     pub lower: f64,
-    /// Upper bound.
+    /// Upper bound of the unknown parameter, in its unit.
     pub upper: f64,
-    /// The surface.
+    /// The channels whose energies make up the surface.
     pub channels: [SurfaceChannel; S],
-    /// `lambda`, 1/s.
+    /// `lambda`, the rate at which the energy difference decays on the surface, 1/s.
     pub lambda: f64,
     /// Largest `lambda h` that is used: beyond 1 the law overshoots, beyond 2 it diverges. May be infinite.
     pub maximum_lambda_h: f64,
     /// `eta > 0`, in units of `z` (scaled energy rate per unit of the parameter).
     pub eta: f64,
-    /// Form of the law.
+    /// The form of the law that is evaluated.
     pub form: ThesisForm,
     /// How the loop is closed.
     pub evaluation: Evaluation,
-    /// Sign of the law.
+    /// How the sign of the law's right hand side is chosen.
     pub sign: LawSign,
     /// How far outside its bounds the implicit solution may lie, as a part of their width. May be infinite.
     pub margin: f64,
@@ -92,9 +92,9 @@ pub struct ThesisSettings<const N: usize, const P: usize, const S: usize> {
     /// States outside the surface that follow their measurement instead of the estimated model (reconstructed: keeps
     /// an unstable model from drifting away).
     pub follow: [bool; N],
-    /// Input between samples.
+    /// How the input goes from one sample to the next.
     pub input_hold: InputHold,
-    /// Longest integration step, s.
+    /// Longest step with which the estimated model is integrated, s.
     pub maximum_step_s: f64,
     /// Longest interval that is predicted through, s; after a longer one the model starts again from the measurements.
     pub maximum_gap_s: f64,

@@ -20,14 +20,19 @@
 use super::claim::{verdict, without_covariance};
 use super::error::ThesisError;
 use super::gain::{gain, spread};
-use super::parallel::{integrate, measured};
+use super::parallel::{measured, parts};
 use super::settings::{Evaluation, LawSign, ThesisForm};
-use phugoid_estimators::discretization::{InputHold, IntervalInput};
+use phugoid_estimators::discretization::{self, InputHold, IntervalInput};
 use phugoid_estimators::{Estimate, Estimator, Phase};
 use phugoid_estimators::{LinearizedRates, Model, Sample};
 
 /// Most Newton steps per sample.
 const MAXIMUM_ITERATIONS: usize = 25;
+
+/// States of a plant of second order: `x` and `x'`.
+const STATES: usize = 2;
+/// What is measured of it: both states and `x''`.
+const OUTPUTS: usize = 3;
 
 /// Settings of the two-parameter law. Parameters 0 and 1 of the model are the unknown ones.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,7 +45,7 @@ pub struct TwoParameterSettings<const P: usize> {
     pub position: usize,
     /// State and output that hold `v = x'`.
     pub velocity: usize,
-    /// Output that holds `v'`.
+    /// Index of the output that holds `v'`.
     pub acceleration: usize,
     /// `lambda` of each surface, 1/s.
     pub lambda: [f64; 2],
@@ -50,13 +55,13 @@ pub struct TwoParameterSettings<const P: usize> {
     pub form: ThesisForm,
     /// How the loop is closed.
     pub evaluation: Evaluation,
-    /// Sign of the law.
+    /// How the sign of the law's right hand side is chosen.
     pub sign: LawSign,
     /// How far outside their bounds the implicit solutions may lie, as a part of their width. May be infinite.
     pub margin: f64,
-    /// Input between samples.
+    /// How the input goes from one sample to the next.
     pub input_hold: InputHold,
-    /// Longest integration step, s.
+    /// Longest step with which the estimated model is integrated, s.
     pub maximum_step_s: f64,
     /// Longest interval that is predicted through, s; after a longer one the model starts again from the measurements.
     pub maximum_gap_s: f64,
@@ -98,7 +103,7 @@ impl<const P: usize> TwoParameterSettings<P> {
         self
     }
 
-    fn check(&self, states: usize, outputs: usize, parameters: usize) -> Result<(), ThesisError> {
+    fn check(&self, parameters: usize) -> Result<(), ThesisError> {
         if parameters < 2 {
             return Err(ThesisError::Parameter { index: 1, count: parameters });
         }
@@ -108,8 +113,7 @@ impl<const P: usize> TwoParameterSettings<P> {
                 return Err(ThesisError::Bounds { lower, upper });
             }
         }
-        let known = states.min(outputs);
-        if self.position >= known || self.velocity >= known || self.acceleration >= outputs {
+        if self.position >= STATES || self.velocity >= STATES || self.acceleration >= OUTPUTS {
             return Err(ThesisError::Channel { index: 0 });
         }
         if self.margin.is_nan() || self.margin < 0.0 {
@@ -133,17 +137,17 @@ impl<const P: usize> TwoParameterSettings<P> {
 /// What the two-parameter law looks like from inside after one sample. Arrays: one entry per surface or parameter.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TwoParameterDiagnostics {
-    /// `s_i`.
+    /// The surfaces `s_i`; both are zero when the law has reached them.
     pub surface: [f64; 2],
     /// `sdot_i = D + lambda_i F` with the estimates that hold from this sample on, 1/s.
     pub surface_rate: [f64; 2],
     /// `s_i sdot_i + eta |s_i|`: the reaching condition holds where this is not positive.
     pub reaching: [f64; 2],
-    /// `k_i`.
+    /// The gains `k_i` that follow from the bounds of the parameters.
     pub gain: [f64; 2],
     /// `k_i F + eta`, denominators of the printed law.
     pub denominator: [f64; 2],
-    /// `z_i = dD/da_i`.
+    /// The slopes `z_i = dD/da_i` by which the parameters act on both surfaces.
     pub slope: [f64; 2],
     /// `sdot_i` vanishes on the line `z_1 a_1 + z_2 a_2 = level_i`.
     pub level: [f64; 2],
@@ -151,20 +155,21 @@ pub struct TwoParameterDiagnostics {
     pub information: [f64; 2],
     /// Singular values, larger first, of the Jacobian of the whole algebraic loop, with `eta` and the gains in it.
     pub loop_singular_values: [f64; 2],
-    /// Determinant of that Jacobian.
+    /// Determinant of the Jacobian of the whole loop; near zero the loop has no clear solution.
     pub loop_determinant: f64,
 }
 
-/// The thesis's law for two parameters over two surfaces.
-pub struct TwoParameterLaw<M, const N: usize, const R: usize, const P: usize>
+/// The thesis's law for two parameters over two surfaces, for a plant of second order: its states are `x` and `x'`, its outputs
+/// both of them and `x''`.
+pub struct TwoParameterLaw<M, const P: usize>
 where
-    M: Model<N, R, P>,
+    M: Model<STATES, OUTPUTS, P>,
 {
     model: M,
     settings: TwoParameterSettings<P>,
     running: bool,
     theta: [f64; P],
-    x: [f64; N],
+    x: [f64; STATES],
     last_s: f64,
     last_input: Option<M::Input>,
     diagnostics: TwoParameterDiagnostics,
@@ -188,19 +193,19 @@ impl Rates {
     }
 }
 
-impl<M, const N: usize, const R: usize, const P: usize> TwoParameterLaw<M, N, R, P>
+impl<M, const P: usize> TwoParameterLaw<M, P>
 where
-    M: Model<N, R, P>,
+    M: Model<STATES, OUTPUTS, P>,
 {
     /// Sets the law up; the first frame that measures both states starts it.
     pub fn new(model: M, settings: TwoParameterSettings<P>) -> Result<Self, ThesisError> {
-        settings.check(N, R, model.parameter_count().min(P))?;
+        settings.check(model.parameter_count().min(P))?;
         Ok(Self {
             model,
             settings,
             running: false,
             theta: settings.parameters,
-            x: [0.0; N],
+            x: [0.0; STATES],
             last_s: f64::NEG_INFINITY,
             last_input: None,
             diagnostics: TwoParameterDiagnostics::default(),
@@ -209,7 +214,7 @@ where
     }
 
     /// State of the estimated model.
-    pub fn state(&self) -> &[f64; N] {
+    pub fn state(&self) -> &[f64; STATES] {
         &self.x
     }
 
@@ -218,13 +223,13 @@ where
         &self.diagnostics
     }
 
-    fn start(&mut self, sample: &Sample<M::Input, R>) {
+    fn start(&mut self, sample: &Sample<M::Input, OUTPUTS>) {
         self.phase = Phase::Starting;
         self.last_s = sample.time_s;
         self.last_input = Some(sample.input);
         self.running = false;
-        for state in 0..N {
-            if let Some(value) = measured(&self.model, state, sample) {
+        for state in 0..STATES {
+            if let Some(value) = measured(self.model.measuring_output(state), sample) {
                 self.x[state] = value;
             } else if state == self.settings.position || state == self.settings.velocity {
                 return;
@@ -323,7 +328,7 @@ where
         None
     }
 
-    fn advance(&mut self, sample: &Sample<M::Input, R>) {
+    fn advance(&mut self, sample: &Sample<M::Input, OUTPUTS>) {
         let settings = self.settings;
         let interval_s = sample.time_s - self.last_s;
         let Some(from) = self.last_input else { return self.start(sample) };
@@ -333,7 +338,7 @@ where
         let input = IntervalInput { from, to: sample.input, hold: settings.input_hold };
         self.last_s = sample.time_s;
         self.last_input = Some(sample.input);
-        let (x, _) = integrate(&self.model, &self.x, &self.theta, &input, interval_s, settings.maximum_step_s, 0);
+        let x = self.integrate(&input, interval_s);
         if !x.iter().sum::<f64>().is_finite() {
             return match settings.evaluation {
                 Evaluation::Delayed => self.stop(),
@@ -361,8 +366,17 @@ where
         self.phase = if solved.is_some() { Phase::Sliding } else { Phase::Rejected };
     }
 
+    /// State of the estimated model after one interval; its derivatives by the parameters are not needed.
+    fn integrate(&self, input: &IntervalInput<M::Input>, interval_s: f64) -> [f64; STATES] {
+        let (mut sensitivity, mut transition) = ([[0.0; P]; STATES], [[0.0; STATES]; STATES]);
+        parts(interval_s, self.settings.maximum_step_s).fold(self.x, |x, part| {
+            let (theta, into, by_state) = (&self.theta, &mut sensitivity, &mut transition);
+            discretization::step(&self.model, &x, theta, input, interval_s, part, 0, into, by_state)
+        })
+    }
+
     fn rates_at_sample(&self, [xm, vm, am]: [f64; 3], input: &M::Input) -> Rates {
-        let mut lin = LinearizedRates::<N, P>::ZERO;
+        let mut lin = LinearizedRates::<STATES, P>::ZERO;
         self.model.linearized_rates(&self.x, &self.theta, input, &mut lin);
         let (x, v) = (self.x[self.settings.position], self.x[self.settings.velocity]);
         let phi = &lin.regressors[self.settings.velocity];
@@ -416,13 +430,13 @@ fn singular_values(matrix: [[f64; 2]; 2]) -> [f64; 2] {
     [larger, if larger > 0.0 { product / larger } else { 0.0 }]
 }
 
-impl<M, const N: usize, const R: usize, const P: usize> Estimator<R, P> for TwoParameterLaw<M, N, R, P>
+impl<M, const P: usize> Estimator<OUTPUTS, P> for TwoParameterLaw<M, P>
 where
-    M: Model<N, R, P>,
+    M: Model<STATES, OUTPUTS, P>,
 {
     type Input = M::Input;
 
-    fn update(&mut self, sample: &Sample<Self::Input, R>) -> Estimate<P> {
+    fn update(&mut self, sample: &Sample<Self::Input, OUTPUTS>) -> Estimate<P> {
         if self.phase == Phase::Diverged {
             self.last_s = self.last_s.max(sample.time_s);
         } else if !sample.time_s.is_finite() || sample.time_s <= self.last_s {

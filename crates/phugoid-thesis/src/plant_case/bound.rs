@@ -3,10 +3,10 @@
 use phugoid_estimators::Model;
 
 use super::format::PlantCase;
-use super::plant::Visit;
+use super::plant::{ROOM, Visit};
 use super::simulate::PlantRun;
 use phugoid_evaluation::accuracy::StudyError;
-use phugoid_evaluation::cramer_rao::{Between, Bound, Experiment, cramer_rao};
+use phugoid_evaluation::cramer_rao::{Between, Bound, Experiment, Knowledge};
 
 /// Smallest standard error that any unbiased estimator can have from the measured states at each of the times `at` (s), with
 /// unknown initial states and no prior; the noise is that of the run.
@@ -29,12 +29,12 @@ struct Bounded<'a> {
 impl Visit for Bounded<'_> {
     type Output = Result<Vec<Bound>, StudyError>;
 
-    fn visit<M, const N: usize, const R: usize, const P: usize, const I: usize>(self, model: &M) -> Self::Output
+    fn visit<M, const N: usize, const R: usize, const I: usize>(self, model: &M) -> Self::Output
     where
-        M: Model<N, R, P, Input = [f64; I]> + Copy + Sync,
+        M: Model<N, R, ROOM, Input = [f64; I]> + Copy + Sync,
     {
         let inputs: Vec<[f64; I]> = self.run.inputs.iter().map(|u| std::array::from_fn(|i| u[i])).collect();
-        let mut parameters = [0.0; P];
+        let mut parameters = [0.0; ROOM];
         for (slot, (_, parameter)) in parameters.iter_mut().zip(self.case.unknowns()) {
             *slot = parameter.truth;
         }
@@ -44,10 +44,10 @@ impl Visit for Bounded<'_> {
             time_s: &self.run.time_s,
             inputs: &inputs,
             between: Between::Held,
-            // The derivative is not used by what is compared with the bound.
-            sigma: std::array::from_fn(|i| if i < N { self.run.noise_std } else { f64::INFINITY }),
         };
-        Ok(cramer_rao(model, &experiment, self.at)?)
+        // The derivative is not used by what is compared with the bound.
+        let noise = std::array::from_fn(|i| if i < N { self.run.noise_std } else { f64::INFINITY });
+        Ok(experiment.bound(model, &Knowledge::<R, ROOM>::of_noise(noise), self.at)?)
     }
 }
 

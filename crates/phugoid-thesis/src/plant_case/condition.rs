@@ -5,7 +5,7 @@ use phugoid_estimators::{LinearizedRates, Model};
 
 use super::format::PlantCase;
 use super::method::{Method, MethodRun};
-use super::plant::Visit;
+use super::plant::{ROOM, Visit};
 use super::simulate::PlantRun;
 
 /// `z = dD/dtheta = sum y Phi`, the slope of each surface by its own parameter, along the true motion: `[parameter][sample]`.
@@ -24,16 +24,16 @@ struct Slopes<'a> {
 impl Visit for Slopes<'_> {
     type Output = Vec<Vec<f64>>;
 
-    fn visit<M, const N: usize, const R: usize, const P: usize, const I: usize>(self, model: &M) -> Self::Output
+    fn visit<M, const N: usize, const R: usize, const I: usize>(self, model: &M) -> Self::Output
     where
-        M: Model<N, R, P, Input = [f64; I]> + Copy + Sync,
+        M: Model<N, R, ROOM, Input = [f64; I]> + Copy + Sync,
     {
-        let mut truth = [0.0; P];
+        let mut truth = [0.0; ROOM];
         for (slot, (_, parameter)) in truth.iter_mut().zip(self.case.unknowns()) {
             *slot = parameter.truth;
         }
-        let mut slopes = vec![Vec::with_capacity(self.run.time_s.len()); P];
-        let mut lin = LinearizedRates::<N, P>::ZERO;
+        let mut slopes = vec![Vec::with_capacity(self.run.time_s.len()); self.case.unknowns().count()];
+        let mut lin = LinearizedRates::<N, ROOM>::ZERO;
         for k in 0..self.run.time_s.len() {
             let x: [f64; N] = std::array::from_fn(|i| self.run.states[i][k]);
             let input: [f64; I] = std::array::from_fn(|i| self.run.inputs[k][i]);

@@ -25,11 +25,11 @@ pub struct PlantCase {
     /// What the thesis says of it.
     #[serde(default)]
     pub published: Published,
-    /// Plant.
+    /// The plant, with the constants that its equation needs.
     pub plant: Plant,
     /// Its unknown parameters, by name.
     pub parameters: BTreeMap<String, Parameter>,
-    /// Its input `u`.
+    /// The plant's input `u` as a function of time.
     pub input: Signal,
     /// Settings of the printed laws and of the flagship.
     pub estimator: Settings,
@@ -37,11 +37,11 @@ pub struct PlantCase {
     pub noise: Option<Noise>,
 }
 
-/// One unknown parameter.
+/// An unknown parameter: its true value and what the estimators are told of it.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Parameter {
-    /// True value.
+    /// True value, with which the plant is simulated.
     pub truth: f64,
     /// Lower bound that the estimators are told.
     pub lower: f64,
@@ -75,15 +75,15 @@ fn default_assumed_noise() -> f64 {
 pub enum Signal {
     /// Zero before `at`, then `amplitude`.
     Step {
-        /// Value after the step.
+        /// Value of the input from the step on.
         amplitude: f64,
-        /// When it steps.
+        /// Time of the step, from the start of the record.
         #[serde(default)]
         at: Time,
     },
     /// `amplitude * sin(2 pi frequency t)`.
     Sine {
-        /// Amplitude.
+        /// Amplitude of the sine, in the unit of the input.
         amplitude: f64,
         /// Frequency, in Hz or rad/s.
         frequency: Frequency,
@@ -92,10 +92,10 @@ pub enum Signal {
     Doublet {
         /// Value in the first half.
         amplitude: f64,
-        /// When it begins.
+        /// Time at which the first half begins, from the start of the record.
         #[serde(default)]
         at: Time,
-        /// Duration of each half.
+        /// Duration of each of the two halves.
         width: Time,
     },
 }

@@ -4,12 +4,13 @@ use crate::laws::{
     Evaluation, ExtendedLaw, ExtendedSettings, LawSign, SurfaceChannel, SurfaceDerivative, ThesisForm, ThesisLaw,
     ThesisSettings, TwoParameterLaw, TwoParameterSettings,
 };
+use crate::plants::{SecondOrder, SecondOrderNonlinear};
 use phugoid_estimators::settings::{EstimatorSettings, ParameterPrior};
 use phugoid_estimators::smpe::Smpe;
 use phugoid_estimators::{Estimator, Model, Phase};
 
 use super::format::{Parameter, PlantCase};
-use super::plant::{Plant, Visit};
+use super::plant::{Plant, ROOM, Visit};
 use super::simulate::{MAXIMUM_STEP_S, PlantRun};
 use phugoid_evaluation::accuracy::StudyError;
 
@@ -80,7 +81,7 @@ pub struct MethodRun {
 /// A surface of a printed law, sample by sample.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Surface {
-    /// `s`.
+    /// The surface `s` itself; zero when the law has reached it.
     pub surface: Vec<f64>,
     /// `s sdot + eta |s|`: the reaching condition holds where it is not positive.
     pub reaching: Vec<f64>,
@@ -104,22 +105,27 @@ impl Surface {
 /// # Errors
 /// [`StudyError::Unsuitable`]: the method refuses its settings.
 pub fn run_method(case: &PlantCase, run: &PlantRun, method: &Method) -> Result<MethodRun, StudyError> {
-    case.plant.visit(Runner { case, run, method })
+    let runner = Runner { case, run, method };
+    match (method, case.plant) {
+        (Method::TwoParameter { .. }, Plant::SecondOrder {}) => runner.two_parameter(SecondOrder),
+        (Method::TwoParameter { .. }, Plant::SecondOrderNonlinear {}) => runner.two_parameter(SecondOrderNonlinear),
+        _ => case.plant.visit(runner),
+    }
 }
 
 /// Settings of the flagship on a case: bounds and start values from the file, no derivative, everything else by its rule.
 ///
 /// # Errors
 /// [`StudyError::Unsuitable`]: the flagship refuses them.
-pub(crate) fn flagship_settings<const N: usize, const R: usize, const P: usize>(
+pub(crate) fn flagship_settings<const N: usize, const R: usize>(
     case: &PlantCase,
     noise_std: &[f64],
-) -> Result<EstimatorSettings<N, R, P>, StudyError> {
+) -> Result<EstimatorSettings<N, R, ROOM>, StudyError> {
     let priors: Vec<ParameterPrior> =
         case.unknowns().map(|(_, p)| ParameterPrior::bounded(p.start, p.lower, p.upper)).collect();
     // It needs no derivative, so it is given none.
     let sigma: [f64; R] = std::array::from_fn(|i| noise_std.get(i).copied().unwrap_or(f64::INFINITY));
-    let mut settings = EstimatorSettings::<N, R, P>::automatic(&priors, sigma, case.sample_time.si())
+    let mut settings = EstimatorSettings::<N, R, ROOM>::automatic(&priors, sigma, case.sample_time.si())
         .map_err(|error| StudyError::Unsuitable(format!("{}: {error}", case.title)))?;
     settings.maximum_step_s = MAXIMUM_STEP_S;
     // The record begins with the input: its first 0.2 s are not at rest, and are what is to be judged.
@@ -134,22 +140,64 @@ struct Runner<'a> {
     method: &'a Method,
 }
 
+impl Runner<'_> {
+    /// The refusal of a method's settings, with the title of the case before it.
+    fn refused(&self, error: &dyn std::fmt::Display) -> StudyError {
+        StudyError::Unsuitable(format!("{}: {error}", self.case.title))
+    }
+
+    /// Runs the two-parameter law, which exists for the plants of second order only.
+    fn two_parameter<M>(self, model: M) -> Result<MethodRun, StudyError>
+    where
+        M: Model<2, 3, ROOM, Input = [f64; 1]>,
+    {
+        let Method::TwoParameter { form, evaluation, sign, lambda, eta } = self.method else {
+            return Err(self.refused(&"these are not the settings of the two-parameter law"));
+        };
+        let mut start = [0.0; ROOM];
+        let mut bounds = [[0.0; 2]; ROOM];
+        for (j, (_, parameter)) in self.case.unknowns().enumerate() {
+            start[j] = parameter.start;
+            bounds[j] = [parameter.lower, parameter.upper];
+        }
+        let mut settings = TwoParameterSettings::as_printed(start, bounds, *lambda, *eta, *evaluation);
+        settings.form = *form;
+        settings.sign = *sign;
+        settings.margin = margin(*form);
+        settings.maximum_step_s = MAXIMUM_STEP_S;
+        let mut law = TwoParameterLaw::new(model, settings).map_err(|error| self.refused(&error))?;
+        let mut record = MethodRun::new(ROOM, 2, self.run.time_s.len());
+        record.surfaces = vec![Surface::default(); 2];
+        for sample in self.run.samples::<1, 3>() {
+            let estimate = law.update(&sample);
+            record.push(&estimate.parameters, law.state());
+            let d = law.diagnostics();
+            for (i, surface) in record.surfaces.iter_mut().enumerate() {
+                surface.push(d.surface[i], d.reaching[i], d.gain[i], f64::NAN);
+            }
+            record.information.push(d.information);
+            record.unsolved += usize::from(estimate.status.phase == Phase::Rejected);
+        }
+        Ok(record)
+    }
+}
+
 impl Visit for Runner<'_> {
     type Output = Result<MethodRun, StudyError>;
 
-    fn visit<M, const N: usize, const R: usize, const P: usize, const I: usize>(self, model: &M) -> Self::Output
+    fn visit<M, const N: usize, const R: usize, const I: usize>(self, model: &M) -> Self::Output
     where
-        M: Model<N, R, P, Input = [f64; I]> + Copy + Sync,
+        M: Model<N, R, ROOM, Input = [f64; I]> + Copy + Sync,
     {
         let Self { case, run, method } = self;
         let unknowns: Vec<Parameter> = case.unknowns().map(|(_, parameter)| parameter).collect();
-        let refused = |error: &dyn std::fmt::Display| StudyError::Unsuitable(format!("{}: {error}", case.title));
-        let mut record = MethodRun::new(P, N, run.time_s.len());
+        let refused = |error: &dyn std::fmt::Display| self.refused(error);
+        let mut record = MethodRun::new(unknowns.len(), N, run.time_s.len());
         match method {
             Method::Flagship { noise_std } => {
-                let settings = flagship_settings::<N, R, P>(case, noise_std)?;
+                let settings = flagship_settings::<N, R>(case, noise_std)?;
                 let mut flagship = Smpe::new(*model, settings).map_err(|error| refused(&error))?;
-                let mut claimed = vec![Vec::with_capacity(run.time_s.len()); P];
+                let mut claimed = vec![Vec::with_capacity(run.time_s.len()); unknowns.len()];
                 for mut sample in run.samples::<I, R>() {
                     sample.outputs[N] = f64::NAN;
                     let estimate = flagship.update(&sample);
@@ -168,7 +216,7 @@ impl Visit for Runner<'_> {
                 // "Adds the y terms to numerator and denominator": y is the other state, its rate contains no unknown.
                 let y =
                     SurfaceChannel { state: N - 1, output: N - 1, scale: 1.0, derivative: SurfaceDerivative::Known };
-                let mut start = [0.0; P];
+                let mut start = [0.0; ROOM];
                 start[0] = p.start;
                 macro_rules! law {
                     ($channels:expr) => {{
@@ -181,7 +229,7 @@ impl Visit for Runner<'_> {
                         settings.eta = *eta;
                         settings.margin = margin(*form);
                         settings.maximum_step_s = MAXIMUM_STEP_S;
-                        ThesisLaw::<_, N, R, P, _>::new(*model, settings).map_err(|error| refused(&error))?
+                        ThesisLaw::<_, N, R, ROOM, _>::new(*model, settings).map_err(|error| refused(&error))?
                     }};
                 }
                 record.surfaces = vec![Surface::default()];
@@ -202,36 +250,12 @@ impl Visit for Runner<'_> {
                     _ => follow!(law!([x])),
                 }
             }
-            Method::TwoParameter { form, evaluation, sign, lambda, eta } => {
-                let [first, second] = unknowns[..] else {
-                    return Err(refused(&"the two-parameter law carries two parameters, this plant has one"));
-                };
-                let mut start = [0.0; P];
-                for (slot, parameter) in start.iter_mut().zip(&unknowns) {
-                    *slot = parameter.start;
-                }
-                let bounds = [[first.lower, first.upper], [second.lower, second.upper]];
-                let mut settings = TwoParameterSettings::as_printed(start, bounds, *lambda, *eta, *evaluation);
-                settings.form = *form;
-                settings.sign = *sign;
-                settings.margin = margin(*form);
-                settings.maximum_step_s = MAXIMUM_STEP_S;
-                let mut law = TwoParameterLaw::<_, N, R, P>::new(*model, settings).map_err(|error| refused(&error))?;
-                record.surfaces = vec![Surface::default(); 2];
-                for sample in run.samples::<I, R>() {
-                    let estimate = law.update(&sample);
-                    record.push(&estimate.parameters, law.state());
-                    let d = law.diagnostics();
-                    for (i, surface) in record.surfaces.iter_mut().enumerate() {
-                        surface.push(d.surface[i], d.reaching[i], d.gain[i], f64::NAN);
-                    }
-                    record.information.push(d.information);
-                    record.unsolved += usize::from(estimate.status.phase == Phase::Rejected);
-                }
+            Method::TwoParameter { .. } => {
+                return Err(refused(&"the two-parameter law carries two parameters, this plant has one"));
             }
             Method::Extended { scale, reaching_time_s, floor } => {
-                let mut start = [0.0; P];
-                let mut bounds = [[0.0; 2]; P];
+                let mut start = [0.0; ROOM];
+                let mut bounds = [[0.0; 2]; ROOM];
                 for (j, parameter) in unknowns.iter().enumerate() {
                     start[j] = parameter.start;
                     bounds[j] = [parameter.lower, parameter.upper];
@@ -241,7 +265,8 @@ impl Visit for Runner<'_> {
                 settings.reaching_time_s = *reaching_time_s;
                 settings.floor = *floor;
                 settings.maximum_gap_s = settings.maximum_gap_s.max(2.0 * case.sample_time.si());
-                let mut law = ExtendedLaw::<_, N, R, P>::new(*model, settings).map_err(|error| refused(&error))?;
+                let mut law =
+                    ExtendedLaw::<_, [f64; I], N, ROOM>::new(*model, settings).map_err(|error| refused(&error))?;
                 record.states = Vec::new();
                 for sample in run.samples::<I, R>() {
                     let estimate = law.update(&sample);

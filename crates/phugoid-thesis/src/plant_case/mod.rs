@@ -24,6 +24,6 @@ pub use format::{Noise, Parameter, PlantCase, Settings, Signal};
 pub(super) use method::flagship_settings;
 pub use method::{Method, MethodRun, Surface, run_method};
 pub use plant::Plant;
-pub(crate) use plant::Visit;
+pub(crate) use plant::{ROOM, Visit};
 pub(super) use simulate::with_noise;
 pub use simulate::{PlantRun, simulate};

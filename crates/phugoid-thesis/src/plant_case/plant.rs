@@ -6,7 +6,7 @@ use serde::Deserialize;
 
 use phugoid_simulation::quantity::Frequency;
 
-/// Which plant.
+/// One of the four proof-of-concept plants, with its constants.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(tag = "type", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Plant {
@@ -27,16 +27,19 @@ pub enum Plant {
     SecondOrderNonlinear {},
 }
 
+/// Room for parameters in the models of the plants: none has more than two.
+pub(crate) const ROOM: usize = 2;
+
 /// What is to be done with a plant, whatever its size.
 pub(crate) trait Visit {
     /// What comes of it.
     type Output;
 
-    /// Does it with a model of `N` states, `N` measured states and one derivative as outputs, `P` parameters and `I`
-    /// known inputs.
-    fn visit<M, const N: usize, const R: usize, const P: usize, const I: usize>(self, model: &M) -> Self::Output
+    /// Does it with a model of `N` states, `N` measured states and one derivative as outputs, one or two parameters
+    /// and `I` known inputs.
+    fn visit<M, const N: usize, const R: usize, const I: usize>(self, model: &M) -> Self::Output
     where
-        M: Model<N, R, P, Input = [f64; I]> + Copy + Sync;
+        M: Model<N, R, ROOM, Input = [f64; I]> + Copy + Sync;
 }
 
 impl Plant {
@@ -79,12 +82,12 @@ impl Plant {
 
     pub(crate) fn visit<V: Visit>(&self, visitor: V) -> V::Output {
         match *self {
-            Self::FirstOrder {} => visitor.visit::<_, 1, 2, 1, 1>(&plants::FirstOrder),
+            Self::FirstOrder {} => visitor.visit::<_, 1, 2, 1>(&plants::FirstOrder),
             Self::FirstOrderNonlinear { input_gain, coupling, .. } => {
-                visitor.visit::<_, 2, 3, 1, 2>(&plants::FirstOrderNonlinear { input_gain, coupling })
+                visitor.visit::<_, 2, 3, 2>(&plants::FirstOrderNonlinear { input_gain, coupling })
             }
-            Self::SecondOrder {} => visitor.visit::<_, 2, 3, 2, 1>(&plants::SecondOrder),
-            Self::SecondOrderNonlinear {} => visitor.visit::<_, 2, 3, 2, 1>(&plants::SecondOrderNonlinear),
+            Self::SecondOrder {} => visitor.visit::<_, 2, 3, 1>(&plants::SecondOrder),
+            Self::SecondOrderNonlinear {} => visitor.visit::<_, 2, 3, 1>(&plants::SecondOrderNonlinear),
         }
     }
 }

@@ -7,7 +7,7 @@ use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64Mcg;
 
 use super::format::PlantCase;
-use super::plant::Visit;
+use super::plant::{ROOM, Visit};
 use phugoid_evaluation::accuracy::StudyError;
 
 /// Longest integration step of plants and estimated models, s: fourth order at the fastest plant (rate 25 1/s) leaves
@@ -17,11 +17,11 @@ pub(super) const MAXIMUM_STEP_S: f64 = 2e-3;
 /// A plant's motion, sample by sample. States and parameters are pure numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlantRun {
-    /// Sample times, s.
+    /// Times of the samples from the start of the record, s.
     pub time_s: Vec<f64>,
     /// Known inputs at each sample, held until the next.
     pub inputs: Vec<Vec<f64>>,
-    /// True states, `[state][sample]`.
+    /// True states without noise, indexed `[state][sample]`.
     pub states: Vec<Vec<f64>>,
     /// What is measured, `[output][sample]`: all states, then the derivative of the last state that carries an unknown.
     pub outputs: Vec<Vec<f64>>,
@@ -71,13 +71,13 @@ struct Exact<'a> {
 impl Visit for Exact<'_> {
     type Output = Result<PlantRun, StudyError>;
 
-    fn visit<M, const N: usize, const R: usize, const P: usize, const I: usize>(self, model: &M) -> Self::Output
+    fn visit<M, const N: usize, const R: usize, const I: usize>(self, model: &M) -> Self::Output
     where
-        M: Model<N, R, P, Input = [f64; I]> + Copy + Sync,
+        M: Model<N, R, ROOM, Input = [f64; I]> + Copy + Sync,
     {
         let case = self.case;
         let count = case.samples();
-        let mut truth = [0.0; P];
+        let mut truth = [0.0; ROOM];
         for (slot, (_, parameter)) in truth.iter_mut().zip(case.unknowns()) {
             *slot = parameter.truth;
         }
@@ -93,7 +93,7 @@ impl Visit for Exact<'_> {
             noise_std: 0.0,
         };
         let mut x = [0.0; N];
-        let mut out = LinearizedOutputs::<N, R, P>::ZERO;
+        let mut out = LinearizedOutputs::<N, R, ROOM>::ZERO;
         for k in 0..count {
             let t = k as f64 * case.sample_time.si();
             if k > 0 {

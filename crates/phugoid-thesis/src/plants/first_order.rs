@@ -27,7 +27,7 @@ impl<const P: usize> Model<1, 2, P> for FirstOrder {
     fn linearized_outputs(&self, x: &[f64; 1], theta: &[f64; P], u: &[f64; 1], out: &mut LinearizedOutputs<1, 2, P>) {
         let mut lin = LinearizedRates::ZERO;
         Model::<1, 2, P>::linearized_rates(self, x, theta, u, &mut lin);
-        measure(x, &lin, 0, out);
+        measure(x, &lin, 0, &mut out.outputs, &mut out.state_jacobian, &mut out.parameter_jacobian);
     }
 
     fn measuring_output(&self, state: usize) -> Option<usize> {

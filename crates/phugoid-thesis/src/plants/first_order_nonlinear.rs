@@ -11,9 +11,9 @@ use phugoid_estimators::{LinearizedOutputs, LinearizedRates, Model};
 /// Parameter `a`, 1/s; input `u` and the value of `sin(w t)`; outputs `x`, `y`, `x'`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FirstOrderNonlinear {
-    /// `B`, 1/s.
+    /// `B`, the gain of the input `u` on `x'`, 1/s.
     pub input_gain: f64,
-    /// `C`, 1/s.
+    /// `C`, the factor of the product `y x` in `y'`, 1/s.
     pub coupling: f64,
 }
 
@@ -51,7 +51,7 @@ impl<const P: usize> Model<2, 3, P> for FirstOrderNonlinear {
     fn linearized_outputs(&self, x: &[f64; 2], theta: &[f64; P], u: &[f64; 2], out: &mut LinearizedOutputs<2, 3, P>) {
         let mut lin = LinearizedRates::ZERO;
         Model::<2, 3, P>::linearized_rates(self, x, theta, u, &mut lin);
-        measure(x, &lin, 0, out);
+        measure(x, &lin, 0, &mut out.outputs, &mut out.state_jacobian, &mut out.parameter_jacobian);
     }
 
     fn measuring_output(&self, state: usize) -> Option<usize> {

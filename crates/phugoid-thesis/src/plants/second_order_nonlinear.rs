@@ -28,7 +28,7 @@ impl<const P: usize> Model<2, 3, P> for SecondOrderNonlinear {
     fn linearized_outputs(&self, x: &[f64; 2], theta: &[f64; P], u: &[f64; 1], out: &mut LinearizedOutputs<2, 3, P>) {
         let mut lin = LinearizedRates::ZERO;
         Model::<2, 3, P>::linearized_rates(self, x, theta, u, &mut lin);
-        measure(x, &lin, 1, out);
+        measure(x, &lin, 1, &mut out.outputs, &mut out.state_jacobian, &mut out.parameter_jacobian);
     }
 
     fn measuring_output(&self, state: usize) -> Option<usize> {

@@ -26,11 +26,11 @@ use phugoid_simulation::flight::Flight;
 /// A case with its name.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NamedCase {
-    /// Id or file.
+    /// Id of a built-in case, or the path of its file.
     pub name: String,
-    /// The case.
+    /// The case on which the law is tuned.
     pub case: Case,
-    /// Fingerprint of the case.
+    /// Fingerprint of the case: it differs if the case has been changed, wherever its file lies.
     pub fingerprint: String,
 }
 
@@ -46,7 +46,7 @@ impl NamedCase {
     }
 }
 
-/// Which law is tuned.
+/// The laws of this crate that can be tuned.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CaseMethod {
     /// The one-parameter sliding law of the thesis, on plants and flights with one unknown.

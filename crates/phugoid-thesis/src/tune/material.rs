@@ -18,7 +18,7 @@ use phugoid_simulation::scenario::{BUILT_IN, Scenario, ScenarioError, built_in, 
 /// Methods that can be tuned.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
-    /// The flagship, on flights.
+    /// The flagship, tuned on simulated flights of aircraft.
     Smpe,
     /// The one-parameter sliding law of the thesis, on cases with one unknown.
     ThesisLaw,
@@ -82,17 +82,17 @@ pub enum Material {
 /// Why something cannot be tuned on.
 #[derive(Debug, thiserror::Error)]
 pub enum MaterialError {
-    /// It cannot be read.
+    /// The scenario or case cannot be read; the message says why and where.
     #[error("{0}")]
     Scenario(#[from] ScenarioError),
     /// There is neither a file nor anything built in of this name.
     #[error("cannot read `{wanted}`: {source}\n{hint}")]
     Unknown {
-        /// What was asked for.
+        /// The name or path that was asked for.
         wanted: String,
         /// What the system says of it as a file.
         source: std::io::Error,
-        /// What there is.
+        /// The names that would have been understood.
         hint: String,
     },
     /// What the estimator is told is not given, or wrong.

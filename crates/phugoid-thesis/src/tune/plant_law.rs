@@ -5,7 +5,7 @@ use crate::model_reference::{ModelReference, ModelReferenceForm, ModelReferenceS
 use phugoid_estimators::{Estimator, LinearizedRates, Model, Sample};
 
 use super::rule::Expected;
-use crate::plant_case::{Parameter, PlantCase, PlantRun, Visit, simulate};
+use crate::plant_case::{Parameter, PlantCase, PlantRun, ROOM, Visit, simulate};
 use phugoid_evaluation::accuracy::StudyError;
 use phugoid_evaluation::statistics::median;
 
@@ -25,8 +25,8 @@ pub(super) fn run(case: &PlantCase, run: &PlantRun, law: Law) -> Option<Vec<Vec<
 }
 
 /// The state whose rate contains the unknown parameters: the first for one of them, the last for two.
-fn channel_state<const N: usize, const P: usize>() -> usize {
-    if P == 1 { 0 } else { N - 1 }
+fn channel_state(states: usize, unknowns: usize) -> usize {
+    if unknowns == 1 { 0 } else { states - 1 }
 }
 
 fn unknowns(case: &PlantCase) -> Vec<Parameter> {
@@ -46,13 +46,13 @@ struct Runner<'a> {
 impl Visit for Runner<'_> {
     type Output = Option<Vec<Vec<f64>>>;
 
-    fn visit<M, const N: usize, const R: usize, const P: usize, const I: usize>(self, model: &M) -> Self::Output
+    fn visit<M, const N: usize, const R: usize, const I: usize>(self, model: &M) -> Self::Output
     where
-        M: Model<N, R, P, Input = [f64; I]> + Copy + Sync,
+        M: Model<N, R, ROOM, Input = [f64; I]> + Copy + Sync,
     {
         let told = unknowns(self.case);
-        let of = |get: fn(&Parameter) -> f64| -> [f64; P] { std::array::from_fn(|j| told.get(j).map_or(0.0, get)) };
-        let state = channel_state::<N, P>();
+        let of = |get: fn(&Parameter) -> f64| -> [f64; ROOM] { std::array::from_fn(|j| told.get(j).map_or(0.0, get)) };
+        let state = channel_state(N, told.len());
         // The output after the states is the derivative of that state.
         let derivative = SurfaceDerivative::Output(N);
         let channels = [SurfaceChannel { state, output: state, scale: 1.0, derivative }];
@@ -60,32 +60,33 @@ impl Visit for Runner<'_> {
         match self.law {
             Law::Thesis { form, lambda, eta } => {
                 let [p] = told[..] else { return None };
-                let mut settings = ThesisSettings::<N, P, 1>::new(0, start, [p.lower, p.upper], channels);
+                let mut settings = ThesisSettings::<N, ROOM, 1>::new(0, start, [p.lower, p.upper], channels);
                 (settings.form, settings.lambda, settings.eta) = (form, lambda, eta);
-                self.estimates::<_, R, P, I>(ThesisLaw::new(*model, settings).ok()?)
+                self.estimates::<_, R, I>(ThesisLaw::new(*model, settings).ok()?)
             }
             Law::ModelReference { gain, decay, normalised } => {
                 let form = ModelReferenceForm::StateError;
-                let mut settings = ModelReferenceSettings::<N, P, 1>::new(form, gain, start, of(half_width), channels);
+                let mut settings =
+                    ModelReferenceSettings::<N, ROOM, 1>::new(form, gain, start, of(half_width), channels);
                 (settings.lower, settings.upper) = (of(|p| p.lower), of(|p| p.upper));
                 settings.error_decay = decay;
                 if let Some(mean_square) = normalised {
                     // As strong as the plain law where the regressor is of its mean size.
                     (settings.gain, settings.normalisation) = (2.0 * mean_square * gain, Some(mean_square));
                 }
-                self.estimates::<_, R, P, I>(ModelReference::new(*model, settings).ok()?)
+                self.estimates::<_, R, I>(ModelReference::new(*model, settings).ok()?)
             }
         }
     }
 }
 
 impl Runner<'_> {
-    fn estimates<E, const R: usize, const P: usize, const I: usize>(&self, mut estimator: E) -> Option<Vec<Vec<f64>>>
+    fn estimates<E, const R: usize, const I: usize>(&self, mut estimator: E) -> Option<Vec<Vec<f64>>>
     where
-        E: Estimator<R, P, Input = [f64; I]>,
+        E: Estimator<R, ROOM, Input = [f64; I]>,
     {
         let run = self.run;
-        let mut estimates = vec![Vec::with_capacity(run.time_s.len()); P];
+        let mut estimates = vec![Vec::with_capacity(run.time_s.len()); self.case.unknowns().count()];
         for (k, &time_s) in run.time_s.iter().enumerate() {
             let input = std::array::from_fn(|i| run.inputs[k][i]);
             let outputs = std::array::from_fn(|i| run.outputs[i][k]);
@@ -127,15 +128,15 @@ struct Look<'a> {
 impl Visit for Look<'_> {
     type Output = Expected;
 
-    fn visit<M, const N: usize, const R: usize, const P: usize, const I: usize>(self, model: &M) -> Expected
+    fn visit<M, const N: usize, const R: usize, const I: usize>(self, model: &M) -> Expected
     where
-        M: Model<N, R, P, Input = [f64; I]> + Copy + Sync,
+        M: Model<N, R, ROOM, Input = [f64; I]> + Copy + Sync,
     {
         let told = unknowns(self.case);
-        let theta: [f64; P] = std::array::from_fn(|j| told.get(j).map_or(0.0, |p| p.start));
-        let state = channel_state::<N, P>();
+        let theta: [f64; ROOM] = std::array::from_fn(|j| told.get(j).map_or(0.0, |p| p.start));
+        let state = channel_state(N, told.len());
         let mut points = Vec::with_capacity(self.run.time_s.len());
-        let mut out = LinearizedRates::<N, P>::ZERO;
+        let mut out = LinearizedRates::<N, ROOM>::ZERO;
         for k in 0..self.run.time_s.len() {
             let x: [f64; N] = std::array::from_fn(|i| self.run.states[i][k]);
             let u: [f64; I] = std::array::from_fn(|i| self.run.inputs[k][i]);

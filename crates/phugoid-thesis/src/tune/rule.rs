@@ -6,7 +6,7 @@ use serde::Serialize;
 /// input, of the noise, and of the sampling. Channel units are those of the surface's channel divided by its scale.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Expected {
-    /// Sample time `h`, s.
+    /// Time `h` between two samples, s.
     pub sample_time_s: f64,
     /// Length of the record `T`, s.
     pub duration_s: f64,

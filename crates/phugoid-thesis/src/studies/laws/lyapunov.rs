@@ -7,7 +7,7 @@ use phugoid_estimators::smpe::Smpe;
 use phugoid_estimators::{Estimator, Model};
 
 use super::draw::{Record, curves, note};
-use crate::plant_case::{Method, PlantCase, PlantRun, flagship_settings, published_case, run_method, simulate};
+use crate::plant_case::{Method, PlantCase, PlantRun, ROOM, flagship_settings, published_case, run_method, simulate};
 use crate::result::Reproduction;
 use crate::result::Requirement;
 use phugoid_evaluation::accuracy::StudyError;
@@ -47,9 +47,9 @@ pub(super) fn run(id: &str, progress: &(dyn Fn(f64) + Sync)) -> Result<Reproduct
         let case = published_case(case_id)?;
         let motion = simulate(&case)?;
         let flagship = match k {
-            0 => flagship::<_, 1, 2, 1, 1>(FirstOrder, &case, &motion)?,
-            1 => flagship::<_, 2, 3, 2, 1>(SecondOrder, &case, &motion)?,
-            _ => flagship::<_, 2, 3, 2, 1>(SecondOrderNonlinear, &case, &motion)?,
+            0 => flagship::<_, 1, 2>(FirstOrder, &case, &motion)?,
+            1 => flagship::<_, 2, 3>(SecondOrder, &case, &motion)?,
+            _ => flagship::<_, 2, 3>(SecondOrderNonlinear, &case, &motion)?,
         };
         let extended = extended(&case, &motion)?;
         for (name, v) in [("flagship", &flagship), ("extended law", &extended)] {
@@ -75,30 +75,33 @@ pub(super) fn run(id: &str, progress: &(dyn Fn(f64) + Sync)) -> Result<Reproduct
 }
 
 /// `1/2 e^T C^-1 e` of the flagship after every sample, as a part of its value before the first.
-fn flagship<M, const N: usize, const R: usize, const P: usize, const I: usize>(
+fn flagship<M, const N: usize, const R: usize>(
     model: M,
     case: &PlantCase,
     motion: &PlantRun,
 ) -> Result<Vec<f64>, StudyError>
 where
-    M: Model<N, R, P, Input = [f64; I]>,
+    M: Model<N, R, ROOM, Input = [f64; 1]>,
 {
     let Method::Flagship { noise_std } = case.flagship(motion) else {
         return Err(StudyError::Unsuitable(format!("{}: no settings of the flagship", case.title)));
     };
     let refused = |error: &dyn std::fmt::Display| StudyError::Unsuitable(format!("{}: {error}", case.title));
-    let settings = flagship_settings::<N, R, P>(case, &noise_std)?;
+    let settings = flagship_settings::<N, R>(case, &noise_std)?;
     let mut smpe = Smpe::new(model, settings).map_err(|error| refused(&error))?;
     let truth: Vec<f64> = case.unknowns().map(|(_, p)| p.truth).collect();
-    let lyapunov = |parameters: &[f64; P], covariance: &[[f64; P]; P]| -> Option<f64> {
-        let error = SVector::<f64, P>::from_fn(|j, _| parameters[j] - truth[j]);
-        let covariance = SMatrix::<f64, P, P>::from_fn(|i, j| covariance[i][j]);
+    let lyapunov = |parameters: &[f64; ROOM], covariance: &[[f64; ROOM]; ROOM]| -> Option<f64> {
+        // A place without a parameter: no error, and a variance of one, so that the matrix can be inverted.
+        let error = SVector::<f64, ROOM>::from_fn(|j, _| truth.get(j).map_or(0.0, |truth| parameters[j] - truth));
+        let covariance = SMatrix::<f64, ROOM, ROOM>::from_fn(|i, j| {
+            if i.max(j) < truth.len() { covariance[i][j] } else { f64::from(i == j) }
+        });
         covariance.cholesky().map(|factor| 0.5 * error.dot(&factor.solve(&error)))
     };
-    let mut covariance = [[0.0; P]; P];
+    let mut covariance = [[0.0; ROOM]; ROOM];
     let mut start = f64::NAN;
     let mut values = Vec::with_capacity(motion.time_s.len());
-    for (k, mut sample) in motion.samples::<I, R>().enumerate() {
+    for (k, mut sample) in motion.samples::<1, R>().enumerate() {
         if k == 0 {
             smpe.covariance(&mut covariance);
             start = lyapunov(&smpe.estimate().parameters, &covariance).unwrap_or(f64::NAN);

@@ -186,7 +186,7 @@ fn lines(case: &PlantCase, motion: &PlantRun, first: Parameter, second: Paramete
         case.estimator.eta,
         Evaluation::Implicit,
     );
-    let mut law = TwoParameterLaw::<_, 2, 3, 2>::new(SecondOrder, settings)
+    let mut law = TwoParameterLaw::<_, 2>::new(SecondOrder, settings)
         .map_err(|error| StudyError::Unsuitable(format!("{}: {error}", case.title)))?;
     let inside: Vec<(TwoParameterDiagnostics, [f64; 2])> = motion
         .samples::<1, 3>()
