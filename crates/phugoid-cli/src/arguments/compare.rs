@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use clap::Args;
 use phugoid_simulation::quantity::Time;
 
-use super::{PictureFormat, examples_and_exit_codes};
+use super::delivery::PictureFormat;
+use super::help::examples_and_exit_codes;
 
 /// Runs every method on the same samples of the same flights, and says where each of them wins and loses
 #[derive(Debug, Args)]

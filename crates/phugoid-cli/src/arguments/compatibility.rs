@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use phugoid_simulation::quantity::Length;
 
-use super::examples_and_exit_codes;
+use super::help::examples_and_exit_codes;
 
 /// Checks a flight for kinematic consistency and estimates the errors of its sensors
 ///

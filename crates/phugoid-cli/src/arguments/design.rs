@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use phugoid_simulation::quantity::{Angle, AngularRate, Frequency, Time};
 
-use super::examples_and_exit_codes;
+use super::help::examples_and_exit_codes;
 
 /// Designs an input for system identification, and says what it will tell before anyone flies it
 ///

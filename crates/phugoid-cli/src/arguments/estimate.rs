@@ -6,7 +6,8 @@ use clap::{Args, ValueEnum};
 use phugoid_identification::method::Method;
 use phugoid_simulation::quantity::Time;
 
-use super::{examples_and_exit_codes, method};
+use super::help::examples_and_exit_codes;
+use super::method::method;
 
 /// Estimates the coefficients of an aircraft from a recorded flight
 #[derive(Debug, Args)]

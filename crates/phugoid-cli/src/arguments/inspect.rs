@@ -4,7 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{Delivery, examples_and_exit_codes};
+use super::delivery::Delivery;
+use super::help::examples_and_exit_codes;
 
 /// Says what a flight holds: channels, gaps, doubts, manoeuvres, and which derivatives they could tell
 ///

@@ -3,7 +3,8 @@
 use clap::Args;
 
 use super::aircraft::FlightCondition;
-use super::{Delivery, examples_and_exit_codes};
+use super::delivery::Delivery;
+use super::help::examples_and_exit_codes;
 
 /// Linearises an aircraft about a trim, with its natural modes
 #[derive(Debug, Args)]

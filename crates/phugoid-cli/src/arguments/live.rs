@@ -6,7 +6,8 @@ use clap::Args;
 use phugoid_identification::method::Method;
 use phugoid_live::source::SourceSpec;
 
-use super::{examples_and_exit_codes, method};
+use super::help::examples_and_exit_codes;
+use super::method::method;
 
 /// Estimates while the aircraft flies, from telemetry, or from a recorded flight as if it were flying
 #[derive(Debug, Args)]

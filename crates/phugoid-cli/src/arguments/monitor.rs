@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::examples_and_exit_codes;
+use super::help::examples_and_exit_codes;
 
 /// Watches a recorded flight for a divergence from the expected coefficients: a flag with a stated false-alarm rate, the onset
 /// of the failure, and which coefficient

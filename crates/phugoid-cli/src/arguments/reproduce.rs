@@ -4,7 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{PictureFormat, examples_and_exit_codes};
+use super::delivery::PictureFormat;
+use super::help::examples_and_exit_codes;
 
 /// Runs the cases of the thesis that this project grew from, and writes one report: published, reconstructed, found
 #[derive(Debug, Args)]

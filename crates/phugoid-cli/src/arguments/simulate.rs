@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::examples_and_exit_codes;
+use super::help::examples_and_exit_codes;
 
 /// Flies a scenario and writes what the sensors measured and what was true
 #[derive(Debug, Args)]

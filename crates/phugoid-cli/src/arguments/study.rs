@@ -4,7 +4,9 @@ use clap::{Args, ValueEnum};
 use phugoid_identification::method::Method;
 use phugoid_simulation::quantity::Time;
 
-use super::{Delivery, examples_and_exit_codes, method};
+use super::delivery::Delivery;
+use super::help::examples_and_exit_codes;
+use super::method::method;
 
 /// Measures the estimator on many simulated flights: against the Cramer-Rao bound, after damage
 #[derive(Debug, Args)]

@@ -3,7 +3,8 @@
 use clap::Args;
 
 use super::aircraft::FlightCondition;
-use super::{Delivery, examples_and_exit_codes};
+use super::delivery::Delivery;
+use super::help::examples_and_exit_codes;
 
 /// Finds the controls and attitude that hold an aircraft in steady flight
 #[derive(Debug, Args)]

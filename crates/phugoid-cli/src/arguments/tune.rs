@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
-use super::examples_and_exit_codes;
+use super::help::examples_and_exit_codes;
 
 /// Chooses the settings of an estimator: by rule, and by a search that is judged on runs it has not seen
 ///

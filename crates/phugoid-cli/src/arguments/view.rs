@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::examples_and_exit_codes;
+use super::help::examples_and_exit_codes;
 
 /// Shows a finished result on the page of the live estimation: parameters with their bounds, signals, residuals, events
 #[derive(Debug, Args)]
