@@ -61,7 +61,8 @@ impl Estimation {
         self.inner.verdict.clone()
     }
 
-    /// Histories as a record: inputs, outputs, `<output>_predicted`, `<output>_residual`, each parameter and `<parameter>_std`.
+    /// Histories as a record: inputs, outputs, `<output>_predicted`, `<output>_residual`, each parameter and
+    /// `<parameter>_std`.
     #[getter]
     fn history(&self) -> Record {
         Record { inner: Arc::clone(&self.history) }

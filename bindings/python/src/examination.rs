@@ -16,8 +16,8 @@ pub(crate) fn inspect(py: Python<'_>, record: &Record, model: Option<&Model>) ->
     serde_json::to_string(&found).map_err(raise)
 }
 
-/// The errors of the sensors from the kinematics alone: a JSON document with the names of `phugoid compatibility --json`, and the
-/// record without the significant ones.
+/// The errors of the sensors from the kinematics alone: a JSON document with the names of `phugoid compatibility
+/// --json`, and the record without the significant ones.
 #[pyfunction]
 #[pyo3(signature = (record, groups=None, vanes_x_m=[0.0, 0.0], gravity_m_s2=None))]
 pub(crate) fn compatibility(

@@ -30,7 +30,8 @@ impl From<library::Record> for Record {
 
 #[pymethods]
 impl Record {
-    /// From columns: headers that say their units (`time_s`, `alpha_deg`), units where the headers do not, arrays of equal length.
+    /// From columns: headers that say their units (`time_s`, `alpha_deg`), units where the headers do not, arrays of
+    /// equal length.
     #[staticmethod]
     fn from_columns(
         py: Python<'_>,
