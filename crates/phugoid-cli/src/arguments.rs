@@ -30,7 +30,7 @@ use phugoid_identification::method::Method;
 pub(crate) use aircraft::{AircraftName, FlightCondition, TablesName};
 pub(crate) use compare::Compare;
 pub(crate) use compatibility::{Compatibility, SensorGroup};
-pub(crate) use delivery::{Delivery, PictureFormat};
+pub(crate) use delivery::PictureFormat;
 pub(crate) use design::{Design, InputKind, SurfaceName};
 pub(crate) use estimate::{AxesForm, Estimate, Export, ExportForm, Truth};
 pub(crate) use inspect::Inspect;
@@ -82,19 +82,19 @@ pub(crate) enum Command {
     Live(live::Live),
 }
 
-/// The main job.
+/// Options of `phugoid` without a command: the demonstration flight.
 #[derive(Debug, Args)]
 pub(crate) struct Demonstration {
-    /// Seed of the sensor noise
+    /// Seed of the sensor noise [default: 1]
     #[arg(long, value_name = "NUMBER")]
     pub(crate) seed: Option<u64>,
-    /// Estimator
+    /// Estimator [default: the one that the model file names, smpe]
     #[arg(long, value_parser = method())]
     pub(crate) method: Option<Method>,
     /// Folder for the report [default: phugoid-report]
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
-    /// Write the figures to this folder too, as SVG and PNG
+    /// Also write the figures to this folder, as SVG and PNG
     #[arg(long, value_name = "DIR")]
     pub(crate) figures: Option<PathBuf>,
     /// Print one JSON document instead of text

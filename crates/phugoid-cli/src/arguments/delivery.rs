@@ -1,25 +1,25 @@
-//! Where results go, and in which form.
+//! Output options that several commands share: JSON or text, the output file, and the format of figures.
 
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
-/// Where results go, for commands whose result is one document.
+/// Output options of the commands whose result is one document.
 #[derive(Debug, Args)]
 pub(crate) struct Delivery {
     /// Print one JSON document (SI units and radians) instead of text
     #[arg(long)]
     pub(crate) json: bool,
-    /// Write the JSON document to this file too
+    /// Also write the JSON document (SI units and radians) to this file
     #[arg(long, value_name = "FILE")]
     pub(crate) out: Option<PathBuf>,
 }
 
-/// Formats of figures.
+/// File formats of figures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum PictureFormat {
-    /// Drawing, text as text
+    /// Vector drawing; its text can be searched and edited
     Svg,
-    /// Picture, 1920 px wide
+    /// Raster picture, 1920 pixels wide
     Png,
 }

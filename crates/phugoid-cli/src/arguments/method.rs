@@ -3,7 +3,7 @@
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use phugoid_identification::method::Method;
 
-/// The names of the estimators, with a line each in the help.
+/// Accepts the name of an estimator; the help text lists all names, each with a short description.
 pub(super) fn method() -> impl TypedValueParser<Value = Method> {
     let named = Method::ALL.iter().map(|method| PossibleValue::new(method.name()).help(method.description()));
     PossibleValuesParser::new(named).try_map(|name| name.parse::<Method>())
