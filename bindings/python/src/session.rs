@@ -12,10 +12,10 @@ use crate::error::raise;
 use crate::estimation::line;
 use crate::model::Model;
 
-/// A live estimation: one sample in, one estimate out, with the code that runs over records.
+/// A live estimation, sample by sample, with the same code and the same results as an estimation over a record.
 #[pyclass(module = "phugoid")]
 pub(crate) struct Session {
-    /// A Python object may be seen by several threads at once.
+    /// Several Python threads may use the object at the same time.
     inner: Mutex<library::Session>,
     message: Option<String>,
 }
