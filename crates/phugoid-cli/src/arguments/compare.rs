@@ -11,7 +11,7 @@ use super::help::examples_and_exit_codes;
 /// Runs several estimators on the same simulated flights and compares their errors, bounds and speed of convergence
 #[derive(Debug, Args)]
 #[command(after_help = examples_and_exit_codes(
-    "  phugoid compare                                    every scenario of the arena; writes phugoid-comparison/
+    "  phugoid compare                                    all scenarios; writes phugoid-comparison/
   phugoid compare --quick                            four flights each, for a first look
   phugoid compare calm everything --seeds 100        two scenarios, with smaller statistical errors
   phugoid compare my.toml --model jet.toml --methods smpe,ekf

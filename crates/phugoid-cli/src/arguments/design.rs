@@ -16,7 +16,7 @@ use super::help::examples_and_exit_codes;
 #[command(after_help = examples_and_exit_codes(
     "  phugoid design 3-2-1-1                                   elevator, F-16 of the scenario f16-calm
   phugoid design multisine --surface elevator,aileron,rudder --duration 30s
-  phugoid design multisine --model f16 --predict           its bounds beside those of the other inputs
+  phugoid design multisine --model f16 --predict           its bounds, and those of the others
   phugoid design sweep --from-frequency 0.1Hz --to-frequency 2Hz --amplitude 1deg
   phugoid simulate phugoid-design/scenario.toml            play it"
 ))]

@@ -15,8 +15,8 @@ use super::method::method;
     "  phugoid estimate flight.csv --model jet.toml
   phugoid estimate hfb320.csv --model hfb320 --out report --figures figures
   phugoid estimate flight.csv --model jet.toml --from 12s --to 40s --json > result.json
-  phugoid estimate flight.csv --model f16 --truth f16-damage       a simulated flight beside its truth
-  phugoid estimate flight.csv --model jet.toml --segment 2         one manoeuvre of `phugoid inspect flight.csv`
+  phugoid estimate flight.csv --model f16 --truth f16-damage   a simulated flight and its truth
+  phugoid estimate flight.csv --model jet.toml --segment 2     one manoeuvre of `phugoid inspect`
   phugoid estimate flight.csv --model jet.toml --export jsbsim=aero.xml --export csv=estimates.csv
   phugoid estimate --list-models                   the model files that are built in"
 ))]

@@ -12,11 +12,11 @@ use super::method::method;
 /// Estimates while the aircraft flies, from telemetry, or replays a recorded flight in the same way
 #[derive(Debug, Args)]
 #[command(after_help = examples_and_exit_codes(
-    "  phugoid live udp://14550 --model jet.toml                MAVLink (or JSON lines, or CSV) sent to this port
+    "  phugoid live udp://14550 --model jet.toml                MAVLink, JSON lines or CSV at this port
   phugoid live serial:/dev/ttyUSB0:57600 --model jet.toml  a telemetry radio
   my-program | phugoid live - --model jet.toml             CSV with a header line, or JSON lines
   phugoid live --replay flight.csv --speed 10 --model f16  a recorded flight, ten times as fast
-  phugoid live --replay flight.phugoid-live --speed max    a recording of `phugoid live`: the same estimates again"
+  phugoid live --replay flight.phugoid-live --speed max    a recording of `phugoid live`, the same estimates"
 ))]
 pub(crate) struct Live {
     /// Where the data come from: udp://HOST:PORT or udp://PORT, tcp://HOST:PORT, tcp-listen://PORT, serial:DEVICE:BAUD,

@@ -16,7 +16,7 @@ use super::method::method;
   phugoid study lateral --runs 200         the same of the lateral-directional motion
   phugoid study six --runs 100             the same of all six coefficients together
   phugoid study thesis-size --json         0.05 deg doublet and sine without noise
-  phugoid study damage --runs 100          detection and recovery after damage, and coverage of the bounds
+  phugoid study damage --runs 100          detection and recovery after damage, coverage
   phugoid study health --runs 1000         false alarms, missed failures, onset
   phugoid study accuracy --scenario mine.toml --model mine-model.toml --at 5s --at 20s"
 ))]

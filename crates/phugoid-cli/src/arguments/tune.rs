@@ -16,10 +16,10 @@ use super::help::examples_and_exit_codes;
 #[derive(Debug, Args)]
 #[command(after_help = examples_and_exit_codes(
     "  phugoid tune smpe                                    built-in flights; writes phugoid-tuned.toml
-  phugoid tune thesis-law --rule-only                  the settings of the rule, and how good they are
+  phugoid tune thesis-law --rule-only                  the settings of the rule and their cost
   phugoid tune model-reference --scenario first-order/1 --hold-out second-order/2
   phugoid tune smpe --scenario mine.toml --model jet.toml --runs 8 --budget 500
-  phugoid tune smpe --state tuning.state               stop it with Ctrl-C and run it again to continue"
+  phugoid tune smpe --state tuning.state               stop with Ctrl-C, run again to continue"
 ))]
 pub(crate) struct Tune {
     /// Method to tune
