@@ -16,7 +16,7 @@ use super::method::method;
   phugoid live serial:/dev/ttyUSB0:57600 --model jet.toml  a telemetry radio
   my-program | phugoid live - --model jet.toml             CSV with a header line, or JSON lines
   phugoid live --replay flight.csv --speed 10 --model f16  a recorded flight, ten times as fast
-  phugoid live --replay flight.phugoid-live --speed max    a recording of `phugoid live`, the same estimates"
+  phugoid live --replay flight.phugoid-live --speed max    a recording: the same estimates again"
 ))]
 pub(crate) struct Live {
     /// Where the data come from: udp://HOST:PORT or udp://PORT, tcp://HOST:PORT, tcp-listen://PORT, serial:DEVICE:BAUD,
