@@ -1,4 +1,4 @@
-//! Aircraft: trim and linearisation.
+//! Trim and linearisation of the built-in F-16.
 
 use phugoid::{AircraftName, BuiltInAircraft, F16Tables, Linearization, Trim, TrimCondition};
 use pyo3::prelude::*;

@@ -1,4 +1,4 @@
-//! Errors, with the texts of the library.
+//! The Python exception for the errors of the library.
 
 use std::fmt::Display;
 
@@ -12,7 +12,7 @@ create_exception!(
     "What was found, what was expected, where, and what to do: the texts of the command line."
 );
 
-/// An exception with the text of an error.
+/// Makes a `PhugoidError` with the text of an error.
 pub(crate) fn raise(error: impl Display) -> PyErr {
     PhugoidError::new_err(error.to_string())
 }

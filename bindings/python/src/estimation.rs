@@ -61,7 +61,8 @@ impl Estimation {
         self.inner.verdict.clone()
     }
 
-    /// Histories as a record: inputs, outputs, `<output>_predicted`, `<output>_residual`, each parameter and `<parameter>_std`.
+    /// Histories as a record: inputs, outputs, `<output>_predicted`, `<output>_residual`, each parameter and
+    /// `<parameter>_std`.
     #[getter]
     fn history(&self) -> Record {
         Record { inner: Arc::clone(&self.history) }
@@ -140,12 +141,12 @@ fn offer_terms(word: &str) -> PyResult<OfferTerms> {
     }
 }
 
-/// A parameter in a `repr`: name, estimate, two-sigma bound, status.
+/// One line about a parameter in a `repr`: name, estimate, two standard errors, status.
 pub(crate) fn line(name: &str, width: usize, value: f64, std_error: f64, status: &str) -> String {
     format!("\n  {name:<width$}  {} +- {}  {status}", significant(value, 5), significant(2.0 * std_error, 3))
 }
 
-/// `digits` significant digits, aligned.
+/// A number with so many significant digits, aligned to the right in 12 columns.
 fn significant(value: f64, digits: usize) -> String {
     let exponent = if value == 0.0 || !value.is_finite() { 0 } else { value.abs().log10().floor() as i32 };
     let decimals = (digits as i32 - 1 - exponent).clamp(0, 12) as usize;

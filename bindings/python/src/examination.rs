@@ -1,4 +1,4 @@
-//! What a record holds, and whether its sensors agree.
+//! Checks of a record before an estimation: its contents, and the errors of its sensors.
 
 use phugoid::CompatibilityOptions;
 use phugoid_identification::compatibility::Group;
@@ -8,7 +8,8 @@ use crate::error::raise;
 use crate::model::Model;
 use crate::record::Record;
 
-/// What a flight holds and what it can tell, as a JSON document with the names of `phugoid inspect --json`.
+/// Contents of a flight and the derivatives that it can determine: a JSON document with the names of `phugoid inspect
+/// --json`.
 #[pyfunction]
 #[pyo3(signature = (record, model=None))]
 pub(crate) fn inspect(py: Python<'_>, record: &Record, model: Option<&Model>) -> PyResult<String> {
@@ -16,8 +17,8 @@ pub(crate) fn inspect(py: Python<'_>, record: &Record, model: Option<&Model>) ->
     serde_json::to_string(&found).map_err(raise)
 }
 
-/// The errors of the sensors from the kinematics alone: a JSON document with the names of `phugoid compatibility --json`, and the
-/// record without the significant ones.
+/// The errors of the sensors from the kinematics alone: a JSON document with the names of `phugoid compatibility
+/// --json`, and the record without the significant ones.
 #[pyfunction]
 #[pyo3(signature = (record, groups=None, vanes_x_m=[0.0, 0.0], gravity_m_s2=None))]
 pub(crate) fn compatibility(

@@ -1,5 +1,5 @@
-//! The native part of the Python package `phugoid`: thin classes around the library; frames, progress bars and documents are
-//! Python (`python/phugoid`).
+//! The native part of the Python package `phugoid`: thin classes around the library; frames, progress bars and
+//! documents are Python (`python/phugoid`).
 
 mod aircraft;
 mod error;
@@ -8,7 +8,6 @@ mod examination;
 mod model;
 mod record;
 mod session;
-mod stack;
 mod studies;
 
 use pyo3::prelude::*;

@@ -1,4 +1,4 @@
-//! Model files.
+//! Model files: the aircraft and the parameters that are estimated.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -8,7 +8,8 @@ use pyo3::prelude::*;
 
 use crate::error::raise;
 
-/// An aircraft, its coefficient build-up and what is known beforehand: `Model.named`, `Model.open`, `Model.parse`.
+/// An aircraft, its coefficient build-up and the prior knowledge of its parameters: `Model.named`, `Model.open`,
+/// `Model.parse`.
 #[pyclass(module = "phugoid", frozen, from_py_object)]
 #[derive(Clone)]
 pub(crate) struct Model {
@@ -44,7 +45,7 @@ impl Model {
         phugoid::Model::open(path).map(Self::from).map_err(raise)
     }
 
-    /// From the text of a model file; `name` is its name in messages.
+    /// Reads and checks the text (TOML) of a model file; error messages use `name` for it.
     #[staticmethod]
     #[pyo3(signature = (text, name="model"))]
     fn parse(text: &str, name: &str) -> PyResult<Self> {
@@ -57,31 +58,31 @@ impl Model {
         phugoid::Model::BUILT_IN.iter().map(|(name, _)| *name).collect()
     }
 
-    /// The text of a built-in model, to start one's own from.
+    /// The text (TOML) of a built-in model, as a start for your own model file.
     #[staticmethod]
     fn text(name: &str) -> PyResult<&'static str> {
         phugoid::Model::text(name).map_err(raise)
     }
 
-    /// Where it came from.
+    /// The file that it was read from, or the name of the built-in model.
     #[getter]
     fn source(&self) -> &str {
         &self.inner.source
     }
 
-    /// The name that it gives itself.
+    /// The title that the model file states for the aircraft.
     #[getter]
     fn name(&self) -> &str {
         &self.inner.name
     }
 
-    /// Names of the parameters that are estimated, in order.
+    /// Names of the estimated parameters, in the order of the results.
     #[getter]
     fn parameters(&self) -> Vec<&str> {
         self.inner.estimated().map(|parameter| parameter.name.as_str()).collect()
     }
 
-    /// Canonical names of the channels that a record needs.
+    /// Canonical names of the channels that a record must have for this model.
     #[getter]
     fn channels(&self) -> Vec<&str> {
         let mut names: Vec<&str> = Vec::new();
@@ -93,7 +94,7 @@ impl Model {
         names
     }
 
-    /// Axes of the motion: `longitudinal`, `lateral`.
+    /// Axes of the motion that the model describes: `longitudinal`, `lateral`, or both.
     #[getter]
     fn axes(&self) -> Vec<&'static str> {
         self.inner.axes.words().to_vec()

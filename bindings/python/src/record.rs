@@ -1,4 +1,4 @@
-//! Flight records.
+//! Flight records, with their channels as numpy arrays.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -30,7 +30,8 @@ impl From<library::Record> for Record {
 
 #[pymethods]
 impl Record {
-    /// From columns: headers that say their units (`time_s`, `alpha_deg`), units where the headers do not, arrays of equal length.
+    /// Makes a record from columns: headers that contain their units (`time_s`, `alpha_deg`) or separate units, and
+    /// arrays of equal length.
     #[staticmethod]
     fn from_columns(
         py: Python<'_>,
@@ -66,13 +67,13 @@ impl Record {
         py.detach(|| reader::read_path(&path, &options).map(Self::from).map_err(raise))
     }
 
-    /// Where it came from.
+    /// The file that it was read from, or the name that it was given.
     #[getter]
     fn source(&self) -> &str {
         &self.inner.source
     }
 
-    /// Time, s.
+    /// Time of each sample, s, strictly increasing.
     #[getter]
     fn time<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         PyArray1::from_slice(py, &self.inner.time)
@@ -84,12 +85,12 @@ impl Record {
         self.inner.channels.iter().map(|channel| channel.name.as_str()).collect()
     }
 
-    /// The SI unit of a channel, as printed.
+    /// The SI unit of a channel as text, for example `rad/s`.
     fn unit(&self, name: &str) -> PyResult<&'static str> {
         Ok(self.channel(name)?.quantity.si_unit())
     }
 
-    /// The header under which a channel is written and read back: `alpha_rad`.
+    /// The header with unit under which a channel is written to CSV, for example `alpha_rad`.
     fn header(&self, name: &str) -> PyResult<String> {
         let channel = self.channel(name)?;
         Ok(match channel.quantity.si_suffix() {
@@ -111,7 +112,7 @@ impl Record {
         self.inner.len()
     }
 
-    /// What the reader found, converted, mended and left out, in words.
+    /// What the reader found, converted, repaired and left out, as text.
     #[getter]
     fn quality(&self) -> String {
         self.inner.quality.to_string()
@@ -125,7 +126,7 @@ impl Record {
         self.inner.between(low, high).map(Self::from).ok_or_else(none)
     }
 
-    /// Writes it as CSV with units in the headers.
+    /// Writes the record as CSV, in SI units and with the units in the headers.
     fn write_csv(&self, path: PathBuf) -> PyResult<()> {
         csv::write_path(&self.inner, &path).map_err(raise)
     }
@@ -145,7 +146,7 @@ impl Record {
     }
 }
 
-/// Channel, header, unit, scale.
+/// Assignment of a column to a channel: channel, header, unit (none: from the header), factor.
 fn to_mappings(mappings: Vec<(String, String, Option<String>, f64)>) -> Vec<ColumnMapping> {
     let mapping = |(channel, header, unit, scale): (String, String, _, _)| ColumnMapping {
         unit,

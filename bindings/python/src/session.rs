@@ -3,7 +3,6 @@
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use numpy::{PyArray1, PyReadonlyArray1};
-use phugoid_identification::axes::Axes;
 use phugoid_identification::estimate::EstimateOptions;
 use phugoid_identification::method::Method;
 use phugoid_identification::session::{self as library, Step};
@@ -12,15 +11,12 @@ use pyo3::prelude::*;
 use crate::error::raise;
 use crate::estimation::line;
 use crate::model::Model;
-use crate::stack::with_stack;
 
-/// A live estimation: one sample in, one estimate out, with the code that runs over records.
+/// A live estimation, sample by sample, with the same code and the same results as an estimation over a record.
 #[pyclass(module = "phugoid")]
 pub(crate) struct Session {
-    /// A Python object may be seen by several threads at once.
+    /// Several Python threads may use the object at the same time.
     inner: Mutex<library::Session>,
-    /// Models of the lateral motion need more stack than some threads have.
-    large: bool,
     message: Option<String>,
 }
 
@@ -35,7 +31,7 @@ impl Session {
             ..EstimateOptions::default()
         };
         let inner = library::Session::new(&model.inner, &options).map_err(raise)?;
-        Ok(Self { inner: Mutex::new(inner), large: model.inner.axes != Axes::Longitudinal, message: None })
+        Ok(Self { inner: Mutex::new(inner), message: None })
     }
 
     /// Names of the channels whose values `update` takes, in order, SI.
@@ -50,14 +46,13 @@ impl Session {
         self.session().layout().parameters.iter().map(|p| p.name.clone()).collect()
     }
 
-    /// Takes a sample: time in s, one value per channel, NaN where missing. True if there is an estimate after it; if not,
-    /// `message` says why (waiting for the start, a time that does not increase).
+    /// Takes a sample: time in s, one value per channel, NaN where missing. True if there is an estimate after it; if
+    /// not, `message` says why (waiting for the start, a time that does not increase).
     fn update(&mut self, py: Python<'_>, time_s: f64, values: PyReadonlyArray1<'_, f64>) -> PyResult<bool> {
         let values =
             values.as_slice().map_err(|_| raise("the values must lie one after the other: numpy.ascontiguousarray"))?;
         let inner = self.inner.get_mut().unwrap_or_else(PoisonError::into_inner);
-        let large = self.large;
-        let step = py.detach(|| with_stack(large, || inner.update(time_s, values))).map_err(raise)?;
+        let step = py.detach(|| inner.update(time_s, values)).map_err(raise)?;
         self.message = match step {
             Step::Estimated => None,
             Step::Waiting { have_s, need_s, reason: None } => {
@@ -83,7 +78,8 @@ impl Session {
         Some(PyArray1::from_iter(py, snapshot.parameters.iter().map(|p| p.value)))
     }
 
-    /// One-sigma errors, corrected for the colour of the residuals; None before the first estimate.
+    /// Standard errors (one sigma), corrected for the correlation of the residuals from sample to sample; None before
+    /// the first estimate.
     #[getter]
     fn std_errors<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
         let session = self.session();
@@ -91,17 +87,17 @@ impl Session {
         Some(PyArray1::from_iter(py, snapshot.parameters.iter().map(|p| p.std_error)))
     }
 
-    /// Everything known after the last sample as a JSON document: the snapshot of the live protocol.
+    /// All results after the last sample as a JSON document, as in the live protocol; None before the first estimate.
     fn snapshot_json(&self) -> PyResult<Option<String>> {
         self.session().snapshot().map(serde_json::to_string).transpose().map_err(raise)
     }
 
-    /// What the entries of a snapshot are, as a JSON document.
+    /// Names and units of the entries of a snapshot, as a JSON document.
     fn layout_json(&self) -> PyResult<String> {
         serde_json::to_string(self.session().layout()).map_err(raise)
     }
 
-    /// Events since this was asked last, as a JSON document.
+    /// Events since the last call, as a JSON document.
     fn take_events_json(&mut self) -> PyResult<String> {
         serde_json::to_string(&self.session().take_events()).map_err(raise)
     }

@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use crate::error::raise;
 use crate::record::Record;
 
-/// Flies a scenario: what the sensors measured, what was true, and the true parameters as a JSON document.
+/// Simulates a scenario. Returns the measured record, the true record, and the true parameters as a JSON document.
 #[pyfunction]
 #[pyo3(signature = (scenario, seed=None))]
 pub(crate) fn simulate(py: Python<'_>, scenario: &str, seed: Option<u64>) -> PyResult<(Record, Record, String)> {
@@ -19,7 +19,8 @@ pub(crate) fn simulate(py: Python<'_>, scenario: &str, seed: Option<u64>) -> PyR
     Ok((flight.measured.into(), flight.truth.into(), truth))
 }
 
-/// Every method on the same flights, as a JSON document; `progress` is called with the fraction done.
+/// Compares methods on the same simulated flights; the result is a JSON document. `progress` is called with the
+/// fraction done.
 #[pyfunction]
 #[pyo3(signature = (scenarios, methods=Vec::new(), seeds=20, progress=None))]
 pub(crate) fn compare(
@@ -37,7 +38,7 @@ pub(crate) fn compare(
     };
     let step = |fraction: f64| {
         if let Some(progress) = &progress {
-            // A bar that cannot be drawn does not stop the flights.
+            // An error of the progress bar does not stop the comparison.
             let _ = Python::attach(|py| progress.call1(py, (fraction,)).map(|_| ()));
         }
     };
@@ -45,7 +46,7 @@ pub(crate) fn compare(
     serde_json::to_string(&result).map_err(raise)
 }
 
-/// What is built in: scenarios, scenarios of the arena, methods.
+/// Names of the built-in scenarios, of the scenarios of the comparison, and of the methods.
 #[pyfunction]
 pub(crate) fn names() -> (Vec<&'static str>, Vec<&'static str>, Vec<&'static str>) {
     (

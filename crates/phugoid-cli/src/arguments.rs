@@ -1,15 +1,19 @@
-//! The command line: what all commands share; each has its arguments in a file of its own.
+//! The command line: the list of the commands, and the options of the program without a command. The arguments of each
+//! command stand in a file of its own.
 
 #[cfg(feature = "live")]
 pub(crate) mod address;
 mod aircraft;
 mod compare;
 mod compatibility;
+mod delivery;
 mod design;
 mod estimate;
+mod help;
 mod inspect;
 mod linearize;
 pub(crate) mod live;
+mod method;
 mod monitor;
 mod reproduce;
 mod simulate;
@@ -20,13 +24,13 @@ mod view;
 
 use std::path::PathBuf;
 
-use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{Args, Parser, Subcommand};
 use phugoid_identification::method::Method;
 
 pub(crate) use aircraft::{AircraftName, FlightCondition, TablesName};
 pub(crate) use compare::Compare;
 pub(crate) use compatibility::{Compatibility, SensorGroup};
+pub(crate) use delivery::PictureFormat;
 pub(crate) use design::{Design, InputKind, SurfaceName};
 pub(crate) use estimate::{AxesForm, Estimate, Export, ExportForm, Truth};
 pub(crate) use inspect::Inspect;
@@ -39,14 +43,8 @@ pub(crate) use trim::Trim;
 pub(crate) use tune::{Tune, TunedMethod};
 pub(crate) use view::View;
 
-const EXIT_CODES: &str = "\
-Exit codes:
-  0  done
-  1  the task has no answer (no such trim, nothing to estimate, a case that cannot be run)
-  2  wrong command line
-  3  an input (file, name, budget) is unknown, cannot be read or is wrong
-  4  a result cannot be written
- 10  `phugoid monitor`: the aircraft has diverged from what is expected";
+use help::examples_and_exit_codes;
+use method::method;
 
 /// Estimates an aircraft's aerodynamic coefficients from a flight, in real time or afterwards.
 ///
@@ -64,11 +62,6 @@ pub(crate) struct Arguments {
     pub(crate) demonstration: Demonstration,
     #[command(subcommand)]
     pub(crate) command: Option<Command>,
-}
-
-/// Examples and exit codes, as they stand below every help text.
-fn examples_and_exit_codes(examples: &str) -> String {
-    format!("Examples:\n{examples}\n\n{EXIT_CODES}")
 }
 
 #[derive(Debug, Subcommand)]
@@ -89,48 +82,22 @@ pub(crate) enum Command {
     Live(live::Live),
 }
 
-/// The main job.
+/// Options of `phugoid` without a command: the demonstration flight.
 #[derive(Debug, Args)]
 pub(crate) struct Demonstration {
-    /// Seed of the sensor noise
+    /// Seed of the sensor noise [default: 1]
     #[arg(long, value_name = "NUMBER")]
     pub(crate) seed: Option<u64>,
-    /// Estimator
+    /// Estimator [default: the one that the model file names, smpe]
     #[arg(long, value_parser = method())]
     pub(crate) method: Option<Method>,
     /// Folder for the report [default: phugoid-report]
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
-    /// Write the figures to this folder too, as SVG and PNG
+    /// Also write the figures to this folder, as SVG and PNG
     #[arg(long, value_name = "DIR")]
     pub(crate) figures: Option<PathBuf>,
     /// Print one JSON document instead of text
     #[arg(long)]
     pub(crate) json: bool,
-}
-
-/// Where results go, for commands whose result is one document.
-#[derive(Debug, Args)]
-pub(crate) struct Delivery {
-    /// Print one JSON document (SI units and radians) instead of text
-    #[arg(long)]
-    pub(crate) json: bool,
-    /// Write the JSON document to this file too
-    #[arg(long, value_name = "FILE")]
-    pub(crate) out: Option<PathBuf>,
-}
-
-/// The names of the estimators, with a line each in the help.
-fn method() -> impl TypedValueParser<Value = Method> {
-    let named = Method::ALL.iter().map(|method| PossibleValue::new(method.name()).help(method.description()));
-    PossibleValuesParser::new(named).try_map(|name| name.parse::<Method>())
-}
-
-/// Formats of figures.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum PictureFormat {
-    /// Drawing, text as text
-    Svg,
-    /// Picture, 1920 px wide
-    Png,
 }

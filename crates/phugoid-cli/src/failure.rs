@@ -7,7 +7,8 @@ use std::process::ExitCode;
 
 use crate::commands;
 
-/// Exit code of `phugoid monitor` where the aircraft has diverged from what is expected: a result, not a failure of the command.
+/// Exit code of `phugoid monitor` where the aircraft has diverged from what is expected: a result, not a failure of the
+/// command.
 pub(crate) const DIVERGED: u8 = 10;
 
 impl From<phugoid::Error> for Failure {

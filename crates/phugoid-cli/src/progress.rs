@@ -16,7 +16,8 @@ const PATIENCE: Duration = Duration::from_secs(1);
 /// A bar on standard error that appears when the work takes longer than a second and standard error is a terminal.
 pub(crate) struct Progress {
     bar: ProgressBar,
-    /// Dropped at the end of the work: tells the thread that waits for the second to pass that there is nothing to show.
+    /// Dropped at the end of the work: tells the thread that waits for the second to pass that there is nothing to
+    /// show.
     _waiting: Option<Sender<()>>,
 }
 

@@ -143,7 +143,7 @@ fn the_prediction_comes_true() {
 /// Sensor biases cost something, and no input tells more of them than their priors allow.
 #[test]
 fn biases_of_the_model_file_widen_the_prediction() {
-    let with = ModelFile::built_in("f16").unwrap().unwrap();
+    let with = ModelFile::named("f16").unwrap();
     let fitted = design(Kind::Doublet, &[Surface::Elevator]);
     let prediction = predict(&fitted, &with).unwrap();
     let mut without = with.clone();

@@ -32,7 +32,7 @@ fn study(name: &str, model: &ModelFile, runs: usize, at: &[f64]) -> AccuracyStud
 }
 
 fn model(name: &str) -> ModelFile {
-    ModelFile::built_in(name).unwrap().unwrap()
+    ModelFile::named(name).unwrap()
 }
 
 /// The target is 1.2 times the bound for each of the eighteen (200 runs: 1.13 at most). With 60 runs the RMSE itself has a

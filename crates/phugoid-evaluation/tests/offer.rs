@@ -127,7 +127,7 @@ fn a_right_model_is_offered_nothing() {
 fn lateral_terms_are_tried_by_themselves_and_with_the_others() {
     for (name, tried) in [("f16-lateral", 15), ("f16-six", 24)] {
         let scenario = built_in(name).unwrap().unwrap();
-        let model = ModelFile::built_in(name).unwrap().unwrap();
+        let model = ModelFile::named(name).unwrap();
         let estimation = with_offer(&scenario, &model, OfferTerms::Always);
         let offer = estimation.offer.unwrap();
         println!("{name}: {}", in_words(&offer));

@@ -34,7 +34,7 @@ fn f16() -> (LongitudinalModel, Vec<ParameterPrior>, LongitudinalInput, [f64; ST
 }
 
 fn hfb320() -> (LongitudinalModel, Vec<ParameterPrior>, LongitudinalInput, [f64; STATES]) {
-    let file = ModelFile::built_in("hfb320").unwrap().unwrap();
+    let file = ModelFile::named("hfb320").unwrap();
     let model = build(&file, Database::None, 0.0, 0.0);
     let priors = file.parameters.iter().map(|p| ParameterPrior::absolute(p.start, p.prior_std));
     let input = LongitudinalInput {

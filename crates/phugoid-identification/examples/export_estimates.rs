@@ -11,7 +11,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let [flight, model, text, columns] = arguments.as_slice() else {
         return Err("usage: export_estimates FLIGHT.csv MODEL OUT.csv OUT.parquet".into());
     };
-    let model = ModelFile::built_in(model).ok_or("no built-in model of this name")??;
+    let model = ModelFile::named(model)?;
     let record = read_path(flight.as_ref(), &ReadOptions::with_columns(model.columns()))?;
     let estimation = estimate(&record, &model, &EstimateOptions::default(), &mut |_| {})?;
     std::fs::write(text, csv(&estimation))?;

@@ -222,7 +222,7 @@ fn without_excitation_the_bounds_stay_at_the_prior_and_the_verdict_says_so() {
 /// In absolute form steady flight fits a whole plane of parameters: a frozen recorder is no estimate of any of them.
 #[test]
 fn a_frozen_record_leaves_a_whole_build_up_at_its_prior() {
-    let model = ModelFile::built_in("hfb320").unwrap().unwrap();
+    let model = ModelFile::named("hfb320").unwrap();
     let time: Vec<f64> = (0..300).map(|k| 0.1 * f64::from(k)).collect();
     let frozen = [
         ("true_airspeed", Quantity::Speed, 106.0),

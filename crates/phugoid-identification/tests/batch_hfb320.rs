@@ -35,7 +35,7 @@ type Flight<'a> = Manoeuvre<'a, LongitudinalModel, LongitudinalInput, STATES, OU
 
 fn flight() -> Option<(Prepared<LongitudinalModel, STATES, OUTPUTS>, ModelFile)> {
     let record = csv::read_path(&common::shared_file("flight/hfb320.csv")?, &CsvOptions::default()).unwrap();
-    let file = ModelFile::built_in("hfb320").unwrap().unwrap();
+    let file = ModelFile::named("hfb320").unwrap();
     Some((prepare(&record, &file).unwrap(), file))
 }
 

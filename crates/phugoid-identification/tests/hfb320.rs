@@ -43,7 +43,7 @@ fn reference() -> Option<BTreeMap<String, f64>> {
 }
 
 fn model() -> ModelFile {
-    ModelFile::built_in("hfb320").unwrap().unwrap()
+    ModelFile::named("hfb320").unwrap()
 }
 
 fn run(record: &Record) -> Estimation {

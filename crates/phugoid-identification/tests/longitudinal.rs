@@ -11,12 +11,12 @@ use proptest::prelude::*;
 const P: usize = 24;
 
 fn hfb320() -> LongitudinalModel {
-    build(&ModelFile::built_in("hfb320").unwrap().unwrap(), Database::None, 0.0, 0.0)
+    build(&ModelFile::named("hfb320").unwrap(), Database::None, 0.0, 0.0)
 }
 
 fn f16() -> LongitudinalModel {
     let aircraft = F16::new(F16Options { cg: 0.3, ..F16Options::default() }).unwrap();
-    let file = ModelFile::built_in("f16").unwrap().unwrap();
+    let file = ModelFile::named("f16").unwrap();
     build(&file, Database::F16(Box::new(aircraft)), 0.0417, -0.0343)
 }
 

@@ -11,7 +11,7 @@ const F16: &str = include_str!("../../../data/models/f16.toml");
 
 #[test]
 fn built_in_models_are_what_their_sources_say() {
-    let hfb = ModelFile::built_in("hfb320").unwrap().unwrap();
+    let hfb = ModelFile::named("hfb320").unwrap();
     let names: Vec<&str> = hfb.parameters.iter().map(|p| p.name.as_str()).collect();
     assert_eq!(
         names,
@@ -24,7 +24,7 @@ fn built_in_models_are_what_their_sources_say() {
     let variance = hfb.noise[Output::Alpha.index()].unwrap().powi(2);
     assert!((variance / 9.9020743e-07 - 1.0).abs() < 1e-6);
 
-    let f16 = ModelFile::built_in("f16").unwrap().unwrap();
+    let f16 = ModelFile::named("f16").unwrap();
     assert_eq!(f16.base, Base::F16);
     let names: Vec<&str> = f16.parameters.iter().map(|p| p.name.as_str()).collect();
     assert_eq!(names[..5], ["dCL_alpha", "dCD_alpha", "dCm_alpha", "dCm_q", "dCm_elevator"]);
@@ -33,7 +33,7 @@ fn built_in_models_are_what_their_sources_say() {
     assert_eq!(f16.parameters[3].prior_std, 3.0);
     assert!(!f16.outputs[Output::PitchAcceleration.index()]);
     assert_eq!(f16.reference.alpha, ReferenceValue::Trim);
-    assert!(ModelFile::built_in("f18").is_none());
+    assert!(ModelFile::named("f18").is_err());
 }
 
 /// A file, what to replace in it and by what, what the message must say, and the nearest word where there is one.

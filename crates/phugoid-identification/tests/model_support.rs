@@ -54,7 +54,7 @@ fn ratios(record: &Record, model: &ModelFile, support: &ModelSupport) -> Vec<(St
 fn the_expected_error_is_that_of_output_error() {
     let Some(path) = shared_file("flight/hfb320.csv") else { return };
     let record = csv::read_path(&path, &CsvOptions::default()).unwrap();
-    let model = ModelFile::built_in("hfb320").unwrap().unwrap();
+    let model = ModelFile::named("hfb320").unwrap();
     let support = support(&record, &model);
     assert_eq!(support.segments.len(), 3, "two manoeuvres and both together: {:?}", support.reasons);
     for (name, ratio) in ratios(&record, &model, &support) {

@@ -43,7 +43,7 @@ pub struct WriterCounts {
 /// use phugoid_live::engine::Engine;
 /// use phugoid_live::receiver::ReceiverOptions;
 ///
-/// let model = ModelFile::built_in("f16").expect("the model is part of the library")?;
+/// let model = ModelFile::named("f16")?;
 /// let mut engine = Engine::new(&model, &EstimateOptions::default(), &ReceiverOptions::default(), "nobody")?;
 /// let mut kinds = Vec::new();
 /// let mut publish = |kind: DocumentKind, _json: &str| kinds.push(kind);

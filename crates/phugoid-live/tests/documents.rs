@@ -16,7 +16,7 @@ use serde_json::Value;
 const SAMPLES: u32 = 400;
 
 fn engine() -> Engine {
-    let model = ModelFile::built_in("f16").unwrap().unwrap();
+    let model = ModelFile::named("f16").unwrap();
     Engine::new(&model, &EstimateOptions::default(), &ReceiverOptions::default(), "test").unwrap()
 }
 

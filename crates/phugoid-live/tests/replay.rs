@@ -72,7 +72,7 @@ fn arrivals(from_s: f64, first_ns: u64) -> Vec<Arrival> {
 }
 
 fn model() -> ModelFile {
-    ModelFile::built_in("f16").unwrap().unwrap()
+    ModelFile::named("f16").unwrap()
 }
 
 fn engine() -> Engine {

@@ -30,7 +30,8 @@ pub fn trim<A: Aircraft>(aircraft: &A, condition: &TrimCondition) -> Result<Trim
     Ok(trimming::trim(aircraft, condition)?)
 }
 
-/// The linear model of an aircraft about a steady flight, `x' = A x + B u`, and its two planes of motion with their modes.
+/// The linear model of an aircraft about a steady flight, `x' = A x + B u`, and its two planes of motion with their
+/// modes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Linearization {
     /// All states, inputs and outputs, with their names. Units: SI and radians, power in percent, throttle from 0 to 1.

@@ -1,4 +1,4 @@
-//! Methods beside one another on the same flights.
+//! Comparison of estimators on the same simulated flights.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -7,11 +7,11 @@ use phugoid_identification::method::Method;
 use crate::Error;
 use crate::studies::{self, ARENA, Arena, Contestant, Entry, arena_entry, nearest};
 
-/// Lets methods estimate the same samples of the same simulated flights, and counts their errors against the Cramer-Rao bound,
-/// how often the claimed bounds hold, and the time to 5 %. It uses all cores.
+/// Lets methods estimate the same samples of the same simulated flights, and counts their errors against the Cramer-Rao
+/// bound, how often the claimed bounds hold, and the time to 5 %. It uses all cores.
 ///
-/// `scenarios` are built-in ones by name (`calm`, `turbulence-light`, `everything`, ...); each is flown `seeds` times, every
-/// time with other sensor noise. All numbers but the computing times are the same on every machine.
+/// `scenarios` are built-in ones by name (`calm`, `turbulence-light`, `everything`, ...); each is flown `seeds` times,
+/// every time with other sensor noise. All numbers but the computing times are the same on every machine.
 ///
 /// ```
 /// use phugoid::{Method, compare};
@@ -22,15 +22,15 @@ use crate::studies::{self, ARENA, Arena, Contestant, Entry, arena_entry, nearest
 /// ```
 ///
 /// # Errors
-/// [`Error::NoEntry`] for an unknown name; [`Error::Study`] for a flight that cannot be flown. A method that fails on a flight is
-/// counted as failed there, which is no error.
+/// [`Error::NoEntry`] for an unknown name; [`Error::Study`] for a flight that cannot be flown. A method that fails on a
+/// flight is counted as failed there, which is no error.
 pub fn compare(scenarios: &[&str], methods: &[Method], seeds: usize) -> Result<Arena, Error> {
     let entries = scenarios.iter().map(|name| entry(name)).collect::<Result<Vec<_>, _>>()?;
     compare_entries(&entries, methods, seeds, &|_| ())
 }
 
-/// As [`compare`], for scenarios and models of one's own; `progress` is called from any thread with the fraction done, from 0
-/// to 1.
+/// As [`compare`], for scenarios and models of one's own; `progress` is called from any thread with the fraction done,
+/// from 0 to 1.
 ///
 /// ```
 /// use phugoid::{Entry, Method, Model, Scenario, compare_entries};
@@ -55,8 +55,8 @@ pub fn compare_entries(
     Ok(studies::compare(entries, &contestants, seeds, step)?)
 }
 
-/// A built-in scenario of the comparison by name, with what the methods are told of the aircraft: to be compared as it is, or
-/// changed first.
+/// A built-in scenario of the comparison by name, with what the methods are told of the aircraft: to be compared as it
+/// is, or changed first.
 ///
 /// ```
 /// use phugoid::{Error, entry};

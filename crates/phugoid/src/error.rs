@@ -1,4 +1,4 @@
-//! Why a function of this crate has no result.
+//! The error type of this crate.
 
 use phugoid_flight_data::csv::WriteError;
 use phugoid_flight_data::reader::ReadError;
@@ -14,8 +14,8 @@ use crate::studies::{DesignError, FlightError, NamedError, ScenarioError, StudyE
 
 /// Why a function of this crate has no result.
 ///
-/// Every variant carries the error of the part that failed, with its fields; the text is that part's own and says what was
-/// found, what was expected and what to do. The errors of [`Record`](crate::Record), [`Model`](crate::Model) and
+/// Every variant carries the error of the part that failed, with its fields; the text is that part's own and says what
+/// was found, what was expected and what to do. The errors of [`Record`](crate::Record), [`Model`](crate::Model) and
 /// [`Session`](crate::Session) become one of these by `?`.
 ///
 /// ```

@@ -1,4 +1,4 @@
-//! Estimation over records.
+//! Estimation of the parameters of a model from a recorded flight.
 
 use phugoid_flight_data::record::Record;
 use phugoid_identification::estimate::{self as library, EstimateOptions};
@@ -9,10 +9,15 @@ use crate::Error;
 
 /// Estimates the parameters of a model from a flight.
 ///
-/// The default options take the estimator and the change detection that the model file names, and try no terms that the model
-/// lacks. Derivatives are per radian, biases in the SI unit of their sensor; a bound is two standard errors, corrected for the
-/// correlation of the residuals from sample to sample. Values that are NaN in the record count as not measured. It may be
-/// called on any thread.
+/// The default options take the estimator and the change detection that the model file names, and try no terms that the
+/// model lacks ([`OfferTerms::Never`](crate::OfferTerms::Never)). `phugoid estimate` and Python's `estimate` try them
+/// where the flight gives a reason ([`OfferTerms::WithReason`](crate::OfferTerms::WithReason)), which may take several
+/// times as long. The estimates are the same in all cases: an offer is a remark beside the result
+/// ([`Estimation::offer`]).
+///
+/// Derivatives are per radian, biases in the SI unit of their sensor; a bound is two standard errors, corrected for the
+/// correlation of the residuals from sample to sample. Values that are NaN in the record count as not measured. It may
+/// be called on any thread.
 ///
 /// ```
 /// use phugoid::{EstimateOptions, Method, Model, Record, estimate};

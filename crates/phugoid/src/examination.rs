@@ -1,4 +1,4 @@
-//! What a record holds, and whether its sensors agree, before anything is estimated.
+//! Checks of a record before an estimation: its contents, and whether its sensors agree with each other.
 
 use phugoid_flight_data::record::Record;
 use phugoid_identification::compatibility::{self as library, Compatibility, CompatibilityOptions};
@@ -8,11 +8,12 @@ use phugoid_identification::model_file::ModelFile;
 
 use crate::Error;
 
-/// Says what a flight holds: channels with their rates, gaps and noise, doubtful units and signs, manoeuvres, and which
-/// derivatives they could tell.
+/// Lists what a flight contains: channels with their rates, gaps and noise, doubtful units and signs, manoeuvres, and
+/// which derivatives can be estimated from them.
 ///
-/// With a model, [`Inspection::support`] gives the bound that the flight could reach for each of its parameters (Cramer-Rao);
-/// without one, [`Inspection::models`] says what the record lacks for every model that is built in. Values are in SI units.
+/// With a model, [`Inspection::support`] gives the bound that the flight could reach for each of its parameters
+/// (Cramer-Rao); without one, [`Inspection::models`] says what the record lacks for every model that is built in.
+/// Values are in SI units.
 ///
 /// ```
 /// use phugoid::{Model, Record, inspect};
@@ -35,12 +36,12 @@ pub fn inspect(record: &Record, model: Option<&ModelFile>) -> Inspection {
     found
 }
 
-/// Checks whether the sensors of a flight agree with the kinematics of a rigid body, and estimates their errors: biases, scale
-/// factors, delays, each with its standard error, without any aerodynamics (Klein and Morelli, *Aircraft System
-/// Identification*, chapter 10).
+/// Checks whether the sensors of a flight agree with the kinematics of a rigid body, and estimates their errors:
+/// biases, scale factors, delays, each with its standard error, without any aerodynamics (Klein and Morelli, *Aircraft
+/// System Identification*, chapter 10).
 ///
-/// Needs the channels `true_airspeed`, `theta`, `q`, `ax` and `az`, and uses `alpha` and the lateral ones where they are there.
-/// [`Compatibility::corrections`] takes the significant errors out of a record.
+/// It needs the channels `true_airspeed`, `theta`, `q`, `ax` and `az`, and also uses `alpha` and the lateral channels
+/// if the record has them. [`Compatibility::corrections`] removes the significant errors from a record.
 ///
 /// ```
 /// use phugoid::{CompatibilityOptions, Record, compatibility};

@@ -32,7 +32,8 @@ pub use examination::{compatibility, inspect};
 pub use simulation::{simulate, simulate_with_progress};
 pub use studies::{Arena, DesignError, Entry, Flight, FlightError, NamedError, Scenario, ScenarioError, StudyError};
 
-/// The crates behind this one, for what the front door does not show. They change more often than it does.
+/// The crates from which this one takes its items, for functions that it does not re-export. Their interfaces change
+/// more often than the interface of this crate.
 pub mod parts {
     pub use crate::studies::{Surface, design};
     pub use phugoid_estimators as estimators;

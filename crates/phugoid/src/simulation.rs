@@ -5,8 +5,8 @@ use crate::studies::{Flight, Scenario, fly_with_progress};
 
 /// Flies a scenario: aircraft, condition, manoeuvre, gusts, damage and sensors.
 ///
-/// [`Flight::measured`] is what the sensors recorded, [`Flight::truth`] what was true, and [`Flight::true_parameters`] what an
-/// estimator has to find. The same scenario with the same `seed` gives the same flight on every machine.
+/// [`Flight::measured`] is what the sensors recorded, [`Flight::truth`] what was true, and [`Flight::true_parameters`]
+/// what an estimator has to find. The same scenario with the same `seed` gives the same flight on every machine.
 ///
 /// ```
 /// use phugoid::{Scenario, simulate};

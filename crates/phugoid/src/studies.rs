@@ -1,4 +1,4 @@
-//! What this crate takes from the crate of simulations and studies, in one place.
+//! The items that this crate takes from the crates of simulation, input design and evaluation.
 
 pub use phugoid_design as design;
 pub use phugoid_design::DesignError;

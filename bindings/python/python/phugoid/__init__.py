@@ -1,6 +1,6 @@
-"""Aerodynamic coefficients from flight, with bounds that can be believed.
+"""Aerodynamic coefficients from flight data, each with a bound of two standard errors.
 
-Read a flight, estimate, look::
+Read a flight, estimate the parameters of a model, and print one of them::
 
     import phugoid
     record = phugoid.Record.open("flight.csv")        # any format that the command line reads
@@ -54,7 +54,8 @@ Columns = Mapping[str, Union[str, Mapping[str, Any]]]
 
 
 def _mappings(columns: Optional[Columns]) -> list[tuple[str, str, Optional[str], float]]:
-    """Channel, header, unit, scale of ``{"elevator": "ELEV_POS"}`` or ``{"elevator": {"header": .., "unit": .., "scale": ..}}``."""
+    """Channel, header, unit, scale of ``{"elevator": "ELEV_POS"}`` or ``{"elevator": {"header": .., "unit": ..,
+    "scale": ..}}``."""
     mappings = []
     for channel, source in (columns or {}).items():
         if isinstance(source, str):
@@ -69,8 +70,8 @@ def _mappings(columns: Optional[Columns]) -> list[tuple[str, str, Optional[str],
 class Record:
     """A flight: strictly increasing ``time`` (s) and channels in SI units and radians, NaN where a value is missing.
 
-    ``record["alpha"]`` is a numpy array; ``record.channels`` are the names; ``record.quality`` says what was found,
-    converted, mended and left out.
+    ``record["alpha"]`` is a numpy array; ``record.channels`` are the names; ``record.quality`` lists what the reader
+    found, converted, repaired and left out.
     """
 
     def __init__(self, native: _phugoid.Record) -> None:
@@ -78,7 +79,10 @@ class Record:
 
     @staticmethod
     def open(path: Any, model: Optional[Model] = None, columns: Optional[Columns] = None) -> "Record":
-        """Opens a flight of any format; what it is, its content says. ``model`` and ``columns`` map headers to channels by hand."""
+        """Opens a flight of any format that the reader knows; the format is recognised from the content of the file.
+
+        ``model`` (its table ``[channels]``) and ``columns`` assign headers of the file to channels by hand.
+        """
         return Record(_phugoid.Record.open(path, model, _mappings(columns)))
 
     @staticmethod
@@ -113,7 +117,8 @@ class Record:
 
     @staticmethod
     def from_frame(frame: Any, source: str = "frame", columns: Optional[Columns] = None) -> "Record":
-        """A flight from a pandas or polars ``DataFrame`` whose headers say their units. Columns that are no numbers are left out."""
+        """A flight from a pandas or polars ``DataFrame`` whose headers say their units. Columns that are no numbers are
+        left out."""
         data = {}
         for header in frame.columns:
             values = frame[header].to_numpy()
@@ -123,17 +128,17 @@ class Record:
 
     @property
     def source(self) -> str:
-        """Where it came from."""
+        """The file that it was read from, or the name that it was given."""
         return self._native.source
 
     @property
     def time(self) -> np.ndarray:
-        """Time, s."""
+        """Time of each sample, s, strictly increasing."""
         return self._native.time
 
     @property
     def channels(self) -> list[str]:
-        """Canonical names of the channels."""
+        """Canonical names of the channels, for example ``alpha`` or ``true_airspeed``."""
         return self._native.channels
 
     @property
@@ -143,7 +148,7 @@ class Record:
 
     @property
     def quality(self) -> str:
-        """What the reader found, converted, mended and left out."""
+        """What the reader found, converted, repaired and left out, as text."""
         return self._native.quality
 
     def __getitem__(self, name: str) -> np.ndarray:
@@ -163,7 +168,7 @@ class Record:
         return Record(self._native.between(start, end))
 
     def write_csv(self, path: Any) -> None:
-        """Writes it as CSV, with units in the headers."""
+        """Writes the record as CSV, in SI units and with the units in the headers."""
         self._native.write_csv(path)
 
     def to_dict(self) -> dict[str, np.ndarray]:
@@ -223,49 +228,52 @@ class Parameter(NamedTuple):
     value: float
     #: One standard error, corrected for the correlation of the residuals from sample to sample.
     std_error: float
-    #: What has become of it: ``converged``, ``improving``, ``not_excited``, ...
+    #: State at the end of the record: ``converged``, ``improving``, ``not_excited``, ...
     status: str
 
     @property
     def bound(self) -> float:
-        """Two standard errors."""
+        """Two standard errors, in the unit of the value."""
         return 2.0 * self.std_error
 
 
 class Estimation:
-    """The result of an estimation. ``result["Cm_alpha"]`` is the value and its one-sigma error; bounds are two of them."""
+    """The result of an estimation. ``result["Cm_alpha"]`` is the value and its one-sigma error; bounds are two of
+    them."""
 
     def __init__(self, native: _phugoid.Estimation) -> None:
         self._native = native
 
     @property
     def method(self) -> str:
-        """Estimator used."""
+        """Name of the estimator that was used, one of :func:`methods`."""
         return self._native.method
 
     @property
     def names(self) -> list[str]:
-        """Parameters, those that only support the others last."""
+        """Names of the parameters; sensor biases and other supporting parameters come last."""
         return self._native.names
 
     @property
     def values(self) -> np.ndarray:
-        """Estimates at the end."""
+        """Estimates at the end of the record, in the order of ``names``."""
         return self._native.values
 
     @property
     def std_errors(self) -> np.ndarray:
-        """One-sigma errors at the end, corrected for the colour of the residuals."""
+        """Standard errors (one sigma) at the end, corrected for the correlation of the residuals from sample to
+        sample."""
         return self._native.std_errors
 
     @property
     def verdict(self) -> list[str]:
-        """What is to be believed, in sentences."""
+        """Assessment of the result in sentences: which estimates can be used, and which cannot and why."""
         return self._native.verdict
 
     @property
     def history(self) -> Record:
-        """Inputs, outputs, predictions, residuals, each parameter and ``<parameter>_std``, by sample."""
+        """Inputs, outputs, predictions, residuals, each parameter and its standard error ``<parameter>_std``, at each
+        sample."""
         return Record(self._native.history)
 
     def __getitem__(self, name: str) -> tuple[float, float]:
@@ -316,11 +324,21 @@ def estimate(
     predict: Optional[Record] = None,
     progress: Progress = None,
 ) -> Estimation:
-    """Estimates the parameters of ``model`` from ``record``; other threads run meanwhile.
+    """Estimates the parameters of ``model`` from ``record``. Other Python threads can run during the estimation.
 
-    ``method`` is one of :func:`methods`, without it the model file's. ``offer``: terms that the model lacks are tried for a
-    ``"reason"``, ``"always"`` or ``"never"``. ``further`` records are fitted together with the first, and the result tried on
-    ``predict``, by a batch method. ``progress`` is True for a bar, or a function of the fraction done.
+    ``method`` is one of :func:`methods`; without it, the one that the model file names is used. ``change_detection``
+    switches the detection of sudden changes on or off; without it, the model file decides. ``truth`` gives the true
+    values of a simulated flight, for the comparison only: the estimator does not see them. A batch method fits
+    ``further`` records together with the first one, and tests the result on the record ``predict``. ``progress`` is
+    True for a bar, or a function that is called with the fraction done, from 0 to 1.
+
+    ``offer`` says when terms that the model lacks are tried beside a causal method: ``"reason"`` (where residuals,
+    wandering parameters or adopted changes give a reason), ``"always"`` or ``"never"``. The default is ``"reason"``, as
+    for ``phugoid estimate`` on the command line; the default of the Rust library is ``Never``, because an offer may
+    take several times as long as the estimation. The estimates themselves are the same in all three cases.
+
+    :raises PhugoidError: if a channel that the model needs is missing, or the record and the options do not fit the
+        model.
     """
     with reporter(progress, "estimating") as report:
         native = _phugoid.estimate(
@@ -356,22 +374,23 @@ class Session:
 
     @property
     def channels(self) -> list[str]:
-        """Channels whose values :meth:`update` takes, in order."""
+        """Names of the channels whose values :meth:`update` takes, in this order and in SI units."""
         return self._native.channels
 
     @property
     def parameters(self) -> list[str]:
-        """Parameters, in the order of ``values`` and ``std_errors``."""
+        """Names of the parameters, in the order of ``values`` and ``std_errors``."""
         return self._native.parameters
 
     @property
     def values(self) -> Optional[np.ndarray]:
-        """Estimates after the last sample; None before the first."""
+        """Estimates after the last sample; None before the first estimate."""
         return self._native.values
 
     @property
     def std_errors(self) -> Optional[np.ndarray]:
-        """One-sigma errors after the last sample; None before the first."""
+        """Standard errors (one sigma) after the last sample, corrected for correlated residuals; None before the first
+        estimate."""
         return self._native.std_errors
 
     @property
@@ -380,18 +399,18 @@ class Session:
         return self._native.message
 
     def snapshot(self) -> Optional[dict[str, Any]]:
-        """Everything known after the last sample: the document of the live protocol."""
+        """All results after the last sample, as in the live protocol; None before the first estimate."""
         text = self._native.snapshot_json()
         document: Optional[dict[str, Any]] = None if text is None else json.loads(text)
         return document
 
     def layout(self) -> dict[str, Any]:
-        """What the entries of a snapshot are."""
+        """Names and units of the entries of a snapshot."""
         layout: dict[str, Any] = json.loads(self._native.layout_json())
         return layout
 
     def take_events(self) -> list[dict[str, Any]]:
-        """What happened since this was asked last: changes, gaps, restarts."""
+        """Events since the last call: changes, gaps, restarts."""
         events: list[dict[str, Any]] = json.loads(self._native.take_events_json())
         return events
 
@@ -400,31 +419,34 @@ class Session:
 
 
 def inspect(record: Record, model: Optional[Model] = None) -> dict[str, Any]:
-    """What a flight holds: channels, gaps, noise, doubts, manoeuvres, and what they could tell (``phugoid inspect --json``).
+    """Lists what a flight contains: channels, gaps, noise, doubtful units, manoeuvres.
 
-    With a model, ``support`` says which of its parameters the flight could tell and how well; without one, ``models`` says
-    what the record lacks for every built-in model.
+    The document is that of ``phugoid inspect --json``.
+
+    With a model, ``support`` gives the smallest bound that the flight allows for each of its parameters; without one,
+    ``models`` lists what the record lacks for every built-in model.
     """
     document: dict[str, Any] = json.loads(_phugoid.inspect(record._native, model))
     return document
 
 
 class Compatibility:
-    """Errors of the sensors. ``found["bias_q"]`` is the value and its one-sigma error, in the SI unit of the sensor."""
+    """Estimated sensor errors. ``found["bias_q"]`` is the value and its standard error (one sigma), in the SI unit of
+    the sensor."""
 
     def __init__(self, document: dict[str, Any], corrected: Record) -> None:
         self._document = document
-        #: The record without the errors that are significant.
+        #: The record, corrected for the errors that are significant.
         self.corrected = corrected
 
     @property
     def names(self) -> list[str]:
-        """What was estimated: biases, scale factors, delays."""
+        """Names of the estimated errors: biases, scale factors, delays."""
         return [error["name"] for error in self._document["errors"]]
 
     @property
     def notes(self) -> list[str]:
-        """What should be known before the numbers are used, in sentences."""
+        """Warnings to read before the numbers are used, in sentences."""
         return list(self._document["notes"])
 
     def __getitem__(self, name: str) -> tuple[float, float]:
@@ -454,9 +476,9 @@ def compatibility(
 ) -> Compatibility:
     """Checks the sensors against the kinematics of a rigid body, and estimates their errors without any aerodynamics.
 
-    Biases are always estimated; ``groups`` names what else: ``air-data-scales`` and ``delays`` if not given, ``inertial-scales``,
-    ``vane-positions``, ``accelerometer-position``, ``wind``. ``vanes_x_m`` is how far the vanes of alpha and beta are ahead of the
-    centre of gravity.
+    Biases are always estimated; ``groups`` names what else: ``air-data-scales`` and ``delays`` if not given,
+    ``inertial-scales``, ``vane-positions``, ``accelerometer-position``, ``wind``. ``vanes_x_m`` is how far the vanes of
+    alpha and beta are ahead of the centre of gravity.
     """
     wanted = None if groups is None else list(groups)
     text, corrected = _phugoid.compatibility(record._native, wanted, list(vanes_x_m), gravity_m_s2)
@@ -464,7 +486,11 @@ def compatibility(
 
 
 def simulate(scenario: str, seed: Optional[int] = None) -> tuple[Record, Record, dict[str, float]]:
-    """Flies a scenario (a file, or one of :func:`scenarios`): what was measured, what was true, the true parameters."""
+    """Simulates a scenario (a file, or one of :func:`scenarios`).
+
+    Returns the measured record, the true record, and the true parameters by name. ``seed`` replaces the seed of the
+    scenario.
+    """
     measured, truth, parameters = _phugoid.simulate(scenario, seed)
     return Record(measured), Record(truth), json.loads(parameters)
 
@@ -472,7 +498,8 @@ def simulate(scenario: str, seed: Optional[int] = None) -> tuple[Record, Record,
 def trim(
     altitude_m: float, speed_m_s: float, *, cg: float = 0.35, flight_path_rad: float = 0.0, turn_rate_rad_s: float = 0.0
 ) -> dict[str, Any]:
-    """Controls and attitude that hold the F-16 in steady flight."""
+    """Controls and attitude that hold the F-16 in steady flight. Angles in rad; ``cg`` is a fraction of the mean
+    chord."""
     document: dict[str, Any] = json.loads(_phugoid.trim(altitude_m, speed_m_s, cg, flight_path_rad, turn_rate_rad_s))
     return document
 
@@ -480,7 +507,10 @@ def trim(
 def linearize(
     altitude_m: float, speed_m_s: float, *, cg: float = 0.35, flight_path_rad: float = 0.0, turn_rate_rad_s: float = 0.0
 ) -> dict[str, Any]:
-    """The F-16's linear model about a trim: ``model``, its ``longitudinal`` and ``lateral`` parts with their modes; A, B as arrays."""
+    """Linear model of the F-16 about a trim: ``model``, and its ``longitudinal`` and ``lateral`` parts with their modes.
+
+    The matrices are numpy arrays; the arguments are those of :func:`trim`.
+    """
     document: dict[str, Any] = json.loads(_phugoid.linearize(altitude_m, speed_m_s, cg, flight_path_rad, turn_rate_rad_s))
     for part in ("model", "longitudinal", "lateral"):
         for matrix in {"A", "B", "C", "D"} & set(document[part]):
@@ -491,7 +521,11 @@ def linearize(
 def compare(
     scenarios: Iterable[str], methods: Iterable[str] = (), seeds: int = 20, progress: Progress = None
 ) -> dict[str, Any]:
-    """Methods on the same samples of the same flights (``phugoid compare``): the document of ``--json``."""
+    """Compares methods on the same simulated flights: the document of ``phugoid compare --json``.
+
+    ``scenarios`` are names of built-in entries of the comparison, each flown ``seeds`` times; without ``methods``, all
+    run.
+    """
     with reporter(progress, "comparing") as report:
         document: dict[str, Any] = json.loads(_phugoid.compare(list(scenarios), list(methods), seeds, report))
     return document
@@ -503,5 +537,5 @@ def scenarios() -> list[str]:
 
 
 def methods() -> list[str]:
-    """Names of the estimators."""
+    """Names of the estimators, as :func:`estimate` and :func:`compare` take them."""
     return _phugoid.names()[2]

@@ -1,16 +1,16 @@
-//! Where a page is served.
+//! Network address and access token of a web page that a command serves.
 
 use std::net::SocketAddr;
 
 use clap::Args;
 
-/// Where a page is served.
+/// Network address and access token of the web page.
 #[derive(Debug, Args)]
 pub(crate) struct Address {
-    /// Serve the page at this address; one that other machines reach asks for a token
+    /// Serve the page at this address and port. If other machines can reach the address, the page asks for a token
     #[arg(long, value_name = "[HOST:]PORT", value_parser = address, default_value = "127.0.0.1:8360")]
     pub(crate) listen: SocketAddr,
-    /// The token, in place of a random one
+    /// Use this token instead of a random one: at least eight letters, digits or -_.~
     #[arg(long, value_name = "TOKEN", value_parser = token)]
     pub(crate) token: Option<String>,
 }

@@ -6,7 +6,8 @@ use clap::{Args, ValueEnum};
 use phugoid_identification::method::Method;
 use phugoid_simulation::quantity::Time;
 
-use super::{examples_and_exit_codes, method};
+use super::help::examples_and_exit_codes;
+use super::method::method;
 
 /// Estimates the coefficients of an aircraft from a recorded flight
 #[derive(Debug, Args)]
@@ -14,8 +15,8 @@ use super::{examples_and_exit_codes, method};
     "  phugoid estimate flight.csv --model jet.toml
   phugoid estimate hfb320.csv --model hfb320 --out report --figures figures
   phugoid estimate flight.csv --model jet.toml --from 12s --to 40s --json > result.json
-  phugoid estimate flight.csv --model f16 --truth f16-damage       a simulated flight beside its truth
-  phugoid estimate flight.csv --model jet.toml --segment 2         one manoeuvre of `phugoid inspect flight.csv`
+  phugoid estimate flight.csv --model f16 --truth f16-damage   a simulated flight and its truth
+  phugoid estimate flight.csv --model jet.toml --segment 2     one manoeuvre of `phugoid inspect`
   phugoid estimate flight.csv --model jet.toml --export jsbsim=aero.xml --export csv=estimates.csv
   phugoid estimate --list-models                   the model files that are built in"
 ))]
@@ -26,13 +27,13 @@ pub(crate) struct Estimate {
     /// The aircraft: a model file, or the name of a built-in one
     #[arg(long, value_name = "AIRCRAFT.toml", required_unless_present_any = ["list_models", "show_model"])]
     pub(crate) model: Option<String>,
-    /// Estimator; without it the model file's, or smpe
+    /// Estimator [default: the one that the model file names, or smpe]
     #[arg(long, value_parser = method())]
     pub(crate) method: Option<Method>,
     /// Another flight of the same aircraft, fitted together with the first by a batch method; may be repeated
     #[arg(long, value_name = "FLIGHT.csv")]
     pub(crate) with: Vec<PathBuf>,
-    /// A flight to try the result on: the parameters of a batch method are held, and its outputs predicted
+    /// A flight to test the result on: its outputs are predicted with the parameters that a batch method has estimated
     #[arg(long, value_name = "FLIGHT.csv")]
     pub(crate) predict: Option<PathBuf>,
     /// Do not look for sudden changes of the coefficients
@@ -41,31 +42,33 @@ pub(crate) struct Estimate {
     /// Look for sudden changes even where the model file says not to
     #[arg(long, conflicts_with = "no_change_detection")]
     pub(crate) change_detection: bool,
-    /// Do not try terms that the model file lacks where residuals or adopted changes give a reason to
+    /// Never try terms that the model file lacks. Without --offer and --no-offer they are tried when residuals,
+    /// wandering parameters or adopted changes give a reason; the estimates themselves are the same in all three cases
     #[arg(long)]
     pub(crate) no_offer: bool,
-    /// Try them without a reason too
+    /// Always try terms that the model file lacks, even when nothing gives a reason
     #[arg(long, conflicts_with = "no_offer")]
     pub(crate) offer: bool,
-    /// Take these errors of the sensors out of the flight first: a file that `phugoid compatibility` has written
+    /// Correct the flight for these sensor errors first: a file that `phugoid compatibility` has written
     #[arg(long, value_name = "CORRECTIONS.json")]
     pub(crate) correct: Option<PathBuf>,
-    /// Begin at this time of the record
+    /// Begin at this time of the record, for example 12s
     #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
     pub(crate) from: Option<Time>,
-    /// End at this time of the record
+    /// End at this time of the record, for example 40s
     #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
     pub(crate) to: Option<Time>,
-    /// Take this manoeuvre of `phugoid inspect` alone; several, as in 1,3, with a batch method, which fits them together
+    /// Use only the manoeuvre that `phugoid inspect` lists under this number. A batch method takes several, for example
+    /// 1,3, and fits them together
     #[arg(long, value_name = "NUMBER", value_delimiter = ',', conflicts_with_all = ["from", "to"])]
     pub(crate) segment: Vec<usize>,
-    /// The truth to compare with, where the flight was simulated: the scenario (a file, or the name of a built-in one), or
-    /// values one by one, as in `--truth dCm_alpha=-0.2 --truth dCm_q=-2`. The estimator does not see it
+    /// The truth to compare with, where the flight was simulated: the scenario (a file, or the name of a built-in one),
+    /// or single values, for example `--truth dCm_alpha=-0.2 --truth dCm_q=-2`. The estimator does not see it
     #[arg(long, value_name = "SCENARIO|NAME=VALUE", value_parser = truth)]
     pub(crate) truth: Vec<Truth>,
-    /// Give the derivatives in these axes too, with their covariance: `stability` (CL, CD; moments, p and r about the
-    /// stability axes) or `body` (CX, CZ; moments and rates about the body axes). A model file has CL and CD in stability
-    /// axes and all else in body axes
+    /// Also give the derivatives in these axes, with their covariance: `stability` (CL, CD; moments, p and r about the
+    /// stability axes) or `body` (CX, CZ; moments and rates about the body axes). A model file has CL and CD in
+    /// stability axes and everything else in body axes
     #[arg(long, value_enum, value_name = "AXES")]
     pub(crate) axes_form: Option<AxesForm>,
     /// Folder for the report
@@ -74,29 +77,30 @@ pub(crate) struct Estimate {
     /// Write no report
     #[arg(long)]
     pub(crate) no_report: bool,
-    /// Write the figures to this folder too, as SVG and PNG
+    /// Also write the figures to this folder, as SVG and PNG
     #[arg(long, value_name = "DIR")]
     pub(crate) figures: Option<PathBuf>,
     /// Print one JSON document instead of text
     #[arg(long)]
     pub(crate) json: bool,
-    /// Write the result in another form too, may be repeated: `csv=FILE`, `parquet=FILE` or `json=FILE` the estimates, `jsbsim=FILE` the model as a
-    /// JSBSim `<aerodynamics>` section, `gazebo=FILE` as parameters of the advanced lift-drag plugin that PX4's simulations use
+    /// Also write the result in another form: `csv=FILE`, `parquet=FILE` and `json=FILE` write the estimates,
+    /// `jsbsim=FILE` the model as a JSBSim `<aerodynamics>` section, `gazebo=FILE` the model as parameters of the
+    /// advanced lift-drag plugin that PX4's simulations use. May be repeated
     #[arg(long, value_name = "FORM=FILE", value_parser = export)]
     pub(crate) export: Vec<Export>,
-    /// Write the histories of all signals and parameters to this file (CSV, or Parquet if its name ends so); without a name they
-    /// go into the JSON document
+    /// Write the histories of all signals and parameters to this file: CSV, or Parquet if its name ends in .parquet.
+    /// Without a name they become part of the JSON document
     #[arg(long, value_name = "FILE.csv", num_args = 0..=1)]
     pub(crate) history: Option<Option<PathBuf>>,
     /// List the built-in model files
     #[arg(long)]
     pub(crate) list_models: bool,
-    /// Print a built-in model file, to start your own from
+    /// Print the text of a built-in model file, as a start for your own
     #[arg(long, value_name = "NAME", conflicts_with = "list_models")]
     pub(crate) show_model: Option<String>,
 }
 
-/// Axes that derivatives are turned into.
+/// Axes into which the derivatives can be transformed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum AxesForm {
     /// CL, CD; moments, p and r about the stability axes
@@ -105,12 +109,12 @@ pub(crate) enum AxesForm {
     Body,
 }
 
-/// What is known to be true of a simulated flight.
+/// True values of a simulated flight, as the option `--truth` gives them.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Truth {
-    /// The scenario that was flown.
+    /// The scenario that was flown: a file, or the name of a built-in one.
     Scenario(String),
-    /// One parameter by its name in the model file.
+    /// One parameter: its name in the model file, and its true value in SI units, derivatives per rad.
     Value(String, f64),
 }
 
@@ -122,7 +126,7 @@ fn truth(text: &str) -> Result<Truth, String> {
     }
 }
 
-/// Forms that a result is exported in.
+/// File formats of `--export`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ExportForm {
     Csv,
@@ -132,7 +136,7 @@ pub(crate) enum ExportForm {
     Gazebo,
 }
 
-/// A form and the file for it.
+/// One value of `--export`: a format, and the file to write.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Export {
     pub(crate) form: ExportForm,

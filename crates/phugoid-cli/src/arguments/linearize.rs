@@ -3,9 +3,10 @@
 use clap::Args;
 
 use super::aircraft::FlightCondition;
-use super::{Delivery, examples_and_exit_codes};
+use super::delivery::Delivery;
+use super::help::examples_and_exit_codes;
 
-/// Linearises an aircraft about a trim, with its natural modes
+/// Computes the linear model of an aircraft about a trim, and its natural modes
 #[derive(Debug, Args)]
 #[command(after_help = examples_and_exit_codes(
     "  phugoid linearize --aircraft f16 --altitude 20000ft --speed 675ft/s --cg 0.30

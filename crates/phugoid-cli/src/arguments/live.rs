@@ -1,4 +1,4 @@
-//! Arguments of `phugoid live`.
+//! `phugoid live`.
 
 use std::path::PathBuf;
 
@@ -6,32 +6,33 @@ use clap::Args;
 use phugoid_identification::method::Method;
 use phugoid_live::source::SourceSpec;
 
-use super::{examples_and_exit_codes, method};
+use super::help::examples_and_exit_codes;
+use super::method::method;
 
-/// Estimates while the aircraft flies, from telemetry, or from a recorded flight as if it were flying
+/// Estimates while the aircraft flies, from telemetry, or replays a recorded flight in the same way
 #[derive(Debug, Args)]
 #[command(after_help = examples_and_exit_codes(
-    "  phugoid live udp://14550 --model jet.toml                MAVLink (or JSON lines, or CSV) sent to this port
+    "  phugoid live udp://14550 --model jet.toml                MAVLink, JSON lines or CSV at this port
   phugoid live serial:/dev/ttyUSB0:57600 --model jet.toml  a telemetry radio
   my-program | phugoid live - --model jet.toml             CSV with a header line, or JSON lines
   phugoid live --replay flight.csv --speed 10 --model f16  a recorded flight, ten times as fast
-  phugoid live --replay flight.phugoid-live --speed max    a recording of `phugoid live`: the same estimates again"
+  phugoid live --replay flight.phugoid-live --speed max    a recording: the same estimates again"
 ))]
 pub(crate) struct Live {
-    /// Where the data come from: udp://HOST:PORT or udp://PORT, tcp://HOST:PORT, tcp-listen://PORT, serial:DEVICE:BAUD, or -
-    /// (standard input)
+    /// Where the data come from: udp://HOST:PORT or udp://PORT, tcp://HOST:PORT, tcp-listen://PORT, serial:DEVICE:BAUD,
+    /// or - (standard input)
     #[arg(value_name = "SOURCE", required_unless_present = "replay", conflicts_with = "replay")]
     pub(crate) source: Option<SourceSpec>,
-    /// Play a recording of `phugoid live`, or any recorded flight, as if it were happening
+    /// Replay a recording of `phugoid live`, or any other recorded flight, instead of receiving data
     #[arg(long, value_name = "FILE")]
     pub(crate) replay: Option<PathBuf>,
-    /// How fast the replay goes: a factor, or `max`
+    /// Speed of the replay: a factor of real time, or `max` for as fast as the computer can
     #[arg(long, value_name = "FACTOR|max", default_value = "1", value_parser = speed, requires = "replay")]
     pub(crate) speed: Speed,
-    /// The aircraft: a model file, or the name of a built-in one. A recording has its own
+    /// The aircraft: a model file, or the name of a built-in one. A recording of `phugoid live` contains its model
     #[arg(long, value_name = "AIRCRAFT.toml", required_unless_present = "replay")]
     pub(crate) model: Option<String>,
-    /// Estimator; without it the model file's, or smpe
+    /// Estimator [default: the one that the model file names, or smpe]
     #[arg(long, value_parser = method())]
     pub(crate) method: Option<Method>,
     /// Do not look for sudden changes of the coefficients
@@ -43,28 +44,29 @@ pub(crate) struct Live {
     /// Write the JSON lines to this file instead of standard output
     #[arg(long, value_name = "FILE")]
     pub(crate) out: Option<PathBuf>,
-    /// Show the estimates in the terminal; the JSON lines then go to --out alone
+    /// Show the estimates in the terminal; the JSON lines are then written only to the file of --out
     #[arg(long)]
     pub(crate) tui: bool,
-    /// Write every estimate, not fifty a second
+    /// Write every estimate instead of at most fifty per second
     #[arg(long)]
     pub(crate) all: bool,
-    /// Record everything that is received to this file [default: phugoid-TIME.phugoid-live; nothing in a replay]
+    /// Record all received data to this file [default: phugoid-TIME.phugoid-live; a replay records nothing]
     #[arg(long, value_name = "FILE", conflicts_with = "no_record")]
     pub(crate) record: Option<PathBuf>,
-    /// Record nothing
+    /// Do not record the received data
     #[arg(long)]
     pub(crate) no_record: bool,
-    /// How long a MAVLink sample waits for messages that were sent before it and have not come, in milliseconds; 0: not at all
+    /// How long a MAVLink sample waits for earlier messages that are still missing, in milliseconds; 0 does not wait
     #[arg(long, value_name = "MS", default_value_t = 4.0, value_parser = window)]
     pub(crate) reorder_ms: f64,
     /// Listen to this MAVLink system only
     #[arg(long, value_name = "ID")]
     pub(crate) system: Option<u8>,
-    /// The MAVLink message whose times the samples have, such as ATTITUDE
+    /// The MAVLink message that gives the samples their times, for example ATTITUDE
     #[arg(long, value_name = "MESSAGE")]
     pub(crate) base: Option<String>,
-    /// Send the estimates on as MAVLink debug messages, five times a second, as in udp://127.0.0.1:14551
+    /// Send the estimates as MAVLink debug messages to this address, five times per second, for example
+    /// udp://127.0.0.1:14551
     #[arg(long, value_name = "udp://HOST:PORT")]
     pub(crate) mavlink_out: Option<String>,
     #[cfg(feature = "live")]
@@ -72,23 +74,23 @@ pub(crate) struct Live {
     pub(crate) page: Page,
 }
 
-/// Where the page is served.
+/// The web page that shows the estimates.
 #[cfg(feature = "live")]
 #[derive(Debug, Args)]
 pub(crate) struct Page {
     #[command(flatten)]
     pub(crate) address: super::address::Address,
-    /// Serve no page
+    /// Do not serve the web page
     #[arg(long)]
     pub(crate) no_page: bool,
 }
 
-/// How fast a replay goes.
+/// Speed of a replay.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Speed {
-    /// This many times as fast as it happened.
+    /// A factor of real time: 2 replays a flight of 10 s in 5 s.
     Times(f64),
-    /// As fast as the machine can.
+    /// As fast as the computer can, without waiting between samples.
     Max,
 }
 

@@ -4,10 +4,10 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::examples_and_exit_codes;
+use super::help::examples_and_exit_codes;
 
-/// Watches a recorded flight for a divergence from the expected coefficients: a flag with a stated false-alarm rate, the onset
-/// of the failure, and which coefficient
+/// Checks in a recorded flight whether the coefficients leave their expected ranges: an alarm with a stated false-alarm
+/// rate, the onset time of the failure, and the coefficient that changed
 #[derive(Debug, Args)]
 #[command(after_help = examples_and_exit_codes(
     "  phugoid simulate f16-failure --out flight
@@ -19,23 +19,23 @@ pub(crate) struct Monitor {
     /// The flight, a CSV file with units in its headers (alpha_deg, tas_kt, ...)
     #[arg(value_name = "FLIGHT.csv")]
     pub(crate) flight: PathBuf,
-    /// The aircraft: a model file, or the name of a built-in one. Its table `expected` says what is healthy; without one its start
-    /// values do, within a tenth
+    /// The aircraft: a model file, or the name of a built-in one. Its table `expected` gives the healthy coefficients;
+    /// without this table, healthy is within a tenth of the start values
     #[arg(long, value_name = "AIRCRAFT.toml")]
     pub(crate) model: String,
-    /// A file with the table `expected`, in place of the model file's
+    /// A file with the table `expected`, used instead of the one in the model file
     #[arg(long, value_name = "EXPECTED.toml")]
     pub(crate) expected: Option<PathBuf>,
-    /// False alarms per flight hour that are accepted [default: 0.01]
+    /// Accepted false alarms per flight hour [default: 0.01]
     #[arg(long, value_name = "NUMBER", value_parser = rate)]
     pub(crate) false_alarms_per_hour: Option<f64>,
-    /// Folder for health.json, with all histories, and the report of the estimation
+    /// Folder for health.json, which contains all histories, and for the report of the estimation
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
     /// Print one JSON document instead of text
     #[arg(long)]
     pub(crate) json: bool,
-    /// Put the history of every sample into the JSON document
+    /// Include the history of every sample in the JSON document
     #[arg(long, requires = "json")]
     pub(crate) history: bool,
 }

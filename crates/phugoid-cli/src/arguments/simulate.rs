@@ -4,9 +4,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::examples_and_exit_codes;
+use super::help::examples_and_exit_codes;
 
-/// Flies a scenario and writes what the sensors measured and what was true
+/// Simulates a flight and writes the measured signals and the true ones
 #[derive(Debug, Args)]
 #[command(after_help = examples_and_exit_codes(
     "  phugoid simulate f16-damage                      a built-in scenario (see `phugoid simulate --list`)
@@ -23,13 +23,13 @@ pub(crate) struct Simulate {
     /// Print the text of the scenario instead of flying it
     #[arg(long, conflicts_with = "list")]
     pub(crate) show: bool,
-    /// Seed of everything random, in place of the scenario's
+    /// Seed of all random numbers, instead of the one in the scenario
     #[arg(long, value_name = "NUMBER")]
     pub(crate) seed: Option<u64>,
     /// Folder for measured.csv and truth.csv
     #[arg(long, value_name = "DIR", default_value = "phugoid-flight")]
     pub(crate) out: PathBuf,
-    /// Write figures to this folder, as SVG and PNG
+    /// Also write figures of the flight to this folder, as SVG and PNG
     #[arg(long, value_name = "DIR")]
     pub(crate) figures: Option<PathBuf>,
     /// Print one JSON document instead of text

@@ -4,21 +4,24 @@ use clap::{Args, ValueEnum};
 use phugoid_identification::method::Method;
 use phugoid_simulation::quantity::Time;
 
-use super::{Delivery, examples_and_exit_codes, method};
+use super::delivery::Delivery;
+use super::help::examples_and_exit_codes;
+use super::method::method;
 
-/// Measures the estimator on many simulated flights: against the Cramer-Rao bound, after damage
+/// Measures estimators on many simulated flights: errors against the Cramer-Rao bound, and detection of changes and
+/// failures
 #[derive(Debug, Args)]
 #[command(after_help = examples_and_exit_codes(
     "  phugoid study calm-air --runs 200        RMSE over Cramer-Rao bound, and coverage
   phugoid study lateral --runs 200         the same of the lateral-directional motion
   phugoid study six --runs 100             the same of all six coefficients together
   phugoid study thesis-size --json         0.05 deg doublet and sine without noise
-  phugoid study damage --runs 100          is damage found, how soon, do the bounds hold?
+  phugoid study damage --runs 100          detection and recovery after damage, coverage
   phugoid study health --runs 1000         false alarms, missed failures, onset
   phugoid study accuracy --scenario mine.toml --model mine-model.toml --at 5s --at 20s"
 ))]
 pub(crate) struct Study {
-    /// Which study
+    /// Study to run
     #[arg(value_enum)]
     pub(crate) study: StudyName,
     /// Number of runs, each with its own noise
@@ -27,20 +30,20 @@ pub(crate) struct Study {
     /// Scenario of the study `accuracy`: a file, or the name of a built-in one
     #[arg(long, required_if_eq("study", "accuracy"))]
     pub(crate) scenario: Option<String>,
-    /// Model file of the study `accuracy`, or the name of a built-in one. It has to give the noise of its outputs
+    /// Model of the study `accuracy`: a file, or the name of a built-in one. It must state the noise of its outputs
     #[arg(long, required_if_eq("study", "accuracy"))]
     pub(crate) model: Option<String>,
-    /// Estimator of the studies `calm-air` and `accuracy`; without it the model file's, or smpe
+    /// Estimator of the studies `calm-air` and `accuracy` [default: the one that the model file names, or smpe]
     #[arg(long, value_parser = method())]
     pub(crate) method: Option<Method>,
-    /// Times of the study `accuracy` at which the estimates are compared [default: the end]
+    /// Time at which the study `accuracy` compares the estimates, for example 5s; may be repeated [default: the end]
     #[arg(long, allow_hyphen_values = true, value_name = "TIME")]
     pub(crate) at: Vec<Time>,
     #[command(flatten)]
     pub(crate) delivery: Delivery,
 }
 
-/// Studies that are built in.
+/// Built-in studies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum StudyName {
     /// F-16 in calm air with realistic sensors: accuracy against the Cramer-Rao bound
@@ -53,8 +56,8 @@ pub(crate) enum StudyName {
     ThesisSize,
     /// Five coefficients change at 10 s: detection and recovery
     Damage,
-    /// Change detection: random damage found or missed, and false adoptions under errors of the model. RUNS damages and RUNS
-    /// minutes of flight per line
+    /// Change detection: random damage found or missed, and false adoptions under errors of the model. RUNS damages and
+    /// RUNS minutes of flight per line
     Detection,
     /// Health monitor: false alarms in healthy flights, and random failures with two sticks
     Health,

@@ -3,9 +3,10 @@
 use clap::Args;
 
 use super::aircraft::FlightCondition;
-use super::{Delivery, examples_and_exit_codes};
+use super::delivery::Delivery;
+use super::help::examples_and_exit_codes;
 
-/// Finds the controls and attitude that hold an aircraft in steady flight
+/// Computes the controls and the attitude that hold an aircraft in steady flight
 #[derive(Debug, Args)]
 #[command(after_help = examples_and_exit_codes(
     "  phugoid trim --aircraft f16 --altitude 20000ft --speed 675ft/s --cg 0.30 --json

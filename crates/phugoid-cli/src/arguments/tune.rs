@@ -4,53 +4,54 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
-use super::examples_and_exit_codes;
+use super::help::examples_and_exit_codes;
 
-/// Chooses the settings of an estimator: by rule, and by a search that is judged on runs it has not seen
+/// Chooses the settings of an estimator by a rule and by a search, and tests both on runs that the search does not use
 ///
-/// The rule sets everything from bounds, noise, sample time and expected input. The search starts from the rule and lowers
-/// the mean over all training runs of: the logarithm of the time until each estimate stays within 5 % of its truth (as a part
-/// of the record), the logarithm of its final error (in units of 5 %), and, for estimators that claim bounds, a penalty on
-/// bounds that are wide or do not hold the truth. Each scenario is run with several truths and noises.
+/// The rule computes all settings from the bounds, the noise, the sample time and the expected input. The search starts
+/// from the rule and minimises the mean, over all training runs, of three costs: the logarithm of the time until each
+/// estimate stays within 5 % of its true value (as a fraction of the record), the logarithm of its final error (in
+/// units of 5 %), and, for estimators with bounds, a penalty on bounds that are wide or do not contain the true value.
+/// Each scenario is run with several sets of true values and several noises.
 #[derive(Debug, Args)]
 #[command(after_help = examples_and_exit_codes(
     "  phugoid tune smpe                                    built-in flights; writes phugoid-tuned.toml
-  phugoid tune thesis-law --rule-only                  what the rule says, and how good it is
+  phugoid tune thesis-law --rule-only                  the settings of the rule and their cost
   phugoid tune model-reference --scenario first-order/1 --hold-out second-order/2
   phugoid tune smpe --scenario mine.toml --model jet.toml --runs 8 --budget 500
-  phugoid tune smpe --state tuning.state               stop it (Ctrl-C), run it again: it goes on"
+  phugoid tune smpe --state tuning.state               stop with Ctrl-C, run again to continue"
 ))]
 pub(crate) struct Tune {
-    /// What is tuned
+    /// Method to tune
     #[arg(value_enum)]
     pub(crate) method: TunedMethod,
-    /// Tune on this: a scenario or case file, or the name of a built-in one (f16-calm, first-order/1)
+    /// Tune on this: a scenario or case file, or the name of a built-in one (f16-calm, first-order/1); may be repeated
     /// [default: a few built-in ones]
     #[arg(long, value_name = "SCENARIO")]
     pub(crate) scenario: Vec<String>,
-    /// Judge by this, which the search does not see: as --scenario. Its runs have other truths and noises in any case
-    /// [default: built-in ones, or those of --scenario]
+    /// Test the settings on this, which the search does not use: given as for --scenario; may be repeated. The true
+    /// values and the noises always differ from those of the search [default: built-in ones, or those of --scenario]
     #[arg(long, value_name = "SCENARIO")]
     pub(crate) hold_out: Vec<String>,
-    /// What the estimator is told of the aircraft of scenario files: a model file, or the name of a built-in one
+    /// Model that the estimator uses with scenario files: a model file, or the name of a built-in one
     #[arg(long, value_name = "AIRCRAFT.toml")]
     pub(crate) model: Option<String>,
-    /// Runs of each scenario, each with its own truth and noise, for tuning and for judging
+    /// Runs of each scenario, each with its own true values and noise, for the search and for the test
     #[arg(long, value_name = "NUMBER", default_value_t = 6, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub(crate) runs: u32,
-    /// Settings to try, the rule's included; a number of whole generations is tried
+    /// Number of sets of settings to try, including the rule's; the search tries whole generations
     #[arg(long, value_name = "EVALUATIONS", default_value_t = 180, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub(crate) budget: u32,
     /// Seed of the search
     #[arg(long, value_name = "NUMBER", default_value_t = 1)]
     pub(crate) seed: u64,
-    /// Keep the state of the search in this file, written after every generation, and go on from it if it is there
+    /// Write the state of the search to this file after every generation, and continue from it if the file exists
     #[arg(long, value_name = "FILE")]
     pub(crate) state: Option<PathBuf>,
-    /// Say what the rule gives, and search nothing
+    /// Compute and test the settings of the rule only, without a search
     #[arg(long, conflicts_with_all = ["budget", "state", "seed"])]
     pub(crate) rule_only: bool,
-    /// File for the settings
+    /// File for the chosen settings
     #[arg(long, value_name = "FILE", default_value = "phugoid-tuned.toml")]
     pub(crate) out: PathBuf,
     /// Print one JSON document (SI units) instead of text
@@ -63,7 +64,7 @@ pub(crate) struct Tune {
 pub(crate) enum TunedMethod {
     /// Sliding-mode parameter estimator, on flights; writes an `estimator` section for model files
     Smpe,
-    /// The thesis's sliding law, on cases with one unknown parameter
+    /// The sliding-mode law of the thesis, on cases with one unknown parameter
     ThesisLaw,
     /// The model-reference law (state-error form), on plants
     ModelReference,

@@ -4,22 +4,23 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::examples_and_exit_codes;
+use super::help::examples_and_exit_codes;
 
-/// Shows a finished result on the page of the live estimation: parameters with their bounds, signals, residuals, events
+/// Shows a finished result on the web page of the live estimation: parameters with bounds, signals, residuals and
+/// events
 #[derive(Debug, Args)]
 #[command(after_help = examples_and_exit_codes(
     "  phugoid estimate flight.csv --model jet.toml --json --history > result.json
-  phugoid view result.json                         serve the page and say where
+  phugoid view result.json                         serve the page and print its address
   phugoid view result.json --html result.html      write it to a file
-  phugoid view flight.phugoid-live                 what `phugoid live` has recorded, estimated again"
+  phugoid view flight.phugoid-live                 a recording of `phugoid live`, estimated again"
 ))]
 pub(crate) struct View {
-    /// JSON of `phugoid estimate --json --history`, the documents that `phugoid live` has published, one per line, or what
-    /// it has recorded
+    /// Output of `phugoid estimate --json --history`, or the JSON lines of `phugoid live`, or a recording of `phugoid
+    /// live`
     #[arg(value_name = "RESULT")]
     pub(crate) result: PathBuf,
-    /// Write the page to this file, with the data inside, and serve nothing: it needs no server and no network
+    /// Write the page and its data to this file instead of serving it; the file opens without a server or a network
     #[arg(long, value_name = "FILE", required = cfg!(not(feature = "live")))]
     pub(crate) html: Option<PathBuf>,
     #[cfg(feature = "live")]

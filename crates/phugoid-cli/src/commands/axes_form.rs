@@ -10,17 +10,17 @@ use serde::Serialize;
 use crate::arguments::AxesForm;
 use crate::output::{Table, significant};
 
-/// Derivatives in the axes asked for, per radian.
+/// The derivatives in the axes of `--axes-form`, per rad, with their covariance.
 #[derive(Debug, Serialize)]
 pub(crate) struct Turned {
     /// `stability` or `body`.
     axes: &'static str,
-    /// Angle of attack between the two, rad.
+    /// Reference angle of attack by which the axes are turned, rad.
     alpha_reference_rad: f64,
     derivatives: Vec<TurnedDerivative>,
-    /// Row and column as in `derivatives`.
+    /// Covariance matrix; rows and columns in the order of `derivatives`.
     covariance: Vec<Vec<f64>>,
-    /// Parameters that are no derivatives at the reference point and were not turned.
+    /// Names of parameters that were not transformed, because they are not derivatives at the reference point.
     left_out: Vec<String>,
 }
 

@@ -19,10 +19,10 @@ mod text;
 
 use selection::{entries, methods};
 
-/// Flights per scenario where nothing else is asked for.
+/// Default number of flights per scenario.
 const SEEDS: u32 = 20;
 
-/// Flights per scenario for a first look.
+/// Number of flights per scenario with `--quick`.
 const FEW_SEEDS: u32 = 4;
 
 pub(crate) fn run(arguments: &arguments::Compare) -> Result<(), Failure> {
@@ -73,7 +73,7 @@ fn list(as_json: bool) -> Result<(), Failure> {
     print(&format!("Scenarios\n{}\nMethods\n{}", lines(&scenarios), lines(&methods)))
 }
 
-/// What was written where.
+/// Paths of the files that were written.
 struct Written {
     report: PathBuf,
     folder: PathBuf,
@@ -100,7 +100,7 @@ fn write(arguments: &arguments::Compare, result: &Arena) -> Result<Written, Fail
     Ok(Written { report, folder: folder.to_owned() })
 }
 
-/// The command that gives this result again.
+/// The command line that repeats this comparison; the report shows it.
 fn again(arguments: &arguments::Compare) -> String {
     let mut words = vec!["phugoid compare".to_owned()];
     words.extend(arguments.scenarios.iter().cloned());

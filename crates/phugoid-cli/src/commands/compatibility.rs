@@ -102,7 +102,8 @@ pub(crate) fn run(arguments: &arguments::Compatibility) -> Result<(), Failure> {
     if arguments.json { print(&json(&document)?) } else { print(&text(&document)) }
 }
 
-/// Corrections that `phugoid compatibility` has written.
+/// Reads the corrections that `phugoid compatibility` has written: an input error if the file cannot be read or is
+/// wrong.
 pub(crate) fn corrections(file: &std::path::Path) -> Result<Corrections, Failure> {
     let text = std::fs::read_to_string(file)
         .map_err(|e| Failure::input(format!("cannot read the corrections `{}`: {e}", file.display())))?;
@@ -114,7 +115,7 @@ pub(crate) fn corrections(file: &std::path::Path) -> Result<Corrections, Failure
     })
 }
 
-/// Angles are read in degrees.
+/// Unit and factor for the output: angles are shown in degrees, everything else in SI units.
 fn readable(unit: &str) -> (String, f64) {
     match unit.strip_prefix("rad") {
         Some(rest) => (format!("deg{rest}"), 1_f64.to_degrees()),
@@ -191,7 +192,7 @@ fn skew_words(skew: &InputSkew) -> String {
     )
 }
 
-/// Measured and reconstructed channels, and the standard error of what was reconstructed.
+/// Figures of the measured and the reconstructed channels, with the standard error of the reconstruction.
 fn charts(record: &Record, result: &Compatibility) -> Vec<Chart> {
     let x: Arc<[f64]> = result.time_s.clone().into();
     let curve = |label: &str, meaning: Meaning, shape: Shape| Curve {

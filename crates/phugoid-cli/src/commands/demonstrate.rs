@@ -1,4 +1,4 @@
-//! `phugoid` without a command: the F-16 flies, and its increments are estimated.
+//! `phugoid` without a command: simulates a flight of the F-16 and estimates its aerodynamic increments.
 
 use std::path::Path;
 

@@ -25,12 +25,12 @@ struct Document<'a> {
     modes: ModeFrequencies,
     limits: Limits,
     design: &'a Design,
-    /// Peaks, rad, and rates, rad/s, in the order of the inputs.
+    /// Peak deflections, rad, and peak rates, rad/s, in the order of the inputs.
     peaks: Vec<[f64; 2]>,
     limited_by: &'a [&'static str],
     excursions: Excursions,
     prediction: Option<&'a Prediction>,
-    /// All kinds at equal limits, best first.
+    /// All kinds of input within the same limits, the one with the smallest bounds first.
     ranking: Vec<Ranked<'a>>,
     input_csv: PathBuf,
     scenario_toml: PathBuf,
@@ -190,7 +190,7 @@ fn failure(error: DesignError) -> Failure {
     }
 }
 
-/// How far the aircraft moves, in a sentence.
+/// A sentence with the largest deviations of the aircraft from trim.
 fn moved(e: &Excursions) -> String {
     let degrees = |value: f64| significant(value.to_degrees(), 3);
     format!(
@@ -202,7 +202,7 @@ fn moved(e: &Excursions) -> String {
     )
 }
 
-/// A table as text.
+/// The aligned text of a table.
 fn plain(table: &Table) -> String {
     let names = table.columns.iter().map(|c| match c.unit.as_str() {
         "" => c.name.to_lowercase(),

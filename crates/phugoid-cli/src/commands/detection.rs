@@ -8,7 +8,8 @@ use super::study::with_progress;
 use crate::failure::Failure;
 use crate::output::Table;
 
-/// First seed. The detector was made with others (700,000, 900,000, 920,000, 5,000,000 and 7,000,000 and what follows them).
+/// First seed. The detector was made with others (700,000, 900,000, 920,000, 5,000,000 and 7,000,000 and what follows
+/// them).
 const SEED: u64 = 8_000_000;
 
 pub(super) fn detected(runs: u32) -> Result<DetectionStudy, Failure> {

@@ -98,8 +98,10 @@ pub(crate) fn run(arguments: &arguments::Estimate) -> Result<(), Failure> {
     export::write(&arguments.export, &estimation, &model, arguments.json)
 }
 
+/// Checks that no flight is given twice.
+///
 /// # Errors
-/// A flight that is fitted twice would count twice and halve the variances; one that was fitted is no test of the fit.
+/// [`Failure::Input`]: a flight that is fitted twice would halve the variances, and a flight that was fitted cannot test the fit.
 fn once_each(flight: &Path, with: &[PathBuf], predict: Option<&Path>) -> Result<(), Failure> {
     let mut seen = vec![identity(flight)];
     for further in with {
@@ -123,25 +125,29 @@ fn once_each(flight: &Path, with: &[PathBuf], predict: Option<&Path>) -> Result<
     }
 }
 
-/// The file itself, whatever way it is named; the name where there is no such file.
+/// The canonical path of a file, so that two spellings of one path are equal; the given path if the file does not
+/// exist.
 fn identity(path: &Path) -> PathBuf {
     std::fs::canonicalize(path).unwrap_or_else(|_| path.to_owned())
 }
 
-/// Where the histories of signals and parameters go.
+/// Destination of the histories of signals and parameters: the option `--history`.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum History {
-    /// Nowhere.
+    /// They are not written.
     None,
-    /// Into the JSON document.
+    /// They become part of the JSON document.
     Document,
-    /// Into a CSV file, or a Parquet file if its name ends so.
+    /// They are written to this file: Parquet if its name ends in `.parquet`, else CSV.
     File(PathBuf),
 }
 
 impl History {
+    /// Reads the option.
+    ///
     /// # Errors
-    /// Without a name there has to be a document; the flight is not to be overwritten.
+    /// [`Failure::Input`] for `--history` without a file name and without `--json`, and for a file that is the flight
+    /// itself.
     fn new(arguments: &arguments::Estimate, flight: &Path) -> Result<Self, Failure> {
         match &arguments.history {
             None => Ok(Self::None),
@@ -178,19 +184,19 @@ fn write_history(record: &Record, file: &Path) -> Result<(), csv::WriteError> {
     csv::write_path(record, file)
 }
 
-/// Where and how a result is shown.
+/// Output options of an estimation.
 pub(crate) struct Presentation<'a> {
-    /// Folder of the report, if one is wanted.
+    /// Folder of the report; none: no report is written.
     pub(crate) report: Option<&'a Path>,
-    /// What the report says beyond the estimation.
+    /// Further content of the report, such as the settings.
     pub(crate) page: HtmlOptions,
-    /// Folder of the figures, if they are wanted as files.
+    /// Folder of the figures; none: they are not written as files.
     pub(crate) figures: Option<&'a Path>,
-    /// Where the histories go.
+    /// Destination of the histories.
     pub(crate) history: &'a History,
-    /// JSON in place of text.
+    /// Print JSON instead of text.
     pub(crate) json: bool,
-    /// The derivatives in other axes, if they are wanted.
+    /// The derivatives in the axes of `--axes-form`; none without this option.
     pub(crate) turned: Option<Turned>,
 }
 
@@ -230,12 +236,12 @@ impl Presentation<'_> {
     }
 }
 
-/// A model file, or a built-in one by name.
+/// Reads a model file, or takes the built-in model of this name.
 pub(crate) fn model(wanted: &str) -> Result<ModelFile, Failure> {
     ModelFile::find(wanted).map_err(Failure::input)
 }
 
-/// True values by parameter name; later words win.
+/// True values by parameter name. If several options name one parameter, the last one counts.
 fn truth(words: &[Truth], model: &ModelFile) -> Result<BTreeMap<String, f64>, Failure> {
     let mut truth = BTreeMap::new();
     for word in words {
@@ -257,7 +263,7 @@ fn truth(words: &[Truth], model: &ModelFile) -> Result<BTreeMap<String, f64>, Fa
     Ok(truth)
 }
 
-/// The manoeuvres of these numbers, each a record: the first, and the further ones.
+/// The parts of the record with the manoeuvres of these numbers: the first one, and the others.
 fn segments(record: &Record, numbers: &[usize]) -> Result<(Record, Vec<Record>), Failure> {
     let found = find(record, &Settings::default());
     let mut parts = Vec::with_capacity(numbers.len());

@@ -13,7 +13,7 @@ use crate::output::{json, print};
 
 type Writer = fn(&Identified<'_>) -> Result<Exported, ExportError>;
 
-/// The forms that a model is written in, not the estimates alone.
+/// The function that writes a whole model in this form; none for the forms that contain only the estimates.
 fn writer(form: ExportForm) -> Option<Writer> {
     match form {
         ExportForm::Csv | ExportForm::Json | ExportForm::Parquet => None,
@@ -22,8 +22,10 @@ fn writer(form: ExportForm) -> Option<Writer> {
     }
 }
 
+/// Checks before the estimation that the model can be written in the wanted forms.
+///
 /// # Errors
-/// A model that does not fit a form, or a form that this build does not write, told before anything is estimated.
+/// [`Failure::Input`] if the model does not fit a form, or this build does not write it.
 pub(crate) fn check(exports: &[Export], model: &ModelFile) -> Result<(), Failure> {
     for Export { form, file } in exports {
         if *form == ExportForm::Parquet && cfg!(not(feature = "parquet")) {
@@ -36,7 +38,7 @@ pub(crate) fn check(exports: &[Export], model: &ModelFile) -> Result<(), Failure
     Ok(())
 }
 
-/// Writes the files and, unless the JSON document is alone on standard output, says what has to be known of them.
+/// Writes the files, and prints their names and notes unless standard output is reserved for the JSON document.
 pub(crate) fn write(
     exports: &[Export],
     estimation: &Estimation,
@@ -73,7 +75,7 @@ fn write_parquet(estimation: &Estimation, file: &Path) -> Result<(), Failure> {
     phugoid_identification::export::parquet(estimation, file).map_err(|e| Failure::writing_of("--export", file, e))
 }
 
-/// Refused by [`check`] before anything was estimated.
+/// This build does not write Parquet; [`check`] has refused it before the estimation.
 #[cfg(not(feature = "parquet"))]
 fn write_parquet(_: &Estimation, file: &Path) -> Result<(), Failure> {
     Err(Failure::no_parquet("--export", file, "take csv= in place of parquet="))

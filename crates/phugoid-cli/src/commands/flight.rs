@@ -1,4 +1,4 @@
-//! What a live estimation takes: a flight that is received, or a recording of one.
+//! The settings of a live estimation, from the command line or from a recording.
 
 use std::fs::File;
 use std::io::Read;
@@ -13,7 +13,7 @@ use phugoid_live::recording::{Header, Reader};
 
 use crate::failure::Failure;
 
-/// The aircraft and how its samples are understood and estimated.
+/// Model, estimation options and receiver options of a live estimation.
 pub(super) struct Flight {
     pub(super) model: ModelFile,
     pub(super) text: String,
@@ -22,7 +22,7 @@ pub(super) struct Flight {
 }
 
 impl Flight {
-    /// As the header of a recording says, or would say.
+    /// From the header of a recording, or from a header that was made from the command line.
     pub(super) fn of(header: &Header) -> Result<Self, Failure> {
         let model = ModelFile::parse(&header.model_name, &header.model_text).map_err(Failure::input)?;
         let method = header.method.as_deref().map(str::parse::<Method>).transpose().map_err(Failure::input)?;
@@ -41,7 +41,7 @@ impl Flight {
     }
 }
 
-/// A recording of `phugoid live`, if the file is one.
+/// Opens a recording of `phugoid live`; none if the file is something else.
 pub(super) fn recording(path: &Path) -> Result<Option<Reader>, Failure> {
     let mut start = [0; 4];
     let read = File::open(path).and_then(|file| file.take(4).read(&mut start));

@@ -17,13 +17,13 @@ use crate::failure::Failure;
 use crate::output::{Table, deliver, fixed, significant};
 use crate::progress::Progress;
 
-/// What a file holds, as a JSON document. SI.
+/// The contents of a file as a JSON document, in SI units.
 #[derive(Serialize)]
 struct Document<'a> {
-    /// Of a log: what is in it, topic by topic, as it was written.
+    /// For a log: its topics as they were recorded.
     #[serde(skip_serializing_if = "Option::is_none")]
     log: Option<&'a Survey>,
-    /// Why the log makes no flight, where it does not.
+    /// For a log that cannot be read as a flight: the reason.
     #[serde(skip_serializing_if = "Option::is_none")]
     no_flight: Option<&'a str>,
     #[serde(flatten)]
@@ -214,7 +214,7 @@ fn word(support: Support) -> &'static str {
     }
 }
 
-/// What the record could tell of the parameters of the model asked about.
+/// Table of the bounds (Cramer-Rao) that the record allows for the parameters of the model.
 fn parameters(support: &ModelSupport) -> String {
     let mut names: Vec<&str> = Vec::new();
     for parameter in support.segments.iter().flat_map(|segment| &segment.parameters) {

@@ -19,10 +19,10 @@ struct Document<'a> {
     tables: &'a str,
     cg: f64,
     trim: Trim,
-    /// All states and inputs.
+    /// The whole linear model, with all states and inputs.
     #[serde(flatten)]
     model: LinearModel,
-    /// Longitudinal modes, then lateral modes, each fastest first.
+    /// Longitudinal modes, then lateral modes, in each group the fastest first.
     modes: Vec<&'a Mode>,
     longitudinal: &'a SubModel,
     lateral: &'a SubModel,
@@ -58,7 +58,7 @@ fn text(document: &Document) -> String {
     text
 }
 
-/// A and B side by side, with the names of rows and columns.
+/// Text of the matrices A and B side by side, with the names of rows and columns.
 fn matrices(part: &SubModel) -> String {
     let header: Vec<&str> = std::iter::once("").chain(part.states).chain(["|"]).chain(part.inputs).collect();
     let mut table = Table::new(&header);

@@ -76,7 +76,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Starts the server of the page and says where it is.
+/// Starts the server of the page and prints its address.
 #[cfg(feature = "live")]
 fn page(page: &crate::arguments::live::Page) -> Result<Option<Box<dyn Audience>>, Failure> {
     use phugoid_live::server::Hub;
@@ -90,7 +90,7 @@ fn page(page: &crate::arguments::live::Page) -> Result<Option<Box<dyn Audience>>
     Ok(Some(Box::new(hub)))
 }
 
-/// What the command line says, else what a recording was made with.
+/// The settings of the command line; those that are not given are taken from the recording.
 fn settings(arguments: &Arguments, recorded: Option<&Header>) -> Result<Header, Failure> {
     let (model_name, model_text) = match (&arguments.model, recorded) {
         (Some(wanted), _) => ModelFile::find_text(wanted).map_err(Failure::input)?,
@@ -137,7 +137,8 @@ fn source(arguments: &Arguments, recording: Option<Reader>, model: &ModelFile) -
     }
 }
 
-/// Where to record: what was asked for; else, what is received and not replayed goes to a file named after the time.
+/// File to record to: the one of `--record`, else a file with the time in its name. A replay is not recorded by
+/// default.
 fn record(arguments: &Arguments) -> Option<PathBuf> {
     if arguments.no_record {
         return None;
@@ -160,7 +161,7 @@ pub(super) fn failure(error: LiveError) -> Failure {
     }
 }
 
-/// A sentence for people, beside the documents.
+/// Prints a message to standard error; standard output is reserved for the JSON documents.
 pub(super) fn say(text: &str) {
     // Nobody is left to tell when standard error is closed.
     let _ = writeln!(io::stderr(), "{text}");

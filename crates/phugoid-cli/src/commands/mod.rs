@@ -1,4 +1,4 @@
-//! One file per command: read, call, print.
+//! One file per command: each reads its input, calls the library and prints the result.
 
 mod axes_form;
 pub(crate) mod compare;

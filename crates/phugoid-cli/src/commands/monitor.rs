@@ -17,7 +17,7 @@ use crate::failure::Failure;
 use crate::output::{Table, deliver, fixed, significant};
 use crate::progress::Progress;
 
-/// Runs the monitor; true if the aircraft has diverged.
+/// Runs the monitor; true if a coefficient has left its expected range.
 pub(crate) fn run(arguments: &arguments::Monitor) -> Result<bool, Failure> {
     let model = model(&arguments.model)?;
     let expected = match &arguments.expected {
@@ -44,7 +44,7 @@ pub(crate) fn run(arguments: &arguments::Monitor) -> Result<bool, Failure> {
     Ok(report.condition == Condition::Diverged)
 }
 
-/// Expectations from a file of their own.
+/// Reads the table `expected` from the file of `--expected`.
 fn expected(file: &Path, model: &ModelFile) -> Result<Vec<Expectation>, Failure> {
     let name = file.display().to_string();
     let text = std::fs::read_to_string(file)
@@ -71,7 +71,7 @@ struct Document<'a> {
     model: &'a str,
     condition: Condition,
     false_alarms_per_hour: f64,
-    /// A healthy aircraft shows the evidence that was found at most once in so many hours.
+    /// Flight time, hours, in which a healthy aircraft shows evidence as large as this at most once.
     evidence_hours: f64,
     parameters: &'a [phugoid_identification::health::ParameterHealth],
     failure: Option<&'a phugoid_identification::health::FailureReport>,
@@ -98,7 +98,7 @@ impl<'a> Document<'a> {
     }
 }
 
-/// The result as text for people.
+/// The result as text.
 fn text(report: &HealthReport, files: &[PathBuf]) -> String {
     let mut text = String::new();
     let time = &report.history.time_s;

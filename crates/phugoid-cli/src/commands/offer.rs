@@ -1,4 +1,4 @@
-//! Terms that the residuals ask for, as text.
+//! Text about the terms that were tried because the model may lack them.
 
 use std::fmt::Write as _;
 
@@ -7,7 +7,7 @@ use phugoid_identification::estimation::Offer;
 use super::result::paragraph;
 use crate::output::{Table, significant};
 
-/// Why terms were tried, what each came to, and the lines for the model file where one is asked for.
+/// Why terms were tried, the result of each, and, if one is recommended, the lines for the model file.
 pub(crate) fn text(offer: &Offer) -> String {
     let mut text = String::new();
     let why = format!(
@@ -58,7 +58,7 @@ pub(crate) fn text(offer: &Offer) -> String {
     text
 }
 
-/// The reason for trying them; nothing where there was none.
+/// The reasons why terms were tried, as part of a sentence; empty if they were tried without a reason.
 fn because(offer: &Offer) -> String {
     if offer.reasons.is_empty() { String::new() } else { format!(", because {}", offer.reasons.join(", and ")) }
 }

@@ -63,7 +63,7 @@ fn list(entries: &[Entry], as_json: bool) -> Result<(), Failure> {
     print(&entries.iter().map(|e| format!("{:width$}  {}\n", e.id, e.title)).collect::<String>())
 }
 
-/// Runs everything in parallel; results in the order of the tasks. One that fails does not lose the others.
+/// Runs all tasks in parallel. The results are in the order of the tasks; a task that fails does not stop the others.
 fn run_all(tasks: &[Task]) -> (Vec<Reproduction>, Vec<NotRun>) {
     let progress = Progress::new("reproducing");
     let shares = Shares::new(&progress, tasks.len());
@@ -88,7 +88,7 @@ fn run_all(tasks: &[Task]) -> (Vec<Reproduction>, Vec<NotRun>) {
     (reproductions, not_run)
 }
 
-/// What was written where.
+/// Paths of the files that were written.
 struct Written {
     report: PathBuf,
     folder: PathBuf,
@@ -133,7 +133,7 @@ fn notes(arguments: &arguments::Reproduce) -> Vec<String> {
     ]
 }
 
-/// Writes `ID-CHART.svg` or `.png` for every chart, and counts them.
+/// Writes `ID-CHART.svg` or `.png` for every chart, and returns their number.
 fn write_figures(folder: &Path, reproductions: &[Reproduction], format: PictureFormat) -> Result<usize, Failure> {
     std::fs::create_dir_all(folder).map_err(|e| Failure::writing(folder, e))?;
     let charts: Vec<(String, Figure)> = reproductions
@@ -151,7 +151,7 @@ fn write_figures(folder: &Path, reproductions: &[Reproduction], format: PictureF
     Ok(charts.len())
 }
 
-/// The reproductions as a JSON document; the curves of their figures only where asked for.
+/// The reproductions as a JSON document; it contains the curves of the figures with `--charts` only.
 #[derive(Serialize)]
 struct Document<'a> {
     requirements: usize,

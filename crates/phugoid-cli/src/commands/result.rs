@@ -1,4 +1,4 @@
-//! An estimation as text and as JSON.
+//! The result of an estimation as text and as JSON.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -15,7 +15,7 @@ use super::axes_form::Turned;
 use super::offer;
 use crate::output::{Table, significant, wrapped};
 
-/// What an estimation gives, as a JSON document. Angles in rad, everything else in SI, derivatives per rad.
+/// The result of an estimation as a JSON document. Angles in rad, everything else in SI, derivatives per rad.
 #[derive(Debug, Serialize)]
 pub(crate) struct Document<'a> {
     pub(crate) source: &'a str,
@@ -24,33 +24,33 @@ pub(crate) struct Document<'a> {
     pub(crate) samples: usize,
     pub(crate) sample_time_s: f64,
     pub(crate) parameters: &'a [ParameterResult],
-    /// Row and column as in `parameters`.
+    /// Matrix; rows and columns in the order of `parameters`.
     pub(crate) correlation: &'a [Vec<f64>],
-    /// Sums of derivatives whose parts the flight may not have told apart.
+    /// Sums of derivatives of which the flight may not determine the single terms.
     #[serde(skip_serializing_if = "<[_]>::is_empty")]
     pub(crate) effective: &'a [EffectiveDerivative],
-    /// The derivatives in the axes asked for.
+    /// The derivatives in the axes of `--axes-form`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) turned: Option<&'a Turned>,
-    /// Terms that the residuals ask for.
+    /// Terms that were tried because the model may lack them.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) offer: Option<&'a Offer>,
     pub(crate) verdict: &'a [String],
     pub(crate) events: &'a [Event],
     pub(crate) quality: &'a QualityReport,
     pub(crate) noise: Vec<Noise<'a>>,
-    /// The report that was written.
+    /// Path of the report, if one was written.
     pub(crate) report: Option<PathBuf>,
-    /// The figures that were written.
+    /// Paths of the figures that were written.
     pub(crate) figures: Vec<PathBuf>,
-    /// What a batch method says beside.
+    /// Fit and prediction of a batch method.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) batch: Option<&'a BatchReport>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) history: Option<&'a History>,
 }
 
-/// Measurement noise of one output.
+/// Standard deviation of the measurement noise of one output.
 #[derive(Debug, Serialize)]
 pub(crate) struct Noise<'a> {
     name: &'a str,
@@ -84,7 +84,7 @@ impl<'a> Document<'a> {
     }
 }
 
-/// The estimation as text for people.
+/// The result of an estimation as text.
 pub(crate) fn text(estimation: &Estimation, report: Option<&Path>, figures: &[PathBuf]) -> String {
     let mut text = String::new();
     let time = &estimation.history.time_s;
@@ -132,7 +132,7 @@ pub(crate) fn text(estimation: &Estimation, report: Option<&Path>, figures: &[Pa
     text
 }
 
-/// Fit and prediction of a batch method.
+/// Text about fit and prediction of a batch method.
 fn batch(report: &BatchReport) -> String {
     let mut text = String::new();
     for (name, fits) in &report.manoeuvres {
@@ -161,7 +161,7 @@ fn fit(fits: &[OutputFit]) -> String {
     table.render()
 }
 
-/// A heading and sentences below it, wrapped; nothing where there are none.
+/// Appends a heading and the wrapped sentences below it; appends nothing if there are no sentences.
 pub(crate) fn paragraph(text: &mut String, title: &str, lines: impl Iterator<Item = String>) {
     for (index, line) in lines.enumerate() {
         if index == 0 {
@@ -171,7 +171,7 @@ pub(crate) fn paragraph(text: &mut String, title: &str, lines: impl Iterator<Ite
     }
 }
 
-/// Why parameters are not ready, those asked for alone; the advice stands in the verdict.
+/// Reasons why parameters are not ready, without those that only support others. The advice is part of the verdict.
 fn not_ready(estimation: &Estimation) -> impl Iterator<Item = String> + '_ {
     estimation.parameters.iter().filter(|p| !p.nuisance).filter_map(|p| {
         let readiness = p.readiness.as_ref().filter(|r| r.verdict != Readiness::Ready)?;
@@ -179,7 +179,7 @@ fn not_ready(estimation: &Estimation) -> impl Iterator<Item = String> + '_ {
     })
 }
 
-/// The table of parameters: those asked for first, then those that only support them.
+/// The table of parameters; sensor biases and other supporting parameters come last.
 fn parameters(estimation: &Estimation) -> String {
     let truth_known = estimation.parameters.iter().any(|p| p.truth.is_some());
     let mut header = vec!["parameter", "estimate", "+- 2 sigma", "+- %"];

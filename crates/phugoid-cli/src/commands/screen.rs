@@ -22,7 +22,7 @@ pub(crate) fn run(
     })
 }
 
-/// Says how to get the view: this program was built without it.
+/// An input error that says how to build the program with the terminal view.
 #[cfg(not(feature = "tui"))]
 pub(crate) fn run(
     _: impl FnOnce(Box<dyn Audience>) -> Result<Summary, LiveError> + Send,

@@ -1,4 +1,4 @@
-//! The server of a page.
+//! Starts the server of a web page.
 
 use std::io;
 
@@ -8,7 +8,7 @@ use super::live::say;
 use crate::arguments::address::Address;
 use crate::failure::Failure;
 
-/// Listens where it is asked to and says where the page is.
+/// Listens on the given address and prints where the page is.
 pub(crate) fn listen(at: &Address) -> Result<Server, Failure> {
     let failed = |error: io::Error| no_page(at, &error);
     let token = match &at.token {

@@ -80,12 +80,13 @@ pub(crate) fn run(arguments: &arguments::Simulate) -> Result<(), Failure> {
     if arguments.json { print(&json(&document)?) } else { print(&text(&document, &flight)) }
 }
 
-/// A scenario file, or a built-in scenario by name.
+/// Reads a scenario file, or takes the built-in scenario of this name.
 pub(crate) fn scenario(wanted: &str) -> Result<Scenario, Failure> {
     Scenario::find(wanted).map_err(Failure::input)
 }
 
-/// A flight that cannot be flown: the scenario's fault, or the aircraft's.
+/// The failure for a flight that cannot be simulated: an input error if the scenario is wrong, else a task without an
+/// answer.
 pub(crate) fn failure(error: FlightError) -> Failure {
     match error {
         FlightError::Scenario(_) => Failure::input(error),
@@ -156,8 +157,8 @@ fn text(document: &Document, flight: &Flight) -> String {
     text
 }
 
-/// Where a flight leaves the aerodynamic tables: beyond their ends they are continued in straight lines, which no aircraft
-/// is.
+/// Warnings for a flight that leaves the range of the aerodynamic tables, where they are extrapolated linearly and no
+/// longer describe the aircraft.
 fn beyond_the_tables(flight: &Flight) -> Vec<String> {
     let (truth, range) = (&flight.truth, &flight.data_range);
     let ranges = [
@@ -182,7 +183,7 @@ fn beyond_the_tables(flight: &Flight) -> Vec<String> {
     ranges.filter_map(first).collect()
 }
 
-/// The unit in which people read a quantity, and its size: degrees, SI otherwise.
+/// Unit in which a quantity is shown, and the factor from SI: degrees for angles, SI units for everything else.
 fn human(quantity: Quantity) -> (&'static str, f64) {
     let degrees = 1.0_f64.to_degrees();
     match quantity {
@@ -193,11 +194,12 @@ fn human(quantity: Quantity) -> (&'static str, f64) {
     }
 }
 
-/// Channels of the figure of the inputs; lateral channels have a figure of their own, all others are the motion.
+/// Channels that are drawn in the figure of the inputs. Lateral channels have a separate figure; all others are the
+/// motion.
 const INPUTS: &[&str] = &["elevator", "aileron", "rudder", "throttle", "thrust"];
 const LATERAL: &[&str] = &["beta", "phi", "psi", "p", "r", "ay"];
 
-/// Measured and true histories, one panel per channel that moves.
+/// Figures of the measured and true histories, with one panel for each channel that changes.
 fn figures(scenario: &Scenario, flight: &Flight) -> Vec<(String, Figure)> {
     let signal = |name: &str, channel: &Channel| Signal {
         name: name.to_owned(),
@@ -231,7 +233,7 @@ fn figures(scenario: &Scenario, flight: &Flight) -> Vec<(String, Figure)> {
     .collect()
 }
 
-/// Whether a channel has more than one value.
+/// Whether the values of a channel change at all.
 fn moves(channel: &Channel) -> bool {
     let mut values = channel.values.iter().filter(|v| v.is_finite());
     values.next().is_some_and(|first| values.any(|v| v != first))

@@ -33,7 +33,7 @@ const SIX_CHECKPOINTS_S: [f64; 2] = [15.0, 30.0];
 /// Times after the damage at which the estimates are looked at: 1, 2 and 4.2 s, and the end.
 const RECOVERY_S: [f64; 4] = [1.0, 2.0, 4.2, 10.0];
 
-/// Error within which a coefficient counts as found.
+/// A coefficient counts as found while its relative error is smaller than this.
 const TOLERANCE: f64 = 0.05;
 
 pub(crate) fn run(arguments: &arguments::Study) -> Result<(), Failure> {
@@ -93,7 +93,7 @@ fn built_in(name: &str, at: &[f64], arguments: &arguments::Study) -> Result<(), 
     deliver(&study, delivery.json, delivery.out.as_deref(), || accuracy_text(&study))
 }
 
-/// A study that cannot be made: its input's fault, or the task has no answer.
+/// The failure for a study that cannot be run: an input error, or a task without an answer.
 pub(crate) fn failure(error: StudyError) -> Failure {
     match error {
         StudyError::Flight(error) => super::simulate::failure(error),
@@ -102,7 +102,7 @@ pub(crate) fn failure(error: StudyError) -> Failure {
     }
 }
 
-/// Runs many flights with a progress bar: `study` is given what to call after each run.
+/// Runs a study with a progress bar; `study` calls the function that it is given after each run.
 pub(super) fn with_progress<T>(
     runs: u32,
     study: impl FnOnce(&(dyn Fn() + Sync)) -> Result<T, StudyError>,
@@ -129,7 +129,7 @@ fn damaged(runs: u32) -> Result<DamageStudy, Failure> {
     with_progress(runs, |done| damage(&scenario, &model, runs as usize, &RECOVERY_S, done))
 }
 
-/// False alarms and failures of the health monitor.
+/// The study of the health monitor: false alarms and detected failures.
 #[derive(Serialize)]
 struct HealthStudies {
     healthy: HealthyStudy,

@@ -22,7 +22,7 @@ struct Document<'a> {
     trim: &'a Trim,
 }
 
-/// The aircraft of a command line.
+/// The aircraft that the command line names.
 pub(crate) fn aircraft(condition: &FlightCondition) -> Result<BuiltInAircraft, Failure> {
     let name = match condition.aircraft {
         AircraftName::F16 => built_in::AircraftName::F16,
@@ -34,14 +34,14 @@ pub(crate) fn aircraft(condition: &FlightCondition) -> Result<BuiltInAircraft, F
     BuiltInAircraft::new(name, tables, condition.cg).map_err(Failure::impossible)
 }
 
-/// Its trim.
+/// The trim of the aircraft in the given condition.
 pub(crate) fn trimmed<A: Aircraft>(aircraft: &A, condition: &FlightCondition) -> Result<Trim, Failure> {
     let (speed, altitude) = (condition.speed.si(), condition.altitude.si());
     let (path, turn) = (condition.flight_path.si(), condition.turn_rate.si());
     Ok(trim(aircraft, &TrimCondition::steady(aircraft, speed, altitude, path, turn))?)
 }
 
-/// Names of aircraft and tables for documents.
+/// Names of the aircraft and its tables, as JSON documents contain them.
 pub(crate) fn names(condition: &FlightCondition) -> (&'static str, &'static str) {
     let aircraft = match condition.aircraft {
         AircraftName::F16 => "f16",
@@ -92,7 +92,7 @@ fn text(document: &Document) -> String {
     text
 }
 
-/// First line of what is printed about a trim.
+/// The first line of the text about a trim.
 pub(crate) fn title(aircraft: &str, tables: &str, cg: f64, trim: &Trim) -> String {
     let mut text = format!(
         "{aircraft} ({tables} tables), cg at {cg} of the mean chord: {} m/s at {} m",

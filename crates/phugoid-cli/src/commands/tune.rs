@@ -67,7 +67,7 @@ pub(crate) fn run(arguments: &arguments::Tune) -> Result<(), Failure> {
     print(&text(&tuning, tunable.runs(Part::HeldOut), conclusion.as_deref(), &arguments.out))
 }
 
-/// Refuses, before the search, a file that could not be written after it. Leaves no trace.
+/// Checks before the search that the file of `--out` can be written, without changing or creating it.
 fn writable(file: &Path) -> Result<(), Failure> {
     let new = !file.exists();
     let mut options = std::fs::OpenOptions::new();
@@ -155,7 +155,7 @@ fn text(tuning: &Tuning, held_out: &[RunName], conclusion: Option<&str>, file: &
     text
 }
 
-/// Means of the held-out runs of each scenario: rule, and tuned below it.
+/// Table of the means over the test runs of each scenario: one row for the rule, and the tuned settings below it.
 fn by_scenario(pairs: &[Pair], searched: bool) -> String {
     let mut table = Table::new(&["scenario", "runs", "", "objective", "within 5 % after", "final error", "coverage"]);
     let mut scenarios: Vec<&str> = Vec::new();

@@ -28,7 +28,7 @@ pub(crate) fn run(arguments: &View) -> Result<(), Failure> {
     print(&format!("{}: {} samples\n", file.display(), finished.rows()))
 }
 
-/// What `phugoid live --replay` would publish of a recording.
+/// The documents that `phugoid live --replay` would publish for a recording.
 fn replayed(reader: Reader, name: &str) -> Result<Collector, Failure> {
     say(&format!("{name} is a recording: what was received is estimated again"));
     let flight = Flight::of(reader.header())?;
@@ -57,7 +57,7 @@ fn serve(arguments: &View, page: String) -> Result<(), Failure> {
     server.serve_page(page).map_err(|error| super::server::no_page(&arguments.address, &error))
 }
 
-/// The command line asks for a file where there is no server.
+/// The failure of a build without the server, where the command line requires `--html`.
 #[cfg(not(feature = "live"))]
 fn serve(_: &View, _: String) -> Result<(), Failure> {
     Err(Failure::input("this program was built without the server of pages: name a file with --html"))

@@ -275,7 +275,7 @@ mod tests {
 
     #[test]
     fn value_and_slope_of_the_drag_are_those_identified() {
-        let model = ModelFile::built_in("hfb320").unwrap().unwrap();
+        let model = ModelFile::named("hfb320").unwrap();
         let mut identified = Identified::start(&model);
         identified.alpha_typical = 0.11;
         let exported = gazebo(&identified).unwrap();

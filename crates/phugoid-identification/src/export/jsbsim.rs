@@ -231,14 +231,14 @@ mod tests {
 
     #[test]
     fn increments_are_refused_and_say_what_would_do() {
-        let model = ModelFile::built_in("f16").unwrap().unwrap();
+        let model = ModelFile::named("f16").unwrap();
         let message = jsbsim(&Identified::start(&model)).unwrap_err().to_string();
         assert!(message.contains("increments") && message.contains("without `base`"), "{message}");
     }
 
     #[test]
     fn every_term_is_there_with_all_its_digits() {
-        let model = ModelFile::built_in("hfb320").unwrap().unwrap();
+        let model = ModelFile::named("hfb320").unwrap();
         let exported = jsbsim(&Identified::start(&model)).unwrap();
         for p in model.estimated().filter(|p| !p.is_nuisance()) {
             let (_, after) = exported.text.split_once(&format!("<!-- {} -->", p.name)).unwrap();

@@ -66,7 +66,7 @@ mod tests {
     /// With the built-in F-16 model: columns dCm_alpha, dCm_q, dCL_alpha, dCD_alpha, dCm_elevator, biases.
     #[test]
     fn a_collinear_pair_is_named_with_what_would_separate_it() {
-        let file = ModelFile::built_in("f16").unwrap().unwrap();
+        let file = ModelFile::named("f16").unwrap();
         let parameters: Vec<&Parameter> = file.estimated().collect();
         let position = |name: &str| parameters.iter().position(|p| p.name == name).unwrap();
         let partner = Partner { column: position("dCm_elevator"), correlation: -0.97 };

@@ -96,7 +96,7 @@ fn the_room_does_not_change_a_bit() {
 
 #[test]
 fn a_model_beyond_the_small_room_is_refused_by_it() {
-    let file = ModelFile::built_in("hfb320").unwrap().unwrap();
+    let file = ModelFile::named("hfb320").unwrap();
     assert!(file.estimated().count() > SMALL_ROOM);
     let noise = [NoiseLevel { std: 0.1, measured: false }; OUTPUTS];
     let f16 = ModelFile::parse("f16", unbiased()).unwrap();

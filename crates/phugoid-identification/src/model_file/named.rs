@@ -98,11 +98,6 @@ impl ModelFile {
         Ok(Self::parse(name, Self::text(name)?)?)
     }
 
-    /// As [`named`](Self::named), none where no model of this name is built in.
-    pub fn built_in(name: &str) -> Option<Result<Self, ModelFileError>> {
-        Self::text(name).ok().map(|text| Self::parse(name, text))
-    }
-
     /// Reads and checks the model file at this path.
     ///
     /// ```

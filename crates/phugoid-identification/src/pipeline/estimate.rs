@@ -74,8 +74,6 @@ pub(crate) fn pipeline(
         |progress: &mut dyn FnMut(f64)| pipeline_of::<LateralModel, _, _>(record, model, options, health, progress);
     let six = |progress: &mut dyn FnMut(f64)| pipeline_of::<SixModel, _, _>(record, model, options, health, progress);
     match model.axes {
-        Axes::Longitudinal if health.is_none() => longitudinal(progress),
-        // With room for 24 columns the monitor takes 3 MB in all its copies while it is set up (measured).
         Axes::Longitudinal => on_a_large_stack(&longitudinal, progress),
         Axes::LateralDirectional => on_a_large_stack(&lateral, progress),
         Axes::All => on_a_large_stack(&six, progress),

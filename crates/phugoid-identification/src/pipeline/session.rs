@@ -8,7 +8,7 @@
 //! use phugoid_identification::estimate::EstimateOptions;
 //! use phugoid_identification::model_file::ModelFile;
 //! use phugoid_identification::session::{Session, Step};
-//! let model = ModelFile::built_in("f16").expect("it is built in")?;
+//! let model = ModelFile::named("f16")?;
 //! let mut session = Session::new(&model, &EstimateOptions::default())?;
 //! assert!(session.channels().iter().any(|name| name == "elevator"));
 //! let nothing_measured = vec![f64::NAN; session.channels().len()];
@@ -64,8 +64,8 @@ const FLYING: f64 = 0.5;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
-/// It may be moved between threads. Models of the lateral motion, or of all axes, need up to 4 MB of stack in
-/// [`Session::update`]: call it on a thread that has 16 MB.
+/// It may be moved between threads. [`Session::update`] needs less than 512 KiB of the stack of the thread that calls it; the
+/// estimator, which needs more while it is set up, is set up on a thread of its own.
 pub struct Session {
     file: ModelFile,
     options: EstimateOptions,

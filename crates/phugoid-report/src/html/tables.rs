@@ -305,7 +305,7 @@ pub(super) fn events(estimation: &Estimation) -> String {
             out,
             "<tr><td class=\"n\">{}</td><td>{}</td><td class=\"words\">{}</td></tr>",
             if event.time_s.is_finite() { fixed(event.time_s, 2) } else { "–".to_owned() },
-            escape(&event_kind(event.kind).0),
+            escape(event_kind(event.kind).0),
             prose(&event.message)
         );
     }

@@ -1,4 +1,4 @@
-//! Which scenarios and methods are asked for.
+//! The scenarios and methods that the command line names.
 
 use std::path::Path;
 
@@ -10,7 +10,7 @@ use crate::arguments::Compare;
 use crate::commands::{estimate, simulate};
 use crate::failure::Failure;
 
-/// The methods named, in that order; all of them where none is.
+/// The named methods in the given order, or all methods if none is named.
 pub(super) fn methods(names: &[String]) -> Result<Vec<Method>, Failure> {
     if names.is_empty() {
         return Ok(Method::ALL.to_vec());
@@ -26,7 +26,7 @@ pub(super) fn methods(names: &[String]) -> Result<Vec<Method>, Failure> {
     Ok(chosen)
 }
 
-/// The scenarios named; the whole arena where none is.
+/// The named scenarios, or all built-in entries if none is named.
 pub(super) fn entries(arguments: &Compare) -> Result<Vec<Entry>, Failure> {
     if arguments.scenarios.is_empty() {
         return BUILT_IN.iter().map(|(id, text)| Entry::parse(text, id).map_err(Failure::input)).collect();

@@ -1,4 +1,4 @@
-//! The comparison as text.
+//! The result of `phugoid compare` as text.
 
 use std::fmt::Write as _;
 
@@ -53,7 +53,7 @@ pub(super) fn text(arena: &Arena, written: &Written) -> String {
     text
 }
 
-/// What the first method takes, in brackets.
+/// Median computing time of the first method per sample, in brackets.
 fn microseconds(arena: &Arena) -> String {
     let mut times: Vec<f64> = arena
         .entries
@@ -118,13 +118,13 @@ fn row(entry: &EntryResult, method: &MethodResult) -> Vec<String> {
     cells
 }
 
-/// The parameter with the largest error.
+/// Name of the parameter with the largest error.
 fn worst(checkpoint: &Checkpoint) -> Option<&ParameterScore> {
     let told = checkpoint.parameters.iter().filter(|p| p.rmse_over_unit.is_finite());
     told.max_by(|a, b| a.rmse_over_unit.total_cmp(&b.rmse_over_unit))
 }
 
-/// A ratio with as many digits as it deserves.
+/// A ratio as text: the larger it is, the fewer decimals.
 fn ratio(value: f64) -> String {
     match value {
         v if v < 9.995 => format!("{v:.2}"),

@@ -1,4 +1,4 @@
-//! What to run: entries by id or group, and case files.
+//! The cases that the command line names: built-in entries by id or group, and case files.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -10,11 +10,11 @@ use phugoid_thesis::result::Reproduction;
 
 use crate::failure::Failure;
 
-/// Something to run.
+/// One case to run.
 pub(super) enum Task {
     /// A built-in entry.
     Entry(Entry),
-    /// A case file, with the id that its result bears: the name of the file.
+    /// A case file, and the id of its result: the name of the file.
     File { id: String, case: Box<Case> },
 }
 
@@ -26,7 +26,10 @@ impl Task {
         }
     }
 
-    /// Runs it; gives the reason in words if there is no result.
+    /// Runs the case.
+    ///
+    /// # Errors
+    /// The reason in words, if the case cannot be run.
     pub(super) fn run(&self, done: &(dyn Fn(f64) + Sync)) -> Result<Reproduction, String> {
         match self {
             Self::Entry(entry) => (entry.run)(entry.id, done).map_err(|error| error.to_string()),
@@ -35,7 +38,7 @@ impl Task {
     }
 }
 
-/// What is wanted, each once, in the order asked for; everything where nothing is asked for.
+/// The named cases in the given order, each once; all cases if none is named.
 pub(super) fn select(wanted: &[String], entries: &[Entry]) -> Result<Vec<Task>, Failure> {
     if wanted.is_empty() {
         return Ok(entries.iter().copied().map(Task::Entry).collect());
@@ -57,8 +60,8 @@ pub(super) fn select(wanted: &[String], entries: &[Entry]) -> Result<Vec<Task>, 
     Ok(tasks)
 }
 
-/// Gives files of one name ids of their own (`mine`, `mine-2`), also beside entries: results are written under their ids, with
-/// a hyphen for the stroke.
+/// Gives case files with the same name different ids (`mine`, `mine-2`), also different from those of entries, because
+/// the ids name the files of the results (with a hyphen instead of the slash).
 fn name_apart(tasks: &mut [Task]) {
     let mut taken: BTreeSet<String> =
         tasks.iter().filter(|t| matches!(t, Task::Entry(_))).map(|t| t.id().replace('/', "-")).collect();

@@ -1,4 +1,4 @@
-//! Reproductions as text.
+//! The result of `phugoid reproduce` as text.
 
 use std::fmt::Write as _;
 
@@ -10,7 +10,8 @@ use phugoid_thesis::result::{Behaviour, Outcome, Reproduction, Requirement, Role
 use super::Written;
 use crate::output::{Table, significant, wrapped};
 
-/// One case in full, or a row or two for each of several; then the requirements, counted, and what was written.
+/// One case with all details, or one or two rows for each of several; then the number of requirements that are met, and
+/// the files that were written.
 pub(super) fn text(reproductions: &[Reproduction], not_run: &[NotRun], written: &Written) -> String {
     let mut text = match reproductions {
         [] => String::new(),
@@ -72,7 +73,7 @@ fn overview(reproductions: &[Reproduction]) -> String {
     )
 }
 
-/// What became of the published laws: each by name, or counted where they are many.
+/// The outcome of the published laws: each by name, or only their numbers if there are many.
 fn printed(outcomes: &[Outcome]) -> String {
     let laws: Vec<&Outcome> = outcomes.iter().filter(|o| o.role == Role::Published).collect();
     let told: Vec<String> = match laws.len() {
@@ -95,7 +96,7 @@ fn seconds(time: Option<f64>, without: &str) -> String {
     time.map_or_else(|| without.to_owned(), |s| format!("{} s", significant(s, 3)))
 }
 
-/// Everything of one case but its figures.
+/// All details of one case, without its figures.
 fn case(reproduction: &Reproduction) -> String {
     let mut text = format!("{}  {}\n", reproduction.id, reproduction.title);
     if !reproduction.place.is_empty() {

@@ -43,10 +43,11 @@ pub(super) fn begin(
     options: &EstimateOptions,
     channels: &[String],
 ) -> Result<(Box<dyn Course>, usize), EstimateError> {
+    let longitudinal = |_: &mut dyn FnMut(f64)| begin_of::<LongitudinalModel, _, _>(start, file, options, channels);
     let lateral = |_: &mut dyn FnMut(f64)| begin_of::<LateralModel, _, _>(start, file, options, channels);
     let six = |_: &mut dyn FnMut(f64)| begin_of::<SixModel, _, _>(start, file, options, channels);
     match file.axes {
-        Axes::Longitudinal => begin_of::<LongitudinalModel, _, _>(start, file, options, channels),
+        Axes::Longitudinal => on_a_large_stack(&longitudinal, &mut |_| {}),
         Axes::LateralDirectional => on_a_large_stack(&lateral, &mut |_| {}),
         Axes::All => on_a_large_stack(&six, &mut |_| {}),
     }

@@ -1,0 +1,15 @@
+//! The text below every help page.
+
+const EXIT_CODES: &str = "\
+Exit codes:
+  0  done
+  1  the task has no answer (no such trim, nothing to estimate, a case that cannot be run)
+  2  wrong command line
+  3  an input (file, name, budget) is unknown, cannot be read or is wrong
+  4  a result cannot be written
+ 10  `phugoid monitor`: the aircraft has diverged from what is expected";
+
+/// The examples of a command, two spaces before each line, and the exit codes of the program after them.
+pub(super) fn examples_and_exit_codes(examples: &str) -> String {
+    format!("Examples:\n{examples}\n\n{EXIT_CODES}")
+}

@@ -1,0 +1,10 @@
+//! The option that names an estimator.
+
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use phugoid_identification::method::Method;
+
+/// Accepts the name of an estimator; the help text lists all names, each with a short description.
+pub(super) fn method() -> impl TypedValueParser<Value = Method> {
+    let named = Method::ALL.iter().map(|method| PossibleValue::new(method.name()).help(method.description()));
+    PossibleValuesParser::new(named).try_map(|name| name.parse::<Method>())
+}
