@@ -18,7 +18,7 @@ const LARGE_DOTS: usize = 150;
 ///
 /// ```
 /// use phugoid_report::chart_figure;
-/// use phugoid_thesis::result::{Axis, Chart, Content, Curve, Meaning, Panel, Shape};
+/// use phugoid_evaluation::chart::{Axis, Chart, Content, Curve, Meaning, Panel, Shape};
 ///
 /// let truth = Curve {
 ///     label: "truth".to_owned(),

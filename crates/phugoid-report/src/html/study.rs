@@ -42,7 +42,7 @@ pub struct StudyPage {
 ///
 /// ```
 /// use phugoid_report::{StudyPage, StudySection, study_html};
-/// use phugoid_thesis::result::{Cell, Column, Table};
+/// use phugoid_evaluation::table::{Cell, Column, Table};
 ///
 /// let table = Table {
 ///     title: "Bounds".to_owned(),
