@@ -45,11 +45,13 @@ pub(super) fn run_causal<M: Motion<N, R>, const N: usize, const R: usize>(
         health: None,
         batch: None,
     };
+    let mut surfaces = vec![0.0; run.columns.len()];
     for k in 0..samples {
         let sample = Sample { time_s: prepared.time[k], input: prepared.inputs[k], outputs: prepared.outputs[k] };
-        let mut surfaces = prepared.surfaces().map(|signal| signal.values[k]);
-        stepper.step(&sample, &mut surfaces, &mut run.events)?;
-        let (shown, surfaces) = (stepper.shown(), stepper.surfaces());
+        let mut positions = prepared.surfaces().map(|signal| signal.values[k]);
+        stepper.step(&sample, &mut positions, &mut run.events)?;
+        stepper.write_surfaces(&mut surfaces);
+        let shown = stepper.shown();
         for (j, column) in run.columns.iter_mut().enumerate() {
             column.values.push(shown.parameters[j]);
             column.std_errors.push(shown.corrected_std_error[j]);

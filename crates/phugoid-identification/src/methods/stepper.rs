@@ -45,7 +45,8 @@ pub(crate) trait CausalRun<I, const R: usize>: Send {
     fn innovations(&self) -> &Innovations<R>;
 
     /// The last correction wanted per column, parameter units, for display.
-    fn surfaces(&self) -> Vec<f64>;
+    /// It is written to `out`, one entry per column in use, so that a long record costs no allocation per sample.
+    fn write_surfaces(&self, out: &mut [f64]);
 
     /// Whether anything has moved yet.
     fn has_moved(&self) -> bool;
@@ -224,8 +225,10 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> Ca
         self.estimator.innovations()
     }
 
-    fn surfaces(&self) -> Vec<f64> {
-        self.estimator.surfaces()[..self.columns()].to_vec()
+    fn write_surfaces(&self, out: &mut [f64]) {
+        for (to, surface) in out.iter_mut().zip(self.estimator.surfaces()) {
+            *to = surface;
+        }
     }
 
     fn has_moved(&self) -> bool {
