@@ -1,6 +1,7 @@
 //! The estimate that an estimator gives after each sample, and the traits of an estimator.
 
 use crate::innovation::Innovations;
+use crate::levels::NoiseReport;
 use crate::model::{Input, Sample};
 
 /// Observability below which a parameter counts as not excited: its bound has shrunk by less than 30 %. Lower would not
@@ -225,6 +226,11 @@ pub trait Inspect<const R: usize, const P: usize>: Estimator<R, P> {
     /// Scale on the process noise that was learnt from the innovations; one where the method learns none.
     fn process_noise_scale(&self) -> f64 {
         1.0
+    }
+
+    /// The noise levels in use, and what has been learnt of them; none for a method that does not use them.
+    fn noise(&self) -> Option<NoiseReport<R>> {
+        None
     }
 
     /// Opens the parameters for a change that is known to happen before the next sample. False where the method cannot.

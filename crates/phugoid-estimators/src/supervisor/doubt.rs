@@ -79,6 +79,7 @@ where
             return false;
         }
         self.champion = opened;
+        self.levels.forget_offsets();
         self.in_doubt = false;
         self.behind = None;
         self.known_change = true;
@@ -93,8 +94,13 @@ where
     pub(super) fn go_back(&mut self, change: &[f64; P], time_s: f64) {
         let Some((detector, challenge)) = &mut self.detection else { return };
         let onset = detector.onset(change);
-        let Some((slot, frame)) = self.history.before(onset[0]) else { return detector.clear() };
+        let Some(snapshot) = self.history.before(onset[0]) else { return detector.clear() };
+        let (slot, frame) = (&snapshot.slot, snapshot.frame);
         self.challenger = *slot;
+        // What the levels have made of the change meanwhile; they stay so while the doubt is open, for both.
+        if let Some(learnt) = &snapshot.levels {
+            self.levels.go_back(learnt);
+        }
         self.faults[1] = Faults::NONE;
         // Where the snapshots do not reach back, from the first one on.
         let earliest = onset[0].max(frame + 1);
@@ -146,14 +152,14 @@ where
 
     /// Opens the challenger if that is due before a frame.
     fn open_before(&mut self, frame: u64, behind: &Behind, change: &[f64; P]) -> bool {
-        let Self { settings, columns, output_of_state, challenger, detection, .. } = self;
+        let Self { levels, columns, output_of_state, challenger, detection, .. } = self;
         let Some((detector, _)) = detection else { return false };
         let [first, last] = behind.open;
         let mut state_variance = [0.0; N];
         if frame == first {
             for (variance, output) in state_variance.iter_mut().zip(output_of_state) {
                 if let Some(output) = *output {
-                    *variance = STATE_ALLOWANCE * settings.noise_std[output] * settings.noise_std[output];
+                    *variance = STATE_ALLOWANCE * levels.std[output] * levels.std[output];
                 }
             }
         } else if frame != last {
@@ -165,16 +171,20 @@ where
     /// One frame of the past.
     fn work_off(&mut self, number: u64) -> bool {
         let first_s = self.first_s;
-        let Self { model, settings, columns, challenger, history, faults, behind, detection, .. } = self;
+        let Self { model, settings, columns, levels, challenger, history, faults, behind, detection, .. } = self;
         let (Some(last), Some(frame)) = (history.frame(number - 1), history.frame(number)) else { return false };
         let input = IntervalInput { from: last.input, to: frame.input, hold: settings.input_hold };
-        if !challenger.predict(model, settings, columns, &input, frame.time_s - last.time_s) {
+        let mut unused = [[0.0; N]; N];
+        let interval_s = frame.time_s - last.time_s;
+        if !challenger.predict(model, settings, columns, levels, &input, interval_s, &mut unused) {
             return false;
         }
         let seen = settings.seen_input(last.input, frame.input);
-        let adapt = frame.time_s - first_s > ADAPTATION_START_S;
+        let adapt = !levels.are_learnt() && frame.time_s - first_s > ADAPTATION_START_S;
         let mut unused = [0.0; P];
-        let innovations = challenger.correct(model, settings, columns, &seen, &frame.outputs, adapt, &mut unused, None);
+        let outputs = &frame.outputs;
+        let innovations =
+            challenger.correct(model, settings, columns, levels, &seen, outputs, adapt, &mut unused, None, None);
         if let (Some(behind), Some((detector, challenge))) = (behind, detection)
             && number >= behind.open[0]
         {
@@ -233,6 +243,7 @@ where
 
     pub(super) fn adopt_challenger(&mut self, time_s: f64) {
         self.champion = self.challenger;
+        self.levels.forget_offsets();
         self.faults[0] = self.faults[1];
         self.in_doubt = false;
         self.behind = None;

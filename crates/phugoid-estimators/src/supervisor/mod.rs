@@ -19,8 +19,9 @@ use crate::columns::Columns;
 use crate::discretization::IntervalInput;
 use crate::estimate::{Estimate, Estimator, Phase};
 use crate::innovation::{Innovations, RowPhase};
+use crate::levels::{Frame, Levels};
 use crate::model::{Model, Sample};
-use crate::settings::{EstimatorSettings, SettingsError};
+use crate::settings::{EstimatorSettings, NoiseAdaptation, SettingsError};
 use crate::supervisor::faults::{Faults, Watch};
 use crate::supervisor::history::History;
 use crate::supervisor::slot::Slot;
@@ -53,6 +54,11 @@ where
     model: M,
     settings: EstimatorSettings<N, R, P>,
     columns: Columns<R, P>,
+    levels: Levels<N, R>,
+    /// What the champion has seen of the last frame; used where levels are learnt.
+    frame: Frame<N, R>,
+    /// Length of the interval that it ends, s.
+    interval_s: f64,
     output_of_state: [Option<usize>; N],
     stage: Stage,
     start: Start<M::Input, R>,
@@ -98,6 +104,14 @@ where
         S::check(&settings)?;
         let columns = Columns::new(&settings, parameters);
         let output_of_state = settings.output_of_state(&model);
+        let noise = &settings.process_noise;
+        let levels = Levels::new(
+            settings.noise_std,
+            settings.noise_learning.as_ref(),
+            noise.adaptation != NoiseAdaptation::Off,
+            &noise.variance_per_s,
+            noise.initial_scale,
+        );
         let champion = S::prior(&settings, &columns);
         let detection = match settings.change_detection {
             None => None,
@@ -111,6 +125,9 @@ where
             model,
             settings,
             columns,
+            levels,
+            frame: Frame::EMPTY,
+            interval_s: 0.0,
             output_of_state,
             stage: Stage::Starting,
             start: Start::new(),
@@ -167,7 +184,10 @@ where
     /// Starts the state and replays the collected frames, if there are enough. True if a gap among them has begun a new
     /// start with fewer frames.
     fn replay(&mut self) -> bool {
-        let Some(started) = self.start.state(&self.settings, &self.output_of_state) else { return false };
+        let Some(started) = self.start.state(&self.settings, &self.levels.std, &self.output_of_state) else {
+            return false;
+        };
+        self.levels.start_state(&started.variances);
         self.champion.start_state(started.x, &started.variances, &started.read_from, &self.columns);
         if self.in_doubt {
             self.challenger.start_state(started.x, &started.variances, &started.read_from, &self.columns);
@@ -188,6 +208,8 @@ where
                 if self.first_s.is_nan() {
                     self.first_s = frame.time_s;
                 }
+                self.interval_s = 0.0;
+                self.frame.stand_still();
                 if self.settings.correct_first_sample {
                     self.correct(&frame, frame.input);
                 }
@@ -244,10 +266,13 @@ where
             return self.restart(sample);
         }
         let input = IntervalInput { from, to: sample.input, hold: self.settings.input_hold };
-        let Self { model, settings, columns, champion, challenger, in_doubt, behind, .. } = self;
+        self.interval_s = interval_s;
+        let Self { model, settings, columns, levels, frame, champion, challenger, in_doubt, behind, .. } = self;
         let up_to_date = *in_doubt && behind.is_none();
-        let challenger_lives = up_to_date && challenger.predict(model, settings, columns, &input, interval_s);
-        if !champion.predict(model, settings, columns, &input, interval_s) {
+        let transition = &mut frame.transition;
+        let challenger_lives =
+            up_to_date && challenger.predict(model, settings, columns, levels, &input, interval_s, transition);
+        if !champion.predict(model, settings, columns, levels, &input, interval_s, transition) {
             if !challenger_lives {
                 return self.restart(sample);
             }
@@ -267,13 +292,18 @@ where
     /// The frame at the present time.
     fn correct(&mut self, sample: &Sample<M::Input, R>, input: M::Input) {
         let since_start_s = sample.time_s - self.first_s;
-        let adapt = since_start_s > ADAPTATION_START_S;
+        let started = since_start_s > ADAPTATION_START_S;
+        let learning = self.levels.are_learnt();
+        let adapt = started && !learning;
         let (kappa, limit) = (self.settings.reaching_limit, self.settings.rejection_limit);
         let nominal_s = self.settings.sample_time_s;
         let faults = self.faults[0];
         let watching = !self.in_doubt;
         let up_to_date = self.in_doubt && self.behind.is_none();
-        let Self { model, settings, columns, champion, challenger, surfaces, detection, history, .. } = self;
+        let Self {
+            model, settings, columns, levels, frame, champion, challenger, surfaces, detection, history, ..
+        } = self;
+        frame.begin(sample.time_s);
         if detection.is_some() {
             history.push(sample);
         }
@@ -283,11 +313,18 @@ where
             reaching_limit: kappa,
             rejection_limit: limit,
         });
-        self.innovations = champion.correct(model, settings, columns, &input, &sample.outputs, adapt, surfaces, watch);
+        let outputs = &sample.outputs;
+        let seen = learning.then_some(&mut *frame);
+        self.innovations =
+            champion.correct(model, settings, columns, levels, &input, outputs, adapt, surfaces, watch, seen);
         let challenged = up_to_date.then(|| {
             let mut unused = [0.0; P];
-            challenger.correct(model, settings, columns, &input, &sample.outputs, adapt, &mut unused, None)
+            challenger.correct(model, settings, columns, levels, &input, outputs, adapt, &mut unused, None, None)
         });
+        if learning {
+            let bursts = |output| faults.bursts(output);
+            levels.take(frame, self.interval_s, !watching, limit, bursts, || champion.state_covariance());
+        }
         self.phase = phase_of(&self.innovations);
         if self.detection.is_some() {
             self.history.judge(faults.merit(&self.innovations, limit));
@@ -316,7 +353,8 @@ where
             return self.restart(sample);
         }
         if self.detection.is_some() {
-            self.history.note(&self.champion);
+            let Self { history, champion, levels, .. } = self;
+            history.note(champion, || levels.learnt());
         }
         if let Some(innovations) = challenged {
             self.contest(&innovations, sample.time_s);

@@ -6,6 +6,7 @@ use crate::estimate::{
     CONVERGED, ChangeState, DetectorReport, DetectorState, EXCITED, Estimate, Inspect, ParameterStatus, Status,
 };
 use crate::innovation::Innovations;
+use crate::levels::NoiseReport;
 use crate::model::Model;
 use crate::settings::EstimatorSettings;
 use crate::supervisor::slot::Slot;
@@ -58,7 +59,12 @@ where
 
     /// `q_s`, the adapted scale of the process noise.
     pub fn process_noise_scale(&self) -> f64 {
-        self.champion.common().noise_scale
+        self.levels.scale.unwrap_or(self.champion.common().noise_scale)
+    }
+
+    /// The noise levels in use, and what has been learnt of them.
+    pub fn noise(&self) -> NoiseReport<R> {
+        self.levels.report(self.champion.common().noise_scale)
     }
 
     /// Samples refused because their time did not increase.
@@ -217,6 +223,10 @@ where
 
     fn process_noise_scale(&self) -> f64 {
         Self::process_noise_scale(self)
+    }
+
+    fn noise(&self) -> Option<NoiseReport<R>> {
+        Some(Self::noise(self))
     }
 
     fn detector(&self) -> Option<DetectorReport> {

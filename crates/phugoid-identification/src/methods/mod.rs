@@ -6,6 +6,7 @@ mod gate;
 mod health_watch;
 mod predict;
 mod readiness;
+mod replay;
 mod room;
 mod settings;
 mod stepper;

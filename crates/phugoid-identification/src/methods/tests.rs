@@ -73,7 +73,7 @@ fn assert_same(a: &Run<OUTPUTS>, b: &Run<OUTPUTS>) {
 #[test]
 fn the_room_does_not_change_a_bit() {
     let record = eventful();
-    let noise = NOISE.map(|std| NoiseLevel { std, measured: false });
+    let noise = NOISE.map(NoiseLevel::given);
     // Five parameters, which fill the small room, and eight.
     for (biases, columns) in [("", 5), ("\n[biases]\nalpha = \"0.3 deg\"\nq = \"0.1 deg/s\"\naz = \"0.02 g\"\n", 8)] {
         let file = ModelFile::parse("f16", &format!("{}{biases}", unbiased())).unwrap();
@@ -98,7 +98,7 @@ fn the_room_does_not_change_a_bit() {
 fn a_model_beyond_the_small_room_is_refused_by_it() {
     let file = ModelFile::named("hfb320").unwrap();
     assert!(file.estimated().count() > SMALL_ROOM);
-    let noise = [NoiseLevel { std: 0.1, measured: false }; OUTPUTS];
+    let noise = [NoiseLevel::given(0.1); OUTPUTS];
     let f16 = ModelFile::parse("f16", unbiased()).unwrap();
     let prepared: Flown = prepare(&fly(2.0, 0.026, 33), &f16).unwrap();
     let error = run_in_room::<SMALL_ROOM>(&prepared, &file, &noise);
@@ -108,7 +108,7 @@ fn a_model_beyond_the_small_room_is_refused_by_it() {
 #[test]
 fn what_the_model_file_says_of_the_estimator_reaches_it() {
     let record = fly(2.0, 0.026, 31);
-    let noise = NOISE.map(|std| NoiseLevel { std, measured: false });
+    let noise = NOISE.map(NoiseLevel::given);
     let options = EstimateOptions::default();
     let settings = |own: &str| {
         let text = format!("{}\n{own}", include_str!("../../../../data/models/f16.toml"));
