@@ -11,6 +11,7 @@ pub use phugoid_estimators::verdict::Readiness;
 pub use phugoid_estimators::{ChangeState, ParameterStatus, Phase};
 
 use super::method::Method;
+pub use super::soundness::{EstimationStatus, ReasonCode, VerdictReason, headline, status_of};
 use crate::batch::{Equation, OutputFit, Unknown};
 
 /// How well a parameter is known at the end of the record.
@@ -27,7 +28,8 @@ pub enum FinalStatus {
     /// The estimate lies on one of the limits of the model file, which exclude the value that the data ask for. Check
     /// the limits and the model.
     AtLimit,
-    /// The bound is small, but the model contradicts the flight, so that the value must not be used.
+    /// The bound is small, but the result as a whole is [refused](EstimationStatus::Refused) or
+    /// [doubtful](EstimationStatus::Doubtful): the value must not be used before its reasons are settled.
     InDoubt,
     /// Not estimated: the model file gives its value.
     Fixed,
@@ -285,8 +287,14 @@ pub struct Estimation {
     /// try.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub offer: Option<Offer>,
-    /// Sentences for the user: the verdict, pairs of parameters that are only known together, doubtful units, model
-    /// error.
+    /// What the result as a whole is worth.
+    #[serde(default)]
+    pub status: EstimationStatus,
+    /// Why it is not sound, the severest first; empty for a sound result.
+    #[serde(default)]
+    pub reasons: Vec<VerdictReason>,
+    /// Sentences for the user: the headline of a refused or doubtful result, the reasons, how many parameters
+    /// have converged, pairs of parameters that are only known together, doubtful units, model error.
     pub verdict: Vec<String>,
     /// Suspected and adopted changes, gaps and restarts, in order of time.
     pub events: Vec<Event>,

@@ -5,17 +5,17 @@ use phugoid_flight_data::quality::{Finding, QualityReport};
 use phugoid_flight_data::record::Record;
 
 use crate::core::axes::Axes;
-use crate::core::estimation::{Estimation, FinalStatus, History, ParameterHistory, ParameterResult, Signal};
+use crate::core::estimation::{Estimation, FinalStatus, History, ParameterHistory, ParameterResult, Signal, status_of};
 use crate::core::method::Method;
 use crate::core::options::EstimateOptions;
 use crate::core::output::Output;
 use crate::judge::effective::{effective, sentence};
 use crate::judge::readiness::readiness;
-use crate::judge::verdict::{is_contradicted, verdict};
+use crate::judge::reasons::{demote, reasons};
+use crate::judge::verdict::verdict;
 use crate::methods::{ColumnRun, Run, Task};
 use crate::model_file::{ModelFile, Parameter};
 use crate::motion::Motion;
-use phugoid_estimators::verdict::Readiness;
 
 pub(crate) fn summarise<M: Motion<N, R>, const N: usize, const R: usize>(
     record: &Record,
@@ -34,17 +34,6 @@ pub(crate) fn summarise<M: Motion<N, R>, const N: usize, const R: usize>(
     }
     let correlation = correlation(&columns, &run.covariance);
     let history = history(task, &columns, run);
-    if run.excited && is_contradicted(&history.residuals) {
-        // An estimate that does not move only because the samples that contradict it are rejected has not converged.
-        for parameter in parameters.iter_mut().filter(|p| p.status == FinalStatus::Converged) {
-            parameter.status = FinalStatus::InDoubt;
-            if let Some(readiness) = parameter.readiness.as_mut().filter(|r| r.verdict == Readiness::Ready) {
-                readiness.verdict = Readiness::Doubtful;
-                readiness.reason = "the model contradicts the flight".to_owned();
-                readiness.ready_since_s = None;
-            }
-        }
-    }
     if run.batch.is_some() {
         // A batch method uses all samples at once: there is no time of convergence.
         parameters.iter_mut().for_each(|p| p.converged_at_s = None);
@@ -54,7 +43,9 @@ pub(crate) fn summarise<M: Motion<N, R>, const N: usize, const R: usize>(
     let std = |row: usize| found.and_then(|std| std.get(row)).copied().unwrap_or(noise[row].std);
     let noise_signals = measured(file).map(|(row, o)| signal(o.name(), o.unit(), vec![std(row)])).collect();
     let effective = effective(&mut parameters, &correlation, file);
-    let mut verdict = verdict(task, &parameters, &correlation, run, doubts, &history);
+    let reasons = reasons(M::AXES, &parameters, run, doubts, &history);
+    demote(&mut parameters, &reasons);
+    let mut verdict = verdict(task, &parameters, &correlation, run, &reasons, &history);
     if run.excited {
         verdict.extend(effective.iter().map(sentence));
     }
@@ -67,6 +58,8 @@ pub(crate) fn summarise<M: Motion<N, R>, const N: usize, const R: usize>(
         effective,
         alpha_reference: prepared.reference.alpha,
         offer: None,
+        status: status_of(&reasons),
+        reasons,
         verdict,
         events: run.events.clone(),
         quality: without(&record.quality, doubts),

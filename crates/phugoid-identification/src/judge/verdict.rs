@@ -2,10 +2,12 @@
 
 use phugoid_estimators::DetectorState;
 use phugoid_estimators::verdict::Readiness;
-use phugoid_flight_data::plausibility::Doubt;
 
-use crate::core::axes::Axes;
-use crate::core::estimation::{BatchReport, EventKind, FinalStatus, History, ParameterResult, Signal};
+use crate::core::estimation::{
+    BatchReport, EstimationStatus, EventKind, FinalStatus, History, ParameterResult, ReasonCode, Signal, VerdictReason,
+    headline,
+};
+use crate::judge::contradiction::{Spread, colour};
 use crate::methods::{Run, Task};
 use crate::motion::Motion;
 
@@ -16,31 +18,26 @@ const GOOD_PREDICTION: f64 = 0.3;
 const INDISTINGUISHABLE: f64 = 0.99;
 /// Correlation from which two parameters are said to depend on each other.
 const CORRELATED: f64 = 0.95;
-/// Share of an output's samples beyond six sigmas from which, if they also come in runs, the model is said to
-/// contradict the flight. Sensors that throw single bad values do not make runs.
-const CONTRADICTED: f64 = 0.05;
-/// Lag-one correlation of clipped residuals from which they are called coloured.
-const COLOURED: f64 = 0.4;
-
 pub(crate) fn verdict<M: Motion<N, R>, const N: usize, const R: usize>(
     task: &Task<M, N, R>,
     parameters: &[ParameterResult],
     correlation: &[Vec<f64>],
     run: &Run<R>,
-    doubts: &[Doubt],
+    reasons: &[VerdictReason],
     history: &History,
 ) -> Vec<String> {
-    let mut sentences = Vec::new();
+    let mut sentences: Vec<String> = headline(reasons).into_iter().collect();
+    // What keeps a result waiting is told below with the parameters, unless nothing moved at all.
+    let told = |r: &&VerdictReason| r.status >= EstimationStatus::Doubtful || r.code == ReasonCode::NoExcitation;
+    sentences.extend(reasons.iter().filter(told).map(|reason| reason.sentence.clone()));
+    let contradicted = reasons.iter().any(|reason| reason.code == ReasonCode::Contradiction);
     let pairs = pairs(parameters, correlation);
     if run.excited {
-        contradiction(&history.residuals, &mut sentences);
         excitation(parameters, &pairs, &mut sentences);
         tell_pairs(parameters, &pairs, &mut sentences);
         advice(parameters, &mut sentences);
-        changes(parameters, run, is_contradicted(&history.residuals), &mut sentences);
+        changes(parameters, run, contradicted, &mut sentences);
         residuals(&history.residuals, run, &mut sentences);
-    } else {
-        no_excitation(M::AXES, &history.measured, &mut sentences);
     }
     let measured: Vec<String> = M::AXES
         .outputs()
@@ -55,7 +52,6 @@ pub(crate) fn verdict<M: Motion<N, R>, const N: usize, const R: usize>(
     if let Some(report) = &run.batch {
         batch(report, &mut sentences);
     }
-    sentences.extend(doubts.iter().map(|d| format!("Check the units: {}.", d.to_string().trim_end_matches('.'))));
     sentences.extend(task.prepared.notes.iter().map(|n| format!("{}.", capitalised(n))));
     sentences
 }
@@ -92,17 +88,6 @@ fn capitalised(text: &str) -> String {
 /// Two parameters and their correlation.
 type Pair = (f64, usize, usize);
 
-fn no_excitation(axes: Axes, measured: &[Signal], sentences: &mut Vec<String>) {
-    let [movers, manoeuvre] = axes.excitation_words();
-    sentences.push(format!(
-        "No excitation: {movers} never move beyond their noise. Steady flight tells at \
-         most sums of terms, so all parameters and their bounds are still those given beforehand. Fly {manoeuvre}."
-    ));
-    if measured.iter().all(|signal| signal.values.windows(2).all(|pair| pair[0] == pair[1])) {
-        sentences.push("Every measured output is exactly constant: the recorder was frozen.".to_owned());
-    }
-}
-
 fn excitation(parameters: &[ParameterResult], pairs: &[Pair], sentences: &mut Vec<String>) {
     let wanted: Vec<&ParameterResult> =
         parameters.iter().filter(|p| !p.nuisance && p.status != FinalStatus::Fixed).collect();
@@ -124,7 +109,7 @@ fn excitation(parameters: &[ParameterResult], pairs: &[Pair], sentences: &mut Ve
     );
     sentences.push(format!("{} of {} parameters have converged.", converged.len(), wanted.len()));
     if !doubtful.is_empty() {
-        sentences.push(format!("In doubt, since the model contradicts the flight: {}.", doubtful.join(", ")));
+        sentences.push(format!("In doubt, for the reasons named first: {}.", doubtful.join(", ")));
     }
     if !improving.is_empty() {
         sentences.push(format!("Still improving, more excitation would help: {}.", improving.join(", ")));
@@ -220,68 +205,6 @@ fn changes<const R: usize>(
              missing in the coefficient build-up; offsets = true under [coefficients] often helps.",
             detector.wander,
             seen.join(", ")
-        ));
-    }
-}
-
-/// How the whitened residuals of one output are spread, once there are enough of them.
-struct Spread {
-    /// Number of samples that have a residual.
-    present: usize,
-    /// Number of residuals beyond six standard deviations.
-    outliers: usize,
-    /// Lag-one correlation, outliers clipped to three sigmas.
-    colour: f64,
-}
-
-impl Spread {
-    fn of(signal: &Signal) -> Option<Self> {
-        Self::of_values(signal.values.iter().copied())
-    }
-
-    fn of_values(values: impl Iterator<Item = f64>) -> Option<Self> {
-        let present: Vec<f64> = values.filter(|v| v.is_finite()).collect();
-        if present.len() < 20 {
-            return None;
-        }
-        let core: Vec<f64> = present.iter().map(|v| v.clamp(-3.0, 3.0)).collect();
-        let power: f64 = core.iter().map(|v| v * v).sum();
-        let lagged: f64 = core.windows(2).map(|w| w[0] * w[1]).sum();
-        Some(Self {
-            present: present.len(),
-            outliers: present.iter().filter(|v| v.abs() > 6.0).count(),
-            colour: if power > 0.0 { lagged / power } else { 0.0 },
-        })
-    }
-
-    fn contradicts(&self) -> bool {
-        self.outliers as f64 > CONTRADICTED * self.present as f64 && self.colour > COLOURED
-    }
-}
-
-/// Whether some output disagrees with its prediction so often, and in runs, that it is the model that is wrong. The
-/// contradicting samples were rejected, so that bounds from the remaining samples alone are too small.
-pub(crate) fn is_contradicted(residuals: &[Signal]) -> bool {
-    residuals.iter().filter_map(Spread::of).any(|spread| spread.contradicts())
-}
-
-/// The lag-one correlation of an output's whitened residuals, if they are coloured.
-pub(crate) fn colour(residuals: impl Iterator<Item = f64>) -> Option<f64> {
-    Spread::of_values(residuals).map(|spread| spread.colour).filter(|colour| *colour > COLOURED)
-}
-
-fn contradiction(residuals: &[Signal], sentences: &mut Vec<String>) {
-    let named: Vec<String> = residuals
-        .iter()
-        .filter_map(|signal| Spread::of(signal).filter(Spread::contradicts).map(|s| (signal, s)))
-        .map(|(signal, s)| format!("{:.0} % of {}", 100.0 * s.outliers as f64 / s.present as f64, signal.name))
-        .collect();
-    if !named.is_empty() {
-        sentences.push(format!(
-            "The model contradicts this flight: more than six sigmas away are {}. Do not use these numbers, nor their \
-             bounds. Look for a wrong unit, sign or time, a delay or an offset of a sensor, a wrong mass or geometry, or \
-             noise levels that are too small.",
-            named.join(", ")
         ));
     }
 }
