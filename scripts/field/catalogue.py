@@ -30,6 +30,8 @@ def _longitudinal() -> list[dict]:
         dict(name="filtered-light", group="common filter", manoeuvres=doublets, gust=0.8, instruments={"common_lag": 0.04}),
         dict(name="rough-records", group="outliers and gaps", manoeuvres=three, instruments=rough),
         dict(name="rough-light", group="outliers and gaps", manoeuvres=doublets, gust=0.8, instruments=rough),
+        # Potentiometers of a tenth of a degree and more: the noise of a known input, which few estimators allow for.
+        dict(name="noisy-surface", group="noisy surface", manoeuvres=three, instruments={"noise_of": {"elevator": 4.0}}),
         dict(name="retrim", group="retrim", manoeuvres=(("3211", "elevator", 4, 1.0), ("doublet", "elevator", 32, 1.0), ("3211", "elevator", 48, 0.8)),
              retrims=((18.0, 0.35, 3.0),), loop="damper", duration=60.0),
         dict(name="throttle", group="retrim", manoeuvres=(("3211", "elevator", 4, 1.0), ("doublet", "elevator", 28, 1.0)), thrust=((16.0, 0.5),),
@@ -38,7 +40,7 @@ def _longitudinal() -> list[dict]:
         dict(name="own-lags", group="own lags", kind="faulty", manoeuvres=three,
              instruments={"lags": {"tas": 0.25, "qbar": 0.25, "alpha": 0.04, "altitude": 0.25, "theta": 0.02, "q": 0.008, "ax": 0.008, "az": 0.008, "elevator": 0.02}}),
         dict(name="damage-cm-alpha", group="damage", manoeuvres=busy, duration=55.0, damage=(28.0, {"Cm_alpha": -0.5}), loop="damper"),
-        dict(name="damage-elevator", group="damage", manoeuvres=busy, duration=55.0, damage=(28.0, {"Cm_elevator": -0.5}), gust=0.4, loop="damper"),
+        dict(name="damage-elevator", group="damage", manoeuvres=busy, duration=55.0, damage=(28.0, {"Cm_elevator": -0.5}), gust=0.4, loop="attitude"),
         dict(name="damage-cl-alpha", group="damage", manoeuvres=busy, duration=55.0, damage=(28.0, {"CL_alpha": -0.25}), loop="attitude"),
         dict(name="damage-cm-q", group="damage", manoeuvres=busy, duration=55.0, damage=(28.0, {"Cm_q": -0.6}), loop="damper"),
         dict(name="damage-tail", group="damage", manoeuvres=busy, duration=55.0, damage=(28.0, {"Cm_elevator": -0.4, "Cm_q": -0.4, "Cm_alpha": -0.3}), gust=0.8,

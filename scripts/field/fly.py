@@ -86,7 +86,8 @@ def fly(sim: Simulator, plan: Plan, rng) -> Flown:
     sim.changes = {}
     for name in COEFFICIENTS:
         sim.set(f"field/{name}", 0.0)
-    sim.set_wind(0.0, 0.0, 0.0)
+    if wind is not None:
+        sim.set_wind(*_to_earth(wind[0], trim["phi"], trim["alpha"], 0.0))
     sim.set_surfaces(trim["elevator"], trim["aileron"], trim["rudder"])
     sim.set_thrust(trim["thrust"])
     sim.start(speed, altitude, trim["alpha"], 0.0, trim["phi"])

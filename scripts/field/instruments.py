@@ -67,7 +67,7 @@ def record(flown, plan, spec, rng) -> tuple[np.ndarray, dict, dict]:
         elif name == "thrust":
             noise[name] = 0.0
         else:
-            noise[name] = spec.sheet[NOISE[name]] * options.get("noise", 1.0)
+            noise[name] = spec.sheet[NOISE[name]] * options.get("noise_of", {}).get(name, 1.0)
         values += noise[name] * rng.standard_normal(len(values))
         columns[name] = values
     time = flown.time[picked]

@@ -38,9 +38,11 @@ def regressors(channels: dict, chord: float, span: float) -> dict:
     }
 
 
-def fit(coefficients: dict, x: dict, axes: str, rows: np.ndarray) -> tuple[dict, dict]:
-    """The truth of the samples `rows`: by parameter its value, its share of the variation of its coefficient, and how much
-    of its regressor the other terms leave (0: none); and by coefficient the part of the variation that the terms explain."""
+def fit(coefficients: dict, x: dict, axes: str, rows: np.ndarray, rate_hz: float) -> tuple[dict, dict]:
+    """The truth of the samples `rows`, `rate_hz` per second: by parameter its value, its share of the variation of its
+    coefficient, how much of its regressor the other terms leave (0: none), and how far the structure determines it: the
+    standard error of the value that what the terms do not explain would make; and by coefficient the part of the variation
+    that the terms explain."""
     parameters, explained = {}, {}
     for coefficient, terms in TERMS[axes].items():
         a = np.column_stack([x[t][rows] for t in terms])
@@ -51,6 +53,7 @@ def fit(coefficients: dict, x: dict, axes: str, rows: np.ndarray) -> tuple[dict,
         residual = y - a @ solution
         variance = ((y - y.mean()) ** 2).sum()
         explained[coefficient] = float(1 - (residual**2).sum() / variance) if variance > 0 else 1.0
+        structure = _structure_std(a, residual, int(2 * rate_hz))
         moved = np.abs(solution) * a.std(axis=0)
         total = moved.sum()
         for k, term in enumerate(terms):
@@ -62,6 +65,22 @@ def fit(coefficients: dict, x: dict, axes: str, rows: np.ndarray) -> tuple[dict,
                 "value": float(solution[k]),
                 "share": share,
                 "own": float(left.std() / spread) if spread > 0 else 0.0,
+                "structure_std": float(structure[k]),
                 "well_excited": term != "0" and share > WELL_EXCITED,
             }
     return parameters, explained
+
+
+def _structure_std(a: np.ndarray, residual: np.ndarray, lags: int) -> np.ndarray:
+    """Standard errors of the least squares for residuals that are correlated over two seconds (W. K. Newey, K. D. West,
+    Econometrica 55, 1987, with Bartlett's weights)."""
+    scale = np.abs(a).max(axis=0)
+    scale[scale == 0] = 1.0
+    a = a / scale
+    moments = a * residual[:, None]
+    middle = moments.T @ moments
+    for k in range(1, min(lags, len(a) - 1)):
+        cross = moments[k:].T @ moments[:-k]
+        middle += (1 - k / lags) * (cross + cross.T)
+    inverse = np.linalg.pinv(a.T @ a)
+    return np.sqrt(np.maximum(np.diag(inverse @ middle @ inverse), 0.0)) / scale
