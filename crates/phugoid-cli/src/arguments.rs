@@ -9,6 +9,7 @@ mod compatibility;
 mod delivery;
 mod design;
 mod estimate;
+mod field;
 mod help;
 mod inspect;
 mod linearize;
@@ -33,6 +34,7 @@ pub(crate) use compatibility::{Compatibility, SensorGroup};
 pub(crate) use delivery::PictureFormat;
 pub(crate) use design::{Design, InputKind, SurfaceName};
 pub(crate) use estimate::{AxesForm, Estimate, Export, ExportForm, Truth};
+pub(crate) use field::Field;
 pub(crate) use inspect::Inspect;
 pub(crate) use linearize::Linearize;
 pub(crate) use monitor::Monitor;
@@ -73,6 +75,7 @@ pub(crate) enum Command {
     Estimate(Estimate),
     Monitor(Monitor),
     Study(Study),
+    Field(Field),
     Compare(Compare),
     Reproduce(Reproduce),
     Tune(Tune),

@@ -33,6 +33,7 @@ fn main() -> ExitCode {
             other => other.map(|_| ()),
         },
         Some(Command::Study(arguments)) => commands::study::run(arguments),
+        Some(Command::Field(arguments)) => commands::field::run(arguments),
         Some(Command::Compare(arguments)) => commands::compare::run(arguments),
         Some(Command::Reproduce(arguments)) => commands::reproduce::run(arguments),
         Some(Command::Tune(arguments)) => commands::tune::run(arguments),

@@ -8,6 +8,7 @@ pub mod convergence;
 pub mod cramer_rao;
 pub mod damage;
 pub mod detection;
+pub mod field;
 pub mod health;
 pub mod monte_carlo;
 pub mod published;

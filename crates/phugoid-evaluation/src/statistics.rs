@@ -49,9 +49,33 @@ pub fn clopper_pearson(k: usize, n: usize) -> [f64; 2] {
     [lower, upper]
 }
 
+/// 95 % interval of the mean of a Poisson count (F. Garwood, *Biometrika* 28, 1936).
+pub fn poisson(count: usize) -> [f64; 2] {
+    // P(X <= k) for the mean m.
+    let at_most = |k: usize, m: f64| -> f64 {
+        let mut term = (-m).exp();
+        let mut sum = term;
+        for i in 1..=k {
+            term *= m / i as f64;
+            sum += term;
+        }
+        sum
+    };
+    let solve = |above: &dyn Fn(f64) -> bool| {
+        let (mut low, mut high) = (0.0, 10.0 + 3.0 * count as f64);
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if above(middle) { high = middle } else { low = middle }
+        }
+        0.5 * (low + high)
+    };
+    let lower = if count == 0 { 0.0 } else { solve(&|m| 1.0 - at_most(count - 1, m) > 0.025) };
+    [lower, solve(&|m| at_most(count, m) < 0.025)]
+}
+
 #[cfg(test)]
 mod tests {
-    use super::{clopper_pearson, median, quantile};
+    use super::{clopper_pearson, median, poisson, quantile};
 
     #[test]
     fn quantiles_of_a_few_values() {
@@ -69,5 +93,16 @@ mod tests {
         let [low, high] = clopper_pearson(1, 10);
         assert!((low - 0.002_529).abs() < 1e-6 && (high - 0.445_016).abs() < 1e-6, "{low} {high}");
         assert_eq!(clopper_pearson(10, 10)[1], 1.0);
+    }
+
+    #[test]
+    fn exact_intervals_of_poisson_counts() {
+        // -ln 0.025; the tables of Garwood (1936): 0.0253 to 5.572 for 1, 4.795 to 18.39 for 10.
+        let [low, high] = poisson(0);
+        assert!(low == 0.0 && (high + 0.025_f64.ln()).abs() < 1e-9);
+        for (count, expected) in [(1, [0.025_318, 5.571_643]), (10, [4.795_389, 18.390_356])] {
+            let found = poisson(count);
+            assert!((found[0] - expected[0]).abs() < 1e-5 && (found[1] - expected[1]).abs() < 1e-5, "{found:?}");
+        }
     }
 }

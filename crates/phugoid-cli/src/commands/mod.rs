@@ -8,6 +8,7 @@ pub(crate) mod design;
 mod detection;
 pub(crate) mod estimate;
 mod export;
+pub(crate) mod field;
 mod flight;
 pub(crate) mod inspect;
 pub(crate) mod linearize;

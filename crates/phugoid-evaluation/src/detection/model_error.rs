@@ -10,6 +10,7 @@ use super::draw::{Order, flown};
 use super::lines::errors_at;
 use crate::accuracy::StudyError;
 use crate::monte_carlo::monte_carlo;
+use crate::statistics::poisson;
 use phugoid_simulation::quantity::Time;
 use phugoid_simulation::scenario::{Scenario, TableFactors};
 
@@ -228,45 +229,5 @@ fn judge(on: &Estimation, off: &Estimation, model: &ModelFile, truth: &[f64]) ->
         insensitive: count(EventKind::Insensitive) > 0,
         end: errors_at(on, model, truth, end_s),
         end_off: errors_at(off, model, truth, end_s),
-    }
-}
-
-/// 95 % interval of the mean of a Poisson count (F. Garwood, *Biometrika* 28, 1936).
-fn poisson(count: usize) -> [f64; 2] {
-    // P(X <= k) for the mean m.
-    let at_most = |k: usize, m: f64| -> f64 {
-        let mut term = (-m).exp();
-        let mut sum = term;
-        for i in 1..=k {
-            term *= m / i as f64;
-            sum += term;
-        }
-        sum
-    };
-    let solve = |above: &dyn Fn(f64) -> bool| {
-        let (mut low, mut high) = (0.0, 10.0 + 3.0 * count as f64);
-        for _ in 0..60 {
-            let middle = 0.5 * (low + high);
-            if above(middle) { high = middle } else { low = middle }
-        }
-        0.5 * (low + high)
-    };
-    let lower = if count == 0 { 0.0 } else { solve(&|m| 1.0 - at_most(count - 1, m) > 0.025) };
-    [lower, solve(&|m| at_most(count, m) < 0.025)]
-}
-
-#[cfg(test)]
-mod tests {
-    use super::poisson;
-
-    #[test]
-    fn exact_intervals_of_counts() {
-        // -ln 0.025; the tables of Garwood (1936): 0.0253 to 5.572 for 1, 4.795 to 18.39 for 10.
-        let [low, high] = poisson(0);
-        assert!(low == 0.0 && (high + 0.025_f64.ln()).abs() < 1e-9);
-        for (count, expected) in [(1, [0.025_318, 5.571_643]), (10, [4.795_389, 18.390_356])] {
-            let found = poisson(count);
-            assert!((found[0] - expected[0]).abs() < 1e-5 && (found[1] - expected[1]).abs() < 1e-5, "{found:?}");
-        }
     }
 }

@@ -1,0 +1,65 @@
+//! `phugoid field`.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use phugoid_evaluation::field::truth::Split;
+use phugoid_identification::method::Method;
+
+use super::delivery::Delivery;
+use super::help::examples_and_exit_codes;
+use super::method::method;
+
+/// Judges the estimates on foreign flights: aircraft of another simulator, recorded as a stranger would, with the truth
+/// beside each record
+///
+/// Each flight goes the path of `phugoid estimate` with default settings. scripts/field/make.py makes the flights;
+/// docs/field.md says what they are.
+#[derive(Debug, Args)]
+#[command(after_help = examples_and_exit_codes(
+    "  phugoid field target/field                                     the flights to develop with
+  phugoid field target/field --method smpe --method ekf          two methods
+  phugoid field target/field --faults 1000                       with physical errors put in
+  phugoid field target/field --only f15 --only turbulence        some of the flights
+  phugoid field target/field --split look-once --out last.json   once, at the end"
+))]
+pub(crate) struct Field {
+    /// Folder with the flights
+    #[arg(value_name = "DIR")]
+    pub(crate) folder: PathBuf,
+    /// Part of the field
+    #[arg(long, value_enum, default_value_t = Part::Develop)]
+    pub(crate) split: Part,
+    /// Estimator; may be repeated [default: smpe]
+    #[arg(long, value_parser = method())]
+    pub(crate) method: Vec<Method>,
+    /// Only flights whose aircraft, group or name contains this; may be repeated
+    #[arg(long, value_name = "TEXT")]
+    pub(crate) only: Vec<String>,
+    /// Number of flights with a physical error put in, for the first method
+    #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=1_000_000))]
+    pub(crate) faults: u32,
+    /// Leave out the health monitor
+    #[arg(long)]
+    pub(crate) no_monitor: bool,
+    #[command(flatten)]
+    pub(crate) delivery: Delivery,
+}
+
+/// Parts of the field.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Part {
+    /// Flights to develop with
+    Develop,
+    /// Flights to be looked at once, at the end
+    LookOnce,
+}
+
+impl Part {
+    pub(crate) fn split(self) -> Split {
+        match self {
+            Self::Develop => Split::Develop,
+            Self::LookOnce => Split::LookOnce,
+        }
+    }
+}

@@ -1,0 +1,198 @@
+//! `phugoid field`.
+
+use std::fmt::Write as _;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use phugoid_evaluation::field::summary::{ChangeSummary, GroupSummary, WatchSummary};
+use phugoid_evaluation::field::truth::Kind;
+use phugoid_evaluation::field::{FaultSummary, FieldOptions, FieldStudy, run as run_field};
+use phugoid_identification::method::Method;
+
+use crate::arguments;
+use crate::failure::Failure;
+use crate::output::{Table, deliver, significant};
+use crate::progress::Progress;
+
+pub(crate) fn run(arguments: &arguments::Field) -> Result<(), Failure> {
+    let methods = if arguments.method.is_empty() { vec![Method::default()] } else { arguments.method.clone() };
+    let options = FieldOptions {
+        split: arguments.split.split(),
+        methods,
+        only: arguments.only.clone(),
+        faults: arguments.faults as usize,
+        monitor: !arguments.no_monitor,
+    };
+    let study = {
+        let progress = Progress::new("estimating");
+        let ready = AtomicUsize::new(0);
+        let done = |all: usize| progress.set((1 + ready.fetch_add(1, Ordering::Relaxed)) as f64 / all as f64);
+        run_field(&arguments.folder, &options, &done).map_err(Failure::input)?
+    };
+    let delivery = &arguments.delivery;
+    deliver(&study, delivery.json, delivery.out.as_deref(), || text(&study))
+}
+
+fn text(study: &FieldStudy) -> String {
+    let mut text = String::new();
+    for (title, summaries) in
+        [("All flights", &study.all), ("By group of flights", &study.groups), ("By aircraft", &study.aircraft)]
+    {
+        let _ = writeln!(text, "{title}\n{}", groups(summaries.iter()));
+    }
+    text.push_str(
+        "Error: of the derivatives that the flight shows, as a part of the truth. Covered: truth within two claimed standard\n\
+         errors. Silently wrong: called converged, without a warning, and more than four standard errors from the truth;\n\
+         the number of flights in which that happens, and how many of those have a remark at least.\n",
+    );
+    let reasons = reasons(&study.all);
+    if !reasons.is_empty() {
+        let _ = writeln!(text, "\nWhy results are not sound\n{reasons}");
+    }
+    let _ = writeln!(text, "\nSudden changes\n{}", changes(&study.changes));
+    if !study.watched.is_empty() {
+        let _ = writeln!(text, "Health monitor\n{}", watched(&study.watched));
+    }
+    if !study.faults.is_empty() {
+        let _ = writeln!(text, "Flights with a physical error put in\n{}", faults(&study.faults));
+    }
+    text
+}
+
+const COLUMNS: [&str; 11] = [
+    "flights",
+    "refused",
+    "doubtful",
+    "numbers",
+    "error",
+    "90 %",
+    "covered",
+    "claimed",
+    "silently wrong",
+    "flights",
+    "remarked",
+];
+
+/// The cells of one summary, without its name.
+fn cells(s: &GroupSummary) -> Vec<String> {
+    let percent = |part: f64| if part.is_nan() { "-".to_owned() } else { format!("{:.1} %", 100.0 * part) };
+    vec![
+        s.flights.to_string(),
+        s.refused.to_string(),
+        s.doubtful.to_string(),
+        s.derivatives.to_string(),
+        percent(s.error_median),
+        percent(s.error_90_percent),
+        percent(s.coverage),
+        percent(s.claimed),
+        percent(s.silently_wrong),
+        s.flights_silently_wrong.to_string(),
+        s.of_those_remarked.to_string(),
+    ]
+}
+
+fn groups<'a>(summaries: impl Iterator<Item = &'a GroupSummary>) -> String {
+    let header: Vec<&str> = ["", "kind", "method"].into_iter().chain(COLUMNS).collect();
+    let mut table = Table::with_words(&header, &[0, 1, 2]);
+    for s in summaries {
+        let kind = match s.kind {
+            Kind::Sound => "sound",
+            Kind::Faulty => "faulty",
+        };
+        table.row([s.name.clone(), kind.to_owned(), s.method.to_string()].into_iter().chain(cells(s)));
+    }
+    table.render()
+}
+
+fn reasons(summaries: &[GroupSummary]) -> String {
+    let mut table = Table::with_words(&["kind", "method", "reason", "flights"], &[0, 1, 2]);
+    let mut any = false;
+    for s in summaries {
+        for (reason, count) in &s.reasons {
+            any = true;
+            let kind = if s.kind == Kind::Sound { "sound" } else { "faulty" };
+            table.row([kind.to_owned(), s.method.to_string(), reason.clone(), count.to_string()]);
+        }
+    }
+    if any { table.render() } else { String::new() }
+}
+
+fn changes(summaries: &[ChangeSummary]) -> String {
+    let mut table = Table::new(&[
+        "method",
+        "healthy",
+        "hours",
+        "adopted",
+        "in flights",
+        "worse after",
+        "damaged",
+        "found",
+        "after",
+        "early",
+        "trim shifts",
+        "found",
+    ]);
+    for s in summaries {
+        let after = if s.latency_median_s.is_nan() {
+            "-".to_owned()
+        } else {
+            format!("{} s", significant(s.latency_median_s, 3))
+        };
+        table.row([
+            s.method.to_string(),
+            s.healthy_flights.to_string(),
+            format!("{:.2}", s.healthy_hours),
+            s.false_adoptions.to_string(),
+            s.flights_with_false_adoptions.to_string(),
+            s.harmed.to_string(),
+            s.damaged.to_string(),
+            s.damages_found.to_string(),
+            after,
+            s.early.to_string(),
+            s.trim_shifts.to_string(),
+            s.trim_shifts_found.to_string(),
+        ]);
+    }
+    table.render()
+}
+
+fn watched(summaries: &[WatchSummary]) -> String {
+    let mut table = Table::new(&[
+        "flights are",
+        "number",
+        "hours",
+        "false alarms",
+        "per hour",
+        "95 %",
+        "called healthy",
+        "missed",
+        "named rightly",
+        "named wrongly",
+        "not named",
+    ]);
+    for s in summaries {
+        table.row([
+            s.name.clone(),
+            s.flights.to_string(),
+            format!("{:.2}", s.hours),
+            s.false_alarms.to_string(),
+            significant(s.per_hour, 3),
+            format!("{} to {}", significant(s.per_hour_interval[0], 3), significant(s.per_hour_interval[1], 3)),
+            s.called_healthy.to_string(),
+            s.missed.to_string(),
+            s.named_rightly.to_string(),
+            s.named_wrongly.to_string(),
+            s.not_named.to_string(),
+        ]);
+    }
+    table.render()
+}
+
+fn faults(summaries: &[FaultSummary]) -> String {
+    let header: Vec<&str> = ["error"].into_iter().chain(COLUMNS).chain(["times the sound error"]).collect();
+    let mut table = Table::new(&header);
+    for s in summaries {
+        let ratio = if s.error_ratio.is_nan() { "-".to_owned() } else { significant(s.error_ratio, 3) };
+        table.row([s.summary.name.clone()].into_iter().chain(cells(&s.summary)).chain([ratio]));
+    }
+    table.render()
+}

@@ -1,0 +1,239 @@
+//! The field: flights of foreign aircraft from another simulator, recorded as a stranger would, with the truth beside them.
+//!
+//! `scripts/field/make.py` flies them; docs/field.md says what they are. Every flight goes the path of `phugoid estimate`
+//! with its default settings; what comes out is counted against the truth of that very flight.
+
+pub mod corruption;
+pub mod standing;
+pub mod summary;
+pub mod trial;
+pub mod truth;
+pub mod watch;
+
+use std::path::{Path, PathBuf};
+
+use phugoid_identification::method::Method;
+use phugoid_identification::model_file::ModelFile;
+use serde::Serialize;
+
+use corruption::{Corruption, Fault};
+use summary::{ChangeSummary, GroupSummary, WatchSummary};
+use trial::{Flight, Trial};
+use truth::{Kind, Split, Truth};
+
+use crate::monte_carlo::monte_carlo;
+
+/// What to run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FieldOptions {
+    /// The part of the field.
+    pub split: Split,
+    /// The methods; each runs on every flight.
+    pub methods: Vec<Method>,
+    /// Only flights whose aircraft, group or name contains one of these; all if it is empty.
+    pub only: Vec<String>,
+    /// Number of flights with an error put in. They go to the first method.
+    pub faults: usize,
+    /// Whether the health monitor watches the sound flights.
+    pub monitor: bool,
+}
+
+/// Why the field could not be run.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum FieldError {
+    /// A folder or a file cannot be read.
+    #[error("cannot read `{path}`: {error}")]
+    Reading {
+        /// Its path.
+        path: String,
+        /// What the system says.
+        error: String,
+    },
+    /// A truth file is not what the generator writes.
+    #[error("{file}: {error}. Make the field again with scripts/field/make.py of this version")]
+    Truth {
+        /// The file.
+        file: String,
+        /// What is wrong with it.
+        error: String,
+    },
+    /// A model file of the field cannot be read.
+    #[error("{0}")]
+    Model(String),
+    /// There is no flight.
+    #[error("{folder}: no flight of the part `{split}`. Make the field with scripts/field/make.py, or name its folder")]
+    Empty {
+        /// The folder that was looked through.
+        folder: String,
+        /// The part that was asked for.
+        split: &'static str,
+    },
+    /// No flight has the words that were asked for.
+    #[error("no flight has {0} in its aircraft, group or name")]
+    NoSuch(String),
+}
+
+impl FieldError {
+    fn reading(path: &Path, error: impl std::fmt::Display) -> Self {
+        Self::Reading { path: path.display().to_string(), error: error.to_string() }
+    }
+}
+
+/// The result: every trial, and what they come to.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FieldStudy {
+    /// The part of the field.
+    pub split: Split,
+    /// By method: all flights together, sound and faulty ones apart.
+    pub all: Vec<GroupSummary>,
+    /// By group of flights.
+    pub groups: Vec<GroupSummary>,
+    /// By aircraft.
+    pub aircraft: Vec<GroupSummary>,
+    /// Sudden changes, by method.
+    pub changes: Vec<ChangeSummary>,
+    /// The health monitor on healthy, damaged and shifted flights; empty if it was not run.
+    pub watched: Vec<WatchSummary>,
+    /// Flights with errors put in: all together first, then by kind of error; empty if there are none.
+    pub faults: Vec<FaultSummary>,
+    /// Every trial, flights with errors put in last.
+    pub trials: Vec<Trial>,
+}
+
+/// Flights with one kind of error put in.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FaultSummary {
+    /// The numbers of these flights.
+    pub summary: GroupSummary,
+    /// Median relative error over that of the same flights without the error; NaN where all are refused.
+    pub error_ratio: f64,
+}
+
+/// A flight to run: which one, by which method, with which error, watched or not.
+type Task = (usize, Method, Option<Corruption>, bool);
+
+/// Runs the field below `folder`. `done` is called after each flight, from any thread, with the number of all.
+///
+/// # Errors
+/// [`FieldError`]: the field cannot be read, or no flight is left to run. A flight that cannot be estimated is a result.
+pub fn run(folder: &Path, options: &FieldOptions, done: &(dyn Fn(usize) + Sync)) -> Result<FieldStudy, FieldError> {
+    let wanted = |truth: &Truth| {
+        let has =
+            |word: &String| [&truth.aircraft, &truth.group, &truth.flight].iter().any(|t| t.contains(word.as_str()));
+        options.only.is_empty() || options.only.iter().any(has)
+    };
+    let truths: Vec<Truth> = truth::find(folder, options.split)?.into_iter().filter(wanted).collect();
+    if truths.is_empty() {
+        return Err(FieldError::NoSuch(options.only.join(" or ")));
+    }
+    let flights: Vec<Flight> = truths.into_iter().map(open).collect::<Result<_, _>>()?;
+    let mut tasks: Vec<Task> = Vec::new();
+    for (number, method) in options.methods.iter().enumerate() {
+        // The monitor has a method of its own: once is enough.
+        let watched = |f: &Flight| options.monitor && number == 0 && f.truth.kind == Kind::Sound;
+        tasks.extend(flights.iter().enumerate().map(|(i, f)| (i, *method, None, watched(f))));
+    }
+    let healthy: Vec<usize> = (0..flights.len()).filter(|i| may_be_corrupted(&flights[*i].truth)).collect();
+    if let (Some(method), false) = (options.methods.first(), healthy.is_empty()) {
+        tasks.extend((0..options.faults).map(|k| {
+            // Kinds and flights go round at their own pace, so that every kind meets every flight.
+            let flight = healthy[(k + k / Fault::ALL.len()) % healthy.len()];
+            (flight, *method, Some(Corruption::draw(k)), false)
+        }));
+    }
+    let run = |k: usize| -> Result<Trial, FieldError> {
+        let (flight, method, corruption, watched) = tasks[k];
+        Ok(flights[flight].trial(method, corruption, watched))
+    };
+    let trials = monte_carlo(tasks.len(), run, || done(tasks.len()))?;
+    Ok(summarise(options, trials))
+}
+
+/// Short flights of healthy aircraft: a long one adds nothing but time.
+fn may_be_corrupted(truth: &Truth) -> bool {
+    truth.is_healthy() && !truth.group.starts_with("long")
+}
+
+fn open(truth: Truth) -> Result<Flight, FieldError> {
+    let path = |name: &str| -> PathBuf { truth.folder.join(name) };
+    let model = ModelFile::find(&path(&truth.model).to_string_lossy()).map_err(|e| FieldError::Model(e.to_string()))?;
+    let record = model.open_record(path(&truth.record)).map_err(|error| error.to_string());
+    Ok(Flight { truth, model, record })
+}
+
+fn summarise(options: &FieldOptions, trials: Vec<Trial>) -> FieldStudy {
+    let plain: Vec<&Trial> = trials.iter().filter(|t| t.corruption.is_none()).collect();
+    let by = |method: Method, kind: Kind| -> Vec<&Trial> {
+        plain.iter().copied().filter(|t| t.method == method && t.kind == kind).collect()
+    };
+    let pairs = || options.methods.iter().flat_map(|m| [Kind::Sound, Kind::Faulty].map(|k| (*m, k)));
+    let grouped = |key: &dyn Fn(&Trial) -> String| -> Vec<GroupSummary> {
+        let mut summaries = Vec::new();
+        for (method, kind) in pairs() {
+            let trials = by(method, kind);
+            let mut names: Vec<String> = Vec::new();
+            for trial in &trials {
+                let name = key(trial);
+                if !names.contains(&name) {
+                    names.push(name);
+                }
+            }
+            for name in names {
+                let own: Vec<&Trial> = trials.iter().copied().filter(|t| key(t) == name).collect();
+                summaries.push(GroupSummary::of(&name, kind, method, &own));
+            }
+        }
+        summaries
+    };
+    let all = pairs()
+        .map(|(method, kind)| (method, kind, by(method, kind)))
+        .filter(|(_, _, own)| !own.is_empty())
+        .map(|(method, kind, own)| GroupSummary::of("all", kind, method, &own))
+        .collect();
+    let of_method = |m: Method| -> Vec<&Trial> { plain.iter().copied().filter(|t| t.method == m).collect() };
+    let watched: Vec<WatchSummary> = [("healthy", false, false), ("damaged", true, false), ("trim shift", true, true)]
+        .into_iter()
+        .map(|(name, changed, shifted)| {
+            let own: Vec<&Trial> = plain
+                .iter()
+                .copied()
+                .filter(|t| t.watched.is_some() && t.change_s.is_some() == changed && t.trim_shift == shifted)
+                .collect();
+            WatchSummary::of(name, &own)
+        })
+        .filter(|summary| summary.flights > 0)
+        .collect();
+    FieldStudy {
+        split: options.split,
+        all,
+        groups: grouped(&|t| format!("{} {}", t.axes, t.group)),
+        aircraft: grouped(&|t| t.aircraft.clone()),
+        changes: options.methods.iter().map(|m| ChangeSummary::of(*m, &of_method(*m))).collect(),
+        watched,
+        faults: faults(&trials),
+        trials,
+    }
+}
+
+/// Flights with errors put in, all together and by kind of error.
+fn faults(trials: &[Trial]) -> Vec<FaultSummary> {
+    let corrupted: Vec<&Trial> = trials.iter().filter(|t| t.corruption.is_some()).collect();
+    let Some(method) = corrupted.first().map(|t| t.method) else { return Vec::new() };
+    let of = |name: &str, own: &[&Trial]| {
+        let same =
+            |t: &&Trial| own.iter().any(|o| o.aircraft == t.aircraft && o.flight == t.flight && t.method == o.method);
+        let clean: Vec<&Trial> = trials.iter().filter(|t| t.corruption.is_none()).filter(same).collect();
+        let summary = GroupSummary::of(name, Kind::Faulty, method, own);
+        let base = GroupSummary::of(name, Kind::Sound, method, &clean).error_median;
+        FaultSummary { error_ratio: summary.error_median / base, summary }
+    };
+    let mut summaries = vec![of("all", &corrupted)];
+    for fault in Fault::ALL {
+        let own: Vec<&Trial> =
+            corrupted.iter().copied().filter(|t| t.corruption.is_some_and(|c| c.fault == fault)).collect();
+        if !own.is_empty() {
+            summaries.push(of(fault.words(), &own));
+        }
+    }
+    summaries
+}

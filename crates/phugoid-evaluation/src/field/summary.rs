@@ -1,0 +1,205 @@
+//! Many trials in a few numbers.
+
+use std::collections::BTreeMap;
+
+use phugoid_identification::method::Method;
+use serde::Serialize;
+
+use super::standing::Standing;
+use super::trial::{Compared, Trial};
+use super::truth::Kind;
+use super::watch::Alarm;
+use crate::statistics::{poisson, quantile};
+
+/// The estimates of a group of flights by one method.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct GroupSummary {
+    /// What the flights have in common: an aircraft, a group, or a kind of error.
+    pub name: String,
+    /// Sound flights, or flights with systematic errors.
+    pub kind: Kind,
+    /// The method.
+    pub method: Method,
+    /// Number of flights.
+    pub flights: usize,
+    /// Flights without numbers, or with the word not to use them.
+    pub refused: usize,
+    /// Flights with the word to look first.
+    pub doubtful: usize,
+    /// How often each reason was given for not being sound.
+    pub reasons: BTreeMap<String, usize>,
+    /// Derivatives that count, in flights that were not refused.
+    pub derivatives: usize,
+    /// Median of their relative error; NaN without any.
+    pub error_median: f64,
+    /// 90 % of them have a smaller relative error.
+    pub error_90_percent: f64,
+    /// Part of them with the truth within two claimed standard errors.
+    pub coverage: f64,
+    /// Part of them that is called converged, in flights without a warning.
+    pub claimed: f64,
+    /// Part of them that is more than four standard errors wrong, called converged, and without a warning.
+    pub silently_wrong: f64,
+    /// Flights with at least one of those.
+    pub flights_silently_wrong: usize,
+    /// Flights among them with a remark that leaves the numbers standing.
+    pub of_those_remarked: usize,
+}
+
+impl GroupSummary {
+    /// The numbers of these trials, which have method and kind in common. NaN where there is nothing to count.
+    pub fn of(name: &str, kind: Kind, method: Method, trials: &[&Trial]) -> Self {
+        let given: Vec<&Compared> = trials.iter().filter(|t| t.is_given()).flat_map(|t| &t.parameters).collect();
+        let part = |count: usize| count as f64 / given.len() as f64;
+        let errors: Vec<f64> = given
+            .iter()
+            // A value that is not finite is further away than any other.
+            .map(|p| p.relative_error())
+            .map(|error| if error.is_nan() { f64::INFINITY } else { error })
+            .collect();
+        let standing = |wanted: Standing| trials.iter().filter(|t| t.word.standing == wanted).count();
+        let mut reasons = BTreeMap::new();
+        for reason in trials.iter().flat_map(|t| &t.word.reasons) {
+            *reasons.entry(reason.clone()).or_insert(0) += 1;
+        }
+        let wrong: Vec<&&Trial> = trials.iter().filter(|t| t.silently_wrong() > 0).collect();
+        let claimed = trials.iter().filter(|t| t.is_silent()).flat_map(|t| &t.parameters);
+        Self {
+            name: name.to_owned(),
+            kind,
+            method,
+            flights: trials.len(),
+            refused: standing(Standing::Refused),
+            doubtful: standing(Standing::Doubtful),
+            reasons,
+            derivatives: given.len(),
+            error_median: quantile(errors.clone(), 0.5),
+            error_90_percent: quantile(errors, 0.9),
+            coverage: part(given.iter().filter(|p| p.is_covered()).count()),
+            claimed: part(
+                claimed.filter(|p| p.status == phugoid_identification::estimation::FinalStatus::Converged).count(),
+            ),
+            silently_wrong: part(trials.iter().map(|t| t.silently_wrong()).sum()),
+            flights_silently_wrong: wrong.len(),
+            of_those_remarked: wrong.iter().filter(|t| !t.word.remarks.is_empty()).count(),
+        }
+    }
+}
+
+/// Sudden changes as the estimators see them.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ChangeSummary {
+    /// The method.
+    pub method: Method,
+    /// Flights of an aircraft that does not change, without systematic errors.
+    pub healthy_flights: usize,
+    /// Their length together, h.
+    pub healthy_hours: f64,
+    /// Changes that were adopted in them.
+    pub false_adoptions: usize,
+    /// Flights in which one was adopted.
+    pub flights_with_false_adoptions: usize,
+    /// Flights among those whose estimate was worse at the end than before the change was suspected.
+    pub harmed: usize,
+    /// Flights with a change of a derivative.
+    pub damaged: usize,
+    /// Flights among them in which a change was adopted after it.
+    pub damages_found: usize,
+    /// Flights among them in which a change was adopted before it.
+    pub early: usize,
+    /// Median time from the damage to its adoption, s, over those that were found.
+    pub latency_median_s: f64,
+    /// Flights with a trim shift.
+    pub trim_shifts: usize,
+    /// Flights among them in which a change was adopted after it.
+    pub trim_shifts_found: usize,
+}
+
+impl ChangeSummary {
+    /// The numbers of the trials of one method, whatever their group. Flights with errors put in do not count.
+    pub fn of(method: Method, trials: &[&Trial]) -> Self {
+        // A refused result has a history too, with the changes in it.
+        let sound = || trials.iter().filter(|t| t.kind == Kind::Sound);
+        let healthy: Vec<&&Trial> = sound().filter(|t| t.change_s.is_none()).collect();
+        let with = |trim_shift: bool| -> Vec<(&Trial, f64)> {
+            sound().filter(|t| t.trim_shift == trim_shift).filter_map(|t| Some((*t, t.change_s?))).collect()
+        };
+        let (damaged, shifted) = (with(false), with(true));
+        let latency = |(trial, change): &(&Trial, f64)| {
+            trial.adoptions.times_s.iter().find(|t| **t >= *change).map(|t| t - change)
+        };
+        let latencies: Vec<f64> = damaged.iter().filter_map(latency).collect();
+        Self {
+            method,
+            healthy_flights: healthy.len(),
+            healthy_hours: healthy.iter().map(|t| t.hours).sum(),
+            false_adoptions: healthy.iter().map(|t| t.adoptions.times_s.len()).sum(),
+            flights_with_false_adoptions: healthy.iter().filter(|t| !t.adoptions.times_s.is_empty()).count(),
+            harmed: healthy.iter().filter(|t| t.adoptions.harmed()).count(),
+            damaged: damaged.len(),
+            damages_found: latencies.len(),
+            early: damaged.iter().filter(|(t, change)| t.adoptions.times_s.iter().any(|at| at < change)).count(),
+            latency_median_s: quantile(latencies, 0.5),
+            trim_shifts: shifted.len(),
+            trim_shifts_found: shifted.iter().filter_map(latency).count(),
+        }
+    }
+}
+
+/// What the health monitor said.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct WatchSummary {
+    /// What the flights are: healthy, damaged, or shifted in trim.
+    pub name: String,
+    /// Flights that were watched.
+    pub flights: usize,
+    /// Their length together, h. An alarm ends the watch of a flight.
+    pub hours: f64,
+    /// False alarms: on healthy flights, or before the change.
+    pub false_alarms: usize,
+    /// False alarms per hour of flight, and the exact 95 % interval for a Poisson count.
+    pub per_hour: f64,
+    /// See `per_hour`.
+    pub per_hour_interval: [f64; 2],
+    /// Healthy flights that were called so at the end.
+    pub called_healthy: usize,
+    /// Flights whose change was not found.
+    pub missed: usize,
+    /// Found, with right names only.
+    pub named_rightly: usize,
+    /// Found, with a name of what did not change.
+    pub named_wrongly: usize,
+    /// Found, without a name.
+    pub not_named: usize,
+}
+
+impl WatchSummary {
+    /// The numbers of the trials that were watched.
+    pub fn of(name: &str, trials: &[&Trial]) -> Self {
+        let watched: Vec<_> = trials.iter().filter_map(|t| Some((*t, t.watched.as_ref()?))).collect();
+        let count = |wanted: Alarm| watched.iter().filter(|(_, w)| w.alarm() == wanted).count();
+        // Hours in which a false alarm could have come.
+        let hours: f64 = watched
+            .iter()
+            .map(|(trial, w)| match (w.flagged_at_s, w.change_s) {
+                (Some(a), Some(b)) => a.min(b) / 3600.0,
+                (Some(a), None) | (None, Some(a)) => a / 3600.0,
+                (None, None) => trial.hours,
+            })
+            .sum();
+        let false_alarms = count(Alarm::False);
+        Self {
+            name: name.to_owned(),
+            flights: watched.len(),
+            hours,
+            false_alarms,
+            per_hour: false_alarms as f64 / hours,
+            per_hour_interval: poisson(false_alarms).map(|n| n / hours),
+            called_healthy: watched.iter().filter(|(_, w)| w.change_s.is_none() && w.called_healthy).count(),
+            missed: count(Alarm::Missed),
+            named_rightly: count(Alarm::NamedRightly),
+            named_wrongly: count(Alarm::NamedWrongly),
+            not_named: count(Alarm::NotNamed),
+        }
+    }
+}

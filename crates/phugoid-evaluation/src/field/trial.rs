@@ -1,0 +1,256 @@
+//! One flight, one method: the path of `phugoid estimate`, and what came of it.
+
+use phugoid_flight_data::record::{Quantity, Record};
+use phugoid_identification::estimate::{EstimateOptions, OfferTerms, estimate};
+use phugoid_identification::estimation::{Estimation, EventKind, FinalStatus};
+use phugoid_identification::method::Method;
+use phugoid_identification::model_file::ModelFile;
+use serde::Serialize;
+
+use super::corruption::Corruption;
+use super::standing::{Standing, Word, refusal, standing};
+use super::truth::{Kind, TrueParameter, Truth};
+use super::watch::{Watched, watch};
+use crate::statistics::median;
+
+/// Errors beyond this many claimed standard errors are counted as wrong.
+const WRONG: f64 = 4.0;
+
+/// The estimate of one derivative that the flight shows, beside the truth.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Compared {
+    /// Name of the parameter.
+    pub name: String,
+    /// True value of this flight.
+    pub truth: f64,
+    /// Standard error of `truth` that what the terms do not explain would make.
+    pub structure_std: f64,
+    /// Estimate at the end.
+    pub value: f64,
+    /// Claimed standard error, corrected for the colour of the residuals.
+    pub std_error: f64,
+    /// What the estimation says of the parameter.
+    pub status: FinalStatus,
+}
+
+impl Compared {
+    /// Error as a part of the truth.
+    pub fn relative_error(&self) -> f64 {
+        (self.value - self.truth).abs() / self.truth.abs()
+    }
+
+    /// Whether the truth lies within two claimed standard errors; a method without bounds claims none.
+    pub fn is_covered(&self) -> bool {
+        (self.value - self.truth).abs() <= 2.0 * self.std_error
+    }
+
+    /// Whether the estimate is called converged and lies more than four standard errors from the truth, the truth's own
+    /// uncertainty included. A value that is not finite is wrong.
+    pub fn is_wrong(&self) -> bool {
+        let claimed = self.std_error.hypot(self.structure_std);
+        // Not `>`: NaN counts as wrong.
+        let within = (self.value - self.truth).abs() <= WRONG * claimed;
+        self.status == FinalStatus::Converged && !within
+    }
+}
+
+/// Sudden changes that an estimation adopted, and what they did to it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Adoptions {
+    /// Times of the adoptions, s.
+    pub times_s: Vec<f64>,
+    /// Median relative error of the derivatives that count, just before the first adopted change was suspected, and at the
+    /// end of the flight; none where nothing was adopted.
+    pub error_before_and_after: Option<[f64; 2]>,
+}
+
+impl Adoptions {
+    /// Whether the estimate after the adoptions is worse than the one before them.
+    pub fn harmed(&self) -> bool {
+        self.error_before_and_after.is_some_and(|[before, after]| after.is_nan() || after > before)
+    }
+}
+
+/// What one method made of one flight.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Trial {
+    /// Name of the aircraft.
+    pub aircraft: String,
+    /// Name of the flight.
+    pub flight: String,
+    /// Group of the flight.
+    pub group: String,
+    /// `longitudinal` or `lateral`.
+    pub axes: String,
+    /// Sound, or with systematic errors.
+    pub kind: Kind,
+    /// Length of the record, h.
+    pub hours: f64,
+    /// The method.
+    pub method: Method,
+    /// The error that was put into the flight, if one was.
+    pub corruption: Option<Corruption>,
+    /// What the estimation says of itself.
+    pub word: Word,
+    /// The derivatives that count; empty where there is no estimate.
+    pub parameters: Vec<Compared>,
+    /// Changes that were adopted.
+    pub adoptions: Adoptions,
+    /// When the aircraft really changed, s.
+    pub change_s: Option<f64>,
+    /// Whether the change moved constants only.
+    pub trim_shift: bool,
+    /// The health monitor on this flight, for the flights that it watches.
+    pub watched: Option<Watched>,
+}
+
+impl Trial {
+    /// Whether there are numbers that the user may take.
+    pub fn is_given(&self) -> bool {
+        self.word.standing != Standing::Refused
+    }
+
+    /// Whether the user is told neither to look first nor to leave the numbers.
+    pub fn is_silent(&self) -> bool {
+        matches!(self.word.standing, Standing::Sound | Standing::Provisional)
+    }
+
+    /// The derivatives that are wrong, called converged, and without a warning.
+    pub fn silently_wrong(&self) -> usize {
+        if self.is_silent() { self.parameters.iter().filter(|p| p.is_wrong()).count() } else { 0 }
+    }
+}
+
+/// One flight of the field in memory.
+pub(super) struct Flight {
+    pub(super) truth: Truth,
+    pub(super) model: ModelFile,
+    /// The record, or why it could not be read.
+    pub(super) record: Result<Record, String>,
+}
+
+impl Flight {
+    /// Runs `method` on the flight, with an error if one is given, and the health monitor beside it if `watched`.
+    pub(super) fn trial(&self, method: Method, corruption: Option<Corruption>, watched: bool) -> Trial {
+        let truth = &self.truth;
+        let mut trial = Trial {
+            aircraft: truth.aircraft.clone(),
+            flight: truth.flight.clone(),
+            group: truth.group.clone(),
+            axes: truth.axes.clone(),
+            kind: if corruption.is_some() { Kind::Faulty } else { truth.kind },
+            hours: 0.0,
+            method,
+            corruption,
+            word: Word { standing: Standing::Refused, reasons: vec!["unreadable".to_owned()], remarks: Vec::new() },
+            parameters: Vec::new(),
+            adoptions: Adoptions::default(),
+            change_s: truth.change.as_ref().map(|c| c.time_s),
+            trim_shift: truth.is_trim_shift(),
+            watched: None,
+        };
+        let Ok(record) = &self.record else { return trial };
+        let mut model = self.model.clone();
+        let corrupted;
+        let record = match corruption {
+            None => record,
+            Some(corruption) => match corrupt(record, &mut model, corruption) {
+                Ok(record) => {
+                    corrupted = record;
+                    &corrupted
+                }
+                // The reader does not take it any more, and says so.
+                Err(_) => return trial,
+            },
+        };
+        trial.hours = record.time.first().zip(record.time.last()).map_or(0.0, |(a, b)| (b - a) / 3600.0);
+        // Trying terms changes no number and none of the words that take numbers back, and costs more than all else.
+        let offer = if corruption.is_some() { OfferTerms::Never } else { OfferTerms::WithReason };
+        let options = EstimateOptions { method: Some(method), offer, ..EstimateOptions::default() };
+        match estimate(record, &model, &options, &mut |_| {}) {
+            Err(error) => trial.word = refusal(&error),
+            Ok(estimation) => {
+                trial.word = standing(&estimation);
+                trial.parameters = compared(&estimation, truth);
+                trial.adoptions = adoptions(&estimation, truth);
+            }
+        }
+        if watched {
+            trial.watched = watch(record, &model, truth);
+        }
+        trial
+    }
+}
+
+/// The record with the error in it, read again as a file would be, so that the reader sees it too.
+fn corrupt(record: &Record, model: &mut ModelFile, corruption: Corruption) -> Result<Record, String> {
+    let mut changed = record.clone();
+    corruption.apply(&mut changed, model);
+    let header = |name: &str, quantity: Quantity| match quantity {
+        Quantity::Number => name.to_owned(),
+        other => format!("{name}_{}", other.si_suffix()),
+    };
+    let mut columns = vec![("time_s".to_owned(), changed.time)];
+    columns.extend(changed.channels.into_iter().map(|c| (header(&c.name, c.quantity), c.values)));
+    Record::from_columns(&record.source, columns).map_err(|error| error.to_string())
+}
+
+/// The derivatives that count, at the end of the flight.
+fn compared(estimation: &Estimation, truth: &Truth) -> Vec<Compared> {
+    let counting = truth.at_end().iter().filter(|(_, p)| p.counts());
+    counting
+        .filter_map(|(name, p)| {
+            let found = estimation.parameter(name)?;
+            Some(Compared {
+                name: name.clone(),
+                truth: p.value,
+                structure_std: p.structure_std,
+                value: found.value,
+                std_error: found.corrected_std_error,
+                status: found.status,
+            })
+        })
+        .collect()
+}
+
+/// The adopted changes, and the errors before and after.
+fn adoptions(estimation: &Estimation, truth: &Truth) -> Adoptions {
+    let of = |kind: EventKind| estimation.events.iter().filter(move |e| e.kind == kind).map(|e| e.time_s);
+    let times_s: Vec<f64> = of(EventKind::Adopted).collect();
+    let Some(first) = times_s.first().copied() else { return Adoptions::default() };
+    // Bounds are widened from the suspicion on.
+    let suspected = of(EventKind::InDoubt).filter(|t| *t <= first).last().unwrap_or(first);
+    let counting: Vec<(&String, &TrueParameter)> = truth.at_end().iter().filter(|(_, p)| p.counts()).collect();
+    let before = estimation.history.time_s.partition_point(|t| *t < suspected).checked_sub(1);
+    let errors = |index: usize| {
+        let error = |(name, p): &(&String, &TrueParameter)| {
+            let course = estimation.history.parameters.iter().find(|h| h.name == **name)?;
+            Some((course.value.get(index)? - p.value).abs() / p.value.abs())
+        };
+        median(counting.iter().filter_map(error).collect())
+    };
+    let last = estimation.history.time_s.len().checked_sub(1);
+    let error_before_and_after = before.zip(last).filter(|_| !counting.is_empty()).map(|(b, l)| [errors(b), errors(l)]);
+    Adoptions { times_s, error_before_and_after }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn compared(value: f64, std_error: f64, status: FinalStatus) -> Compared {
+        Compared { name: "Cm_q".to_owned(), truth: -20.0, structure_std: 0.3, value, std_error, status }
+    }
+
+    #[test]
+    fn wrong_is_what_is_claimed_and_beyond_four_standard_errors() {
+        let claimed = FinalStatus::Converged;
+        // The claim and the truth's own uncertainty together: 0.5, so that 2.0 is the limit.
+        assert!(!compared(-18.1, 0.4, claimed).is_wrong());
+        assert!(compared(-17.9, 0.4, claimed).is_wrong());
+        assert!(!compared(-17.9, 0.4, FinalStatus::Improving).is_wrong());
+        assert!(compared(f64::NAN, 0.4, claimed).is_wrong());
+        assert!(!compared(-18.1, 0.4, claimed).is_covered() && compared(-19.3, 0.4, claimed).is_covered());
+        assert!((compared(-18.0, 0.4, claimed).relative_error() - 0.1).abs() < 1e-12);
+    }
+}

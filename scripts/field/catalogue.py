@@ -1,0 +1,100 @@
+"""Which flights there are: conditions, manoeuvres, instruments, damage; by aircraft and by seed."""
+
+import zlib
+
+from aircraft import Aircraft
+from fly import Plan
+
+# Which repetition of an aircraft's flights belongs to which part. Repetitions differ in condition, times, sizes, gusts, noise.
+REPETITIONS = {"develop": (1,), "look-once": (101,)}
+
+
+def _longitudinal() -> list[dict]:
+    three = (("3211", "elevator", 4, 1.0), ("doublet", "elevator", 18, 1.0))
+    doublets = (("doublet", "elevator", 3, 1.0), ("doublet", "elevator", 11, 0.7), ("2311", "elevator", 19, 0.8))
+    stick = (("stick", "elevator", 2, 1.0, 28),)
+    rough = {"outliers": 0.005, "missing": 0.02, "lost_rows": 0.01, "gaps": ((15.0, 16.6),)}
+    busy = (("3211", "elevator", 3, 1.0), ("stick", "elevator", 14, 0.8, 24), ("doublet", "elevator", 33, 1.0), ("3211", "elevator", 42, 0.9))
+    return [
+        dict(name="calm-3211", group="calm", manoeuvres=three),
+        dict(name="calm-doublets", group="calm", manoeuvres=doublets, rate_hz=100),
+        dict(name="calm-short", group="calm", manoeuvres=(("3211", "elevator", 2, 1.0),), duration=12.0),
+        dict(name="calm-stick-damper", group="closed loop", manoeuvres=stick, loop="damper"),
+        dict(name="calm-3211-attitude", group="closed loop", manoeuvres=three, loop="attitude"),
+        dict(name="light-3211", group="light turbulence", manoeuvres=three, gust=0.8),
+        dict(name="light-stick", group="light turbulence", manoeuvres=stick, gust=0.8, rate_hz=25),
+        dict(name="light-doublets-damper", group="light turbulence", manoeuvres=doublets, gust=0.8, loop="damper"),
+        dict(name="moderate-doublets", group="moderate turbulence", manoeuvres=doublets, gust=1.8, loop="attitude"),
+        dict(name="moderate-3211", group="moderate turbulence", manoeuvres=three, gust=1.8, rate_hz=100),
+        dict(name="filtered-3211", group="common filter", manoeuvres=three, instruments={"common_lag": 0.025}, rate_hz=100),
+        dict(name="filtered-light", group="common filter", manoeuvres=doublets, gust=0.8, instruments={"common_lag": 0.04}),
+        dict(name="rough-records", group="outliers and gaps", manoeuvres=three, instruments=rough),
+        dict(name="rough-light", group="outliers and gaps", manoeuvres=doublets, gust=0.8, instruments=rough),
+        # Potentiometers of a tenth of a degree and more: the noise of a known input, which few estimators allow for.
+        dict(name="noisy-surface", group="noisy surface", manoeuvres=three, instruments={"noise_of": {"elevator": 4.0}}),
+        dict(name="retrim", group="retrim", manoeuvres=(("3211", "elevator", 4, 1.0), ("doublet", "elevator", 32, 1.0), ("3211", "elevator", 48, 0.8)),
+             retrims=((18.0, 0.35, 3.0),), loop="damper", duration=60.0),
+        dict(name="throttle", group="retrim", manoeuvres=(("3211", "elevator", 4, 1.0), ("doublet", "elevator", 28, 1.0)), thrust=((16.0, 0.5),),
+             loop="damper", duration=40.0),
+        dict(name="quiet-first", group="long quiet", manoeuvres=(("3211", "elevator", 32, 1.0),), duration=45.0, gust=0.4, loop="damper"),
+        dict(name="own-lags", group="own lags", kind="faulty", manoeuvres=three,
+             instruments={"lags": {"tas": 0.25, "qbar": 0.25, "alpha": 0.04, "altitude": 0.25, "theta": 0.02, "q": 0.008, "ax": 0.008, "az": 0.008, "elevator": 0.02}}),
+        dict(name="damage-cm-alpha", group="damage", manoeuvres=busy, duration=55.0, damage=(28.0, {"Cm_alpha": -0.5}), loop="damper"),
+        dict(name="damage-elevator", group="damage", manoeuvres=busy, duration=55.0, damage=(28.0, {"Cm_elevator": -0.5}), gust=0.4, loop="attitude"),
+        dict(name="damage-cl-alpha", group="damage", manoeuvres=busy, duration=55.0, damage=(28.0, {"CL_alpha": -0.25}), loop="attitude"),
+        dict(name="damage-cm-q", group="damage", manoeuvres=busy, duration=55.0, damage=(28.0, {"Cm_q": -0.6}), loop="damper"),
+        dict(name="damage-tail", group="damage", manoeuvres=busy, duration=55.0, damage=(28.0, {"Cm_elevator": -0.4, "Cm_q": -0.4, "Cm_alpha": -0.3}), gust=0.8,
+             loop="attitude"),
+        dict(name="trim-shift", group="trim shift", manoeuvres=busy, duration=55.0, damage=(28.0, {"Cm_0": 0.015}), loop="attitude"),
+        dict(name="trim-shift-light", group="trim shift", manoeuvres=busy, duration=55.0, damage=(28.0, {"Cm_0": -0.015}), gust=0.8, loop="damper"),
+        dict(name="long-calm", group="long healthy", duration=240.0, loop="attitude", gust=0.2, rate_hz=25, manoeuvres=_every(240, 22)),
+        dict(name="long-light", group="long healthy", duration=240.0, loop="attitude", gust=0.8, manoeuvres=_every(240, 30)),
+    ]
+
+
+def _every(duration: float, period: float) -> tuple:
+    """A manoeuvre every `period` seconds, in turn; between them nothing is asked."""
+    kinds = ("3211", "doublet", "stick", "2311")
+    out = []
+    for k in range(int((duration - 15) / period)):
+        start = 5.0 + k * period
+        kind = kinds[k % 4]
+        out.append((kind, "elevator", start, 0.8, start + 9.0) if kind == "stick" else (kind, "elevator", start, 0.8))
+    return tuple(out)
+
+
+def _lateral() -> list[dict]:
+    doublets = (("doublet", "aileron", 3, 1.0), ("doublet", "rudder", 9, 1.0), ("doublet", "aileron", 17, 0.8), ("3211", "rudder", 21, 0.6))
+    stick = (("stick", "aileron", 2, 0.9, 27), ("stick", "rudder", 3, 0.8, 28))
+    busy = (("doublet", "aileron", 3, 1.0), ("doublet", "rudder", 8, 1.0), ("stick", "aileron", 15, 0.7, 25), ("stick", "rudder", 15, 0.6, 25),
+            ("doublet", "rudder", 31, 1.0), ("doublet", "aileron", 38, 1.0), ("3211", "rudder", 44, 0.6))
+    rough = {"outliers": 0.005, "missing": 0.02, "lost_rows": 0.01, "gaps": ((14.0, 15.6),)}
+    return [
+        dict(name="lat-calm", group="calm", manoeuvres=doublets),
+        dict(name="lat-stick-damper", group="closed loop", manoeuvres=stick, loop="damper"),
+        dict(name="lat-attitude", group="closed loop", manoeuvres=doublets, loop="attitude", rate_hz=100),
+        dict(name="lat-light", group="light turbulence", manoeuvres=doublets, gust=0.8, loop="attitude"),
+        dict(name="lat-light-stick", group="light turbulence", manoeuvres=stick, gust=0.8, loop="damper", rate_hz=25),
+        dict(name="lat-moderate", group="moderate turbulence", manoeuvres=doublets, gust=1.8, loop="attitude"),
+        dict(name="lat-filtered", group="common filter", manoeuvres=doublets, loop="damper", instruments={"common_lag": 0.025}, rate_hz=100),
+        dict(name="lat-rough", group="outliers and gaps", manoeuvres=doublets, loop="damper", instruments=rough),
+        dict(name="lat-damage-aileron", group="damage", manoeuvres=busy, duration=52.0, damage=(27.0, {"Cl_aileron": -0.5}), loop="attitude"),
+        dict(name="lat-damage-fin", group="damage", manoeuvres=busy, duration=52.0, damage=(27.0, {"Cn_beta": -0.4, "Cn_rudder": -0.4}), loop="attitude", gust=0.4),
+    ]
+
+
+def flights(spec: Aircraft, split: str) -> list[Plan]:
+    """The flights of one aircraft in one part of the field."""
+    if split == "develop" and spec.look_once_only:
+        return []
+    out = []
+    for repetition in REPETITIONS[split]:
+        for axes, list_ in (("longitudinal", _longitudinal()), ("lateral", _lateral())):
+            for one in list_:
+                # The same on every machine: Python's own hash of a text is not.
+                seed = zlib.crc32(f"{spec.name}/{axes}/{one['name']}/{repetition}".encode())
+                plan = Plan(axes=axes, seed=seed, **one)
+                if repetition not in (1, 101):
+                    plan.name += f"-{repetition}"
+                out.append(plan)
+    return out

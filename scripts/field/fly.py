@@ -1,0 +1,207 @@
+"""One flight: commands, feedback, actuators, gusts, damage; what happens is recorded exactly."""
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+import inputs
+from simulator import RHO, PSF, FT, Simulator
+
+# Recorded exactly, 200 times per second; the instruments sample from it.
+RECORD_HZ = 200
+# Bandwidth of the actuators, 1/s.
+ACTUATOR = 20.0
+CHANNELS = ("tas", "alpha", "beta", "phi", "theta", "p", "q", "r", "ax", "ay", "az", "altitude", "density", "qbar", "thrust",
+            "elevator", "aileron", "rudder")
+COEFFICIENTS = ("CL", "CD", "CY", "Cl", "Cm", "Cn")
+
+
+@dataclass
+class Plan:
+    """What one flight does. Amplitudes are multiples of what the aircraft's own response asks for."""
+
+    name: str
+    group: str
+    axes: str  # "longitudinal" or "lateral"
+    seed: int
+    duration: float = 30.0
+    rate_hz: int = 50
+    # (pattern, surface, start s, factor on the amplitude); for "stick": (.., start, factor, end).
+    manoeuvres: tuple = ()
+    # "open", "damper" or "attitude".
+    loop: str = "open"
+    # One sigma of gusts, m/s.
+    gust: float = 0.0
+    # (time s, change of the elevator rad, seconds it takes).
+    retrims: tuple = ()
+    # (time s, factor on the trim thrust).
+    thrust: tuple = ()
+    # time s, {parameter: fraction of its local derivative that is added; for "Cm_0" the elevator (rad) of the same moment}.
+    damage: tuple | None = None
+    instruments: dict = field(default_factory=dict)
+    kind: str = "sound"
+    conditions: tuple = ()
+
+
+@dataclass
+class Flown:
+    time: np.ndarray
+    channels: dict
+    coefficients: dict
+    trim: dict
+    changes: dict
+
+
+def fly(sim: Simulator, plan: Plan, rng) -> Flown:
+    """Flies `plan` and returns the exact record, 200 samples per second."""
+    spec = sim.spec
+    speed = spec.speed * rng.uniform(0.94, 1.08)
+    altitude = spec.altitude * rng.uniform(0.9, 1.1)
+    trim = sim.trim(speed, altitude)
+    if trim["residual"] > 1e-7:
+        raise RuntimeError(f"{spec.name}: no trim at {speed:.0f} m/s (residual {trim['residual']:.1e})")
+    m = sim.response(trim)
+    step = sim.step_s
+    count = int(round(plan.duration / step))
+    time = np.arange(count + 1) * step
+    commands = _commands(time, plan, m, speed, rng)
+    wind = inputs.dryden(time, speed, plan.gust, min(533.0, altitude), rng) if plan.gust > 0 else None
+    thrust = np.full(count + 1, trim["thrust"])
+    for when, factor in plan.thrust:
+        # An engine follows with a lag of 1.5 s.
+        thrust += np.where(time > when, trim["thrust"] * (factor - 1) * (1 - np.exp(-np.maximum(time - when, 0) / 1.5)), 0.0)
+
+    # Feedback, in units of what one radian of the surface does. The wings are kept level in longitudinal flights, and the
+    # pitch attitude in lateral ones, as a pilot would.
+    lateral = plan.axes == "lateral"
+    kq = {"open": 0.0, "damper": 1.2, "attitude": 1.0}[plan.loop] if not lateral else 0.6
+    ktheta = {"open": 0.0, "damper": 0.0, "attitude": 1.0}[plan.loop] if not lateral else 0.4
+    kp, kphi, kr = (0.8, 0.6, 0.4) if not lateral else {"open": (0, 0, 0), "damper": (1.0, 0, 0.6), "attitude": (0.8, 0.6, 0.6)}[plan.loop]
+    gq, gtheta = kq / abs(m["M_elevator"]), ktheta / abs(m["M_elevator"])
+    gp, gphi, gr = kp / abs(m["L_aileron"]), kphi / abs(m["L_aileron"]), kr / abs(m["N_rudder"])
+    limit = 0.35
+
+    changes_asked = _changes(sim, plan, trim)
+    sim.changes = {}
+    for name in COEFFICIENTS:
+        sim.set(f"field/{name}", 0.0)
+    if wind is not None:
+        sim.set_wind(*_to_earth(wind[0], trim["phi"], trim["alpha"], 0.0))
+    sim.set_surfaces(trim["elevator"], trim["aileron"], trim["rudder"])
+    sim.set_thrust(trim["thrust"])
+    sim.start(speed, altitude, trim["alpha"], 0.0, trim["phi"])
+    sim.place_thrust()
+    every = int(round(1 / RECORD_HZ / step))
+    rows, exact = [], []
+    where = trim["elevator"], trim["aileron"], trim["rudder"]
+    lag = 1 - math.exp(-ACTUATOR * step)
+    damage_at = math.inf
+    changes: dict = {}
+    if plan.damage:
+        damage_at = plan.damage[0]
+    get = sim.get
+    for k in range(count + 1):
+        if k > 0:
+            sim.step()
+        if k % every == 0:
+            rows.append(_row(sim))
+            exact.append(tuple(sim.coefficients().values()))
+        if time[k] >= damage_at:
+            changes = changes_asked
+            sim.changes = changes
+            damage_at = math.inf
+        phi, theta = get("attitude/phi-rad"), get("attitude/theta-rad")
+        p, q, r = get("velocities/p-rad_sec"), get("velocities/q-rad_sec"), get("velocities/r-rad_sec")
+        asked = (
+            trim["elevator"] + commands["elevator"][k] + gq * q + gtheta * (theta - trim["alpha"]),
+            trim["aileron"] + commands["aileron"][k] + gp * p + gphi * (phi - trim["phi"]),
+            trim["rudder"] + commands["rudder"][k] + gr * r,
+        )
+        where = tuple(x + lag * (min(max(a, -limit), limit) - x) for x, a in zip(where, asked))
+        sim.set_surfaces(*where)
+        sim.set_thrust(thrust[k])
+        if wind is not None:
+            sim.set_wind(*_to_earth(wind[k], phi, theta, get("attitude/psi-rad")))
+        if abs(phi) > 1.3 or abs(theta) > 0.9 or not math.isfinite(q):
+            raise RuntimeError(f"{spec.name} {plan.name}: it does not fly level any more at {time[k]:.1f} s")
+    rows = np.array(rows)
+    exact = np.array(exact)
+    return Flown(
+        time[::every],
+        {name: rows[:, i] for i, name in enumerate(CHANNELS)},
+        {name: exact[:, i] for i, name in enumerate(COEFFICIENTS)},
+        trim | {"response": m},
+        changes,
+    )
+
+
+def _changes(sim: Simulator, plan: Plan, trim: dict) -> dict:
+    """By how much the damage changes each parameter."""
+    if not plan.damage:
+        return {}
+    changes = {}
+    for name, factor in plan.damage[1].items():
+        coefficient, variable = name.split("_", 1)
+        surface = {"Cm": "elevator", "Cl": "aileron", "Cn": "rudder"}.get(coefficient)
+        changes[name] = factor * sim.derivative(trim, coefficient, surface if variable == "0" else variable)
+    return changes
+
+
+def _commands(time, plan: Plan, m: dict, speed: float, rng) -> dict:
+    """Commands to the three surfaces, from the trim."""
+    frequency = math.sqrt(max(-m["M_alpha"], 0.8))
+    unit = {
+        "elevator": min(max(1.6 / frequency, 0.35), 1.5),
+        "aileron": 1.0,
+        "rudder": min(max(2.0 / math.sqrt(max(m["N_beta"], 0.5)), 0.5), 2.0),
+    }
+    degree = math.pi / 180
+    size = {
+        # About three degrees of angle of attack, fifteen degrees per second of roll, three degrees of sideslip.
+        "elevator": min(max(3 * degree * max(-m["M_alpha"], 1.0) / abs(m["M_elevator"]), 0.7 * degree), 5 * degree),
+        "aileron": min(max(15 * degree * abs(m["L_p"] / m["L_aileron"]), 1.0 * degree), 8 * degree),
+        "rudder": min(max(3 * degree * abs(m["N_beta"] / m["N_rudder"]), 1.0 * degree), 8 * degree),
+    }
+    commands = {name: np.zeros(len(time)) for name in size}
+    for pattern, surface, start, factor, *rest in plan.manoeuvres:
+        amplitude = size[surface] * factor * rng.uniform(0.85, 1.15)
+        if pattern == "stick":
+            commands[surface] += inputs.stick(time, start, rest[0], 0.5 / unit[surface] ** 0.5, amplitude * 1.3, rng)
+        else:
+            sign = -1 if rng.random() < 0.5 else 1
+            start = start + rng.uniform(-0.3, 0.3)
+            commands[surface] += inputs.steps(time, start, unit[surface] * rng.uniform(0.9, 1.1), inputs.PATTERNS[pattern], sign * amplitude)
+    for when, change, takes in plan.retrims:
+        commands["elevator"] += size["elevator"] * change * np.clip((time - when) / takes, 0, 1)
+    return commands
+
+
+def _to_earth(gust, phi, theta, psi):
+    """From body axes to north, east, down."""
+    u, v, w = gust
+    sf, cf, st, ct, sp, cp = math.sin(phi), math.cos(phi), math.sin(theta), math.cos(theta), math.sin(psi), math.cos(psi)
+    x, y, z = u * ct + (v * sf + w * cf) * st, v * cf - w * sf, -u * st + (v * sf + w * cf) * ct
+    return x * cp - y * sp, x * sp + y * cp, z
+
+
+def _row(sim: Simulator) -> tuple:
+    get = sim.get
+    return (
+        get("velocities/vt-fps") * FT,
+        get("aero/alpha-rad"),
+        get("aero/beta-rad"),
+        get("attitude/phi-rad"),
+        get("attitude/theta-rad"),
+        get("velocities/p-rad_sec"),
+        get("velocities/q-rad_sec"),
+        get("velocities/r-rad_sec"),
+        *sim.specific_force(),
+        get("position/h-sl-ft") * FT,
+        get("atmosphere/rho-slugs_ft3") * RHO,
+        get("aero/qbar-psf") * PSF,
+        get("external_reactions/thrust/magnitude") * 4.4482216152605,
+        sim.surfaces["elevator"],
+        sim.surfaces["aileron"],
+        sim.surfaces["rudder"],
+    )

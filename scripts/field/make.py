@@ -1,0 +1,121 @@
+#!/usr/bin/env python3
+"""Flies the field: foreign aircraft of JSBSim, recorded as a stranger would, with the truth beside each record.
+
+    scripts/field/make.py [FOLDER] [--only NAME ...] [--split develop|look-once] [--jobs N] [--step S]
+
+Needs `jsbsim` and `numpy` as pinned in tests/python/requirements.txt. The same numbers come out every time.
+docs/field.md says what the flights are.
+"""
+
+import argparse
+import json
+import multiprocessing
+import os
+import pathlib
+import sys
+import tempfile
+import time
+
+import numpy as np
+
+import instruments
+import model_file
+import truth
+from aircraft import FLEET
+from catalogue import flights
+from fly import Plan, fly
+from simulator import Simulator
+
+
+def one_flight(sim: Simulator, plan: Plan, split: str, folder: pathlib.Path) -> dict:
+    """Flies, records and writes one flight; returns its truth."""
+    spec = sim.spec
+    rng = np.random.default_rng(plan.seed)
+    flown = fly(sim, plan, rng)
+    at, columns, noise = instruments.record(flown, plan, spec, np.random.default_rng([plan.seed, 1]))
+    instruments.write_csv(folder / f"{plan.name}.csv", at, columns, spec)
+    x = truth.regressors(flown.channels, sim.chord, sim.span)
+    rows = np.searchsorted(flown.time, at - 1e-9)
+    out = {
+        "flight": plan.name,
+        "aircraft": spec.name,
+        "stands_for": spec.stands_for,
+        "split": split,
+        "kind": plan.kind,
+        "group": plan.group,
+        "axes": plan.axes,
+        "loop": plan.loop,
+        "gust_m_s": plan.gust,
+        "rate_hz": plan.rate_hz,
+        "duration_s": plan.duration,
+        "seed": plan.seed,
+        "model": f"{plan.axes}.toml",
+        "record": f"{plan.name}.csv",
+        "trim": {k: v for k, v in flown.trim.items() if k != "response"},
+        "noise": noise,
+        "instruments": plan.instruments,
+    }
+    damage_at = plan.damage[0] if plan.damage else None
+    before = rows if damage_at is None else rows[flown.time[rows] < damage_at]
+    parameters, explained = truth.fit(flown.coefficients, x, plan.axes, before, plan.rate_hz)
+    out["truth"] = {"parameters": parameters, "explained": explained, "until_s": damage_at}
+    if damage_at is not None:
+        after, explained = truth.fit(flown.coefficients, x, plan.axes, rows[flown.time[rows] >= damage_at], plan.rate_hz)
+        out["change"] = {"time_s": damage_at, "changes": flown.changes, "after": after, "explained": explained}
+    (folder / f"{plan.name}.truth.json").write_text(json.dumps(out, indent=1) + "\n")
+    return out
+
+
+def one_aircraft(job) -> list[str]:
+    """All flights of one aircraft in one part; returns a line per flight."""
+    spec, split, folder, step, only = job
+    place = folder / split / spec.name
+    place.mkdir(parents=True, exist_ok=True)
+    lines = []
+    with tempfile.TemporaryDirectory() as scratch:
+        sim = Simulator(spec, pathlib.Path(scratch), step)
+        sim.trim(spec.speed, spec.altitude)
+        for axes in truth.TERMS:
+            model_file.write(place / f"{axes}.toml", sim, spec, axes)
+        for plan in flights(spec, split):
+            if (only and not any(o in plan.name for o in only)) or any(plan.name.startswith(o) for o in spec.left_out):
+                continue
+            try:
+                # Another one for each flight, so that nothing of the last one is left in it.
+                made = one_flight(Simulator(spec, pathlib.Path(scratch), step), plan, split, place)
+                explained = " ".join(f"{k} {v:.3f}" for k, v in made["truth"]["explained"].items())
+                lines.append(f"{split:9} {spec.name:10} {plan.name:22} {plan.group:18} R2 of the terms: {explained}")
+            except RuntimeError as error:
+                lines.append(f"{split:9} {spec.name:10} {plan.name:22} LEFT OUT: {error}")
+    return lines
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folder", nargs="?", default="target/field", type=pathlib.Path)
+    parser.add_argument("--only", nargs="+", default=[], help="flights whose name contains one of these")
+    parser.add_argument("--aircraft", nargs="+", default=[])
+    parser.add_argument("--split", choices=("develop", "look-once"))
+    parser.add_argument("--jobs", type=int, default=os.cpu_count())
+    parser.add_argument("--step", type=float, default=1 / 600, help="step of the simulation, s")
+    arguments = parser.parse_args()
+    began = time.time()
+    jobs = [
+        (spec, split, arguments.folder, arguments.step, arguments.only)
+        for split in ("develop", "look-once")
+        if arguments.split in (None, split)
+        for spec in FLEET
+        if (not arguments.aircraft or spec.name in arguments.aircraft) and not (split == "develop" and spec.look_once_only)
+    ]
+    left_out = 0
+    # A process of its own for each aircraft: JSBSim ends the process where a description is wrong.
+    with multiprocessing.Pool(arguments.jobs, maxtasksperchild=1) as pool:
+        for lines in pool.imap(one_aircraft, jobs):
+            for line in lines:
+                left_out += "LEFT OUT" in line
+                print(line, flush=True)
+    print(f"{time.time() - began:.0f} s, {left_out} flights left out", file=sys.stderr)
+
+
+if __name__ == "__main__":
+    main()
