@@ -86,6 +86,11 @@ pub enum ChangeState {
     /// The challenger was adopted at this sample: the parameters changed. Results of older versions say `re_reached`.
     #[cfg_attr(feature = "serde", serde(alias = "re_reached"))]
     Adopted,
+    /// A change was adopted and the former estimate still runs as its rival: it is given up once everything that was
+    /// re-opened has been excited and the new estimate has predicted better.
+    OnProbation,
+    /// The former estimate has predicted better and took its place again at this sample: there was no change.
+    RolledBack,
 }
 
 impl ChangeState {
@@ -95,6 +100,8 @@ impl ChangeState {
             Self::Steady => "steady",
             Self::InDoubt => "in_doubt",
             Self::Adopted => "adopted",
+            Self::OnProbation => "on_probation",
+            Self::RolledBack => "rolled_back",
         }
     }
 }
@@ -131,6 +138,8 @@ pub enum ParameterStatus {
     Improving,
     /// The bound is a small part of the prior's.
     Converged,
+    /// A change has re-opened it and nothing has excited it since: what it was before need not hold any more.
+    Unknown,
     /// It is held at one of its limits, or lies outside: the declared bounds exclude what the data say. Check the
     /// bounds.
     AtLimit,
@@ -143,6 +152,7 @@ impl ParameterStatus {
             Self::NotExcited => "not_excited",
             Self::Improving => "improving",
             Self::Converged => "converged",
+            Self::Unknown => "unknown",
             Self::AtLimit => "at_limit",
         }
     }
@@ -231,6 +241,11 @@ pub trait Inspect<const R: usize, const P: usize>: Estimator<R, P> {
     /// The noise levels in use, and what has been learnt of them; none for a method that does not use them.
     fn noise(&self) -> Option<NoiseReport<R>> {
         None
+    }
+
+    /// Time since which parameters that a change has re-opened are unknown, s; NaN without such a change.
+    fn reopened_s(&self) -> f64 {
+        f64::NAN
     }
 
     /// Opens the parameters for a change that is known to happen before the next sample. False where the method cannot.

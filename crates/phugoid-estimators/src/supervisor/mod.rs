@@ -8,6 +8,7 @@ mod doubt;
 pub(crate) mod faults;
 mod history;
 mod lost;
+mod probation;
 mod report;
 pub(crate) mod slot;
 pub(crate) mod start;
@@ -24,6 +25,7 @@ use crate::model::{Model, Sample};
 use crate::settings::{EstimatorSettings, NoiseAdaptation, SettingsError};
 use crate::supervisor::faults::{Faults, Watch};
 use crate::supervisor::history::History;
+use crate::supervisor::probation::{Probation, Reopened};
 use crate::supervisor::slot::Slot;
 use crate::supervisor::start::Start;
 use crate::supervisor::trial::Trial;
@@ -82,6 +84,11 @@ where
     /// What is known of failing sensors, with the residuals of the champion and of the challenger.
     faults: [Faults<R>; 2],
     adopted: bool,
+    /// The former estimate has taken its place again since the last sample.
+    rolled_back: bool,
+    /// The challenger is the former estimate, a rival of the one that was adopted.
+    probation: Option<Probation>,
+    reopened: Reopened<P>,
     /// Opened for a known change since the last sample.
     known_change: bool,
     rejected_samples: u64,
@@ -147,6 +154,9 @@ where
             phase: Phase::Starting,
             faults: [Faults::NONE; 2],
             adopted: false,
+            rolled_back: false,
+            probation: None,
+            reopened: Reopened::NONE,
             known_change: false,
             rejected_samples: 0,
             restarts: 0,
@@ -189,7 +199,7 @@ where
         };
         self.levels.start_state(&started.variances);
         self.champion.start_state(started.x, &started.variances, &started.read_from, &self.columns);
-        if self.in_doubt {
+        if self.in_doubt || self.probation.is_some() {
             self.challenger.start_state(started.x, &started.variances, &started.read_from, &self.columns);
         }
         self.stage = Stage::Running;
@@ -226,8 +236,11 @@ where
         self.rejections = Rejections::NONE;
         self.catch_up_at_once();
         self.history.clear();
-        if self.in_doubt && !self.challenger.is_sound(self.columns.count) {
-            self.drop_challenger();
+        if !self.challenger.is_sound(self.columns.count) {
+            self.end_probation();
+            if self.in_doubt {
+                self.drop_challenger();
+            }
         }
         if let Some((detector, _)) = &mut self.detection {
             detector.clear();
@@ -235,6 +248,8 @@ where
         if !self.champion.is_sound(self.columns.count) {
             if self.in_doubt {
                 self.adopt_challenger(sample.time_s);
+            } else if self.probation.is_some() {
+                self.roll_back();
             } else {
                 // Nothing of the estimate can be trusted: back to the prior.
                 self.champion = S::prior(&self.settings, &self.columns);
@@ -255,6 +270,8 @@ where
         self.champion = S::prior(&self.settings, &self.columns);
         self.in_doubt = false;
         self.behind = None;
+        self.probation = None;
+        self.reopened = Reopened::NONE;
         self.restart(sample);
     }
 
@@ -267,8 +284,8 @@ where
         }
         let input = IntervalInput { from, to: sample.input, hold: self.settings.input_hold };
         self.interval_s = interval_s;
-        let Self { model, settings, columns, levels, frame, champion, challenger, in_doubt, behind, .. } = self;
-        let up_to_date = *in_doubt && behind.is_none();
+        let up_to_date = self.second_is_up_to_date();
+        let Self { model, settings, columns, levels, frame, champion, challenger, .. } = self;
         let transition = &mut frame.transition;
         let challenger_lives =
             up_to_date && challenger.predict(model, settings, columns, levels, &input, interval_s, transition);
@@ -276,10 +293,18 @@ where
             if !challenger_lives {
                 return self.restart(sample);
             }
-            // The champion is lost and the challenger is not.
-            self.adopt_challenger(sample.time_s);
+            // The champion is lost and the other one is not.
+            if self.in_doubt {
+                self.adopt_challenger(sample.time_s);
+            } else {
+                self.roll_back();
+            }
         } else if up_to_date && !challenger_lives {
-            self.drop_challenger();
+            if self.in_doubt {
+                self.drop_challenger();
+            } else {
+                self.end_probation();
+            }
         }
         if let Some((_, challenge)) = &mut self.detection {
             challenge.pass_time(interval_s);
@@ -287,6 +312,12 @@ where
         self.last_s = sample.time_s;
         self.last_input = Some(sample.input);
         self.correct(sample, self.settings.seen_input(from, sample.input));
+    }
+
+    /// Whether a second estimate runs beside the champion and has seen every frame: a challenger that has caught up, or
+    /// the rival of an adopted estimate.
+    fn second_is_up_to_date(&self) -> bool {
+        (self.in_doubt && self.behind.is_none()) || self.probation.is_some()
     }
 
     /// The frame at the present time.
@@ -299,7 +330,7 @@ where
         let nominal_s = self.settings.sample_time_s;
         let faults = self.faults[0];
         let watching = !self.in_doubt;
-        let up_to_date = self.in_doubt && self.behind.is_none();
+        let up_to_date = self.second_is_up_to_date();
         let Self {
             model, settings, columns, levels, frame, champion, challenger, surfaces, detection, history, ..
         } = self;
@@ -356,15 +387,28 @@ where
             let Self { history, champion, levels, .. } = self;
             history.note(champion, || levels.learnt());
         }
-        if let Some(innovations) = challenged {
-            self.contest(&innovations, sample.time_s);
+        let mut own = self.innovations;
+        if let Some(mut innovations) = challenged {
+            if self.in_doubt {
+                self.contest(&innovations, sample.time_s);
+            } else {
+                self.judge_probation(&innovations);
+            }
+            if self.adopted || self.rolled_back {
+                // The two have changed places.
+                core::mem::swap(&mut own, &mut innovations);
+            }
             self.faults[1].note(&innovations, limit, nominal_s);
         } else if self.in_doubt {
             self.catch_up();
-        } else if self.phase != Phase::Predicting {
+        }
+        if watching && self.phase != Phase::Predicting {
             self.watch(since_start_s, sample.time_s);
         }
-        self.faults[0].note(&self.innovations, limit, nominal_s);
+        if self.reopened.any() {
+            self.reopened.note(&self.champion.variances());
+        }
+        self.faults[0].note(&own, limit, nominal_s);
     }
 }
 
@@ -377,6 +421,7 @@ where
 
     fn update(&mut self, sample: &Sample<Self::Input, R>) -> Estimate<P> {
         self.adopted = core::mem::take(&mut self.known_change);
+        self.rolled_back = false;
         if !sample.time_s.is_finite() || sample.time_s <= self.last_s {
             self.rejected_samples = self.rejected_samples.saturating_add(1);
             self.phase = Phase::Rejected;

@@ -136,8 +136,12 @@ where
                 phase: self.phase,
                 change: if self.adopted {
                     ChangeState::Adopted
+                } else if self.rolled_back {
+                    ChangeState::RolledBack
                 } else if self.in_doubt {
                     ChangeState::InDoubt
+                } else if self.probation.is_some() {
+                    ChangeState::OnProbation
                 } else {
                     ChangeState::Steady
                 },
@@ -182,6 +186,8 @@ where
         let scale = if change > 0.0 { std.min(2.0 * change) } else { std };
         if observability < EXCITED {
             ParameterStatus::NotExcited
+        } else if self.reopened.is_unknown(j) {
+            ParameterStatus::Unknown
         } else if limited {
             ParameterStatus::AtLimit
         } else if corrected <= CONVERGED * scale {
@@ -223,6 +229,10 @@ where
 
     fn process_noise_scale(&self) -> f64 {
         Self::process_noise_scale(self)
+    }
+
+    fn reopened_s(&self) -> f64 {
+        self.reopened.since_s
     }
 
     fn noise(&self) -> Option<NoiseReport<R>> {

@@ -69,6 +69,8 @@ pub enum ReasonCode {
     Channel,
     /// Nothing moved above the noise.
     NoExcitation,
+    /// The noise levels of the outputs were still being learnt.
+    NoiseNotLearnt,
     /// No parameter has converged.
     NotConverged,
     /// A parameter lies at one of its limits.
@@ -96,6 +98,7 @@ impl ReasonCode {
             Self::Units => "units",
             Self::Channel => "channel",
             Self::NoExcitation => "no-excitation",
+            Self::NoiseNotLearnt => "noise-not-learnt",
             Self::NotConverged => "not-converged",
             Self::AtLimit => "at-limit",
             Self::ChangeInDoubt => "change-in-doubt",
@@ -118,6 +121,7 @@ impl ReasonCode {
             Self::Units => "a unit or sign is implausible",
             Self::Channel => "a channel is stuck or saturated",
             Self::NoExcitation => "nothing moved",
+            Self::NoiseNotLearnt => "the noise levels are not yet known",
             Self::NotConverged => "no parameter has converged",
             Self::AtLimit => "a parameter lies at its limit",
             Self::ChangeInDoubt => "a change is suspected at the end",

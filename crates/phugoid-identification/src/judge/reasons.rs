@@ -73,6 +73,12 @@ fn unsettled<const R: usize>(parameters: &[ParameterResult], run: &Run<R>) -> Ve
         sentence,
     };
     let mut found = Vec::new();
+    if run.noise.is_some_and(|noise| noise.is_provisional) {
+        let sentence = "The record ends before the noise levels of the outputs are known: two seconds after the first \
+                        motion and a little more are needed. Until then bounds are provisional."
+            .to_owned();
+        found.push(provisional(ReasonCode::NoiseNotLearnt, Vec::new(), sentence));
+    }
     if wanted().count() > 0 && names(FinalStatus::Converged).is_empty() {
         let sentence = "No parameter has converged: the record excites them too little or is too short.".to_owned();
         found.push(provisional(ReasonCode::NotConverged, Vec::new(), sentence));

@@ -5,7 +5,10 @@ use phugoid_flight_data::quality::{Finding, QualityReport};
 use phugoid_flight_data::record::Record;
 
 use crate::core::axes::Axes;
-use crate::core::estimation::{Estimation, FinalStatus, History, ParameterHistory, ParameterResult, Signal, status_of};
+use crate::core::estimation::{
+    AdoptedChange, ChangedParameter, Estimation, FinalStatus, History, ParameterHistory, ParameterResult, Signal,
+    status_of,
+};
 use crate::core::method::Method;
 use crate::core::options::EstimateOptions;
 use crate::core::output::Output;
@@ -13,7 +16,7 @@ use crate::judge::effective::{effective, sentence};
 use crate::judge::readiness::readiness;
 use crate::judge::reasons::{demote, reasons};
 use crate::judge::verdict::verdict;
-use crate::methods::{ColumnRun, Run, Task};
+use crate::methods::{ColumnRun, Run, RunChange, Task};
 use crate::model_file::{ModelFile, Parameter};
 use crate::motion::Motion;
 
@@ -40,12 +43,15 @@ pub(crate) fn summarise<M: Motion<N, R>, const N: usize, const R: usize>(
     }
     // The residuals of equation error are not the noise of sensors.
     let found = run.batch.as_ref().filter(|_| task.method() != Method::EquationError).map(|b| &b.noise_std);
+    let learnt = run.noise.as_ref().map(|learnt| learnt.std[..].to_vec());
+    let found = found.or(learnt.as_ref());
     let std = |row: usize| found.and_then(|std| std.get(row)).copied().unwrap_or(noise[row].std);
     let noise_signals = measured(file).map(|(row, o)| signal(o.name(), o.unit(), vec![std(row)])).collect();
     let effective = effective(&mut parameters, &correlation, file);
     let reasons = reasons(M::AXES, &parameters, run, doubts, &history);
     demote(&mut parameters, &reasons);
-    let mut verdict = verdict(task, &parameters, &correlation, run, &reasons, &history);
+    let changes = changes(&columns, run);
+    let mut verdict = verdict(task, &parameters, &correlation, run, &reasons, &history, &changes);
     if run.excited {
         verdict.extend(effective.iter().map(sentence));
     }
@@ -62,11 +68,29 @@ pub(crate) fn summarise<M: Motion<N, R>, const N: usize, const R: usize>(
         reasons,
         verdict,
         events: run.events.clone(),
+        changes,
         quality: without(&record.quality, doubts),
         noise: noise_signals,
         history,
         batch: run.batch.clone(),
     }
+}
+
+/// The adopted changes, by name of the parameters.
+fn changes<const R: usize>(columns: &[(&Parameter, Option<usize>)], run: &Run<R>) -> Vec<AdoptedChange> {
+    let of = |change: &RunChange| AdoptedChange {
+        time_s: change.time_s,
+        outcome: change.outcome,
+        parameters: columns
+            .iter()
+            .filter_map(|(parameter, column)| {
+                let j = (*column)?;
+                let ([before, before_std], [after, after_std]) = (*change.before.get(j)?, *change.after.get(j)?);
+                Some(ChangedParameter { name: parameter.name.clone(), before, before_std, after, after_std })
+            })
+            .collect(),
+    };
+    run.changes.iter().map(of).collect()
 }
 
 /// The findings of the reader without those that the verdict repeats.

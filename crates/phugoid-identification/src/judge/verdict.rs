@@ -4,8 +4,8 @@ use phugoid_estimators::DetectorState;
 use phugoid_estimators::verdict::Readiness;
 
 use crate::core::estimation::{
-    BatchReport, EstimationStatus, EventKind, FinalStatus, History, ParameterResult, ReasonCode, Signal, VerdictReason,
-    headline,
+    AdoptedChange, BatchReport, ChangeOutcome, ChangedParameter, EstimationStatus, FinalStatus, History,
+    ParameterResult, ReasonCode, Signal, VerdictReason, headline,
 };
 use crate::judge::contradiction::{Spread, colour};
 use crate::methods::{Run, Task};
@@ -25,6 +25,7 @@ pub(crate) fn verdict<M: Motion<N, R>, const N: usize, const R: usize>(
     run: &Run<R>,
     reasons: &[VerdictReason],
     history: &History,
+    adopted: &[AdoptedChange],
 ) -> Vec<String> {
     let mut sentences: Vec<String> = headline(reasons).into_iter().collect();
     // What keeps a result waiting is told below with the parameters, unless nothing moved at all.
@@ -36,24 +37,60 @@ pub(crate) fn verdict<M: Motion<N, R>, const N: usize, const R: usize>(
         excitation(parameters, &pairs, &mut sentences);
         tell_pairs(parameters, &pairs, &mut sentences);
         advice(parameters, &mut sentences);
-        changes(parameters, run, contradicted, &mut sentences);
+        changes(parameters, run, contradicted, adopted, &mut sentences);
         residuals(&history.residuals, run, &mut sentences);
     }
-    let measured: Vec<String> = M::AXES
-        .outputs()
-        .iter()
-        .zip(task.noise)
-        .filter(|(_, level)| level.measured)
-        .map(|(o, level)| format!("{} {:.3e} {}", o.name(), level.std, o.unit()))
-        .collect();
-    if !measured.is_empty() && run.batch.is_none() {
-        sentences.push(format!("Noise levels measured from the record, one sigma: {}.", measured.join(", ")));
-    }
+    noise(task, run, &mut sentences);
     if let Some(report) = &run.batch {
         batch(report, &mut sentences);
     }
     sentences.extend(task.prepared.notes.iter().map(|n| format!("{}.", capitalised(n))));
     sentences
+}
+
+/// A level that was learnt and one that was given are said to differ from this ratio on.
+const NOTEWORTHY: f64 = 2.0;
+
+/// The sentences about noise levels: measured from the record, or learnt in flight and compared with those given.
+fn noise<M: Motion<N, R>, const N: usize, const R: usize>(
+    task: &Task<M, N, R>,
+    run: &Run<R>,
+    sentences: &mut Vec<String>,
+) {
+    if run.batch.is_some() {
+        return;
+    }
+    let used = || M::AXES.outputs().iter().zip(task.noise).enumerate().filter(|(_, (_, level))| level.std > 0.0);
+    let list = |levels: &mut dyn Iterator<Item = (usize, f64)>| -> Vec<String> {
+        levels
+            .filter_map(|(row, std)| Some((M::AXES.outputs().get(row)?, std)))
+            .map(|(o, std)| format!("{} {std:.3e} {}", o.name(), o.unit()))
+            .collect()
+    };
+    let Some(learnt) = &run.noise else {
+        let measured = list(&mut used().filter(|(_, (_, level))| level.measured).map(|(row, (_, l))| (row, l.std)));
+        if !measured.is_empty() {
+            sentences.push(format!("Noise levels measured from the record, one sigma: {}.", measured.join(", ")));
+        }
+        return;
+    };
+    let levels = list(&mut used().map(|(row, _)| (row, learnt.std[row])));
+    sentences.push(format!("Levels of the residuals, learnt in flight, one sigma: {}.", levels.join(", ")));
+    for (row, (output, given)) in used().filter(|(_, (_, level))| !level.measured) {
+        let ratio = learnt.std[row] / given.std;
+        if !(1.0 / NOTEWORTHY..=NOTEWORTHY).contains(&ratio) {
+            sentences.push(format!(
+                "The residual of {} is {ratio:.1} times the noise that the model file gives: {}.",
+                output.name(),
+                if ratio > 1.0 {
+                    "a filter, lag, scale or bias of the sensor, turbulence, or a term that the model lacks; the bounds \
+                     follow the residual"
+                } else {
+                    "the sensor is better than that; the bounds follow the residual"
+                }
+            ));
+        }
+    }
 }
 
 /// The sentences about a batch method: its notes, and how well its parameters predict another record.
@@ -182,14 +219,19 @@ fn changes<const R: usize>(
     parameters: &[ParameterResult],
     run: &Run<R>,
     contradicted: bool,
+    adopted: &[AdoptedChange],
     sentences: &mut Vec<String>,
 ) {
-    let times: Vec<String> =
-        run.events.iter().filter(|e| e.kind == EventKind::Adopted).map(|e| format!("{:.2} s", e.time_s)).collect();
-    if !times.is_empty() {
-        let (times, doubt) =
-            (times.join(", "), if contradicted { ", or what contradicts the model looks like it" } else { "" });
-        sentences.push(format!("The parameters changed in flight{doubt}: found at {times}."));
+    sentences.extend(adopted.iter().map(|change| before_and_after(change, contradicted)));
+    let unknown: Vec<&str> =
+        parameters.iter().filter(|p| p.status == FinalStatus::Unknown).map(|p| p.name.as_str()).collect();
+    if let (false, Some(change)) = (unknown.is_empty(), adopted.last()) {
+        sentences.push(format!(
+            "Unknown since {:.2} s: {}. The change re-opened them and nothing has excited them since; what they were \
+             before need not hold any more.",
+            change.time_s,
+            unknown.join(", ")
+        ));
     }
     let Some(detector) = run.detector else { return };
     if run.status.detector == DetectorState::Insensitive {
@@ -207,6 +249,65 @@ fn changes<const R: usize>(
             seen.join(", ")
         ));
     }
+}
+
+/// Standard errors from which the difference of an estimate before and after a change is called one.
+const CHANGED: f64 = 3.0;
+
+/// What changed, from what to what, and what else could explain it.
+fn before_and_after(change: &AdoptedChange, contradicted: bool) -> String {
+    let time_s = change.time_s;
+    if change.outcome == ChangeOutcome::RolledBack {
+        return format!(
+            "A change of the parameters was adopted at {time_s:.2} s and taken back: the estimate from before it has \
+             predicted better."
+        );
+    }
+    let mut changed: Vec<&ChangedParameter> = change.parameters.iter().filter(|p| p.sigmas().abs() > CHANGED).collect();
+    changed.sort_by(|a, b| b.sigmas().abs().total_cmp(&a.sigmas().abs()));
+    // A constant: the term `1` of a coefficient, or an offset.
+    let is_constant = |p: &&ChangedParameter| p.name.ends_with("_0") || p.name.starts_with("offset");
+    let trim_shift = changed.first().is_some_and(is_constant) && {
+        let rest = changed.iter().filter(|p| !is_constant(p));
+        rest.clone().count() == 0
+            || rest.map(|p| p.sigmas().abs()).fold(0.0, f64::max) < changed[0].sigmas().abs() / 2.0
+    };
+    let list: Vec<String> = changed
+        .iter()
+        .map(|p| {
+            format!(
+                "{} {:.4} ± {:.2e} -> {:.4} ± {:.2e}",
+                p.name,
+                p.before,
+                2.0 * p.before_std,
+                p.after,
+                2.0 * p.after_std
+            )
+        })
+        .collect();
+    let what = if trim_shift {
+        "A constant force or moment (a trim shift) set in"
+    } else if contradicted {
+        "The parameters changed in flight, or what contradicts the model looks like it"
+    } else {
+        "The parameters changed in flight"
+    };
+    let list = if list.is_empty() {
+        format!("no single parameter has moved by more than {CHANGED} standard errors yet")
+    } else {
+        format!("before -> after, two sigma: {}", list.join("; "))
+    };
+    let state = match change.outcome {
+        ChangeOutcome::OnProbation => {
+            " It is on probation: not everything that was re-opened has been excited since, or the new estimate has not \
+             yet predicted better for long enough."
+        }
+        ChangeOutcome::Confirmed | ChangeOutcome::RolledBack => "",
+    };
+    format!(
+        "{what}: found at {time_s:.2} s; {list}. A term that the model lacks, another flight condition, or a sensor error \
+         that began then can look the same.{state}"
+    )
 }
 
 /// Outliers, and residuals that are not white.

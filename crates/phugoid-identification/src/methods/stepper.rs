@@ -6,13 +6,14 @@ use phugoid_estimators::levels::NoiseReport;
 use phugoid_estimators::settings::{EstimatorSettings, ParameterPrior};
 use phugoid_estimators::{ChangeState, DetectorReport, Estimate, Innovations, ParameterStatus, Sample, Status};
 
+use super::changes::Changes;
 use super::gate::{Gated, GatedInput, open};
 use super::health_watch::{HealthRun, Monitoring};
 use super::readiness::{ColumnVerdict, ReadinessWatch};
 use super::replay::Replay;
 use super::settings::{learning, shared_settings};
 use super::table::{self, Boxed};
-use super::task::Task;
+use super::task::{RunChange, Task};
 use super::watch::Watch;
 use crate::core::error::EstimateError;
 use crate::core::estimation::Event;
@@ -74,6 +75,9 @@ pub(crate) trait CausalRun<I, const R: usize>: Send {
     /// What the change detector knows; none without one.
     fn detector(&self) -> Option<DetectorReport>;
 
+    /// Takes the adopted changes out, the last one with the present estimate.
+    fn take_changes(&mut self) -> Vec<RunChange>;
+
     /// Takes the result of the health monitor out, if there is one.
     fn take_health(&mut self) -> Option<HealthRun>;
 }
@@ -113,6 +117,7 @@ pub(super) struct Stepper<M: MotionModel<N, R, P>, const N: usize, const R: usiz
     excitation: Excitation,
     lead: Lead<M::KnownInput, R>,
     watch: Watch,
+    changes: Changes,
     readiness: ReadinessWatch<R, P>,
     monitoring: Option<Monitoring<M, N, R, P>>,
     /// Times of the known changes that are still to come, s, in order.
@@ -158,6 +163,7 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> St
             excitation: Excitation::of(prepared, noise),
             lead: Lead::default(),
             watch: Watch::new(settings.maximum_step_s.max(3.5 * settings.sample_time_s)),
+            changes: Changes::default(),
             readiness: ReadinessWatch::new(),
             monitoring,
             known_changes_s: options.known_changes_s.iter().copied().collect(),
@@ -175,7 +181,7 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> St
         sample: &Sample<GatedInput<M::KnownInput>, R>,
         estimate: &mut Estimate<P>,
     ) -> Result<(), EstimateError> {
-        let Self { replay, estimator, settings, method, gated, file, watch, .. } = self;
+        let Self { replay, estimator, settings, method, gated, file, watch, changes, .. } = self;
         let Some(replay) = replay else { return Ok(()) };
         let set_up =
             |own: &EstimatorSettings<N, R, P>| table::set_up(*method, gated.clone(), own, file.aircraft.gravity);
@@ -183,6 +189,7 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> St
             *estimator = second;
             *estimate = its;
             watch.restarts = estimator.restarts();
+            changes.keep(estimator.detector().map_or(0, |detector| detector.adoptions) as usize);
         }
         Ok(())
     }
@@ -249,6 +256,10 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> Ca
             monitoring.update(sample, &estimate, &*self.estimator);
         }
         self.watch.look(&estimate, sample.time_s, self.estimator.restarts(), events);
+        if !self.waiting {
+            let columns = self.columns();
+            self.changes.look(&estimate, sample.time_s, columns);
+        }
         if self.waiting {
             // Before anything has moved the reports of the detector have no meaning.
             events.retain(|event| !event.kind.is_of_detector());
@@ -326,6 +337,10 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> Ca
 
     fn detector(&self) -> Option<DetectorReport> {
         self.estimator.detector()
+    }
+
+    fn take_changes(&mut self) -> Vec<RunChange> {
+        self.changes.take()
     }
 
     fn take_health(&mut self) -> Option<HealthRun> {
