@@ -8,6 +8,9 @@ from fly import Plan
 # Which repetition of an aircraft's flights belongs to which part. Repetitions differ in condition, times, sizes, gusts, noise.
 REPETITIONS = {"develop": (1,), "look-once": (101,)}
 
+# What is kept in the project, for the checks that always run: by aircraft, names of flights of the part `develop`.
+SAMPLE = {"OV10": ("calm-short", "damage-elevator"), "pc7": ("light-stick",), "T38": ("lat-light-stick",)}
+
 
 def _longitudinal() -> list[dict]:
     three = (("3211", "elevator", 4, 1.0), ("doublet", "elevator", 18, 1.0))
@@ -47,7 +50,7 @@ def _longitudinal() -> list[dict]:
              loop="attitude"),
         dict(name="trim-shift", group="trim shift", manoeuvres=busy, duration=55.0, damage=(28.0, {"Cm_0": 0.015}), loop="attitude"),
         dict(name="trim-shift-light", group="trim shift", manoeuvres=busy, duration=55.0, damage=(28.0, {"Cm_0": -0.015}), gust=0.8, loop="damper"),
-        dict(name="long-calm", group="long healthy", duration=240.0, loop="attitude", gust=0.2, rate_hz=25, manoeuvres=_every(240, 22)),
+        dict(name="long-smooth", group="long healthy", duration=240.0, loop="attitude", gust=0.2, rate_hz=25, manoeuvres=_every(240, 22)),
         dict(name="long-light", group="long healthy", duration=240.0, loop="attitude", gust=0.8, manoeuvres=_every(240, 30)),
     ]
 

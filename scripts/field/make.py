@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Flies the field: foreign aircraft of JSBSim, recorded as a stranger would, with the truth beside each record.
 
-    scripts/field/make.py [FOLDER] [--only NAME ...] [--split develop|look-once] [--jobs N] [--step S]
+    scripts/field/make.py [FOLDER] [--aircraft NAME ...] [--only TEXT ...] [--split develop|look-once] [--jobs N]
+    scripts/field/make.py crates/phugoid-evaluation/tests/field --sample
 
 Needs `jsbsim` and `numpy` as pinned in tests/python/requirements.txt. The same numbers come out every time.
 docs/field.md says what the flights are.
@@ -22,7 +23,7 @@ import instruments
 import model_file
 import truth
 from aircraft import FLEET
-from catalogue import flights
+from catalogue import SAMPLE, flights
 from fly import Plan, fly
 from simulator import Simulator
 
@@ -68,18 +69,17 @@ def one_flight(sim: Simulator, plan: Plan, split: str, folder: pathlib.Path) -> 
 
 def one_aircraft(job) -> list[str]:
     """All flights of one aircraft in one part; returns a line per flight."""
-    spec, split, folder, step, only = job
+    spec, split, folder, step, wanted = job
     place = folder / split / spec.name
     place.mkdir(parents=True, exist_ok=True)
     lines = []
     with tempfile.TemporaryDirectory() as scratch:
         sim = Simulator(spec, pathlib.Path(scratch), step)
         sim.trim(spec.speed, spec.altitude)
-        for axes in truth.TERMS:
+        plans = [plan for plan in flights(spec, split) if wanted(spec, plan) and not plan.name.startswith(spec.left_out)]
+        for axes in {plan.axes for plan in plans}:
             model_file.write(place / f"{axes}.toml", sim, spec, axes)
-        for plan in flights(spec, split):
-            if (only and not any(o in plan.name for o in only)) or any(plan.name.startswith(o) for o in spec.left_out):
-                continue
+        for plan in plans:
             try:
                 # Another one for each flight, so that nothing of the last one is left in it.
                 made = one_flight(Simulator(spec, pathlib.Path(scratch), step), plan, split, place)
@@ -90,22 +90,39 @@ def one_aircraft(job) -> list[str]:
     return lines
 
 
+class Wanted:
+    """Which flights are asked for; a class, so that it can be sent to another process."""
+
+    def __init__(self, only: list[str], sample: bool):
+        self.only, self.sample = only, sample
+
+    def __call__(self, spec, plan: Plan) -> bool:
+        if self.sample:
+            return plan.name in SAMPLE[spec.name]
+        return not self.only or any(text in plan.name for text in self.only)
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", nargs="?", default="target/field", type=pathlib.Path)
     parser.add_argument("--only", nargs="+", default=[], help="flights whose name contains one of these")
-    parser.add_argument("--aircraft", nargs="+", default=[])
-    parser.add_argument("--split", choices=("develop", "look-once"))
+    parser.add_argument("--aircraft", nargs="+", default=[], help="these aircraft only")
+    parser.add_argument("--split", choices=("develop", "look-once"), help="this part only")
+    parser.add_argument("--sample", action="store_true", help="the few flights that are kept in the project")
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
     parser.add_argument("--step", type=float, default=1 / 600, help="step of the simulation, s")
     arguments = parser.parse_args()
     began = time.time()
+    splits = ("develop",) if arguments.sample else (arguments.split,) if arguments.split else ("develop", "look-once")
+    aircraft = list(SAMPLE) if arguments.sample else arguments.aircraft
+    if unknown := set(aircraft) - {spec.name for spec in FLEET}:
+        parser.error(f"no such aircraft: {', '.join(sorted(unknown))}; there are {', '.join(spec.name for spec in FLEET)}")
+    wanted = Wanted(arguments.only, arguments.sample)
     jobs = [
-        (spec, split, arguments.folder, arguments.step, arguments.only)
-        for split in ("develop", "look-once")
-        if arguments.split in (None, split)
+        (spec, split, arguments.folder, arguments.step, wanted)
+        for split in splits
         for spec in FLEET
-        if (not arguments.aircraft or spec.name in arguments.aircraft) and not (split == "develop" and spec.look_once_only)
+        if (not aircraft or spec.name in aircraft) and not (split == "develop" and spec.look_once_only)
     ]
     left_out = 0
     # A process of its own for each aircraft: JSBSim ends the process where a description is wrong.

@@ -232,6 +232,11 @@ impl Corruption {
     }
 }
 
+/// A number below `count`, for the flight that the error of number `index` goes into.
+pub(super) fn draw_below(index: usize, count: usize) -> usize {
+    Pcg64Mcg::seed_from_u64(0x666c_6967_6874 + index as u64).random_range(0..count)
+}
+
 fn constant(source: &mut Source, factor: f64) {
     if let Source::Constant(value) = source {
         *value *= factor;
@@ -352,6 +357,17 @@ mod tests {
         };
         assert_eq!(mass(&changed), 2.0 * mass(&model()));
         assert_eq!(changed.aircraft.iyy, model().aircraft.iyy);
+    }
+
+    #[test]
+    fn every_kind_meets_every_flight() {
+        let kinds = Fault::ALL.len();
+        for flights in [3, 7, kinds] {
+            let mut met: Vec<(usize, usize)> = (0..2000 * kinds).map(|k| (k % kinds, draw_below(k, flights))).collect();
+            met.sort_unstable();
+            met.dedup();
+            assert_eq!(met.len(), kinds * flights);
+        }
     }
 
     #[test]

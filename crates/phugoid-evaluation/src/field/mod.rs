@@ -136,8 +136,7 @@ pub fn run(folder: &Path, options: &FieldOptions, done: &(dyn Fn(usize) + Sync))
     let healthy: Vec<usize> = (0..flights.len()).filter(|i| may_be_corrupted(&flights[*i].truth)).collect();
     if let (Some(method), false) = (options.methods.first(), healthy.is_empty()) {
         tasks.extend((0..options.faults).map(|k| {
-            // Kinds and flights go round at their own pace, so that every kind meets every flight.
-            let flight = healthy[(k + k / Fault::ALL.len()) % healthy.len()];
+            let flight = healthy[corruption::draw_below(k, healthy.len())];
             (flight, *method, Some(Corruption::draw(k)), false)
         }));
     }

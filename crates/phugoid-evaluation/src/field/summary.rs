@@ -203,3 +203,124 @@ impl WatchSummary {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use phugoid_identification::estimation::FinalStatus;
+
+    use super::super::standing::Word;
+    use super::super::trial::Adoptions;
+    use super::super::watch::Watched;
+    use super::*;
+
+    fn trial(standing: Standing, parameters: Vec<Compared>) -> Trial {
+        Trial {
+            aircraft: "c182".to_owned(),
+            flight: "one".to_owned(),
+            group: "calm".to_owned(),
+            axes: "longitudinal".to_owned(),
+            kind: Kind::Sound,
+            hours: 0.5,
+            method: Method::Smpe,
+            corruption: None,
+            word: Word { standing, reasons: Vec::new(), remarks: Vec::new() },
+            parameters,
+            adoptions: Adoptions::default(),
+            change_s: None,
+            trim_shift: false,
+            watched: None,
+        }
+    }
+
+    /// An estimate of -1.0 that is off by so much, with one claimed sigma of 0.01.
+    fn off_by(error: f64) -> Compared {
+        Compared {
+            name: "Cm_alpha".to_owned(),
+            truth: -1.0,
+            structure_std: 0.0,
+            value: -1.0 + error,
+            std_error: 0.01,
+            status: FinalStatus::Converged,
+        }
+    }
+
+    #[test]
+    fn errors_are_counted_where_numbers_are_given_and_silence_where_no_warning_is() {
+        let mut remarked = trial(Standing::Sound, vec![off_by(0.1), off_by(0.0)]);
+        remarked.word.remarks.push("coloured".to_owned());
+        let mut refused = trial(Standing::Refused, vec![off_by(5.0)]);
+        refused.word.reasons.push("contradiction".to_owned());
+        let trials = [
+            trial(Standing::Sound, vec![off_by(0.015), off_by(0.03), off_by(f64::NAN)]),
+            remarked,
+            trial(Standing::Doubtful, vec![off_by(0.5)]),
+            refused,
+        ];
+        let all: Vec<&Trial> = trials.iter().collect();
+        let s = GroupSummary::of("all", Kind::Sound, Method::Smpe, &all);
+        assert_eq!((s.flights, s.refused, s.doubtful, s.derivatives), (4, 1, 1, 6));
+        assert_eq!(s.reasons["contradiction"], 1);
+        // Errors of what is given: 0, 0.015, 0.03, 0.1, 0.5 and not finite.
+        assert!((s.error_median - 0.03).abs() < 1e-12 && s.error_90_percent.is_infinite(), "{s:?}");
+        assert!((s.coverage - 2.0 / 6.0).abs() < 1e-12, "{s:?}");
+        // The doubtful flight has said so.
+        assert!((s.claimed - 5.0 / 6.0).abs() < 1e-12, "{s:?}");
+        assert!((s.silently_wrong - 2.0 / 6.0).abs() < 1e-12, "{s:?}");
+        assert_eq!((s.flights_silently_wrong, s.of_those_remarked), (2, 1));
+    }
+
+    #[test]
+    fn nothing_to_count_is_not_a_number() {
+        let s = GroupSummary::of("all", Kind::Sound, Method::Smpe, &[]);
+        assert!(s.error_median.is_nan() && s.coverage.is_nan() && s.silently_wrong.is_nan());
+    }
+
+    #[test]
+    fn adoptions_are_false_before_the_change_and_found_after_it() {
+        let with = |times: &[f64], change_s: Option<f64>, trim_shift: bool, errors: Option<[f64; 2]>| {
+            let adoptions = Adoptions { times_s: times.to_vec(), error_before_and_after: errors };
+            Trial { adoptions, change_s, trim_shift, ..trial(Standing::Sound, Vec::new()) }
+        };
+        let trials = [
+            with(&[], None, false, None),
+            with(&[3.0, 9.0], None, false, Some([0.02, 0.4])),
+            with(&[3.0], None, false, Some([0.4, 0.02])),
+            with(&[21.5], Some(20.0), false, Some([0.1, 0.1])),
+            with(&[5.0], Some(20.0), false, Some([0.1, 0.1])),
+            with(&[20.5], Some(20.0), true, Some([0.1, 0.1])),
+            // Its systematic errors may well look like a change.
+            Trial { kind: Kind::Faulty, ..with(&[4.0], None, false, None) },
+        ];
+        let all: Vec<&Trial> = trials.iter().collect();
+        let s = ChangeSummary::of(Method::Smpe, &all);
+        assert_eq!((s.healthy_flights, s.healthy_hours), (3, 1.5));
+        assert_eq!((s.false_adoptions, s.flights_with_false_adoptions, s.harmed), (3, 2, 1));
+        assert_eq!((s.damaged, s.damages_found, s.early), (2, 1, 1));
+        assert!((s.latency_median_s - 1.5).abs() < 1e-12);
+        assert_eq!((s.trim_shifts, s.trim_shifts_found), (1, 1));
+    }
+
+    #[test]
+    fn an_alarm_ends_the_hours_in_which_a_false_one_could_come() {
+        let with = |flagged_at_s: Option<f64>, change_s: Option<f64>| {
+            let changed = vec!["Cm_q".to_owned()];
+            let named = flagged_at_s.map(|_| "Cm_q".to_owned()).into_iter().collect();
+            let watched = Watched { expected: 4, flagged_at_s, named, called_healthy: false, changed, change_s };
+            Trial { watched: Some(watched), change_s, ..trial(Standing::Sound, Vec::new()) }
+        };
+        let trials = [
+            with(None, None),
+            with(Some(900.0), None),
+            with(Some(1800.0), Some(720.0)),
+            with(None, Some(720.0)),
+            // Not watched.
+            trial(Standing::Sound, Vec::new()),
+        ];
+        let all: Vec<&Trial> = trials.iter().collect();
+        let s = WatchSummary::of("all", &all);
+        assert_eq!((s.flights, s.false_alarms, s.missed, s.named_rightly), (4, 1, 1, 1));
+        // 0.5 h, 900 s, and twice 720 s.
+        assert!((s.hours - (0.5 + 0.25 + 0.4)).abs() < 1e-12 && (s.per_hour - 1.0 / 1.15).abs() < 1e-12, "{s:?}");
+        assert!((s.per_hour_interval[1] * 1.15 - 5.571_643).abs() < 1e-5);
+    }
+}

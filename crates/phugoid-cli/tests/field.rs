@@ -1,0 +1,90 @@
+//! `phugoid field` on the flights of the field that are kept in the project: three healthy ones and one with damage, of three
+//! aircraft that another simulator flew.
+#![allow(clippy::unwrap_used)]
+
+mod common;
+
+use common::{Folder, Run, phugoid};
+use serde_json::Value;
+
+/// Runs the command on the flights of the project.
+fn field(more: &[&str]) -> Run {
+    let folder = Folder::new("field");
+    let flights = concat!(env!("CARGO_MANIFEST_DIR"), "/../phugoid-evaluation/tests/field");
+    phugoid(&folder.0, &[&["field", flights], more].concat())
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap()
+}
+
+/// The limits are what all develop flights together reach, or better: these four are among the easier ones.
+#[test]
+fn foreign_flights_are_estimated_as_well_as_develop_says() {
+    for method in ["smpe", "ekf"] {
+        let study = field(&["--method", method, "--json"]).json();
+        let all = &study["all"][0];
+        assert_eq!((all["kind"].as_str(), all["flights"].as_u64()), (Some("sound"), Some(4)), "{method}");
+        assert_eq!(all["refused"], 0, "{method}");
+        assert_eq!(all["flights_silently_wrong"], 0, "{method}");
+        assert!(all["derivatives"].as_u64().unwrap() >= 20, "{method}");
+        assert!(number(&all["error_median"]) < 0.016, "{method}: {}", all["error_median"]);
+        assert!(number(&all["error_90_percent"]) < 0.158, "{method}: {}", all["error_90_percent"]);
+        assert!(number(&all["coverage"]) > 0.76, "{method}: {}", all["coverage"]);
+    }
+}
+
+#[test]
+fn the_damage_is_found_and_nothing_is_taken_for_one() {
+    let study = field(&["--json"]).json();
+    let changes = &study["changes"][0];
+    let count = |name: &str| changes[name].as_u64().unwrap();
+    assert_eq!((count("healthy_flights"), count("false_adoptions")), (3, 0));
+    assert_eq!((count("damaged"), count("damages_found"), count("early")), (1, 1, 0));
+    let watched = study["watched"].as_array().unwrap();
+    assert_eq!(watched.len(), 2, "healthy and damaged");
+    assert_eq!((&watched[1]["flights"], &watched[1]["missed"]), (&1.into(), &0.into()));
+}
+
+/// Errors that no result may survive: the record contradicts itself by factors.
+#[test]
+fn gross_errors_are_refused() {
+    let study = field(&["--faults", "52", "--no-monitor", "--json"]).json();
+    let faults = study["faults"].as_array().unwrap();
+    assert_eq!(faults[0]["summary"]["flights"], 52);
+    let find = |name: &str| &faults.iter().find(|f| f["summary"]["name"] == name).unwrap()["summary"];
+    for name in ["vane sign", "vane unit", "rate sign", "acceleration unit", "surface unit"] {
+        assert_eq!((&find(name)["flights"], &find(name)["refused"]), (&2.into(), &2.into()), "{name}");
+    }
+    // The same draws every time.
+    let again = field(&["--faults", "52", "--no-monitor", "--json"]).json();
+    assert_eq!(again, study);
+}
+
+#[test]
+fn tables_say_what_was_counted() {
+    let run = field(&["--only", "OV10", "--faults", "26"]);
+    assert_eq!(run.code, Some(0), "{}", run.err);
+    for word in [
+        "By group of flights",
+        "longitudinal damage",
+        "silently wrong",
+        "Sudden changes",
+        "Health monitor",
+        "vane scale",
+    ] {
+        assert!(run.out.contains(word), "{word}: {}", run.out);
+    }
+    assert!(!run.out.contains("T38"), "{}", run.out);
+}
+
+#[test]
+fn mistakes_are_told() {
+    assert!(field(&["--split", "look-once"]).fails(3).contains("no flight of the part `look-once`"));
+    assert!(field(&["--only", "Spitfire"]).fails(3).contains("no flight has Spitfire"));
+    let folder = Folder::new("field-nothing");
+    assert!(phugoid(&folder.0, &["field", "nowhere"]).fails(3).contains("cannot read `nowhere`"));
+    folder.file("a.truth.json", "{}");
+    let message = phugoid(&folder.0, &["field", "."]).fails(3).to_owned();
+    assert!(message.contains("a.truth.json") && message.contains("make.py"), "{message}");
+}
