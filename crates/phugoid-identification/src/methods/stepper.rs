@@ -9,7 +9,7 @@ use super::gate::{Gated, GatedInput, open};
 use super::health_watch::{HealthRun, Monitoring};
 use super::readiness::{ColumnVerdict, ReadinessWatch};
 use super::settings::shared_settings;
-use super::table::{self, Boxed};
+use super::table::{Boxed, SetUp};
 use super::task::Task;
 use super::watch::Watch;
 use crate::core::error::EstimateError;
@@ -91,6 +91,7 @@ pub(crate) struct Shown<'a> {
 pub(super) struct Stepper<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> {
     file: ModelFile,
     method: Method,
+    set_up: SetUp<Gated<M>, GatedInput<M::KnownInput>, N, R, P>,
     settings: EstimatorSettings<N, R, P>,
     gated: Gated<M>,
     estimator: Boxed<GatedInput<M::KnownInput>, R, P>,
@@ -111,16 +112,19 @@ pub(super) struct Stepper<M: MotionModel<N, R, P>, const N: usize, const R: usiz
 
 impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> Stepper<M, N, R, P> {
     /// For a record, or the beginning of a flight: its first two seconds are what the noise of surfaces is measured
-    /// from.
+    /// from. `set_up` makes the estimator.
     ///
     /// # Errors
     /// [`EstimateError::Settings`] if the settings are refused.
-    pub(super) fn new(task: &Task<M, N, R>) -> Result<Self, EstimateError> {
+    pub(super) fn new(
+        task: &Task<M, N, R>,
+        set_up: SetUp<Gated<M>, GatedInput<M::KnownInput>, N, R, P>,
+    ) -> Result<Self, EstimateError> {
         let Task { prepared, file, options, noise, health } = *task;
         let settings = shared_settings::<M, N, R, P>(prepared, file, options, noise)?;
         let gated = Gated::new(prepared.model.clone(), file);
         let method = task.method();
-        let estimator = table::set_up(method, gated.clone(), &settings, file.aircraft.gravity)?;
+        let estimator = set_up(method, gated.clone(), &settings, file.aircraft.gravity)?;
         let monitoring = match health {
             Some(health) => Some(Monitoring::new(&prepared.model, file, &settings, health)?),
             None => None,
@@ -128,6 +132,7 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> St
         Ok(Self {
             file: file.clone(),
             method,
+            set_up,
             settings,
             gated,
             estimator,
@@ -182,7 +187,7 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> Ca
             if is_a_part {
                 // Forget what the estimator took for excitation before there was any.
                 self.estimator =
-                    table::set_up(self.method, self.gated.clone(), &self.settings, self.file.aircraft.gravity)?;
+                    (self.set_up)(self.method, self.gated.clone(), &self.settings, self.file.aircraft.gravity)?;
                 for sample in &lead {
                     estimate = self.estimator.update(&gate(sample, open));
                 }
