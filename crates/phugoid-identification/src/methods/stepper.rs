@@ -12,7 +12,7 @@ use super::health_watch::{HealthRun, Monitoring};
 use super::readiness::{ColumnVerdict, ReadinessWatch};
 use super::replay::Replay;
 use super::settings::{learning, shared_settings};
-use super::table::{self, Boxed};
+use super::table::{Boxed, SetUp};
 use super::task::{RunChange, Task};
 use super::watch::Watch;
 use crate::core::error::EstimateError;
@@ -103,6 +103,7 @@ pub(crate) struct Shown<'a> {
 pub(super) struct Stepper<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> {
     file: ModelFile,
     method: Method,
+    set_up: SetUp<Gated<M>, GatedInput<M::KnownInput>, N, R, P>,
     settings: EstimatorSettings<N, R, P>,
     gated: Gated<M>,
     estimator: Boxed<GatedInput<M::KnownInput>, R, P>,
@@ -126,18 +127,21 @@ pub(super) struct Stepper<M: MotionModel<N, R, P>, const N: usize, const R: usiz
 
 impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> Stepper<M, N, R, P> {
     /// For a record, or the beginning of a flight: its first two seconds are what the noise of surfaces is measured
-    /// from.
+    /// from. `set_up` makes the estimator.
     ///
     /// # Errors
     /// [`EstimateError::Settings`] if the settings are refused.
-    pub(super) fn new(task: &Task<M, N, R>) -> Result<Self, EstimateError> {
+    pub(super) fn new(
+        task: &Task<M, N, R>,
+        set_up: SetUp<Gated<M>, GatedInput<M::KnownInput>, N, R, P>,
+    ) -> Result<Self, EstimateError> {
         let Task { prepared, file, options, noise, health } = *task;
         let shared = shared_settings::<M, N, R, P>(prepared, file, options, noise)?;
         let gated = Gated::new(prepared.model.clone(), file);
         let method = task.method();
         let learns = file.noise_learning && method.learns_noise();
         let settings = if learns { learning(&shared, M::AXES, noise) } else { shared };
-        let estimator = table::set_up(method, gated.clone(), &settings, file.aircraft.gravity)?;
+        let estimator = set_up(method, gated.clone(), &settings, file.aircraft.gravity)?;
         let monitoring = match health {
             Some(health) => Some(Monitoring::new(&prepared.model, file, &shared, health)?),
             None => None,
@@ -145,6 +149,7 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> St
         Ok(Self {
             file: file.clone(),
             method,
+            set_up,
             settings,
             gated,
             estimator,
@@ -181,10 +186,9 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> St
         sample: &Sample<GatedInput<M::KnownInput>, R>,
         estimate: &mut Estimate<P>,
     ) -> Result<(), EstimateError> {
-        let Self { replay, estimator, settings, method, gated, file, watch, changes, .. } = self;
+        let Self { replay, estimator, settings, set_up, method, gated, file, watch, changes, .. } = self;
         let Some(replay) = replay else { return Ok(()) };
-        let set_up =
-            |own: &EstimatorSettings<N, R, P>| table::set_up(*method, gated.clone(), own, file.aircraft.gravity);
+        let set_up = |own: &EstimatorSettings<N, R, P>| set_up(*method, gated.clone(), own, file.aircraft.gravity);
         if let Some((second, its)) = replay.take(sample, estimate, || estimator.noise(), settings, set_up)? {
             *estimator = second;
             *estimate = its;
@@ -229,7 +233,7 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> Ca
             if is_a_part {
                 // Forget what the estimator took for excitation before there was any.
                 self.estimator =
-                    table::set_up(self.method, self.gated.clone(), &self.settings, self.file.aircraft.gravity)?;
+                    (self.set_up)(self.method, self.gated.clone(), &self.settings, self.file.aircraft.gravity)?;
                 if let Some(replay) = &mut self.replay {
                     *replay = Replay::new();
                     replays = false;
