@@ -3,6 +3,8 @@
 mod advice;
 pub(crate) mod contradiction;
 mod effective;
+mod equations;
+mod fit;
 pub mod form;
 pub(crate) mod offer;
 pub(crate) mod readiness;

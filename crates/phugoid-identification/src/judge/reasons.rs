@@ -6,26 +6,34 @@ use phugoid_flight_data::plausibility::Doubt;
 
 use crate::core::axes::Axes;
 use crate::core::estimation::{
-    EstimationStatus, FinalStatus, History, ParameterResult, ReasonCode, Signal, VerdictReason,
+    EstimationStatus, EventKind, FinalStatus, History, ParameterResult, ReasonCode, Signal, VerdictReason,
 };
 use crate::judge::contradiction;
-use crate::methods::Run;
+use crate::judge::equations::Equations;
+use crate::judge::fit;
+use crate::methods::{Run, Task};
+use crate::motion::Motion;
 
 /// The reasons why a result is not sound, the severest first.
-pub(crate) fn reasons<const R: usize>(
-    axes: Axes,
+pub(crate) fn reasons<M: Motion<N, R>, const N: usize, const R: usize>(
+    task: &Task<M, N, R>,
     parameters: &[ParameterResult],
     run: &Run<R>,
     doubts: &[Doubt],
     history: &History,
+    equations: Option<&Equations>,
 ) -> Vec<VerdictReason> {
     let mut found: Vec<VerdictReason> = Vec::new();
     if run.excited {
         found.extend(diverged(run));
-        found.extend(contradiction::reason(&history.residuals));
+        // After a change that was found the estimates are those from then on.
+        let adopted = run.events.iter().rev().find(|event| event.kind == EventKind::Adopted);
+        let from_s = adopted.map_or(f64::NEG_INFINITY, |event| event.time_s);
+        found.extend(contradiction::reasons(&history.time_s, &history.residuals, equations, from_s));
+        found.extend(run.batch.iter().flat_map(|report| fit::reasons(task.method(), task.file, history, report)));
         found.extend(unsettled(parameters, run));
     } else {
-        found.push(no_excitation(axes, &history.measured));
+        found.push(no_excitation(M::AXES, &history.measured));
     }
     found.extend(doubts.iter().map(units));
     found.sort_by_key(|reason| std::cmp::Reverse(reason.status));

@@ -13,14 +13,15 @@ use crate::core::method::Method;
 use crate::core::options::EstimateOptions;
 use crate::core::output::Output;
 use crate::judge::effective::{effective, sentence};
+use crate::judge::equations::Equations;
 use crate::judge::readiness::readiness;
 use crate::judge::reasons::{demote, reasons};
 use crate::judge::verdict::verdict;
-use crate::methods::{ColumnRun, Run, RunChange, Task};
+use crate::methods::{ColumnRun, EveryRoom, Run, RunChange, Task};
 use crate::model_file::{ModelFile, Parameter};
 use crate::motion::Motion;
 
-pub(crate) fn summarise<M: Motion<N, R>, const N: usize, const R: usize>(
+pub(crate) fn summarise<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     record: &Record,
     task: &Task<M, N, R>,
     run: &Run<R>,
@@ -48,7 +49,8 @@ pub(crate) fn summarise<M: Motion<N, R>, const N: usize, const R: usize>(
     let std = |row: usize| found.and_then(|std| std.get(row)).copied().unwrap_or(noise[row].std);
     let noise_signals = measured(file).map(|(row, o)| signal(o.name(), o.unit(), vec![std(row)])).collect();
     let effective = effective(&mut parameters, &correlation, file);
-    let reasons = reasons(M::AXES, &parameters, run, doubts, &history);
+    let equations = if run.excited { Equations::of(task, run) } else { None };
+    let reasons = reasons(task, &parameters, run, doubts, &history, equations.as_ref());
     demote(&mut parameters, &reasons);
     let changes = changes(&columns, run);
     let mut verdict = verdict(task, &parameters, &correlation, run, &reasons, &history, &changes);
