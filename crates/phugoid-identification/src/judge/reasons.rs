@@ -10,7 +10,7 @@ use crate::core::estimation::{
 };
 use crate::judge::contradiction;
 use crate::judge::equations::Equations;
-use crate::judge::fit;
+use crate::judge::{explained, fit, input_noise, integrity};
 use crate::methods::{Run, Task};
 use crate::motion::Motion;
 
@@ -31,6 +31,10 @@ pub(crate) fn reasons<M: Motion<N, R>, const N: usize, const R: usize>(
         let from_s = adopted.map_or(f64::NEG_INFINITY, |event| event.time_s);
         found.extend(contradiction::reasons(&history.time_s, &history.residuals, equations, from_s));
         found.extend(run.batch.iter().flat_map(|report| fit::reasons(task.method(), task.file, history, report)));
+        found.extend(run.noise.and_then(|_| explained::reason(history)));
+        found.extend(input_noise::reason(&task.prepared.known));
+        let (time, outputs) = (&task.prepared.time, &task.prepared.outputs);
+        found.extend(integrity::reason(M::AXES, time, outputs, task.file.aircraft.gravity));
         found.extend(unsettled(parameters, run));
     } else {
         found.push(no_excitation(M::AXES, &history.measured));
