@@ -7,6 +7,7 @@ mod equations;
 mod fit;
 pub mod form;
 pub(crate) mod offer;
+mod physics;
 pub(crate) mod readiness;
 mod reasons;
 pub(crate) mod summary;
