@@ -2,7 +2,8 @@
 
 use phugoid_estimators::verdict::Readiness;
 use phugoid_estimators::{ChangeState, Phase};
-use phugoid_flight_data::plausibility::Doubt;
+use phugoid_flight_data::plausibility::{Cause, Doubt};
+use phugoid_flight_data::record::Record;
 
 use crate::core::axes::Axes;
 use crate::core::estimation::{
@@ -10,14 +11,17 @@ use crate::core::estimation::{
 };
 use crate::judge::contradiction;
 use crate::judge::equations::Equations;
-use crate::judge::{explained, fit, input_noise, integrity};
+use crate::judge::{explained, fit, input_noise, integrity, physics};
 use crate::methods::{Run, Task};
 use crate::motion::Motion;
 
 /// The reasons why a result is not sound, the severest first.
+#[allow(clippy::too_many_arguments)] // what a verdict rests on
 pub(crate) fn reasons<M: Motion<N, R>, const N: usize, const R: usize>(
     task: &Task<M, N, R>,
+    record: &Record,
     parameters: &[ParameterResult],
+    correlation: &[Vec<f64>],
     run: &Run<R>,
     doubts: &[Doubt],
     history: &History,
@@ -39,7 +43,8 @@ pub(crate) fn reasons<M: Motion<N, R>, const N: usize, const R: usize>(
     } else {
         found.push(no_excitation(M::AXES, &history.measured));
     }
-    found.extend(doubts.iter().map(units));
+    found.extend(doubts.iter().map(channel));
+    found.extend(physics::reasons(record, task, parameters, correlation, run.excited));
     found.sort_by_key(|reason| std::cmp::Reverse(reason.status));
     found
 }
@@ -128,11 +133,16 @@ fn no_excitation(axes: Axes, measured: &[Signal]) -> VerdictReason {
     }
 }
 
-fn units(doubt: &Doubt) -> VerdictReason {
+/// A channel that the reader's checks find implausible.
+fn channel(doubt: &Doubt) -> VerdictReason {
+    let (code, check) = match doubt.cause {
+        Cause::Unit => (ReasonCode::Units, "units"),
+        Cause::Sensor => (ReasonCode::Channel, "sensor"),
+    };
     VerdictReason {
-        code: ReasonCode::Units,
+        code,
         status: EstimationStatus::Doubtful,
         concerns: doubt.channels.clone(),
-        sentence: format!("Check the units: {}.", doubt.to_string().trim_end_matches('.')),
+        sentence: format!("Check the {check}: {}.", doubt.to_string().trim_end_matches('.')),
     }
 }
