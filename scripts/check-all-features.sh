@@ -4,4 +4,4 @@ set -eu
 cd "$(dirname "$0")/.."
 
 cargo clippy -p phugoid-cli --all-features --all-targets --locked -- -D warnings
-cargo test -p phugoid-cli --all-features --locked --test inspect
+cargo test -p phugoid-cli --all-features --locked --test integration inspect::

@@ -55,6 +55,19 @@ impl Estimation {
         found.map(|p| (p.value, p.corrected_std_error)).ok_or_else(none)
     }
 
+    /// What the result as a whole is worth: `sound`, `provisional`, `doubtful` or `refused`.
+    #[getter]
+    fn status(&self) -> &str {
+        self.inner.status.word()
+    }
+
+    /// Why it is not sound: code, status that it asks for, names that it is about, sentence.
+    #[getter]
+    fn reasons(&self) -> Vec<(&str, &str, Vec<String>, String)> {
+        let reason = |r: &results::VerdictReason| (r.code.word(), r.status.word(), r.concerns.clone(), r.sentence.clone());
+        self.inner.reasons.iter().map(reason).collect()
+    }
+
     /// The verdict in sentences.
     #[getter]
     fn verdict(&self) -> Vec<String> {
@@ -77,7 +90,7 @@ impl Estimation {
     fn __repr__(&self) -> String {
         let estimation = &self.inner;
         let width = estimation.parameters.iter().map(|p| p.name.len()).max().unwrap_or(0);
-        let mut text = format!("<Estimation of '{}' by {}", estimation.source, estimation.method);
+        let mut text = format!("<Estimation of '{}' by {}: {}", estimation.source, estimation.method, estimation.status);
         for p in &estimation.parameters {
             text.push_str(&line(&p.name, width, p.value, p.corrected_std_error, p.status.word()));
         }

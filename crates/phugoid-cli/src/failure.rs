@@ -11,6 +11,9 @@ use crate::commands;
 /// command.
 pub(crate) const DIVERGED: u8 = 10;
 
+/// Exit code of an estimation whose result is refused: it is printed and written, but nobody may use its numbers.
+pub(crate) const REFUSED: u8 = 1;
+
 impl From<phugoid::Error> for Failure {
     /// A task that has no answer, or else an input that is wrong.
     fn from(error: phugoid::Error) -> Self {

@@ -10,18 +10,24 @@ mod progress;
 use std::process::ExitCode;
 
 use clap::Parser;
+use phugoid_identification::estimation::EstimationStatus;
 
 use crate::arguments::{Arguments, Command};
 
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
+    let estimated = |result: Result<EstimationStatus, failure::Failure>| match result {
+        Ok(EstimationStatus::Refused) => ExitCode::from(failure::REFUSED),
+        Ok(_) => ExitCode::SUCCESS,
+        Err(failure) => failure.report(),
+    };
     let result = match &arguments.command {
-        None => commands::demonstrate::run(&arguments.demonstration),
+        None => return estimated(commands::demonstrate::run(&arguments.demonstration)),
         Some(Command::Trim(arguments)) => commands::trim::run(arguments),
         Some(Command::Linearize(arguments)) => commands::linearize::run(arguments),
         Some(Command::Simulate(arguments)) => commands::simulate::run(arguments),
         Some(Command::Inspect(arguments)) => commands::inspect::run(arguments),
-        Some(Command::Estimate(arguments)) => commands::estimate::run(arguments),
+        Some(Command::Estimate(arguments)) => return estimated(commands::estimate::run(arguments)),
         Some(Command::Monitor(arguments)) => match commands::monitor::run(arguments) {
             Ok(true) => return ExitCode::from(failure::DIVERGED),
             other => other.map(|_| ()),

@@ -1,6 +1,7 @@
 //! The estimate that an estimator gives after each sample, and the traits of an estimator.
 
 use crate::innovation::Innovations;
+use crate::levels::NoiseReport;
 use crate::model::{Input, Sample};
 
 /// Observability below which a parameter counts as not excited: its bound has shrunk by less than 30 %. Lower would not
@@ -85,6 +86,11 @@ pub enum ChangeState {
     /// The challenger was adopted at this sample: the parameters changed. Results of older versions say `re_reached`.
     #[cfg_attr(feature = "serde", serde(alias = "re_reached"))]
     Adopted,
+    /// A change was adopted and the former estimate still runs as its rival: it is given up once everything that was
+    /// re-opened has been excited and the new estimate has predicted better.
+    OnProbation,
+    /// The former estimate has predicted better and took its place again at this sample: there was no change.
+    RolledBack,
 }
 
 impl ChangeState {
@@ -94,6 +100,8 @@ impl ChangeState {
             Self::Steady => "steady",
             Self::InDoubt => "in_doubt",
             Self::Adopted => "adopted",
+            Self::OnProbation => "on_probation",
+            Self::RolledBack => "rolled_back",
         }
     }
 }
@@ -130,6 +138,8 @@ pub enum ParameterStatus {
     Improving,
     /// The bound is a small part of the prior's.
     Converged,
+    /// A change has re-opened it and nothing has excited it since: what it was before need not hold any more.
+    Unknown,
     /// It is held at one of its limits, or lies outside: the declared bounds exclude what the data say. Check the
     /// bounds.
     AtLimit,
@@ -142,6 +152,7 @@ impl ParameterStatus {
             Self::NotExcited => "not_excited",
             Self::Improving => "improving",
             Self::Converged => "converged",
+            Self::Unknown => "unknown",
             Self::AtLimit => "at_limit",
         }
     }
@@ -225,6 +236,16 @@ pub trait Inspect<const R: usize, const P: usize>: Estimator<R, P> {
     /// Scale on the process noise that was learnt from the innovations; one where the method learns none.
     fn process_noise_scale(&self) -> f64 {
         1.0
+    }
+
+    /// The noise levels in use, and what has been learnt of them; none for a method that does not use them.
+    fn noise(&self) -> Option<NoiseReport<R>> {
+        None
+    }
+
+    /// Time since which parameters that a change has re-opened are unknown, s; NaN without such a change.
+    fn reopened_s(&self) -> f64 {
+        f64::NAN
     }
 
     /// Opens the parameters for a change that is known to happen before the next sample. False where the method cannot.

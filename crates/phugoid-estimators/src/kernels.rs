@@ -86,6 +86,23 @@ pub(crate) fn rotate(u: &mut [f64], b: &mut [f64], lambda: f64, g: f64) {
     }
 }
 
+/// The transition over several parts of an interval: `product <- part product`, or `part` itself if it is the first.
+pub(crate) fn chain<const N: usize>(product: &mut [[f64; N]; N], part: &[[f64; N]; N], first: bool) {
+    if first {
+        *product = *part;
+        return;
+    }
+    let before = *product;
+    for (row, part) in product.iter_mut().zip(part) {
+        *row = [0.0; N];
+        for (factor, from) in part.iter().zip(&before) {
+            for (to, from) in row.iter_mut().zip(from) {
+                *to += factor * from;
+            }
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::{add_scaled, dot, rotate};

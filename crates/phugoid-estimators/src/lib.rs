@@ -33,6 +33,7 @@ pub mod health;
 pub mod implicit_sign;
 mod innovation;
 mod kernels;
+pub mod levels;
 mod model;
 pub mod noise;
 pub mod regression;

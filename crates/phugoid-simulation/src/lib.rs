@@ -11,3 +11,4 @@ pub mod quantity;
 pub mod scenario;
 pub mod sensing;
 mod text;
+mod toml_tree;

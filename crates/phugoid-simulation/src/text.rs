@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use serde::de::DeserializeOwned;
 
+use crate::toml_tree;
+
 /// Why a scenario could not be read or flown.
 #[derive(Debug, thiserror::Error)]
 pub enum ScenarioError {
@@ -39,7 +41,7 @@ pub enum ScenarioError {
 
 /// Parses TOML; `place` is the name of the text in messages, which give the line and the nearest valid word.
 pub fn parse_toml<T: DeserializeOwned>(text: &str, place: &str) -> Result<T, ScenarioError> {
-    toml::from_str(text).map_err(|error| {
+    toml_tree::read(text).map_err(|error| {
         let offset = error.span().map_or(0, |span| span.start).min(text.len());
         let before = text.get(..offset).unwrap_or_default();
         let line = before.matches('\n').count() + 1;

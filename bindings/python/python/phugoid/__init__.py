@@ -32,6 +32,7 @@ __all__ = [
     "Model",
     "Parameter",
     "PhugoidError",
+    "Reason",
     "Record",
     "Session",
     "__version__",
@@ -237,6 +238,19 @@ class Parameter(NamedTuple):
         return 2.0 * self.std_error
 
 
+class Reason(NamedTuple):
+    """One reason why a result is not sound."""
+
+    code: str
+    """What kind of reason it is, e.g. ``contradiction``, ``sign``, ``physics``; the words are those of the JSON document."""
+    status: str
+    """The status that it asks for: ``provisional``, ``doubtful`` or ``refused``."""
+    concerns: list[str]
+    """Names of the outputs, parameters, channels or keys of the model file that it is about."""
+    sentence: str
+    """What was found and what to do."""
+
+
 class Estimation:
     """The result of an estimation. ``result["Cm_alpha"]`` is the value and its one-sigma error; bounds are two of
     them."""
@@ -264,6 +278,17 @@ class Estimation:
         """Standard errors (one sigma) at the end, corrected for the correlation of the residuals from sample to
         sample."""
         return self._native.std_errors
+
+    @property
+    def status(self) -> str:
+        """What the result as a whole is worth: ``sound``, ``provisional`` (nothing speaks against it, but the flight does
+        not settle it), ``doubtful`` or ``refused`` (use neither the numbers nor their bounds)."""
+        return self._native.status
+
+    @property
+    def reasons(self) -> list[Reason]:
+        """Why the result is not ``sound``, the severest first; empty for a sound one."""
+        return [Reason(*reason) for reason in self._native.reasons]
 
     @property
     def verdict(self) -> list[str]:

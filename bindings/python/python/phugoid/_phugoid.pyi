@@ -63,6 +63,8 @@ class Estimation:
     names: list[str]
     values: _Array
     std_errors: _Array
+    status: str
+    reasons: list[tuple[str, str, list[str], str]]
     verdict: list[str]
     history: Record
     def to_json(self) -> str: ...

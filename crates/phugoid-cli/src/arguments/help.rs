@@ -3,7 +3,8 @@
 const EXIT_CODES: &str = "\
 Exit codes:
   0  done
-  1  the task has no answer (no such trim, nothing to estimate, a case that cannot be run)
+  1  the task has no answer (no such trim, nothing to estimate, a case that cannot be run), or `phugoid estimate`
+     refuses its result, which is printed and written all the same
   2  wrong command line
   3  an input (file, name, budget) is unknown, cannot be read or is wrong
   4  a result cannot be written

@@ -5,6 +5,7 @@ use std::path::Path;
 use phugoid::{estimate_with_progress, simulate};
 use phugoid_evaluation::published::{CALM_MODEL, CALM_SCENARIO};
 use phugoid_identification::estimate::EstimateOptions;
+use phugoid_identification::estimation::EstimationStatus;
 use phugoid_identification::model_file::ModelFile;
 use phugoid_report::HtmlOptions;
 use phugoid_simulation::scenario::Scenario;
@@ -16,7 +17,7 @@ use crate::progress::Progress;
 
 const FOLDER: &str = "phugoid-report";
 
-pub(crate) fn run(arguments: &Demonstration) -> Result<(), Failure> {
+pub(crate) fn run(arguments: &Demonstration) -> Result<EstimationStatus, Failure> {
     let mut scenario = Scenario::parse(CALM_SCENARIO, "f16-calm").map_err(Failure::input)?;
     scenario.seed = arguments.seed.unwrap_or(scenario.seed);
     let model = ModelFile::parse("f16-model", CALM_MODEL).map_err(Failure::input)?;
@@ -42,5 +43,6 @@ pub(crate) fn run(arguments: &Demonstration) -> Result<(), Failure> {
         json: arguments.json,
         turned: None,
     };
-    presentation.present(&estimation)
+    presentation.present(&estimation)?;
+    Ok(estimation.status)
 }

@@ -7,7 +7,7 @@ use phugoid::estimate_with_progress;
 use phugoid_flight_data::csv;
 use phugoid_flight_data::record::Record;
 use phugoid_identification::estimate::{EstimateOptions, OfferTerms};
-use phugoid_identification::estimation::Estimation;
+use phugoid_identification::estimation::{Estimation, EstimationStatus};
 use phugoid_identification::inspect::segment;
 use phugoid_identification::manoeuvres::{Settings, find};
 use phugoid_identification::model_file::ModelFile;
@@ -24,12 +24,14 @@ use crate::failure::Failure;
 use crate::output::{json, print};
 use crate::progress::Progress;
 
-pub(crate) fn run(arguments: &arguments::Estimate) -> Result<(), Failure> {
+/// Estimates, or shows what the options ask for instead. The status is that of the result; sound where none was asked
+/// for.
+pub(crate) fn run(arguments: &arguments::Estimate) -> Result<EstimationStatus, Failure> {
     if let Some(name) = &arguments.show_model {
-        return show_model(name);
+        return show_model(name).map(|()| EstimationStatus::Sound);
     }
     let (false, Some(flight), Some(wanted)) = (arguments.list_models, &arguments.flight, &arguments.model) else {
-        return list_models(arguments.json);
+        return list_models(arguments.json).map(|()| EstimationStatus::Sound);
     };
     let history = History::new(arguments, flight)?;
     once_each(flight, &arguments.with, arguments.predict.as_deref())?;
@@ -95,7 +97,8 @@ pub(crate) fn run(arguments: &arguments::Estimate) -> Result<(), Failure> {
         turned: arguments.axes_form.map(|form| Turned::of(&estimation, &model, form)),
     };
     presentation.present(&estimation)?;
-    export::write(&arguments.export, &estimation, &model, arguments.json)
+    export::write(&arguments.export, &estimation, &model, arguments.json)?;
+    Ok(estimation.status)
 }
 
 /// Checks that no flight is given twice.

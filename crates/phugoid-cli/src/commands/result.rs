@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use phugoid_flight_data::quality::{QualityReport, Severity};
 use phugoid_identification::batch::OutputFit;
 use phugoid_identification::estimation::{
-    BatchReport, EffectiveDerivative, Estimation, Event, FinalStatus, History, Offer, ParameterResult, Readiness,
-    Signal,
+    BatchReport, EffectiveDerivative, Estimation, EstimationStatus, Event, FinalStatus, History, Offer,
+    ParameterResult, Readiness, Signal, VerdictReason, headline,
 };
 use serde::Serialize;
 
@@ -23,6 +23,9 @@ pub(crate) struct Document<'a> {
     pub(crate) method: &'a str,
     pub(crate) samples: usize,
     pub(crate) sample_time_s: f64,
+    /// What the result as a whole is worth, and why it is not sound.
+    pub(crate) status: EstimationStatus,
+    pub(crate) reasons: &'a [VerdictReason],
     pub(crate) parameters: &'a [ParameterResult],
     /// Matrix; rows and columns in the order of `parameters`.
     pub(crate) correlation: &'a [Vec<f64>],
@@ -67,6 +70,8 @@ impl<'a> Document<'a> {
             method: estimation.method.name(),
             samples: estimation.history.time_s.len(),
             sample_time_s: estimation.quality.sample_time_s,
+            status: estimation.status,
+            reasons: &estimation.reasons,
             parameters: &estimation.parameters,
             correlation: &estimation.correlation,
             effective: &estimation.effective,
@@ -86,7 +91,9 @@ impl<'a> Document<'a> {
 
 /// The result of an estimation as text.
 pub(crate) fn text(estimation: &Estimation, report: Option<&Path>, figures: &[PathBuf]) -> String {
-    let mut text = String::new();
+    // A result that must not be used says so before any number.
+    let mut text =
+        headline(&estimation.reasons).map_or_else(String::new, |first| wrapped(&first).replacen("  ", "", 1) + "\n");
     let time = &estimation.history.time_s;
     if let (Some(first), Some(last)) = (time.first(), time.last()) {
         let _ = writeln!(

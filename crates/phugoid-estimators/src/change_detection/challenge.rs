@@ -139,6 +139,14 @@ impl Challenge {
         2.0
     }
 
+    /// Notes that an adopted change was taken back; gives the factor by which the wander is widened.
+    pub(crate) fn was_rolled_back(&mut self) -> f64 {
+        self.adoptions = self.adoptions.saturating_sub(1);
+        self.dropped = self.dropped.saturating_add(1);
+        self.grow_caution();
+        2.0
+    }
+
     fn grow_caution(&mut self) {
         self.caution = (2.0 * self.caution + 1.0).min(LARGEST_CAUTION);
     }

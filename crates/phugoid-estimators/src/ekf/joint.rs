@@ -3,7 +3,8 @@
 use crate::columns::Columns;
 use crate::discretization::{self, IntervalInput, Part};
 use crate::innovation::{Innovations, RowPhase, ScoredRow};
-use crate::kernels::{add_scaled, dot, is_full};
+use crate::kernels::{add_scaled, chain, dot, is_full};
+use crate::levels::{Frame, Levels};
 use crate::model::{LinearizedOutputs, Model};
 use crate::settings::{EstimatorSettings, SettingsError};
 use crate::supervisor::common::{Common, NoiseScore};
@@ -287,30 +288,34 @@ impl<const N: usize, const P: usize> Slot<N, P> for Joint<N, P> {
         model: &M,
         settings: &EstimatorSettings<N, R, P>,
         columns: &Columns<R, P>,
+        levels: &Levels<N, R>,
         input: &IntervalInput<M::Input>,
         interval_s: f64,
+        transition: &mut [[f64; N]; N],
     ) -> bool
     where
         M: Model<N, R, P>,
     {
         let steps = discretization::sub_steps(interval_s, settings.maximum_step_s);
         let h = interval_s / steps as f64;
-        let q = settings.process_noise.variance_per_s.map(|variance| variance * self.common.noise_scale * h);
+        let scale = levels.scale.unwrap_or(self.common.noise_scale);
+        let q = settings.process_noise.variance_per_s.map(|variance| variance * scale * h);
         let own = columns.own;
         let mut x = self.common.x;
         let before = self.covariance;
-        let mut transition = [[0.0; N]; N];
+        let mut part_transition = [[0.0; N]; N];
         for k in 0..steps {
             let part = Part { from: k as f64 / steps as f64, to: (k + 1) as f64 / steps as f64 };
             let mut b = [[0.0; P]; N];
             let theta = &self.common.theta;
-            x = discretization::step(model, &x, theta, input, interval_s, part, own, &mut b, &mut transition);
+            x = discretization::step(model, &x, theta, input, interval_s, part, own, &mut b, &mut part_transition);
             for row in &mut b {
                 for (value, std) in row[..own].iter_mut().zip(&columns.std[..own]) {
                     *value *= std;
                 }
             }
-            self.covariance.predict(own, &transition, &b, &q);
+            self.covariance.predict(own, &part_transition, &b, &q);
+            chain(transition, &part_transition, k == 0);
         }
         if !x.iter().sum::<f64>().is_finite() || !self.covariance.is_sound() {
             self.covariance = before;
@@ -331,20 +336,22 @@ impl<const N: usize, const P: usize> Slot<N, P> for Joint<N, P> {
         model: &M,
         settings: &EstimatorSettings<N, R, P>,
         columns: &Columns<R, P>,
+        levels: &Levels<N, R>,
         input: &M::Input,
         measured: &[f64; R],
         adapt_noise: bool,
         surface: &mut [f64; P],
         watch: Option<Watch<'_, R, P>>,
+        frame: Option<&mut Frame<N, R>>,
     ) -> Innovations<R>
     where
         M: Model<N, R, P>,
     {
         let p = columns.count;
         if is_full(p, P) {
-            self.correct_of(P, model, settings, columns, input, measured, adapt_noise, surface, watch)
+            self.correct_of(P, model, settings, columns, levels, input, measured, adapt_noise, surface, watch, frame)
         } else {
-            self.correct_of(p, model, settings, columns, input, measured, adapt_noise, surface, watch)
+            self.correct_of(p, model, settings, columns, levels, input, measured, adapt_noise, surface, watch, frame)
         }
     }
 
@@ -377,6 +384,10 @@ impl<const N: usize, const P: usize> Slot<N, P> for Joint<N, P> {
 
     fn variances(&self) -> [f64; P] {
         core::array::from_fn(|j| if j < self.covariance.columns { self.covariance.tt[j][j] } else { 0.0 })
+    }
+
+    fn state_covariance(&self) -> [[f64; N]; N] {
+        Conditional::new(self.covariance.columns, &self.covariance).px
     }
 
     fn write_covariance(&self, out: &mut [[f64; P]; P]) {
@@ -412,16 +423,19 @@ impl<const N: usize, const P: usize> Joint<N, P> {
         model: &M,
         settings: &EstimatorSettings<N, R, P>,
         columns: &Columns<R, P>,
+        levels: &Levels<N, R>,
         input: &M::Input,
         measured: &[f64; R],
         adapt_noise: bool,
         surface: &mut [f64; P],
         mut watch: Option<Watch<'_, R, P>>,
+        mut frame: Option<&mut Frame<N, R>>,
     ) -> Innovations<R>
     where
         M: Model<N, R, P>,
     {
         let own = columns.own.min(p);
+        let bears = levels.bears();
         let mut innovations = Innovations::EMPTY;
         let mut lin = LinearizedOutputs::<N, R, P>::ZERO;
         model.linearized_outputs(&self.common.x, &self.common.theta, input, &mut lin);
@@ -433,7 +447,7 @@ impl<const N: usize, const P: usize> Joint<N, P> {
         let mut score = NoiseScore::ZERO;
         surface[..p].fill(0.0);
         for i in 0..R {
-            let sigma = settings.noise_std[i];
+            let sigma = levels.std[i];
             let bias = columns.bias_of_output[i];
             let predicted = lin.outputs[i] + bias.map_or(0.0, |column| self.common.theta[column]);
             innovations.predicted[i] = predicted;
@@ -486,8 +500,24 @@ impl<const N: usize, const P: usize> Joint<N, P> {
             innovations.normalised[i] = xi;
             innovations.variance[i] = variance;
 
+            if let Some(frame) = &mut frame {
+                frame.see(i, &a.x, measured[i] - predicted, s, one_plus_v, xi);
+            }
             if xi.abs() > settings.ekf.gate {
-                innovations.phase[i] = RowPhase::Rejected;
+                if !bears[i] {
+                    innovations.phase[i] = RowPhase::Rejected;
+                    continue;
+                }
+                // Again and again: bounded influence, and no covariance is reduced.
+                innovations.phase[i] = RowPhase::Reaching;
+                let step = settings.ekf.gate.copysign(xi) / libm::sqrt(variance);
+                for j in 0..p {
+                    surface[j] += columns.std[j] * v.t[j] * residual / variance;
+                }
+                add_scaled(&mut dtheta[..p], step, &v.t[..p]);
+                for k in 0..N {
+                    dx[k] += v.x[k] * step;
+                }
                 continue;
             }
             if adapt_noise {
@@ -508,8 +538,14 @@ impl<const N: usize, const P: usize> Joint<N, P> {
             conditional.update(p, &px_h, s, &w);
         }
 
+        let scaled = dtheta;
         for (step, std) in dtheta[..p].iter_mut().zip(&columns.std[..p]) {
             *step *= std;
+        }
+        if let Some(frame) = frame {
+            for k in 0..N {
+                frame.step[k] = dot(&conditional.sensitivity[k][..p], &scaled[..p]) - dx[k];
+            }
         }
         let Self { common, covariance } = self;
         common.take_step(settings, columns, &dx, &dtheta[..p], &score, |j| covariance.tt[j][j]);

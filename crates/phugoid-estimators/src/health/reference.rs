@@ -155,7 +155,9 @@ where
         starts: &mut Starts<N, P>,
     ) {
         self.start.push(sample);
-        let Some(started) = self.start.state(&self.settings, &self.output_of_state) else { return };
+        let Some(started) = self.start.state(&self.settings, &self.settings.noise_std, &self.output_of_state) else {
+            return;
+        };
         self.x = started.x;
         self.px = Ud::from_variances(&started.variances);
         self.sensitivity = [[0.0; P]; N];

@@ -204,7 +204,9 @@ where
         self.frame.last_s = sample.time_s;
         let Some(start) = &mut self.start else { return Taken::Collected };
         start.push(sample);
-        let Some(started) = start.state(&self.settings, &self.output_of_state) else { return Taken::Collected };
+        let Some(started) = start.state(&self.settings, &self.settings.noise_std, &self.output_of_state) else {
+            return Taken::Collected;
+        };
         self.start = None;
         self.state = started.x;
         self.mean = started.x;

@@ -21,6 +21,7 @@ pub use methods::{EkfSettings, FourierSettings, MAXIMUM_BINS, RegressionSettings
 use core::fmt;
 
 use crate::discretization::InputHold;
+use crate::levels::NoiseLearning;
 use crate::model::Model;
 
 /// How large a *sudden* change of a parameter in flight would be: the alternative the change detector tests against. It
@@ -305,6 +306,10 @@ pub struct EstimatorSettings<const N: usize, const R: usize, const P: usize> {
     pub reaching_limit: f64,
     /// `kappa2`: beyond this a row is rejected.
     pub rejection_limit: f64,
+    /// How the noise levels and the scale of the process noise are learnt in flight, starting from
+    /// [`Self::noise_std`]; `None` takes [`Self::noise_std`] as it is. [`Smpe`](crate::smpe::Smpe) and
+    /// [`JointEkf`](crate::ekf::JointEkf) learn them.
+    pub noise_learning: Option<NoiseLearning<R>>,
     /// How far a reaching row moves the state.
     pub reaching_state: ReachingState,
     /// Nominal time between samples, s. The samples themselves may come irregularly.
@@ -363,6 +368,7 @@ impl<const N: usize, const R: usize, const P: usize> EstimatorSettings<N, R, P> 
             initial_state: [0.0; N],
             initial_state_std: [0.0; N],
             process_noise: ProcessNoise::NONE,
+            noise_learning: None,
             reaching_limit: 3.0,
             rejection_limit: automatic_rejection_limit(learnt(priors)),
             reaching_state: ReachingState::Joint,
@@ -479,6 +485,9 @@ impl<const N: usize, const R: usize, const P: usize> EstimatorSettings<N, R, P> 
         };
         if !(0.0..=1.0).contains(&gain) {
             return Err(SettingsError::Setting { name: "process_noise.adaptation", value: gain });
+        }
+        if let Some(learning) = &self.noise_learning {
+            learning.check()?;
         }
         if let Some(detection) = &self.change_detection {
             detection.check()?;

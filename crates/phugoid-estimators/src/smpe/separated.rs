@@ -5,7 +5,8 @@ use super::reopen;
 use crate::columns::Columns;
 use crate::discretization::{self, IntervalInput, Part};
 use crate::innovation::{Innovations, RowPhase, ScoredRow};
-use crate::kernels::{add_scaled_in, dot, dot_in, is_full};
+use crate::kernels::{add_scaled_in, chain, dot, dot_in, is_full};
+use crate::levels::{Frame, Levels};
 use crate::model::{LinearizedOutputs, Model};
 use crate::settings::{EstimatorSettings, ReachingState, SettingsError};
 use crate::supervisor::common::{Common, NoiseScore};
@@ -63,19 +64,22 @@ impl<const N: usize, const P: usize> Slot<N, P> for Separated<N, P> {
         model: &M,
         settings: &EstimatorSettings<N, R, P>,
         columns: &Columns<R, P>,
+        levels: &Levels<N, R>,
         input: &IntervalInput<M::Input>,
         interval_s: f64,
+        transition: &mut [[f64; N]; N],
     ) -> bool
     where
         M: Model<N, R, P>,
     {
         let steps = discretization::sub_steps(interval_s, settings.maximum_step_s);
         let h = interval_s / steps as f64;
-        let q = settings.process_noise.variance_per_s.map(|variance| variance * self.common.noise_scale * h);
+        let scale = levels.scale.unwrap_or(self.common.noise_scale);
+        let q = settings.process_noise.variance_per_s.map(|variance| variance * scale * h);
         let mut x = self.common.x;
         let mut sensitivity = self.sensitivity;
         let mut px = self.px;
-        let mut transition = [[0.0; N]; N];
+        let mut part_transition = [[0.0; N]; N];
         for k in 0..steps {
             let part = Part { from: k as f64 / steps as f64, to: (k + 1) as f64 / steps as f64 };
             x = discretization::step(
@@ -87,9 +91,10 @@ impl<const N: usize, const P: usize> Slot<N, P> for Separated<N, P> {
                 part,
                 columns.count,
                 &mut sensitivity,
-                &mut transition,
+                &mut part_transition,
             );
-            px.predict(&transition, &q);
+            px.predict(&part_transition, &q);
+            chain(transition, &part_transition, k == 0);
         }
         // A sum is finite only if every term is.
         let checksum =
@@ -109,20 +114,22 @@ impl<const N: usize, const P: usize> Slot<N, P> for Separated<N, P> {
         model: &M,
         settings: &EstimatorSettings<N, R, P>,
         columns: &Columns<R, P>,
+        levels: &Levels<N, R>,
         input: &M::Input,
         measured: &[f64; R],
         adapt_noise: bool,
         surface: &mut [f64; P],
         watch: Option<Watch<'_, R, P>>,
+        frame: Option<&mut Frame<N, R>>,
     ) -> Innovations<R>
     where
         M: Model<N, R, P>,
     {
         let p = columns.count;
         if is_full(p, P) {
-            self.correct_of(P, model, settings, columns, input, measured, adapt_noise, surface, watch)
+            self.correct_of(P, model, settings, columns, levels, input, measured, adapt_noise, surface, watch, frame)
         } else {
-            self.correct_of(p, model, settings, columns, input, measured, adapt_noise, surface, watch)
+            self.correct_of(p, model, settings, columns, levels, input, measured, adapt_noise, surface, watch, frame)
         }
     }
 
@@ -142,6 +149,12 @@ impl<const N: usize, const P: usize> Slot<N, P> for Separated<N, P> {
 
     fn variances(&self) -> [f64; P] {
         self.c.variances()
+    }
+
+    fn state_covariance(&self) -> [[f64; N]; N] {
+        let mut out = [[0.0; N]; N];
+        self.px.write_dense(&mut out);
+        out
     }
 
     fn write_covariance(&self, out: &mut [[f64; P]; P]) {
@@ -173,17 +186,20 @@ impl<const N: usize, const P: usize> Separated<N, P> {
         model: &M,
         settings: &EstimatorSettings<N, R, P>,
         columns: &Columns<R, P>,
+        levels: &Levels<N, R>,
         input: &M::Input,
         measured: &[f64; R],
         adapt_noise: bool,
         surface: &mut [f64; P],
         mut watch: Option<Watch<'_, R, P>>,
+        mut frame: Option<&mut Frame<N, R>>,
     ) -> Innovations<R>
     where
         M: Model<N, R, P>,
     {
         let own = columns.own.min(p);
         let (kappa, kappa2) = (settings.reaching_limit, settings.rejection_limit);
+        let bears = levels.bears();
         let mut innovations = Innovations::EMPTY;
         let mut lin = LinearizedOutputs::<N, R, P>::ZERO;
         model.linearized_outputs(&self.common.x, &self.common.theta, input, &mut lin);
@@ -193,7 +209,7 @@ impl<const N: usize, const P: usize> Separated<N, P> {
         let mut score = NoiseScore::ZERO;
         surface[..p].fill(0.0);
         for i in 0..R {
-            let sigma = settings.noise_std[i];
+            let sigma = levels.std[i];
             let bias = columns.bias_of_output[i];
             let predicted = lin.outputs[i] + bias.map_or(0.0, |column| self.common.theta[column]);
             innovations.predicted[i] = predicted;
@@ -247,8 +263,12 @@ impl<const N: usize, const P: usize> Separated<N, P> {
             innovations.normalised[i] = xi;
             innovations.variance[i] = s * one_plus_v;
 
+            if let Some(frame) = &mut frame {
+                frame.see(i, h_row, measured[i] - predicted, s, one_plus_v, xi);
+            }
+
             let size = xi.abs();
-            if size > kappa2 {
+            if size > kappa2 && !bears[i] {
                 innovations.phase[i] = RowPhase::Rejected;
                 continue;
             }
@@ -298,6 +318,11 @@ impl<const N: usize, const P: usize> Separated<N, P> {
             }
         }
 
+        if let Some(frame) = frame {
+            for k in 0..N {
+                frame.step[k] = dot_in(p, &self.sensitivity[k], &dtheta) - dx[k];
+            }
+        }
         let Self { common, c, .. } = self;
         common.take_step(settings, columns, &dx, &dtheta[..p], &score, |j| c.column(j)[j]);
         innovations

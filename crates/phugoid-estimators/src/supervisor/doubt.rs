@@ -8,6 +8,7 @@ use crate::innovation::Innovations;
 use crate::model::Model;
 use crate::supervisor::faults::Faults;
 use crate::supervisor::history::FRAMES;
+use crate::supervisor::probation::{Outcome, Probation, Reopened};
 use crate::supervisor::slot::Slot;
 
 /// State variance added where a change is gone back to, in measurement variances: pays for the state error gathered
@@ -74,13 +75,17 @@ where
             }
         }
         let mut opened = self.champion;
+        let reopened = Reopened::new(self.last_s, &opened.variances(), &change);
         // The state has not been estimated wrongly yet: no allowance.
         if count == 0 || !opened.reopen(&self.columns, &tested[..count], &change, &[0.0; N]) {
             return false;
         }
         self.champion = opened;
+        self.levels.forget_offsets();
         self.in_doubt = false;
         self.behind = None;
+        self.probation = None;
+        self.reopened = reopened;
         self.known_change = true;
         self.history.forget_snapshots();
         if let Some((detector, _)) = &mut self.detection {
@@ -93,8 +98,16 @@ where
     pub(super) fn go_back(&mut self, change: &[f64; P], time_s: f64) {
         let Some((detector, challenge)) = &mut self.detection else { return };
         let onset = detector.onset(change);
-        let Some((slot, frame)) = self.history.before(onset[0]) else { return detector.clear() };
+        let Some(snapshot) = self.history.before(onset[0]) else { return detector.clear() };
+        // There is place for one estimate beside the running one: what had been adopted before has been borne out so
+        // far, or it would have been taken back.
+        self.probation = None;
+        let (slot, frame) = (&snapshot.slot, snapshot.frame);
         self.challenger = *slot;
+        // What the levels have made of the change meanwhile; they stay so while the doubt is open, for both.
+        if let Some(learnt) = &snapshot.levels {
+            self.levels.go_back(learnt);
+        }
         self.faults[1] = Faults::NONE;
         // Where the snapshots do not reach back, from the first one on.
         let earliest = onset[0].max(frame + 1);
@@ -146,14 +159,14 @@ where
 
     /// Opens the challenger if that is due before a frame.
     fn open_before(&mut self, frame: u64, behind: &Behind, change: &[f64; P]) -> bool {
-        let Self { settings, columns, output_of_state, challenger, detection, .. } = self;
+        let Self { levels, columns, output_of_state, challenger, detection, .. } = self;
         let Some((detector, _)) = detection else { return false };
         let [first, last] = behind.open;
         let mut state_variance = [0.0; N];
         if frame == first {
             for (variance, output) in state_variance.iter_mut().zip(output_of_state) {
                 if let Some(output) = *output {
-                    *variance = STATE_ALLOWANCE * settings.noise_std[output] * settings.noise_std[output];
+                    *variance = STATE_ALLOWANCE * levels.std[output] * levels.std[output];
                 }
             }
         } else if frame != last {
@@ -165,16 +178,20 @@ where
     /// One frame of the past.
     fn work_off(&mut self, number: u64) -> bool {
         let first_s = self.first_s;
-        let Self { model, settings, columns, challenger, history, faults, behind, detection, .. } = self;
+        let Self { model, settings, columns, levels, challenger, history, faults, behind, detection, .. } = self;
         let (Some(last), Some(frame)) = (history.frame(number - 1), history.frame(number)) else { return false };
         let input = IntervalInput { from: last.input, to: frame.input, hold: settings.input_hold };
-        if !challenger.predict(model, settings, columns, &input, frame.time_s - last.time_s) {
+        let mut unused = [[0.0; N]; N];
+        let interval_s = frame.time_s - last.time_s;
+        if !challenger.predict(model, settings, columns, levels, &input, interval_s, &mut unused) {
             return false;
         }
         let seen = settings.seen_input(last.input, frame.input);
-        let adapt = frame.time_s - first_s > ADAPTATION_START_S;
+        let adapt = !levels.are_learnt() && frame.time_s - first_s > ADAPTATION_START_S;
         let mut unused = [0.0; P];
-        let innovations = challenger.correct(model, settings, columns, &seen, &frame.outputs, adapt, &mut unused, None);
+        let outputs = &frame.outputs;
+        let innovations =
+            challenger.correct(model, settings, columns, levels, &seen, outputs, adapt, &mut unused, None, None);
         if let (Some(behind), Some((detector, challenge))) = (behind, detection)
             && number >= behind.open[0]
         {
@@ -231,17 +248,62 @@ where
         }
     }
 
+    /// The challenger becomes the estimate, and the former estimate its rival.
     pub(super) fn adopt_challenger(&mut self, time_s: f64) {
-        self.champion = self.challenger;
-        self.faults[0] = self.faults[1];
+        let former = self.champion.variances();
+        core::mem::swap(&mut self.champion, &mut self.challenger);
+        self.levels.forget_offsets();
+        self.faults.swap(0, 1);
         self.in_doubt = false;
         self.behind = None;
         self.history.forget_snapshots();
         self.adopted = true;
+        self.reopened = Reopened::new(time_s, &former, &self.change_over_prior());
+        let evidence = self.detection.as_ref().map_or(0.0, |(_, challenge)| challenge.score);
+        // A former estimate that is lost is no rival.
+        self.probation = self.challenger.is_sound(self.columns.count).then(|| Probation::new(evidence));
         if let Some((detector, challenge)) = &mut self.detection {
             let widening = challenge.adopted(time_s);
             detector.widen_wander(widening);
             detector.clear();
+        }
+    }
+
+    /// The former estimate is no rival any more.
+    pub(super) fn end_probation(&mut self) {
+        self.probation = None;
+    }
+
+    /// The former estimate has predicted better than the one that took its place, and takes its place again.
+    pub(super) fn roll_back(&mut self) {
+        core::mem::swap(&mut self.champion, &mut self.challenger);
+        self.levels.forget_offsets();
+        self.faults.swap(0, 1);
+        self.probation = None;
+        self.reopened = Reopened::NONE;
+        self.history.forget_snapshots();
+        self.rolled_back = true;
+        if let Some((detector, challenge)) = &mut self.detection {
+            let widening = challenge.was_rolled_back();
+            detector.widen_wander(widening);
+            detector.clear();
+        }
+    }
+
+    /// Compares how the adopted estimate and the former one have predicted the newest frame. `innovations` are the
+    /// former one's.
+    pub(super) fn judge_probation(&mut self, innovations: &Innovations<R>) {
+        let Some((detector, _)) = &self.detection else { return };
+        let limit = self.settings.rejection_limit;
+        let merit = self.history.merit(self.history.newest());
+        let nats = merit.nats_for(&self.faults[1].merit(innovations, limit), detector.leverage());
+        let lives = self.challenger.is_sound(self.columns.count);
+        let known = !self.reopened.any();
+        let Some(probation) = &mut self.probation else { return };
+        match probation.judge(nats, known, lives) {
+            Outcome::Undecided => {}
+            Outcome::Confirmed => self.end_probation(),
+            Outcome::RolledBack => self.roll_back(),
         }
     }
 

@@ -46,6 +46,12 @@ impl<const R: usize> Faults<R> {
         }
     }
 
+    /// True of an output that has not been beyond the limit of rejection for long while the others are undisturbed: what
+    /// lies beyond it is a burst of outliers of this output.
+    pub(crate) fn bursts(&self, output: usize) -> bool {
+        self.rejected_s[output] < BORNE_S && self.is_alone(output)
+    }
+
     /// True if there are other outputs and they do not show what this one shows. Their median is used, so that
     /// overlapping bursts of outliers in two outputs do not confirm each other.
     fn is_alone(&self, output: usize) -> bool {

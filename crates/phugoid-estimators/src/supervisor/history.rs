@@ -3,6 +3,7 @@
 //! not only from those since the suspicion, and so that what the champion has made of the changed aircraft meanwhile
 //! (state, sensor biases, process noise) does not stick to it.
 
+use crate::levels::LearntLevels;
 use crate::model::Sample;
 use crate::supervisor::faults::Merit;
 
@@ -13,10 +14,12 @@ const SNAPSHOTS: usize = 2;
 const SPACING: u64 = 75;
 
 #[derive(Clone, Copy)]
-struct Snapshot<S> {
-    slot: S,
+pub(super) struct Snapshot<S, const R: usize> {
+    pub(super) slot: S,
+    /// The noise levels that were learnt by then, if any are.
+    pub(super) levels: Option<LearntLevels<R>>,
     /// Number of the last frame that the slot has seen.
-    frame: u64,
+    pub(super) frame: u64,
 }
 
 /// Frames and snapshots, the frames numbered from one.
@@ -28,7 +31,7 @@ pub(crate) struct History<I, S, const R: usize> {
     newest: u64,
     /// Of the oldest frame that belongs to the present run of the state.
     first: u64,
-    snapshots: [Option<Snapshot<S>>; SNAPSHOTS],
+    snapshots: [Option<Snapshot<S, R>>; SNAPSHOTS],
     spacing: u64,
 }
 
@@ -79,26 +82,26 @@ impl<I: Copy, S: Copy, const R: usize> History<I, S, R> {
     }
 
     /// Takes a snapshot after the newest frame if one is due; the oldest one goes.
-    pub(crate) fn note(&mut self, slot: &S) {
+    pub(super) fn note(&mut self, slot: &S, levels: impl FnOnce() -> Option<LearntLevels<R>>) {
         let last = self.snapshots.iter().flatten().map(|snapshot| snapshot.frame).max();
         if last.is_some_and(|last| self.newest < last + self.spacing) {
             return;
         }
         let oldest = (0..SNAPSHOTS).min_by_key(|i| self.snapshots[*i].as_ref().map_or(0, |snapshot| snapshot.frame));
         if let Some(place) = oldest.and_then(|i| self.snapshots.get_mut(i)) {
-            *place = Some(Snapshot { slot: *slot, frame: self.newest });
+            *place = Some(Snapshot { slot: *slot, levels: levels(), frame: self.newest });
         }
     }
 
-    /// The newest snapshot before a frame from which everything since is still there, and the number of its own frame;
-    /// the oldest such one if all are later than that.
-    pub(crate) fn before(&self, frame: u64) -> Option<(&S, u64)> {
-        let complete =
-            |snapshot: &&Snapshot<S>| snapshot.frame >= self.first && self.newest - snapshot.frame < FRAMES as u64 - 1;
+    /// The newest snapshot before a frame from which everything since is still there; the oldest such one if all are
+    /// later than that.
+    pub(super) fn before(&self, frame: u64) -> Option<&Snapshot<S, R>> {
+        let complete = |snapshot: &&Snapshot<S, R>| {
+            snapshot.frame >= self.first && self.newest - snapshot.frame < FRAMES as u64 - 1
+        };
         let usable = || self.snapshots.iter().flatten().filter(complete);
         let earlier = usable().filter(|snapshot| snapshot.frame < frame).max_by_key(|snapshot| snapshot.frame);
-        let found = earlier.or_else(|| usable().min_by_key(|snapshot| snapshot.frame))?;
-        Some((&found.slot, found.frame))
+        earlier.or_else(|| usable().min_by_key(|snapshot| snapshot.frame))
     }
 
     /// The estimate is another one from the newest frame on.
@@ -127,7 +130,7 @@ mod tests {
         let mut history = History::new(20);
         for number in 1..=frames {
             history.push(&at(number));
-            history.note(&number);
+            history.note(&number, || None);
         }
         history
     }
@@ -146,21 +149,22 @@ mod tests {
     fn the_snapshot_is_the_newest_before_the_change_with_all_frames_since() {
         // A window of 20 frames: snapshots every 15, so that there are those of 391 and 376.
         let history = flown(400);
-        assert_eq!(history.before(395), Some((&391, 391)));
-        assert_eq!(history.before(391), Some((&376, 376)));
+        let found = |frame| history.before(frame).map(|snapshot| (snapshot.slot, snapshot.frame));
+        assert_eq!(found(395), Some((391, 391)));
+        assert_eq!(found(391), Some((376, 376)));
         // Too long ago: from the oldest one on.
-        assert_eq!(history.before(300), Some((&376, 376)));
-        assert_eq!(flown(0).before(1), None);
+        assert_eq!(found(300), Some((376, 376)));
+        assert!(flown(0).before(1).is_none());
     }
 
     #[test]
     fn another_estimate_or_a_new_start_forgets() {
         let mut history = flown(400);
         history.forget_snapshots();
-        assert_eq!(history.before(395), None);
+        assert!(history.before(395).is_none());
         assert!(history.frame(395).is_some());
-        history.note(&0);
-        assert_eq!(history.before(401), Some((&0, 400)));
+        history.note(&0, || None);
+        assert_eq!(history.before(401).map(|snapshot| (snapshot.slot, snapshot.frame)), Some((0, 400)));
         history.clear();
         assert!(history.before(401).is_none() && history.frame(400).is_none());
         history.push(&at(401));

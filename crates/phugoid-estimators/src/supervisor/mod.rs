@@ -8,6 +8,7 @@ mod doubt;
 pub(crate) mod faults;
 mod history;
 mod lost;
+mod probation;
 mod report;
 pub(crate) mod slot;
 pub(crate) mod start;
@@ -19,10 +20,12 @@ use crate::columns::Columns;
 use crate::discretization::IntervalInput;
 use crate::estimate::{Estimate, Estimator, Phase};
 use crate::innovation::{Innovations, RowPhase};
+use crate::levels::{Frame, Levels};
 use crate::model::{Model, Sample};
-use crate::settings::{EstimatorSettings, SettingsError};
+use crate::settings::{EstimatorSettings, NoiseAdaptation, SettingsError};
 use crate::supervisor::faults::{Faults, Watch};
 use crate::supervisor::history::History;
+use crate::supervisor::probation::{Probation, Reopened};
 use crate::supervisor::slot::Slot;
 use crate::supervisor::start::Start;
 use crate::supervisor::trial::Trial;
@@ -53,6 +56,11 @@ where
     model: M,
     settings: EstimatorSettings<N, R, P>,
     columns: Columns<R, P>,
+    levels: Levels<N, R>,
+    /// What the champion has seen of the last frame; used where levels are learnt.
+    frame: Frame<N, R>,
+    /// Length of the interval that it ends, s.
+    interval_s: f64,
     output_of_state: [Option<usize>; N],
     stage: Stage,
     start: Start<M::Input, R>,
@@ -76,6 +84,11 @@ where
     /// What is known of failing sensors, with the residuals of the champion and of the challenger.
     faults: [Faults<R>; 2],
     adopted: bool,
+    /// The former estimate has taken its place again since the last sample.
+    rolled_back: bool,
+    /// The challenger is the former estimate, a rival of the one that was adopted.
+    probation: Option<Probation>,
+    reopened: Reopened<P>,
     /// Opened for a known change since the last sample.
     known_change: bool,
     rejected_samples: u64,
@@ -98,6 +111,14 @@ where
         S::check(&settings)?;
         let columns = Columns::new(&settings, parameters);
         let output_of_state = settings.output_of_state(&model);
+        let noise = &settings.process_noise;
+        let levels = Levels::new(
+            settings.noise_std,
+            settings.noise_learning.as_ref(),
+            noise.adaptation != NoiseAdaptation::Off,
+            &noise.variance_per_s,
+            noise.initial_scale,
+        );
         let champion = S::prior(&settings, &columns);
         let detection = match settings.change_detection {
             None => None,
@@ -111,6 +132,9 @@ where
             model,
             settings,
             columns,
+            levels,
+            frame: Frame::EMPTY,
+            interval_s: 0.0,
             output_of_state,
             stage: Stage::Starting,
             start: Start::new(),
@@ -130,6 +154,9 @@ where
             phase: Phase::Starting,
             faults: [Faults::NONE; 2],
             adopted: false,
+            rolled_back: false,
+            probation: None,
+            reopened: Reopened::NONE,
             known_change: false,
             rejected_samples: 0,
             restarts: 0,
@@ -167,9 +194,12 @@ where
     /// Starts the state and replays the collected frames, if there are enough. True if a gap among them has begun a new
     /// start with fewer frames.
     fn replay(&mut self) -> bool {
-        let Some(started) = self.start.state(&self.settings, &self.output_of_state) else { return false };
+        let Some(started) = self.start.state(&self.settings, &self.levels.std, &self.output_of_state) else {
+            return false;
+        };
+        self.levels.start_state(&started.variances);
         self.champion.start_state(started.x, &started.variances, &started.read_from, &self.columns);
-        if self.in_doubt {
+        if self.in_doubt || self.probation.is_some() {
             self.challenger.start_state(started.x, &started.variances, &started.read_from, &self.columns);
         }
         self.stage = Stage::Running;
@@ -188,6 +218,8 @@ where
                 if self.first_s.is_nan() {
                     self.first_s = frame.time_s;
                 }
+                self.interval_s = 0.0;
+                self.frame.stand_still();
                 if self.settings.correct_first_sample {
                     self.correct(&frame, frame.input);
                 }
@@ -204,8 +236,11 @@ where
         self.rejections = Rejections::NONE;
         self.catch_up_at_once();
         self.history.clear();
-        if self.in_doubt && !self.challenger.is_sound(self.columns.count) {
-            self.drop_challenger();
+        if !self.challenger.is_sound(self.columns.count) {
+            self.end_probation();
+            if self.in_doubt {
+                self.drop_challenger();
+            }
         }
         if let Some((detector, _)) = &mut self.detection {
             detector.clear();
@@ -213,6 +248,8 @@ where
         if !self.champion.is_sound(self.columns.count) {
             if self.in_doubt {
                 self.adopt_challenger(sample.time_s);
+            } else if self.probation.is_some() {
+                self.roll_back();
             } else {
                 // Nothing of the estimate can be trusted: back to the prior.
                 self.champion = S::prior(&self.settings, &self.columns);
@@ -233,6 +270,8 @@ where
         self.champion = S::prior(&self.settings, &self.columns);
         self.in_doubt = false;
         self.behind = None;
+        self.probation = None;
+        self.reopened = Reopened::NONE;
         self.restart(sample);
     }
 
@@ -244,17 +283,28 @@ where
             return self.restart(sample);
         }
         let input = IntervalInput { from, to: sample.input, hold: self.settings.input_hold };
-        let Self { model, settings, columns, champion, challenger, in_doubt, behind, .. } = self;
-        let up_to_date = *in_doubt && behind.is_none();
-        let challenger_lives = up_to_date && challenger.predict(model, settings, columns, &input, interval_s);
-        if !champion.predict(model, settings, columns, &input, interval_s) {
+        self.interval_s = interval_s;
+        let up_to_date = self.second_is_up_to_date();
+        let Self { model, settings, columns, levels, frame, champion, challenger, .. } = self;
+        let transition = &mut frame.transition;
+        let challenger_lives =
+            up_to_date && challenger.predict(model, settings, columns, levels, &input, interval_s, transition);
+        if !champion.predict(model, settings, columns, levels, &input, interval_s, transition) {
             if !challenger_lives {
                 return self.restart(sample);
             }
-            // The champion is lost and the challenger is not.
-            self.adopt_challenger(sample.time_s);
+            // The champion is lost and the other one is not.
+            if self.in_doubt {
+                self.adopt_challenger(sample.time_s);
+            } else {
+                self.roll_back();
+            }
         } else if up_to_date && !challenger_lives {
-            self.drop_challenger();
+            if self.in_doubt {
+                self.drop_challenger();
+            } else {
+                self.end_probation();
+            }
         }
         if let Some((_, challenge)) = &mut self.detection {
             challenge.pass_time(interval_s);
@@ -264,16 +314,27 @@ where
         self.correct(sample, self.settings.seen_input(from, sample.input));
     }
 
+    /// Whether a second estimate runs beside the champion and has seen every frame: a challenger that has caught up, or
+    /// the rival of an adopted estimate.
+    fn second_is_up_to_date(&self) -> bool {
+        (self.in_doubt && self.behind.is_none()) || self.probation.is_some()
+    }
+
     /// The frame at the present time.
     fn correct(&mut self, sample: &Sample<M::Input, R>, input: M::Input) {
         let since_start_s = sample.time_s - self.first_s;
-        let adapt = since_start_s > ADAPTATION_START_S;
+        let started = since_start_s > ADAPTATION_START_S;
+        let learning = self.levels.are_learnt();
+        let adapt = started && !learning;
         let (kappa, limit) = (self.settings.reaching_limit, self.settings.rejection_limit);
         let nominal_s = self.settings.sample_time_s;
         let faults = self.faults[0];
         let watching = !self.in_doubt;
-        let up_to_date = self.in_doubt && self.behind.is_none();
-        let Self { model, settings, columns, champion, challenger, surfaces, detection, history, .. } = self;
+        let up_to_date = self.second_is_up_to_date();
+        let Self {
+            model, settings, columns, levels, frame, champion, challenger, surfaces, detection, history, ..
+        } = self;
+        frame.begin(sample.time_s);
         if detection.is_some() {
             history.push(sample);
         }
@@ -283,11 +344,18 @@ where
             reaching_limit: kappa,
             rejection_limit: limit,
         });
-        self.innovations = champion.correct(model, settings, columns, &input, &sample.outputs, adapt, surfaces, watch);
+        let outputs = &sample.outputs;
+        let seen = learning.then_some(&mut *frame);
+        self.innovations =
+            champion.correct(model, settings, columns, levels, &input, outputs, adapt, surfaces, watch, seen);
         let challenged = up_to_date.then(|| {
             let mut unused = [0.0; P];
-            challenger.correct(model, settings, columns, &input, &sample.outputs, adapt, &mut unused, None)
+            challenger.correct(model, settings, columns, levels, &input, outputs, adapt, &mut unused, None, None)
         });
+        if learning {
+            let bursts = |output| faults.bursts(output);
+            levels.take(frame, self.interval_s, !watching, limit, bursts, || champion.state_covariance());
+        }
         self.phase = phase_of(&self.innovations);
         if self.detection.is_some() {
             self.history.judge(faults.merit(&self.innovations, limit));
@@ -316,17 +384,31 @@ where
             return self.restart(sample);
         }
         if self.detection.is_some() {
-            self.history.note(&self.champion);
+            let Self { history, champion, levels, .. } = self;
+            history.note(champion, || levels.learnt());
         }
-        if let Some(innovations) = challenged {
-            self.contest(&innovations, sample.time_s);
+        let mut own = self.innovations;
+        if let Some(mut innovations) = challenged {
+            if self.in_doubt {
+                self.contest(&innovations, sample.time_s);
+            } else {
+                self.judge_probation(&innovations);
+            }
+            if self.adopted || self.rolled_back {
+                // The two have changed places.
+                core::mem::swap(&mut own, &mut innovations);
+            }
             self.faults[1].note(&innovations, limit, nominal_s);
         } else if self.in_doubt {
             self.catch_up();
-        } else if self.phase != Phase::Predicting {
+        }
+        if watching && self.phase != Phase::Predicting {
             self.watch(since_start_s, sample.time_s);
         }
-        self.faults[0].note(&self.innovations, limit, nominal_s);
+        if self.reopened.any() {
+            self.reopened.note(&self.champion.variances());
+        }
+        self.faults[0].note(&own, limit, nominal_s);
     }
 }
 
@@ -339,6 +421,7 @@ where
 
     fn update(&mut self, sample: &Sample<Self::Input, R>) -> Estimate<P> {
         self.adopted = core::mem::take(&mut self.known_change);
+        self.rolled_back = false;
         if !sample.time_s.is_finite() || sample.time_s <= self.last_s {
             self.rejected_samples = self.rejected_samples.saturating_add(1);
             self.phase = Phase::Rejected;

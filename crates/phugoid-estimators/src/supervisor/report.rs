@@ -6,6 +6,7 @@ use crate::estimate::{
     CONVERGED, ChangeState, DetectorReport, DetectorState, EXCITED, Estimate, Inspect, ParameterStatus, Status,
 };
 use crate::innovation::Innovations;
+use crate::levels::NoiseReport;
 use crate::model::Model;
 use crate::settings::EstimatorSettings;
 use crate::supervisor::slot::Slot;
@@ -58,7 +59,12 @@ where
 
     /// `q_s`, the adapted scale of the process noise.
     pub fn process_noise_scale(&self) -> f64 {
-        self.champion.common().noise_scale
+        self.levels.scale.unwrap_or(self.champion.common().noise_scale)
+    }
+
+    /// The noise levels in use, and what has been learnt of them.
+    pub fn noise(&self) -> NoiseReport<R> {
+        self.levels.report(self.champion.common().noise_scale)
     }
 
     /// Samples refused because their time did not increase.
@@ -130,8 +136,12 @@ where
                 phase: self.phase,
                 change: if self.adopted {
                     ChangeState::Adopted
+                } else if self.rolled_back {
+                    ChangeState::RolledBack
                 } else if self.in_doubt {
                     ChangeState::InDoubt
+                } else if self.probation.is_some() {
+                    ChangeState::OnProbation
                 } else {
                     ChangeState::Steady
                 },
@@ -176,6 +186,8 @@ where
         let scale = if change > 0.0 { std.min(2.0 * change) } else { std };
         if observability < EXCITED {
             ParameterStatus::NotExcited
+        } else if self.reopened.is_unknown(j) {
+            ParameterStatus::Unknown
         } else if limited {
             ParameterStatus::AtLimit
         } else if corrected <= CONVERGED * scale {
@@ -217,6 +229,14 @@ where
 
     fn process_noise_scale(&self) -> f64 {
         Self::process_noise_scale(self)
+    }
+
+    fn reopened_s(&self) -> f64 {
+        self.reopened.since_s
+    }
+
+    fn noise(&self) -> Option<NoiseReport<R>> {
+        Some(Self::noise(self))
     }
 
     fn detector(&self) -> Option<DetectorReport> {

@@ -3,6 +3,7 @@
 use crate::columns::Columns;
 use crate::discretization::IntervalInput;
 use crate::innovation::Innovations;
+use crate::levels::{Frame, Levels};
 use crate::model::Model;
 use crate::settings::{EstimatorSettings, SettingsError};
 use crate::supervisor::common::Common;
@@ -27,31 +28,38 @@ pub trait Slot<const N: usize, const P: usize>: Copy {
         columns: &Columns<R, P>,
     );
 
-    /// One interval. Changes nothing and gives `false` if the model's answer is not finite.
+    /// One interval. Changes nothing and gives `false` if the model's answer is not finite. `transition` receives `A`
+    /// over the interval.
+    #[allow(clippy::too_many_arguments)]
     fn predict<M, const R: usize>(
         &mut self,
         model: &M,
         settings: &EstimatorSettings<N, R, P>,
         columns: &Columns<R, P>,
+        levels: &Levels<N, R>,
         input: &IntervalInput<M::Input>,
         interval_s: f64,
+        transition: &mut [[f64; N]; N],
     ) -> bool
     where
         M: Model<N, R, P>;
 
     /// Corrects by every row that is there, in order. `watch` sees each row before it is used; `surface` receives
-    /// `theta_LS - theta`, the parameter step that least squares would take on this frame's used rows.
+    /// `theta_LS - theta`, the parameter step that least squares would take on this frame's used rows. `frame` receives
+    /// what the levels are learnt from.
     #[allow(clippy::too_many_arguments)]
     fn correct<M, const R: usize>(
         &mut self,
         model: &M,
         settings: &EstimatorSettings<N, R, P>,
         columns: &Columns<R, P>,
+        levels: &Levels<N, R>,
         input: &M::Input,
         measured: &[f64; R],
         adapt_noise: bool,
         surface: &mut [f64; P],
         watch: Option<Watch<'_, R, P>>,
+        frame: Option<&mut Frame<N, R>>,
     ) -> Innovations<R>
     where
         M: Model<N, R, P>;
@@ -72,6 +80,9 @@ pub trait Slot<const N: usize, const P: usize>: Copy {
 
     /// Variances of the columns, scaled to the prior.
     fn variances(&self) -> [f64; P];
+
+    /// Covariance of the state given the parameters, state units.
+    fn state_covariance(&self) -> [[f64; N]; N];
 
     /// Covariance of the columns, scaled to the prior, into the leading part of `out`.
     fn write_covariance(&self, out: &mut [[f64; P]; P]);

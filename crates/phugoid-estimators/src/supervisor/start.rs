@@ -56,6 +56,7 @@ impl<I: Copy, const R: usize> Start<I, R> {
     pub(crate) fn state<const N: usize, const P: usize>(
         &self,
         settings: &EstimatorSettings<N, R, P>,
+        noise_std: &[f64; R],
         output_of_state: &[Option<usize>; N],
     ) -> Option<StartedState<N>> {
         let first = self.frame(0)?.time_s;
@@ -96,7 +97,7 @@ impl<I: Copy, const R: usize> Start<I, R> {
                 }
                 let scatter = 1.4826 * median(&mut values[..found]);
                 started.x[state] = middle;
-                started.variances[state] = start_variance(settings.noise_std[output], scatter);
+                started.variances[state] = start_variance(noise_std[output], scatter);
                 started.read_from[state] = Some(output);
             } else if !full {
                 return None;

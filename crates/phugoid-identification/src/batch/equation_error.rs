@@ -119,6 +119,35 @@ where
     Ok(EquationErrorFit { fit, equations })
 }
 
+/// The equations of one manoeuvre at given parameters, without solving them: residuals (left side minus right side, in
+/// the place of the output that measures the state or the acceleration) and regressors (sensitivities, one column per
+/// parameter in the order of the model). NaN where a window has no value.
+///
+/// # Errors
+/// [`BatchError::BadInput`] where a state is not measured.
+pub(crate) fn equations_at<M, I, const N: usize, const R: usize>(
+    manoeuvre: &Manoeuvre<'_, M, I, N, R>,
+    structure: &Structure<N, R>,
+    settings: &EquationErrorSettings,
+    parameters: &[f64],
+) -> Result<Rows<R>, BatchError>
+where
+    M: Model<N, R, CAPACITY, Input = I>,
+    I: Input,
+{
+    let mut held = structure.clone();
+    held.states.iter_mut().for_each(|s| s.free = false);
+    held.outputs.iter_mut().for_each(|channel| channel.bias = Bias::None);
+    for (parameter, value) in held.parameters.iter_mut().zip(parameters) {
+        parameter.start = *value;
+    }
+    let manoeuvres = std::slice::from_ref(manoeuvre);
+    let measured = [Measured::of(manoeuvre, &held, settings)?];
+    let layout: Layout<N> = Layout::new(&held, manoeuvres, vec![[0.0; N]]);
+    let rows = rows_of(manoeuvres, &measured, &layout, &layout.start(), &[true; R]);
+    rows.into_iter().next().ok_or_else(|| BatchError::BadInput("there is no manoeuvre".to_owned()))
+}
+
 /// The states of one manoeuvre as measured, and their slopes.
 struct Measured<const N: usize> {
     /// By sample; NaN near the ends and where not measured.

@@ -62,6 +62,11 @@ pub(crate) fn covariance(
     information: &DMatrix<f64>,
     name: impl Fn(usize) -> String,
 ) -> Result<DMatrix<f64>, BatchError> {
+    inverse_of(information, &name)
+}
+
+/// Compiled once, however many callers name their unknowns: the decompositions and the sorting are large.
+fn inverse_of(information: &DMatrix<f64>, name: &dyn Fn(usize) -> String) -> Result<DMatrix<f64>, BatchError> {
     let n = information.nrows();
     if n == 0 {
         return Ok(DMatrix::zeros(0, 0));

@@ -33,6 +33,8 @@ mod result;
 mod start;
 mod summary;
 
+pub(crate) use equation_error::equations_at;
+
 pub use bound::{Bounded, bound};
 pub use equation_error::{EquationErrorFit, EquationErrorSettings, equation_error};
 pub use error::BatchError;

@@ -11,6 +11,7 @@ pub use phugoid_estimators::verdict::Readiness;
 pub use phugoid_estimators::{ChangeState, ParameterStatus, Phase};
 
 use super::method::Method;
+pub use super::soundness::{EstimationStatus, ReasonCode, VerdictReason, headline, status_of};
 use crate::batch::{Equation, OutputFit, Unknown};
 
 /// How well a parameter is known at the end of the record.
@@ -24,10 +25,14 @@ pub enum FinalStatus {
     /// The flight hardly determines the parameter: the bound is still that of the prior. Fly an input that moves its
     /// regressor.
     NotExcited,
+    /// A change was adopted that re-opened it, and nothing has excited it since: what it was before need not hold any
+    /// more.
+    Unknown,
     /// The estimate lies on one of the limits of the model file, which exclude the value that the data ask for. Check
     /// the limits and the model.
     AtLimit,
-    /// The bound is small, but the model contradicts the flight, so that the value must not be used.
+    /// The bound is small, but the result as a whole is [refused](EstimationStatus::Refused) or
+    /// [doubtful](EstimationStatus::Doubtful): the value must not be used before its reasons are settled.
     InDoubt,
     /// Not estimated: the model file gives its value.
     Fixed,
@@ -40,6 +45,7 @@ impl FinalStatus {
             Self::Converged => "converged",
             Self::Improving => "improving",
             Self::NotExcited => "not_excited",
+            Self::Unknown => "unknown",
             Self::AtLimit => "at_limit",
             Self::InDoubt => "in_doubt",
             Self::Fixed => "fixed",
@@ -59,6 +65,7 @@ impl From<ParameterStatus> for FinalStatus {
             ParameterStatus::NotExcited => Self::NotExcited,
             ParameterStatus::Improving => Self::Improving,
             ParameterStatus::Converged => Self::Converged,
+            ParameterStatus::Unknown => Self::Unknown,
             ParameterStatus::AtLimit => Self::AtLimit,
         }
     }
@@ -76,6 +83,8 @@ pub enum EventKind {
     Adopted,
     /// The suspected change was not confirmed: the estimate from before it is kept.
     DoubtDropped,
+    /// An adopted change was taken back: the estimate from before it has predicted better.
+    RolledBack,
     /// From here on model error hides small changes of the parameters.
     Insensitive,
     /// There was no sample for longer than the estimator predicts without one.
@@ -91,6 +100,7 @@ impl EventKind {
             Self::InDoubt => "in_doubt",
             Self::Adopted => "adopted",
             Self::DoubtDropped => "doubt_dropped",
+            Self::RolledBack => "rolled_back",
             Self::Insensitive => "insensitive",
             Self::Gap => "gap",
             Self::Restarted => "restarted",
@@ -99,7 +109,7 @@ impl EventKind {
 
     /// True for the events of the change detector.
     pub const fn is_of_detector(self) -> bool {
-        matches!(self, Self::InDoubt | Self::Adopted | Self::DoubtDropped | Self::Insensitive)
+        matches!(self, Self::InDoubt | Self::Adopted | Self::DoubtDropped | Self::RolledBack | Self::Insensitive)
     }
 }
 
@@ -285,11 +295,20 @@ pub struct Estimation {
     /// try.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub offer: Option<Offer>,
-    /// Sentences for the user: the verdict, pairs of parameters that are only known together, doubtful units, model
-    /// error.
+    /// What the result as a whole is worth.
+    #[serde(default)]
+    pub status: EstimationStatus,
+    /// Why it is not sound, the severest first; empty for a sound result.
+    #[serde(default)]
+    pub reasons: Vec<VerdictReason>,
+    /// Sentences for the user: the headline of a refused or doubtful result, the reasons, how many parameters
+    /// have converged, pairs of parameters that are only known together, doubtful units, model error.
     pub verdict: Vec<String>,
     /// Suspected and adopted changes, gaps and restarts, in order of time.
     pub events: Vec<Event>,
+    /// The adopted changes with the estimates before and after each, in order of time.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub changes: Vec<AdoptedChange>,
     /// What the reader of the record found, assumed and left out.
     pub quality: QualityReport,
     /// Measurement noise used per output, SI: name, unit, one sigma (one value each).
@@ -299,6 +318,53 @@ pub struct Estimation {
     /// The additional results of a batch method; `None` for a causal one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub batch: Option<BatchReport>,
+}
+
+/// A sudden change of the parameters that was adopted.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct AdoptedChange {
+    /// When it was adopted, s.
+    pub time_s: f64,
+    /// What has become of it.
+    pub outcome: ChangeOutcome,
+    /// The estimates before and after it, one per estimated parameter.
+    pub parameters: Vec<ChangedParameter>,
+}
+
+/// What has become of an adopted change.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ChangeOutcome {
+    /// The estimate from before it still runs as a rival: not everything that was re-opened has been excited, or it has
+    /// not predicted better for long enough.
+    OnProbation,
+    /// The estimate after it has predicted better with everything known again.
+    Confirmed,
+    /// It was taken back: the estimate from before it has predicted better, or the levels of the residuals explain it.
+    RolledBack,
+}
+
+/// A parameter before and after a change.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ChangedParameter {
+    /// Its name.
+    pub name: String,
+    /// The estimate before the change was suspected, in the parameter's unit.
+    pub before: f64,
+    /// Its corrected standard error.
+    pub before_std: f64,
+    /// The estimate at the end of the record, or before the next change.
+    pub after: f64,
+    /// Its corrected standard error.
+    pub after_std: f64,
+}
+
+impl ChangedParameter {
+    /// The difference over its standard error; zero if that is not positive.
+    pub fn sigmas(&self) -> f64 {
+        let std = self.before_std.hypot(self.after_std);
+        if std > 0.0 { (self.after - self.before) / std } else { 0.0 }
+    }
 }
 
 /// The additional results of a batch method: cost, noise, fit by output, equations, prediction.

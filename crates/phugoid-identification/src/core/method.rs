@@ -78,6 +78,11 @@ impl Method {
         matches!(self, Self::EquationError | Self::OutputError | Self::FilterError)
     }
 
+    /// Whether it learns the noise levels of the outputs in flight; the others use those that are given or measured.
+    pub fn learns_noise(self) -> bool {
+        matches!(self, Self::Smpe | Self::Ekf)
+    }
+
     /// One line that says what the method is, for lists of methods.
     pub fn description(self) -> &'static str {
         match self {

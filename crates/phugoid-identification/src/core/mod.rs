@@ -8,6 +8,7 @@ pub mod health;
 pub mod method;
 pub mod options;
 pub mod output;
+pub(crate) mod soundness;
 pub mod stack;
 pub mod term;
 pub(crate) mod words;

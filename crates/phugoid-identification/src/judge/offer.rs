@@ -17,7 +17,7 @@ use crate::core::error::EstimateError;
 use crate::core::estimation::{Estimation, Event, EventKind, Offer, OfferedTerm};
 use crate::core::method::Method;
 use crate::core::options::{EstimateOptions, OfferTerms, capacity};
-use crate::judge::verdict::colour;
+use crate::judge::contradiction::colour;
 use crate::methods::{EveryRoom, Run, Task, run};
 use crate::model_file::ModelFile;
 use crate::preparation::prepare::prepare;

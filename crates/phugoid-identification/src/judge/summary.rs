@@ -5,19 +5,23 @@ use phugoid_flight_data::quality::{Finding, QualityReport};
 use phugoid_flight_data::record::Record;
 
 use crate::core::axes::Axes;
-use crate::core::estimation::{Estimation, FinalStatus, History, ParameterHistory, ParameterResult, Signal};
+use crate::core::estimation::{
+    AdoptedChange, ChangedParameter, Estimation, FinalStatus, History, ParameterHistory, ParameterResult, Signal,
+    status_of,
+};
 use crate::core::method::Method;
 use crate::core::options::EstimateOptions;
 use crate::core::output::Output;
 use crate::judge::effective::{effective, sentence};
+use crate::judge::equations::Equations;
 use crate::judge::readiness::readiness;
-use crate::judge::verdict::{is_contradicted, verdict};
-use crate::methods::{ColumnRun, Run, Task};
+use crate::judge::reasons::{demote, reasons};
+use crate::judge::verdict::verdict;
+use crate::methods::{ColumnRun, EveryRoom, Run, RunChange, Task};
 use crate::model_file::{ModelFile, Parameter};
 use crate::motion::Motion;
-use phugoid_estimators::verdict::Readiness;
 
-pub(crate) fn summarise<M: Motion<N, R>, const N: usize, const R: usize>(
+pub(crate) fn summarise<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     record: &Record,
     task: &Task<M, N, R>,
     run: &Run<R>,
@@ -34,27 +38,22 @@ pub(crate) fn summarise<M: Motion<N, R>, const N: usize, const R: usize>(
     }
     let correlation = correlation(&columns, &run.covariance);
     let history = history(task, &columns, run);
-    if run.excited && is_contradicted(&history.residuals) {
-        // An estimate that does not move only because the samples that contradict it are rejected has not converged.
-        for parameter in parameters.iter_mut().filter(|p| p.status == FinalStatus::Converged) {
-            parameter.status = FinalStatus::InDoubt;
-            if let Some(readiness) = parameter.readiness.as_mut().filter(|r| r.verdict == Readiness::Ready) {
-                readiness.verdict = Readiness::Doubtful;
-                readiness.reason = "the model contradicts the flight".to_owned();
-                readiness.ready_since_s = None;
-            }
-        }
-    }
     if run.batch.is_some() {
         // A batch method uses all samples at once: there is no time of convergence.
         parameters.iter_mut().for_each(|p| p.converged_at_s = None);
     }
     // The residuals of equation error are not the noise of sensors.
     let found = run.batch.as_ref().filter(|_| task.method() != Method::EquationError).map(|b| &b.noise_std);
+    let learnt = run.noise.as_ref().map(|learnt| learnt.std[..].to_vec());
+    let found = found.or(learnt.as_ref());
     let std = |row: usize| found.and_then(|std| std.get(row)).copied().unwrap_or(noise[row].std);
     let noise_signals = measured(file).map(|(row, o)| signal(o.name(), o.unit(), vec![std(row)])).collect();
     let effective = effective(&mut parameters, &correlation, file);
-    let mut verdict = verdict(task, &parameters, &correlation, run, doubts, &history);
+    let equations = if run.excited { Equations::of(task, run) } else { None };
+    let reasons = reasons(task, &parameters, run, doubts, &history, equations.as_ref());
+    demote(&mut parameters, &reasons);
+    let changes = changes(&columns, run);
+    let mut verdict = verdict(task, &parameters, &correlation, run, &reasons, &history, &changes);
     if run.excited {
         verdict.extend(effective.iter().map(sentence));
     }
@@ -67,13 +66,33 @@ pub(crate) fn summarise<M: Motion<N, R>, const N: usize, const R: usize>(
         effective,
         alpha_reference: prepared.reference.alpha,
         offer: None,
+        status: status_of(&reasons),
+        reasons,
         verdict,
         events: run.events.clone(),
+        changes,
         quality: without(&record.quality, doubts),
         noise: noise_signals,
         history,
         batch: run.batch.clone(),
     }
+}
+
+/// The adopted changes, by name of the parameters.
+fn changes<const R: usize>(columns: &[(&Parameter, Option<usize>)], run: &Run<R>) -> Vec<AdoptedChange> {
+    let of = |change: &RunChange| AdoptedChange {
+        time_s: change.time_s,
+        outcome: change.outcome,
+        parameters: columns
+            .iter()
+            .filter_map(|(parameter, column)| {
+                let j = (*column)?;
+                let ([before, before_std], [after, after_std]) = (*change.before.get(j)?, *change.after.get(j)?);
+                Some(ChangedParameter { name: parameter.name.clone(), before, before_std, after, after_std })
+            })
+            .collect(),
+    };
+    run.changes.iter().map(of).collect()
 }
 
 /// The findings of the reader without those that the verdict repeats.

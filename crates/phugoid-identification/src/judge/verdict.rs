@@ -2,10 +2,12 @@
 
 use phugoid_estimators::DetectorState;
 use phugoid_estimators::verdict::Readiness;
-use phugoid_flight_data::plausibility::Doubt;
 
-use crate::core::axes::Axes;
-use crate::core::estimation::{BatchReport, EventKind, FinalStatus, History, ParameterResult, Signal};
+use crate::core::estimation::{
+    AdoptedChange, BatchReport, ChangeOutcome, ChangedParameter, EstimationStatus, FinalStatus, History,
+    ParameterResult, ReasonCode, Signal, VerdictReason, headline,
+};
+use crate::judge::contradiction::{Spread, colour};
 use crate::methods::{Run, Task};
 use crate::motion::Motion;
 
@@ -16,48 +18,79 @@ const GOOD_PREDICTION: f64 = 0.3;
 const INDISTINGUISHABLE: f64 = 0.99;
 /// Correlation from which two parameters are said to depend on each other.
 const CORRELATED: f64 = 0.95;
-/// Share of an output's samples beyond six sigmas from which, if they also come in runs, the model is said to
-/// contradict the flight. Sensors that throw single bad values do not make runs.
-const CONTRADICTED: f64 = 0.05;
-/// Lag-one correlation of clipped residuals from which they are called coloured.
-const COLOURED: f64 = 0.4;
-
 pub(crate) fn verdict<M: Motion<N, R>, const N: usize, const R: usize>(
     task: &Task<M, N, R>,
     parameters: &[ParameterResult],
     correlation: &[Vec<f64>],
     run: &Run<R>,
-    doubts: &[Doubt],
+    reasons: &[VerdictReason],
     history: &History,
+    adopted: &[AdoptedChange],
 ) -> Vec<String> {
-    let mut sentences = Vec::new();
+    let mut sentences: Vec<String> = headline(reasons).into_iter().collect();
+    // What keeps a result waiting is told below with the parameters, unless nothing moved at all.
+    let told = |r: &&VerdictReason| r.status >= EstimationStatus::Doubtful || r.code == ReasonCode::NoExcitation;
+    sentences.extend(reasons.iter().filter(told).map(|reason| reason.sentence.clone()));
+    let contradicted = reasons.iter().any(|reason| reason.code == ReasonCode::Contradiction);
     let pairs = pairs(parameters, correlation);
     if run.excited {
-        contradiction(&history.residuals, &mut sentences);
         excitation(parameters, &pairs, &mut sentences);
         tell_pairs(parameters, &pairs, &mut sentences);
         advice(parameters, &mut sentences);
-        changes(parameters, run, is_contradicted(&history.residuals), &mut sentences);
+        changes(parameters, run, contradicted, adopted, &mut sentences);
         residuals(&history.residuals, run, &mut sentences);
-    } else {
-        no_excitation(M::AXES, &history.measured, &mut sentences);
     }
-    let measured: Vec<String> = M::AXES
-        .outputs()
-        .iter()
-        .zip(task.noise)
-        .filter(|(_, level)| level.measured)
-        .map(|(o, level)| format!("{} {:.3e} {}", o.name(), level.std, o.unit()))
-        .collect();
-    if !measured.is_empty() && run.batch.is_none() {
-        sentences.push(format!("Noise levels measured from the record, one sigma: {}.", measured.join(", ")));
-    }
+    noise(task, run, &mut sentences);
     if let Some(report) = &run.batch {
         batch(report, &mut sentences);
     }
-    sentences.extend(doubts.iter().map(|d| format!("Check the units: {}.", d.to_string().trim_end_matches('.'))));
     sentences.extend(task.prepared.notes.iter().map(|n| format!("{}.", capitalised(n))));
     sentences
+}
+
+/// A level that was learnt and one that was given are said to differ from this ratio on.
+const NOTEWORTHY: f64 = 2.0;
+
+/// The sentences about noise levels: measured from the record, or learnt in flight and compared with those given.
+fn noise<M: Motion<N, R>, const N: usize, const R: usize>(
+    task: &Task<M, N, R>,
+    run: &Run<R>,
+    sentences: &mut Vec<String>,
+) {
+    if run.batch.is_some() {
+        return;
+    }
+    let used = || M::AXES.outputs().iter().zip(task.noise).enumerate().filter(|(_, (_, level))| level.std > 0.0);
+    let list = |levels: &mut dyn Iterator<Item = (usize, f64)>| -> Vec<String> {
+        levels
+            .filter_map(|(row, std)| Some((M::AXES.outputs().get(row)?, std)))
+            .map(|(o, std)| format!("{} {std:.3e} {}", o.name(), o.unit()))
+            .collect()
+    };
+    let Some(learnt) = &run.noise else {
+        let measured = list(&mut used().filter(|(_, (_, level))| level.measured).map(|(row, (_, l))| (row, l.std)));
+        if !measured.is_empty() {
+            sentences.push(format!("Noise levels measured from the record, one sigma: {}.", measured.join(", ")));
+        }
+        return;
+    };
+    let levels = list(&mut used().map(|(row, _)| (row, learnt.std[row])));
+    sentences.push(format!("Levels of the residuals, learnt in flight, one sigma: {}.", levels.join(", ")));
+    for (row, (output, given)) in used().filter(|(_, (_, level))| !level.measured) {
+        let ratio = learnt.std[row] / given.std;
+        if !(1.0 / NOTEWORTHY..=NOTEWORTHY).contains(&ratio) {
+            sentences.push(format!(
+                "The residual of {} is {ratio:.1} times the noise that the model file gives: {}.",
+                output.name(),
+                if ratio > 1.0 {
+                    "a filter, lag, scale or bias of the sensor, turbulence, or a term that the model lacks; the bounds \
+                     follow the residual"
+                } else {
+                    "the sensor is better than that; the bounds follow the residual"
+                }
+            ));
+        }
+    }
 }
 
 /// The sentences about a batch method: its notes, and how well its parameters predict another record.
@@ -92,17 +125,6 @@ fn capitalised(text: &str) -> String {
 /// Two parameters and their correlation.
 type Pair = (f64, usize, usize);
 
-fn no_excitation(axes: Axes, measured: &[Signal], sentences: &mut Vec<String>) {
-    let [movers, manoeuvre] = axes.excitation_words();
-    sentences.push(format!(
-        "No excitation: {movers} never move beyond their noise. Steady flight tells at \
-         most sums of terms, so all parameters and their bounds are still those given beforehand. Fly {manoeuvre}."
-    ));
-    if measured.iter().all(|signal| signal.values.windows(2).all(|pair| pair[0] == pair[1])) {
-        sentences.push("Every measured output is exactly constant: the recorder was frozen.".to_owned());
-    }
-}
-
 fn excitation(parameters: &[ParameterResult], pairs: &[Pair], sentences: &mut Vec<String>) {
     let wanted: Vec<&ParameterResult> =
         parameters.iter().filter(|p| !p.nuisance && p.status != FinalStatus::Fixed).collect();
@@ -124,7 +146,7 @@ fn excitation(parameters: &[ParameterResult], pairs: &[Pair], sentences: &mut Ve
     );
     sentences.push(format!("{} of {} parameters have converged.", converged.len(), wanted.len()));
     if !doubtful.is_empty() {
-        sentences.push(format!("In doubt, since the model contradicts the flight: {}.", doubtful.join(", ")));
+        sentences.push(format!("In doubt, for the reasons named first: {}.", doubtful.join(", ")));
     }
     if !improving.is_empty() {
         sentences.push(format!("Still improving, more excitation would help: {}.", improving.join(", ")));
@@ -197,14 +219,19 @@ fn changes<const R: usize>(
     parameters: &[ParameterResult],
     run: &Run<R>,
     contradicted: bool,
+    adopted: &[AdoptedChange],
     sentences: &mut Vec<String>,
 ) {
-    let times: Vec<String> =
-        run.events.iter().filter(|e| e.kind == EventKind::Adopted).map(|e| format!("{:.2} s", e.time_s)).collect();
-    if !times.is_empty() {
-        let (times, doubt) =
-            (times.join(", "), if contradicted { ", or what contradicts the model looks like it" } else { "" });
-        sentences.push(format!("The parameters changed in flight{doubt}: found at {times}."));
+    sentences.extend(adopted.iter().map(|change| before_and_after(change, contradicted)));
+    let unknown: Vec<&str> =
+        parameters.iter().filter(|p| p.status == FinalStatus::Unknown).map(|p| p.name.as_str()).collect();
+    if let (false, Some(change)) = (unknown.is_empty(), adopted.last()) {
+        sentences.push(format!(
+            "Unknown since {:.2} s: {}. The change re-opened them and nothing has excited them since; what they were \
+             before need not hold any more.",
+            change.time_s,
+            unknown.join(", ")
+        ));
     }
     let Some(detector) = run.detector else { return };
     if run.status.detector == DetectorState::Insensitive {
@@ -224,66 +251,63 @@ fn changes<const R: usize>(
     }
 }
 
-/// How the whitened residuals of one output are spread, once there are enough of them.
-struct Spread {
-    /// Number of samples that have a residual.
-    present: usize,
-    /// Number of residuals beyond six standard deviations.
-    outliers: usize,
-    /// Lag-one correlation, outliers clipped to three sigmas.
-    colour: f64,
-}
+/// Standard errors from which the difference of an estimate before and after a change is called one.
+const CHANGED: f64 = 3.0;
 
-impl Spread {
-    fn of(signal: &Signal) -> Option<Self> {
-        Self::of_values(signal.values.iter().copied())
+/// What changed, from what to what, and what else could explain it.
+fn before_and_after(change: &AdoptedChange, contradicted: bool) -> String {
+    let time_s = change.time_s;
+    if change.outcome == ChangeOutcome::RolledBack {
+        return format!(
+            "A change of the parameters was adopted at {time_s:.2} s and taken back: the estimate from before it has \
+             predicted better."
+        );
     }
-
-    fn of_values(values: impl Iterator<Item = f64>) -> Option<Self> {
-        let present: Vec<f64> = values.filter(|v| v.is_finite()).collect();
-        if present.len() < 20 {
-            return None;
-        }
-        let core: Vec<f64> = present.iter().map(|v| v.clamp(-3.0, 3.0)).collect();
-        let power: f64 = core.iter().map(|v| v * v).sum();
-        let lagged: f64 = core.windows(2).map(|w| w[0] * w[1]).sum();
-        Some(Self {
-            present: present.len(),
-            outliers: present.iter().filter(|v| v.abs() > 6.0).count(),
-            colour: if power > 0.0 { lagged / power } else { 0.0 },
-        })
-    }
-
-    fn contradicts(&self) -> bool {
-        self.outliers as f64 > CONTRADICTED * self.present as f64 && self.colour > COLOURED
-    }
-}
-
-/// Whether some output disagrees with its prediction so often, and in runs, that it is the model that is wrong. The
-/// contradicting samples were rejected, so that bounds from the remaining samples alone are too small.
-pub(crate) fn is_contradicted(residuals: &[Signal]) -> bool {
-    residuals.iter().filter_map(Spread::of).any(|spread| spread.contradicts())
-}
-
-/// The lag-one correlation of an output's whitened residuals, if they are coloured.
-pub(crate) fn colour(residuals: impl Iterator<Item = f64>) -> Option<f64> {
-    Spread::of_values(residuals).map(|spread| spread.colour).filter(|colour| *colour > COLOURED)
-}
-
-fn contradiction(residuals: &[Signal], sentences: &mut Vec<String>) {
-    let named: Vec<String> = residuals
+    let mut changed: Vec<&ChangedParameter> = change.parameters.iter().filter(|p| p.sigmas().abs() > CHANGED).collect();
+    changed.sort_by(|a, b| b.sigmas().abs().total_cmp(&a.sigmas().abs()));
+    // A constant: the term `1` of a coefficient, or an offset.
+    let is_constant = |p: &&ChangedParameter| p.name.ends_with("_0") || p.name.starts_with("offset");
+    let trim_shift = changed.first().is_some_and(is_constant) && {
+        let rest = changed.iter().filter(|p| !is_constant(p));
+        rest.clone().count() == 0
+            || rest.map(|p| p.sigmas().abs()).fold(0.0, f64::max) < changed[0].sigmas().abs() / 2.0
+    };
+    let list: Vec<String> = changed
         .iter()
-        .filter_map(|signal| Spread::of(signal).filter(Spread::contradicts).map(|s| (signal, s)))
-        .map(|(signal, s)| format!("{:.0} % of {}", 100.0 * s.outliers as f64 / s.present as f64, signal.name))
+        .map(|p| {
+            format!(
+                "{} {:.4} ± {:.2e} -> {:.4} ± {:.2e}",
+                p.name,
+                p.before,
+                2.0 * p.before_std,
+                p.after,
+                2.0 * p.after_std
+            )
+        })
         .collect();
-    if !named.is_empty() {
-        sentences.push(format!(
-            "The model contradicts this flight: more than six sigmas away are {}. Do not use these numbers, nor their \
-             bounds. Look for a wrong unit, sign or time, a delay or an offset of a sensor, a wrong mass or geometry, or \
-             noise levels that are too small.",
-            named.join(", ")
-        ));
-    }
+    let what = if trim_shift {
+        "A constant force or moment (a trim shift) set in"
+    } else if contradicted {
+        "The parameters changed in flight, or what contradicts the model looks like it"
+    } else {
+        "The parameters changed in flight"
+    };
+    let list = if list.is_empty() {
+        format!("no single parameter has moved by more than {CHANGED} standard errors yet")
+    } else {
+        format!("before -> after, two sigma: {}", list.join("; "))
+    };
+    let state = match change.outcome {
+        ChangeOutcome::OnProbation => {
+            " It is on probation: not everything that was re-opened has been excited since, or the new estimate has not \
+             yet predicted better for long enough."
+        }
+        ChangeOutcome::Confirmed | ChangeOutcome::RolledBack => "",
+    };
+    format!(
+        "{what}: found at {time_s:.2} s; {list}. A term that the model lacks, another flight condition, or a sensor error \
+         that began then can look the same.{state}"
+    )
 }
 
 /// Outliers, and residuals that are not white.

@@ -71,6 +71,8 @@ pub(super) fn run_batch<M: MotionModel<N, R, CAPACITY>, const N: usize, const R:
         covariance: covariance::<M, N, R>(task, &fit),
         status: Status::default(),
         detector: None,
+        changes: Vec::new(),
+        noise: None,
         excited: true,
         health: None,
         batch: Some(report(&fit, equations, prediction)),

@@ -4,7 +4,7 @@ use phugoid_estimators::{ParameterStatus, Phase, Sample, Status};
 
 use super::readiness::ColumnVerdict;
 use super::stepper::CausalRun;
-use super::task::{ColumnRun, Run, Task, log_density};
+use super::task::{ColumnRun, LearntNoise, Run, Task, log_density};
 use crate::core::error::EstimateError;
 use crate::motion::Motion;
 
@@ -41,6 +41,8 @@ pub(super) fn run_causal<M: Motion<N, R>, const N: usize, const R: usize>(
         covariance: Vec::new(),
         status: Status::default(),
         detector: None,
+        changes: Vec::new(),
+        noise: None,
         excited: false,
         health: None,
         batch: None,
@@ -90,6 +92,11 @@ pub(super) fn run_causal<M: Motion<N, R>, const N: usize, const R: usize>(
     }
     run.health = stepper.take_health();
     run.detector = stepper.detector();
+    run.changes = stepper.take_changes();
+    run.noise = stepper
+        .noise()
+        .filter(|report| report.learnt.is_some())
+        .map(|report| LearntNoise { std: report.std, is_provisional: stepper.is_provisional() });
     progress(1.0);
     Ok(run)
 }

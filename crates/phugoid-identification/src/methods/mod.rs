@@ -2,10 +2,12 @@
 
 mod batch;
 mod causal;
+mod changes;
 mod gate;
 mod health_watch;
 mod predict;
 mod readiness;
+mod replay;
 mod room;
 mod settings;
 mod stepper;
@@ -21,7 +23,7 @@ pub use predict::{Predicted, PredictedParameter};
 pub(crate) use readiness::ColumnVerdict;
 pub(crate) use room::{EveryRoom, causal_run};
 pub(crate) use stepper::CausalRun;
-pub(crate) use task::{ColumnRun, Run, Task};
+pub(crate) use task::{ColumnRun, Run, RunChange, Task};
 
 /// Runs the method of the task.
 ///

@@ -1,6 +1,8 @@
 //! Which rooms are compiled, and the smallest that holds a model.
 
+use super::gate::{Gated, GatedInput};
 use super::stepper::{CausalRun, Stepper};
+use super::table::{SetUp, is_for_largest_room, set_up, set_up_any};
 use super::task::Task;
 use crate::core::axes::Axes;
 use crate::core::error::EstimateError;
@@ -32,8 +34,8 @@ impl<M, const N: usize, const R: usize> EveryRoom<N, R> for M where
 {
 }
 
-/// Sets the causal method of a task up in the smallest room that holds its model; the numbers do not depend on the
-/// room. Which rooms there are is decided when the motion is compiled: the small ones for the longitudinal alone, the
+/// Sets the causal method of a task up in the smallest room that holds its model, a teaching method in the largest of
+/// its motion; the numbers do not depend on the room. Which rooms there are is decided when the motion is compiled: the small ones for the longitudinal alone, the
 /// largest for the others alone.
 ///
 /// # Errors
@@ -42,22 +44,24 @@ pub(crate) fn causal_run<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     task: &Task<M, N, R>,
 ) -> Result<Box<dyn CausalRun<M::KnownInput, R>>, EstimateError> {
     let columns = task.file.estimated().count();
+    let largest = is_for_largest_room(task.method());
     if const { matches!(M::AXES, Axes::Longitudinal) } {
         return match columns {
-            0..=SMALL_ROOM => in_room::<M, N, R, SMALL_ROOM>(task),
-            columns if columns <= MIDDLE_ROOM => in_room::<M, N, R, MIDDLE_ROOM>(task),
-            _ => in_room::<M, N, R, LARGE_ROOM>(task),
+            0..=SMALL_ROOM if !largest => in_room::<M, N, R, SMALL_ROOM>(task, set_up),
+            columns if columns <= MIDDLE_ROOM && !largest => in_room::<M, N, R, MIDDLE_ROOM>(task, set_up),
+            _ => in_room::<M, N, R, LARGE_ROOM>(task, set_up_any),
         };
     }
-    if const { matches!(M::AXES, Axes::LateralDirectional) } && columns <= LARGE_ROOM {
-        return in_room::<M, N, R, LARGE_ROOM>(task);
+    if const { matches!(M::AXES, Axes::LateralDirectional) } && columns <= LARGE_ROOM && !largest {
+        return in_room::<M, N, R, LARGE_ROOM>(task, set_up);
     }
-    in_room::<M, N, R, CAPACITY>(task)
+    in_room::<M, N, R, CAPACITY>(task, set_up_any)
 }
 
 #[inline(never)] // one room's estimator on the stack at a time
 pub(super) fn in_room<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize>(
     task: &Task<M, N, R>,
+    set_up: SetUp<Gated<M>, GatedInput<M::KnownInput>, N, R, P>,
 ) -> Result<Box<dyn CausalRun<M::KnownInput, R>>, EstimateError> {
-    Ok(Box::new(Stepper::<M, N, R, P>::new(task)?))
+    Ok(Box::new(Stepper::<M, N, R, P>::new(task, set_up)?))
 }

@@ -2,18 +2,27 @@
 //! noise.
 
 use phugoid_estimators::discretization::InputHold;
+use phugoid_estimators::levels::NoiseLearning;
 use phugoid_estimators::settings::{
     ChangeDetection, ChangePrior, EstimatorSettings, NoiseAdaptation, ParameterPrior, ProcessNoise,
 };
 use phugoid_flight_data::statistics::{median, median_step};
 
+use crate::core::axes::Axes;
 use crate::core::error::EstimateError;
 use crate::core::options::EstimateOptions;
 use crate::core::output::Output;
-use crate::model_file::{Base, ModelFile, Parameter, Role};
+use crate::model_file::{Base, LIGHT_TURBULENCE, ModelFile, Parameter, Role};
 use crate::motion::Motion;
 use crate::preparation::noise::NoiseLevel;
 use crate::preparation::prepare::Prepared;
+
+/// The level of a residual where learning begins, over the white noise of its channel. On real flights it ended at 0.5
+/// to 260 times that, at 12 in the middle, and it falls faster than it rises.
+const START_OVER_WHITE: f64 = 10.0;
+/// Blocks of the colour correction where noise levels are learnt, s: residuals of real flights are correlated over
+/// more than half a second.
+const COLOUR_BLOCK_S: f64 = 2.0;
 
 /// Settings for a prepared record: the automatic rule with what the model file says. All methods take their settings
 /// from here, so that comparisons are fair.
@@ -67,6 +76,36 @@ pub(super) fn shared_settings<M: Motion<N, R>, const N: usize, const R: usize, c
     settings.change_detection =
         if options.change_detection.unwrap_or(file.change_detection) { Some(ChangeDetection::default()) } else { None };
     Ok(settings)
+}
+
+/// The settings of a filter that learns its noise levels, and the size of an adaptive process noise, in flight.
+///
+/// The size of the process noise that the file gives decides nothing: the scales tried are those of light turbulence.
+/// Its shape, and that it does not adapt, hold as given.
+pub(super) fn learning<const N: usize, const R: usize, const P: usize>(
+    settings: &EstimatorSettings<N, R, P>,
+    axes: Axes,
+    noise: &[NoiseLevel; R],
+) -> EstimatorSettings<N, R, P> {
+    let mut own = *settings;
+    let mut learning = NoiseLearning::from_white(noise.map(|level| level.white));
+    // By how much the given process noise is larger than light turbulence, on average of the states that have both.
+    let usual = axes.states().iter().map(|state| LIGHT_TURBULENCE[state.index()]);
+    let given = settings.process_noise.variance_per_s;
+    let ratios: Vec<f64> =
+        given.iter().zip(usual).filter(|(g, u)| **g > 0.0 && *u > 0.0).map(|(g, u)| (g / u).ln()).collect();
+    if !ratios.is_empty() {
+        let size = (ratios.iter().sum::<f64>() / ratios.len() as f64).exp();
+        learning.scales = learning.scales.map(|scale| scale / size);
+    }
+    own.noise_learning = Some(learning);
+    for (std, level) in own.noise_std.iter_mut().zip(noise) {
+        if level.measured {
+            *std *= START_OVER_WHITE;
+        }
+    }
+    own.colour_block_s = COLOUR_BLOCK_S;
+    own
 }
 
 /// Where a state that nothing measures starts, and one sigma of that: flight nearly level and straight, at about the

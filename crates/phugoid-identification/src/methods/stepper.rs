@@ -2,15 +2,18 @@
 
 use std::collections::VecDeque;
 
+use phugoid_estimators::levels::NoiseReport;
 use phugoid_estimators::settings::{EstimatorSettings, ParameterPrior};
 use phugoid_estimators::{ChangeState, DetectorReport, Estimate, Innovations, ParameterStatus, Sample, Status};
 
+use super::changes::Changes;
 use super::gate::{Gated, GatedInput, open};
 use super::health_watch::{HealthRun, Monitoring};
 use super::readiness::{ColumnVerdict, ReadinessWatch};
-use super::settings::shared_settings;
-use super::table::{self, Boxed};
-use super::task::Task;
+use super::replay::Replay;
+use super::settings::{learning, shared_settings};
+use super::table::{Boxed, SetUp};
+use super::task::{RunChange, Task};
 use super::watch::Watch;
 use crate::core::error::EstimateError;
 use crate::core::estimation::Event;
@@ -63,8 +66,17 @@ pub(crate) trait CausalRun<I, const R: usize>: Send {
     /// Changes smaller than this cannot be told from model error, per column, parameter units.
     fn change_sensitivity(&self) -> Vec<f64>;
 
+    /// The noise levels in use at present; none for a method that uses those of its settings.
+    fn noise(&self) -> Option<NoiseReport<R>>;
+
+    /// True while the noise levels are still to be learnt and the estimates provisional.
+    fn is_provisional(&self) -> bool;
+
     /// What the change detector knows; none without one.
     fn detector(&self) -> Option<DetectorReport>;
+
+    /// Takes the adopted changes out, the last one with the present estimate.
+    fn take_changes(&mut self) -> Vec<RunChange>;
 
     /// Takes the result of the health monitor out, if there is one.
     fn take_health(&mut self) -> Option<HealthRun>;
@@ -91,9 +103,12 @@ pub(crate) struct Shown<'a> {
 pub(super) struct Stepper<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> {
     file: ModelFile,
     method: Method,
+    set_up: SetUp<Gated<M>, GatedInput<M::KnownInput>, N, R, P>,
     settings: EstimatorSettings<N, R, P>,
     gated: Gated<M>,
     estimator: Boxed<GatedInput<M::KnownInput>, R, P>,
+    /// Where noise levels are learnt.
+    replay: Option<Replay<GatedInput<M::KnownInput>, N, R, P>>,
     /// The last estimate as it is shown.
     shown: Estimate<P>,
     /// True until something has moved: until then only the priors of single parameters are known, because steady flight
@@ -103,6 +118,7 @@ pub(super) struct Stepper<M: MotionModel<N, R, P>, const N: usize, const R: usiz
     excitation: Excitation,
     lead: Lead<M::KnownInput, R>,
     watch: Watch,
+    changes: Changes,
     readiness: ReadinessWatch<R, P>,
     monitoring: Option<Monitoring<M, N, R, P>>,
     /// Times of the known changes that are still to come, s, in order.
@@ -111,26 +127,33 @@ pub(super) struct Stepper<M: MotionModel<N, R, P>, const N: usize, const R: usiz
 
 impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> Stepper<M, N, R, P> {
     /// For a record, or the beginning of a flight: its first two seconds are what the noise of surfaces is measured
-    /// from.
+    /// from. `set_up` makes the estimator.
     ///
     /// # Errors
     /// [`EstimateError::Settings`] if the settings are refused.
-    pub(super) fn new(task: &Task<M, N, R>) -> Result<Self, EstimateError> {
+    pub(super) fn new(
+        task: &Task<M, N, R>,
+        set_up: SetUp<Gated<M>, GatedInput<M::KnownInput>, N, R, P>,
+    ) -> Result<Self, EstimateError> {
         let Task { prepared, file, options, noise, health } = *task;
-        let settings = shared_settings::<M, N, R, P>(prepared, file, options, noise)?;
+        let shared = shared_settings::<M, N, R, P>(prepared, file, options, noise)?;
         let gated = Gated::new(prepared.model.clone(), file);
         let method = task.method();
-        let estimator = table::set_up(method, gated.clone(), &settings, file.aircraft.gravity)?;
+        let learns = file.noise_learning && method.learns_noise();
+        let settings = if learns { learning(&shared, M::AXES, noise) } else { shared };
+        let estimator = set_up(method, gated.clone(), &settings, file.aircraft.gravity)?;
         let monitoring = match health {
-            Some(health) => Some(Monitoring::new(&prepared.model, file, &settings, health)?),
+            Some(health) => Some(Monitoring::new(&prepared.model, file, &shared, health)?),
             None => None,
         };
         Ok(Self {
             file: file.clone(),
             method,
+            set_up,
             settings,
             gated,
             estimator,
+            replay: learns.then(Replay::new),
             shown: Estimate {
                 time_s: f64::NAN,
                 parameters: [0.0; P],
@@ -145,6 +168,7 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> St
             excitation: Excitation::of(prepared, noise),
             lead: Lead::default(),
             watch: Watch::new(settings.maximum_step_s.max(3.5 * settings.sample_time_s)),
+            changes: Changes::default(),
             readiness: ReadinessWatch::new(),
             monitoring,
             known_changes_s: options.known_changes_s.iter().copied().collect(),
@@ -153,6 +177,25 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> St
 
     fn columns(&self) -> usize {
         self.estimator.column_count().min(P)
+    }
+
+    /// Looks at the replay after a sample that gave this estimate; a filter that has caught up takes the place of the
+    /// running one.
+    fn replayed(
+        &mut self,
+        sample: &Sample<GatedInput<M::KnownInput>, R>,
+        estimate: &mut Estimate<P>,
+    ) -> Result<(), EstimateError> {
+        let Self { replay, estimator, settings, set_up, method, gated, file, watch, changes, .. } = self;
+        let Some(replay) = replay else { return Ok(()) };
+        let set_up = |own: &EstimatorSettings<N, R, P>| set_up(*method, gated.clone(), own, file.aircraft.gravity);
+        if let Some((second, its)) = replay.take(sample, estimate, || estimator.noise(), settings, set_up)? {
+            *estimator = second;
+            *estimate = its;
+            watch.restarts = estimator.restarts();
+            changes.keep(estimator.detector().map_or(0, |detector| detector.adoptions) as usize);
+        }
+        Ok(())
     }
 }
 
@@ -169,25 +212,42 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> Ca
         let open = open(M::AXES, self.file.base, self.moved);
         while self.known_changes_s.pop_front_if(|time_s| *time_s <= sample.time_s + 1e-9).is_some() {
             self.estimator.reopen_now();
+            if let Some(replay) = &mut self.replay {
+                replay.open();
+            }
         }
-        let mut estimate = self.estimator.update(&gate(sample, open));
+        let gated = gate(sample, open);
+        let mut estimate = self.estimator.update(&gated);
         // In absolute form the estimator keeps the sums of terms that steady flight determines.
         let starts_anew = self.waiting && self.file.base != Base::None;
         if starts_anew {
             self.lead.push(sample);
         }
+        let mut replays = true;
         if self.waiting && self.moved.any() {
             self.waiting = false;
+            if let Some(replay) = &mut self.replay {
+                replay.first_motion(sample.time_s);
+            }
             let (lead, is_a_part) = self.lead.take();
             if is_a_part {
                 // Forget what the estimator took for excitation before there was any.
                 self.estimator =
-                    table::set_up(self.method, self.gated.clone(), &self.settings, self.file.aircraft.gravity)?;
+                    (self.set_up)(self.method, self.gated.clone(), &self.settings, self.file.aircraft.gravity)?;
+                if let Some(replay) = &mut self.replay {
+                    *replay = Replay::new();
+                    replays = false;
+                }
                 for sample in &lead {
-                    estimate = self.estimator.update(&gate(sample, open));
+                    let gated = gate(sample, open);
+                    estimate = self.estimator.update(&gated);
+                    self.replayed(&gated, &mut estimate)?;
                 }
                 self.watch.restarts = self.estimator.restarts();
             }
+        }
+        if replays {
+            self.replayed(&gated, &mut estimate)?;
         }
         if self.waiting {
             estimate =
@@ -200,6 +260,10 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> Ca
             monitoring.update(sample, &estimate, &*self.estimator);
         }
         self.watch.look(&estimate, sample.time_s, self.estimator.restarts(), events);
+        if !self.waiting {
+            let columns = self.columns();
+            self.changes.look(&estimate, sample.time_s, columns);
+        }
         if self.waiting {
             // Before anything has moved the reports of the detector have no meaning.
             events.retain(|event| !event.kind.is_of_detector());
@@ -267,8 +331,20 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> Ca
         self.estimator.change_sensitivity()[..self.columns()].to_vec()
     }
 
+    fn noise(&self) -> Option<NoiseReport<R>> {
+        self.estimator.noise()
+    }
+
+    fn is_provisional(&self) -> bool {
+        self.replay.as_ref().is_some_and(|replay| !replay.is_done())
+    }
+
     fn detector(&self) -> Option<DetectorReport> {
         self.estimator.detector()
+    }
+
+    fn take_changes(&mut self) -> Vec<RunChange> {
+        self.changes.take()
     }
 
     fn take_health(&mut self) -> Option<HealthRun> {

@@ -1,7 +1,8 @@
 //! The table of the causal methods: how the estimator of each is set up in a room for `P` columns.
 //!
 //! Everything around an estimator works on `dyn Inspect` and is compiled once per motion and room; only what is listed
-//! here is compiled once per method as well. A new causal method is an arm of [`set_up`] and a name in [`Method`].
+//! here is compiled once per method as well. A new causal method is an arm of [`set_up_any`] (or of [`set_up`], if it is
+//! for every room) and a name in [`Method`].
 
 use phugoid_estimators::adaptive_model::AdaptiveModel;
 use phugoid_estimators::ekf::JointEkf;
@@ -25,32 +26,31 @@ const REACHING_RATE: f64 = 2.0;
 /// An estimator on the heap, whatever its method: with room for 48 columns it is too large for the stack of a thread.
 pub(super) type Boxed<I, const R: usize, const P: usize> = Box<dyn Inspect<R, P, Input = I> + Send>;
 
-/// The estimator of a causal method for a model with the settings that all methods share: priors, noise, biases, sample
-/// time, process noise. `gravity` (m/s^2) is for the kinematics that smooth the states of the regression methods.
+/// Sets the estimator of a method up: [`set_up`] or [`set_up_any`].
+pub(super) type SetUp<M, I, const N: usize, const R: usize, const P: usize> =
+    fn(Method, M, &EstimatorSettings<N, R, P>, f64) -> Result<Boxed<I, R, P>, EstimateError>;
+
+/// Whether the method is compiled for the largest room of a motion alone: it is there to be compared and to teach, and
+/// the time that unused room costs matters less than the size of the program.
+pub(super) fn is_for_largest_room(method: Method) -> bool {
+    matches!(method, Method::ModelReference | Method::ImplicitSign | Method::SuperTwisting)
+}
+
+/// [`set_up`], and the methods that are compiled for the largest room alone.
 ///
 /// # Errors
-/// [`EstimateError::Settings`] if the settings are refused; [`EstimateError::NotCausal`] for a batch method.
-pub(super) fn set_up<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize>(
+/// Those of [`set_up`]; [`EstimateError::Model`] if the model lacks what the model-reference law needs.
+pub(super) fn set_up_any<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize>(
     method: Method,
     model: M,
     settings: &EstimatorSettings<N, R, P>,
     gravity: f64,
 ) -> Result<Boxed<M::KnownInput, R, P>, EstimateError> {
-    let rows = |model: M| {
-        let states = KinematicFrontEnd::<M, N, R>::new(gravity, settings);
-        Regression::new(model, states, *settings)
-    };
     let estimator = match method {
-        Method::Smpe => place(|| Smpe::new(model, *settings)),
-        Method::Ekf => place(|| JointEkf::new(model, *settings)),
-        Method::Rls => place(|| Ok(RecursiveLeastSquares::new(rows(model)?))),
-        Method::Fourier => place(|| FourierRegression::new(rows(model)?)),
         Method::ModelReference => place(|| AdaptiveModel::new(model, settings)),
-        Method::ImplicitSign => place(|| ImplicitSign::new(rows(model)?, REACHING_RATE)),
-        Method::SuperTwisting => place(|| Ok(SuperTwisting::new(rows(model)?))),
-        Method::EquationError | Method::OutputError | Method::FilterError => {
-            return Err(EstimateError::NotCausal { method });
-        }
+        Method::ImplicitSign => place(|| ImplicitSign::new(rows(model, settings, gravity)?, REACHING_RATE)),
+        Method::SuperTwisting => place(|| Ok(SuperTwisting::new(rows(model, settings, gravity)?))),
+        _ => return set_up(method, model, settings, gravity),
     };
     estimator.map_err(|error| match (method, error) {
         (Method::ModelReference, SettingsError::NoOutput) => EstimateError::Model(
@@ -58,6 +58,44 @@ pub(super) fn set_up<M: MotionModel<N, R, P>, const N: usize, const R: usize, co
         ),
         (_, error) => EstimateError::Settings(error),
     })
+}
+
+/// The estimator of a causal method for a model with the settings that all methods share: priors, noise, biases, sample
+/// time, process noise. `gravity` (m/s^2) is for the kinematics that smooth the states of the regression methods.
+///
+/// # Errors
+/// [`EstimateError::Settings`] if the settings are refused; [`EstimateError::NotCausal`] for a batch method;
+/// [`EstimateError::Model`] for a method that [`is_for_largest_room`], which [`set_up_any`] knows.
+pub(super) fn set_up<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize>(
+    method: Method,
+    model: M,
+    settings: &EstimatorSettings<N, R, P>,
+    gravity: f64,
+) -> Result<Boxed<M::KnownInput, R, P>, EstimateError> {
+    let estimator = match method {
+        Method::Smpe => place(|| Smpe::new(model, *settings)),
+        Method::Ekf => place(|| JointEkf::new(model, *settings)),
+        Method::Rls => place(|| Ok(RecursiveLeastSquares::new(rows(model, settings, gravity)?))),
+        Method::Fourier => place(|| FourierRegression::new(rows(model, settings, gravity)?)),
+        Method::ModelReference | Method::ImplicitSign | Method::SuperTwisting => {
+            return Err(EstimateError::Model(format!("{method} is compiled for the largest number of columns alone")));
+        }
+        Method::EquationError | Method::OutputError | Method::FilterError => {
+            return Err(EstimateError::NotCausal { method });
+        }
+    };
+    estimator.map_err(EstimateError::Settings)
+}
+
+type Rows<M, const N: usize, const R: usize, const P: usize> = Regression<M, KinematicFrontEnd<M, N, R>, N, R, P>;
+
+/// The rows of the regression methods, from states that kinematics smooth.
+fn rows<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize>(
+    model: M,
+    settings: &EstimatorSettings<N, R, P>,
+    gravity: f64,
+) -> Result<Rows<M, N, R, P>, SettingsError> {
+    Regression::new(model, KinematicFrontEnd::<M, N, R>::new(gravity, settings), *settings)
 }
 
 /// Makes an estimator and puts it on the heap. Each has a frame of its own on the stack, which holds the copies of this

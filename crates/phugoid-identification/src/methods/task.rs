@@ -4,7 +4,7 @@ use phugoid_estimators::{DetectorReport, Innovations, ParameterStatus, Phase, St
 
 use super::health_watch::HealthRun;
 use super::readiness::ColumnVerdict;
-use crate::core::estimation::{BatchReport, Event};
+use crate::core::estimation::{BatchReport, ChangeOutcome, Event};
 use crate::core::health::HealthOptions;
 use crate::core::method::Method;
 use crate::core::options::EstimateOptions;
@@ -30,12 +30,34 @@ pub(crate) struct Run<const R: usize> {
     /// Status of the estimator after the last sample.
     pub(crate) status: Status,
     pub(crate) detector: Option<DetectorReport>,
+    /// The adopted changes, in order of time.
+    pub(crate) changes: Vec<RunChange>,
+    /// The noise levels that were learnt in flight; `None` of a method that uses those of its settings.
+    pub(crate) noise: Option<LearntNoise<R>>,
     /// True if any motion was visible above the noise.
     pub(crate) excited: bool,
     /// The result of the health monitor; `None` without one.
     pub(crate) health: Option<HealthRun>,
     /// The additional results of a batch method; `None` for a causal one.
     pub(crate) batch: Option<BatchReport>,
+}
+
+/// An adopted change: value and corrected standard error by column before and after it.
+#[derive(Clone, Debug)]
+pub(crate) struct RunChange {
+    pub(crate) time_s: f64,
+    pub(crate) outcome: ChangeOutcome,
+    pub(crate) before: Vec<[f64; 2]>,
+    pub(crate) after: Vec<[f64; 2]>,
+}
+
+/// The noise levels at the end of a run that has learnt them.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LearntNoise<const R: usize> {
+    /// One sigma of the residual per output, SI.
+    pub(crate) std: [f64; R],
+    /// True if the run ended before the levels were known.
+    pub(crate) is_provisional: bool,
 }
 
 /// The result of one run for one parameter.

@@ -1,13 +1,17 @@
 //! The numbers do not depend on the room that the estimator was compiled with.
 
 use super::causal::run_causal;
+use super::gate::{Gated, GatedInput};
 use super::room::{LARGE_ROOM, MIDDLE_ROOM, SMALL_ROOM, in_room};
 use super::settings::shared_settings;
+use super::table::{SetUp, set_up, set_up_any};
 use super::{ColumnRun, Run, Task};
 use crate::core::error::EstimateError;
+use crate::core::method::Method;
 use crate::core::options::EstimateOptions;
 use crate::model_file::ModelFile;
 use crate::models::longitudinal::{LongitudinalModel, OUTPUTS, STATES};
+use crate::motion::Motion;
 use crate::preparation::noise::NoiseLevel;
 use crate::preparation::prepare::{Prepared, prepare};
 use phugoid_estimators::settings::NoiseAdaptation;
@@ -36,13 +40,24 @@ fn eventful() -> Record {
 
 type Flown = Prepared<LongitudinalModel, STATES, OUTPUTS>;
 
+type SetUpFlown<const P: usize> = SetUp<
+    Gated<LongitudinalModel>,
+    GatedInput<<LongitudinalModel as Motion<STATES, OUTPUTS>>::KnownInput>,
+    STATES,
+    OUTPUTS,
+    P,
+>;
+
 fn run_in_room<const P: usize>(
     prepared: &Flown,
     file: &ModelFile,
     noise: &[NoiseLevel; OUTPUTS],
+    method: Method,
+    set_up: SetUpFlown<P>,
 ) -> Result<Run<OUTPUTS>, EstimateError> {
-    let task = Task { prepared, file, options: &EstimateOptions::default(), noise, health: None };
-    run_causal(&mut *in_room::<_, _, _, P>(&task)?, &task, &mut |_| {})
+    let options = EstimateOptions { method: Some(method), ..EstimateOptions::default() };
+    let task = Task { prepared, file, options: &options, noise, health: None };
+    run_causal(&mut *in_room::<_, _, _, P>(&task, set_up)?, &task, &mut |_| {})
 }
 
 fn assert_same_bits(a: &[f64], b: &[f64], what: &str) {
@@ -73,17 +88,17 @@ fn assert_same(a: &Run<OUTPUTS>, b: &Run<OUTPUTS>) {
 #[test]
 fn the_room_does_not_change_a_bit() {
     let record = eventful();
-    let noise = NOISE.map(|std| NoiseLevel { std, measured: false });
+    let noise = NOISE.map(NoiseLevel::given);
     // Five parameters, which fill the small room, and eight.
     for (biases, columns) in [("", 5), ("\n[biases]\nalpha = \"0.3 deg\"\nq = \"0.1 deg/s\"\naz = \"0.02 g\"\n", 8)] {
         let file = ModelFile::parse("f16", &format!("{}{biases}", unbiased())).unwrap();
         let prepared: Flown = prepare(&record, &file).unwrap();
-        let large = run_in_room::<LARGE_ROOM>(&prepared, &file, &noise).unwrap();
-        let middle = run_in_room::<MIDDLE_ROOM>(&prepared, &file, &noise).unwrap();
+        let large = run_in_room::<LARGE_ROOM>(&prepared, &file, &noise, Method::Smpe, set_up).unwrap();
+        let middle = run_in_room::<MIDDLE_ROOM>(&prepared, &file, &noise, Method::Smpe, set_up).unwrap();
         let full = if columns == SMALL_ROOM {
-            run_in_room::<SMALL_ROOM>(&prepared, &file, &noise).unwrap()
+            run_in_room::<SMALL_ROOM>(&prepared, &file, &noise, Method::Smpe, set_up).unwrap()
         } else {
-            run_in_room::<8>(&prepared, &file, &noise).unwrap()
+            run_in_room::<8>(&prepared, &file, &noise, Method::Smpe, set_up).unwrap()
         };
         assert_eq!(full.columns.len(), columns);
         let kinds: Vec<&str> = full.events.iter().map(|e| e.kind.word()).collect();
@@ -94,21 +109,35 @@ fn the_room_does_not_change_a_bit() {
     }
 }
 
+/// What lets the command line compile them for one room of each motion.
+#[test]
+fn nor_does_it_of_the_methods_that_teach() {
+    let record = eventful();
+    let noise = NOISE.map(|std| NoiseLevel { std, measured: false });
+    let file = ModelFile::parse("f16", unbiased()).unwrap();
+    let prepared: Flown = prepare(&record, &file).unwrap();
+    for method in [Method::ModelReference, Method::ImplicitSign, Method::SuperTwisting] {
+        let large = run_in_room::<LARGE_ROOM>(&prepared, &file, &noise, method, set_up_any).unwrap();
+        let full = run_in_room::<SMALL_ROOM>(&prepared, &file, &noise, method, set_up_any).unwrap();
+        assert_same(&full, &large);
+    }
+}
+
 #[test]
 fn a_model_beyond_the_small_room_is_refused_by_it() {
     let file = ModelFile::named("hfb320").unwrap();
     assert!(file.estimated().count() > SMALL_ROOM);
-    let noise = [NoiseLevel { std: 0.1, measured: false }; OUTPUTS];
+    let noise = [NoiseLevel::given(0.1); OUTPUTS];
     let f16 = ModelFile::parse("f16", unbiased()).unwrap();
     let prepared: Flown = prepare(&fly(2.0, 0.026, 33), &f16).unwrap();
-    let error = run_in_room::<SMALL_ROOM>(&prepared, &file, &noise);
+    let error = run_in_room::<SMALL_ROOM>(&prepared, &file, &noise, Method::Smpe, set_up);
     assert!(error.unwrap_err().to_string().contains('5'));
 }
 
 #[test]
 fn what_the_model_file_says_of_the_estimator_reaches_it() {
     let record = fly(2.0, 0.026, 31);
-    let noise = NOISE.map(|std| NoiseLevel { std, measured: false });
+    let noise = NOISE.map(NoiseLevel::given);
     let options = EstimateOptions::default();
     let settings = |own: &str| {
         let text = format!("{}\n{own}", include_str!("../../../../data/models/f16.toml"));

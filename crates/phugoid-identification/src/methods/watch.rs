@@ -48,6 +48,10 @@ impl Watch {
                 "the parameters changed: a challenger that allows for it explains the new data better, and was adopted"
                     .to_owned(),
             ),
+            ChangeState::RolledBack => say(
+                EventKind::RolledBack,
+                "the adopted change was taken back: the estimate from before it has predicted better".to_owned(),
+            ),
             ChangeState::InDoubt if !self.in_doubt => say(
                 EventKind::InDoubt,
                 "a change of the parameters is suspected: bounds are widened until it is decided".to_owned(),

@@ -33,6 +33,9 @@ pub struct ModelFile {
     pub outputs: [bool; CHANNELS],
     /// Measurement noise by [`Output::index`], one sigma, SI; none: measured from the record.
     pub noise: [Option<f64>; CHANNELS],
+    /// Whether the causal filters learn the level of each output's residuals, and the size of an adaptive process noise,
+    /// in flight; what the file gives is where they start.
+    pub noise_learning: bool,
     /// Parameters: terms in the order of the file, then offsets, then biases. Fixed ones included.
     pub parameters: Vec<Parameter>,
     /// Where the terms count from: the values of alpha and of the surfaces at which they are zero.

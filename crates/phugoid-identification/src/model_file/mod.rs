@@ -17,4 +17,5 @@ pub use error::ModelFileError;
 pub use file::ModelFile;
 pub use named::ModelError;
 pub use parameter::{Expectation, Parameter, Role};
+pub(crate) use parse::LIGHT_TURBULENCE;
 pub use settings::{EstimatorTuning, InputHold, ProcessNoise};

@@ -12,7 +12,8 @@ use toml::de::DeTable;
 use self::aircraft::aircraft;
 use self::axes::axes;
 use self::channels::channels;
-use self::measurements::{noise, outputs, process_noise};
+pub(crate) use self::measurements::LIGHT_TURBULENCE;
+use self::measurements::{noise, noise_learning, outputs, process_noise};
 use self::parameters::parameters;
 use super::aircraft::{AirDensity, Base, RateSpeed, Reference, ReferenceValue, Source, Thrust};
 use super::error::ModelFileError;
@@ -116,6 +117,7 @@ fn parse(file: &str, text: &str) -> Result<ModelFile, ModelFileError> {
         channels: channels(&top, &extra_inputs)?,
         outputs,
         noise: noise(&top, &outputs)?,
+        noise_learning: noise_learning(&top)?,
         expected: expected(&top, &parameters)?,
         parameters,
         reference: reference(&top, base)?,

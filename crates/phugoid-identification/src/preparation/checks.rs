@@ -35,15 +35,15 @@ pub(crate) fn noise_levels<M: Motion<N, R>, const N: usize, const R: usize>(
     model: &ModelFile,
 ) -> Result<[NoiseLevel; R], EstimateError> {
     let length = prepared.noise_samples();
-    let mut levels = [NoiseLevel { std: 0.0, measured: false }; R];
+    let mut levels = [NoiseLevel::NONE; R];
     for (row, output) in M::AXES.outputs().iter().enumerate().filter(|(_, o)| model.outputs[o.index()]) {
+        let values: Vec<f64> = prepared.outputs[..length].iter().map(|y| y[row]).collect();
+        let found = measure_noise(&values);
+        let white = found.map_or(0.0, |found| found.std);
         levels[row] = match model.noise[output.index()] {
-            Some(std) => NoiseLevel { std, measured: false },
-            None => {
-                let values: Vec<f64> = prepared.outputs[..length].iter().map(|y| y[row]).collect();
-                let found = measure_noise(&values).ok_or_else(|| EstimateError::Noise(output.name().to_owned()))?;
-                NoiseLevel { std: found.std, measured: true }
-            }
+            Some(std) => NoiseLevel { std, measured: false, white },
+            None if found.is_some() => NoiseLevel { std: white, measured: true, white },
+            None => return Err(EstimateError::Noise(output.name().to_owned())),
         };
     }
     Ok(levels)

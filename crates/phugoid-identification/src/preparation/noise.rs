@@ -52,11 +52,25 @@ pub fn measure_noise(values: &[f64]) -> Option<MeasuredNoise> {
     })
 }
 
-/// One sigma per output, and whether it was measured from the record.
+/// One sigma of an output, and where it comes from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct NoiseLevel {
+    /// As the model file gives it, else measured from the record.
     pub(crate) std: f64,
     pub(crate) measured: bool,
+    /// The white noise of the beginning of the record, whatever the model file gives; zero where it cannot be measured.
+    pub(crate) white: f64,
+}
+
+impl NoiseLevel {
+    /// An output that is not used.
+    pub(crate) const NONE: Self = Self { std: 0.0, measured: false, white: 0.0 };
+
+    /// A level that the model file gives, of an output whose white noise is not known.
+    #[cfg(test)]
+    pub(crate) const fn given(std: f64) -> Self {
+        Self { std, measured: false, white: 0.0 }
+    }
 }
 
 #[cfg(test)]

@@ -79,6 +79,7 @@ const VERDICTS = {
   improving: ["↗", "improving", "wait"],
   not_excited: ["○", "not excited", "none"],
   not_identifiable: ["⊘", "needs another input", "none"],
+  unknown: ["?", "unknown since a change", "bad"],
   at_limit: ["⊣", "at the limit of the model file", "limit"],
   in_doubt: ["?", "in doubt: the model contradicts the flight", "bad"],
   doubtful: ["?", "doubtful", "bad"],

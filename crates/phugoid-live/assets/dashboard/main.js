@@ -88,6 +88,11 @@ function start() {
     if (flight.thinned) {
       sentences.push(`Charts show the least and the greatest value of every ${count(flight.thinned)} samples.`);
     }
+    if (result.status === "refused" || result.status === "doubtful") {
+      byId("alarm").textContent = sentences[0];
+      byId("alarm").className = result.status;
+      byId("alarm").hidden = false;
+    }
     byId("verdict").hidden = sentences.length === 0;
     byId("verdict").querySelector("ul").append(...sentences.map((s) => element("li", "", s)));
   } else {

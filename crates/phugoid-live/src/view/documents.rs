@@ -166,6 +166,7 @@ impl Collector {
             history: columns.finish(),
             parameters: last.parameters.into_iter().map(parameter).collect(),
             events: self.events,
+            status: None,
             verdict: self.notes,
             link: self.link,
         })

@@ -2,7 +2,7 @@
 
 use std::io::Read;
 
-use phugoid_identification::estimation::ParameterResult;
+use phugoid_identification::estimation::{EstimationStatus, ParameterResult};
 use phugoid_identification::method::Method;
 use phugoid_identification::session::{Layout, ParameterLayout, SignalLayout};
 use serde::Deserialize;
@@ -16,6 +16,8 @@ struct Document {
     model: String,
     method: Method,
     parameters: Vec<ParameterResult>,
+    #[serde(default)]
+    status: Option<EstimationStatus>,
     #[serde(default)]
     verdict: Vec<String>,
     #[serde(default)]
@@ -87,6 +89,7 @@ pub(super) fn read(file: impl Read) -> Result<Finished, ViewError> {
         hello: Hello { source: document.source, layout },
         history: columns.finish(),
         events: document.events,
+        status: document.status,
         verdict: document.verdict,
         link: None,
     })

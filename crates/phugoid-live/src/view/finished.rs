@@ -2,7 +2,7 @@
 
 use std::io;
 
-use phugoid_identification::estimation::ParameterReadiness;
+use phugoid_identification::estimation::{EstimationStatus, ParameterReadiness};
 use phugoid_identification::session::Layout;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -38,6 +38,9 @@ pub struct Finished {
     /// The parameters at the end.
     pub(super) parameters: Vec<FinalParameter>,
     pub(super) events: Vec<Event>,
+    /// What the result as a whole is worth; `None` for what a live estimation published, which ends without a verdict.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) status: Option<EstimationStatus>,
     /// Sentences for people: the verdict, and what was left out of a damaged file.
     pub(super) verdict: Vec<String>,
     /// The last document about the link.

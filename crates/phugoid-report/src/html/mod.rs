@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use phugoid_identification::estimation::{Estimation, FinalStatus};
+use phugoid_identification::estimation::{Estimation, FinalStatus, headline};
 
 use crate::escape::escape;
 use crate::figure::Figure;
@@ -60,7 +60,14 @@ pub fn html(estimation: &Estimation, options: &HtmlOptions) -> String {
         Section::new("events", "Events", tables::events(estimation)),
         Section::new("method", "Method and settings", tables::method(estimation, options)),
     ];
-    page::document(&title, "Estimated by Phugoid", &options.notes, &facts(estimation), &sections)
+    let header = alarm(estimation) + &facts(estimation);
+    page::document(&title, "Estimated by Phugoid", &options.notes, &header, &sections)
+}
+
+/// The headline of a refused or doubtful result, above everything else; empty for others.
+fn alarm(estimation: &Estimation) -> String {
+    let Some(first) = headline(&estimation.reasons) else { return String::new() };
+    format!("<p class=\"alarm {}\" role=\"alert\">{}</p>\n", estimation.status, prose(&first))
 }
 
 /// The facts under the heading.
@@ -86,7 +93,11 @@ fn facts(estimation: &Estimation) -> String {
 
 /// The verdict, or else the number of parameters with each status.
 fn summary(estimation: &Estimation) -> String {
-    let Some((first, rest)) = estimation.verdict.split_first() else { return counts(estimation) };
+    // The headline of a refused result stands at the top of the page already.
+    let headline = headline(&estimation.reasons);
+    let told = |sentence: &&String| headline.as_ref() != Some(*sentence);
+    let verdict: Vec<&String> = estimation.verdict.iter().filter(told).collect();
+    let Some((first, rest)) = verdict.split_first() else { return counts(estimation) };
     let mut out = format!("<p class=\"lead\">{}</p>\n", prose(first));
     if !rest.is_empty() {
         out.push_str("<ul class=\"verdict\">\n");

@@ -101,7 +101,7 @@ fn result_row(estimation: &Estimation, parameter: &ParameterResult, truth: bool)
     let class = match parameter.status {
         FinalStatus::Converged => " good",
         FinalStatus::Improving => " waiting",
-        FinalStatus::NotExcited | FinalStatus::AtLimit | FinalStatus::InDoubt => " bad",
+        FinalStatus::NotExcited | FinalStatus::AtLimit | FinalStatus::InDoubt | FinalStatus::Unknown => " bad",
         FinalStatus::Fixed => "",
     };
     format!(

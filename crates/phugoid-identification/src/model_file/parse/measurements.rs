@@ -11,7 +11,8 @@ use crate::model_file::settings::ProcessNoise;
 
 /// Light Dryden turbulence (1.1 m/s) at the speed and altitude of the F-16 study, and a share of the angular rates'
 /// own, by [`Output::index`]. Side gusts are as strong as vertical ones at that altitude.
-const LIGHT_TURBULENCE: [f64; STATE_CHANNELS] = [10.0 * 0.3048 * 0.3048, 3.4e-5, 3.4e-5, 0.0, 0.0, 1e-6, 1e-6, 1e-6];
+pub(crate) const LIGHT_TURBULENCE: [f64; STATE_CHANNELS] =
+    [10.0 * 0.3048 * 0.3048, 3.4e-5, 3.4e-5, 0.0, 0.0, 1e-6, 1e-6, 1e-6];
 
 pub(super) fn outputs(top: &Section, axes: Axes) -> Result<[bool; OUTPUT_CHANNELS], ModelFileError> {
     let mut outputs = [false; OUTPUT_CHANNELS];
@@ -55,7 +56,7 @@ pub(super) fn noise(
     let mut noise = [None; OUTPUT_CHANNELS];
     let Some(section) = top.section("noise")? else { return Ok(noise) };
     let measured: Vec<&str> = Output::ALL.iter().filter(|o| outputs[o.index()]).map(|o| o.name()).collect();
-    section.allow("output", measured.iter().copied())?;
+    section.allow("output", measured.iter().copied().chain(["learn"]))?;
     for output in Output::ALL {
         let name = output.name();
         if section.get(name).and_then(|v| v.get_ref().as_str()) == Some("measured") {
@@ -64,6 +65,14 @@ pub(super) fn noise(
         noise[output.index()] = section.positive(name, output.dimension())?;
     }
     Ok(noise)
+}
+
+/// Whether noise levels are learnt in flight: they are unless `learn = false`.
+pub(super) fn noise_learning(top: &Section) -> Result<bool, ModelFileError> {
+    match top.section("noise")? {
+        Some(section) => Ok(section.boolean("learn")?.unwrap_or(true)),
+        None => Ok(true),
+    }
 }
 
 pub(super) fn process_noise(top: &Section, axes: Axes) -> Result<ProcessNoise, ModelFileError> {

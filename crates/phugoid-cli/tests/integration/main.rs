@@ -1,0 +1,24 @@
+//! Every integration test of this crate in one program: each program more is linked with all libraries once more.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // tests may
+
+#[path = "../common/mod.rs"]
+mod common;
+#[path = "../common/live.rs"]
+mod live_program;
+#[path = "../../../../tests/telemetry.rs"]
+mod telemetry;
+
+mod axes;
+mod compare;
+mod inspect;
+mod live;
+mod logs;
+mod mistakes;
+mod monitor;
+mod offer;
+mod px4_log;
+mod records;
+mod reproduce;
+mod results;
+mod tune;
+mod view;

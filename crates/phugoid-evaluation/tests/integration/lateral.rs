@@ -1,0 +1,83 @@
+//! The lateral-directional motion and all six coefficients of the F-16 against the Cramer-Rao bound.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // tests may
+
+use phugoid_evaluation::accuracy::{AccuracyStudy, accuracy};
+use phugoid_identification::estimate::EstimateOptions;
+use phugoid_identification::model_file::ModelFile;
+use phugoid_simulation::scenario::built_in;
+
+/// The built-in scenario of this name against a model, printed.
+fn study(name: &str, model: &ModelFile, runs: usize, at: &[f64]) -> AccuracyStudy {
+    // More runs for the numbers of docs/methods.md.
+    let runs = std::env::var("PHUGOID_RUNS").ok().and_then(|n| n.parse().ok()).unwrap_or(runs);
+    let scenario = built_in(name).unwrap().unwrap();
+    let options = EstimateOptions::default();
+    let study = accuracy(&scenario, model, &options, runs, at, || ()).unwrap_or_else(|e| panic!("{e}"));
+    for checkpoint in &study.checkpoints {
+        println!("{name}, {runs} runs, {:.1} s: truth, bound, RMSE/bound, bias/bound, coverage", checkpoint.time_s);
+        for p in &checkpoint.parameters {
+            println!(
+                "{:14} {:8.4} {:9.6} {:6.3} {:6.3} {:6.3}",
+                p.name,
+                p.truth,
+                p.cramer_rao,
+                p.rmse_over_cramer_rao,
+                p.bias / p.cramer_rao,
+                p.coverage
+            );
+        }
+    }
+    println!("changes adopted in {} of {} runs", study.runs_with_changes, study.runs);
+    study
+}
+
+fn model(name: &str) -> ModelFile {
+    ModelFile::named(name).unwrap()
+}
+
+/// The target is 1.2 times the bound for each of the eighteen (200 runs: 1.13 at most). With 60 runs the RMSE itself has a
+/// standard error of 9 %, of which three and a half are allowed.
+#[test]
+fn eighteen_lateral_derivatives_are_found_as_well_as_they_can_be() {
+    let study = study("f16-lateral", &model("f16-lateral"), 60, &[20.0]);
+    let found = &study.checkpoints[0].parameters;
+    assert_eq!(found.len(), 18);
+    for p in found {
+        assert!(p.rmse_over_cramer_rao < 1.2 * 1.32, "{}: {}", p.name, p.rmse_over_cramer_rao);
+        // 60 runs at 90 %: below 0.77 once in a thousand.
+        assert!(p.coverage > 0.77, "{}: {}", p.name, p.coverage);
+    }
+    let mean = found.iter().map(|p| p.rmse_over_cramer_rao).sum::<f64>() / 18.0;
+    assert!(mean < 1.1, "{mean}");
+}
+
+#[test]
+fn all_six_coefficients_are_found_together() {
+    let study = study("f16-six", &model("f16-six"), 40, &[30.0]);
+    let found = &study.checkpoints[0].parameters;
+    assert_eq!(found.len(), 24);
+    for p in found {
+        // 40 runs: a standard error of 11 %.
+        assert!(p.rmse_over_cramer_rao < 1.3 * 1.4, "{}: {}", p.name, p.rmse_over_cramer_rao);
+        assert!(p.coverage > 0.7, "{}: {}", p.name, p.coverage);
+    }
+    let mean = found.iter().map(|p| p.rmse_over_cramer_rao).sum::<f64>() / 24.0;
+    assert!(mean < 1.15, "{mean}");
+}
+
+/// The lateral axes alone take noisy measurements as inputs. Without process noise their bounds are too small, several times for
+/// C_l_r; with the adaptive one that a file gets that says nothing they hold, and the errors are larger still.
+#[test]
+fn the_noise_of_measured_inputs_is_covered_by_adaptive_process_noise() {
+    let text = include_str!("../../../../data/models/f16-lateral.toml");
+    let text = text.replace("axes = [\"longitudinal\", \"lateral\"]", "axes = [\"lateral\"]");
+    let symmetric = ["true_airspeed = ", "alpha = ", "theta = ", "q = ", "ax = ", "az = "];
+    let text: String =
+        text.lines().filter(|l| !symmetric.iter().any(|s| l.starts_with(s))).map(|l| format!("{l}\n")).collect();
+    let exact = ModelFile::parse("exact", &text).unwrap();
+    let adaptive = ModelFile::parse("adaptive", text.split("[process_noise]").next().unwrap()).unwrap();
+    let worst = |study: &AccuracyStudy| study.checkpoints[0].parameters.iter().map(|p| p.coverage).fold(1.0, f64::min);
+    let (exact, adaptive) = (study("f16-lateral", &exact, 40, &[20.0]), study("f16-lateral", &adaptive, 40, &[20.0]));
+    assert!(worst(&exact) < 0.7, "the noise of the inputs has stopped to matter: say so in docs/methods.md");
+    assert!(worst(&adaptive) > 0.75, "{}", worst(&adaptive));
+}

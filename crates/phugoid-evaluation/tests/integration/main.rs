@@ -1,0 +1,19 @@
+//! Every integration test of this crate in one program: each program more is linked with all libraries once more.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // tests may
+
+#[path = "../../../phugoid-flight-dynamics/tests/light_aircraft/mod.rs"]
+mod light_aircraft;
+#[path = "../../../../tests/shared_data.rs"]
+mod shared_data;
+
+mod accuracy;
+mod arena;
+mod batch;
+mod cramer_rao_f16;
+mod detection;
+mod lateral;
+mod manoeuvres;
+mod offer;
+mod predicted_bound;
+mod second_aircraft;
+mod stack;

@@ -1,0 +1,28 @@
+//! Every integration test of this crate in one program: each program more is linked with all libraries once more.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // tests may
+
+#[cfg(any(feature = "matlab", feature = "mcap", feature = "parquet"))]
+#[path = "../common/damage.rs"]
+mod damage;
+#[cfg(any(feature = "matlab", feature = "parquet"))]
+#[path = "../common/flight.rs"]
+mod flight;
+#[path = "../logs/mod.rs"]
+mod logs;
+#[path = "../../../../tests/shared_data.rs"]
+mod shared_data;
+
+mod align;
+mod bad_input;
+mod columnar;
+mod damaged_logs;
+mod dataflash;
+mod flights;
+mod logs_to_records;
+mod matlab;
+mod mcap;
+mod plausibility;
+mod properties;
+mod tables;
+mod ulog;
+mod units_document;

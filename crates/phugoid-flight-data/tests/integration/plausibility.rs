@@ -1,0 +1,153 @@
+//! Units and signs that cannot be: every spoilt channel is named, once, and sound flights raise no doubt.
+#![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests, not production code
+
+use crate::shared_data;
+
+use phugoid_flight_data::csv::{CsvOptions, read_path};
+use phugoid_flight_data::plausibility::{Certainty, Doubt, check};
+use phugoid_flight_data::record::{Channel, Record};
+use shared_data::shared_file;
+
+const DEGREES: f64 = 180.0 / std::f64::consts::PI;
+const G: f64 = 9.80665;
+
+fn shared(file: &str) -> Option<Record> {
+    Some(read_path(&shared_file(file)?, &CsvOptions::default()).unwrap_or_else(|error| panic!("{error}")))
+}
+
+/// A hundred seconds of path and attitude at 20 Hz that fit one another: pitching and rolling about a level turn.
+fn flight(bank: f64) -> Record {
+    let time: Vec<f64> = (0..2000).map(|k| 0.05 * f64::from(k)).collect();
+    let speed = 100.0;
+    // Load factor of the turn, and small pitching and rolling on top. The attitude rates follow from the attitude.
+    let turn_rate = G * bank.tan() / speed;
+    let state = |t: f64| {
+        let alpha = 0.06 / bank.cos() + 0.02 * (1.1 * t).sin();
+        let theta = 0.08 + 0.04 * (0.7 * t).sin();
+        let phi = bank + 0.1 * (0.5 * t).sin();
+        [alpha, theta, phi]
+    };
+    let slope = |t: f64, i: usize| (state(t + 1e-4)[i] - state(t - 1e-4)[i]) / 2e-4;
+    let names = ["true_airspeed", "alpha", "theta", "phi", "p", "q", "r", "ax", "az", "nz", "altitude", "elevator"];
+    let mut columns = vec![Vec::new(); names.len()];
+    let mut altitude = 3000.0;
+    for &t in &time {
+        let [alpha, theta, phi] = state(t);
+        let q = slope(t, 1) * phi.cos() + turn_rate * phi.sin() * theta.cos();
+        let p = slope(t, 2) - turn_rate * theta.sin();
+        let r = turn_rate * phi.cos() * theta.cos() - slope(t, 1) * phi.sin();
+        let ax: f64 = 0.3;
+        let across = G * (alpha.cos() * phi.cos() * theta.cos() + alpha.sin() * theta.sin());
+        let az = (speed * (slope(t, 0) - q) + ax * alpha.sin() - across) / alpha.cos();
+        altitude += 0.05 * speed * (alpha.cos() * theta.sin() - alpha.sin() * phi.cos() * theta.cos());
+        let values = [speed, alpha, theta, phi, p, q, r, ax, az, -az / G, altitude, -0.03 - 0.01 * (1.1 * t).sin()];
+        columns.iter_mut().zip(values).for_each(|(column, value)| column.push(value));
+    }
+    let channel = |(name, values): (&str, Vec<f64>)| Channel {
+        name: name.to_owned(),
+        quantity: phugoid_flight_data::channels::by_name(name).unwrap().quantity,
+        values,
+    };
+    Record { time, channels: names.into_iter().zip(columns).map(channel).collect(), ..Record::default() }
+}
+
+fn spoilt(record: &Record, name: &str, factor: f64) -> Vec<Doubt> {
+    let mut record = record.clone();
+    let channel = record.channels.iter_mut().find(|channel| channel.name == name).unwrap();
+    channel.values.iter_mut().for_each(|value| *value *= factor);
+    let doubts = check(&record);
+    println!("{name} x {factor:.3}:");
+    doubts.iter().for_each(|doubt| println!("    {:?} {doubt}", doubt.certainty));
+    doubts
+}
+
+/// One finding, certain, that names the channel and says what to do.
+#[track_caller]
+fn certain(doubts: &[Doubt], name: &str, words: &[&str]) {
+    let [doubt] = doubts else { panic!("not one finding: {doubts:#?}") };
+    assert_eq!(doubt.certainty, Certainty::Certain);
+    assert!(doubt.channels.iter().any(|channel| channel == name), "{doubt:?}");
+    words.iter().for_each(|word| assert!(doubt.message.contains(word), "{word} not in {doubt}"));
+}
+
+#[test]
+fn sound_flights_raise_no_doubt() {
+    for bank in [0.0, 0.5, 1.0, 1.25] {
+        let record = flight(bank);
+        assert_eq!(check(&record), [], "bank {bank}");
+        // Without the bank too: the path turns as the accelerometer says, up to bank where the wings are not level.
+        let mut blind = record;
+        blind.channels.retain(|channel| channel.name != "phi");
+        assert!(!check(&blind).iter().any(|doubt| doubt.certainty == Certainty::Certain), "{:#?}", check(&blind));
+    }
+    for path in ["flight/hfb320.csv", "golden/calm_3211_p4.csv", "golden/gust_bias_outliers_damage_p5_6.csv"] {
+        let Some(record) = shared(path) else { return };
+        assert_eq!(check(&record), [], "{path}");
+    }
+}
+
+fn spoil_each(record: &Record) {
+    for name in ["alpha", "theta", "q", "phi", "p"] {
+        certain(&spoilt(record, name, DEGREES), name, &["degrees read as radians", "deg"]);
+    }
+    for name in ["theta", "q", "phi", "p"] {
+        certain(&spoilt(record, name, -1.0), name, &["wrong sign", "scale -1"]);
+        certain(&spoilt(record, name, 1.0 / DEGREES), name, &["taken for deg"]);
+    }
+    certain(&spoilt(record, "az", -1.0), "az", &["sign", "scale -1"]);
+    certain(&spoilt(record, "az", 1.0 / G), "az", &["az_g"]);
+    certain(&spoilt(record, "az", -1.0 / G), "az", &["nz"]);
+    certain(&spoilt(record, "az", 1.0 / 0.3048), "az", &["az_ft_s2"]);
+}
+
+#[test]
+fn every_spoilt_channel_of_a_computed_flight_is_named_once() {
+    let record = flight(0.0);
+    spoil_each(&record);
+    certain(&spoilt(&record, "elevator", DEGREES), "elevator", &["degrees read as radians"]);
+    certain(&spoilt(&record, "nz", -1.0), "nz", &["positive up"]);
+    certain(&spoilt(&record, "nz", G), "nz", &["not g"]);
+    for (name, factor) in [("altitude", 1.0 / 0.3048), ("true_airspeed", 1.0 / 0.3048), ("true_airspeed", 1.0 / 0.5144)]
+    {
+        let doubts = spoilt(&record, name, factor);
+        assert!(doubts.iter().any(|doubt| doubt.channels.contains(&name.to_owned())), "{name}");
+        assert!(doubts.iter().all(|doubt| doubt.certainty == Certainty::Doubtful));
+    }
+}
+
+#[test]
+fn every_spoilt_channel_of_a_real_flight_is_named_once() {
+    let Some(record) = shared("flight/hfb320.csv") else { return };
+    spoil_each(&record);
+    // This elevator never moves by a degree: nothing that every aircraft shares tells its unit.
+    assert_eq!(spoilt(&record, "elevator", DEGREES), []);
+    // In ft/s the density seems a tenth: that of 20 km, where aircraft do fly.
+    let doubts = spoilt(&record, "true_airspeed", 1.0 / 0.3048);
+    assert!(doubts.len() == 1 && doubts[0].certainty == Certainty::Doubtful && doubts[0].message.contains("density"));
+    certain(&spoilt(&record, "dynamic_pressure", 47.88), "dynamic_pressure", &["density"]);
+}
+
+#[test]
+fn gravity_that_was_taken_out_is_certain_only_in_a_whole_record() {
+    let mut record = flight(0.0);
+    record.channels.iter_mut().find(|c| c.name == "az").unwrap().values.iter_mut().for_each(|az| *az += G);
+    certain(&check(&record), "az", &["gravity"]);
+    // A record of deviations has nothing else to compare with.
+    record.channels.retain(|channel| channel.name == "az" || channel.name == "elevator");
+    let doubts = check(&record);
+    assert_eq!((doubts.len(), doubts[0].certainty), (1, Certainty::Doubtful));
+}
+
+#[test]
+fn milliseconds_read_as_seconds_are_noticed() {
+    for (factor, unit) in [(1e3, "time_ms"), (1e6, "time_us")] {
+        let mut record = flight(0.0);
+        record.time.iter_mut().for_each(|time| *time *= factor);
+        // Between two samples theta moves less than this.
+        let theta = record.channels.iter_mut().find(|channel| channel.name == "theta").unwrap();
+        theta.values.iter_mut().step_by(2).for_each(|value| *value += 0.002);
+        let doubts = check(&record);
+        let found = doubts.iter().filter(|doubt| doubt.message.contains(unit)).collect::<Vec<_>>();
+        assert!(!found.is_empty() && found.iter().all(|d| d.certainty == Certainty::Certain), "{doubts:#?}");
+    }
+}

@@ -1,0 +1,243 @@
+//! Whether the residuals say that the model is wrong, judged where the flight teaches something.
+//!
+//! Seconds in which nothing moves fit any model. They must not outvote the manoeuvre, so residuals are counted over the
+//! whole record and over the blocks in which each regressor moves, and one of them is enough.
+
+use crate::core::axes::Group;
+use crate::core::estimation::{EstimationStatus, ReasonCode, Signal, VerdictReason};
+use crate::core::output::Output;
+use crate::judge::equations::{Equations, Explained};
+
+/// Share of an output's samples beyond six sigmas from which, if they also come in runs, the model is said to
+/// contradict the flight. Sensors that throw single bad values do not make runs.
+const CONTRADICTED: f64 = 0.05;
+/// Lag-one correlation of clipped residuals from which they are called coloured.
+const COLOURED: f64 = 0.4;
+/// Share of an equation's motion that its terms have to explain before the estimates are held against it: below, noise
+/// and turbulence decide. On 230 sound flights of eight aircraft the true values then lost less than half of it.
+const TELLS: f64 = 0.6;
+/// Part of what the terms could explain from which on the estimates are doubtful when they lose it ...
+const LOST: f64 = 0.4;
+/// ... and from which on they are refused.
+const MOST_LOST: f64 = 0.75;
+/// A channel counts as rejected where more than half of its samples lie beyond six sigmas for so many seconds in
+/// succession.
+const REJECTED_S: usize = 3;
+
+/// How the whitened residuals of one output are spread, once there are enough of them.
+pub(crate) struct Spread {
+    /// Number of samples that have a residual.
+    pub(crate) present: usize,
+    /// Number of residuals beyond six standard deviations.
+    pub(crate) outliers: usize,
+    /// Lag-one correlation, outliers clipped to three sigmas.
+    colour: f64,
+}
+
+impl Spread {
+    pub(crate) fn of(signal: &Signal) -> Option<Self> {
+        Self::of_values(signal.values.iter().copied())
+    }
+
+    fn of_values(values: impl Iterator<Item = f64>) -> Option<Self> {
+        let present: Vec<f64> = values.filter(|v| v.is_finite()).collect();
+        if present.len() < 20 {
+            return None;
+        }
+        let core: Vec<f64> = present.iter().map(|v| v.clamp(-3.0, 3.0)).collect();
+        let power: f64 = core.iter().map(|v| v * v).sum();
+        let lagged: f64 = core.windows(2).map(|w| w[0] * w[1]).sum();
+        Some(Self {
+            present: present.len(),
+            outliers: present.iter().filter(|v| v.abs() > 6.0).count(),
+            colour: if power > 0.0 { lagged / power } else { 0.0 },
+        })
+    }
+
+    fn share(&self) -> f64 {
+        self.outliers as f64 / self.present as f64
+    }
+
+    fn contradicts(&self) -> bool {
+        self.share() > CONTRADICTED && self.colour > COLOURED
+    }
+}
+
+/// The lag-one correlation of an output's whitened residuals, if they are coloured.
+pub(crate) fn colour(residuals: impl Iterator<Item = f64>) -> Option<f64> {
+    Spread::of_values(residuals).map(|spread| spread.colour).filter(|colour| *colour > COLOURED)
+}
+
+/// What the residuals and the equations say against the model: whitened residuals by output at the times given, the
+/// equations if there are any, and the time (s) from which on the final estimates hold.
+pub(crate) fn reasons(
+    time_s: &[f64],
+    residuals: &[Signal],
+    equations: Option<&Equations>,
+    from_s: f64,
+) -> Vec<VerdictReason> {
+    let mut found: Vec<VerdictReason> = exceedances(time_s, residuals, equations).into_iter().collect();
+    if found.is_empty() {
+        found.extend(rejected(time_s, residuals));
+    }
+    if let Some(equations) = equations {
+        found.extend(equations.explained(from_s).iter().filter_map(unexplained));
+    }
+    found
+}
+
+/// An output with the largest share of exceedances that was found, and the parameter in whose blocks it was.
+struct Exceedance<'a> {
+    output: &'a str,
+    share: f64,
+    taught: Option<&'a str>,
+}
+
+/// The outputs that disagree with their predictions so often, and in runs, that it is the model that is wrong. The
+/// contradicting samples were rejected, so that bounds from the remaining samples alone are too small.
+fn exceedances(time_s: &[f64], residuals: &[Signal], equations: Option<&Equations>) -> Option<VerdictReason> {
+    let mut found: Vec<Exceedance<'_>> = Vec::new();
+    let mut concerns: Vec<String> = Vec::new();
+    for signal in residuals {
+        let mut seen: Vec<Exceedance<'_>> = Vec::new();
+        let whole = Spread::of(signal).filter(Spread::contradicts);
+        seen.extend(whole.map(|spread| Exceedance { output: &signal.name, share: spread.share(), taught: None }));
+        let group = Output::from_name(&signal.name).map(Group::of);
+        for (equations, column) in equations.iter().flat_map(|e| (0..e.columns.len()).map(move |column| (e, column))) {
+            let of = &equations.columns[column];
+            if of.term.is_constant() || group != Some(of.coefficient.group()) {
+                continue;
+            }
+            let Some(excited) = equations.exciting(column) else { continue };
+            let inside = |t: f64| equations.block(t).is_some_and(|block| excited[block]);
+            let values = time_s.iter().zip(&signal.values).filter(|(t, _)| inside(**t)).map(|(_, v)| *v);
+            if let Some(spread) = Spread::of_values(values).filter(Spread::contradicts) {
+                seen.push(Exceedance { output: &signal.name, share: spread.share(), taught: Some(&of.name) });
+                if !concerns.contains(&of.name) {
+                    concerns.push(of.name.clone());
+                }
+            }
+        }
+        found.extend(seen.into_iter().max_by(|a, b| a.share.total_cmp(&b.share)));
+    }
+    if found.is_empty() {
+        return None;
+    }
+    let words = |e: &Exceedance<'_>| {
+        let place = e.taught.map_or_else(String::new, |name| format!(" where the flight teaches {name}"));
+        format!("{:.0} % of {}{place}", 100.0 * e.share, e.output)
+    };
+    let named: Vec<String> = found.iter().map(words).collect();
+    let outputs = found.iter().map(|e| e.output.to_owned());
+    Some(VerdictReason {
+        code: ReasonCode::Contradiction,
+        status: EstimationStatus::Refused,
+        concerns: outputs.chain(concerns).collect(),
+        sentence: format!(
+            "The model contradicts this flight: more than six sigmas away are {}. Look for a wrong unit, sign or time, a \
+             delay or an offset of a sensor, a wrong mass or geometry, or noise levels that are too small.",
+            named.join(", ")
+        ),
+    })
+}
+
+/// An equation whose motion the terms can explain and the estimates do not.
+fn unexplained(found: &Explained) -> Option<VerdictReason> {
+    let lost = found.lost();
+    if found.by_terms < TELLS || lost < LOST {
+        return None;
+    }
+    let (output, explained) = (found.output.name(), 100.0 * found.by_estimates);
+    let what = if explained > 0.0 {
+        format!("explain {explained:.0} % of it")
+    } else {
+        "explain less than nothing of it".to_owned()
+    };
+    Some(VerdictReason {
+        code: ReasonCode::Contradiction,
+        status: if lost < MOST_LOST { EstimationStatus::Doubtful } else { EstimationStatus::Refused },
+        concerns: vec![output.to_owned()],
+        sentence: format!(
+            "In the {:.0} s in which its regressors move, the terms of the model can explain {:.0} % of the motion of \
+             {output}, and these estimates {what}. The method was held at wrong values, by noise levels that are too \
+             small, a change that it missed or channels that contradict one another: estimate the manoeuvre alone, with \
+             noise levels of the size of the residuals, and compare with equation-error.",
+            found.seconds,
+            100.0 * found.by_terms
+        ),
+    })
+}
+
+/// Channels of which most samples were rejected for seconds on end.
+fn rejected(time_s: &[f64], residuals: &[Signal]) -> Option<VerdictReason> {
+    let start = *time_s.first()?;
+    let blocks = (time_s.last()? - start).floor() as usize + 1;
+    let mut named = Vec::new();
+    let mut concerns = Vec::new();
+    for signal in residuals {
+        let mut counts = vec![[0_usize; 2]; blocks];
+        for (t, value) in time_s.iter().zip(&signal.values).filter(|(_, v)| v.is_finite()) {
+            if let Some([present, beyond]) = counts.get_mut((t - start) as usize) {
+                *present += 1;
+                *beyond += usize::from(value.abs() > 6.0);
+            }
+        }
+        // Blocks without a value neither begin nor end a stretch.
+        let (mut length, mut longest, mut end) = (0, 0, 0);
+        for (block, [present, beyond]) in counts.iter().enumerate().filter(|(_, [present, _])| *present > 0) {
+            length = if 2 * beyond > *present { length + 1 } else { 0 };
+            if length > longest {
+                (longest, end) = (length, block + 1);
+            }
+        }
+        if longest >= REJECTED_S {
+            let to = start + end as f64;
+            named.push(format!("{} from {:.0} s to {to:.0} s", signal.name, to - longest as f64));
+            concerns.push(signal.name.clone());
+        }
+    }
+    (!named.is_empty()).then(|| VerdictReason {
+        code: ReasonCode::ChannelRejected,
+        status: EstimationStatus::Doubtful,
+        concerns,
+        sentence: format!(
+            "Most samples were rejected of {}. Look at these channels there: a stuck or slipped sensor, a change of the \
+             aircraft that was not followed, or a noise level that is too small. Leave the stretch out with --from and --to.",
+            named.join(", ")
+        ),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn signal(values: Vec<f64>) -> Signal {
+        Signal { name: "alpha".to_owned(), unit: "-".to_owned(), values }
+    }
+
+    fn time(samples: usize) -> Vec<f64> {
+        (0..samples).map(|k| 0.02 * k as f64).collect()
+    }
+
+    #[test]
+    fn a_channel_that_is_rejected_for_seconds_is_named_with_its_times() {
+        let mut values = vec![0.5; 1000];
+        values[200..420].fill(9.0);
+        let found = rejected(&time(1000), &[signal(values.clone())]).unwrap();
+        assert_eq!((found.code, found.status), (ReasonCode::ChannelRejected, EstimationStatus::Doubtful));
+        assert!(found.sentence.contains("alpha from 4 s to 8 s"), "{}", found.sentence);
+        // Two seconds are what a change takes to be found, and single outliers are no stretch.
+        values[300..420].fill(0.5);
+        assert_eq!(rejected(&time(1000), &[signal(values)]), None);
+        let outliers = (0..1000).map(|k| if k % 3 == 0 { 20.0 } else { 0.0 }).collect();
+        assert_eq!(rejected(&time(1000), &[signal(outliers)]), None);
+    }
+
+    #[test]
+    fn single_outliers_do_not_contradict_and_runs_do() {
+        let spread = |values: Vec<f64>| Spread::of(&signal(values)).unwrap();
+        assert!(!spread((0..1000).map(|k| if k % 10 == 0 { 20.0 } else { 0.1 }).collect()).contradicts());
+        assert!(spread((0..1000).map(|k| if k % 100 < 10 { 20.0 } else { 0.1 }).collect()).contradicts());
+    }
+}

@@ -1,0 +1,289 @@
+//! The equations of motion at the final estimates: where the flight moves each regressor, and how much of the motion
+//! the estimates explain there.
+//!
+//! A verdict on the whole record is diluted by every quiet second in it. So the record is cut into blocks of a second,
+//! and for each equation (the rate of a measured state, or a measured acceleration) the sums of squares and products of
+//! its regressors and its residual are kept per block. From these follow, without going through the record again, the
+//! blocks in which a regressor moves, and over any set of blocks how much of the left side the estimates explain and
+//! how much any other values of the same terms could. States are smoothed and differentiated, and regressors averaged,
+//! as in [`equation_error()`](crate::batch::equation_error()).
+
+use nalgebra::{DMatrix, DVector};
+use phugoid_estimators::discretization::InputHold;
+
+use phugoid_flight_data::statistics::{median, median_step};
+
+use crate::batch::{
+    BatchParameter, EquationErrorSettings, InitialState, Manoeuvre, Noise, OutputChannel, Structure, equations_at,
+};
+use crate::core::options::CAPACITY;
+use crate::core::output::Output;
+use crate::core::term::{Coefficient, Term};
+use crate::methods::{Run, Task};
+use crate::model_file::Role;
+use crate::motion::{MotionModel, terms};
+use crate::preparation::noise::measure_noise;
+
+/// Length of a block, s.
+const BLOCK_S: f64 = 1.0;
+/// Blocks that are worked out at a time: bounds the memory that a long record takes.
+const CHUNK: usize = 20;
+/// A regressor moves in a block where its mean square is at least this part of that in the block where it moves most.
+/// The limit does not depend on how long the record is.
+const MOVES: f64 = 0.1;
+/// Values this many sigmas of the noise from the median of the five around them are outliers.
+const OUTLIER: f64 = 8.0;
+/// Fewest samples in the blocks over which the explained share is judged.
+const FEWEST: f64 = 20.0;
+
+/// One estimated term: its column.
+pub(crate) struct Column {
+    pub(crate) name: String,
+    pub(crate) coefficient: Coefficient,
+    pub(crate) term: Term,
+}
+
+/// The equations of a record at one set of estimates.
+pub(crate) struct Equations {
+    pub(crate) columns: Vec<Column>,
+    start_s: f64,
+    blocks: usize,
+    equations: Vec<Equation>,
+}
+
+/// One equation: its regressors and its residual, by block.
+struct Equation {
+    output: Output,
+    /// Columns with a regressor that is not zero.
+    used: Vec<usize>,
+    values: Vec<f64>,
+    /// Subtracted from regressors and residual before products are formed, so that constants cost no digits.
+    offset: Vec<f64>,
+    /// Sums of products of `[regressors, residual, 1]` by block.
+    sums: Vec<DMatrix<f64>>,
+}
+
+/// How much of the motion of one equation is explained where it is excited.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Explained {
+    /// The output that the equation is about: the state whose rate it gives, or the acceleration.
+    pub(crate) output: Output,
+    /// Time in which the regressors move, s.
+    pub(crate) seconds: f64,
+    /// Share of the squares about the mean that the estimates explain: 1 is all, negative is worse than none.
+    pub(crate) by_estimates: f64,
+    /// The share that the best values of the same terms explain.
+    pub(crate) by_terms: f64,
+}
+
+impl Explained {
+    /// What the estimates leave of what the terms could explain: 0 nothing, 1 all of it, more where they do harm.
+    pub(crate) fn lost(&self) -> f64 {
+        if self.by_terms > 0.0 { (self.by_terms - self.by_estimates) / self.by_terms } else { 0.0 }
+    }
+}
+
+impl Equations {
+    /// The equations of the task's record at the estimates of its run. None where the record is too short for them or
+    /// the model has no estimated terms.
+    pub(crate) fn of<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
+        task: &Task<M, N, R>,
+        run: &Run<R>,
+    ) -> Option<Self> {
+        let Task { prepared, file, .. } = *task;
+        let names = M::AXES.outputs();
+        let own: Vec<(usize, &crate::model_file::Parameter)> =
+            file.estimated().enumerate().filter(|(_, p)| !matches!(p.role, Role::Bias(_))).collect();
+        let values: Vec<f64> = own.iter().map(|(column, _)| run.columns[*column].value).collect();
+        let columns: Vec<Column> = own
+            .iter()
+            .zip(terms(file).0)
+            .map(|((_, p), (coefficient, term))| Column { name: p.name.clone(), coefficient, term })
+            .collect();
+        if columns.is_empty() || values.iter().any(|v| !v.is_finite()) {
+            return None;
+        }
+        let structure = Structure::<N, R> {
+            parameters: own.iter().map(|(_, p)| BatchParameter::free(p.name.as_str(), p.start)).collect(),
+            states: std::array::from_fn(|i| InitialState::free(names[i].name())),
+            outputs: std::array::from_fn(|i| OutputChannel::new(names[i].name(), Noise::Estimated)),
+            maximum_step_s: 1.0,
+        };
+        let settings = EquationErrorSettings::automatic(median_step(&prepared.time)?);
+        let outputs =
+            without_outliers::<N, R>(&prepared.outputs, |row| file.outputs[names[row].index()], &run.predicted);
+        let time = &prepared.time;
+        let (start_s, end_s) = (*time.first()?, *time.last()?);
+        let blocks = ((end_s - start_s) / BLOCK_S).floor() as usize + 1;
+        let mut found = Self { columns, start_s, blocks, equations: Vec::new() };
+        for first in (0..blocks).step_by(CHUNK) {
+            let [from_s, to_s] = [first, first + CHUNK].map(|block| start_s + block as f64 * BLOCK_S);
+            let margin = 2.0 * settings.half_window_s;
+            let [from, to] = [from_s - margin, to_s + margin].map(|t| time.partition_point(|s| *s < t));
+            if to - from < 4 {
+                continue;
+            }
+            let part = Manoeuvre {
+                name: "the record",
+                model: &prepared.model,
+                time_s: &time[from..to],
+                inputs: &prepared.inputs[from..to],
+                // The input of the model says itself whether it is held between samples.
+                hold: InputHold::Linear,
+                outputs: &outputs[from..to],
+                initial_state: None,
+            };
+            // A part in which a state was not measured has no equations.
+            let Ok(rows) = equations_at(&part, &structure, &settings, &values) else { continue };
+            for (k, t) in time[from..to].iter().enumerate().filter(|(_, t)| (from_s..to_s).contains(*t)) {
+                let Some(block) = found.block(*t) else { continue };
+                for row in 0..R {
+                    let residual = rows.residuals[k][row];
+                    if residual.is_finite() {
+                        found.add(names[row], block, rows.sensitivity(k, row), residual, &values);
+                    }
+                }
+            }
+        }
+        (!found.equations.is_empty()).then_some(found)
+    }
+
+    /// The block that a time lies in; none before the record.
+    pub(crate) fn block(&self, time_s: f64) -> Option<usize> {
+        let block = ((time_s - self.start_s) / BLOCK_S).floor();
+        (block >= 0.0 && block < self.blocks as f64).then_some(block as usize)
+    }
+
+    fn add(&mut self, output: Output, block: usize, regressors: &[f64], residual: f64, values: &[f64]) {
+        let place = match self.equations.iter().position(|e| e.output == output) {
+            Some(place) => place,
+            None => {
+                let used: Vec<usize> = (0..regressors.len()).filter(|&j| regressors[j] != 0.0).collect();
+                if used.is_empty() {
+                    return;
+                }
+                let mut offset: Vec<f64> = used.iter().map(|&j| regressors[j]).collect();
+                offset.push(residual);
+                let size = used.len() + 2;
+                let own = used.iter().map(|&j| values[j]).collect();
+                let sums = vec![DMatrix::zeros(size, size); self.blocks];
+                self.equations.push(Equation { output, used, values: own, offset, sums });
+                self.equations.len() - 1
+            }
+        };
+        let equation = &mut self.equations[place];
+        let u = equation.used.len();
+        let mut row = DVector::from_element(u + 2, 1.0);
+        for (i, &j) in equation.used.iter().enumerate() {
+            row[i] = regressors[j] - equation.offset[i];
+        }
+        row[u] = residual - equation.offset[u];
+        equation.sums[block].ger(1.0, &row, &row, 1.0);
+    }
+
+    /// The blocks in which the regressor of a column moves, and those right after them, in which the aircraft answers.
+    /// None for a column that no equation contains, or whose regressor never moves.
+    pub(crate) fn exciting(&self, column: usize) -> Option<Vec<bool>> {
+        let mut excited = vec![false; self.blocks];
+        for equation in &self.equations {
+            let Some(i) = equation.used.iter().position(|&j| j == column) else { continue };
+            for block in equation.moving(i) {
+                excited[block] = true;
+                if let Some(next) = excited.get_mut(block + 1) {
+                    *next = true;
+                }
+            }
+        }
+        excited.contains(&true).then_some(excited)
+    }
+
+    /// How much of each equation is explained where one of its regressors moves, from a time (s) on.
+    pub(crate) fn explained(&self, from_s: f64) -> Vec<Explained> {
+        let first = self.block(from_s).map_or(0, |block| block + usize::from(from_s > self.start_s));
+        let of = |equation: &Equation| {
+            let mut moves = vec![false; self.blocks];
+            for i in 0..equation.used.len() {
+                equation.moving(i).into_iter().for_each(|block| moves[block] = true);
+            }
+            equation
+                .explained(moves.iter().enumerate().filter(|(block, moves)| **moves && *block >= first).map(|m| m.0))
+        };
+        self.equations.iter().filter_map(of).collect()
+    }
+}
+
+impl Equation {
+    /// The blocks in which a regressor moves.
+    fn moving(&self, i: usize) -> Vec<usize> {
+        let one = self.used.len() + 1;
+        let present: Vec<usize> = (0..self.sums.len()).filter(|&block| self.sums[block][(one, one)] > 0.0).collect();
+        let mean = |block: usize| self.sums[block][(i, one)] / self.sums[block][(one, one)];
+        let Some(middle) = median(&mut present.iter().map(|&block| mean(block)).collect::<Vec<f64>>()) else {
+            return Vec::new();
+        };
+        let power = |block: usize| {
+            let s = &self.sums[block];
+            s[(i, i)] / s[(one, one)] - 2.0 * middle * mean(block) + middle * middle
+        };
+        let most = present.iter().map(|&block| power(block)).fold(0.0, f64::max);
+        present.into_iter().filter(|&block| most > 0.0 && power(block) >= MOVES * most).collect()
+    }
+
+    fn explained(&self, blocks: impl Iterator<Item = usize>) -> Option<Explained> {
+        let u = self.used.len();
+        let mut sum: DMatrix<f64> = DMatrix::zeros(u + 2, u + 2);
+        let mut count = 0;
+        for block in blocks {
+            sum += &self.sums[block];
+            count += 1;
+        }
+        let samples = sum[(u + 1, u + 1)];
+        if samples < FEWEST {
+            return None;
+        }
+        // About the mean: constants are not judged.
+        let centred = |a: usize, b: usize| sum[(a, b)] - sum[(a, u + 1)] * sum[(b, u + 1)] / samples;
+        let gram = DMatrix::from_fn(u, u, centred);
+        let with_residual = DVector::from_fn(u, |a, _| centred(a, u));
+        let values = DVector::from_row_slice(&self.values);
+        let left = centred(u, u) + 2.0 * values.dot(&with_residual) + values.dot(&(&gram * &values));
+        // Regressors of unit length, so that small ones are not taken for none.
+        let scale = DVector::from_fn(u, |a, _| if gram[(a, a)] > 0.0 { 1.0 / gram[(a, a)].sqrt() } else { 0.0 });
+        let scaled = DMatrix::from_fn(u, u, |a, b| scale[a] * gram[(a, b)] * scale[b]);
+        let right = with_residual.component_mul(&scale);
+        let correction = scaled.svd(true, true).solve(&right, 1e-9).ok()?;
+        let best = centred(u, u) - right.dot(&correction);
+        (left > 0.0).then(|| Explained {
+            output: self.output,
+            seconds: f64::from(count) * BLOCK_S,
+            by_estimates: 1.0 - centred(u, u) / left,
+            by_terms: 1.0 - best / left,
+        })
+    }
+}
+
+/// The outputs without single wild values (NaN in their place), and with what the method predicted in the place of a
+/// state that nothing measures.
+fn without_outliers<const N: usize, const R: usize>(
+    outputs: &[[f64; R]],
+    is_measured: impl Fn(usize) -> bool,
+    predicted: &[[f64; R]],
+) -> Vec<[f64; R]> {
+    let mut clean = outputs.to_vec();
+    for row in 0..R {
+        let values: Vec<f64> = outputs.iter().map(|y| y[row]).collect();
+        let Some(noise) = measure_noise(&values) else { continue };
+        for (k, around) in values.windows(5).enumerate() {
+            let mut present: Vec<f64> = around.iter().copied().filter(|v| v.is_finite()).collect();
+            if median(&mut present).is_some_and(|middle| (around[2] - middle).abs() > OUTLIER * noise.std) {
+                clean[k + 2][row] = f64::NAN;
+            }
+        }
+    }
+    for row in (0..N).filter(|row| !is_measured(*row)) {
+        for (y, predicted) in clean.iter_mut().zip(predicted) {
+            y[row] = predicted[row];
+        }
+    }
+    clean
+}

@@ -1,0 +1,134 @@
+//! What speaks against a result as a whole, and what that does to the parameters.
+
+use phugoid_estimators::verdict::Readiness;
+use phugoid_estimators::{ChangeState, Phase};
+use phugoid_flight_data::plausibility::Doubt;
+
+use crate::core::axes::Axes;
+use crate::core::estimation::{
+    EstimationStatus, EventKind, FinalStatus, History, ParameterResult, ReasonCode, Signal, VerdictReason,
+};
+use crate::judge::contradiction;
+use crate::judge::equations::Equations;
+use crate::judge::fit;
+use crate::methods::{Run, Task};
+use crate::motion::Motion;
+
+/// The reasons why a result is not sound, the severest first.
+pub(crate) fn reasons<M: Motion<N, R>, const N: usize, const R: usize>(
+    task: &Task<M, N, R>,
+    parameters: &[ParameterResult],
+    run: &Run<R>,
+    doubts: &[Doubt],
+    history: &History,
+    equations: Option<&Equations>,
+) -> Vec<VerdictReason> {
+    let mut found: Vec<VerdictReason> = Vec::new();
+    if run.excited {
+        found.extend(diverged(run));
+        // After a change that was found the estimates are those from then on.
+        let adopted = run.events.iter().rev().find(|event| event.kind == EventKind::Adopted);
+        let from_s = adopted.map_or(f64::NEG_INFINITY, |event| event.time_s);
+        found.extend(contradiction::reasons(&history.time_s, &history.residuals, equations, from_s));
+        found.extend(run.batch.iter().flat_map(|report| fit::reasons(task.method(), task.file, history, report)));
+        found.extend(unsettled(parameters, run));
+    } else {
+        found.push(no_excitation(M::AXES, &history.measured));
+    }
+    found.extend(doubts.iter().map(units));
+    found.sort_by_key(|reason| std::cmp::Reverse(reason.status));
+    found
+}
+
+/// Takes "converged" from every parameter of a result that is not to be used, and from its readiness.
+pub(crate) fn demote(parameters: &mut [ParameterResult], reasons: &[VerdictReason]) {
+    let Some(worst) = reasons.first().filter(|reason| reason.status >= EstimationStatus::Doubtful) else { return };
+    for parameter in parameters.iter_mut() {
+        if parameter.status == FinalStatus::Converged {
+            parameter.status = FinalStatus::InDoubt;
+        }
+        parameter.converged_at_s = None;
+        if let Some(readiness) = parameter.readiness.as_mut().filter(|r| r.verdict == Readiness::Ready) {
+            readiness.verdict = Readiness::Doubtful;
+            readiness.reason = worst.code.clause().to_owned();
+            readiness.ready_since_s = None;
+        }
+    }
+}
+
+fn diverged<const R: usize>(run: &Run<R>) -> Option<VerdictReason> {
+    (run.batch.is_none() && run.status.phase == Phase::Diverged).then(|| VerdictReason {
+        code: ReasonCode::Diverged,
+        status: EstimationStatus::Refused,
+        concerns: Vec::new(),
+        sentence:
+            "The estimator diverged: its numbers are not finite, or its covariance is not one. Check units, signs \
+                   and the start values of the model file."
+                .to_owned(),
+    })
+}
+
+/// Reasons to wait: there is nothing to say against the result, but the flight does not settle it.
+fn unsettled<const R: usize>(parameters: &[ParameterResult], run: &Run<R>) -> Vec<VerdictReason> {
+    let wanted = || parameters.iter().filter(|p| !p.nuisance && p.status != FinalStatus::Fixed);
+    let names = |status: FinalStatus| -> Vec<String> {
+        wanted().filter(|p| p.status == status).map(|p| p.name.clone()).collect()
+    };
+    let provisional = |code: ReasonCode, concerns: Vec<String>, sentence: String| VerdictReason {
+        code,
+        status: EstimationStatus::Provisional,
+        concerns,
+        sentence,
+    };
+    let mut found = Vec::new();
+    if run.noise.is_some_and(|noise| noise.is_provisional) {
+        let sentence = "The record ends before the noise levels of the outputs are known: two seconds after the first \
+                        motion and a little more are needed. Until then bounds are provisional."
+            .to_owned();
+        found.push(provisional(ReasonCode::NoiseNotLearnt, Vec::new(), sentence));
+    }
+    if wanted().count() > 0 && names(FinalStatus::Converged).is_empty() {
+        let sentence = "No parameter has converged: the record excites them too little or is too short.".to_owned();
+        found.push(provisional(ReasonCode::NotConverged, Vec::new(), sentence));
+    }
+    let limited = names(FinalStatus::AtLimit);
+    if !limited.is_empty() {
+        let sentence = format!(
+            "At the limit: {}. The data want a value outside the bounds in the model file: widen them, or check the \
+             aircraft data, units and signs.",
+            limited.join(", ")
+        );
+        found.push(provisional(ReasonCode::AtLimit, limited, sentence));
+    }
+    if run.status.change == ChangeState::InDoubt {
+        let sentence = "The record ends while a sudden change of the parameters is suspected.".to_owned();
+        found.push(provisional(ReasonCode::ChangeInDoubt, Vec::new(), sentence));
+    }
+    found
+}
+
+fn no_excitation(axes: Axes, measured: &[Signal]) -> VerdictReason {
+    let [movers, manoeuvre] = axes.excitation_words();
+    let mut sentence = format!(
+        "No excitation: {movers} never move beyond their noise. Steady flight tells at \
+         most sums of terms, so all parameters and their bounds are still those given beforehand. Fly {manoeuvre}."
+    );
+    if measured.iter().all(|signal| signal.values.windows(2).all(|pair| pair[0] == pair[1])) {
+        sentence.push_str(" Every measured output is exactly constant: the recorder was frozen.");
+    }
+    VerdictReason {
+        code: ReasonCode::NoExcitation,
+        status: EstimationStatus::Provisional,
+        concerns: Vec::new(),
+        sentence,
+    }
+}
+
+fn units(doubt: &Doubt) -> VerdictReason {
+    VerdictReason {
+        code: ReasonCode::Units,
+        status: EstimationStatus::Doubtful,
+        concerns: doubt.channels.clone(),
+        sentence: format!("Check the units: {}.", doubt.to_string().trim_end_matches('.')),
+    }
+}

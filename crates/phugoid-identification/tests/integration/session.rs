@@ -1,0 +1,156 @@
+//! A live session gives the numbers of the run over the record, and bears what a telemetry stream does.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // tests and benches may
+
+use crate::common;
+
+use common::f16::{fly, model};
+use phugoid_flight_data::record::Record;
+use phugoid_identification::estimate::{EstimateOptions, estimate};
+use phugoid_identification::estimation::EventKind;
+use phugoid_identification::method::Method;
+use phugoid_identification::model_file::ModelFile;
+use phugoid_identification::session::{Session, Snapshot, Step};
+
+/// The values of one sample of a record in the order of the session's channels.
+fn sample(record: &Record, session: &Session, k: usize) -> Vec<f64> {
+    session.channels().iter().map(|name| record.channel(name).map_or(f64::NAN, |c| c.values[k])).collect()
+}
+
+fn replay(record: &Record, file: &ModelFile, options: &EstimateOptions) -> (Session, Vec<Snapshot>) {
+    let mut session = Session::new(file, options).unwrap();
+    let mut snapshots = Vec::new();
+    for k in 0..record.time.len() {
+        let values = sample(record, &session, k);
+        if session.update(record.time[k], &values).unwrap() == Step::Estimated {
+            snapshots.push(session.snapshot().unwrap().clone());
+        }
+    }
+    (session, snapshots)
+}
+
+/// Missing values and outliers in an output, a surface that is not sampled at times.
+fn damaged() -> Record {
+    let mut record = fly(12.0, 0.026, 71);
+    for channel in &mut record.channels {
+        let (first, every) = match channel.name.as_str() {
+            "q" => (11, 37),
+            "elevator" => (150, 29),
+            _ => continue,
+        };
+        channel.values.iter_mut().skip(first).step_by(every).for_each(|v| *v = f64::NAN);
+    }
+    record
+}
+
+#[test]
+fn a_session_gives_the_bits_of_the_run_over_the_record() {
+    let record = damaged();
+    let file = model();
+    for method in [Method::Smpe, Method::Ekf, Method::Rls, Method::Fourier] {
+        let options = EstimateOptions { method: Some(method), ..EstimateOptions::default() };
+        let whole = estimate(&record, &file, &options, &mut |_| {}).unwrap();
+        let (mut session, snapshots) = replay(&record, &file, &options);
+        let last = snapshots.last().unwrap();
+        assert_eq!(session.layout().parameters.len(), last.parameters.len());
+        for (layout, live) in session.layout().parameters.iter().zip(&last.parameters) {
+            let result = whole.parameters.iter().find(|p| p.name == layout.name).unwrap();
+            assert_eq!(live.value.to_bits(), result.value.to_bits(), "{method}: {}", layout.name);
+            assert_eq!(live.std_error.to_bits(), result.corrected_std_error.to_bits(), "{method}: {}", layout.name);
+            assert_eq!(live.status.word(), result.status.word(), "{method}: {}", layout.name);
+        }
+        // Also on the way: the estimate after every sample from the start of the course on.
+        let first = record.time.len() - snapshots.len();
+        let history = &whole.history.parameters[0];
+        let at = session.layout().parameters.iter().position(|p| p.name == history.name).unwrap();
+        for (k, snapshot) in snapshots.iter().enumerate() {
+            assert_eq!(snapshot.parameters[at].value.to_bits(), history.value[first + k].to_bits(), "{method}, {k}");
+        }
+        let told = |events: &[phugoid_identification::estimation::Event]| -> Vec<(EventKind, u64)> {
+            events.iter().map(|e| (e.kind, e.time_s.to_bits())).collect()
+        };
+        assert_eq!(told(&session.take_events()), told(&whole.events), "{method}");
+        assert!(session.take_events().is_empty());
+    }
+}
+
+#[test]
+fn the_verdict_comes_with_the_estimate() {
+    let record = fly(12.0, 0.026, 72);
+    let (session, snapshots) = replay(&record, &model(), &EstimateOptions::default());
+    let last = snapshots.last().unwrap();
+    let ready = |name: &str| {
+        let at = session.layout().parameters.iter().position(|p| p.name == name).unwrap();
+        last.parameters[at].readiness.clone().unwrap()
+    };
+    assert_eq!(ready("dCm_alpha").verdict.word(), "ready");
+    let document: serde_json::Value = serde_json::from_str(&serde_json::to_string(last).unwrap()).unwrap();
+    assert_eq!(document["phase"], "sliding");
+    assert_eq!(document["parameters"][0]["status"], last.parameters[0].status.word());
+}
+
+#[test]
+fn what_an_estimation_needs_is_waited_for_and_named() {
+    let record = fly(6.0, 0.026, 73);
+    let mut session = Session::new(&model(), &EstimateOptions::default()).unwrap();
+    let theta = session.channels().iter().position(|n| n == "theta").unwrap();
+    let speed = session.channels().iter().position(|n| n == "true_airspeed").unwrap();
+    let mut estimated_at = None;
+    for k in 0..record.time.len() {
+        let mut values = sample(&record, &session, k);
+        // On the ground for a second, and no attitude for three.
+        if k < 50 {
+            values[speed] = 12.0;
+        }
+        if k < 150 {
+            values[theta] = f64::NAN;
+        }
+        match session.update(record.time[k], &values).unwrap() {
+            Step::Waiting { reason: Some(reason), .. } if k < 50 => {
+                assert!(reason.contains("not flying yet"), "{reason}")
+            }
+            Step::Waiting { reason: Some(reason), .. } => assert!(reason.contains("theta"), "{k}: {reason}"),
+            Step::Waiting { have_s, need_s, .. } => assert!(have_s <= need_s),
+            Step::Estimated => {
+                estimated_at.get_or_insert(record.time[k]);
+            }
+            Step::Refused(reason) => panic!("{reason}"),
+        }
+    }
+    // From eleven values of the attitude on; whether the last of two seconds counts is a matter of rounding.
+    assert!([record.time[160], record.time[161]].contains(&estimated_at.unwrap()), "{estimated_at:?}");
+}
+
+#[test]
+fn time_that_does_not_increase_is_refused_and_changes_nothing() {
+    let record = fly(6.0, 0.026, 74);
+    let file = model();
+    let (_, plain) = replay(&record, &file, &EstimateOptions::default());
+    let mut session = Session::new(&file, &EstimateOptions::default()).unwrap();
+    for k in 0..record.time.len() {
+        let values = sample(&record, &session, k);
+        session.update(record.time[k], &values).unwrap();
+        for time_s in [record.time[k], record.time[k] - 1.0, f64::NAN] {
+            assert!(matches!(session.update(time_s, &values).unwrap(), Step::Refused(_)));
+        }
+        assert!(matches!(session.update(record.time[k] + 1e-4, &values[1..]).unwrap(), Step::Refused(_)));
+    }
+    assert_eq!(session.snapshot(), plain.last());
+}
+
+#[test]
+fn a_batch_method_and_wrong_units_are_refused() {
+    let options = EstimateOptions { method: Some(Method::OutputError), ..EstimateOptions::default() };
+    let Err(error) = Session::new(&model(), &options) else { panic!("a batch method cannot run live") };
+    assert!(error.to_string().contains("causal"), "{error}");
+    let mut record = fly(4.0, 0.026, 75);
+    let degrees = |channel: &mut phugoid_flight_data::record::Channel| {
+        channel.values.iter_mut().for_each(|v| *v = v.to_degrees());
+    };
+    record.channels.iter_mut().filter(|c| c.name == "alpha" || c.name == "theta").for_each(degrees);
+    let mut session = Session::new(&model(), &EstimateOptions::default()).unwrap();
+    let outcome = (0..record.time.len()).try_for_each(|k| {
+        let values = sample(&record, &session, k);
+        session.update(record.time[k], &values).map(|_| ())
+    });
+    assert!(outcome.unwrap_err().to_string().contains("deg"));
+}

@@ -1,0 +1,8 @@
+//! Every integration test of this crate in one program: each program more is linked with all libraries once more.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // tests may
+
+#[path = "../../../../tests/shared_data.rs"]
+mod shared_data;
+
+mod golden_flight;
+mod scenario_options;
