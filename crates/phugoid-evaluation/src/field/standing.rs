@@ -96,6 +96,7 @@ mod tests {
             value: -0.5,
             std_error: 0.01,
             corrected_std_error: 0.01,
+            systematic_std: 0.0,
             lower: -0.52,
             upper: -0.48,
             status,

@@ -131,8 +131,12 @@ pub struct ParameterResult {
     pub value: f64,
     /// One-sigma error claimed by the covariance.
     pub std_error: f64,
-    /// One-sigma error corrected for the colour of the residuals; this one makes the bounds.
+    /// One-sigma error corrected for the colour of the residuals, with the systematic part; this one makes the bounds.
     pub corrected_std_error: f64,
+    /// The part of it that comes from the uncertainties that the model file declares (`[uncertainty]`), one sigma: a
+    /// longer flight does not make it smaller.
+    #[serde(default)]
+    pub systematic_std: f64,
     /// Lower bound at about 95 %: `value - 2 corrected_std_error`.
     pub lower: f64,
     /// Upper bound at about 95 %: `value + 2 corrected_std_error`.

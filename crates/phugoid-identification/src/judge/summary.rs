@@ -144,6 +144,7 @@ fn result(
         value: parameter.start,
         std_error: 0.0,
         corrected_std_error: 0.0,
+        systematic_std: 0.0,
         lower: parameter.start,
         upper: parameter.start,
         status: FinalStatus::Fixed,
@@ -161,6 +162,7 @@ fn result(
     result.value = last.value;
     result.std_error = last.std_error;
     result.corrected_std_error = last.corrected_std_error;
+    result.systematic_std = last.systematic_std;
     result.lower = result.value - 2.0 * result.corrected_std_error;
     result.upper = result.value + 2.0 * result.corrected_std_error;
     result.status = last.status.into();

@@ -44,6 +44,7 @@ pub(crate) fn verdict<M: Motion<N, R>, const N: usize, const R: usize>(
     if let Some(report) = &run.batch {
         batch(report, &mut sentences);
     }
+    sentences.extend(task.file.uncertainty.sentence().filter(|_| run.excited));
     sentences.extend(task.prepared.notes.iter().map(|n| format!("{}.", capitalised(n))));
     sentences
 }

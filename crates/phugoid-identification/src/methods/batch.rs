@@ -248,6 +248,8 @@ fn column<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
     let (value, std_error, corrected, at_limit) = position::<M, N, R>(parameter, fit)
         .map(|i| &fit.unknowns[i])
         .map_or(prior, |u| (u.value, u.std_error, u.corrected_std_error, u.at_limit));
+    let systematic = task.file.uncertainty.of(parameter) * value.abs();
+    let corrected_with = corrected.hypot(systematic);
     let observability = (1.0 - (std_error / parameter.prior_std).powi(2)).max(0.0);
     let scale = match task.file.base {
         crate::model_file::Base::None if !parameter.is_nuisance() => parameter.prior_std.min(value.abs()),
@@ -264,11 +266,12 @@ fn column<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
     };
     ColumnRun {
         values: vec![value; samples],
-        std_errors: vec![corrected; samples],
+        std_errors: vec![corrected_with; samples],
         surfaces: vec![0.0; samples],
         value,
         std_error,
-        corrected_std_error: corrected,
+        corrected_std_error: corrected_with,
+        systematic_std: systematic,
         observability,
         status,
         change_sensitivity: 0.0,

@@ -26,6 +26,7 @@ pub(super) fn run_causal<M: Motion<N, R>, const N: usize, const R: usize>(
         value: 0.0,
         std_error: 0.0,
         corrected_std_error: 0.0,
+        systematic_std: 0.0,
         observability: 0.0,
         status: ParameterStatus::NotExcited,
         change_sensitivity: 0.0,
@@ -80,6 +81,7 @@ pub(super) fn run_causal<M: Motion<N, R>, const N: usize, const R: usize>(
         column.value = last.parameters[j];
         column.std_error = last.std_error[j];
         column.corrected_std_error = last.corrected_std_error[j];
+        column.systematic_std = last.systematic_std[j];
         column.observability = last.observability[j];
         column.status = last.parameter_status[j];
         column.change_sensitivity = sensitivity[j];

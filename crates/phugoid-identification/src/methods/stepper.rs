@@ -94,6 +94,8 @@ pub(crate) struct Shown<'a> {
     pub(crate) std_error: &'a [f64],
     /// One sigma corrected for the colour of the residuals.
     pub(crate) corrected_std_error: &'a [f64],
+    /// The part of it that the model file declares.
+    pub(crate) systematic_std: &'a [f64],
     pub(crate) observability: &'a [f64],
     pub(crate) parameter_status: &'a [ParameterStatus],
 }
@@ -117,6 +119,9 @@ pub(super) struct Stepper<M: MotionModel<N, R, P>, const N: usize, const R: usiz
     moved: Moved,
     excitation: Excitation,
     lead: Lead<M::KnownInput, R>,
+    /// Declared uncertainty by column, as a part of the parameter, and what that is of the last estimate.
+    uncertainty: [f64; P],
+    systematic_std: [f64; P],
     watch: Watch,
     changes: Changes,
     readiness: ReadinessWatch<R, P>,
@@ -168,6 +173,8 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> St
             excitation: Excitation::of(prepared, noise),
             lead: Lead::default(),
             watch: Watch::new(settings.maximum_step_s.max(3.5 * settings.sample_time_s)),
+            uncertainty: uncertainty(file),
+            systematic_std: [0.0; P],
             changes: Changes::default(),
             readiness: ReadinessWatch::new(),
             monitoring,
@@ -263,6 +270,10 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> Ca
         if !self.waiting {
             let columns = self.columns();
             self.changes.look(&estimate, sample.time_s, columns);
+            for j in 0..columns {
+                self.systematic_std[j] = self.uncertainty[j] * estimate.parameters[j].abs();
+                estimate.corrected_std_error[j] = estimate.corrected_std_error[j].hypot(self.systematic_std[j]);
+            }
         }
         if self.waiting {
             // Before anything has moved the reports of the detector have no meaning.
@@ -280,6 +291,7 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> Ca
             parameters: &shown.parameters[..columns],
             std_error: &shown.std_error[..columns],
             corrected_std_error: &shown.corrected_std_error[..columns],
+            systematic_std: &self.systematic_std[..columns],
             observability: &shown.observability[..columns],
             parameter_status: &shown.parameter_status[..columns],
         }
@@ -376,6 +388,15 @@ impl<I: Copy, const R: usize> Lead<I, R> {
     fn take(&mut self) -> (VecDeque<Sample<I, R>>, bool) {
         (std::mem::take(&mut self.samples), self.is_a_part)
     }
+}
+
+/// The declared uncertainty of each column, as a part of the parameter.
+fn uncertainty<const P: usize>(file: &ModelFile) -> [f64; P] {
+    let mut out = [0.0; P];
+    for (to, parameter) in out.iter_mut().zip(file.estimated()) {
+        *to = file.uncertainty.of(parameter);
+    }
+    out
 }
 
 /// The sample, and the groups of axes whose parameters are estimated from it.

@@ -73,6 +73,8 @@ pub(crate) struct ColumnRun {
     pub(crate) value: f64,
     pub(crate) std_error: f64,
     pub(crate) corrected_std_error: f64,
+    /// The part of it that the model file declares.
+    pub(crate) systematic_std: f64,
     pub(crate) observability: f64,
     pub(crate) status: ParameterStatus,
     pub(crate) change_sensitivity: f64,

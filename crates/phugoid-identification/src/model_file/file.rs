@@ -7,6 +7,7 @@ use phugoid_flight_data::table::ColumnMapping;
 use super::aircraft::{AirDensity, AircraftData, Base, RateSpeed, Reference, Source, Thrust};
 use super::parameter::{Expectation, Parameter};
 use super::settings::{EstimatorTuning, InputHold, ProcessNoise};
+use super::uncertainty::Uncertainty;
 use crate::core::axes::Axes;
 use crate::core::output::{CHANNELS, Output};
 
@@ -40,6 +41,8 @@ pub struct ModelFile {
     pub parameters: Vec<Parameter>,
     /// Where the terms count from: the values of alpha and of the surfaces at which they are zero.
     pub reference: Reference,
+    /// Uncertainties of constants and scales, which go into the bounds.
+    pub uncertainty: Uncertainty,
     /// Process noise of the states, for gusts and model error.
     pub process_noise: ProcessNoise,
     /// Settings of the estimator beside the automatic rule.

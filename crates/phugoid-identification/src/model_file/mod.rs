@@ -11,6 +11,7 @@ mod parameter;
 mod parse;
 mod section;
 mod settings;
+mod uncertainty;
 
 pub use aircraft::{AirDensity, AircraftData, Base, RateSpeed, Reference, ReferenceValue, Source, Thrust};
 pub use error::ModelFileError;
@@ -19,3 +20,4 @@ pub use named::ModelError;
 pub use parameter::{Expectation, Parameter, Role};
 pub(crate) use parse::LIGHT_TURBULENCE;
 pub use settings::{EstimatorTuning, InputHold, ProcessNoise};
+pub use uncertainty::Uncertainty;

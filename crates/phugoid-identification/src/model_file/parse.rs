@@ -22,6 +22,7 @@ use super::file::ModelFile;
 use super::parameter::Role;
 use super::section::{Section, Source as Text};
 use super::settings::{EstimatorTuning, InputHold};
+use super::uncertainty::Uncertainty;
 use crate::core::axes::Axes;
 use crate::core::method::Method;
 use crate::core::term::{EXTRA_INPUTS, Variable};
@@ -29,7 +30,7 @@ use crate::core::term::{EXTRA_INPUTS, Variable};
 /// The name that `change_detection` had until version 0.1.
 const FORMER_CHANGE_DETECTION: &str = "re_reaching";
 
-const TOP_KEYS: [&str; 18] = [
+const TOP_KEYS: [&str; 19] = [
     "name",
     "axes",
     "base",
@@ -48,6 +49,7 @@ const TOP_KEYS: [&str; 18] = [
     "change_detection",
     "expected",
     "estimator",
+    "uncertainty",
 ];
 const ESTIMATOR_KEYS: [&str; 7] = [
     "method",
@@ -118,6 +120,7 @@ fn parse(file: &str, text: &str) -> Result<ModelFile, ModelFileError> {
         outputs,
         noise: noise(&top, &outputs)?,
         noise_learning: noise_learning(&top)?,
+        uncertainty: Uncertainty::parse(&top, base)?,
         expected: expected(&top, &parameters)?,
         parameters,
         reference: reference(&top, base)?,

@@ -2,8 +2,8 @@
 
 use phugoid_flight_data::quality::{ChannelQuality, Finding, QualityReport, Severity};
 use phugoid_identification::estimation::{
-    Estimation, Event, EventKind, FinalStatus, History, Offer, OfferedTerm, ParameterHistory, ParameterReadiness,
-    ParameterResult, Phase, Readiness, Signal,
+    Estimation, EstimationStatus, Event, EventKind, FinalStatus, History, Offer, OfferedTerm, ParameterHistory,
+    ParameterReadiness, ParameterResult, Phase, Readiness, Signal,
 };
 use phugoid_identification::method::Method;
 
@@ -217,6 +217,7 @@ pub(crate) fn estimation(case: &Case) -> Estimation {
             value: last,
             std_error: 0.8 * sigma,
             corrected_std_error: sigma,
+            systematic_std: 0.0,
             lower: last - 2.0 * sigma,
             upper: last + 2.0 * sigma,
             status: if excited { FinalStatus::Converged } else { FinalStatus::NotExcited },
@@ -263,6 +264,9 @@ pub(crate) fn estimation(case: &Case) -> Estimation {
         effective: Vec::new(),
         alpha_reference: 0.0,
         offer: case.truth_known.then(offer),
+        status: EstimationStatus::Sound,
+        reasons: Vec::new(),
+        changes: Vec::new(),
         verdict: vec![
             "All increments are known to better than 4 % of their value.".to_owned(),
             "CL_0 and CL_V cannot be told apart well (correlation −0.97): fly at two speeds.".to_owned(),

@@ -1,0 +1,163 @@
+//! What is not known exactly about the constants of the aircraft and the scales of its sensors, and leaves no trace in
+//! residuals: standard uncertainties of type B (JCGM 100:2008, GUM, 4.3).
+//!
+//! A scale that is wrong by one part in a hundred is taken up by the derivatives, and the residuals stay as small as
+//! before. So its uncertainty has to be declared, and goes into the bounds: to first order each derivative is
+//! proportional to a product of powers of these scales.
+
+use super::error::ModelFileError;
+use super::section::Section;
+use super::{Base, Parameter, Role};
+use crate::core::term::{Coefficient, Term, Variable};
+use phugoid_flight_data::quantity::Dimension;
+
+/// Relative standard uncertainties, one sigma as a part of the quantity itself.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Uncertainty {
+    /// Scale of the true airspeed.
+    pub airspeed_scale: f64,
+    /// Scale of the angles of attack and sideslip: the vane and the flow about the fuselage (upwash).
+    pub flow_angle_scale: f64,
+    /// Scale of the positions of the control surfaces.
+    pub surface_scale: f64,
+    /// Mass of the aircraft.
+    pub mass: f64,
+    /// Moments of inertia.
+    pub inertia: f64,
+    /// True if the model file says nothing of them and these are the usual ones.
+    pub by_default: bool,
+}
+
+/// The keys of the section, in the order of the fields.
+const KEYS: [&str; 5] = ["airspeed_scale", "flow_angle_scale", "surface_scale", "mass", "inertia"];
+
+impl Uncertainty {
+    /// Nothing is uncertain: for flights of a simulator.
+    pub const NONE: Self = Self {
+        airspeed_scale: 0.0,
+        flow_angle_scale: 0.0,
+        surface_scale: 0.0,
+        mass: 0.0,
+        inertia: 0.0,
+        by_default: false,
+    };
+
+    /// Of an aircraft with calibrated instruments, by judgement: 0.5 % of airspeed, 1.5 % of the flow angles (position
+    /// and upwash corrections of a boom), 1 % of surface positions, 0.5 % of mass, 2 % of the moments of inertia.
+    pub const USUAL: Self = Self {
+        airspeed_scale: 0.005,
+        flow_angle_scale: 0.015,
+        surface_scale: 0.01,
+        mass: 0.005,
+        inertia: 0.02,
+        by_default: true,
+    };
+
+    /// The section `[uncertainty]`; without it the usual ones, and none for increments on a database, whose own errors
+    /// are what is estimated.
+    pub(super) fn parse(top: &Section, base: Base) -> Result<Self, ModelFileError> {
+        let Some(section) = top.section("uncertainty")? else {
+            return Ok(if base == Base::None { Self::USUAL } else { Self::NONE });
+        };
+        section.allow("key", KEYS.iter().copied())?;
+        let part = |key: &str| -> Result<f64, ModelFileError> {
+            let value = section.number(key, Dimension::NUMBER)?.unwrap_or(0.0);
+            if (0.0..=0.5).contains(&value) {
+                Ok(value)
+            } else {
+                Err(section.error(key, format!("`{key}` is {value}: expected one sigma as a part of one, 0 to 0.5")))
+            }
+        };
+        Ok(Self {
+            airspeed_scale: part(KEYS[0])?,
+            flow_angle_scale: part(KEYS[1])?,
+            surface_scale: part(KEYS[2])?,
+            mass: part(KEYS[3])?,
+            inertia: part(KEYS[4])?,
+            by_default: false,
+        })
+    }
+
+    /// One sigma of a parameter as a part of its value: zero for offsets and biases, and for constants, which the
+    /// flight determines whatever the scales.
+    pub fn of(&self, parameter: &Parameter) -> f64 {
+        match &parameter.role {
+            Role::Term(coefficient, term) if !term.is_constant() => self.of_term(*coefficient, term),
+            _ => 0.0,
+        }
+    }
+
+    fn of_term(&self, coefficient: Coefficient, term: &Term) -> f64 {
+        // By dynamic pressure.
+        let mut airspeed = 2.0;
+        let (mut flow_angle, mut surface) = (0.0, 0.0);
+        for (factor, power) in term.factors() {
+            let power = f64::from(*power);
+            match Variable::ALL.get(*factor) {
+                Some(Variable::Alpha | Variable::Beta) => flow_angle += power,
+                Some(Variable::AlphaRate) => {
+                    flow_angle += power;
+                    airspeed -= power;
+                }
+                // Rates are divided by the airspeed.
+                Some(Variable::RollRate | Variable::PitchRate | Variable::YawRate) => airspeed -= power,
+                Some(Variable::Airspeed) => airspeed += power,
+                Some(Variable::Elevator | Variable::Aileron | Variable::Rudder) => surface += power,
+                None => {}
+            }
+        }
+        let body = match coefficient {
+            Coefficient::Lift | Coefficient::Drag | Coefficient::SideForce => self.mass,
+            Coefficient::PitchingMoment | Coefficient::RollingMoment | Coefficient::YawingMoment => self.inertia,
+        };
+        let parts =
+            [airspeed * self.airspeed_scale, flow_angle * self.flow_angle_scale, surface * self.surface_scale, body];
+        parts.iter().map(|part| part * part).sum::<f64>().sqrt()
+    }
+
+    /// A sentence for the user; `None` where nothing is uncertain.
+    pub(crate) fn sentence(&self) -> Option<String> {
+        let values = [self.airspeed_scale, self.flow_angle_scale, self.surface_scale, self.mass, self.inertia];
+        let names = ["airspeed", "flow angles", "surface positions", "mass", "inertia"];
+        let list: Vec<String> = names
+            .iter()
+            .zip(values)
+            .filter(|(_, value)| *value > 0.0)
+            .map(|(name, value)| format!("{name} {:.1} %", 100.0 * value))
+            .collect();
+        (!list.is_empty()).then(|| {
+            format!(
+                "The bounds contain systematic errors that leave no trace in residuals, one sigma, {}: {}.",
+                if self.by_default {
+                    "declared by default ([uncertainty] in the model file replaces them)"
+                } else {
+                    "as the model file declares them"
+                },
+                list.join(", ")
+            )
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Uncertainty;
+    use crate::model_file::ModelFile;
+
+    /// By hand: a pitch damping derivative goes with the inverse of the airspeed squared, over that of the rate, and
+    /// with the inertia.
+    #[test]
+    fn each_derivative_takes_the_scales_that_it_depends_on() {
+        let file = ModelFile::named("hfb320").unwrap();
+        let of = |name: &str| {
+            let parameter = file.parameters.iter().find(|p| p.name == name).unwrap();
+            Uncertainty::USUAL.of(parameter)
+        };
+        let root = |parts: &[f64]| parts.iter().map(|p| p * p).sum::<f64>().sqrt();
+        assert!((of("CL_alpha") - root(&[0.01, 0.015, 0.005])).abs() < 1e-12);
+        assert!((of("Cm_q") - root(&[0.005, 0.02])).abs() < 1e-12);
+        assert!((of("Cm_elevator") - root(&[0.01, 0.01, 0.02])).abs() < 1e-12);
+        assert_eq!(of("Cm_0"), 0.0);
+        assert_eq!(ModelFile::named("f16").unwrap().uncertainty, Uncertainty::NONE);
+    }
+}
