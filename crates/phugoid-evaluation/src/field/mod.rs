@@ -21,7 +21,7 @@ pub use error::FieldError;
 
 use corruption::{Corruption, Fault};
 use summary::{ChangeSummary, GroupSummary, WatchSummary};
-use trial::{Flight, Trial};
+use trial::{Flight, RealChange, Trial};
 use truth::{Kind, Split, Truth};
 
 use crate::monte_carlo::monte_carlo;
@@ -158,7 +158,8 @@ fn summarise(options: &FieldOptions, trials: Vec<Trial>) -> FieldStudy {
             let own: Vec<&Trial> = plain
                 .iter()
                 .copied()
-                .filter(|t| t.watched.is_some() && t.change_s.is_some() == changed && t.trim_shift == shifted)
+                .filter(|t| t.watched.is_some() && t.change.is_some() == changed)
+                .filter(|t| t.change.as_ref().is_some_and(RealChange::is_trim_shift) == shifted)
                 .collect();
             WatchSummary::of(name, &own)
         })

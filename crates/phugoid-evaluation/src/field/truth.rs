@@ -120,11 +120,6 @@ impl Truth {
     pub fn is_healthy(&self) -> bool {
         self.kind == Kind::Sound && self.change.is_none()
     }
-
-    /// Whether the change moves constants only: a trim shift, no damage.
-    pub fn is_trim_shift(&self) -> bool {
-        self.change.as_ref().is_some_and(|change| change.changes.keys().all(|name| name.ends_with("_0")))
-    }
 }
 
 /// The flights of one part of the field, from all folders below `folder`, in the order of their paths.
