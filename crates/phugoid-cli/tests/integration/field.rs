@@ -24,7 +24,12 @@ fn foreign_flights_are_estimated_as_well_as_develop_says() {
     let study = field(&["--json"]).json();
     let all = &study["all"][0];
     assert_eq!((all["kind"].as_str(), all["flights"].as_u64()), (Some("sound"), Some(4)));
-    assert_eq!(all["refused"], 0);
+    // A damaged flight may be refused: whatever the parameters are, they are not one set of numbers.
+    let healthy = study["trials"].as_array().unwrap().iter().filter(|trial| trial["change"].is_null());
+    for trial in healthy.clone() {
+        assert_ne!(trial["word"]["standing"], "refused", "{}: {}", trial["flight"], trial["word"]);
+    }
+    assert_eq!(healthy.count(), 3);
     assert!(all["derivatives"].as_u64().unwrap() >= 20);
     assert!(number(&all["error_median"]) < 0.016, "{}", all["error_median"]);
     assert!(number(&all["error_90_percent"]) < 0.158, "{}", all["error_90_percent"]);
