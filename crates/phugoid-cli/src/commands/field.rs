@@ -117,42 +117,37 @@ fn reasons(summaries: &[GroupSummary]) -> String {
 }
 
 fn changes(summaries: &[ChangeSummary]) -> String {
-    let mut table = Table::new(&[
-        "method",
-        "healthy",
-        "hours",
-        "adopted",
-        "in flights",
-        "worse after",
-        "damaged",
-        "found",
-        "after",
-        "early",
-        "trim shifts",
-        "found",
-    ]);
+    let mut healthy =
+        Table::new(&["method", "healthy flights", "hours", "adopted", "not taken back", "in flights", "worse after"]);
+    let mut real = Table::with_words(
+        &["method", "change", "flights", "found", "after", "early", "named rightly", "named wrongly"],
+        &[0, 1],
+    );
     for s in summaries {
-        let after = if s.latency_median_s.is_nan() {
-            "-".to_owned()
-        } else {
-            format!("{} s", significant(s.latency_median_s, 3))
-        };
-        table.row([
+        healthy.row([
             s.method.to_string(),
             s.healthy_flights.to_string(),
             format!("{:.2}", s.healthy_hours),
             s.false_adoptions.to_string(),
-            s.flights_with_false_adoptions.to_string(),
+            s.kept.to_string(),
+            s.flights_with_kept.to_string(),
             s.harmed.to_string(),
-            s.damaged.to_string(),
-            s.damages_found.to_string(),
-            after,
-            s.early.to_string(),
-            s.trim_shifts.to_string(),
-            s.trim_shifts_found.to_string(),
         ]);
+        for (name, found) in [("damage", &s.damages), ("trim shift", &s.trim_shifts)] {
+            let latency = found.latency_median_s;
+            real.row([
+                s.method.to_string(),
+                name.to_owned(),
+                found.flights.to_string(),
+                found.found.to_string(),
+                if latency.is_nan() { "-".to_owned() } else { format!("{} s", significant(latency, 3)) },
+                found.early.to_string(),
+                found.named_rightly.to_string(),
+                found.named_wrongly.to_string(),
+            ]);
+        }
     }
-    table.render()
+    healthy.render() + "\n" + &real.render()
 }
 
 fn watched(summaries: &[WatchSummary]) -> String {

@@ -4,6 +4,7 @@
 //! with its default settings; what comes out is counted against the truth of that very flight.
 
 pub mod corruption;
+mod error;
 pub mod standing;
 pub mod summary;
 pub mod trial;
@@ -16,9 +17,11 @@ use phugoid_identification::method::Method;
 use phugoid_identification::model_file::ModelFile;
 use serde::Serialize;
 
+pub use error::FieldError;
+
 use corruption::{Corruption, Fault};
 use summary::{ChangeSummary, GroupSummary, WatchSummary};
-use trial::{Flight, Trial};
+use trial::{Flight, RealChange, Trial};
 use truth::{Kind, Split, Truth};
 
 use crate::monte_carlo::monte_carlo;
@@ -36,47 +39,6 @@ pub struct FieldOptions {
     pub faults: usize,
     /// Whether the health monitor watches the sound flights.
     pub monitor: bool,
-}
-
-/// Why the field could not be run.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum FieldError {
-    /// A folder or a file cannot be read.
-    #[error("cannot read `{path}`: {error}")]
-    Reading {
-        /// Its path.
-        path: String,
-        /// What the system says.
-        error: String,
-    },
-    /// A truth file is not what the generator writes.
-    #[error("{file}: {error}. Make the field again with scripts/field/make.py of this version")]
-    Truth {
-        /// The file.
-        file: String,
-        /// What is wrong with it.
-        error: String,
-    },
-    /// A model file of the field cannot be read.
-    #[error("{0}")]
-    Model(String),
-    /// There is no flight.
-    #[error("{folder}: no flight of the part `{split}`. Make the field with scripts/field/make.py, or name its folder")]
-    Empty {
-        /// The folder that was looked through.
-        folder: String,
-        /// The part that was asked for.
-        split: &'static str,
-    },
-    /// No flight has the words that were asked for.
-    #[error("no flight has {0} in its aircraft, group or name")]
-    NoSuch(String),
-}
-
-impl FieldError {
-    fn reading(path: &Path, error: impl std::fmt::Display) -> Self {
-        Self::Reading { path: path.display().to_string(), error: error.to_string() }
-    }
 }
 
 /// The result: every trial, and what they come to.
@@ -196,7 +158,8 @@ fn summarise(options: &FieldOptions, trials: Vec<Trial>) -> FieldStudy {
             let own: Vec<&Trial> = plain
                 .iter()
                 .copied()
-                .filter(|t| t.watched.is_some() && t.change_s.is_some() == changed && t.trim_shift == shifted)
+                .filter(|t| t.watched.is_some() && t.change.is_some() == changed)
+                .filter(|t| t.change.as_ref().is_some_and(RealChange::is_trim_shift) == shifted)
                 .collect();
             WatchSummary::of(name, &own)
         })

@@ -2,11 +2,11 @@
 
 use std::collections::BTreeMap;
 
+use phugoid_identification::estimation::{EstimationStatus, FinalStatus};
 use phugoid_identification::method::Method;
 use serde::Serialize;
 
-use super::standing::Standing;
-use super::trial::{Compared, Trial};
+use super::trial::{Adoption, Compared, RealChange, Trial};
 use super::truth::Kind;
 use super::watch::Alarm;
 use crate::statistics::{poisson, quantile};
@@ -57,7 +57,7 @@ impl GroupSummary {
             .map(|p| p.relative_error())
             .map(|error| if error.is_nan() { f64::INFINITY } else { error })
             .collect();
-        let standing = |wanted: Standing| trials.iter().filter(|t| t.word.standing == wanted).count();
+        let standing = |wanted: EstimationStatus| trials.iter().filter(|t| t.word.standing == wanted).count();
         let mut reasons = BTreeMap::new();
         for reason in trials.iter().flat_map(|t| &t.word.reasons) {
             *reasons.entry(reason.clone()).or_insert(0) += 1;
@@ -69,16 +69,14 @@ impl GroupSummary {
             kind,
             method,
             flights: trials.len(),
-            refused: standing(Standing::Refused),
-            doubtful: standing(Standing::Doubtful),
+            refused: standing(EstimationStatus::Refused),
+            doubtful: standing(EstimationStatus::Doubtful),
             reasons,
             derivatives: given.len(),
             error_median: quantile(errors.clone(), 0.5),
             error_90_percent: quantile(errors, 0.9),
             coverage: part(given.iter().filter(|p| p.is_covered()).count()),
-            claimed: part(
-                claimed.filter(|p| p.status == phugoid_identification::estimation::FinalStatus::Converged).count(),
-            ),
+            claimed: part(claimed.filter(|p| p.status == FinalStatus::Converged).count()),
             silently_wrong: part(trials.iter().map(|t| t.silently_wrong()).sum()),
             flights_silently_wrong: wrong.len(),
             of_those_remarked: wrong.iter().filter(|t| !t.word.remarks.is_empty()).count(),
@@ -97,51 +95,83 @@ pub struct ChangeSummary {
     pub healthy_hours: f64,
     /// Changes that were adopted in them.
     pub false_adoptions: usize,
-    /// Flights in which one was adopted.
-    pub flights_with_false_adoptions: usize,
-    /// Flights among those whose estimate was worse at the end than before the change was suspected.
+    /// Changes among those that were not taken back.
+    pub kept: usize,
+    /// Flights with one that was not taken back.
+    pub flights_with_kept: usize,
+    /// Flights with an adoption whose estimate was worse at the end than before the change was suspected.
     pub harmed: usize,
-    /// Flights with a change of a derivative.
-    pub damaged: usize,
-    /// Flights among them in which a change was adopted after it.
-    pub damages_found: usize,
-    /// Flights among them in which a change was adopted before it.
+    /// What came of flights in which derivatives change.
+    pub damages: FoundChanges,
+    /// What came of flights in which constants change.
+    pub trim_shifts: FoundChanges,
+}
+
+/// What came of flights with a real change. Changes that were taken back do not count as found.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FoundChanges {
+    /// Number of flights.
+    pub flights: usize,
+    /// Flights with an adoption after the change.
+    pub found: usize,
+    /// Flights with an adoption before it.
     pub early: usize,
-    /// Median time from the damage to its adoption, s, over those that were found.
+    /// Median time from the change to its first adoption, s, over those that were found.
     pub latency_median_s: f64,
-    /// Flights with a trim shift.
-    pub trim_shifts: usize,
-    /// Flights among them in which a change was adopted after it.
-    pub trim_shifts_found: usize,
+    /// Flights whose first adoption after the change calls a parameter changed that really did, more certainly than any
+    /// other of its sort: derivatives of a damage; of a trim shift constants, with the words for it.
+    pub named_rightly: usize,
+    /// Flights in which another one is called changed the most certainly.
+    pub named_wrongly: usize,
+}
+
+impl FoundChanges {
+    /// The numbers of these trials; those without a real change do not count.
+    fn of(trials: &[&Trial]) -> Self {
+        let changed = || trials.iter().filter_map(|t| Some((*t, t.change.as_ref()?)));
+        let first: Vec<(&Trial, &RealChange, &Adoption)> = changed()
+            .filter_map(|(t, change)| Some((t, change, t.adoptions.kept().find(|a| a.time_s >= change.time_s)?)))
+            .collect();
+        let rightly = |(trial, change, adoption): &(&Trial, &RealChange, &Adoption)| -> Option<bool> {
+            if change.is_trim_shift() {
+                // A derivative is called changed, or it is said that none is.
+                return (trial.word.says_trim_shift || !adoption.changed.is_empty())
+                    .then_some(trial.word.says_trim_shift);
+            }
+            let is_derivative = |name: &&String| !name.ends_with("_0") && !name.starts_with("offset");
+            adoption.changed.iter().find(is_derivative).map(|name| change.parameters.contains(name))
+        };
+        let count = |wanted: bool| first.iter().filter(|f| rightly(f) == Some(wanted)).count();
+        Self {
+            flights: changed().count(),
+            found: first.len(),
+            early: changed().filter(|(t, c)| t.adoptions.kept().any(|a| a.time_s < c.time_s)).count(),
+            latency_median_s: quantile(first.iter().map(|(_, c, a)| a.time_s - c.time_s).collect(), 0.5),
+            named_rightly: count(true),
+            named_wrongly: count(false),
+        }
+    }
 }
 
 impl ChangeSummary {
-    /// The numbers of the trials of one method, whatever their group. Flights with errors put in do not count.
+    /// The numbers of the trials of one method, whatever their group. Flights with systematic errors do not count.
     pub fn of(method: Method, trials: &[&Trial]) -> Self {
         // A refused result has a history too, with the changes in it.
-        let sound = || trials.iter().filter(|t| t.kind == Kind::Sound);
-        let healthy: Vec<&&Trial> = sound().filter(|t| t.change_s.is_none()).collect();
-        let with = |trim_shift: bool| -> Vec<(&Trial, f64)> {
-            sound().filter(|t| t.trim_shift == trim_shift).filter_map(|t| Some((*t, t.change_s?))).collect()
+        let sound = || trials.iter().copied().filter(|t| t.kind == Kind::Sound);
+        let healthy: Vec<&Trial> = sound().filter(|t| t.change.is_none()).collect();
+        let with = |trim_shift: bool| -> Vec<&Trial> {
+            sound().filter(|t| t.change.as_ref().is_some_and(|c| c.is_trim_shift() == trim_shift)).collect()
         };
-        let (damaged, shifted) = (with(false), with(true));
-        let latency = |(trial, change): &(&Trial, f64)| {
-            trial.adoptions.times_s.iter().find(|t| **t >= *change).map(|t| t - change)
-        };
-        let latencies: Vec<f64> = damaged.iter().filter_map(latency).collect();
         Self {
             method,
             healthy_flights: healthy.len(),
             healthy_hours: healthy.iter().map(|t| t.hours).sum(),
-            false_adoptions: healthy.iter().map(|t| t.adoptions.times_s.len()).sum(),
-            flights_with_false_adoptions: healthy.iter().filter(|t| !t.adoptions.times_s.is_empty()).count(),
+            false_adoptions: healthy.iter().map(|t| t.adoptions.adopted.len()).sum(),
+            kept: healthy.iter().map(|t| t.adoptions.kept().count()).sum(),
+            flights_with_kept: healthy.iter().filter(|t| t.adoptions.kept().count() > 0).count(),
             harmed: healthy.iter().filter(|t| t.adoptions.harmed()).count(),
-            damaged: damaged.len(),
-            damages_found: latencies.len(),
-            early: damaged.iter().filter(|(t, change)| t.adoptions.times_s.iter().any(|at| at < change)).count(),
-            latency_median_s: quantile(latencies, 0.5),
-            trim_shifts: shifted.len(),
-            trim_shifts_found: shifted.iter().filter_map(latency).count(),
+            damages: FoundChanges::of(&with(false)),
+            trim_shifts: FoundChanges::of(&with(true)),
         }
     }
 }
@@ -206,14 +236,14 @@ impl WatchSummary {
 
 #[cfg(test)]
 mod tests {
-    use phugoid_identification::estimation::FinalStatus;
+    use phugoid_identification::estimation::ChangeOutcome;
 
     use super::super::standing::Word;
     use super::super::trial::Adoptions;
     use super::super::watch::Watched;
     use super::*;
 
-    fn trial(standing: Standing, parameters: Vec<Compared>) -> Trial {
+    fn trial(standing: EstimationStatus, parameters: Vec<Compared>) -> Trial {
         Trial {
             aircraft: "c182".to_owned(),
             flight: "one".to_owned(),
@@ -223,11 +253,10 @@ mod tests {
             hours: 0.5,
             method: Method::Smpe,
             corruption: None,
-            word: Word { standing, reasons: Vec::new(), remarks: Vec::new() },
+            word: Word { standing, reasons: Vec::new(), remarks: Vec::new(), says_trim_shift: false },
             parameters,
             adoptions: Adoptions::default(),
-            change_s: None,
-            trim_shift: false,
+            change: None,
             watched: None,
         }
     }
@@ -246,14 +275,14 @@ mod tests {
 
     #[test]
     fn errors_are_counted_where_numbers_are_given_and_silence_where_no_warning_is() {
-        let mut remarked = trial(Standing::Sound, vec![off_by(0.1), off_by(0.0)]);
+        let mut remarked = trial(EstimationStatus::Sound, vec![off_by(0.1), off_by(0.0)]);
         remarked.word.remarks.push("coloured".to_owned());
-        let mut refused = trial(Standing::Refused, vec![off_by(5.0)]);
+        let mut refused = trial(EstimationStatus::Refused, vec![off_by(5.0)]);
         refused.word.reasons.push("contradiction".to_owned());
         let trials = [
-            trial(Standing::Sound, vec![off_by(0.015), off_by(0.03), off_by(f64::NAN)]),
+            trial(EstimationStatus::Sound, vec![off_by(0.015), off_by(0.03), off_by(f64::NAN)]),
             remarked,
-            trial(Standing::Doubtful, vec![off_by(0.5)]),
+            trial(EstimationStatus::Doubtful, vec![off_by(0.5)]),
             refused,
         ];
         let all: Vec<&Trial> = trials.iter().collect();
@@ -275,29 +304,66 @@ mod tests {
         assert!(s.error_median.is_nan() && s.coverage.is_nan() && s.silently_wrong.is_nan());
     }
 
-    #[test]
-    fn adoptions_are_false_before_the_change_and_found_after_it() {
-        let with = |times: &[f64], change_s: Option<f64>, trim_shift: bool, errors: Option<[f64; 2]>| {
-            let adoptions = Adoptions { times_s: times.to_vec(), error_before_and_after: errors };
-            Trial { adoptions, change_s, trim_shift, ..trial(Standing::Sound, Vec::new()) }
+    fn real(time_s: f64, name: &str) -> Option<RealChange> {
+        Some(RealChange { time_s, parameters: vec![name.to_owned()] })
+    }
+
+    /// A flight with adoptions at these times that call `changed` changed, the last of which becomes `outcome`.
+    fn adopting(times: &[f64], changed: &[&str], outcome: ChangeOutcome, errors: Option<[f64; 2]>) -> Trial {
+        let adopt = |(k, time_s): (usize, &f64)| Adoption {
+            time_s: *time_s,
+            outcome: if k + 1 == times.len() { outcome } else { ChangeOutcome::Confirmed },
+            changed: changed.iter().map(|name| (*name).to_owned()).collect(),
         };
+        let adopted = times.iter().enumerate().map(adopt).collect();
+        let adoptions = Adoptions { adopted, error_before_and_after: errors };
+        Trial { adoptions, ..trial(EstimationStatus::Sound, Vec::new()) }
+    }
+
+    #[test]
+    fn adoptions_of_healthy_flights_are_false_and_harm_where_the_estimate_gets_worse() {
+        use ChangeOutcome::{Confirmed, RolledBack};
         let trials = [
-            with(&[], None, false, None),
-            with(&[3.0, 9.0], None, false, Some([0.02, 0.4])),
-            with(&[3.0], None, false, Some([0.4, 0.02])),
-            with(&[21.5], Some(20.0), false, Some([0.1, 0.1])),
-            with(&[5.0], Some(20.0), false, Some([0.1, 0.1])),
-            with(&[20.5], Some(20.0), true, Some([0.1, 0.1])),
+            adopting(&[], &[], Confirmed, None),
+            adopting(&[3.0, 9.0], &["Cm_q"], RolledBack, Some([0.02, 0.4])),
+            adopting(&[3.0], &["Cm_q"], RolledBack, Some([0.4, 0.02])),
             // Its systematic errors may well look like a change.
-            Trial { kind: Kind::Faulty, ..with(&[4.0], None, false, None) },
+            Trial { kind: Kind::Faulty, ..adopting(&[4.0], &[], Confirmed, None) },
         ];
         let all: Vec<&Trial> = trials.iter().collect();
         let s = ChangeSummary::of(Method::Smpe, &all);
         assert_eq!((s.healthy_flights, s.healthy_hours), (3, 1.5));
-        assert_eq!((s.false_adoptions, s.flights_with_false_adoptions, s.harmed), (3, 2, 1));
-        assert_eq!((s.damaged, s.damages_found, s.early), (2, 1, 1));
-        assert!((s.latency_median_s - 1.5).abs() < 1e-12);
-        assert_eq!((s.trim_shifts, s.trim_shifts_found), (1, 1));
+        assert_eq!((s.false_adoptions, s.kept, s.flights_with_kept, s.harmed), (3, 1, 1, 1));
+        assert_eq!((s.damages.flights, s.trim_shifts.flights), (0, 0));
+    }
+
+    #[test]
+    fn changes_are_found_after_they_set_in_and_named_by_what_is_most_certain() {
+        use ChangeOutcome::{Confirmed, RolledBack};
+        let damaged = |times: &[f64], changed: &[&str], outcome| Trial {
+            change: real(20.0, "Cm_q"),
+            ..adopting(times, changed, outcome, None)
+        };
+        let mut shifted = Trial { change: real(20.0, "Cm_0"), ..adopting(&[20.5], &["Cm_0"], Confirmed, None) };
+        shifted.word.says_trim_shift = true;
+        let trials = [
+            // A constant moves with the derivative that it is correlated with.
+            damaged(&[21.5], &["Cm_0", "Cm_q", "CL_alpha"], Confirmed),
+            damaged(&[23.5], &["CL_alpha", "Cm_q"], Confirmed),
+            damaged(&[22.5], &[], Confirmed),
+            damaged(&[22.5], &["Cm_q"], RolledBack),
+            damaged(&[5.0], &["Cm_q"], Confirmed),
+            shifted,
+            Trial { change: real(20.0, "Cm_0"), ..adopting(&[20.5], &["Cm_q"], Confirmed, None) },
+        ];
+        let all: Vec<&Trial> = trials.iter().collect();
+        let s = ChangeSummary::of(Method::Smpe, &all);
+        let d = &s.damages;
+        assert_eq!((d.flights, d.found, d.early), (5, 3, 1));
+        assert_eq!((d.named_rightly, d.named_wrongly), (1, 1));
+        assert!((d.latency_median_s - 2.5).abs() < 1e-12);
+        let t = &s.trim_shifts;
+        assert_eq!((t.flights, t.found, t.named_rightly, t.named_wrongly), (2, 2, 1, 1));
     }
 
     #[test]
@@ -306,7 +372,7 @@ mod tests {
             let changed = vec!["Cm_q".to_owned()];
             let named = flagged_at_s.map(|_| "Cm_q".to_owned()).into_iter().collect();
             let watched = Watched { expected: 4, flagged_at_s, named, called_healthy: false, changed, change_s };
-            Trial { watched: Some(watched), change_s, ..trial(Standing::Sound, Vec::new()) }
+            Trial { watched: Some(watched), ..trial(EstimationStatus::Sound, Vec::new()) }
         };
         let trials = [
             with(None, None),
@@ -314,7 +380,7 @@ mod tests {
             with(Some(1800.0), Some(720.0)),
             with(None, Some(720.0)),
             // Not watched.
-            trial(Standing::Sound, Vec::new()),
+            trial(EstimationStatus::Sound, Vec::new()),
         ];
         let all: Vec<&Trial> = trials.iter().collect();
         let s = WatchSummary::of("all", &all);

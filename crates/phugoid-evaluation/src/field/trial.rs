@@ -2,13 +2,13 @@
 
 use phugoid_flight_data::record::{Quantity, Record};
 use phugoid_identification::estimate::{EstimateOptions, OfferTerms, estimate};
-use phugoid_identification::estimation::{Estimation, EventKind, FinalStatus};
+use phugoid_identification::estimation::{ChangeOutcome, Estimation, EstimationStatus, EventKind, FinalStatus};
 use phugoid_identification::method::Method;
 use phugoid_identification::model_file::ModelFile;
 use serde::Serialize;
 
 use super::corruption::Corruption;
-use super::standing::{Standing, Word, refusal, standing};
+use super::standing::{Word, refusal, standing};
 use super::truth::{Kind, TrueParameter, Truth};
 use super::watch::{Watched, watch};
 use crate::statistics::median;
@@ -54,20 +54,55 @@ impl Compared {
     }
 }
 
+/// A sudden change that an estimation adopted.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Adoption {
+    /// When, s.
+    pub time_s: f64,
+    /// What became of it.
+    pub outcome: ChangeOutcome,
+    /// The parameters that it calls changed, constants included, the most certain first.
+    pub changed: Vec<String>,
+}
+
+/// Standard errors from which a parameter is called changed, as the verdict does.
+const CHANGED: f64 = 3.0;
+
 /// Sudden changes that an estimation adopted, and what they did to it.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Adoptions {
-    /// Times of the adoptions, s.
-    pub times_s: Vec<f64>,
+    /// The adopted changes in the order of time, those that were taken back included.
+    pub adopted: Vec<Adoption>,
     /// Median relative error of the derivatives that count, just before the first adopted change was suspected, and at the
     /// end of the flight; none where nothing was adopted.
     pub error_before_and_after: Option<[f64; 2]>,
 }
 
 impl Adoptions {
+    /// The changes that were not taken back.
+    pub fn kept(&self) -> impl Iterator<Item = &Adoption> {
+        self.adopted.iter().filter(|a| a.outcome != ChangeOutcome::RolledBack)
+    }
+
     /// Whether the estimate after the adoptions is worse than the one before them.
     pub fn harmed(&self) -> bool {
         self.error_before_and_after.is_some_and(|[before, after]| after.is_nan() || after > before)
+    }
+}
+
+/// A real change of the aircraft in flight.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RealChange {
+    /// When, s.
+    pub time_s: f64,
+    /// Names of the parameters that changed.
+    pub parameters: Vec<String>,
+}
+
+impl RealChange {
+    /// Whether constants changed only: no damage, but load, a tab, an asymmetry.
+    pub fn is_trim_shift(&self) -> bool {
+        self.parameters.iter().all(|name| name.ends_with("_0"))
     }
 }
 
@@ -96,10 +131,8 @@ pub struct Trial {
     pub parameters: Vec<Compared>,
     /// Changes that were adopted.
     pub adoptions: Adoptions,
-    /// When the aircraft really changed, s.
-    pub change_s: Option<f64>,
-    /// Whether the change moved constants only.
-    pub trim_shift: bool,
+    /// What really changed in flight.
+    pub change: Option<RealChange>,
     /// The health monitor on this flight, for the flights that it watches.
     pub watched: Option<Watched>,
 }
@@ -107,12 +140,12 @@ pub struct Trial {
 impl Trial {
     /// Whether there are numbers that the user may take.
     pub fn is_given(&self) -> bool {
-        self.word.standing != Standing::Refused
+        self.word.standing != EstimationStatus::Refused
     }
 
     /// Whether the user is told neither to look first nor to leave the numbers.
     pub fn is_silent(&self) -> bool {
-        matches!(self.word.standing, Standing::Sound | Standing::Provisional)
+        matches!(self.word.standing, EstimationStatus::Sound | EstimationStatus::Provisional)
     }
 
     /// The derivatives that are wrong, called converged, and without a warning.
@@ -142,11 +175,13 @@ impl Flight {
             hours: 0.0,
             method,
             corruption,
-            word: Word { standing: Standing::Refused, reasons: vec!["unreadable".to_owned()], remarks: Vec::new() },
+            word: Word::refused("unreadable"),
             parameters: Vec::new(),
             adoptions: Adoptions::default(),
-            change_s: truth.change.as_ref().map(|c| c.time_s),
-            trim_shift: truth.is_trim_shift(),
+            change: truth
+                .change
+                .as_ref()
+                .map(|c| RealChange { time_s: c.time_s, parameters: c.changes.keys().cloned().collect() }),
             watched: None,
         };
         let Ok(record) = &self.record else { return trial };
@@ -215,9 +250,18 @@ fn compared(estimation: &Estimation, truth: &Truth) -> Vec<Compared> {
 
 /// The adopted changes, and the errors before and after.
 fn adoptions(estimation: &Estimation, truth: &Truth) -> Adoptions {
+    let adopted: Vec<Adoption> = estimation
+        .changes
+        .iter()
+        .map(|change| {
+            let mut changed: Vec<_> = change.parameters.iter().filter(|p| p.sigmas().abs() > CHANGED).collect();
+            changed.sort_by(|a, b| b.sigmas().abs().total_cmp(&a.sigmas().abs()));
+            let changed = changed.iter().map(|p| p.name.clone()).collect();
+            Adoption { time_s: change.time_s, outcome: change.outcome, changed }
+        })
+        .collect();
+    let Some(first) = adopted.first().map(|a| a.time_s) else { return Adoptions::default() };
     let of = |kind: EventKind| estimation.events.iter().filter(move |e| e.kind == kind).map(|e| e.time_s);
-    let times_s: Vec<f64> = of(EventKind::Adopted).collect();
-    let Some(first) = times_s.first().copied() else { return Adoptions::default() };
     // Bounds are widened from the suspicion on.
     let suspected = of(EventKind::InDoubt).filter(|t| *t <= first).last().unwrap_or(first);
     let counting: Vec<(&String, &TrueParameter)> = truth.at_end().iter().filter(|(_, p)| p.counts()).collect();
@@ -231,7 +275,7 @@ fn adoptions(estimation: &Estimation, truth: &Truth) -> Adoptions {
     };
     let last = estimation.history.time_s.len().checked_sub(1);
     let error_before_and_after = before.zip(last).filter(|_| !counting.is_empty()).map(|(b, l)| [errors(b), errors(l)]);
-    Adoptions { times_s, error_before_and_after }
+    Adoptions { adopted, error_before_and_after }
 }
 
 #[cfg(test)]

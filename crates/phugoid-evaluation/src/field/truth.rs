@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::FieldError;
+use super::error::FieldError;
 
 /// The part of the field that a flight belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -119,11 +119,6 @@ impl Truth {
     /// Whether an error of the estimate has no excuse: a sound record of an aircraft that does not change.
     pub fn is_healthy(&self) -> bool {
         self.kind == Kind::Sound && self.change.is_none()
-    }
-
-    /// Whether the change moves constants only: a trim shift, no damage.
-    pub fn is_trim_shift(&self) -> bool {
-        self.change.as_ref().is_some_and(|change| change.changes.keys().all(|name| name.ends_with("_0")))
     }
 }
 
