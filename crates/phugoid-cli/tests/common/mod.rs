@@ -57,6 +57,12 @@ impl Run {
         serde_json::from_str(&self.out).unwrap_or_else(|e| panic!("{e}\n{}", self.out))
     }
 
+    /// The document of a result, whatever it is worth: a refused one is written too, with the exit code 1.
+    pub(crate) fn json_of_any_result(&self) -> Value {
+        assert!(matches!(self.code, Some(0 | 1)), "{}", self.err);
+        serde_json::from_str(&self.out).unwrap_or_else(|e| panic!("{e}\n{}", self.out))
+    }
+
     /// The command failed with this code and one screen of text for people.
     pub(crate) fn fails(&self, code: i32) -> &str {
         assert_eq!(self.code, Some(code), "{}{}", self.out, self.err);

@@ -668,7 +668,10 @@ fn bounds_are_widened_while_a_change_is_in_doubt() {
         assert!(all[first].corrected_std_error[j] >= all[first].std_error[j], "parameter {j}");
     }
     let after = all.iter().position(|e| e.status.change == ChangeState::Adopted).expect("an adoption");
-    assert_eq!(all[after + 1].status.change, ChangeState::Steady);
+    // The former estimate is a rival until the new one has been excited and has predicted better.
+    assert_eq!(all[after + 1].status.change, ChangeState::OnProbation);
+    assert!(all[after..].iter().all(|e| e.status.change != ChangeState::RolledBack));
+    assert_eq!(all.last().map(|e| e.status.change), Some(ChangeState::Steady));
 }
 
 /// A drop-out in the middle of a doubt decides nothing: the doubt goes on after it, and so do its wide bounds.

@@ -8,7 +8,7 @@ use crate::wording::Short;
 const BANKED: f64 = 0.5;
 
 /// Standard gravity, m/s^2; gravity differs from it by less than 1 % wherever aircraft fly.
-const GRAVITY: f64 = 9.80665;
+pub(super) const GRAVITY: f64 = 9.80665;
 
 /// Median of a channel over the samples with level wings; over all samples if the bank angle is not known.
 fn level_median(doubts: &Doubts, name: &str) -> Option<f64> {

@@ -11,7 +11,10 @@ pub(super) fn density(doubts: &mut Doubts) {
         return;
     };
     let implied = pressure.iter().zip(speed).map(|(q, v)| 2.0 * q / (v * v));
-    let Some(density) = median_of_finite(implied).filter(|density| !(0.08..1.5).contains(density)) else { return };
+    let Some(density) = median_of_finite(implied) else { return };
+    if (0.08..1.5).contains(&density) {
+        return against_altitude(doubts, density);
+    }
     // Aircraft fly above 20 km, but not where the density is 1 % of that at sea level.
     let certainty = if (0.01..1.6).contains(&density) { Certainty::Doubtful } else { Certainty::Certain };
     let message = format!(
@@ -20,6 +23,90 @@ pub(super) fn density(doubts: &mut Doubts) {
         Short(density)
     );
     doubts.replace(&["dynamic_pressure", "true_airspeed"], certainty, message);
+}
+
+/// Units in which an airspeed may have been recorded, and how many of them are one metre per second.
+const SPEEDS: [(&str, f64); 3] = [("kt", 1.0 / 0.514_444), ("ft/s", 1.0 / 0.3048), ("km/h", 3.6)];
+/// Ratio of the airspeed to what pressure and altitude say that needs a reason. Heat and cold change the density by a
+/// tenth, and impact pressure taken for dynamic pressure at Mach 0.9 the speed by a tenth.
+const SPEED_RATIO: f64 = 1.2;
+
+/// Checks the density that pressure and airspeed imply against that of the recorded air, or of the standard atmosphere
+/// at the altitude.
+fn against_altitude(doubts: &mut Doubts, implied: f64) {
+    let recorded = doubts.values("air_density").and_then(|values| median_of_finite(values.iter().copied()));
+    let altitude = doubts.values("altitude").filter(|_| !doubts.any(&["altitude"]));
+    let altitude = altitude.or_else(|| doubts.values("pressure_altitude"));
+    let standard = altitude.and_then(|values| median_of_finite(values.iter().copied())).map(standard_density);
+    let (Some(expected), source) = (match (recorded, standard) {
+        (Some(recorded), _) => (Some(recorded), "the recorded air density"),
+        (None, standard) => (standard, "the density at this altitude"),
+    }) else {
+        return;
+    };
+    let ratio = (expected / implied).sqrt();
+    if !ratio.is_finite() || (1.0 / SPEED_RATIO..=SPEED_RATIO).contains(&ratio) {
+        return;
+    }
+    let near = |factor: f64| (ratio / factor - 1.0).abs() < 0.1;
+    let advice = SPEEDS.into_iter().find_map(|(unit, factor)| {
+        let column = unit.replace('/', "_");
+        if near(factor) {
+            Some(format!("it looks like {unit} read as m/s: name the column `true_airspeed_{column}`"))
+        } else if near(1.0 / factor) {
+            Some(format!("it looks like m/s read as {unit}: name the column `true_airspeed_m_s`"))
+        } else {
+            None
+        }
+    });
+    let message = format!(
+        "do not fit {source}: the airspeed is {} times what it gives{}",
+        Short(ratio),
+        advice.map_or_else(
+            || ". An indicated or equivalent airspeed may be called true, or one unit is wrong".to_owned(),
+            |advice| format!("; {advice}")
+        )
+    );
+    doubts.replace(&["true_airspeed", "dynamic_pressure"], Certainty::Doubtful, message);
+}
+
+/// Density of the standard atmosphere (ISO 2533) at a geometric altitude in m, kg/m^3; above 20 km as if the
+/// temperature stayed constant, within 2 % up to 25 km.
+fn standard_density(altitude: f64) -> f64 {
+    const TROPOPAUSE: f64 = 11_000.0;
+    let height = altitude.min(TROPOPAUSE);
+    let below = 1.225 * (1.0 - 0.0065 * height / 288.15).powf(4.255_88);
+    below * (-(altitude - height) / 6341.6).exp()
+}
+
+/// Wind that an airspeed may differ from the speed over ground by, m/s: at the ground, and what a jet stream adds up to
+/// ten kilometres.
+const WIND: [f64; 2] = [30.0, 60.0];
+
+/// Checks the airspeed against the speed over ground.
+pub(super) fn ground_speed(doubts: &mut Doubts) {
+    let (Some(speed), Some(ground)) = (doubts.values("true_airspeed"), doubts.values("ground_speed")) else { return };
+    if doubts.any(&["true_airspeed", "ground_speed"]) {
+        return;
+    }
+    let middle = |values: &[f64]| median_of_finite(values.iter().copied());
+    let (Some(speed), Some(ground)) = (middle(speed), middle(ground)) else { return };
+    let altitude = doubts.values("altitude").filter(|_| !doubts.any(&["altitude"])).and_then(middle);
+    // Without an altitude the strongest wind is possible.
+    let height = altitude.map_or(1.0, |altitude| (altitude / 1e4).clamp(0.0, 1.0));
+    let allowed = WIND[0] + WIND[1] * height;
+    let difference = (speed - ground).abs();
+    if difference > allowed {
+        let message = format!(
+            "differ by {} m/s in the middle (medians {} and {}), more than the wind of {} m/s that may blow there. Check \
+             their units: knots read as m/s are 1.94 times too large, km/h 3.6 times",
+            Short(difference),
+            Short(speed),
+            Short(ground),
+            Short(allowed)
+        );
+        doubts.add(&["true_airspeed", "ground_speed"], Certainty::Doubtful, message);
+    }
 }
 
 /// Checks the rate of climb, without sideslip: `h' = V (cos a sin theta - sin a cos phi cos theta)`.

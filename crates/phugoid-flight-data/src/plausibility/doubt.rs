@@ -14,13 +14,24 @@ pub enum Certainty {
     Certain,
 }
 
-/// Channels whose unit or sign is implausible.
+/// What is probably wrong.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cause {
+    /// A unit, a sign or a name.
+    Unit,
+    /// The sensor or its recorder: a scale factor, a stuck or a saturated channel.
+    Sensor,
+}
+
+/// Channels whose unit, sign or sensor is implausible.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Doubt {
     /// The channel that is wrong; several if they contradict each other and any of them may be wrong.
     pub channels: Vec<String>,
     /// How certain it is that they are wrong.
     pub certainty: Certainty,
+    /// What is probably wrong with them.
+    pub cause: Cause,
     /// What was found, what was expected, and what the user can do, as a sentence without its subject.
     pub message: String,
 }
@@ -81,8 +92,12 @@ impl<'a> Doubts<'a> {
     }
 
     pub(super) fn add(&mut self, channels: &[&str], certainty: Certainty, message: String) {
+        self.add_cause(channels, certainty, Cause::Unit, message);
+    }
+
+    pub(super) fn add_cause(&mut self, channels: &[&str], certainty: Certainty, cause: Cause, message: String) {
         let channels = channels.iter().map(|name| (*name).to_owned()).collect();
-        self.found.push(Doubt { channels, certainty, message });
+        self.found.push(Doubt { channels, certainty, cause, message });
     }
 
     /// As `add`, but replaces earlier findings about one of these channels alone, because they have the same cause.

@@ -1,7 +1,8 @@
-//! Finds channels whose unit or sign is implausible. They are reported and never changed.
+//! Finds channels whose unit, sign or sensor is implausible. They are reported and never changed.
 //!
 //! The checks use only physics that holds for every aeroplane: the size of its angles, attitude as the integral of the
-//! rate, the specific force of one g upwards in steady flight, climb from speed and path angle. They use quantiles,
+//! rate, the specific force of one g upwards in steady flight, climb from speed and path angle, flow angles that turn as
+//! rates and accelerations say, dynamic pressure from speed and density. They use quantiles,
 //! medians and regressions, so that single outliers raise no alarm.
 //!
 //! ```
@@ -21,13 +22,16 @@
 mod accelerations;
 mod air_data;
 mod doubt;
+mod flow_angles;
 mod motion;
 mod robust;
+mod sensors;
 mod sizes;
+mod time;
 
 use crate::record::Record;
 use doubt::Doubts;
-pub use doubt::{Certainty, Doubt};
+pub use doubt::{Cause, Certainty, Doubt};
 use motion::Axis;
 
 /// Checks units and signs of a record, and returns one entry per probable cause; empty if everything is plausible.
@@ -45,5 +49,11 @@ pub fn check(record: &Record) -> Vec<Doubt> {
     air_data::density(&mut doubts);
     air_data::climb(&mut doubts);
     air_data::turning(&mut doubts);
+    air_data::ground_speed(&mut doubts);
+    time::step(&mut doubts);
+    flow_angles::alpha(&mut doubts);
+    flow_angles::beta(&mut doubts);
+    sensors::stuck(&mut doubts);
+    sensors::saturated(&mut doubts);
     doubts.found
 }

@@ -15,6 +15,12 @@ pub(super) fn span(values: &[f64]) -> Option<(f64, f64)> {
     Some((at(0.05)?, at(0.95)?))
 }
 
+/// The absolute value that 98 % of the finite values do not exceed; `None` if there is none.
+pub(super) fn magnitude(values: &[f64]) -> Option<f64> {
+    let mut sizes: Vec<f64> = values.iter().map(|value| value.abs()).filter(|value| value.is_finite()).collect();
+    statistics::quantile(&mut sizes, 0.98, Rank::Nearest)
+}
+
 /// The larger absolute value of the two ends of a range.
 pub(super) fn largest_size((low, high): (f64, f64)) -> f64 {
     low.abs().max(high.abs())

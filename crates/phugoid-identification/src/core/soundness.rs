@@ -63,6 +63,10 @@ pub enum ReasonCode {
     Sign,
     /// The result contradicts what aeroplanes are like: lift slope, drag, inertia, forces.
     Physics,
+    /// Sensors disagree with one another by the kinematics of the flight: a scale, a delay or a bias.
+    SensorError,
+    /// The recorded position of a surface is too noisy for the derivatives by it.
+    InputNoise,
     /// The unit or the sign of a channel is implausible.
     Units,
     /// A channel stands still, or at the ends of its range, while the aircraft moves.
@@ -95,6 +99,8 @@ impl ReasonCode {
             Self::Diverged => "diverged",
             Self::Sign => "sign",
             Self::Physics => "physics",
+            Self::SensorError => "sensor-error",
+            Self::InputNoise => "input-noise",
             Self::Units => "units",
             Self::Channel => "channel",
             Self::NoExcitation => "no-excitation",
@@ -118,6 +124,8 @@ impl ReasonCode {
             Self::Diverged => "the estimator diverged",
             Self::Sign => "a derivative has an impossible sign",
             Self::Physics => "the numbers contradict what aeroplanes are like",
+            Self::SensorError => "the sensors disagree with one another",
+            Self::InputNoise => "a surface is recorded with much noise",
             Self::Units => "a unit or sign is implausible",
             Self::Channel => "a channel is stuck or saturated",
             Self::NoExcitation => "nothing moved",

@@ -69,19 +69,23 @@ pub(crate) fn colour(residuals: impl Iterator<Item = f64>) -> Option<f64> {
 }
 
 /// What the residuals and the equations say against the model: whitened residuals by output at the times given, the
-/// equations if there are any, and the time (s) from which on the final estimates hold.
+/// equations if there are any, the time (s) from which on the final estimates hold, and the groups of axes of which
+/// parameters were estimated.
 pub(crate) fn reasons(
     time_s: &[f64],
     residuals: &[Signal],
     equations: Option<&Equations>,
     from_s: f64,
+    learnt: &[Group],
 ) -> Vec<VerdictReason> {
     let mut found: Vec<VerdictReason> = exceedances(time_s, residuals, equations).into_iter().collect();
     if found.is_empty() {
         found.extend(rejected(time_s, residuals));
     }
     if let Some(equations) = equations {
-        found.extend(equations.explained(from_s).iter().filter_map(unexplained));
+        // Where nothing has moved on a group of axes, its motion is noise and its parameters are those given beforehand.
+        let is_learnt = |found: &&Explained| learnt.contains(&Group::of(found.output));
+        found.extend(equations.explained(from_s).iter().filter(is_learnt).filter_map(unexplained));
     }
     found
 }

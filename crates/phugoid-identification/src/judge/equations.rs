@@ -63,6 +63,9 @@ struct Equation {
     sums: Vec<DMatrix<f64>>,
 }
 
+/// Most iterations of a singular value decomposition: some ten are usual.
+const MOST_SWEEPS: usize = 500;
+
 /// How much of the motion of one equation is explained where it is excited.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Explained {
@@ -251,7 +254,11 @@ impl Equation {
         let scale = DVector::from_fn(u, |a, _| if gram[(a, a)] > 0.0 { 1.0 / gram[(a, a)].sqrt() } else { 0.0 });
         let scaled = DMatrix::from_fn(u, u, |a, b| scale[a] * gram[(a, b)] * scale[b]);
         let right = with_residual.component_mul(&scale);
-        let correction = scaled.svd(true, true).solve(&right, 1e-9).ok()?;
+        // Values that are no numbers, or too large to be squared, say nothing; the decomposition would not end with them.
+        if !scaled.iter().chain(right.iter()).all(|v| v.is_finite()) {
+            return None;
+        }
+        let correction = scaled.try_svd(true, true, f64::EPSILON, MOST_SWEEPS)?.solve(&right, 1e-9).ok()?;
         let best = centred(u, u) - right.dot(&correction);
         (left > 0.0).then(|| Explained {
             output: self.output,

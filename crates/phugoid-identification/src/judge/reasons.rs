@@ -2,22 +2,27 @@
 
 use phugoid_estimators::verdict::Readiness;
 use phugoid_estimators::{ChangeState, Phase};
-use phugoid_flight_data::plausibility::Doubt;
+use phugoid_flight_data::plausibility::{Cause, Doubt};
+use phugoid_flight_data::record::Record;
 
-use crate::core::axes::Axes;
+use crate::core::axes::{Axes, Group};
 use crate::core::estimation::{
     EstimationStatus, EventKind, FinalStatus, History, ParameterResult, ReasonCode, Signal, VerdictReason,
 };
 use crate::judge::contradiction;
 use crate::judge::equations::Equations;
-use crate::judge::fit;
+use crate::judge::{explained, fit, input_noise, integrity, physics};
 use crate::methods::{Run, Task};
+use crate::model_file::{ModelFile, Role};
 use crate::motion::Motion;
 
 /// The reasons why a result is not sound, the severest first.
+#[allow(clippy::too_many_arguments)] // what a verdict rests on
 pub(crate) fn reasons<M: Motion<N, R>, const N: usize, const R: usize>(
     task: &Task<M, N, R>,
+    record: &Record,
     parameters: &[ParameterResult],
+    correlation: &[Vec<f64>],
     run: &Run<R>,
     doubts: &[Doubt],
     history: &History,
@@ -29,15 +34,36 @@ pub(crate) fn reasons<M: Motion<N, R>, const N: usize, const R: usize>(
         // After a change that was found the estimates are those from then on.
         let adopted = run.events.iter().rev().find(|event| event.kind == EventKind::Adopted);
         let from_s = adopted.map_or(f64::NEG_INFINITY, |event| event.time_s);
-        found.extend(contradiction::reasons(&history.time_s, &history.residuals, equations, from_s));
+        let learnt = learnt_groups(task.file, parameters);
+        found.extend(contradiction::reasons(&history.time_s, &history.residuals, equations, from_s, &learnt));
         found.extend(run.batch.iter().flat_map(|report| fit::reasons(task.method(), task.file, history, report)));
+        found.extend(run.noise.and_then(|_| explained::reason(history)));
+        found.extend(input_noise::reason(&task.prepared.known));
+        let (time, outputs) = (&task.prepared.time, &task.prepared.outputs);
+        found.extend(integrity::reason(M::AXES, time, outputs, task.file.aircraft.gravity));
         found.extend(unsettled(parameters, run));
     } else {
         found.push(no_excitation(M::AXES, &history.measured));
     }
-    found.extend(doubts.iter().map(units));
+    found.extend(doubts.iter().map(channel));
+    found.extend(physics::reasons(record, task, parameters, correlation, run.excited));
     found.sort_by_key(|reason| std::cmp::Reverse(reason.status));
     found
+}
+
+/// The groups of axes of which the flight has excited a parameter.
+fn learnt_groups(file: &ModelFile, parameters: &[ParameterResult]) -> Vec<Group> {
+    let untouched = [FinalStatus::NotExcited, FinalStatus::Fixed];
+    let excited = parameters.iter().filter(|p| !untouched.contains(&p.status));
+    excited
+        .filter_map(|p| {
+            let found = file.parameters.iter().find(|parameter| parameter.name == p.name)?;
+            match &found.role {
+                Role::Term(coefficient, _) => Some(coefficient.group()),
+                _ => None,
+            }
+        })
+        .collect()
 }
 
 /// Takes "converged" from every parameter of a result that is not to be used, and from its readiness.
@@ -124,11 +150,16 @@ fn no_excitation(axes: Axes, measured: &[Signal]) -> VerdictReason {
     }
 }
 
-fn units(doubt: &Doubt) -> VerdictReason {
+/// A channel that the reader's checks find implausible.
+fn channel(doubt: &Doubt) -> VerdictReason {
+    let (code, check) = match doubt.cause {
+        Cause::Unit => (ReasonCode::Units, "units"),
+        Cause::Sensor => (ReasonCode::Channel, "sensor"),
+    };
     VerdictReason {
-        code: ReasonCode::Units,
+        code,
         status: EstimationStatus::Doubtful,
         concerns: doubt.channels.clone(),
-        sentence: format!("Check the units: {}.", doubt.to_string().trim_end_matches('.')),
+        sentence: format!("Check the {check}: {}.", doubt.to_string().trim_end_matches('.')),
     }
 }

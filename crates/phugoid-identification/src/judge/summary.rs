@@ -50,7 +50,7 @@ pub(crate) fn summarise<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     let noise_signals = measured(file).map(|(row, o)| signal(o.name(), o.unit(), vec![std(row)])).collect();
     let effective = effective(&mut parameters, &correlation, file);
     let equations = if run.excited { Equations::of(task, run) } else { None };
-    let reasons = reasons(task, &parameters, run, doubts, &history, equations.as_ref());
+    let reasons = reasons(task, record, &parameters, &correlation, run, doubts, &history, equations.as_ref());
     demote(&mut parameters, &reasons);
     let changes = changes(&columns, run);
     let mut verdict = verdict(task, &parameters, &correlation, run, &reasons, &history, &changes);

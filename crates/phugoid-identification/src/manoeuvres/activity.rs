@@ -13,8 +13,16 @@ const SMALLEST: f64 = 1e-4;
 const ABOVE_USUAL: f64 = 2.5;
 /// Stretches stand out where their median travel is this many times the median travel outside.
 const CONTRAST: f64 = 6.0;
-/// An input has to depart by this many standard deviations of the surface over the whole record ...
+/// An input has to depart by this many times as far as the surface ordinarily wanders in the time that it takes ...
 const WANDER: f64 = 4.0;
+/// ... at most so many seconds, so long before and after it, and by at least so many pairs of samples ...
+const WANDER_S: f64 = 2.0;
+const AROUND_S: f64 = 30.0;
+const PAIRS: usize = 50;
+/// Part of the pairs that are nearer than the distance that is taken, and that distance over one sigma of a normal
+/// distribution. Other inputs around may fill the rest.
+const NEAR: f64 = 0.3;
+const NEAR_SIGMAS: f64 = 0.385;
 /// ... or to last for this part of the record.
 const LARGE_PART: f64 = 0.25;
 
@@ -33,10 +41,12 @@ pub(crate) fn inputs(signals: &Signals<'_>, surface: &str, settings: &Settings) 
     }
     let view = View { sampled, clean: &clean, settings, threshold };
     let stretches: Vec<(usize, usize)> = stretches.into_iter().map(|s| view.trimmed(s)).collect();
-    let wander = WANDER * wander(&clean);
     let whole = sampled.time.last().zip(sampled.time.first()).map_or(0.0, |(last, first)| last - first);
-    let stands =
-        |input: &SurfaceInput| input.peak_rad.abs() >= wander || input.end_s - input.onset_s > LARGE_PART * whole;
+    let stands = |input: &SurfaceInput| {
+        let seconds = input.end_s - input.onset_s;
+        let wander = wander(&sampled.time, &clean, input.onset_s, input.end_s);
+        input.peak_rad.abs() >= WANDER * wander || seconds > LARGE_PART * whole
+    };
     view.joined(&stretches).into_iter().filter_map(|stretch| view.input(surface, stretch)).filter(stands).collect()
 }
 
@@ -50,10 +60,33 @@ fn stands_out(travel: &[f64], stretches: &[(usize, usize)]) -> bool {
     median(&mut within).zip(median(&mut without)).is_some_and(|(within, without)| within > CONTRAST * without)
 }
 
-/// Median distance from the median, as one sigma of a normal distribution.
-fn wander(values: &[f64]) -> f64 {
-    let Some(middle) = median(&mut values.to_vec()) else { return 0.0 };
-    1.4826 * median(&mut values.iter().map(|v| (v - middle).abs()).collect::<Vec<f64>>()).unwrap_or(0.0)
+/// How far a surface wanders around an input in the time that the input takes, rad: one sigma of values that are so far
+/// apart. The work of a control loop or of a pilot shows in it. A trim that was changed does not, though it moves half
+/// of the record away from the median of the whole.
+fn wander(time: &[f64], values: &[f64], onset_s: f64, end_s: f64) -> f64 {
+    let range = |from: f64, to: f64| time.partition_point(|t| *t < from)..time.partition_point(|t| *t < to);
+    let sides = [range(onset_s - AROUND_S, onset_s), range(end_s + 1e-9, end_s + AROUND_S)];
+    let mut apart = (end_s - onset_s).min(WANDER_S);
+    loop {
+        let mut distances = Vec::new();
+        for side in &sides {
+            let mut before = side.start;
+            for k in side.clone() {
+                while before + 1 < k && time[before + 1] <= time[k] - apart + 1e-9 {
+                    before += 1;
+                }
+                if time[before] <= time[k] - apart + 1e-9 {
+                    distances.push((values[k] - values[before]).abs());
+                }
+            }
+        }
+        // Where the record is too short for two samples so far apart, those nearer to each other have to do.
+        if distances.len() >= PAIRS || apart < 0.1 {
+            let near = quantile(&mut distances, NEAR, Rank::Lower).unwrap_or(0.0);
+            return near / (NEAR_SIGMAS * std::f64::consts::SQRT_2);
+        }
+        apart *= 0.5;
+    }
 }
 
 struct View<'a> {
@@ -223,6 +256,70 @@ fn stretches(travel: &[f64], threshold: f64) -> Vec<(usize, usize)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    use phugoid_flight_data::record::Record;
+    use std::collections::BTreeMap;
+
+    /// A minute at 50 Hz with noise of 0.03 deg on the elevator, of a linear congruential generator.
+    fn recorded(elevator: impl Fn(f64) -> f64) -> Record {
+        let mut seed = 1_u64;
+        let mut noise = || {
+            let mut sum = -6.0;
+            for _ in 0..12 {
+                seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+                sum += (seed >> 11) as f64 / (1_u64 << 53) as f64;
+            }
+            5e-4 * sum
+        };
+        let time: Vec<f64> = (0..3000).map(|k| 0.02 * f64::from(k)).collect();
+        let values = time.iter().map(|t| elevator(*t) + noise()).collect();
+        Record::from_columns("a flight", [("time_s", time), ("elevator_rad", values)]).unwrap()
+    }
+
+    fn found(elevator: impl Fn(f64) -> f64) -> Vec<SurfaceInput> {
+        inputs(&Signals::of(&recorded(elevator)), "elevator", &Settings::default())
+    }
+
+    /// One degree, seven units of 0.7 s from the beginning on.
+    fn input_3211(t: f64) -> f64 {
+        match t / 0.7 {
+            u if (0.0..3.0).contains(&u) || (5.0..6.0).contains(&u) => 0.0175,
+            u if (3.0..5.0).contains(&u) || (6.0..7.0).contains(&u) => -0.0175,
+            _ => 0.0,
+        }
+    }
+
+    #[test]
+    fn a_trim_that_is_changed_hides_no_input() {
+        let begins = [5.0, 18.0, 35.0, 48.0];
+        let four = |t: f64| begins.iter().map(|begin| input_3211(t - begin)).sum::<f64>();
+        // No change, a step, a ramp of two seconds and one of ten, by four degrees in the middle of the flight.
+        let ramp = |t: f64, seconds: f64| 0.07 * ((t - 25.0) / seconds).clamp(0.0, 1.0);
+        let shapes: BTreeMap<&str, Box<dyn Fn(f64) -> f64>> = BTreeMap::from([
+            ("none", Box::new(|_| 0.0) as Box<dyn Fn(f64) -> f64>),
+            ("step", Box::new(move |t| ramp(t, 0.1))),
+            ("ramp", Box::new(move |t| ramp(t, 2.0))),
+            ("slow ramp", Box::new(move |t| ramp(t, 9.0))),
+        ]);
+        for (name, trim) in shapes {
+            let found = found(|t| four(t) + trim(t));
+            for begin in begins {
+                let near = |input: &&SurfaceInput| (input.onset_s - begin).abs() < 0.3;
+                let input = found.iter().find(near).unwrap_or_else(|| panic!("{name}: none at {begin} s: {found:?}"));
+                assert_eq!(input.kind, shape::Kind::ThreeTwoOneOne, "{name}: {input:?}");
+            }
+            assert!(found.len() <= begins.len() + 1, "{name}: beside the inputs only the trim: {found:?}");
+        }
+    }
+
+    #[test]
+    fn the_work_of_a_control_loop_is_no_input() {
+        // A sum of waves without a period, of a quarter of a degree, throughout.
+        let at_work = |t: f64| 0.0015 * ((2.9 * t).sin() + (4.1 * t + 1.0).sin() + (6.7 * t + 2.0).sin());
+        let found = found(|t| at_work(t) + if (30.0..31.0).contains(&t) { 0.05 } else { 0.0 });
+        let [only] = found.as_slice() else { panic!("{found:?}") };
+        assert!((27.0..=30.1).contains(&only.onset_s) && only.peak_rad > 0.045, "{only:?}");
+    }
 
     #[test]
     fn travel_is_that_of_the_window_and_a_wild_value_is_none() {

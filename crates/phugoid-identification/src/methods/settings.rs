@@ -24,6 +24,12 @@ const START_OVER_WHITE: f64 = 10.0;
 /// more than half a second.
 const COLOUR_BLOCK_S: f64 = 2.0;
 
+/// Nats at which a change is suspected and adopted where noise levels are learnt: levels follow model error, and with 6
+/// and 10 nats, which hold for stated noise, SMPE adopted 47 changes in 214 healthy flights of other aircraft, after
+/// which 14 estimates were silently wrong; with these 44 and 7, and 40 of 54 damages were found in place of 41.
+const TRIGGER: f64 = 8.0;
+const ADOPTION: f64 = 20.0;
+
 /// Settings for a prepared record: the automatic rule with what the model file says. All methods take their settings
 /// from here, so that comparisons are fair.
 ///
@@ -105,6 +111,10 @@ pub(super) fn learning<const N: usize, const R: usize, const P: usize>(
         }
     }
     own.colour_block_s = COLOUR_BLOCK_S;
+    if let Some(detection) = &mut own.change_detection {
+        detection.trigger = TRIGGER;
+        detection.adoption = ADOPTION;
+    }
     own
 }
 

@@ -113,7 +113,7 @@ fn the_room_does_not_change_a_bit() {
 #[test]
 fn nor_does_it_of_the_methods_that_teach() {
     let record = eventful();
-    let noise = NOISE.map(|std| NoiseLevel { std, measured: false });
+    let noise = NOISE.map(NoiseLevel::given);
     let file = ModelFile::parse("f16", unbiased()).unwrap();
     let prepared: Flown = prepare(&record, &file).unwrap();
     for method in [Method::ModelReference, Method::ImplicitSign, Method::SuperTwisting] {

@@ -110,6 +110,7 @@ fn parse(file: &str, text: &str) -> Result<ModelFile, ModelFileError> {
     };
     let outputs = outputs(&top, axes)?;
     let parameters = parameters(&top, axes, base, &extra_inputs, &outputs)?;
+    let levels = noise(&top, &outputs)?;
     let model = ModelFile {
         source: file.to_owned(),
         name: top.string("name")?.unwrap_or(file).to_owned(),
@@ -118,8 +119,8 @@ fn parse(file: &str, text: &str) -> Result<ModelFile, ModelFileError> {
         rate_speed,
         channels: channels(&top, &extra_inputs)?,
         outputs,
-        noise: noise(&top, &outputs)?,
-        noise_learning: noise_learning(&top)?,
+        noise: levels,
+        noise_learning: noise_learning(&top, base, &outputs, &levels)?,
         uncertainty: Uncertainty::parse(&top, base)?,
         expected: expected(&top, &parameters)?,
         parameters,

@@ -15,7 +15,8 @@ use crate::motion::Motion;
 /// [`EstimateError::Units`] if one of them is certainly wrong.
 pub(crate) fn doubts(record: &Record, model: &ModelFile) -> Result<Vec<Doubt>, EstimateError> {
     let used = model.channels_used();
-    let is_used = |name: &String| used.contains(&name.as_str());
+    // Every model uses the time.
+    let is_used = |name: &String| name == "time" || used.contains(&name.as_str());
     let concerned = plausibility::check(record).into_iter().filter(|doubt| doubt.channels.iter().any(is_used));
     // Where two contradict one another and one of them is not used, the other may well be right.
     let (refused, doubts): (Vec<Doubt>, Vec<Doubt>) =

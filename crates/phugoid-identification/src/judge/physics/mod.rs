@@ -1,0 +1,58 @@
+//! What every aeroplane has in common, asked of the model file, the flight and the estimates.
+//!
+//! An estimator takes the units, signs, mass and geometry that it is given for true: a reversed elevator, knots read as
+//! metres per second and a mass in pounds all fit a flight perfectly, with numbers that no aeroplane has. Each check
+//! here is a function with its source; [`reasons`] is the list of them. A check that finds something implausible makes
+//! the result doubtful and names the line to look at; one that finds something impossible makes it refused. What a
+//! check needs and the flight does not have is not asked.
+//!
+//! Units, signs and sensors of single channels are asked before, by [`phugoid_flight_data::plausibility`].
+
+mod aircraft;
+mod derivatives;
+mod flown;
+
+use phugoid_flight_data::record::Record;
+
+use crate::core::estimation::{EstimationStatus, ParameterResult, ReasonCode, VerdictReason};
+use crate::methods::Task;
+use crate::motion::Motion;
+use aircraft::Body;
+use derivatives::Derivatives;
+use flown::Flown;
+
+/// All checks on one result. The estimates are asked only where something moved.
+pub(crate) fn reasons<M: Motion<N, R>, const N: usize, const R: usize>(
+    record: &Record,
+    task: &Task<M, N, R>,
+    parameters: &[ParameterResult],
+    correlation: &[Vec<f64>],
+    excited: bool,
+) -> Vec<VerdictReason> {
+    let body = Body::of(task);
+    let flown = Flown::of(record, task);
+    let mut found: Vec<VerdictReason> = Vec::new();
+    found.extend(aircraft::wing(&body));
+    found.extend(aircraft::inertia(&body));
+    found.extend(aircraft::radii(&body));
+    found.extend(flown::lift(&flown));
+    found.extend(flown::drag(&flown, &body));
+    if excited {
+        let derivatives = Derivatives::of(task, parameters, correlation, &flown);
+        found.extend(derivatives::signs(&derivatives, &flown));
+        found.extend(derivatives::lift_slope(&derivatives, &flown, &body));
+        found.extend(derivatives::sizes(&derivatives));
+        found.extend(derivatives::drag(&derivatives));
+    }
+    found
+}
+
+/// A reason of physics: doubtful, or refused where it is impossible.
+fn reason(impossible: bool, concerns: &[&str], sentence: String) -> VerdictReason {
+    VerdictReason {
+        code: ReasonCode::Physics,
+        status: if impossible { EstimationStatus::Refused } else { EstimationStatus::Doubtful },
+        concerns: concerns.iter().map(|name| (*name).to_owned()).collect(),
+        sentence,
+    }
+}
