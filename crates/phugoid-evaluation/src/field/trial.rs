@@ -263,7 +263,7 @@ fn adoptions(estimation: &Estimation, truth: &Truth) -> Adoptions {
     let Some(first) = adopted.first().map(|a| a.time_s) else { return Adoptions::default() };
     let of = |kind: EventKind| estimation.events.iter().filter(move |e| e.kind == kind).map(|e| e.time_s);
     // Bounds are widened from the suspicion on.
-    let suspected = of(EventKind::InDoubt).filter(|t| *t <= first).last().unwrap_or(first);
+    let suspected = of(EventKind::InDoubt).rfind(|t| *t <= first).unwrap_or(first);
     let counting: Vec<(&String, &TrueParameter)> = truth.at_end().iter().filter(|(_, p)| p.counts()).collect();
     let before = estimation.history.time_s.partition_point(|t| *t < suspected).checked_sub(1);
     let errors = |index: usize| {
