@@ -64,7 +64,8 @@ impl Estimation {
     /// Why it is not sound: code, status that it asks for, names that it is about, sentence.
     #[getter]
     fn reasons(&self) -> Vec<(&str, &str, Vec<String>, String)> {
-        let reason = |r: &results::VerdictReason| (r.code.word(), r.status.word(), r.concerns.clone(), r.sentence.clone());
+        let reason =
+            |r: &results::VerdictReason| (r.code.word(), r.status.word(), r.concerns.clone(), r.sentence.clone());
         self.inner.reasons.iter().map(reason).collect()
     }
 
@@ -90,7 +91,8 @@ impl Estimation {
     fn __repr__(&self) -> String {
         let estimation = &self.inner;
         let width = estimation.parameters.iter().map(|p| p.name.len()).max().unwrap_or(0);
-        let mut text = format!("<Estimation of '{}' by {}: {}", estimation.source, estimation.method, estimation.status);
+        let mut text =
+            format!("<Estimation of '{}' by {}: {}", estimation.source, estimation.method, estimation.status);
         for p in &estimation.parameters {
             text.push_str(&line(&p.name, width, p.value, p.corrected_std_error, p.status.word()));
         }

@@ -137,7 +137,8 @@ fn a_simulated_flight_can_be_estimated() {
         let error = (number(&p["value"]) - truth).abs();
         assert!(error < 4.0 * number(&p["corrected_std_error"]), "{p}");
     }
-    let without = phugoid(&folder.0, &[&estimate[..], &["--no-change-detection"]].concat()).json();
+    // Without change detection the numbers are those of no time, and refused.
+    let without = phugoid(&folder.0, &[&estimate[..], &["--no-change-detection"]].concat()).json_of_any_result();
     assert!(without["events"].as_array().unwrap().iter().all(|e| e["kind"] != "adopted"));
 }
 

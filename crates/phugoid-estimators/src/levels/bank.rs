@@ -12,7 +12,7 @@
 //! `w_i` is what the unknown parameters add to the variance; a row that still teaches them (`w_i >= s_i` of the
 //! estimator) teaches no level and is no evidence. `mu` forgets within half of the flight, 30 s at most.
 
-use super::settings::{LearntLevels, NoiseLearning, SHADOWS};
+use crate::settings::{LearntLevels, NoiseLearning, SHADOWS};
 
 /// Degrees of freedom of the Student density: its loss grows with the logarithm of the innovation, so that outliers do
 /// not elect the shadow with the largest variance.
@@ -355,7 +355,7 @@ impl<const N: usize, const R: usize> Shadow<N, R> {
             let r = self.variance[i];
             let s = state.max(0.0) + r;
             let whole = s + frame.taught[i];
-            if !(whole >= VARIANCE_LIMITS[0] && whole <= VARIANCE_LIMITS[1] && s > 0.0) {
+            if !((VARIANCE_LIMITS[0]..=VARIANCE_LIMITS[1]).contains(&whole) && s > 0.0) {
                 continue;
             }
             let z2 = (eps * eps / whole).min(1e12);

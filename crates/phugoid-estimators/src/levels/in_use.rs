@@ -2,7 +2,7 @@
 
 use super::NoiseReport;
 use super::bank::{Bank, Frame};
-use super::settings::{LearntLevels, NoiseLearning};
+use crate::settings::{LearntLevels, NoiseLearning};
 
 /// The noise levels and the scale of the process noise in use, and how they are learnt.
 #[derive(Clone, Copy, Debug)]

@@ -10,11 +10,10 @@
 
 mod bank;
 mod in_use;
-mod settings;
 
+pub use crate::settings::{LearntLevels, NoiseLearning, SHADOWS};
 pub(crate) use bank::Frame;
 pub(crate) use in_use::Levels;
-pub use settings::{LearntLevels, NoiseLearning, SHADOWS};
 
 /// The noise levels that an estimator uses at present.
 #[derive(Clone, Copy, Debug, PartialEq)]

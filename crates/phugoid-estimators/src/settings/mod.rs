@@ -15,13 +15,14 @@
 //! ```
 
 mod methods;
+mod noise_learning;
 
 pub use methods::{EkfSettings, FourierSettings, MAXIMUM_BINS, RegressionSettings};
+pub use noise_learning::{LearntLevels, NoiseLearning, SHADOWS};
 
 use core::fmt;
 
 use crate::discretization::InputHold;
-use crate::levels::NoiseLearning;
 use crate::model::Model;
 
 /// How large a *sudden* change of a parameter in flight would be: the alternative the change detector tests against. It

@@ -1,7 +1,7 @@
 //! Checks of the aircraft in the model file: wing, moments of inertia, radii of gyration.
 
+use super::finding::reason;
 use crate::core::estimation::VerdictReason;
-use crate::judge::physics::reason;
 use crate::methods::Task;
 use crate::motion::Motion;
 use phugoid_flight_data::statistics::median;

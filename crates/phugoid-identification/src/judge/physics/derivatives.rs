@@ -3,8 +3,8 @@
 use std::f64::consts::PI;
 
 use super::aircraft::Body;
+use super::finding::reason;
 use super::flown::Flown;
-use super::reason;
 use crate::core::estimation::{EstimationStatus, FinalStatus, ParameterResult, ReasonCode, VerdictReason};
 use crate::core::term::{Coefficient, Term, Variable};
 use crate::methods::Task;

@@ -5,7 +5,7 @@ use phugoid_flight_data::statistics::median;
 use phugoid_flight_dynamics::atmosphere::Atmosphere;
 
 use super::aircraft::Body;
-use super::reason;
+use super::finding::reason;
 use crate::core::estimation::VerdictReason;
 use crate::core::term::{FACTORS, Variable};
 use crate::methods::Task;

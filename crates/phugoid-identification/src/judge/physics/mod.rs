@@ -10,11 +10,12 @@
 
 mod aircraft;
 mod derivatives;
+mod finding;
 mod flown;
 
 use phugoid_flight_data::record::Record;
 
-use crate::core::estimation::{EstimationStatus, ParameterResult, ReasonCode, VerdictReason};
+use crate::core::estimation::{ParameterResult, VerdictReason};
 use crate::methods::Task;
 use crate::motion::Motion;
 use aircraft::Body;
@@ -45,14 +46,4 @@ pub(crate) fn reasons<M: Motion<N, R>, const N: usize, const R: usize>(
         found.extend(derivatives::drag(&derivatives));
     }
     found
-}
-
-/// A reason of physics: doubtful, or refused where it is impossible.
-fn reason(impossible: bool, concerns: &[&str], sentence: String) -> VerdictReason {
-    VerdictReason {
-        code: ReasonCode::Physics,
-        status: if impossible { EstimationStatus::Refused } else { EstimationStatus::Doubtful },
-        concerns: concerns.iter().map(|name| (*name).to_owned()).collect(),
-        sentence,
-    }
 }

@@ -1,6 +1,6 @@
 //! How noise levels are learnt: their start and their floor, and what another run has learnt of them.
 
-use crate::settings::SettingsError;
+use super::SettingsError;
 
 /// Number of shadows.
 pub const SHADOWS: usize = 6;
