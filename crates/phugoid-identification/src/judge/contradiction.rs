@@ -69,25 +69,57 @@ pub(crate) fn colour(residuals: impl Iterator<Item = f64>) -> Option<f64> {
 }
 
 /// What the residuals and the equations say against the model: whitened residuals by output at the times given, the
-/// equations if there are any, the time (s) from which on the final estimates hold, and the groups of axes of which
-/// parameters were estimated.
+/// equations if there are any, the changes that were found, and the groups of axes of which parameters were estimated.
 pub(crate) fn reasons(
     time_s: &[f64],
     residuals: &[Signal],
     equations: Option<&Equations>,
-    from_s: f64,
+    changes: &FoundChanges,
     learnt: &[Group],
 ) -> Vec<VerdictReason> {
-    let mut found: Vec<VerdictReason> = exceedances(time_s, residuals, equations).into_iter().collect();
+    let mut found: Vec<VerdictReason> = exceedances(time_s, residuals, equations, changes).into_iter().collect();
     if found.is_empty() {
         found.extend(rejected(time_s, residuals));
     }
     if let Some(equations) = equations {
         // Where nothing has moved on a group of axes, its motion is noise and its parameters are those given beforehand.
         let is_learnt = |found: &&Explained| learnt.contains(&Group::of(found.output));
-        found.extend(equations.explained(from_s).iter().filter(is_learnt).filter_map(unexplained));
+        found.extend(equations.explained(changes.from_s).iter().filter(is_learnt).filter_map(unexplained));
     }
     found
+}
+
+/// The changes of the parameters that a run has found, and not taken back.
+pub(crate) struct FoundChanges {
+    /// Time from which on the final estimates hold, s.
+    pub(crate) from_s: f64,
+    /// The stretches in which a change was being found, s.
+    pub(crate) finding_s: Vec<[f64; 2]>,
+}
+
+/// Time before a doubt in which residuals already show the change, and time after the adoption in which the new estimate
+/// is not yet there, s: until a doubt opens evidence has to come together, and a short-period motion takes some seconds.
+const AROUND_S: [f64; 2] = [3.0, 3.0];
+/// Share of a record in which changes may be found: more of them are no changes of the aircraft but a model that does not
+/// fit.
+const MOST_FINDING: f64 = 0.3;
+
+impl FoundChanges {
+    /// `changes` are those that were not taken back: the time at which the doubt opened, and that of the adoption, s,
+    /// in a record of this length, s.
+    pub(crate) fn new(changes: &[[f64; 2]], length_s: f64) -> Self {
+        let from_s = changes.last().map_or(f64::NEG_INFINITY, |[_, adopted_s]| *adopted_s);
+        let around = |[doubted_s, adopted_s]: &[f64; 2]| [doubted_s - AROUND_S[0], adopted_s + AROUND_S[1]];
+        let finding_s: Vec<[f64; 2]> = changes.iter().map(around).collect();
+        let share = finding_s.iter().map(|[from_s, to_s]| to_s - from_s).sum::<f64>() / length_s;
+        Self { from_s, finding_s: if share > MOST_FINDING { Vec::new() } else { finding_s } }
+    }
+
+    /// Whether a change was being found at this time: residuals then say that something has changed, and nothing of the
+    /// model before and after it.
+    fn was_finding(&self, time_s: f64) -> bool {
+        self.finding_s.iter().any(|[from_s, to_s]| (*from_s..=*to_s).contains(&time_s))
+    }
 }
 
 /// An output with the largest share of exceedances that was found, and the parameter in whose blocks it was.
@@ -99,12 +131,21 @@ struct Exceedance<'a> {
 
 /// The outputs that disagree with their predictions so often, and in runs, that it is the model that is wrong. The
 /// contradicting samples were rejected, so that bounds from the remaining samples alone are too small.
-fn exceedances(time_s: &[f64], residuals: &[Signal], equations: Option<&Equations>) -> Option<VerdictReason> {
+fn exceedances(
+    time_s: &[f64],
+    residuals: &[Signal],
+    equations: Option<&Equations>,
+    changes: &FoundChanges,
+) -> Option<VerdictReason> {
     let mut found: Vec<Exceedance<'_>> = Vec::new();
     let mut concerns: Vec<String> = Vec::new();
     for signal in residuals {
         let mut seen: Vec<Exceedance<'_>> = Vec::new();
-        let whole = Spread::of(signal).filter(Spread::contradicts);
+        let judged = |inside: &dyn Fn(f64) -> bool| -> Option<Spread> {
+            let samples = time_s.iter().zip(&signal.values).filter(|(t, _)| inside(**t) && !changes.was_finding(**t));
+            Spread::of_values(samples.map(|(_, v)| *v)).filter(Spread::contradicts)
+        };
+        let whole = judged(&|_| true);
         seen.extend(whole.map(|spread| Exceedance { output: &signal.name, share: spread.share(), taught: None }));
         let group = Output::from_name(&signal.name).map(Group::of);
         for (equations, column) in equations.iter().flat_map(|e| (0..e.columns.len()).map(move |column| (e, column))) {
@@ -114,8 +155,7 @@ fn exceedances(time_s: &[f64], residuals: &[Signal], equations: Option<&Equation
             }
             let Some(excited) = equations.exciting(column) else { continue };
             let inside = |t: f64| equations.block(t).is_some_and(|block| excited[block]);
-            let values = time_s.iter().zip(&signal.values).filter(|(t, _)| inside(**t)).map(|(_, v)| *v);
-            if let Some(spread) = Spread::of_values(values).filter(Spread::contradicts) {
+            if let Some(spread) = judged(&inside) {
                 seen.push(Exceedance { output: &signal.name, share: spread.share(), taught: Some(&of.name) });
                 if !concerns.contains(&of.name) {
                     concerns.push(of.name.clone());

@@ -7,9 +7,10 @@ use phugoid_flight_data::record::Record;
 
 use crate::core::axes::{Axes, Group};
 use crate::core::estimation::{
-    EstimationStatus, EventKind, FinalStatus, History, ParameterResult, ReasonCode, Signal, VerdictReason,
+    ChangeOutcome, EstimationStatus, EventKind, FinalStatus, History, ParameterResult, ReasonCode, Signal,
+    VerdictReason,
 };
-use crate::judge::contradiction;
+use crate::judge::contradiction::{self, FoundChanges};
 use crate::judge::equations::Equations;
 use crate::judge::{explained, fit, input_noise, integrity, physics};
 use crate::methods::{Run, Task};
@@ -31,16 +32,13 @@ pub(crate) fn reasons<M: Motion<N, R>, const N: usize, const R: usize>(
     let mut found: Vec<VerdictReason> = Vec::new();
     if run.excited {
         found.extend(diverged(run));
-        // After a change that was found the estimates are those from then on.
-        let adopted = run.events.iter().rev().find(|event| event.kind == EventKind::Adopted);
-        let from_s = adopted.map_or(f64::NEG_INFINITY, |event| event.time_s);
         let learnt = learnt_groups(task.file, parameters);
-        found.extend(contradiction::reasons(&history.time_s, &history.residuals, equations, from_s, &learnt));
+        let changes = found_changes(run, &history.time_s);
+        found.extend(contradiction::reasons(&history.time_s, &history.residuals, equations, &changes, &learnt));
         found.extend(run.batch.iter().flat_map(|report| fit::reasons(task.method(), task.file, history, report)));
         found.extend(run.noise.and_then(|_| explained::reason(history)));
-        found.extend(input_noise::reason(&task.prepared.known));
-        let (time, outputs) = (&task.prepared.time, &task.prepared.outputs);
-        found.extend(integrity::reason(M::AXES, time, outputs, task.file.aircraft.gravity));
+        found.extend(input_noise::reason(&task.prepared.surface_noise));
+        found.extend(integrity::reason(record, task));
         found.extend(unsettled(parameters, run));
     } else {
         found.push(no_excitation(M::AXES, &history.measured));
@@ -49,6 +47,18 @@ pub(crate) fn reasons<M: Motion<N, R>, const N: usize, const R: usize>(
     found.extend(physics::reasons(record, task, parameters, correlation, run.excited));
     found.sort_by_key(|reason| std::cmp::Reverse(reason.status));
     found
+}
+
+/// The changes that were not taken back, with the times at which they were first suspected.
+fn found_changes<const R: usize>(run: &Run<R>, time_s: &[f64]) -> FoundChanges {
+    let doubted = |adopted_s: f64| {
+        let doubts = run.events.iter().filter(|event| event.kind == EventKind::InDoubt).map(|event| event.time_s);
+        doubts.filter(|doubted_s| *doubted_s <= adopted_s).fold(f64::NEG_INFINITY, f64::max)
+    };
+    let kept = run.changes.iter().filter(|change| change.outcome != ChangeOutcome::RolledBack).map(|c| c.time_s);
+    // Without a doubt on record the adoption is all that is known.
+    let kept: Vec<[f64; 2]> = kept.map(|t| [Some(doubted(t)).filter(|d| d.is_finite()).unwrap_or(t), t]).collect();
+    FoundChanges::new(&kept, time_s.first().zip(time_s.last()).map_or(0.0, |(first, last)| last - first))
 }
 
 /// The groups of axes of which the flight has excited a parameter.

@@ -7,7 +7,7 @@
 
 use super::error::ModelFileError;
 use super::section::Section;
-use super::{Base, Parameter, Role};
+use super::{Base, Parameter, Role, Source};
 use crate::core::term::{Coefficient, Term, Variable};
 use phugoid_flight_data::quantity::Dimension;
 
@@ -28,6 +28,9 @@ pub struct Uncertainty {
     pub by_default: bool,
 }
 
+/// Lighter aircraft carry nobody, kg: very light aeroplanes with a pilot weigh twice as much.
+const UNMANNED_BELOW: f64 = 100.0;
+
 /// The keys of the section, in the order of the fields.
 const KEYS: [&str; 5] = ["airspeed_scale", "flow_angle_scale", "surface_scale", "mass", "inertia"];
 
@@ -42,26 +45,50 @@ impl Uncertainty {
         by_default: false,
     };
 
-    /// Of an aircraft with calibrated instruments, by judgement: 0.5 % of airspeed, 1.5 % of the flow angles (position
-    /// and upwash corrections of a boom), 1 % of surface positions, 0.5 % of mass, 2 % of the moments of inertia.
-    pub const USUAL: Self = Self {
-        airspeed_scale: 0.005,
-        flow_angle_scale: 0.015,
-        surface_scale: 0.01,
-        mass: 0.005,
-        inertia: 0.02,
-        by_default: true,
+    /// Of an aircraft with the instruments of a flight test: airspeed 1.5 % (14 CFR 25.1323 allows an installation error
+    /// of 3 %), flow angles 2 % (position and upwash of a boom), mass 2 % (fuel), and by judgement surface positions 2 %
+    /// and moments of inertia 3 %.
+    pub const FLIGHT_TEST: Self = Self {
+        airspeed_scale: 0.015,
+        flow_angle_scale: 0.02,
+        surface_scale: 0.02,
+        mass: 0.02,
+        inertia: 0.03,
+        by_default: false,
     };
+
+    /// Of an unmanned aircraft with a vane: moments of inertia 10 % (entrained air changes swing tests of small aircraft by
+    /// up to 25 %: J. Lehmkuehler, K. C. Wong, D. Verstraete, *Aeronautical Journal* 120, 2016), and by judgement airspeed
+    /// 3 %, flow angles 5 %, surface positions 3 % and mass 1 % (it is weighed).
+    pub const UNMANNED: Self = Self {
+        airspeed_scale: 0.03,
+        flow_angle_scale: 0.05,
+        surface_scale: 0.03,
+        mass: 0.01,
+        inertia: 0.1,
+        by_default: false,
+    };
+
+    /// Those of an aircraft about which the model file says nothing: by its mass, the light ones are unmanned.
+    fn usual(mass: &Source) -> Self {
+        let light = matches!(mass, Source::Constant(mass) if *mass < UNMANNED_BELOW);
+        Self { by_default: true, ..if light { Self::UNMANNED } else { Self::FLIGHT_TEST } }
+    }
 
     /// The section `[uncertainty]`; without it the usual ones, and none for increments on a database, whose own errors
     /// are what is estimated.
-    pub(super) fn parse(top: &Section, base: Base) -> Result<Self, ModelFileError> {
+    pub(super) fn parse(top: &Section, base: Base, mass: &Source) -> Result<Self, ModelFileError> {
         let Some(section) = top.section("uncertainty")? else {
-            return Ok(if base == Base::None { Self::USUAL } else { Self::NONE });
+            return Ok(if base == Base::None { Self::usual(mass) } else { Self::NONE });
         };
-        section.allow("key", KEYS.iter().copied())?;
-        let part = |key: &str| -> Result<f64, ModelFileError> {
-            let value = section.number(key, Dimension::NUMBER)?.unwrap_or(0.0);
+        section.allow("key", std::iter::once("class").chain(KEYS))?;
+        let class = match section.word("class", &["flight-test", "unmanned"])? {
+            Some("unmanned") => Self::UNMANNED,
+            Some(_) => Self::FLIGHT_TEST,
+            None => Self::NONE,
+        };
+        let part = |key: &str, of_class: f64| -> Result<f64, ModelFileError> {
+            let value = section.number(key, Dimension::NUMBER)?.unwrap_or(of_class);
             if (0.0..=0.5).contains(&value) {
                 Ok(value)
             } else {
@@ -69,11 +96,11 @@ impl Uncertainty {
             }
         };
         Ok(Self {
-            airspeed_scale: part(KEYS[0])?,
-            flow_angle_scale: part(KEYS[1])?,
-            surface_scale: part(KEYS[2])?,
-            mass: part(KEYS[3])?,
-            inertia: part(KEYS[4])?,
+            airspeed_scale: part(KEYS[0], class.airspeed_scale)?,
+            flow_angle_scale: part(KEYS[1], class.flow_angle_scale)?,
+            surface_scale: part(KEYS[2], class.surface_scale)?,
+            mass: part(KEYS[3], class.mass)?,
+            inertia: part(KEYS[4], class.inertia)?,
             by_default: false,
         })
     }
@@ -149,15 +176,31 @@ mod tests {
     #[test]
     fn each_derivative_takes_the_scales_that_it_depends_on() {
         let file = ModelFile::named("hfb320").unwrap();
+        assert_eq!(file.uncertainty, Uncertainty { by_default: true, ..Uncertainty::FLIGHT_TEST });
         let of = |name: &str| {
             let parameter = file.parameters.iter().find(|p| p.name == name).unwrap();
-            Uncertainty::USUAL.of(parameter)
+            file.uncertainty.of(parameter)
         };
         let root = |parts: &[f64]| parts.iter().map(|p| p * p).sum::<f64>().sqrt();
-        assert!((of("CL_alpha") - root(&[0.01, 0.015, 0.005])).abs() < 1e-12);
-        assert!((of("Cm_q") - root(&[0.005, 0.02])).abs() < 1e-12);
-        assert!((of("Cm_elevator") - root(&[0.01, 0.01, 0.02])).abs() < 1e-12);
+        assert!((of("CL_alpha") - root(&[0.03, 0.02, 0.02])).abs() < 1e-12);
+        assert!((of("Cm_q") - root(&[0.015, 0.03])).abs() < 1e-12);
+        assert!((of("Cm_elevator") - root(&[0.03, 0.02, 0.03])).abs() < 1e-12);
         assert_eq!(of("Cm_0"), 0.0);
         assert_eq!(ModelFile::named("f16").unwrap().uncertainty, Uncertainty::NONE);
+    }
+
+    #[test]
+    fn a_class_gives_what_the_section_leaves_out() {
+        let with = |section: &str| {
+            let text = ModelFile::text("hfb320").unwrap();
+            ModelFile::parse("mine.toml", &format!("{text}\n{section}\n")).map(|file| file.uncertainty)
+        };
+        let own = with("[uncertainty]\nclass = \"unmanned\"\nmass = 0.002").unwrap();
+        assert_eq!(own, Uncertainty { mass: 0.002, ..Uncertainty::UNMANNED });
+        assert_eq!(with("[uncertainty]\nmass = 0.002").unwrap(), Uncertainty { mass: 0.002, ..Uncertainty::NONE });
+        assert!(with("[uncertainty]\nclass = \"glider\"").is_err() && with("[uncertainty]\nmass = 2").is_err());
+        let light = ModelFile::text("hfb320").unwrap().replace("mass = ", "mass = \"12 kg\" #");
+        let light = ModelFile::parse("mine.toml", &light).unwrap().uncertainty;
+        assert_eq!(light, Uncertainty { by_default: true, ..Uncertainty::UNMANNED });
     }
 }

@@ -7,4 +7,5 @@ pub mod front_end;
 pub(crate) mod intake;
 pub mod noise;
 pub mod prepare;
+pub(crate) mod surface;
 pub mod trim;

@@ -14,6 +14,7 @@ use crate::model_file::{AirDensity, Base, ModelFile, Reference, ReferenceValue, 
 use crate::models::longitudinal::{Database, LongitudinalModel};
 use crate::motion::{Motion, ReferencePoint};
 use crate::preparation::intake::{KnownInput, Origin, known_inputs, model_input};
+use crate::preparation::surface::{self, SurfaceNoise};
 use crate::preparation::trim::{LevelTrim, TrimCondition, level_trim};
 
 /// Everything the estimator needs of one record.
@@ -31,6 +32,8 @@ pub struct Prepared<M: Motion<N, R>, const N: usize, const R: usize> {
     pub known: Vec<Signal>,
     /// Where they come from, in the same order.
     pub(crate) origins: Vec<Origin>,
+    /// The noise of the surfaces that have some, by name.
+    pub(crate) surface_noise: Vec<(String, SurfaceNoise)>,
     /// The reference point: the values at which the terms are zero.
     pub reference: ReferencePoint,
     /// Index in the record of the first sample used.
@@ -71,13 +74,50 @@ fn unseen_moves(name: &str, time: &[f64], elevator: &[f64], seen: &[bool]) -> Op
     })
 }
 
-/// Builds the model and collects the signals: `prepare::<LongitudinalModel, _, _>(&record, &file)`.
+/// Says that a surface was smoothed.
+fn smoothing(name: &str, noise: SurfaceNoise) -> Option<String> {
+    (noise.left < noise.share).then(|| {
+        format!(
+            "the recorded {name} has white noise of {:.2e} rad, {:.1} % of its scatter, to which no aircraft answers: it was \
+             smoothed, with {:.2} % left",
+            noise.std,
+            100.0 * noise.share,
+            100.0 * noise.left
+        )
+    })
+}
+
+/// Builds the model and collects the signals: `prepare::<LongitudinalModel, _, _>(&record, &file)`. Noise on the positions
+/// of the surfaces is smoothed away, with samples before and after, and a note says so.
 ///
 /// # Errors
 /// A file of other axes, a missing channel, a channel without any value, an impossible trim.
 pub fn prepare<M: Motion<N, R>, const N: usize, const R: usize>(
     record: &Record,
     file: &ModelFile,
+) -> Result<Prepared<M, N, R>, EstimateError> {
+    collect(record, file, &surface::smooth)
+}
+
+/// As [`prepare`], for the first samples of a live session: later ones cannot be looked at, and surfaces stay as they
+/// were recorded.
+///
+/// # Errors
+/// Those of [`prepare`].
+pub(crate) fn prepare_start<M: Motion<N, R>, const N: usize, const R: usize>(
+    record: &Record,
+    file: &ModelFile,
+) -> Result<Prepared<M, N, R>, EstimateError> {
+    collect(record, file, &|_, values| surface::noise_of(values))
+}
+
+/// Takes the noise from the positions of a surface at the times given (s, rad), and says what it was.
+type TakeNoise<'a> = &'a dyn Fn(&[f64], &mut [f64]) -> Option<SurfaceNoise>;
+
+fn collect<M: Motion<N, R>, const N: usize, const R: usize>(
+    record: &Record,
+    file: &ModelFile,
+    take_noise: TakeNoise<'_>,
 ) -> Result<Prepared<M, N, R>, EstimateError> {
     if file.axes != M::AXES {
         let (found, expected) = (file.axes.name(), M::AXES.name());
@@ -120,14 +160,20 @@ pub fn prepare<M: Motion<N, R>, const N: usize, const R: usize>(
     }
     let time = record.time[first..].to_vec();
     let mut unseen = Vec::new();
+    let mut surface_noise = Vec::new();
     for signal in &mut known {
         signal.values.drain(..first);
+        let is_surface = Axes::SURFACES.contains(&signal.name.as_str());
+        if let Some(noise) = is_surface.then(|| take_noise(&time, &mut signal.values)).flatten() {
+            notes.extend(smoothing(&signal.name, noise));
+            surface_noise.push((signal.name.clone(), noise));
+        }
         let seen: Vec<bool> = signal.values.iter().map(|value| value.is_finite()).collect();
         let held = hold(&mut signal.values);
         if held > 0 {
             notes.push(format!("input `{}` is missing in {held} samples: its last value was held there", signal.name));
         }
-        if Axes::SURFACES.contains(&signal.name.as_str()) {
+        if is_surface {
             unseen.extend(unseen_moves(&signal.name, &time, &signal.values, &seen));
         }
     }
@@ -167,7 +213,7 @@ pub fn prepare<M: Motion<N, R>, const N: usize, const R: usize>(
         rudder: surface(wanted.rudder, Some(0.0), "rudder")?,
     };
     let model = M::build(file, database, &reference);
-    Ok(Prepared { model, time, inputs, outputs, known, origins, reference, first, notes })
+    Ok(Prepared { model, time, inputs, outputs, known, origins, surface_noise, reference, first, notes })
 }
 
 /// The longitudinal model of a file with a given reference point. For simulation and studies as well as for estimation.

@@ -108,18 +108,18 @@ pub(super) fn inertia(body: &Body) -> Option<VerdictReason> {
 }
 
 /// Radius of gyration in roll over the span.
-const ROLL: [f64; 2] = [0.055, 0.33];
+const ROLL: [f64; 2] = [0.075, 0.28];
 /// Radius of gyration in yaw over the span.
-const YAW: [f64; 2] = [0.07, 0.75];
+const YAW: [f64; 2] = [0.11, 0.65];
 /// Radius of gyration in pitch over the root of span times chord, and over the chord alone where the span is not given.
-const PITCH: [f64; 2] = [0.14, 1.05];
+const PITCH: [f64; 2] = [0.235, 0.95];
 const PITCH_BY_CHORD: [f64; 2] = [0.25, 2.6];
 
 /// Radii of gyration of the size of the aircraft. D. P. Raymer (*Aircraft Design: A Conceptual Approach*, AIAA, chapter
 /// 16) and J. Roskam (*Airplane Design*, part V, appendix B) give `Rx = 2 kx / b` of 0.2 to 0.38, and `Ry`, `Rz` of 0.25 to
 /// 0.54 of lengths that a model file does not hold; so pitch is held against chord and span. The limits leave the
 /// thirty aircraft of [`inertia`] (`kx/b` 0.085 to 0.245, `ky/sqrt(b cbar)` 0.27 to 0.85, `kz/b` 0.125 to 0.58) a margin of
-/// a fifth to a half.
+/// a tenth; the chord alone says less.
 pub(super) fn radii(body: &Body) -> Vec<VerdictReason> {
     let radius = |inertia: f64| (inertia / body.mass).sqrt();
     let pitch = match body.wing_span {

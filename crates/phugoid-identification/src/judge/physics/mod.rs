@@ -42,6 +42,7 @@ pub(crate) fn reasons<M: Motion<N, R>, const N: usize, const R: usize>(
         let derivatives = Derivatives::of(task, parameters, correlation, &flown);
         found.extend(derivatives::signs(&derivatives, &flown));
         found.extend(derivatives::lift_slope(&derivatives, &flown, &body));
+        found.extend(derivatives::roll_damping(&derivatives, &flown, &body));
         found.extend(derivatives::sizes(&derivatives));
         found.extend(derivatives::drag(&derivatives));
     }

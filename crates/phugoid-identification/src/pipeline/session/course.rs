@@ -18,7 +18,7 @@ use crate::models::six::SixModel;
 use crate::motion::Motion;
 use crate::preparation::checks::{doubts, noise_levels};
 use crate::preparation::intake::{Origin, model_input};
-use crate::preparation::prepare::prepare;
+use crate::preparation::prepare::prepare_start;
 
 /// A running method, behind one interface for all motions and sizes of the estimator.
 pub(super) trait Course: Send {
@@ -62,7 +62,7 @@ fn begin_of<M, const N: usize, const R: usize>(
 where
     M: EveryRoom<N, R>,
 {
-    let prepared = prepare::<M, N, R>(start, file)?;
+    let prepared = prepare_start::<M, N, R>(start, file)?;
     doubts(start, file)?;
     let noise = noise_levels(&prepared, file)?;
     let task = Task { prepared: &prepared, file, options, noise: &noise, health: None };

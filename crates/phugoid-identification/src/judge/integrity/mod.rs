@@ -1,0 +1,89 @@
+//! Whether the sensors agree with one another, whatever the aerodynamics.
+//!
+//! Kinematics ties flow angles and attitudes to the rate gyros and the accelerometers. Over windows of two seconds, from
+//! which an offset and a drift of each side are taken out (biases), an angle is fitted by the integrals of what turns it
+//! and by its own rate: the factors are one if the scales agree, and the one on the rate is minus the delay of the
+//! sensor. (R. V. Jategaonkar, *Flight Vehicle System Identification*, ch. 10, on data compatibility; here as a test of
+//! single sensors, by linear regression, and not as their calibration, which `phugoid compatibility` is for.)
+
+mod air_data;
+mod channels;
+mod lateral;
+mod longitudinal;
+mod windows;
+
+use phugoid_flight_data::record::Record;
+
+use crate::core::estimation::{EstimationStatus, ReasonCode, VerdictReason};
+use crate::methods::Task;
+use crate::motion::Motion;
+use channels::Channels;
+
+/// Standard errors from which a departure counts. The errors are those between windows, which turbulence and model
+/// error widen too.
+const SIGNIFICANT: f64 = 5.0;
+/// Smallest departure of a scale that is reported: calibrations are rarely better.
+const SCALE: f64 = 0.04;
+/// Smallest delay that is reported, samples.
+const DELAY_SAMPLES: f64 = 1.0;
+/// Share of the motion of an angle that may be left unexplained: more of it is gusts, which the aircraft follows, so that
+/// the factors are no longer those of the sensors.
+const GUSTS: f64 = 0.1;
+
+/// One disagreement.
+struct Finding {
+    /// The channel that is probably wrong.
+    channel: &'static str,
+    sentence: String,
+}
+
+/// Whether a factor that should be one is not.
+fn is_off(value: f64, std: f64) -> bool {
+    (value - 1.0).abs() > (SIGNIFICANT * std).max(SCALE)
+}
+
+/// The delay of an angle against the gyros and accelerometers, if it is one; both in s.
+fn delay(channel: &'static str, value: f64, std: f64, step_s: f64) -> Option<Finding> {
+    (value.abs() > (SIGNIFICANT * std).max(DELAY_SAMPLES * step_s)).then(|| Finding {
+        channel,
+        sentence: format!(
+            "{channel} comes {:.0} ± {:.0} ms {} against the gyros and the accelerometers: check its delay and filter",
+            1e3 * value.abs(),
+            2e3 * std,
+            if value > 0.0 { "late" } else { "early" }
+        ),
+    })
+}
+
+/// Names the sensors that disagree.
+pub(super) fn reason<M: Motion<N, R>, const N: usize, const R: usize>(
+    record: &Record,
+    task: &Task<M, N, R>,
+) -> Option<VerdictReason> {
+    let gravity = task.file.aircraft.gravity;
+    let mut found: Vec<Finding> = air_data::findings(record).unwrap_or_default();
+    // With a bank angle the equations of the symmetric motion have further terms.
+    if !M::AXES.has_lateral() {
+        let channels = Channels::of(task, &longitudinal::NAMES);
+        found.extend(channels.and_then(|channels| longitudinal::findings(&channels, gravity)).unwrap_or_default());
+    } else {
+        let channels = Channels::of(task, &lateral::NAMES);
+        found.extend(channels.and_then(|channels| lateral::findings(&channels, gravity)).unwrap_or_default());
+    }
+    if found.is_empty() {
+        return None;
+    }
+    let mut concerns: Vec<String> = found.iter().map(|finding| finding.channel.to_owned()).collect();
+    concerns.dedup();
+    let sentences: Vec<&str> = found.iter().map(|finding| finding.sentence.as_str()).collect();
+    Some(VerdictReason {
+        code: ReasonCode::SensorError,
+        status: EstimationStatus::Doubtful,
+        concerns,
+        sentence: format!(
+            "The sensors disagree with one another: {}. `phugoid compatibility` estimates such errors, and --correct \
+             takes them out.",
+            sentences.join("; ").trim_end_matches('.')
+        ),
+    })
+}

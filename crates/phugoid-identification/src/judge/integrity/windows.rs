@@ -1,0 +1,113 @@
+//! Regression of a signal on its causes over short windows, from which constants and drifts are taken out.
+
+use nalgebra::{SMatrix, SVector};
+
+use crate::preparation::noise::measure_noise;
+
+/// Length of a window, s: an offset and a drift over it hold biases, and a short-period motion is neither.
+const WINDOW_S: f64 = 2.0;
+/// Windows that a factor has to rest on.
+const LEAST_WINDOWS: usize = 5;
+
+/// The factors on the causes.
+pub(super) struct Factors<const C: usize> {
+    pub(super) value: SVector<f64, C>,
+    /// One sigma, by leaving out one window at a time: turbulence and model error widen it too, and what rests on one
+    /// window alone has a large one.
+    pub(super) std: SVector<f64, C>,
+    /// Share of the motion of the signal that is left, without its white noise: what is left in still air is little.
+    pub(super) unexplained: f64,
+}
+
+/// Integral of a rate over the time by the trapezoidal rule, from zero.
+pub(super) fn integral(time: &[f64], rate: &[f64]) -> Vec<f64> {
+    let mut sum = 0.0;
+    let mut out = Vec::with_capacity(rate.len());
+    out.extend(rate.first().map(|_| 0.0));
+    for (t, r) in time.windows(2).zip(rate.windows(2)) {
+        sum += 0.5 * (r[0] + r[1]) * (t[1] - t[0]);
+        out.push(sum);
+    }
+    out
+}
+
+/// Takes a straight line out of values over the times.
+fn without_line(time: &[f64], values: &mut [f64]) {
+    let n = values.len() as f64;
+    let mean_t = time.iter().sum::<f64>() / n;
+    let mean = values.iter().sum::<f64>() / n;
+    let (mut tt, mut tv) = (0.0, 0.0);
+    for (t, v) in time.iter().zip(values.iter()) {
+        tt += (t - mean_t).powi(2);
+        tv += (t - mean_t) * (v - mean);
+    }
+    let slope = if tt > 0.0 { tv / tt } else { 0.0 };
+    for (t, v) in time.iter().zip(values.iter_mut()) {
+        *v -= mean + slope * (t - mean_t);
+    }
+}
+
+/// Fits the signal by the causes, all by sample. None if there are too few windows without a gap, or if the causes
+/// cannot be told apart.
+pub(super) fn factors<const C: usize>(
+    time: &[f64],
+    signal: &[f64],
+    causes: &[Vec<f64>; C],
+    step_s: f64,
+) -> Option<Factors<C>> {
+    let mut windows: Vec<(SMatrix<f64, C, C>, SVector<f64, C>)> = Vec::new();
+    let white = measure_noise(signal).map_or(0.0, |noise| noise.std);
+    let (mut motion, mut noise) = (0.0, 0.0);
+    let mut begin = 0;
+    while begin < time.len() {
+        let mut end = begin + 1;
+        while end < time.len() && time[end] - time[begin] < WINDOW_S && time[end] - time[end - 1] < 3.5 * step_s {
+            end += 1;
+        }
+        if end - begin >= 10 && time[end - 1] - time[begin] > 0.7 * WINDOW_S {
+            let t = &time[begin..end];
+            let straight = |values: &[f64]| {
+                let mut own = values[begin..end].to_vec();
+                without_line(t, &mut own);
+                own
+            };
+            let own: [Vec<f64>; C] = std::array::from_fn(|c| straight(&causes[c]));
+            let mut normal = SMatrix::zeros();
+            let mut right = SVector::zeros();
+            for (k, y) in straight(signal).into_iter().enumerate() {
+                let row = SVector::<f64, C>::from_fn(|c, _| own[c][k]);
+                normal += row * row.transpose();
+                right += row * y;
+                motion += y * y;
+            }
+            // Two of the values went into the line.
+            noise += (end - begin - 2) as f64 * white * white;
+            windows.push((normal, right));
+        }
+        begin = end;
+    }
+    if windows.len() < LEAST_WINDOWS {
+        return None;
+    }
+    let all = |skip: Option<usize>| -> Option<SVector<f64, C>> {
+        let kept = windows.iter().enumerate().filter(|(i, _)| Some(*i) != skip).map(|(_, window)| window);
+        let (mut normal, mut right) = (SMatrix::<f64, C, C>::zeros(), SVector::<f64, C>::zeros());
+        for (n, r) in kept {
+            normal += n;
+            right += r;
+        }
+        let inverse = normal.try_inverse()?;
+        Some(inverse * right).filter(|value| value.iter().all(|v| v.is_finite()))
+    };
+    let value = all(None)?;
+    let explained: f64 = windows.iter().map(|(n, r)| 2.0 * value.dot(r) - value.dot(&(n * value))).sum();
+    let n = windows.len() as f64;
+    let mut sum = SVector::<f64, C>::zeros();
+    for i in 0..windows.len() {
+        let difference = all(Some(i))? - value;
+        sum += difference.component_mul(&difference);
+    }
+    let std = (sum * ((n - 1.0) / n)).map(f64::sqrt);
+    let moved = motion - noise;
+    (moved > 0.0).then(|| Factors { value, std, unexplained: ((moved - explained) / moved).max(0.0) })
+}

@@ -1,0 +1,247 @@
+//! The noise of the recorded positions of the surfaces, and the motion below it.
+//!
+//! The methods take the known inputs as exact. White noise on a recorded position is taken for motion to which the
+//! aircraft does not answer: the derivative by the surface comes out too small by about the share of the noise in the
+//! scatter of the signal (errors in variables; W. A. Fuller, *Measurement Error Models*, 1987, ch. 1), and those whose
+//! regressors move with the surface are wrong by as much of its part. A record shows what comes after as well as what
+//! came before, so that the noise can be smoothed away.
+//!
+//! The motion of the surface is a rate that jumps between samples. A surface rests or follows its actuator most of the
+//! time and moves suddenly now and then, so that the jumps are distributed as Student's t with one degree of freedom: the
+//! smoother of Rauch, Tung and Striebel is run again with the weights `2/(1 + E[jump^2]/q)`, which that distribution
+//! gives them, and with the scale `q` that the record makes most likely (expectation and maximisation; K. L. Lange, R. J.
+//! A. Little, J. M. G. Taylor, *Robust Statistical Modeling Using the t Distribution*, J. Am. Stat. Assoc. 84, 1989). At
+//! rest it averages over seconds, and at an edge it follows the samples.
+
+use nalgebra::{Matrix2, Vector2};
+use phugoid_flight_data::statistics::{median, median_step};
+
+use crate::preparation::noise::measure_noise;
+
+/// Share of the noise in the scatter from which a surface is smoothed: the bias of less is a tenth of what the bounds
+/// allow for the scale of a surface by default.
+const SMOOTHED: f64 = 0.001;
+/// Fewer samples do not show what is noise and what is motion.
+const FEWEST: usize = 100;
+/// Values this many sigmas of the noise from the median of the five around them are outliers.
+const OUTLIER: f64 = 8.0;
+/// Most runs of the smoother, and the change of the logarithm of the scale from which on none is worth it. The share that
+/// is left changes by less than a tenth of itself after a dozen of them.
+const MOST_RUNS: usize = 20;
+const SETTLED: f64 = 0.02;
+
+/// What the noise of one surface was and is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct SurfaceNoise {
+    /// One sigma of the white noise of the record, rad.
+    pub(crate) std: f64,
+    /// Its share in the scatter of the signal, 0 to 1.
+    pub(crate) share: f64,
+    /// The share that is left: that of the variance of the smoothed signal. Equal to `share` where it is as recorded.
+    pub(crate) left: f64,
+}
+
+/// The noise of a surface of a record; none for noise below the step of the recorder, and for a signal that stands still.
+pub(crate) fn noise_of(values: &[f64]) -> Option<SurfaceNoise> {
+    let noise = measure_noise(values).filter(|noise| !noise.quantised)?;
+    let present: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
+    let n = present.len() as f64;
+    let mean = present.iter().sum::<f64>() / n;
+    let variance = present.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / n;
+    let share = (noise.std * noise.std / variance).min(1.0);
+    (variance > 0.0).then_some(SurfaceNoise { std: noise.std, share, left: share })
+}
+
+/// Replaces a recorded position (rad, NaN where missing) by the motion below its noise, if it is noisy enough. Gives what
+/// the noise was and is; none where there is none.
+pub(crate) fn smooth(time_s: &[f64], values: &mut [f64]) -> Option<SurfaceNoise> {
+    let noise = noise_of(values)?;
+    if noise.share < SMOOTHED || values.len() < FEWEST {
+        return Some(noise);
+    }
+    let Some(smoothed) = smoothed(time_s, values, noise.std) else { return Some(noise) };
+    for (value, smoothed) in values.iter_mut().zip(&smoothed.values) {
+        // What is missing is held by the caller, who says so.
+        if value.is_finite() {
+            *value = *smoothed;
+        }
+    }
+    Some(SurfaceNoise { left: noise.share * smoothed.variance, ..noise })
+}
+
+struct Smoothed {
+    values: Vec<f64>,
+    /// Mean variance of the values, as a part of that of the noise.
+    variance: f64,
+}
+
+/// One forward step: predicted and updated state (position, rate) and covariance.
+#[derive(Clone, Copy)]
+struct Step {
+    predicted: (Vector2<f64>, Matrix2<f64>),
+    updated: (Vector2<f64>, Matrix2<f64>),
+}
+
+/// Values in units of the noise, time in units of the median step. None where the arithmetic does not hold.
+fn smoothed(time_s: &[f64], values: &[f64], noise_std: f64) -> Option<Smoothed> {
+    let unit = median_step(time_s)?;
+    let measured: Vec<f64> = without_outliers(values, noise_std).iter().map(|v| v / noise_std).collect();
+    let first = *measured.iter().find(|v| v.is_finite())?;
+    let steps: Vec<f64> = time_s.windows(2).map(|t| (t[1] - t[0]) / unit).collect();
+    if !steps.iter().all(|step| *step > 0.0 && step.is_finite()) {
+        return None;
+    }
+    let n = values.len();
+    // The scatter of the second differences is that of the noise and of the jumps: a start that is too large.
+    let mut scale = 1.0;
+    let mut weights = vec![1.0; n];
+    let mut forward: Vec<Step> = Vec::with_capacity(n);
+    let mut found = vec![(0.0, 0.0); n];
+    for _ in 0..MOST_RUNS {
+        forward.clear();
+        let start = (Vector2::new(first, 0.0), Matrix2::from_diagonal(&Vector2::new(1e4, 1e2)));
+        for k in 0..n {
+            let predicted = match forward.last() {
+                None => start,
+                Some(last) => {
+                    let motion = motion(steps[k - 1]);
+                    let (x, p) = last.updated;
+                    let q = jump(steps[k - 1]) * (scale / weights[k]);
+                    (motion * x, motion * p * motion.transpose() + q)
+                }
+            };
+            let (x, p) = predicted;
+            let updated = if measured[k].is_finite() {
+                let gain = p.column(0) / (p[(0, 0)] + 1.0);
+                (x + gain * (measured[k] - x[0]), p - gain * p.row(0))
+            } else {
+                predicted
+            };
+            forward.push(Step { predicted, updated });
+        }
+        let (mut x, mut p) = forward.last()?.updated;
+        found[n - 1] = (x[0], p[(0, 0)]);
+        let mut jumps = 0.0;
+        for k in (0..n - 1).rev() {
+            let motion = motion(steps[k]);
+            let next = forward[k + 1].predicted;
+            let (own_x, own_p) = forward[k].updated;
+            let gain = own_p * motion.transpose() * next.1.try_inverse()?;
+            let own = (own_x + gain * (x - next.0), own_p + gain * (p - next.1) * gain.transpose());
+            // E[(rate after - rate before)^2], with the covariance of the two.
+            let cross = (gain * p)[(1, 1)];
+            let power = (x[1] - own.0[1]).powi(2) + (p[(1, 1)] + own.1[(1, 1)] - 2.0 * cross).max(0.0);
+            weights[k + 1] = 2.0 / (1.0 + power / scale);
+            jumps += weights[k + 1] * power;
+            (x, p) = own;
+            found[k] = (x[0], p[(0, 0)]);
+        }
+        let next = jumps / (n - 1) as f64;
+        if !(next > 0.0 && next.is_finite()) {
+            return None;
+        }
+        let moved = (next / scale).ln().abs();
+        scale = next;
+        if moved < SETTLED {
+            break;
+        }
+    }
+    let variance = found.iter().map(|(_, p)| p).sum::<f64>() / n as f64;
+    let values: Vec<f64> = found.iter().map(|(x, _)| x * noise_std).collect();
+    (values.iter().all(|v| v.is_finite()) && (0.0..1.0).contains(&variance)).then_some(Smoothed { values, variance })
+}
+
+fn motion(step: f64) -> Matrix2<f64> {
+    Matrix2::new(1.0, step, 0.0, 1.0)
+}
+
+/// Covariance of a unit jump of the rate in the middle of a step.
+fn jump(step: f64) -> Matrix2<f64> {
+    Matrix2::new(0.25 * step * step, 0.5 * step, 0.5 * step, 1.0)
+}
+
+fn without_outliers(values: &[f64], noise_std: f64) -> Vec<f64> {
+    let mut clean = values.to_vec();
+    for (k, around) in values.windows(5).enumerate() {
+        let mut present: Vec<f64> = around.iter().copied().filter(|v| v.is_finite()).collect();
+        // A sample that stands out of both its neighbours by as much: a step does not.
+        let alone = [1, 3].iter().all(|i| {
+            let distance = around[2] - around[*i];
+            !distance.is_finite() || distance.abs() > OUTLIER * noise_std
+        });
+        if alone && median(&mut present).is_some_and(|middle| (around[2] - middle).abs() > OUTLIER * noise_std) {
+            clean[k + 2] = f64::NAN;
+        }
+    }
+    clean
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Uniform numbers of variance one, from a congruential generator.
+    fn noise() -> impl FnMut() -> f64 {
+        let mut seed = 7_u64;
+        move || {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            ((seed >> 11) as f64 / (1_u64 << 53) as f64 - 0.5) * 12_f64.sqrt()
+        }
+    }
+
+    /// A square wave of one degree behind an actuator of 20 rad/s, 50 times per second: time, motion.
+    fn motion() -> (Vec<f64>, Vec<f64>) {
+        let mut position = 0.0;
+        (0..2000)
+            .map(|k| {
+                let command = if (k / 100) % 2 == 0 { 0.0175 } else { -0.0175 };
+                position += (command - position) * (1.0 - (-0.4_f64).exp());
+                (0.02 * f64::from(k), position)
+            })
+            .unzip()
+    }
+
+    fn mean_square(a: &[f64], b: &[f64]) -> f64 {
+        a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / a.len() as f64
+    }
+
+    #[test]
+    fn noise_is_measured_smoothed_away_and_what_is_left_is_said() {
+        let (time, truth) = motion();
+        let mut random = noise();
+        let mut values: Vec<f64> = truth.iter().map(|v| v + 0.00175 * random()).collect();
+        let found = smooth(&time, &mut values).unwrap();
+        assert!((found.std / 0.00175 - 1.0).abs() < 0.25, "{found:?}");
+        assert!((found.share / 0.01 - 1.0).abs() < 0.5, "{found:?}");
+        // What is left is what is claimed to be left, within a factor of two, and less than a quarter of the noise.
+        let left = mean_square(&values, &truth) / 0.0175_f64.powi(2);
+        assert!(left < 0.25 * 0.01, "{left}");
+        assert!((0.5..2.0).contains(&(left / found.left)), "{left} {found:?}");
+    }
+
+    #[test]
+    fn a_clean_surface_is_left_as_it_was_recorded() {
+        let (time, truth) = motion();
+        let mut values = truth.clone();
+        let found = smooth(&time, &mut values);
+        assert_eq!(values, truth);
+        assert!(found.is_none_or(|noise| noise.share < SMOOTHED), "{found:?}");
+        let mut still = vec![0.01; 500];
+        assert_eq!(smooth(&time[..500], &mut still), None);
+    }
+
+    #[test]
+    fn outliers_and_missing_values_do_not_move_their_neighbours() {
+        let (time, truth) = motion();
+        let mut random = noise();
+        let mut values: Vec<f64> = truth.iter().map(|v| v + 0.00175 * random()).collect();
+        for k in (50..1950).step_by(97) {
+            values[k] += 0.2;
+            values[k + 3] = f64::NAN;
+        }
+        smooth(&time, &mut values).unwrap();
+        let (kept, of): (Vec<f64>, Vec<f64>) = values.iter().zip(&truth).filter(|(v, _)| v.is_finite()).unzip();
+        assert!(values[53].is_nan());
+        assert!(mean_square(&kept, &of) < 0.3 * 0.00175_f64.powi(2));
+    }
+}
