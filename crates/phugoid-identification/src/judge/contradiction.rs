@@ -69,32 +69,32 @@ pub(crate) fn colour(residuals: impl Iterator<Item = f64>) -> Option<f64> {
 }
 
 /// What the residuals and the equations say against the model: whitened residuals by output at the times given, the
-/// equations if there are any, the changes that were found, and the groups of axes of which parameters were estimated.
+/// equations if there are any, the stretches that do not count, and the groups of axes of which parameters were estimated.
 pub(crate) fn reasons(
     time_s: &[f64],
     residuals: &[Signal],
     equations: Option<&Equations>,
-    changes: &FoundChanges,
+    unsettled: &Unsettled,
     learnt: &[Group],
 ) -> Vec<VerdictReason> {
-    let mut found: Vec<VerdictReason> = exceedances(time_s, residuals, equations, changes).into_iter().collect();
+    let mut found: Vec<VerdictReason> = exceedances(time_s, residuals, equations, unsettled).into_iter().collect();
     if found.is_empty() {
-        found.extend(rejected(time_s, residuals));
+        found.extend(rejected(time_s, residuals, unsettled));
     }
     if let Some(equations) = equations {
         // Where nothing has moved on a group of axes, its motion is noise and its parameters are those given beforehand.
         let is_learnt = |found: &&Explained| learnt.contains(&Group::of(found.output));
-        found.extend(equations.explained(changes.from_s).iter().filter(is_learnt).filter_map(unexplained));
+        found.extend(equations.explained(unsettled.from_s).iter().filter(is_learnt).filter_map(unexplained));
     }
     found
 }
 
-/// The changes of the parameters that a run has found, and not taken back.
-pub(crate) struct FoundChanges {
+/// The stretches of a run in which residuals say that something is being learnt, and nothing of the model.
+pub(crate) struct Unsettled {
     /// Time from which on the final estimates hold, s.
-    pub(crate) from_s: f64,
-    /// The stretches in which a change was being found, s.
-    pub(crate) finding_s: Vec<[f64; 2]>,
+    from_s: f64,
+    /// The stretches in which a change was being found, and the one in which a filter learnt what it did not know, s.
+    stretches_s: Vec<[f64; 2]>,
 }
 
 /// Time before a doubt in which residuals already show the change, and time after the adoption in which the new estimate
@@ -104,21 +104,27 @@ const AROUND_S: [f64; 2] = [3.0, 3.0];
 /// fit.
 const MOST_FINDING: f64 = 0.3;
 
-impl FoundChanges {
-    /// `changes` are those that were not taken back: the time at which the doubt opened, and that of the adoption, s,
-    /// in a record of this length, s.
-    pub(crate) fn new(changes: &[[f64; 2]], length_s: f64) -> Self {
+/// Time after the first motion in which a filter learns, s: start values may be far from the answer, and the noise levels
+/// are looked at again after four seconds.
+const LEARNING_S: f64 = 5.0;
+
+impl Unsettled {
+    /// `changes` are those that were not taken back: the time at which the doubt opened, and that of the adoption, s, in
+    /// a record of the length `length_s`. `learns_s` is the time of the first motion of a method that learns as it goes.
+    pub(crate) fn new(changes: &[[f64; 2]], length_s: f64, learns_s: Option<f64>) -> Self {
         let from_s = changes.last().map_or(f64::NEG_INFINITY, |[_, adopted_s]| *adopted_s);
         let around = |[doubted_s, adopted_s]: &[f64; 2]| [doubted_s - AROUND_S[0], adopted_s + AROUND_S[1]];
-        let finding_s: Vec<[f64; 2]> = changes.iter().map(around).collect();
-        let share = finding_s.iter().map(|[from_s, to_s]| to_s - from_s).sum::<f64>() / length_s;
-        Self { from_s, finding_s: if share > MOST_FINDING { Vec::new() } else { finding_s } }
+        let mut stretches_s: Vec<[f64; 2]> = changes.iter().map(around).collect();
+        let share = stretches_s.iter().map(|[from_s, to_s]| to_s - from_s).sum::<f64>() / length_s;
+        if share > MOST_FINDING {
+            stretches_s.clear();
+        }
+        stretches_s.extend(learns_s.map(|t| [t, t + LEARNING_S]));
+        Self { from_s, stretches_s }
     }
 
-    /// Whether a change was being found at this time: residuals then say that something has changed, and nothing of the
-    /// model before and after it.
-    fn was_finding(&self, time_s: f64) -> bool {
-        self.finding_s.iter().any(|[from_s, to_s]| (*from_s..=*to_s).contains(&time_s))
+    fn contains(&self, time_s: f64) -> bool {
+        self.stretches_s.iter().any(|[from_s, to_s]| (*from_s..=*to_s).contains(&time_s))
     }
 }
 
@@ -135,14 +141,14 @@ fn exceedances(
     time_s: &[f64],
     residuals: &[Signal],
     equations: Option<&Equations>,
-    changes: &FoundChanges,
+    unsettled: &Unsettled,
 ) -> Option<VerdictReason> {
     let mut found: Vec<Exceedance<'_>> = Vec::new();
     let mut concerns: Vec<String> = Vec::new();
     for signal in residuals {
         let mut seen: Vec<Exceedance<'_>> = Vec::new();
         let judged = |inside: &dyn Fn(f64) -> bool| -> Option<Spread> {
-            let samples = time_s.iter().zip(&signal.values).filter(|(t, _)| inside(**t) && !changes.was_finding(**t));
+            let samples = time_s.iter().zip(&signal.values).filter(|(t, _)| inside(**t) && !unsettled.contains(**t));
             Spread::of_values(samples.map(|(_, v)| *v)).filter(Spread::contradicts)
         };
         let whole = judged(&|_| true);
@@ -212,15 +218,16 @@ fn unexplained(found: &Explained) -> Option<VerdictReason> {
     })
 }
 
-/// Channels of which most samples were rejected for seconds on end.
-fn rejected(time_s: &[f64], residuals: &[Signal]) -> Option<VerdictReason> {
+/// Channels of which most samples were rejected for seconds on end, but for the stretches in which a change was found.
+fn rejected(time_s: &[f64], residuals: &[Signal], unsettled: &Unsettled) -> Option<VerdictReason> {
     let start = *time_s.first()?;
     let blocks = (time_s.last()? - start).floor() as usize + 1;
     let mut named = Vec::new();
     let mut concerns = Vec::new();
     for signal in residuals {
         let mut counts = vec![[0_usize; 2]; blocks];
-        for (t, value) in time_s.iter().zip(&signal.values).filter(|(_, v)| v.is_finite()) {
+        let judged = |(t, v): &(&f64, &f64)| v.is_finite() && !unsettled.contains(**t);
+        for (t, value) in time_s.iter().zip(&signal.values).filter(judged) {
             if let Some([present, beyond]) = counts.get_mut((t - start) as usize) {
                 *present += 1;
                 *beyond += usize::from(value.abs() > 6.0);
@@ -266,16 +273,35 @@ mod tests {
 
     #[test]
     fn a_channel_that_is_rejected_for_seconds_is_named_with_its_times() {
+        let none = Unsettled::new(&[], 20.0, None);
         let mut values = vec![0.5; 1000];
         values[200..420].fill(9.0);
-        let found = rejected(&time(1000), &[signal(values.clone())]).unwrap();
+        let found = rejected(&time(1000), &[signal(values.clone())], &none).unwrap();
         assert_eq!((found.code, found.status), (ReasonCode::ChannelRejected, EstimationStatus::Doubtful));
         assert!(found.sentence.contains("alpha from 4 s to 8 s"), "{}", found.sentence);
         // Two seconds are what a change takes to be found, and single outliers are no stretch.
         values[300..420].fill(0.5);
-        assert_eq!(rejected(&time(1000), &[signal(values)]), None);
+        assert_eq!(rejected(&time(1000), &[signal(values)], &none), None);
         let outliers = (0..1000).map(|k| if k % 3 == 0 { 20.0 } else { 0.0 }).collect();
-        assert_eq!(rejected(&time(1000), &[signal(outliers)]), None);
+        assert_eq!(rejected(&time(1000), &[signal(outliers)], &none), None);
+    }
+
+    #[test]
+    fn what_a_change_leaves_until_it_is_found_is_no_contradiction_of_the_model() {
+        let time = time(3000);
+        let mut values = vec![0.5; 3000];
+        values[1400..1600].fill(9.0);
+        let found = |changes: &[[f64; 2]]| {
+            let codes = |r: VerdictReason| r.code;
+            let changes = Unsettled::new(changes, 60.0, None);
+            let reasons = reasons(&time, &[signal(values.clone())], None, &changes, &[]);
+            reasons.into_iter().map(codes).collect::<Vec<_>>()
+        };
+        assert_eq!(found(&[]), [ReasonCode::Contradiction]);
+        assert_eq!(found(&[[29.0, 31.0]]), []);
+        // Elsewhere it excuses nothing, and a model with a change every few seconds is not excused either.
+        assert_eq!(found(&[[40.0, 42.0]]), [ReasonCode::Contradiction]);
+        assert_eq!(found(&[[10.0, 12.0], [20.0, 22.0], [29.0, 31.0]]), [ReasonCode::Contradiction]);
     }
 
     #[test]

@@ -10,7 +10,7 @@ use crate::core::estimation::{
     ChangeOutcome, EstimationStatus, EventKind, FinalStatus, History, ParameterResult, ReasonCode, Signal,
     VerdictReason,
 };
-use crate::judge::contradiction::{self, FoundChanges};
+use crate::judge::contradiction::{self, Unsettled};
 use crate::judge::equations::Equations;
 use crate::judge::{explained, fit, input_noise, integrity, physics};
 use crate::methods::{Run, Task};
@@ -33,8 +33,8 @@ pub(crate) fn reasons<M: Motion<N, R>, const N: usize, const R: usize>(
     if run.excited {
         found.extend(diverged(run));
         let learnt = learnt_groups(task.file, parameters);
-        let changes = found_changes(run, &history.time_s);
-        found.extend(contradiction::reasons(&history.time_s, &history.residuals, equations, &changes, &learnt));
+        let unsettled_s = unsettled_stretches(run, &history.time_s);
+        found.extend(contradiction::reasons(&history.time_s, &history.residuals, equations, &unsettled_s, &learnt));
         found.extend(run.batch.iter().flat_map(|report| fit::reasons(task.method(), task.file, history, report)));
         found.extend(run.noise.and_then(|_| explained::reason(history)));
         found.extend(input_noise::reason(&task.prepared.surface_noise));
@@ -49,8 +49,8 @@ pub(crate) fn reasons<M: Motion<N, R>, const N: usize, const R: usize>(
     found
 }
 
-/// The changes that were not taken back, with the times at which they were first suspected.
-fn found_changes<const R: usize>(run: &Run<R>, time_s: &[f64]) -> FoundChanges {
+/// The stretches in which the run was learning: from the first motion on, and around the changes that were not taken back.
+fn unsettled_stretches<const R: usize>(run: &Run<R>, time_s: &[f64]) -> Unsettled {
     let doubted = |adopted_s: f64| {
         let doubts = run.events.iter().filter(|event| event.kind == EventKind::InDoubt).map(|event| event.time_s);
         doubts.filter(|doubted_s| *doubted_s <= adopted_s).fold(f64::NEG_INFINITY, f64::max)
@@ -58,7 +58,10 @@ fn found_changes<const R: usize>(run: &Run<R>, time_s: &[f64]) -> FoundChanges {
     let kept = run.changes.iter().filter(|change| change.outcome != ChangeOutcome::RolledBack).map(|c| c.time_s);
     // Without a doubt on record the adoption is all that is known.
     let kept: Vec<[f64; 2]> = kept.map(|t| [Some(doubted(t)).filter(|d| d.is_finite()).unwrap_or(t), t]).collect();
-    FoundChanges::new(&kept, time_s.first().zip(time_s.last()).map_or(0.0, |(first, last)| last - first))
+    // A batch method has no densities, and does not learn as it goes.
+    let first_motion = run.log_density.iter().position(|row| row.iter().any(|v| v.is_finite()));
+    let learns_s = first_motion.and_then(|k| time_s.get(k).copied());
+    Unsettled::new(&kept, time_s.first().zip(time_s.last()).map_or(0.0, |(first, last)| last - first), learns_s)
 }
 
 /// The groups of axes of which the flight has excited a parameter.

@@ -18,9 +18,9 @@ use phugoid_flight_data::statistics::{median, median_step};
 
 use crate::preparation::noise::measure_noise;
 
-/// Share of the noise in the scatter from which a surface is smoothed: the bias of less is a tenth of what the bounds
-/// allow for the scale of a surface by default.
-const SMOOTHED: f64 = 0.001;
+/// Share of the noise in the scatter from which a surface is smoothed: the bias of less is a quarter of what the bounds
+/// allow for the scale of a surface by default, and a slow recorder shows as much where there is motion between samples.
+const SMOOTHED: f64 = 0.005;
 /// Fewer samples do not show what is noise and what is motion.
 const FEWEST: usize = 100;
 /// Values this many sigmas of the noise from the median of the five around them are outliers.
