@@ -54,6 +54,7 @@ pub fn check(record: &Record) -> Vec<Doubt> {
     flow_angles::alpha(&mut doubts);
     flow_angles::beta(&mut doubts);
     sensors::stuck(&mut doubts);
+    sensors::stuck_surfaces(&mut doubts);
     sensors::saturated(&mut doubts);
     doubts.found
 }

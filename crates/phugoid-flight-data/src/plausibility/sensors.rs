@@ -2,10 +2,16 @@
 
 use super::doubt::{Cause, Certainty, Doubts};
 use super::robust::span;
+use crate::statistics::median;
 use crate::wording::Short;
 
 /// Channels of sensors that follow the motion of the aircraft; surfaces may well rest at a stop.
 const MOVING: [&str; 10] = ["alpha", "beta", "theta", "phi", "p", "q", "r", "ax", "ay", "az"];
+/// Control surfaces.
+const SURFACES: [&str; 3] = ["elevator", "aileron", "rudder"];
+/// A channel is noisy where the median of its second differences is more than this many steps of the recorder: of noise
+/// of one sigma it is 1.65 sigma, and of noise that large one sample in three or fewer repeats the one before.
+const NOISY: f64 = 3.0;
 /// A channel is stuck where it repeats one value for so long, s ...
 const STUCK_S: f64 = 2.0;
 /// ... which is at least this part of the record ...
@@ -53,6 +59,39 @@ pub(super) fn stuck(doubts: &mut Doubts) {
         let message = format!(
             "repeats one value from {} s to {} s, in which {other} moves: the sensor was stuck, or the recorder lost it. \
              Leave the stretch out (--from, --to), or leave the channel out of `outputs`",
+            Short(from),
+            Short(to)
+        );
+        doubts.add_cause(&[name], Certainty::Doubtful, Cause::Sensor, message);
+    }
+}
+
+/// Checks for positions of control surfaces that stand still between noisy ones. A surface may rest for long, but a noisy
+/// recording of one that rests does not repeat a value; a recording without noise, such as of a command, is not judged.
+pub(super) fn stuck_surfaces(doubts: &mut Doubts) {
+    let time = doubts.time();
+    let (Some(first), Some(last)) = (time.first(), time.last()) else { return };
+    let least = STUCK_S.max(STUCK_PART * (last - first));
+    let mut found = Vec::new();
+    for name in SURFACES {
+        let Some(values) = doubts.values(name).filter(|_| !doubts.any(&[name])) else { continue };
+        let long = |(from, to): &(usize, usize)| *from > 0 && time[*to] - time[*from] >= least;
+        let Some((from, to)) = runs(values).find(long) else { continue };
+        // Outside of the stretch: how often neighbours are equal, and how rough the channel is, in steps of the recorder.
+        let outside = || values.windows(3).enumerate().filter(|(k, _)| *k > to || k + 2 < from).map(|(_, three)| three);
+        let differences = || outside().map(|three| (three[1] - three[0]).abs()).filter(|d| d.is_finite());
+        let quantum = differences().filter(|d| *d > 0.0).fold(f64::INFINITY, f64::min);
+        let equal = differences().filter(|d| *d == 0.0).count();
+        let roughness = median(&mut outside().map(|v| (v[2] - 2.0 * v[1] + v[0]).abs()).collect::<Vec<f64>>());
+        let is_noisy = roughness.is_some_and(|roughness| roughness > NOISY * quantum);
+        if is_noisy && 20 * equal < differences().count() {
+            found.push((name, time[from], time[to]));
+        }
+    }
+    for (name, from, to) in found {
+        let message = format!(
+            "repeats one value from {} s to {} s, and is noisy before or after: the sensor was stuck, or the recorder lost \
+             it. Leave the stretch out (--from, --to)",
             Short(from),
             Short(to)
         );
@@ -116,4 +155,35 @@ fn runs(values: &[f64]) -> impl Iterator<Item = (usize, usize)> + '_ {
 fn is_coarse(values: &[f64], range: f64) -> bool {
     let steps = values.windows(2).map(|w| (w[1] - w[0]).abs()).filter(|step| *step > 0.0);
     steps.fold(f64::INFINITY, f64::min) > COARSE * range
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::record::Record;
+
+    /// An elevator that is moved and rests, with so much noise (a sum of sines that never repeats), in steps of the
+    /// recorder of 1e-4; stuck over a part if so.
+    fn sticks(noise: f64, stuck: bool) -> bool {
+        let time: Vec<f64> = (0..1000).map(|k| 0.02 * f64::from(k)).collect();
+        let mut elevator: Vec<f64> = time
+            .iter()
+            .map(|t| {
+                let input = if (t % 5.0) < 1.0 { 0.05 * (6.0 * t).sin() } else { 0.0 };
+                let scatter = (7919.0 * t).sin() + (15331.0 * t).cos() + (31337.7 * t).sin();
+                ((input + noise * scatter) / 1e-4).round() * 1e-4
+            })
+            .collect();
+        if stuck {
+            let held = elevator[400];
+            elevator[400..700].fill(held);
+        }
+        let record = Record::from_columns("test", [("time_s", time), ("elevator_rad", elevator)]).unwrap();
+        super::super::check(&record).iter().any(|doubt| doubt.message.contains("repeats one value"))
+    }
+
+    #[test]
+    fn a_noisy_surface_that_repeats_a_value_is_stuck_and_a_command_at_rest_is_not() {
+        assert!(sticks(1e-3, true) && !sticks(1e-3, false));
+        assert!(!sticks(0.0, true) && !sticks(0.0, false));
+    }
 }

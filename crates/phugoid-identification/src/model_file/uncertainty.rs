@@ -45,7 +45,7 @@ impl Uncertainty {
         by_default: false,
     };
 
-    /// Of an aircraft with the instruments of a flight test: airspeed 1.5 % (14 CFR 25.1323 allows an installation error
+    /// Of an aircraft that was prepared for a flight test: airspeed 1.5 % (14 CFR 25.1323 allows an installation error
     /// of 3 %), flow angles 2 % (position and upwash of a boom), mass 2 % (fuel), and by judgement surface positions 2 %
     /// and moments of inertia 3 %.
     pub const FLIGHT_TEST: Self = Self {
@@ -56,6 +56,11 @@ impl Uncertainty {
         inertia: 0.03,
         by_default: false,
     };
+
+    /// Of an aircraft with people in it about which nothing is said, by judgement: nobody says that the vane was
+    /// calibrated in flight (3 %), the surfaces under load (3 %), the aircraft weighed with its fuel (3 %) or swung (6 %).
+    pub const UNSTATED: Self =
+        Self { flow_angle_scale: 0.03, surface_scale: 0.03, mass: 0.03, inertia: 0.06, ..Self::FLIGHT_TEST };
 
     /// Of an unmanned aircraft with a vane: moments of inertia 10 % (entrained air changes swing tests of small aircraft by
     /// up to 25 %: J. Lehmkuehler, K. C. Wong, D. Verstraete, *Aeronautical Journal* 120, 2016), and by judgement airspeed
@@ -72,7 +77,7 @@ impl Uncertainty {
     /// Those of an aircraft about which the model file says nothing: by its mass, the light ones are unmanned.
     fn usual(mass: &Source) -> Self {
         let light = matches!(mass, Source::Constant(mass) if *mass < UNMANNED_BELOW);
-        Self { by_default: true, ..if light { Self::UNMANNED } else { Self::FLIGHT_TEST } }
+        Self { by_default: true, ..if light { Self::UNMANNED } else { Self::UNSTATED } }
     }
 
     /// The section `[uncertainty]`; without it the usual ones, and none for increments on a database, whose own errors
@@ -176,15 +181,15 @@ mod tests {
     #[test]
     fn each_derivative_takes_the_scales_that_it_depends_on() {
         let file = ModelFile::named("hfb320").unwrap();
-        assert_eq!(file.uncertainty, Uncertainty { by_default: true, ..Uncertainty::FLIGHT_TEST });
+        assert_eq!(file.uncertainty, Uncertainty { by_default: true, ..Uncertainty::UNSTATED });
         let of = |name: &str| {
             let parameter = file.parameters.iter().find(|p| p.name == name).unwrap();
             file.uncertainty.of(parameter)
         };
         let root = |parts: &[f64]| parts.iter().map(|p| p * p).sum::<f64>().sqrt();
-        assert!((of("CL_alpha") - root(&[0.03, 0.02, 0.02])).abs() < 1e-12);
-        assert!((of("Cm_q") - root(&[0.015, 0.03])).abs() < 1e-12);
-        assert!((of("Cm_elevator") - root(&[0.03, 0.02, 0.03])).abs() < 1e-12);
+        assert!((of("CL_alpha") - root(&[0.03, 0.03, 0.03])).abs() < 1e-12);
+        assert!((of("Cm_q") - root(&[0.015, 0.06])).abs() < 1e-12);
+        assert!((of("Cm_elevator") - root(&[0.03, 0.03, 0.06])).abs() < 1e-12);
         assert_eq!(of("Cm_0"), 0.0);
         assert_eq!(ModelFile::named("f16").unwrap().uncertainty, Uncertainty::NONE);
     }

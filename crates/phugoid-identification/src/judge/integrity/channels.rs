@@ -54,6 +54,12 @@ impl Channels {
         Self { time_s: picked(time), columns: columns.iter().map(|values| picked(values)).collect() }
     }
 
+    /// Channels as they are, for tests of single checks.
+    #[cfg(test)]
+    pub(super) fn for_tests(time_s: Vec<f64>, columns: Vec<Vec<f64>>) -> Self {
+        Self { time_s, columns }
+    }
+
     /// The values in the order of the names.
     pub(super) fn values<const C: usize>(&self) -> Option<[&[f64]; C]> {
         let all: Vec<&[f64]> = self.columns.iter().map(Vec::as_slice).collect();

@@ -10,6 +10,7 @@ mod air_data;
 mod channels;
 mod lateral;
 mod longitudinal;
+mod reactions;
 mod windows;
 
 use phugoid_flight_data::record::Record;
@@ -63,12 +64,16 @@ pub(super) fn reason<M: Motion<N, R>, const N: usize, const R: usize>(
     let gravity = task.file.aircraft.gravity;
     let mut found: Vec<Finding> = air_data::findings(record).unwrap_or_default();
     // With a bank angle the equations of the symmetric motion have further terms.
+    let chord = task.file.aircraft.mean_chord;
+    let with = |names: &[&str], check: &dyn Fn(&Channels) -> Option<Vec<Finding>>| {
+        Channels::of(task, names).and_then(|channels| check(&channels)).unwrap_or_default()
+    };
     if !M::AXES.has_lateral() {
-        let channels = Channels::of(task, &longitudinal::NAMES);
-        found.extend(channels.and_then(|channels| longitudinal::findings(&channels, gravity)).unwrap_or_default());
+        found.extend(with(&longitudinal::NAMES, &|channels| longitudinal::findings(channels, gravity)));
+        found.extend(with(&reactions::LONGITUDINAL, &|channels| reactions::longitudinal(channels, chord)));
     } else {
-        let channels = Channels::of(task, &lateral::NAMES);
-        found.extend(channels.and_then(|channels| lateral::findings(&channels, gravity)).unwrap_or_default());
+        found.extend(with(&lateral::NAMES, &|channels| lateral::findings(channels, gravity)));
+        found.extend(with(&reactions::LATERAL, &|channels| reactions::lateral(channels, chord)));
     }
     if found.is_empty() {
         return None;

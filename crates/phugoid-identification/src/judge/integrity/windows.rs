@@ -17,6 +17,21 @@ pub(super) struct Factors<const C: usize> {
     pub(super) std: SVector<f64, C>,
     /// Share of the motion of the signal that is left, without its white noise: what is left in still air is little.
     pub(super) unexplained: f64,
+    /// The factors without one of the windows, for each of them.
+    without_one: Vec<SVector<f64, C>>,
+}
+
+impl<const C: usize> Factors<C> {
+    /// The factor on cause `i` over that on cause `j`, and one sigma of it, by leaving out one window at a time. None if
+    /// one of them is not determined.
+    pub(super) fn ratio(&self, i: usize, j: usize) -> Option<(f64, f64)> {
+        let of = |value: &SVector<f64, C>| value[i] / value[j];
+        let ratio = of(&self.value);
+        let n = self.without_one.len() as f64;
+        let sum: f64 = self.without_one.iter().map(|value| (of(value) - ratio).powi(2)).sum();
+        let std = (sum * ((n - 1.0) / n)).sqrt();
+        (ratio.is_finite() && std.is_finite()).then_some((ratio, std))
+    }
 }
 
 /// Integral of a rate over the time by the trapezoidal rule, from zero.
@@ -96,18 +111,22 @@ pub(super) fn factors<const C: usize>(
             normal += n;
             right += r;
         }
-        let inverse = normal.try_inverse()?;
-        Some(inverse * right).filter(|value| value.iter().all(|v| v.is_finite()))
+        // Causes of unit size, so that the units do not decide what can be told apart.
+        let unit = SVector::<f64, C>::from_fn(|c, _| 1.0 / normal[(c, c)].sqrt());
+        let scaled = SMatrix::<f64, C, C>::from_fn(|a, b| unit[a] * normal[(a, b)] * unit[b]);
+        let value = (scaled.try_inverse()? * right.component_mul(&unit)).component_mul(&unit);
+        Some(value).filter(|value| value.iter().all(|v| v.is_finite()))
     };
     let value = all(None)?;
     let explained: f64 = windows.iter().map(|(n, r)| 2.0 * value.dot(r) - value.dot(&(n * value))).sum();
     let n = windows.len() as f64;
+    let without_one: Vec<SVector<f64, C>> = (0..windows.len()).map(|i| all(Some(i))).collect::<Option<_>>()?;
     let mut sum = SVector::<f64, C>::zeros();
-    for i in 0..windows.len() {
-        let difference = all(Some(i))? - value;
+    for one in &without_one {
+        let difference = one - value;
         sum += difference.component_mul(&difference);
     }
     let std = (sum * ((n - 1.0) / n)).map(f64::sqrt);
     let moved = motion - noise;
-    (moved > 0.0).then(|| Factors { value, std, unexplained: ((moved - explained) / moved).max(0.0) })
+    (moved > 0.0).then(|| Factors { value, std, unexplained: ((moved - explained) / moved).max(0.0), without_one })
 }
