@@ -14,6 +14,7 @@ mod field;
 mod inspect;
 mod live;
 mod logs;
+mod mapped_replay;
 mod mistakes;
 mod monitor;
 mod offer;
