@@ -1,5 +1,6 @@
 //! Results on standard output and in files: aligned text for people, one JSON document for programs.
 
+use phugoid_flight_data::output_file;
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::Path;
@@ -29,7 +30,7 @@ pub(crate) fn deliver<T: Serialize>(
     text: impl FnOnce() -> String,
 ) -> Result<(), Failure> {
     if let Some(file) = file {
-        std::fs::write(file, json(document)?).map_err(|e| Failure::writing(file, e))?;
+        output_file::write(file, json(document)?).map_err(|e| Failure::writing(file, e))?;
     }
     if as_json { print(&json(document)?) } else { print(&text()) }
 }

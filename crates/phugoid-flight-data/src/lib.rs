@@ -29,6 +29,7 @@ pub mod format;
 pub mod log;
 #[cfg(feature = "matlab")]
 pub mod matlab;
+pub mod output_file;
 #[cfg(feature = "parquet")]
 pub mod parquet;
 pub mod plausibility;

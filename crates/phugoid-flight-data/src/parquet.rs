@@ -28,6 +28,7 @@ pub use crate::columnar::ReadError;
 pub use crate::columnar::write::Values;
 use crate::columnar::{row_groups, write};
 pub use crate::csv::WriteError;
+use crate::output_file::OutputFile;
 use crate::record::Record;
 use crate::table::TableOptions;
 
@@ -60,10 +61,10 @@ pub fn read(bytes: &[u8], source: &str, options: &TableOptions) -> Result<Record
 pub fn write_path(record: &Record, path: &Path) -> Result<(), WriteError> {
     let target = path.display().to_string();
     let headers = crate::csv::headers(record, &target)?;
-    match File::create(path) {
-        Ok(file) => write::write(record, &headers, file, &target),
-        Err(error) => Err(WriteError::Io { target, error }),
-    }
+    let failed = |error| WriteError::Io { target: target.clone(), error };
+    let mut file = OutputFile::create(path).map_err(failed)?;
+    write::write(record, &headers, &mut file, &target)?;
+    file.finish().map_err(failed)
 }
 
 /// Writes a general table, which need not be a flight: named columns of the same length.
@@ -72,8 +73,8 @@ pub fn write_path(record: &Record, path: &Path) -> Result<(), WriteError> {
 /// [`WriteError::Io`]: the file cannot be written, or the columns differ in length.
 pub fn write_columns(columns: &[(&str, Values)], path: &Path) -> Result<(), WriteError> {
     let target = path.display().to_string();
-    match File::create(path) {
-        Ok(file) => write::write_columns(columns, file, &target),
-        Err(error) => Err(WriteError::Io { target, error }),
-    }
+    let failed = |error| WriteError::Io { target: target.clone(), error };
+    let mut file = OutputFile::create(path).map_err(failed)?;
+    write::write_columns(columns, &mut file, &target)?;
+    file.finish().map_err(failed)
 }

@@ -15,7 +15,8 @@ use crate::arguments::Demonstration;
 use crate::failure::Failure;
 use crate::progress::Progress;
 
-const FOLDER: &str = "phugoid-report";
+/// Folder of the report where `--out` names none.
+pub(crate) const FOLDER: &str = "phugoid-report";
 
 pub(crate) fn run(arguments: &Demonstration) -> Result<EstimationStatus, Failure> {
     let mut scenario = Scenario::parse(CALM_SCENARIO, "f16-calm").map_err(Failure::input)?;

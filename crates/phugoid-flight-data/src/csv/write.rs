@@ -1,25 +1,25 @@
 //! Writes a record as the text of a CSV file.
 
-use std::fs::File;
-use std::io::{BufWriter, Write};
+use std::io::Write;
 use std::path::Path;
 
 use super::{NameProblem, WriteError};
 use crate::channels;
+use crate::output_file::OutputFile;
 use crate::record::{Channel, Quantity, Record};
 use crate::table::header::{self, Meaning};
 
-/// Writes a CSV file to the disk; otherwise as [`write()`].
+/// Writes a CSV file to the disk, whole or not at all ([`OutputFile`]); otherwise as [`write()`].
 ///
 /// # Errors
 /// As [`write()`], with the path as the target's name. Names and lengths are checked before the file is created.
 pub fn write_path(record: &Record, path: &Path) -> Result<(), WriteError> {
     let target = path.display().to_string();
     let headers = headers(record, &target)?;
-    match File::create(path) {
-        Ok(file) => write_rows(record, &headers, BufWriter::new(file), &target),
-        Err(error) => Err(WriteError::Io { target, error }),
-    }
+    let failed = |error| WriteError::Io { target: target.clone(), error };
+    let mut file = OutputFile::create(path).map_err(failed)?;
+    write_rows(record, &headers, &mut file, &target)?;
+    file.finish().map_err(failed)
 }
 
 /// Writes a record as CSV in SI units, `time_s` first, with the unit in every header (`alpha_rad`, `true_airspeed_m_s`)
