@@ -33,6 +33,7 @@ pub mod output_file;
 #[cfg(feature = "parquet")]
 pub mod parquet;
 pub mod plausibility;
+pub mod printable;
 pub mod profile;
 pub mod quality;
 pub mod quantity;

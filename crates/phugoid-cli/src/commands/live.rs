@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{SystemTime, UNIX_EPOCH};
 
+use phugoid_flight_data::printable;
 use phugoid_identification::model_file::ModelFile;
 use phugoid_live::mavlink::DebugMessages;
 use phugoid_live::publish::WhenSlow;
@@ -193,5 +194,5 @@ pub(super) fn failure(error: LiveError) -> Failure {
 /// Prints a message to standard error; standard output is reserved for the JSON documents.
 pub(super) fn say(text: &str) {
     // Nobody is left to tell when standard error is closed.
-    let _ = writeln!(io::stderr(), "{text}");
+    let _ = writeln!(io::stderr(), "{}", printable::lines(text));
 }

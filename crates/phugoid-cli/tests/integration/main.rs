@@ -23,5 +23,6 @@ mod px4_log;
 mod records;
 mod reproduce;
 mod results;
+mod strangers;
 mod tune;
 mod view;
