@@ -125,8 +125,7 @@ impl Plan {
         const REPORT: &[&str] = &["report.html"];
         match &arguments.command {
             None => {
-                let out = arguments.demonstration.out.as_deref();
-                plan.folder(out.unwrap_or(Path::new(crate::commands::demonstrate::FOLDER)), REPORT, None);
+                plan.folder(arguments.demonstration.folder(), REPORT, None);
                 plan.figures.clone_from(&arguments.demonstration.figures);
             }
             Some(Command::Trim(a)) => plan.file("--out", a.delivery.out.as_ref()),
