@@ -1,7 +1,7 @@
 //! Text of strangers (headers, names of channels and files, messages of logs) made safe to show.
 //!
 //! A header can hold the escape sequences of a terminal, a file name a line end, and either the characters that reverse the
-//! direction of what follows. They are replaced where names enter ([`one_line`], [`channel_name`]) and where text leaves
+//! direction of what follows. They are replaced where names enter ([`one_line`], [`cell`]) and where text leaves
 //! for people ([`lines`]) or for programs ([`json`], [`toml_string`]).
 
 use std::borrow::Cow;
