@@ -1,5 +1,6 @@
-//! Where a command writes: never over a file that it reads, never twice to one place, and never into a folder whose files
-//! are not results of this program. Everything is checked before the command begins, so that nothing is computed in vain.
+//! Where a command writes: never over a file that it reads, never twice to one place, and never into a folder whose
+//! files are not results of this program. Everything is checked before the command begins, so that nothing is computed
+//! in vain.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -289,7 +290,8 @@ fn is_special(target: &Path) -> bool {
 }
 
 fn is_inside(target: &Path, folder: &Path) -> bool {
-    matches!((fs::canonicalize(target), fs::canonicalize(folder)), (Ok(target), Ok(folder)) if target.starts_with(&folder))
+    let [target, folder] = [target, folder].map(fs::canonicalize);
+    target.is_ok_and(|target| folder.is_ok_and(|folder| target.starts_with(folder)))
 }
 
 fn is_current(folder: &Path) -> bool {

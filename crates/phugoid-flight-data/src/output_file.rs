@@ -1,7 +1,7 @@
 //! Files that are there whole or not at all.
 //!
-//! A result is written to a temporary file in the folder of its target, and takes the name of the target only once all of
-//! it is on the disk. Whoever stops in between, by an error or by a kill, leaves the target as it was.
+//! A result is written to a temporary file in the folder of its target, and takes the name of the target only once all
+//! of it is on the disk. Whoever stops in between, by an error or by a kill, leaves the target as it was.
 
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufWriter, Write};
@@ -38,12 +38,12 @@ pub struct OutputFile {
 }
 
 impl OutputFile {
-    /// Begins a file with this path. An existing file keeps its content until [`OutputFile::finish`], and its permissions
-    /// beyond that; of a link the file behind it is written.
+    /// Begins a file with this path. An existing file keeps its content until [`OutputFile::finish`], and its
+    /// permissions beyond that; of a link the file behind it is written.
     ///
     /// # Errors
-    /// What the operating system says: no such folder, a folder in place of a file, no permission. A file that may not be
-    /// written is not replaced either.
+    /// What the operating system says: no such folder, a folder in place of a file, no permission. A file that may not
+    /// be written is not replaced either.
     pub fn create(path: &Path) -> io::Result<Self> {
         let existing = fs::metadata(path).ok();
         let dangling = existing.is_none() && fs::symlink_metadata(path).is_ok();

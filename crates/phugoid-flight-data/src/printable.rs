@@ -1,7 +1,7 @@
 //! Text of strangers (headers, names of channels and files, messages of logs) made safe to show.
 //!
-//! A header can hold the escape sequences of a terminal, a file name a line end, and either the characters that reverse the
-//! direction of what follows. They are replaced where names enter ([`one_line`], [`cell`]) and where text leaves
+//! A header can hold the escape sequences of a terminal, a file name a line end, and either the characters that reverse
+//! the direction of what follows. They are replaced where names enter ([`one_line`], [`cell`]) and where text leaves
 //! for people ([`lines`]) or for programs ([`json`], [`toml_string`]).
 
 use std::borrow::Cow;
@@ -85,8 +85,8 @@ pub fn is_formula(text: &str) -> bool {
     text.starts_with(['=', '+', '-', '@'])
 }
 
-/// A text as a cell of a table that no table calculation takes for a formula: on one line, and with an apostrophe before
-/// `=`, `+`, `-` and `@`. Numbers are not for this function.
+/// A text as a cell of a table that no table calculation takes for a formula: on one line, and with an apostrophe
+/// before `=`, `+`, `-` and `@`. Numbers are not for this function.
 pub fn cell(text: &str) -> Cow<'_, str> {
     let text = one_line(text);
     if is_formula(&text) { format!("'{text}").into() } else { text }

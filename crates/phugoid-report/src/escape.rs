@@ -3,7 +3,8 @@
 use phugoid_flight_data::printable::is_command;
 
 /// The text with the five special characters of HTML and SVG replaced, line ends and tabs as blanks, and control
-/// characters (which XML does not allow but a file name may hold) and those that change the direction of text as U+FFFD.
+/// characters (which XML does not allow but a file name may hold) and those that change the direction of text as
+/// U+FFFD.
 pub(crate) fn escape(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for character in text.chars() {

@@ -99,8 +99,8 @@ fn say_whose_mapping(recorded: &Header, model: &ModelFile) {
     };
     if recorded.mapped && !as_recorded() {
         say(&format!(
-            "the channels of this recording are as the [channels] of `{}` gave them when a flight was replayed; those of \
-             `{}` are not applied",
+            "the channels of this recording are as the [channels] of `{}` gave them when a flight was replayed; \
+             those of `{}` are not applied",
             recorded.model_name, model.source
         ));
     }

@@ -142,7 +142,8 @@ fn a_folder_of_others_is_refused_and_one_of_ours_written_again() {
 fn a_result_that_fails_half_way_leaves_the_earlier_one() {
     let (folder, _) = inputs("half");
     folder.file("history.csv", "the earlier one\n");
-    let command = "ulimit -f 40; trap '' XFSZ; exec \"$0\" estimate flight.csv --model model.toml --no-report --history history.csv";
+    let command = "ulimit -f 40; trap '' XFSZ; \
+                   exec \"$0\" estimate flight.csv --model model.toml --no-report --history history.csv";
     let run = std::process::Command::new("bash")
         .args(["-c", command, env!("CARGO_BIN_EXE_phugoid")])
         .current_dir(&folder.0)

@@ -8,8 +8,8 @@ use serde_json::Value;
 /// A new header, and what a cell of the old column is under it.
 type Column = (&'static str, fn(f64) -> f64);
 
-/// The headers of the simulated flight that are changed, and how: what a cell becomes under each new header, and the line of
-/// `[channels]` that undoes it.
+/// The headers of the simulated flight that are changed, and how: what a cell becomes under each new header, and the
+/// line of `[channels]` that undoes it.
 struct Form {
     name: &'static str,
     column: &'static str,

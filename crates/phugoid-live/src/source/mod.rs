@@ -51,7 +51,8 @@ impl Source {
     }
 
     /// True if the rows that come have canonical channel names and SI units already, as those of a flight record have
-    /// that is replayed ([`Replay::flight`]). The column mappings of a model file must not be applied to them once more.
+    /// that is replayed ([`Replay::flight`]). The column mappings of a model file must not be applied to them once
+    /// more.
     pub fn is_mapped(&self) -> bool {
         self.mapped
     }
