@@ -23,7 +23,7 @@ mod trim;
 mod tune;
 mod view;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, Parser, Subcommand};
 use phugoid_identification::method::Method;
@@ -103,4 +103,11 @@ pub(crate) struct Demonstration {
     /// Print one JSON document instead of text
     #[arg(long)]
     pub(crate) json: bool,
+}
+
+impl Demonstration {
+    /// The folder for the report.
+    pub(crate) fn folder(&self) -> &Path {
+        self.out.as_deref().unwrap_or(Path::new("phugoid-report"))
+    }
 }

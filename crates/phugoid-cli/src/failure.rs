@@ -5,6 +5,8 @@ use std::io::{self, Write};
 use std::path::Path;
 use std::process::ExitCode;
 
+use phugoid_flight_data::printable;
+
 use crate::commands;
 
 /// Exit code of `phugoid monitor` where the aircraft has diverged from what is expected: a result, not a failure of the
@@ -88,7 +90,7 @@ impl Failure {
             Self::ReaderLeft => return ExitCode::SUCCESS,
         };
         // Nobody is left to tell when standard error is closed.
-        let _ = writeln!(io::stderr(), "error: {message}");
+        let _ = writeln!(io::stderr(), "error: {}", printable::lines(message));
         ExitCode::from(code)
     }
 }

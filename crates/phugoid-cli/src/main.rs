@@ -3,6 +3,7 @@
 
 mod arguments;
 mod commands;
+mod destination;
 mod failure;
 mod output;
 mod progress;
@@ -16,6 +17,9 @@ use crate::arguments::{Arguments, Command};
 
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
+    if let Err(failure) = destination::check(&arguments) {
+        return failure.report();
+    }
     let estimated = |result: Result<EstimationStatus, failure::Failure>| match result {
         Ok(EstimationStatus::Refused) => ExitCode::from(failure::REFUSED),
         Ok(_) => ExitCode::SUCCESS,

@@ -1,5 +1,6 @@
 //! Results on standard output and in files: aligned text for people, one JSON document for programs.
 
+use phugoid_flight_data::{output_file, printable};
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::Path;
@@ -8,17 +9,19 @@ use serde::Serialize;
 
 use crate::failure::Failure;
 
-/// Prints text to standard output.
+/// Prints text to standard output, without what a terminal would take for a command.
 pub(crate) fn print(text: &str) -> Result<(), Failure> {
     let mut out = std::io::stdout().lock();
-    out.write_all(text.as_bytes()).and_then(|()| out.flush()).map_err(|e| Failure::standard_output(&e))
+    out.write_all(printable::lines(text).as_bytes())
+        .and_then(|()| out.flush())
+        .map_err(|e| Failure::standard_output(&e))
 }
 
 /// A result as a JSON document that ends with a line feed. Numbers that are not finite become `null`.
 pub(crate) fn json<T: Serialize>(document: &T) -> Result<String, Failure> {
     let mut text = serde_json::to_string_pretty(document).map_err(Failure::impossible)?;
     text.push('\n');
-    Ok(text)
+    Ok(printable::json(&text).into_owned())
 }
 
 /// Prints a result as JSON or as text for people, and writes the JSON to `file` where one is given.
@@ -29,7 +32,7 @@ pub(crate) fn deliver<T: Serialize>(
     text: impl FnOnce() -> String,
 ) -> Result<(), Failure> {
     if let Some(file) = file {
-        std::fs::write(file, json(document)?).map_err(|e| Failure::writing(file, e))?;
+        output_file::write(file, json(document)?).map_err(|e| Failure::writing(file, e))?;
     }
     if as_json { print(&json(document)?) } else { print(&text()) }
 }

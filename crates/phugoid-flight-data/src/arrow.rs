@@ -9,6 +9,7 @@ use std::path::Path;
 
 pub use crate::columnar::ReadError;
 use crate::columnar::ipc;
+use crate::printable;
 use crate::record::Record;
 use crate::table::TableOptions;
 
@@ -17,7 +18,7 @@ use crate::table::TableOptions;
 /// # Errors
 /// As [`read()`], with the path as the source's name.
 pub fn read_path(path: &Path, options: &TableOptions) -> Result<Record, ReadError> {
-    let source_name = path.display().to_string();
+    let source_name = printable::path(path);
     match File::open(path) {
         Ok(file) => read(BufReader::new(file), &source_name, options),
         Err(error) => Err(ReadError::Io { source_name, error }),

@@ -29,9 +29,11 @@ pub mod format;
 pub mod log;
 #[cfg(feature = "matlab")]
 pub mod matlab;
+pub mod output_file;
 #[cfg(feature = "parquet")]
 pub mod parquet;
 pub mod plausibility;
+pub mod printable;
 pub mod profile;
 pub mod quality;
 pub mod quantity;

@@ -28,6 +28,8 @@ pub use crate::columnar::ReadError;
 pub use crate::columnar::write::Values;
 use crate::columnar::{row_groups, write};
 pub use crate::csv::WriteError;
+use crate::output_file::OutputFile;
+use crate::printable;
 use crate::record::Record;
 use crate::table::TableOptions;
 
@@ -38,7 +40,7 @@ use crate::table::TableOptions;
 /// [`ReadError`] if the file cannot be read, is no Parquet file, holds no group of rows that could be read, or no
 /// record can be made of its columns.
 pub fn read_path(path: &Path, options: &TableOptions) -> Result<Record, ReadError> {
-    row_groups::read(|| File::open(path), &path.display().to_string(), options)
+    row_groups::read(|| File::open(path), &printable::path(path), options)
 }
 
 /// Reads a Parquet file in memory; otherwise as [`read_path`]. `source` is its name in messages and reports.
@@ -58,12 +60,12 @@ pub fn read(bytes: &[u8], source: &str, options: &TableOptions) -> Result<Record
 /// [`WriteError`] if a channel has another length than the time, a name that could not be read back, or the file cannot
 /// be written. Names and lengths are checked before the file is created.
 pub fn write_path(record: &Record, path: &Path) -> Result<(), WriteError> {
-    let target = path.display().to_string();
+    let target = printable::path(path);
     let headers = crate::csv::headers(record, &target)?;
-    match File::create(path) {
-        Ok(file) => write::write(record, &headers, file, &target),
-        Err(error) => Err(WriteError::Io { target, error }),
-    }
+    let failed = |error| WriteError::Io { target: target.clone(), error };
+    let mut file = OutputFile::create(path).map_err(failed)?;
+    write::write(record, &headers, &mut file, &target)?;
+    file.finish().map_err(failed)
 }
 
 /// Writes a general table, which need not be a flight: named columns of the same length.
@@ -71,9 +73,9 @@ pub fn write_path(record: &Record, path: &Path) -> Result<(), WriteError> {
 /// # Errors
 /// [`WriteError::Io`]: the file cannot be written, or the columns differ in length.
 pub fn write_columns(columns: &[(&str, Values)], path: &Path) -> Result<(), WriteError> {
-    let target = path.display().to_string();
-    match File::create(path) {
-        Ok(file) => write::write_columns(columns, file, &target),
-        Err(error) => Err(WriteError::Io { target, error }),
-    }
+    let target = printable::path(path);
+    let failed = |error| WriteError::Io { target: target.clone(), error };
+    let mut file = OutputFile::create(path).map_err(failed)?;
+    write::write_columns(columns, &mut file, &target)?;
+    file.finish().map_err(failed)
 }

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize, Serializer};
 use serde_json::Value;
 
 use crate::event::EventKind;
+use crate::json::shown;
 use crate::link::{Counts, LatencyMs};
 
 /// A document. Later versions may add fields; no field is renamed.
@@ -211,10 +212,11 @@ impl<'a> Document<'a> {
         }
     }
 
-    /// The document as one line of JSON, without a line end. Numbers that are not finite become `null`.
+    /// The document as one line of JSON, without a line end. Numbers that are not finite become `null`; in texts U+FFFD
+    /// stands for control characters and those that change the direction of text.
     pub fn text(&self) -> String {
         // Plain data cannot fail to be serialised.
-        serde_json::to_string(self).unwrap_or_default()
+        shown(self).unwrap_or_default()
     }
 }
 

@@ -168,6 +168,17 @@ impl Engine {
         Some(self.receiver.missing().map_or_else(|| waiting.clone(), |missing| format!("{waiting}; {missing}")))
     }
 
+    /// Why there is no estimate although data arrived, as a sentence for people; `None` if there is one, or if nothing
+    /// arrived.
+    pub fn missing(&self) -> Option<String> {
+        if self.estimation.estimates > 0 {
+            return None;
+        }
+        let failure = self.estimation.failure.clone();
+        let why = self.receiver.no_sample().or(failure).or_else(|| self.waiting());
+        why.or_else(|| self.estimation.first_refusal.clone())
+    }
+
     /// Publishes an event about the reception itself, at a time since its start, ns.
     pub fn publish_event(&self, now_ns: u64, kind: LiveEventKind, message: &str, publish: Publish<'_>) {
         publish_event(None, now_ns, &kind.into(), message, publish);
@@ -178,7 +189,7 @@ impl Engine {
     pub fn end(&mut self, reason: &str, finished_ns: &dyn Fn() -> u64, publish: Publish<'_>) {
         let (estimation, now_ns) = (&mut self.estimation, self.now_ns);
         self.receiver.finish(&mut |reception| estimation.take(reception, now_ns, finished_ns, publish));
-        if let Some(waiting) = self.waiting() {
+        if let Some(waiting) = self.waiting().or_else(|| self.receiver.no_sample()) {
             let message = format!("it ended before an estimation could begin: {waiting}");
             self.publish_event(now_ns, LiveEventKind::Waiting, &message, publish);
         }

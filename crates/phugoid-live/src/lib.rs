@@ -28,6 +28,7 @@ mod audience;
 pub mod document;
 pub mod engine;
 pub mod event;
+mod json;
 pub mod link;
 pub mod mavlink;
 pub mod page;

@@ -6,6 +6,8 @@ use std::sync::LazyLock;
 
 use serde::Serialize;
 
+use crate::json::shown;
+
 /// A file that the server gives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Asset {
@@ -71,7 +73,7 @@ static PAGE: LazyLock<String> = LazyLock::new(|| {
 /// What `serde_json` says if the result cannot be serialised.
 pub fn with_result<T: Serialize>(result: &T) -> Result<String, serde_json::Error> {
     // Only `<` could end the script element. In JSON it occurs in strings only, where it may be written as an escape.
-    let data = serde_json::to_string(result)?.replace('<', "\\u003c");
+    let data = shown(result)?.replace('<', "\\u003c");
     Ok(PAGE.replacen(DATA, &format!("<script type=\"application/json\" id=\"data\">{data}</script>"), 1))
 }
 

@@ -13,7 +13,7 @@ use crate::event::LiveEventKind;
 use crate::link::Counts;
 use crate::mavlink::map::{Assembler, MavlinkOptions};
 use crate::timing::{Judgement, SenderClock};
-use stream::{Piece, Stream};
+use stream::{Payload, Piece, Stream};
 
 /// How the bytes that arrive are interpreted.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -23,6 +23,14 @@ pub struct ReceiverOptions {
     pub columns: Vec<ColumnMapping>,
     /// Options that concern MAVLink only.
     pub mavlink: MavlinkOptions,
+}
+
+impl ReceiverOptions {
+    /// The same without the column mappings: for rows that have canonical names and SI units already.
+    #[must_use]
+    pub fn without_columns(&self) -> Self {
+        Self { columns: Vec::new(), mavlink: self.mavlink.clone() }
+    }
 }
 
 /// What the receiver hands over.
@@ -95,6 +103,10 @@ pub struct Receiver {
     counts: Counts,
     /// How many events of each kind have been published.
     published: BTreeMap<LiveEventKind, u32>,
+    /// What the first stream that was recognised gives.
+    payload: Option<Payload>,
+    /// Why something was left out for the first time.
+    first_refusal: Option<String>,
     /// The sender whose rows of text are used, and the arrival of its last row, ns.
     text_sender: Option<(u16, u64)>,
     row: Vec<f64>,
@@ -126,6 +138,8 @@ impl Receiver {
             clock: SenderClock::default(),
             counts: Counts::default(),
             published: BTreeMap::new(),
+            payload: None,
+            first_refusal: None,
             text_sender: None,
             row: Vec::new(),
             values: vec![f64::NAN; channels.len()],
@@ -151,6 +165,26 @@ impl Receiver {
     /// missing.
     pub fn missing(&self) -> Option<String> {
         self.airspeed.as_ref().and_then(TrueAirspeed::missing)
+    }
+
+    /// Why what arrived so far gave no sample, as a sentence for people; `None` if there is a sample, or if nothing
+    /// arrived.
+    pub fn no_sample(&self) -> Option<String> {
+        let Counts { packets, bytes, received, samples, .. } = self.counts;
+        if packets == 0 || samples > 0 {
+            return None;
+        }
+        let why = match (&self.first_refusal, self.payload) {
+            (Some(refusal), _) => refusal.clone(),
+            (None, Some(Payload::Mavlink)) => format!(
+                "{received} MAVLink messages were read, and none of them gives a sample its time: the vehicle sends no \
+                 HIGHRES_IMU, SCALED_IMU, RAW_IMU, ATTITUDE or ATTITUDE_QUATERNION, or another vehicle or message was \
+                 asked for"
+            ),
+            (None, Some(Payload::Text)) => format!("a header line came, and {received} rows of numbers below it"),
+            (None, None) => "it holds no MAVLink frame, no JSON line and no header line with a time".to_owned(),
+        };
+        Some(format!("no sample could be made of the {bytes} bytes that arrived: {why}"))
     }
 
     /// The time at which [`Receiver::advance`] has to be called if nothing arrives before, ns; `None` if nothing waits.
@@ -223,7 +257,10 @@ impl Receiver {
         let csv = std::mem::take(&mut self.csv);
         let mut row = std::mem::take(&mut self.row);
         stream.push(bytes, ends, &csv, &mut row, &mut |piece| match piece {
-            Piece::Payload(payload) => out(event(LiveEventKind::Payload, format!("this is {}", payload.words()))),
+            Piece::Payload(payload) => {
+                self.payload.get_or_insert(payload);
+                out(event(LiveEventKind::Payload, format!("this is {}", payload.words())));
+            }
             Piece::Columns(notes) => notes.into_iter().for_each(|message| out(event(LiveEventKind::Columns, message))),
             Piece::Row { time_s, names, values } => self.row(arrival, time_s, names, values, out),
             Piece::Refused(reason) => {
@@ -336,6 +373,9 @@ impl Receiver {
 
     /// Publishes an event, unless there have been too many of its kind.
     fn publish(&mut self, kind: LiveEventKind, message: String, out: &mut dyn FnMut(Reception<'_>)) {
+        if kind == LiveEventKind::Refused {
+            self.first_refusal.get_or_insert_with(|| message.clone());
+        }
         let published = self.published.entry(kind).or_default();
         *published += 1;
         match *published {

@@ -34,7 +34,8 @@ pub struct Live<'a> {
     pub model_text: &'a str,
     /// The estimator and its options, as for a record.
     pub options: &'a EstimateOptions,
-    /// How the bytes that arrive are interpreted.
+    /// How the bytes that arrive are interpreted. Its column mappings are left out for a source whose rows are mapped
+    /// already ([`Source::is_mapped`]).
     pub receiver: &'a ReceiverOptions,
     /// File of the recording, which must not exist; `None` records nothing.
     pub record: Option<PathBuf>,
@@ -50,12 +51,15 @@ pub struct Live<'a> {
 }
 
 /// Counts at the end of a live estimation.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Summary {
     /// Number of samples that the estimation got.
     pub samples: u64,
     /// Number of estimates that were made.
     pub estimates: u64,
+    /// Why no estimate was made although data arrived, as a sentence for people; `None` if one was made, or if nothing
+    /// arrived.
+    pub missing: Option<String>,
 }
 
 /// Why a live estimation could not begin, or why its documents or recording could not be written.
@@ -110,12 +114,15 @@ impl Live<'_> {
         stop: &Arc<Stop>,
     ) -> Result<Summary, LiveError> {
         let started_wall_ns = self.started_wall_ns.unwrap_or_else(wall_ns);
-        let mut engine =
-            Engine::new(self.model, self.options, self.receiver, &source.name)?.with_start(started_wall_ns);
+        let receiver = match source.is_mapped() {
+            true => self.receiver.without_columns(),
+            false => self.receiver.clone(),
+        };
+        let mut engine = Engine::new(self.model, self.options, &receiver, &source.name)?.with_start(started_wall_ns);
         if self.all {
             engine = engine.with_every_estimate();
         }
-        let recorder = self.recorder(&source.name, started_wall_ns)?;
+        let recorder = self.recorder(&source, started_wall_ns)?;
         let recorded = recorder.as_ref().map(Recorder::recorded).unwrap_or_default();
         let lines = Lines::new(out, self.when_slow).map_err(LiveError::Thread)?;
         let mut publish = |kind: DocumentKind, document: &str| {
@@ -178,7 +185,8 @@ impl Live<'_> {
         };
         engine.end(reason, &finished, &mut publish);
         stop.ask(Why::Over);
-        let summary = Summary { samples: engine.counts().samples, estimates: engine.estimates() };
+        let summary =
+            Summary { samples: engine.counts().samples, estimates: engine.estimates(), missing: engine.missing() };
         let written = lines.finish();
         if let (Some(recorder), Some(file)) = (recorder, &self.record) {
             recorder.finish().map_err(|error| LiveError::Recording { file: file.clone(), error })?;
@@ -190,12 +198,12 @@ impl Live<'_> {
         }
     }
 
-    fn recorder(&self, source: &str, started_wall_ns: u64) -> Result<Option<Recorder>, LiveError> {
+    fn recorder(&self, source: &Source, started_wall_ns: u64) -> Result<Option<Recorder>, LiveError> {
         let Some(file) = &self.record else { return Ok(None) };
         let header = Header {
             version: VERSION,
             program: env!("CARGO_PKG_VERSION").to_owned(),
-            source: source.to_owned(),
+            source: source.name.clone(),
             started_wall_ns,
             model_name: self.model.source.clone(),
             model_text: self.model_text.to_owned(),
@@ -204,6 +212,7 @@ impl Live<'_> {
             reorder_ns: self.receiver.mavlink.reorder_ns,
             system: self.receiver.mavlink.system,
             base: self.receiver.mavlink.base.clone(),
+            mapped: source.is_mapped(),
         };
         let recorder = Recorder::create(file, &header);
         recorder.map(Some).map_err(|error| LiveError::Recording { file: file.clone(), error })

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use phugoid_flight_data::output_file;
 use phugoid_identification::estimation::Estimation;
 
 use crate::error::ReportError;
@@ -9,7 +10,7 @@ use crate::figure::Figure;
 use crate::figures::figures;
 
 /// Writes every figure of an estimation as `NAME.svg` and `NAME.png` into a folder, which is created if it does not
-/// exist. Returns the paths in the order in which they were written.
+/// exist. Returns the paths in the order in which they were written. Each file is there whole or not at all.
 ///
 /// # Errors
 /// [`ReportError::Write`] with the path that could not be written, [`ReportError::Raster`] for a figure that could not
@@ -31,10 +32,10 @@ pub fn write_named_figures(dir: &Path, figures: &[(String, Figure)]) -> Result<V
     let mut written = Vec::new();
     for (name, figure) in figures {
         let svg = dir.join(format!("{name}.svg"));
-        std::fs::write(&svg, figure.to_svg()).map_err(failed(&svg))?;
+        output_file::write(&svg, figure.to_svg()).map_err(failed(&svg))?;
         written.push(svg);
         let png = dir.join(format!("{name}.png"));
-        std::fs::write(&png, figure.to_png()?).map_err(failed(&png))?;
+        output_file::write(&png, figure.to_png()?).map_err(failed(&png))?;
         written.push(png);
     }
     Ok(written)

@@ -1,5 +1,6 @@
 //! `phugoid compare`.
 
+use phugoid_flight_data::output_file;
 use std::path::{Path, PathBuf};
 
 use phugoid::compare_entries;
@@ -81,7 +82,7 @@ struct Written {
 
 fn write(arguments: &arguments::Compare, result: &Arena) -> Result<Written, Failure> {
     let folder = arguments.out.as_path();
-    let save = |path: &Path, bytes: &[u8]| std::fs::write(path, bytes).map_err(|e| Failure::writing(path, e));
+    let save = |path: &Path, bytes: &[u8]| output_file::write(path, bytes).map_err(|e| Failure::writing(path, e));
     let report = folder.join("report.html");
     save(&report, arena_html(result, &again(arguments)).as_bytes())?;
     save(&folder.join("comparison.json"), json(result)?.as_bytes())?;
@@ -126,6 +127,6 @@ fn write_figures(folder: &Path, figures: &[(String, Figure)], format: PictureFor
             PictureFormat::Png => ("png", figure.to_png().map_err(|e| Failure::Output(e.to_string()))?),
         };
         let path = folder.join(format!("{name}.{extension}"));
-        std::fs::write(&path, bytes).map_err(|e| Failure::writing(&path, e))
+        output_file::write(&path, bytes).map_err(|e| Failure::writing(&path, e))
     })
 }

@@ -1,5 +1,6 @@
 //! `phugoid compatibility`.
 
+use phugoid_flight_data::output_file;
 use std::fmt::Write as _;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -84,12 +85,12 @@ pub(crate) fn run(arguments: &arguments::Compatibility) -> Result<(), Failure> {
     let corrected_csv = out.join("corrected.csv");
     csv::write_path(&corrected, &corrected_csv).map_err(|e| Failure::writing(&corrected_csv, e))?;
     let corrections_json = out.join("corrections.json");
-    std::fs::write(&corrections_json, json(&result.corrections)?)
+    output_file::write(&corrections_json, json(&result.corrections)?)
         .map_err(|e| Failure::writing(&corrections_json, e))?;
     let charts = charts(&record, &result);
     let report = out.join("compatibility.html");
     let page = page(arguments, &result, skew.as_ref(), charts.clone());
-    std::fs::write(&report, study_html(&page)).map_err(|e| Failure::writing(&report, e))?;
+    output_file::write(&report, study_html(&page)).map_err(|e| Failure::writing(&report, e))?;
     let figures = match &arguments.figures {
         Some(folder) => {
             let named: Vec<_> = charts.iter().map(|chart| (chart.name.clone(), chart_figure(chart))).collect();

@@ -1,7 +1,5 @@
 //! `phugoid` without a command: simulates a flight of the F-16 and estimates its aerodynamic increments.
 
-use std::path::Path;
-
 use phugoid::{estimate_with_progress, simulate};
 use phugoid_evaluation::published::{CALM_MODEL, CALM_SCENARIO};
 use phugoid_identification::estimate::EstimateOptions;
@@ -14,8 +12,6 @@ use super::estimate::{History, Presentation};
 use crate::arguments::Demonstration;
 use crate::failure::Failure;
 use crate::progress::Progress;
-
-const FOLDER: &str = "phugoid-report";
 
 pub(crate) fn run(arguments: &Demonstration) -> Result<EstimationStatus, Failure> {
     let mut scenario = Scenario::parse(CALM_SCENARIO, "f16-calm").map_err(Failure::input)?;
@@ -36,7 +32,7 @@ pub(crate) fn run(arguments: &Demonstration) -> Result<EstimationStatus, Failure
         scenario.name, scenario.seed, scenario.seed
     );
     let presentation = Presentation {
-        report: Some(arguments.out.as_deref().unwrap_or(Path::new(FOLDER))),
+        report: Some(arguments.folder()),
         page: HtmlOptions { notes: vec![note], ..HtmlOptions::default() },
         figures: arguments.figures.as_deref(),
         history: &History::None,

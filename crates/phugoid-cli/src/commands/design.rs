@@ -1,5 +1,6 @@
 //! `phugoid design`.
 
+use phugoid_flight_data::output_file;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
@@ -98,7 +99,7 @@ pub(crate) fn run(arguments: &arguments::Design) -> Result<(), Failure> {
     let place = |name: &str| out.join(name);
     let write = |name: &str, text: &str| {
         let path = place(name);
-        std::fs::write(&path, text).map_err(|e| Failure::writing(&path, e)).map(|()| path)
+        output_file::write(&path, text).map_err(|e| Failure::writing(&path, e)).map(|()| path)
     };
     let input_csv = place("input.csv");
     csv::write_path(&files::record(&chosen.design), &input_csv).map_err(|e| Failure::writing(&input_csv, e))?;

@@ -1,5 +1,6 @@
 //! `phugoid estimate`.
 
+use phugoid_flight_data::output_file;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -33,7 +34,7 @@ pub(crate) fn run(arguments: &arguments::Estimate) -> Result<EstimationStatus, F
     let (false, Some(flight), Some(wanted)) = (arguments.list_models, &arguments.flight, &arguments.model) else {
         return list_models(arguments.json).map(|()| EstimationStatus::Sound);
     };
-    let history = History::new(arguments, flight)?;
+    let history = History::new(arguments)?;
     once_each(flight, &arguments.with, arguments.predict.as_deref())?;
     let model = model(wanted)?;
     export::check(&arguments.export, &model)?;
@@ -149,19 +150,15 @@ impl History {
     /// Reads the option.
     ///
     /// # Errors
-    /// [`Failure::Input`] for `--history` without a file name and without `--json`, and for a file that is the flight
-    /// itself.
-    fn new(arguments: &arguments::Estimate, flight: &Path) -> Result<Self, Failure> {
+    /// [`Failure::Input`] for `--history` without a file name and without `--json`, and for Parquet in a build without
+    /// it.
+    fn new(arguments: &arguments::Estimate) -> Result<Self, Failure> {
         match &arguments.history {
             None => Ok(Self::None),
             Some(None) if arguments.json => Ok(Self::Document),
             Some(None) => {
                 Err(Failure::input("--history needs a file (--history history.csv), or --json to put it there"))
             }
-            Some(Some(file)) if file == flight => Err(Failure::input(format!(
-                "--history {} would overwrite the flight: name another file",
-                file.display()
-            ))),
             Some(Some(file)) if is_parquet(file) && cfg!(not(feature = "parquet")) => {
                 Err(Failure::no_parquet("--history", file, "name a .csv file"))
             }
@@ -233,7 +230,7 @@ impl Presentation<'_> {
         let path = folder.join("report.html");
         let page = phugoid_report::html(estimation, &self.page);
         std::fs::create_dir_all(folder)
-            .and_then(|()| std::fs::write(&path, page))
+            .and_then(|()| output_file::write(&path, page))
             .map_err(|e| Failure::writing(&path, e))?;
         Ok(path)
     }

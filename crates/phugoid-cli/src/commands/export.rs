@@ -1,5 +1,6 @@
 //! `phugoid estimate --export`.
 
+use phugoid_flight_data::output_file;
 use std::path::Path;
 
 use phugoid_identification::estimation::Estimation;
@@ -47,7 +48,8 @@ pub(crate) fn write(
 ) -> Result<(), Failure> {
     let mut told = String::new();
     for Export { form, file } in exports {
-        let as_text = |text: String| std::fs::write(file, text).map_err(|e| Failure::writing_of("--export", file, e));
+        let as_text =
+            |text: String| output_file::write(file, text).map_err(|e| Failure::writing_of("--export", file, e));
         let mut notes = Vec::new();
         match (form, writer(*form)) {
             (_, Some(write)) => {

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{SystemTime, UNIX_EPOCH};
 
+use phugoid_flight_data::printable;
 use phugoid_identification::model_file::ModelFile;
 use phugoid_live::mavlink::DebugMessages;
 use phugoid_live::publish::WhenSlow;
@@ -22,6 +23,9 @@ use crate::failure::Failure;
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let recording = arguments.replay.as_deref().map(recording).transpose()?.flatten();
     let flight = Flight::of(&settings(arguments, recording.as_ref().map(Reader::header))?)?;
+    if let Some(recording) = &recording {
+        say_whose_mapping(recording.header(), &flight.model);
+    }
     let started_wall_ns = recording.as_ref().map(|recording| recording.header().started_wall_ns);
     let stop = Arc::new(Stop::default());
     let source = source(arguments, recording, &flight.model)?;
@@ -73,7 +77,33 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     };
     let summary = summary.map_err(failure)?;
     say(&format!("{} samples, {} estimates", summary.samples, summary.estimates));
-    Ok(())
+    match summary.missing {
+        Some(missing) if summary.samples == 0 => Err(Failure::input(missing)),
+        // Whoever ends a flight before it has begun knows that; a recorded flight has been seen to its end.
+        Some(missing) if arguments.replay.is_some() && stop.asked() == Some(Why::Over) => {
+            Err(Failure::impossible(format!("no estimate could be made: {missing}")))
+        }
+        Some(missing) => {
+            say(&format!("no estimate was made: {missing}"));
+            Ok(())
+        }
+        None => Ok(()),
+    }
+}
+
+/// Says so if a recording has rows that another model file has mapped than the one that is asked for.
+fn say_whose_mapping(recorded: &Header, model: &ModelFile) {
+    let as_recorded = || {
+        let recorded = ModelFile::parse(&recorded.model_name, &recorded.model_text);
+        recorded.is_ok_and(|recorded| recorded.channels == model.channels)
+    };
+    if recorded.mapped && !as_recorded() {
+        say(&format!(
+            "the channels of this recording are as the [channels] of `{}` gave them when a flight was replayed; \
+             those of `{}` are not applied",
+            recorded.model_name, model.source
+        ));
+    }
 }
 
 /// Starts the server of the page and prints its address.
@@ -164,5 +194,5 @@ pub(super) fn failure(error: LiveError) -> Failure {
 /// Prints a message to standard error; standard output is reserved for the JSON documents.
 pub(super) fn say(text: &str) {
     // Nobody is left to tell when standard error is closed.
-    let _ = writeln!(io::stderr(), "{text}");
+    let _ = writeln!(io::stderr(), "{}", printable::lines(text));
 }

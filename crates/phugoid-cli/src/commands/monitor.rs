@@ -1,5 +1,6 @@
 //! `phugoid monitor`.
 
+use phugoid_flight_data::output_file;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
@@ -57,10 +58,10 @@ fn write(folder: &Path, report: &HealthReport, estimation: &Estimation) -> Resul
     std::fs::create_dir_all(folder).map_err(|e| Failure::writing(folder, e))?;
     let json = folder.join("health.json");
     let document = crate::output::json(&Document::new(report, true, &[]))?;
-    std::fs::write(&json, document).map_err(|e| Failure::writing(&json, e))?;
+    output_file::write(&json, document).map_err(|e| Failure::writing(&json, e))?;
     let page = folder.join("report.html");
     let html = phugoid_report::html(estimation, &phugoid_report::HtmlOptions::default());
-    std::fs::write(&page, html).map_err(|e| Failure::writing(&page, e))?;
+    output_file::write(&page, html).map_err(|e| Failure::writing(&page, e))?;
     Ok(vec![json, page])
 }
 

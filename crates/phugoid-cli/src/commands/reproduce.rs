@@ -1,5 +1,6 @@
 //! `phugoid reproduce`.
 
+use phugoid_flight_data::output_file;
 use std::path::{Path, PathBuf};
 
 use phugoid_evaluation::chart::Chart;
@@ -101,7 +102,7 @@ fn write(
     not_run: &[NotRun],
 ) -> Result<Written, Failure> {
     let folder = arguments.out.as_path();
-    let save = |path: &Path, bytes: &[u8]| std::fs::write(path, bytes).map_err(|e| Failure::writing(path, e));
+    let save = |path: &Path, bytes: &[u8]| output_file::write(path, bytes).map_err(|e| Failure::writing(path, e));
 
     let report = folder.join("report.html");
     let options = ReproductionOptions { not_run: not_run.to_vec(), notes: notes(arguments), ..Default::default() };
@@ -146,7 +147,7 @@ fn write_figures(folder: &Path, reproductions: &[Reproduction], format: PictureF
             PictureFormat::Png => ("png", figure.to_png().map_err(|e| Failure::Output(e.to_string()))?),
         };
         let path = folder.join(format!("{name}.{extension}"));
-        std::fs::write(&path, bytes).map_err(|e| Failure::writing(&path, e))
+        output_file::write(&path, bytes).map_err(|e| Failure::writing(&path, e))
     })?;
     Ok(charts.len())
 }

@@ -12,11 +12,13 @@ use phugoid_flight_dynamics::trim::Trim;
 use phugoid_identification::estimation::Signal;
 use phugoid_report::{Figure, TimeHistoryPanel, time_histories, write_named_figures};
 use phugoid_simulation::flight::{Flight, FlightError};
+use phugoid_simulation::manoeuvre::Manoeuvre;
 use phugoid_simulation::named::scenario_text;
 use phugoid_simulation::scenario::{BUILT_IN, Scenario};
 use serde::Serialize;
 
 use crate::arguments;
+use crate::destination;
 use crate::failure::Failure;
 use crate::output::{Table, json, print, significant};
 use crate::progress::Progress;
@@ -45,6 +47,11 @@ pub(crate) fn run(arguments: &arguments::Simulate) -> Result<(), Failure> {
         return print(&text_of(wanted)?);
     }
     let mut scenario = scenario(wanted)?;
+    for manoeuvre in &scenario.manoeuvre {
+        if let Manoeuvre::Csv { file, .. } = manoeuvre {
+            destination::check_further_input(&scenario.folder.join(file), &arguments.out, &destination::FLIGHT)?;
+        }
+    }
     scenario.seed = arguments.seed.unwrap_or(scenario.seed);
     let flight = {
         let progress = Progress::new("flying");

@@ -1,5 +1,6 @@
 //! `phugoid view`.
 
+use phugoid_flight_data::output_file;
 use std::io;
 use std::sync::Arc;
 
@@ -24,7 +25,7 @@ pub(crate) fn run(arguments: &View) -> Result<(), Failure> {
     };
     let page = finished.html().map_err(named)?;
     let Some(file) = &arguments.html else { return serve(arguments, page) };
-    std::fs::write(file, page).map_err(|e| Failure::writing_of("--html", file, e))?;
+    output_file::write(file, page).map_err(|e| Failure::writing_of("--html", file, e))?;
     print(&format!("{}: {} samples\n", file.display(), finished.rows()))
 }
 

@@ -1,5 +1,6 @@
 //! Every judged number of every flight, one row each: for programs that want more than the summary.
 
+use phugoid_flight_data::printable::cell;
 use serde::Serialize;
 
 use super::criteria::CYCLES;
@@ -62,7 +63,9 @@ pub(super) fn rows(entry: &Entry, methods: &[String], flights: &[Trial]) -> Vec<
 pub fn csv(rows: &[Row]) -> Result<String, csv::Error> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     for row in rows {
-        writer.serialize(row)?;
+        // The entry is named after a file, and a parameter after a channel.
+        let [entry, parameter] = [&row.entry, &row.parameter].map(|text| cell(text).into_owned());
+        writer.serialize(Row { entry, parameter, ..row.clone() })?;
     }
     let bytes = writer.into_inner().map_err(|error| csv::Error::from(error.into_error()))?;
     Ok(String::from_utf8_lossy(&bytes).into_owned())

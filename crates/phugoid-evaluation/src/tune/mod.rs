@@ -269,10 +269,10 @@ fn problem(tunable: &dyn Tunable, seed: u64) -> Problem {
     problem
 }
 
-/// Writes the tuned settings to a file.
+/// Writes the tuned settings to a file, whole or not at all.
 ///
 /// # Errors
 /// What the system says.
 pub fn write_settings(tuning: &Tuning, file: &Path) -> std::io::Result<()> {
-    std::fs::write(file, &tuning.settings_file)
+    phugoid_flight_data::output_file::write(file, &tuning.settings_file)
 }

@@ -2,7 +2,6 @@
 //! problem that it belongs to.
 
 use std::collections::BTreeMap;
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
@@ -90,7 +89,7 @@ pub fn read(file: &Path, problem: &Problem) -> Result<Option<Search>, StateError
     Ok(Some(state.search))
 }
 
-/// Writes the state beside the file first and then puts it in its place: whoever is stopped in between leaves the old one.
+/// Writes the state whole or not at all: whoever is stopped in between leaves the old one.
 ///
 /// # Errors
 /// [`StateError::Unwritable`].
@@ -98,16 +97,7 @@ pub fn write(file: &Path, problem: &Problem, search: &Search) -> Result<(), Stat
     let unwritable = |source| StateError::Unwritable { file: file.to_owned(), source };
     let state = State { format: FORMAT, problem: problem.clone(), search: search.clone() };
     let text = toml::to_string(&state).map_err(|error| unwritable(std::io::Error::other(error)))?;
-    let mut beside = file.as_os_str().to_owned();
-    beside.push(".part");
-    let beside = PathBuf::from(beside);
-    let write = || {
-        let mut part = std::fs::File::create(&beside)?;
-        part.write_all(text.as_bytes())?;
-        part.sync_all()?;
-        std::fs::rename(&beside, file)
-    };
-    write().map_err(unwritable)
+    phugoid_flight_data::output_file::write(file, text).map_err(unwritable)
 }
 
 fn differences(found: &Problem, wanted: &Problem) -> Vec<String> {

@@ -106,7 +106,10 @@ pub enum NameProblem {
     #[error("stands twice in the record")]
     Twice,
     /// The name cannot be a header of a column.
-    #[error("is empty, or begins or ends with a blank, or holds a line end or a quote")]
+    #[error(
+        "is empty, begins or ends with a blank, holds a quote, a line end or another control character, or begins like a \
+         formula (=, +, -, @)"
+    )]
     Unwritable,
     /// No header with this name would be read back as this channel.
     #[error("would not be read back as the same channel")]

@@ -20,6 +20,21 @@ pub(super) struct Format {
 }
 
 impl Format {
+    /// Whether the last cell of a line begins with a quote that does not end on it.
+    pub(super) fn is_open(&self, line: &str) -> bool {
+        let Delimiter::Byte(delimiter) = self.delimiter else { return false };
+        let (mut quoted, mut at_start) = (false, true);
+        for byte in line.bytes() {
+            match byte {
+                b'"' if quoted || at_start => quoted = !quoted,
+                _ => {}
+            }
+            // Within quotes a doubled quote closes and opens again.
+            at_start = (byte == delimiter && !quoted) || (at_start && byte == b' ') || byte == b'"';
+        }
+        quoted
+    }
+
     /// The cells of a line. `scratch` holds them if quotes had to be removed.
     pub(super) fn cells<'a>(&self, line: &'a str, scratch: &'a mut ::csv::StringRecord) -> Vec<&'a str> {
         match self.delimiter {

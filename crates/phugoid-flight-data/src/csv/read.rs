@@ -7,6 +7,7 @@ use std::path::Path;
 use super::rows::Rows;
 use super::text_file::TextFile;
 use super::{CsvOptions, ReadError};
+use crate::printable;
 use crate::quality::QualityReport;
 use crate::record::Record;
 use crate::table::columns::{self, Head};
@@ -17,7 +18,7 @@ use crate::table::{OptionProblem, TableError};
 /// # Errors
 /// As [`read()`], with the path as the source's name.
 pub fn read_path(path: &Path, options: &CsvOptions) -> Result<Record, ReadError> {
-    let source_name = path.display().to_string();
+    let source_name = printable::path(path);
     match File::open(path) {
         Ok(file) => read(file, &source_name, options),
         Err(error) => Err(ReadError::Io { source_name, error }),

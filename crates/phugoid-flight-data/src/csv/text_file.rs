@@ -11,6 +11,8 @@ use crate::wording::cut;
 
 /// Number of bytes at the beginning from which the layout is found.
 const SAMPLE: usize = 64 * 1024;
+/// Further lines that names in quotes may take at most.
+const MOST_HEADER_LINES: usize = 64;
 /// The longest line accepted, bytes.
 const LONGEST_LINE: usize = 1024 * 1024;
 
@@ -88,7 +90,15 @@ impl<'s, R: Read> TextFile<'s, R> {
     ) -> Result<(usize, Vec<String>, Option<Row>), ReadError> {
         let first = self.next_row()?;
         let comment = self.last_comment.take();
-        let Some(first) = first else { return Err(ReadError::Empty { source_name: self.source.to_owned() }) };
+        let Some(mut first) = first else { return Err(ReadError::Empty { source_name: self.source.to_owned() }) };
+        // A name in quotes may hold line ends.
+        for _ in 0..MOST_HEADER_LINES {
+            if !self.format.is_open(&first.text) {
+                break;
+            }
+            let Some(more) = self.next_row()? else { break };
+            first.text = format!("{}\n{}", first.text, more.text);
+        }
         let mut cells = self.cells(&first.text);
         let word = |cell: &String| {
             matches!(cells::parse(cell, self.format.decimal_comma), Cell::Text) && cells::clock(cell).is_none()

@@ -1,25 +1,26 @@
 //! Writes a record as the text of a CSV file.
 
-use std::fs::File;
-use std::io::{BufWriter, Write};
+use std::io::Write;
 use std::path::Path;
 
 use super::{NameProblem, WriteError};
 use crate::channels;
+use crate::output_file::OutputFile;
+use crate::printable;
 use crate::record::{Channel, Quantity, Record};
 use crate::table::header::{self, Meaning};
 
-/// Writes a CSV file to the disk; otherwise as [`write()`].
+/// Writes a CSV file to the disk, whole or not at all ([`OutputFile`]); otherwise as [`write()`].
 ///
 /// # Errors
 /// As [`write()`], with the path as the target's name. Names and lengths are checked before the file is created.
 pub fn write_path(record: &Record, path: &Path) -> Result<(), WriteError> {
-    let target = path.display().to_string();
+    let target = printable::path(path);
     let headers = headers(record, &target)?;
-    match File::create(path) {
-        Ok(file) => write_rows(record, &headers, BufWriter::new(file), &target),
-        Err(error) => Err(WriteError::Io { target, error }),
-    }
+    let failed = |error| WriteError::Io { target: target.clone(), error };
+    let mut file = OutputFile::create(path).map_err(failed)?;
+    write_rows(record, &headers, &mut file, &target)?;
+    file.finish().map_err(failed)
 }
 
 /// Writes a record as CSV in SI units, `time_s` first, with the unit in every header (`alpha_rad`, `true_airspeed_m_s`)
@@ -51,7 +52,11 @@ pub(crate) fn headers(record: &Record, target: &str) -> Result<Vec<String>, Writ
         if record.channels.iter().filter(|other| other.name == channel.name).count() > 1 {
             return Err(name(NameProblem::Twice));
         }
-        if channel.name.is_empty() || channel.name.trim() != channel.name || channel.name.contains(['\n', '\r', '"']) {
+        let is_writable = |name: &str| {
+            let is_shown = !name.contains(|c| c == '"' || printable::is_command(c));
+            !name.is_empty() && name.trim() == name && is_shown && !printable::is_formula(name)
+        };
+        if !is_writable(&channel.name) {
             return Err(name(NameProblem::Unwritable));
         }
         let header = header_of(channel).ok_or_else(|| name(NameProblem::Misread))?;

@@ -11,6 +11,7 @@ use super::survey::{Survey, into_survey};
 use super::survey_and_tables::SurveyAndTables;
 use super::{Log, LogError, Selection, dataflash, ulog};
 use crate::format::Format;
+use crate::printable;
 
 /// Reads a log from the disk; otherwise as [`read()`].
 ///
@@ -84,7 +85,7 @@ fn run<S: Sink>(format: Format, reader: impl Read, source: &str, sink: &mut S) -
 }
 
 fn open(path: &Path) -> Result<(File, String), LogError> {
-    let source_name = path.display().to_string();
+    let source_name = printable::path(path);
     match File::open(path) {
         Ok(file) => Ok((file, source_name)),
         Err(error) => Err(LogError::Io { source_name, error }),

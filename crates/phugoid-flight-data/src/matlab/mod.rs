@@ -24,6 +24,7 @@ use std::fs::File;
 use std::io::{BufReader, Read};
 use std::path::Path;
 
+use crate::printable;
 use crate::quality::QualityReport;
 use crate::record::Record;
 use crate::table::{self, TableOptions};
@@ -33,7 +34,7 @@ use crate::table::{self, TableOptions};
 /// # Errors
 /// As [`read()`], with the path as the source's name.
 pub fn read_path(path: &Path, options: &TableOptions) -> Result<Record, ReadError> {
-    let source_name = path.display().to_string();
+    let source_name = printable::path(path);
     match File::open(path) {
         Ok(file) => read(file, &source_name, options),
         Err(error) => Err(ReadError::Io { source_name, error }),

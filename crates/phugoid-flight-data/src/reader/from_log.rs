@@ -6,6 +6,7 @@ use super::{ReadError, ReadOptions, surfaces, vehicle};
 use crate::align::{Aligner, Hold, Statistics};
 use crate::channels;
 use crate::log::{Log, Selection, Topic, Wanted};
+use crate::printable::toml_string;
 use crate::profile::{Factor, FieldName, Profile, Source};
 use crate::quality::QualityReport;
 use crate::record::Record;
@@ -105,8 +106,9 @@ fn absent(log: &Log, channel: &str, sources: &[Source]) -> String {
     if let Some(source) = sources.iter().find(|source| indicated(source)) {
         text += &format!(
             ". {} is there, but it is indicated: it becomes {channel} only with the density of the air, which the log does not \
-             give. Log it, or, where the error does not matter, map it: [channels] {channel} = {{ header = \"{}\" }}",
-            source.field, source.field
+             give. Log it, or, where the error does not matter, map it: [channels] {channel} = {{ header = {} }}",
+            source.field,
+            toml_string(&source.field.to_string())
         );
     }
     text

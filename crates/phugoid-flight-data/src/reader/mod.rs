@@ -40,6 +40,7 @@ use crate::csv::{self, CsvOptions};
 use crate::format::Format;
 use crate::log;
 use crate::log::survey::Survey;
+use crate::printable;
 use crate::profile::{Profile, ProfileError};
 use crate::record::Record;
 use crate::table::TableOptions;
@@ -129,7 +130,7 @@ pub fn survey_path(path: &Path, options: &ReadOptions) -> Result<Surveyed, ReadE
 }
 
 fn open(path: &Path) -> Result<(Format, impl Read, String), ReadError> {
-    let source_name = path.display().to_string();
+    let source_name = printable::path(path);
     match File::open(path).and_then(Format::of) {
         Ok((format, reader)) => Ok((format, reader, source_name)),
         Err(error) if path.is_dir() => {
@@ -167,7 +168,7 @@ fn record_by_field_names(survey: &Survey, path: &Path, options: &ReadOptions) ->
 
 /// Reads a file that is no log.
 fn table(format: Format, reader: impl Read, path: &Path, options: &ReadOptions) -> Result<Record, ReadError> {
-    let source = path.display().to_string();
+    let source = printable::path(path);
     match format {
         // The reader of CSV has the best messages for files that are no text.
         Format::Csv | Format::Gzip | Format::Zip | Format::Utf16 => {

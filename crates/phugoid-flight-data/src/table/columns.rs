@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 
 use crate::channels::{self, ChannelSpec};
+use crate::printable;
 use crate::quality::QualityReport;
 use crate::record::Quantity;
 use crate::table::header::{self, Conflict, Doubt, Meaning};
@@ -111,6 +112,11 @@ pub(crate) struct Plan {
 
 /// Decides for every column what it becomes, and reports what was assumed.
 pub(crate) fn plan(head: &Head<'_>, options: &TableOptions, report: &mut QualityReport) -> Result<Plan, TableError> {
+    // From here on the words of the table appear in names and messages.
+    let shown =
+        |words: &[String]| -> Vec<String> { words.iter().map(|w| printable::one_line(w).into_owned()).collect() };
+    let (headers, units) = (shown(head.headers), head.units.map(shown));
+    let head = &Head { headers: &headers, units: units.as_deref(), ..*head };
     if head.headers.len() > MAX_COLUMNS {
         return Err(TableError::TooManyColumns {
             source_name: head.source.to_owned(),
@@ -236,7 +242,8 @@ fn mapped(head: &Head<'_>, mapping: &ColumnMapping, report: &mut QualityReport) 
 
 /// The index of the column with this header of a mapping.
 fn find_column(head: &Head<'_>, mapping: &ColumnMapping, header: &str) -> Result<usize, TableError> {
-    let wanted = header.trim();
+    let wanted = printable::one_line(header);
+    let wanted = wanted.trim();
     let alike = |loose: bool| -> Vec<usize> {
         let same = |header: &String| match loose {
             true => header.trim().to_lowercase() == wanted.to_lowercase(),
@@ -327,6 +334,7 @@ fn automatic(
             if name.is_empty() {
                 name = format!("column_{}", column + 1);
             }
+            name = printable::channel_name(&name);
             // A column that was not recognised must not have the name of a known channel (`v`, which is ambiguous).
             if channels::by_name(&name).is_some() {
                 name = format!("{name}?");

@@ -6,6 +6,7 @@ mod channels;
 mod measurements;
 mod parameters;
 
+use phugoid_flight_data::printable::{is_command, toml_string};
 use phugoid_flight_data::quantity::Dimension;
 use toml::de::DeTable;
 
@@ -185,6 +186,12 @@ fn extra_inputs(top: &Section, axes: Axes) -> Result<Vec<String>, ModelFileError
     for (name, span) in top.strings("inputs")?.unwrap_or_default() {
         if names.len() == EXTRA_INPUTS {
             return Err(top.source.error(span, "inputs", format!("more than {EXTRA_INPUTS} extra inputs")));
+        }
+        // The name becomes a part of terms, of names of parameters and of headers.
+        if name.trim() != name || name.is_empty() || name.contains(|c| is_command(c) || "\"\\,*^".contains(c)) {
+            let shown = toml_string(name);
+            let message = format!("{shown} is no name: a word without quotes, commas, `*`, `^` and control characters");
+            return Err(top.source.error(span, "inputs", message));
         }
         let known = || axes.variables().iter().map(|v| v.name()).chain(names.iter().map(String::as_str));
         if known().chain(["1"]).any(|n| n == name) {

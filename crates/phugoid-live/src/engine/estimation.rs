@@ -31,8 +31,10 @@ pub(super) struct Estimation {
     /// What the session waits for before its first estimate.
     pub(super) waiting: Option<String>,
     refused: u64,
-    /// The session has failed. That is published once; the next flight is tried again.
-    failed: bool,
+    /// Why the session left out a sample for the first time.
+    pub(super) first_refusal: Option<String>,
+    /// Why the session has failed. That is published once; the next flight is tried again.
+    pub(super) failure: Option<String>,
 }
 
 /// The time, s, at which the readiness that was published last had been computed.
@@ -73,7 +75,8 @@ impl Estimation {
             latency: Latency::default(),
             waiting: None,
             refused: 0,
-            failed: false,
+            first_refusal: None,
+            failure: None,
         }
     }
 
@@ -108,7 +111,7 @@ impl Estimation {
     }
 
     fn sample(&mut self, time_s: f64, values: &[f64], now_ns: u64, publish: Publish<'_>) {
-        if self.failed {
+        if self.failure.is_some() {
             return;
         }
         match self.session.update(time_s, values) {
@@ -138,11 +141,12 @@ impl Estimation {
                 if self.refused <= 5 {
                     publish_event(Some(time_s), now_ns, &LiveEventKind::Refused.into(), &reason, publish);
                 }
+                self.first_refusal.get_or_insert(reason);
             }
             Err(error) => {
-                self.failed = true;
                 let message = format!("no estimation of this flight: {error}");
                 publish_event(Some(time_s), now_ns, &LiveEventKind::Impossible.into(), &message, publish);
+                self.failure = Some(message);
             }
         }
         for event in self.session.take_events() {
@@ -161,7 +165,7 @@ impl Estimation {
             Err(error) => publish_event(None, now_ns, &LiveEventKind::Impossible.into(), &error.to_string(), publish),
         }
         self.flight += 1;
-        (self.failed, self.shown_s, self.waiting) = (false, f64::NEG_INFINITY, None);
+        (self.failure, self.shown_s, self.waiting) = (None, f64::NEG_INFINITY, None);
         self.readiness = ReadinessPublished::default();
         self.hello(publish);
     }

@@ -127,7 +127,8 @@ impl Stream {
                     out(Piece::Payload(Payload::Text));
                     return;
                 }
-                Err(why) => reason = why.or(reason),
+                // The first line is the header where one is sent; the rows below it then fail for want of one.
+                Err(why) => reason = reason.or(why),
             }
             start += end + 1;
         }

@@ -2,8 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Version of the format that is written; later ones are not read.
-pub const VERSION: u32 = 1;
+/// Version of the format that is written; later ones are not read. Version 1 has no [`Header::mapped`], which is then
+/// false.
+pub const VERSION: u32 = 2;
 
 /// The first block: what is needed to estimate again, with the model file as text.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -30,4 +31,23 @@ pub struct Header {
     pub system: Option<u8>,
     /// Name of the MAVLink message that gives the times, if one was chosen.
     pub base: Option<String>,
+    /// True if the rows have canonical channel names and SI units already, because a flight record was replayed when
+    /// this was recorded. The columns that the model file maps are not mapped once more then.
+    #[serde(default)]
+    pub mapped: bool,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_header_of_version_1_has_rows_as_they_came() {
+        let text = r#"{"version":1,"program":"0.1.0","source":"udp://127.0.0.1:14550","started_wall_ns":7,
+            "model_name":"f16","model_text":"","method":null,"change_detection":null,"reorder_ns":4000000,
+            "system":null,"base":null}"#;
+        let header: Header = serde_json::from_str(text).unwrap();
+        assert_eq!((header.version, header.mapped), (1, false));
+        assert!(header.version <= VERSION);
+    }
 }

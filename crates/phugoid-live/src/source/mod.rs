@@ -20,6 +20,7 @@ pub struct Source {
     run: Run,
     /// Name for people, such as `udp://127.0.0.1:14550`.
     pub name: String,
+    mapped: bool,
 }
 
 impl Source {
@@ -46,7 +47,14 @@ impl Source {
                 (Box::new(|outlet| read_all(io::stdin().lock(), "standard input", outlet)), spec.clone())
             }
         };
-        Ok(Self { run, name: spec.to_string() })
+        Ok(Self { run, name: spec.to_string(), mapped: false })
+    }
+
+    /// True if the rows that come have canonical channel names and SI units already, as those of a flight record have
+    /// that is replayed ([`Replay::flight`]). The column mappings of a model file must not be applied to them once
+    /// more.
+    pub fn is_mapped(&self) -> bool {
+        self.mapped
     }
 
     /// Receives until the source ends, or until the stop of the outlet is set or nobody takes the arrivals any more.
@@ -57,7 +65,7 @@ impl Source {
 
 impl From<Replay> for Source {
     fn from(replay: Replay) -> Self {
-        let name = replay.name().to_owned();
-        Self { run: Box::new(move |outlet| replay.run(outlet)), name }
+        let (name, mapped) = (replay.name().to_owned(), replay.is_mapped());
+        Self { run: Box::new(move |outlet| replay.run(outlet)), name, mapped }
     }
 }

@@ -71,7 +71,8 @@ impl Replay {
         Self { name: name.to_owned(), pace, what: What::Recording(Box::new(reader)) }
     }
 
-    /// Replays a flight record as a stream of CSV rows, each at its time.
+    /// Replays a flight record as a stream of CSV rows, each at its time. The rows have the names and units of the
+    /// record, which are canonical: see [`Replay::is_mapped`].
     ///
     /// # Errors
     /// [`ReplayError::Flight`] if the record cannot be written as CSV, such as with the name of a channel that could
@@ -84,6 +85,15 @@ impl Replay {
     /// Name of the file that is replayed.
     pub fn name(&self) -> &str {
         &self.name
+    }
+
+    /// True if the rows have canonical channel names and SI units already: those of a flight record, and those of a
+    /// recording that was made while a flight record was replayed.
+    pub fn is_mapped(&self) -> bool {
+        match &self.what {
+            What::Recording(reader) => reader.header().mapped,
+            What::Flight(_) => true,
+        }
     }
 
     pub(super) fn run(self, outlet: &Outlet) {

@@ -1,5 +1,7 @@
 //! The candidate terms that are tried, and the priors of their parameters.
 
+use phugoid_flight_data::printable::toml_string;
+
 use super::amplitude::Amplitudes;
 use crate::core::estimation::ParameterResult;
 use crate::core::term::{Coefficient, Term, Variable};
@@ -30,7 +32,7 @@ impl Candidate {
     pub(super) fn coefficient_line(&self, file: &ModelFile) -> String {
         let there = terms_of(file, self.coefficient).map(|(_, term)| term);
         let words: Vec<String> =
-            there.chain([&self.term]).map(|term| format!("\"{}\"", term.text(&file.extra_inputs))).collect();
+            there.chain([&self.term]).map(|term| toml_string(&term.text(&file.extra_inputs))).collect();
         format!("{} = [{}]", self.coefficient.symbol(), words.join(", "))
     }
 
@@ -38,7 +40,10 @@ impl Candidate {
     pub(super) fn parameter_line(&self, file: &ModelFile) -> String {
         let [lower, upper] = self.parameter.bounds.unwrap_or_default();
         let start = if file.base == Base::None { "start = 0, " } else { "" };
-        format!("{} = {{ {start}bounds = [{lower}, {upper}] }}", self.parameter.name)
+        let name = &self.parameter.name;
+        let is_bare = name.bytes().all(|byte| byte.is_ascii_alphanumeric() || matches!(byte, b'_' | b'-'));
+        let key = if is_bare { name.clone() } else { toml_string(name) };
+        format!("{key} = {{ {start}bounds = [{lower}, {upper}] }}")
     }
 }
 

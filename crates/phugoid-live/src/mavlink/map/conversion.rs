@@ -2,6 +2,7 @@
 
 use phugoid_flight_data::channels;
 use phugoid_flight_data::csv::ColumnMapping;
+use phugoid_flight_data::printable::toml_string;
 use phugoid_flight_data::record::Quantity;
 use phugoid_flight_data::units;
 
@@ -65,14 +66,14 @@ pub(super) fn of_mapping(mapping: &ColumnMapping, unit_of_field: &str) -> Result
     if mapping.scale == 1.0 {
         return Err(format!(
             "[channels] {}: `{}` is a command {}, not {} in a unit. Give what one of its units is in {}: \
-             {} = {{ header = \"{}\", scale = ... }}. Servo pulses count from 1500 us",
+             {} = {{ header = {}, scale = ... }}. Servo pulses count from 1500 us",
             mapping.channel,
             mapping.header,
             if unit_of_field.is_empty() { "without a unit".to_owned() } else { format!("in {unit_of_field}") },
             quantity.in_words(),
             quantity.si_unit(),
             mapping.channel,
-            mapping.header
+            toml_string(&mapping.header)
         ));
     }
     let zero = if unit_of_field == "us" { NEUTRAL_US } else { 0.0 };
