@@ -54,6 +54,7 @@ where
                 estimate: &estimate,
                 covariance: &covariance,
                 residuals: &smpe.innovations().normalised,
+                noise_std: &smpe.noise().std,
                 noise_scale: smpe.process_noise_scale(),
             };
             monitor.update(sample, &watched)
@@ -61,7 +62,7 @@ where
         .collect()
 }
 
-const EXPECTED: Expected = Expected { value: 3.0, tolerance: 0.1, failure_std: 1.0 };
+const EXPECTED: Expected = Expected { value: 3.0, tolerance: 0.1, failure_std: 1.0, constant: false };
 
 /// False alarms in 400 healthy flights of 30 s with these true parameters: with one false alarm per 2.5 minutes accepted, each may
 /// raise one with a probability of 0.2.
@@ -148,7 +149,7 @@ fn five(seed: u64, onset_s: f64) -> (Synthetic<ROOM>, EstimatorSettings<4, 6, RO
 }
 
 fn five_expected() -> Vec<Option<Expected>> {
-    vec![Some(Expected { value: 0.0, tolerance: 0.02, failure_std: 0.25 }); 5]
+    vec![Some(Expected { value: 0.0, tolerance: 0.02, failure_std: 0.25, constant: false }); 5]
 }
 
 #[test]
@@ -263,6 +264,7 @@ fn nothing_makes_it_panic_or_lie() {
             estimate: &broken[k % 3],
             covariance: &covariances[k % 3],
             residuals: &residuals,
+            noise_std: &[f64::NAN, 0.0, -1.0, f64::INFINITY, 1.0, 1e300],
             noise_scale: [f64::NAN, -1.0, f64::INFINITY][k % 3],
         };
         let health = monitor.update(&sample, &watched);
