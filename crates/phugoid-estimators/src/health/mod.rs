@@ -124,8 +124,8 @@ pub struct Failure<const P: usize> {
     /// Standard deviation of [`Self::change`], parameter units.
     pub change_std: [f64; P],
     /// When the parameter was named as one that has diverged, s: NaN until then. It takes as much evidence as the flag,
-    /// against the parameter anywhere within its tolerance and all others anywhere, the values before the onset taken
-    /// for granted; and the estimate, which is not linear about the expectation, has to lie outside of the tolerance by
+    /// against the parameter anywhere within its tolerance and all others anywhere, or against no change of it where it
+    /// alone (the constants together) explains what is seen, the values before the onset taken for granted; and the estimate, which is not linear about the expectation, has to lie outside of the tolerance by
     /// more than three corrected standard errors for 0.2 s.
     pub named_s: [f64; P],
 }
@@ -145,7 +145,7 @@ pub struct Health<const P: usize> {
     /// parameters together. NaN if it cannot be computed.
     pub joint_deviation: f64,
     /// Evidence of a failure, the natural logarithm of hours: a healthy plant shows this much at most once in
-    /// `exp(evidence)` hours.
+    /// `exp(evidence)` hours, as far as the assumptions hold ([`Assumptions::hold`]).
     pub evidence: f64,
     /// What was seen of the assumptions behind the rate of false alarms, up to the flag.
     pub assumptions: Assumptions,

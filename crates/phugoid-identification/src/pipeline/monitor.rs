@@ -101,6 +101,9 @@ fn report(estimation: &Estimation, options: &HealthOptions, run: HealthRun) -> H
     }
 }
 
+/// Scatter before a flag from which an error of the model is named as a possible cause of it.
+const UNEXPLAINED: f64 = 8.0;
+
 fn sentences(
     condition: Condition,
     parameters: &[ParameterHealth],
@@ -146,6 +149,13 @@ fn sentences(
             sentences.push(format!(
                 "Perhaps {}: the estimate ends outside of the tolerance, but did not confirm it soon after the flag",
                 unsure.join(", ")
+            ));
+        }
+        if let Some(scatter) = promise.scatter.filter(|scatter| *scatter > UNEXPLAINED) {
+            sentences.push(format!(
+                "Perhaps none of these: before the flag too the model explained the flight only with {} times the variance \
+                 of its noise along these parameters, so that an error of the model may have raised it",
+                number(scatter)
             ));
         }
         if promise.holds {
