@@ -267,7 +267,7 @@ fn units_of_the_parameters_do_not_matter() {
     let plain = monitored(&FirstOrder, smpe_settings(), &[Some(EXPECTED)], MonitorSettings::default(), &flight);
     let priors = [ParameterPrior::bounded(3000.0, 1000.0, 5000.0)];
     let settings = EstimatorSettings::automatic(&priors, NOISE, STEP_S).unwrap();
-    let expected = Expected { value: 3000.0, tolerance: 100.0, failure_std: 1000.0 };
+    let expected = Expected { value: 3000.0, tolerance: 100.0, failure_std: 1000.0, constant: false };
     let scaled = monitored(&Thousandths, settings, &[Some(expected)], MonitorSettings::default(), &flight);
     for (a, b) in plain.iter().zip(&scaled) {
         assert_eq!((a.condition, a.unknown), (b.condition, b.unknown));

@@ -101,8 +101,9 @@ fn report(estimation: &Estimation, options: &HealthOptions, run: HealthRun) -> H
     }
 }
 
-/// Scatter before a flag from which an error of the model is named as a possible cause of it.
-const UNEXPLAINED: f64 = 8.0;
+/// Scatter before a flag from which an error of the model is named as a possible cause of it: on the develop flights of the
+/// field 11 of 18 false alarms lay above, and 7 of 64 true ones.
+const UNEXPLAINED: f64 = 10.0;
 
 fn sentences(
     condition: Condition,
