@@ -110,24 +110,21 @@ fn assumed(seed: u64, correlated_s: f64) -> (bool, bool) {
     (last.assumptions.hold(), last.failure.is_some())
 }
 
-/// The rate is a theorem about white noise. With white noise the checks say so; where the noise is coloured they do not, so
-/// that no false alarm comes with a promise.
+/// The rate is a theorem about white noise. With white noise the checks say so; where half of the noise is coloured they do
+/// not.
 #[test]
 fn what_is_promised_was_checked_on_the_flight() {
     let flights = 40;
-    let (mut held, mut coloured_held, mut alarms, mut promised_alarms) = (0, 0, 0, 0);
+    let (mut held, mut coloured_held) = (0, 0);
     for seed in 0..flights {
         let (holds, alarm) = assumed(seed, 0.0);
         held += u32::from(holds);
         assert!(!alarm, "seed {seed}: white noise");
-        let (holds, alarm) = assumed(seed, 0.3);
-        coloured_held += u32::from(holds);
-        alarms += u32::from(alarm);
-        promised_alarms += u32::from(alarm && holds);
+        coloured_held += u32::from(assumed(seed, 0.3).0);
     }
-    println!("of {flights}: {held} hold with white noise, {coloured_held} with colour; {alarms} alarms with colour");
+    println!("of {flights}: {held} hold with white noise, {coloured_held} with colour");
     assert!(held >= 36, "{held}");
-    assert_eq!((coloured_held, promised_alarms), (0, 0));
+    assert_eq!(coloured_held, 0);
 }
 
 /// The weights of the onsets add up to the time flown: without information the evidence is exactly that.
