@@ -213,15 +213,19 @@ fn promise(assumptions: Option<&Assumptions>, learns: bool) -> Promise {
     } else if seen.hold() {
         None
     } else {
+        // NaN holds nothing.
         let mut broken = Vec::new();
-        if !(seen.level <= Assumptions::LARGEST_LEVEL) {
+        let level_holds = seen.level <= Assumptions::LARGEST_LEVEL;
+        if !level_holds {
             broken.push(format!("their mean square is {} (limit {})", short(seen.level), Assumptions::LARGEST_LEVEL));
         }
-        if !(seen.correlation.abs() <= Assumptions::LARGEST_CORRELATION) {
+        let white = seen.correlation.abs() <= Assumptions::LARGEST_CORRELATION;
+        if !white {
             let limit = Assumptions::LARGEST_CORRELATION;
             broken.push(format!("successive ones are correlated by {} (limit {limit})", short(seen.correlation)));
         }
-        if !(seen.scatter <= seen.largest_scatter()) {
+        let scatter_holds = seen.scatter <= seen.largest_scatter();
+        if !scatter_holds {
             let limit = short(seen.largest_scatter());
             broken.push(format!(
                 "what they say of the parameters scatters {} times (limit {limit})",
