@@ -72,8 +72,11 @@ struct Document<'a> {
     model: &'a str,
     condition: Condition,
     false_alarms_per_hour: f64,
-    /// Flight time, hours, in which a healthy aircraft shows evidence as large as this at most once.
-    evidence_hours: f64,
+    /// Whether that rate is promised for this flight, and what was checked.
+    promise: &'a phugoid_identification::health::Promise,
+    /// Flight time, hours, in which a healthy aircraft shows evidence as large as this at most once; null where no rate
+    /// is promised.
+    evidence_hours: Option<f64>,
     parameters: &'a [phugoid_identification::health::ParameterHealth],
     failure: Option<&'a phugoid_identification::health::FailureReport>,
     sentences: &'a [String],
@@ -89,7 +92,8 @@ impl<'a> Document<'a> {
             model: &report.model,
             condition: report.condition,
             false_alarms_per_hour: report.false_alarms_per_hour,
-            evidence_hours: report.evidence.exp(),
+            promise: &report.promise,
+            evidence_hours: report.promise.holds.then(|| report.evidence.exp()),
             parameters: &report.parameters,
             failure: report.failure.as_ref(),
             sentences: &report.sentences,
@@ -106,13 +110,14 @@ fn text(report: &HealthReport, files: &[PathBuf]) -> String {
     if let (Some(first), Some(last)) = (time.first(), time.last()) {
         let _ = writeln!(
             text,
-            "{}\n{} samples from {} s to {} s, model `{}`, at most {} false alarms per flight hour\n",
+            "{}\n{} samples from {} s to {} s, model `{}`, set to {} false alarms per flight hour{}\n",
             report.source,
             time.len(),
             significant(*first, 4),
             significant(*last, 4),
             report.model,
-            report.false_alarms_per_hour
+            report.false_alarms_per_hour,
+            if report.promise.holds { "" } else { ", which are not promised" }
         );
     }
     let _ = writeln!(text, "  {}\n", report.condition.words().to_uppercase());

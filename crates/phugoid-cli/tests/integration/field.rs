@@ -60,6 +60,11 @@ fn the_damage_is_found_and_nothing_is_taken_for_one() {
     let watched = study["watched"].as_array().unwrap();
     assert_eq!(watched.len(), 2, "healthy and damaged");
     assert_eq!((&watched[1]["flights"], &watched[1]["missed"]), (&1.into(), &0.into()));
+    assert_eq!((&watched[0]["false_alarms"], &watched[1]["false_alarms"]), (&0.into(), &0.into()));
+    assert_eq!(watched[1]["named_rightly"], 1);
+    for trial in study["trials"].as_array().unwrap() {
+        assert_eq!(trial["watched"]["promised"], false, "{}: levels are learnt", trial["flight"]);
+    }
 }
 
 /// Errors that no result may survive: the record contradicts itself by factors.

@@ -21,12 +21,34 @@ fn a_failure_is_flagged_with_its_onset_and_its_own_exit_code() {
     assert_eq!(run.code, Some(10), "{}", run.err);
     let json: serde_json::Value = serde_json::from_str(&run.out).unwrap();
     assert_eq!(json["condition"], "diverged");
+    assert_eq!(json["promise"]["holds"], true, "{}", json["promise"]);
+    assert!(json["evidence_hours"].as_f64().unwrap() >= 100.0);
     let failure = &json["failure"];
     let (flag, onset) = (failure["flagged_at_s"].as_f64().unwrap(), failure["onset_s"].as_f64().unwrap());
     assert!((10.0..11.0).contains(&flag) && (onset - 10.0).abs() < 0.5, "{failure}");
     assert_eq!(json["history"]["time_s"].as_array().unwrap().len(), 2001);
     assert!(folder.read("health/health.json").contains("onset_interval_s"));
     assert!(folder.read("health/report.html").contains("<html"));
+}
+
+/// On a foreign flight the noise levels are learnt from the flight that they judge: no rate is promised, in no output.
+#[test]
+fn no_rate_is_promised_where_its_assumptions_were_not_checked() {
+    let folder = Folder::new("monitor-foreign");
+    let flights = concat!(env!("CARGO_MANIFEST_DIR"), "/../phugoid-evaluation/tests/field/develop/OV10");
+    let (flight, model) = (format!("{flights}/calm-short.csv"), format!("{flights}/longitudinal.toml"));
+    folder.file("expected.toml", "[expected]\nCm_alpha = { value = -0.3, tolerance = 5.0 }\n");
+    let arguments = ["monitor", &flight, "--model", &model, "--expected", "expected.toml"];
+    let run = phugoid(&folder.0, &arguments);
+    assert!(run.out.contains("No rate of false alarms is promised"), "{}{}", run.out, run.err);
+    assert!(run.out.contains("not promised\n") && run.out.contains("not given but learnt"), "{}", run.out);
+    assert!(!run.out.contains("at most once"), "{}", run.out);
+    let run = phugoid(&folder.0, &[&arguments[..], &["--json", "--out", "health"]].concat());
+    let json: serde_json::Value = serde_json::from_str(&run.out).unwrap();
+    assert_eq!(json["promise"]["holds"], false);
+    assert!(json["promise"]["reason"].as_str().unwrap().contains("learnt in flight"));
+    assert!(json["evidence_hours"].is_null());
+    assert!(folder.read("health/health.json").contains("\"holds\": false"));
 }
 
 #[test]

@@ -173,6 +173,51 @@ impl<const P: usize> Information<P> {
         later
     }
 
+    /// The same of a noise whose variance is larger by one over this factor.
+    pub(super) fn scaled(&self, factor: f64, len: usize) -> Self {
+        let mut s = *self;
+        for i in 0..len {
+            s.g[i] *= factor;
+            for j in 0..=i {
+                s.m[i][j] *= factor;
+            }
+        }
+        s.square *= factor;
+        s
+    }
+
+    /// `s^T (M + I)^-1 s` of what this block says beside no deviation, and how large that is in the mean with white
+    /// noise, where the healthy deviation was fitted to `total` within the limits. None where the arithmetic fails.
+    pub(super) fn scatter(&self, total: &Self, limits: &Limits<P>, len: usize) -> Option<[f64; 2]> {
+        let mut with_unit = self.m;
+        let mut all = total.m;
+        for i in 0..len {
+            with_unit[i][i] += 1.0;
+            let half = 0.5 * (limits.high[i] - limits.low[i]);
+            all[i][i] += 1.0 / (half * half);
+        }
+        let with_unit = Cholesky::new(&mut with_unit, len)?;
+        let all = Cholesky::new(&mut all, len)?;
+        let mut solved = self.g;
+        with_unit.solve(&mut solved);
+        let square = dot(&solved[..len], &self.g[..len]);
+        let mut freedom = 0.0;
+        for j in 0..len {
+            let mut left: [f64; P] = [0.0; P];
+            for (i, left) in left[..len].iter_mut().enumerate() {
+                *left = self.entry(i, j);
+            }
+            let mut fitted = left;
+            all.solve(&mut fitted);
+            for (i, left) in left[..len].iter_mut().enumerate() {
+                *left -= (0..len).map(|k| self.entry(i, k) * fitted[k]).sum::<f64>();
+            }
+            with_unit.solve(&mut left);
+            freedom += left[j];
+        }
+        Some([square, freedom])
+    }
+
     /// The best log likelihood of a change from `from` after which one column is within its half width and the others
     /// anything (up to [`LARGEST`]), for all columns. Infinite where it cannot be computed: no evidence against that
     /// column.
@@ -197,6 +242,29 @@ impl<const P: usize> Information<P> {
             }
         }
         best
+    }
+
+    /// The same if only these columns can have changed.
+    pub(super) fn restricted(&self, columns: &[bool; P], len: usize) -> Self {
+        let mut own = *self;
+        for i in 0..len {
+            if !columns[i] {
+                own.g[i] = 0.0;
+            }
+            for j in 0..=i {
+                if !(columns[i] && columns[j]) {
+                    own.m[i][j] = 0.0;
+                }
+            }
+        }
+        own
+    }
+
+    /// The log likelihood of the best change; minus infinity where it cannot be computed.
+    pub(super) fn best(&self, len: usize) -> f64 {
+        let Some(d) = self.free(len) else { return f64::NEG_INFINITY };
+        let value = self.log_likelihood(&d, len);
+        if value.is_finite() { value } else { f64::NEG_INFINITY }
     }
 
     /// Mean square of what the best failure leaves of the innovations: one where the failure is linear and the noise as

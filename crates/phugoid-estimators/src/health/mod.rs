@@ -29,7 +29,7 @@
 //! let settings = EstimatorSettings::automatic(&priors, [NOISE], 0.01)?;
 //! let mut estimator = Smpe::new(Lag, settings)?;
 //! // a = 3 within 0.3 and b = 2 within 0.3 count as healthy; a failure would change them by about 1.
-//! let healthy = |value| Some(Expected { value, tolerance: 0.3, failure_std: 1.0 });
+//! let healthy = |value| Some(Expected { value, tolerance: 0.3, failure_std: 1.0, constant: false });
 //! let mut monitor = HealthMonitor::new(Lag, &settings, &[healthy(3.0), healthy(2.0)], MonitorSettings::default()).unwrap();
 //! let mut covariance = [[0.0; 2]; 2];
 //! let mut flagged_s = None;
@@ -41,6 +41,7 @@
 //!         estimate: &estimate,
 //!         covariance: &covariance,
 //!         residuals: &estimator.innovations().normalised,
+//!         noise_std: &estimator.noise().std,
 //!         noise_scale: estimator.process_noise_scale(),
 //!     });
 //!     if health.condition == Condition::Diverged && flagged_s.is_none() {
@@ -52,22 +53,25 @@
 //! # Ok::<(), phugoid_estimators::settings::SettingsError>(())
 //! ```
 
+mod assumptions;
 mod deviation;
 mod evidence;
 mod level;
 mod onset;
 mod reference;
+mod scatter;
 mod settings;
 mod starts;
 
+pub use assumptions::Assumptions;
 pub use onset::Onset;
 pub use settings::{Expected, MonitorError, MonitorSettings};
 
 use deviation::{Deviation, deviation};
-use evidence::log_add;
+use evidence::{Information, Limits, log_add};
 use level::Levels;
 use reference::{Parts, Reference};
-use starts::Starts;
+use starts::{FailureStart, Starts};
 
 use crate::columns::Columns;
 use crate::estimate::{ChangeState, Estimate, Phase};
@@ -82,7 +86,9 @@ const LOOK_S: f64 = 0.05;
 const NEGLIGIBLE: f64 = 7.0;
 
 /// Parameters are named up to this long after the flag, s.
-const NAMING_S: f64 = 2.0;
+const NAMING_S: f64 = 10.0;
+/// ... and by what cannot be told from a constant in the last so many seconds of that.
+const LATE_S: f64 = 1.0;
 /// The estimate confirms a failed parameter when it lies this many corrected standard errors outside of its tolerance,
 /// ...
 const CONFIRMED: f64 = 3.0;
@@ -118,8 +124,8 @@ pub struct Failure<const P: usize> {
     /// Standard deviation of [`Self::change`], parameter units.
     pub change_std: [f64; P],
     /// When the parameter was named as one that has diverged, s: NaN until then. It takes as much evidence as the flag,
-    /// against the parameter anywhere within its tolerance and all others anywhere, the values before the onset taken
-    /// for granted; and the estimate, which is not linear about the expectation, has to lie outside of the tolerance by
+    /// against the parameter anywhere within its tolerance and all others anywhere, or against no change of it where it
+    /// alone (the constants together) explains what is seen, the values before the onset taken for granted; and the estimate, which is not linear about the expectation, has to lie outside of the tolerance by
     /// more than three corrected standard errors for 0.2 s.
     pub named_s: [f64; P],
 }
@@ -139,8 +145,10 @@ pub struct Health<const P: usize> {
     /// parameters together. NaN if it cannot be computed.
     pub joint_deviation: f64,
     /// Evidence of a failure, the natural logarithm of hours: a healthy plant shows this much at most once in
-    /// `exp(evidence)` hours.
+    /// `exp(evidence)` hours, as far as the assumptions hold ([`Assumptions::hold`]).
     pub evidence: f64,
+    /// What was seen of the assumptions behind the rate of false alarms, up to the flag.
+    pub assumptions: Assumptions,
     /// The failure, from the sample at which it was flagged until it is acknowledged.
     pub failure: Option<Failure<P>>,
 }
@@ -154,6 +162,9 @@ pub struct Watched<'a, const R: usize, const P: usize> {
     pub covariance: &'a [[f64; P]; P],
     /// Its normalised residuals, NaN where missing: they tell the noise levels, before and after a failure.
     pub residuals: &'a [f64; R],
+    /// One sigma of the noise per output in the estimator's use, output units, which its residuals are normalised by.
+    /// The reference uses the same from the next sample on; where it is not finite and positive, what it used before.
+    pub noise_std: &'a [f64; R],
     /// Its scale of the process noise.
     pub noise_scale: f64,
 }
@@ -173,6 +184,9 @@ where
     last_s: f64,
     last_look_s: f64,
     evidence: f64,
+    /// Noise in the estimator's use at the last sample.
+    noise_std: [f64; R],
+    assumptions: Assumptions,
     failure: Option<Failure<P>>,
     /// Since when each column would be named, s; NaN: it would not.
     convincing_since_s: [f64; P],
@@ -196,8 +210,14 @@ where
         settings.check()?;
         estimator.check(model.parameter_count()).map_err(MonitorError::Estimator)?;
         let columns = Columns::new(estimator, model.parameter_count());
-        let mut parts =
-            Parts { monitored: [0; P], monitored_count: 0, failure_std: [0.0; P], nuisance: [0; P], nuisance_count: 0 };
+        let mut parts = Parts {
+            monitored: [0; P],
+            monitored_count: 0,
+            failure_std: [0.0; P],
+            constant: [false; P],
+            nuisance: [0; P],
+            nuisance_count: 0,
+        };
         let mut width = [0.0; P];
         let mut theta = columns.initial;
         let mut all = [None; P];
@@ -208,6 +228,7 @@ where
                 let place = parts.monitored_count;
                 parts.monitored[place] = column;
                 parts.failure_std[place] = expectation.failure_std;
+                parts.constant[place] = expectation.constant;
                 width[place] = expectation.tolerance / expectation.failure_std;
                 parts.monitored_count += 1;
                 theta[column] = expectation.value;
@@ -224,13 +245,15 @@ where
             settings,
             expected: all,
             reference: Reference::new(model, *estimator, columns, parts, theta),
-            starts: Starts::new(parts.monitored_count, parts.nuisance_count, width),
+            starts: Starts::new(parts.monitored_count, parts.nuisance_count, width, &settings),
             levels: Levels::new(),
             parts,
             first_s: f64::NAN,
             last_s: f64::NEG_INFINITY,
             last_look_s: f64::NEG_INFINITY,
             evidence: f64::NEG_INFINITY,
+            noise_std: [f64::NAN; R],
+            assumptions: Assumptions::NONE,
             failure: None,
             convincing_since_s: [f64::NAN; P],
         })
@@ -271,11 +294,13 @@ where
         let open = self.failure.is_none() && time_s - self.first_s >= self.settings.settle_s;
         let horizon_s = self.settings.horizon_s;
         let scale = if watched.noise_scale.is_finite() { watched.noise_scale.max(0.0) } else { 1.0 };
+        self.reference.set_noise(&self.noise_std);
         self.reference.update(sample, scale, &self.levels, &mut self.starts, |starts| {
             if open {
                 starts.open(time_s, horizon_s);
             }
         });
+        self.noise_std = *watched.noise_std;
         // Only after the frame was judged, so that the noise level it was judged by does not depend on it.
         let steady = watched.estimate.status.change == ChangeState::Steady;
         if steady && watched.estimate.status.phase != Phase::Starting {
@@ -291,6 +316,8 @@ where
     fn look(&mut self, time_s: f64, watched: &Watched<'_, R, P>) {
         let Some(failure) = self.failure else {
             self.reference.recentre(&mut self.starts);
+            self.starts.look_at_scatter(time_s);
+            self.assumptions = Assumptions::of(self.reference.seen(), self.starts.scatter());
             self.evidence = f64::NEG_INFINITY;
             // The youngest first: most old ones have little evidence by now and are then left out of the sum.
             for start in self.starts.iter().rev() {
@@ -340,7 +367,7 @@ where
             if whole > best.0 {
                 best = (whole, place);
             }
-            let change = start.change(n);
+            let change = self.starts.change(start);
             let log = change.failure(n);
             let within = change.best_with_one_within(&start.healthy, self.starts.limits(), n);
             for (sum, bound) in named[..n].iter_mut().zip(&within) {
@@ -350,13 +377,19 @@ where
             }
         }
         let Some(start) = self.starts.get(best.1) else { return };
-        let (mean, variance) = start.change(n).deviation(n);
+        let change = self.starts.change(start);
+        let misfit = self.starts.misfit(start).max(1.0);
+        let late = time_s - failure.flagged_s >= NAMING_S - LATE_S;
+        let causes = causes(&change, start, self.starts.limits(), &self.parts.constant, misfit, late, n);
+        let (mean, variance) = change.deviation(n);
         for (place, column) in self.parts.monitored[..n].iter().enumerate() {
             failure.change[*column] =
                 (self.starts.centre()[place] + start.healthy[place] + mean[place]) * self.parts.failure_std[place];
             failure.change_std[*column] = libm::sqrt(variance[place]) * self.parts.failure_std[place];
             let since_s = &mut self.convincing_since_s[*column];
-            if outside[*column].abs() <= CONFIRMED || named[place] < threshold {
+            let by_all = named[place] >= threshold && (self.parts.constant[place] || !causes.constants_suffice);
+            let by_cause = start.log_weight + causes.against[place] >= threshold;
+            if outside[*column].abs() <= CONFIRMED || !(by_all || by_cause) {
                 *since_s = f64::NAN;
                 continue;
             }
@@ -390,13 +423,78 @@ where
             unknown,
             joint_deviation: joint,
             evidence: self.evidence,
+            assumptions: self.assumptions,
             failure: self.failure,
         }
     }
 }
 
+/// A single cause that explains what is seen of a failure.
+struct Causes<const P: usize> {
+    /// Changed constants explain it about as well as changes of everything.
+    constants_suffice: bool,
+    /// By how many nats that cause explains it better than it does with this column within its tolerance. Minus infinity
+    /// for columns of other causes, and where no single cause explains it, or two do.
+    against: [f64; P],
+}
+
+/// Nats, beside half a nat for each column, by which changes of everything may explain more than a cause that suffices;
+/// twice the difference is distributed as chi square if nothing else has changed.
+const SUFFICIENT: f64 = 6.0;
+/// Nats by which a cause has to explain more than each other one.
+const CLEARLY: f64 = 5.0;
+
+/// Compares the causes: the constants together, and each derivative alone. Nats are divided by the misfit, as for the
+/// onset. Constants that suffice win late, at the end of the time for naming, over derivatives that explain it equally
+/// well: what has not moved by then cannot be told from a constant, and a derivative is not named without evidence.
+fn causes<const N: usize, const P: usize>(
+    change: &Information<P>,
+    start: &FailureStart<N, P>,
+    limits: &Limits<P>,
+    constant: &[bool; P],
+    misfit: f64,
+    late: bool,
+    n: usize,
+) -> Causes<P> {
+    let all = change.best(n);
+    let suffices = |nats: f64| (all - nats) / misfit <= SUFFICIENT + 0.5 * n as f64;
+    let is_constant: [bool; P] = core::array::from_fn(|j| j < n && constant[j]);
+    let constants = change.restricted(&is_constant, n);
+    let of_constants = if is_constant.contains(&true) { constants.best(n) } else { f64::NEG_INFINITY };
+    let alone = |j: usize| change.restricted(&core::array::from_fn(|k| k == j), n);
+    // The best derivative and the second best explanation.
+    let (mut best, mut second, mut which) = (f64::NEG_INFINITY, f64::NEG_INFINITY, None);
+    for j in (0..n).filter(|j| !constant[*j]) {
+        let value = alone(j).best(n);
+        if value > best {
+            (second, best, which) = (best, value, Some(j));
+        } else {
+            second = second.max(value);
+        }
+    }
+    let mut result = Causes { constants_suffice: suffices(of_constants), against: [f64::NEG_INFINITY; P] };
+    let clearly = |one: f64, other: f64| (one - other) / misfit >= CLEARLY;
+    if result.constants_suffice && (clearly(of_constants, best) || late) {
+        let within = constants.best_with_one_within(&start.healthy, limits, n);
+        for j in (0..n).filter(|j| constant[*j]) {
+            result.against[j] = (of_constants - within[j]) / misfit;
+        }
+    } else if let Some(j) = which
+        && suffices(best)
+        && clearly(best, second.max(of_constants))
+    {
+        result.against[j] = (best - alone(j).best_with_one_within(&start.healthy, limits, n)[j]) / misfit;
+    }
+    for value in &mut result.against {
+        if value.is_nan() {
+            *value = f64::NEG_INFINITY;
+        }
+    }
+    result
+}
+
 fn check(parameter: usize, expected: &Expected) -> Result<(), MonitorError> {
-    let Expected { value, tolerance, failure_std } = *expected;
+    let Expected { value, tolerance, failure_std, constant: _ } = *expected;
     if !value.is_finite() {
         return Err(MonitorError::Expected { parameter, name: "value", value });
     }

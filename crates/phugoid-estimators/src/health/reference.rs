@@ -1,6 +1,7 @@
 //! The reference: the model with the expected parameters, its state corrected by the measurements. As long as the
 //! expectation holds its innovations are white with variance one; a failure shows in them as `a d`.
 
+use super::assumptions::Whiteness;
 use super::level::Levels;
 use super::starts::{Row, Starts};
 use crate::columns::Columns;
@@ -35,6 +36,8 @@ pub(super) struct Parts<const P: usize> {
     pub(super) monitored_count: usize,
     /// One sigma of a failure of each, in that order.
     pub(super) failure_std: [f64; P],
+    /// Which of them are constants.
+    pub(super) constant: [bool; P],
     /// Columns that are estimated and not monitored (offsets, sensor biases), and their number.
     pub(super) nuisance: [usize; P],
     pub(super) nuisance_count: usize,
@@ -63,6 +66,7 @@ where
     last_input: Option<M::Input>,
     lost_since_s: f64,
     lost_frames: u32,
+    whiteness: [Whiteness; R],
 }
 
 impl<M, const N: usize, const R: usize, const P: usize> Reference<M, N, R, P>
@@ -91,6 +95,7 @@ where
             last_input: None,
             lost_since_s: 0.0,
             lost_frames: 0,
+            whiteness: [Whiteness::NONE; R],
             settings,
             columns,
             parts,
@@ -121,6 +126,20 @@ where
         if self.is_lost(sample.time_s) || !self.is_sound() {
             self.restart(sample, starts);
         }
+    }
+
+    /// Uses these noise levels from now on, output units; those that are not finite and positive change nothing.
+    pub(super) fn set_noise(&mut self, std: &[f64; R]) {
+        for (to, from) in self.settings.noise_std.iter_mut().zip(std) {
+            if from.is_finite() && *from > 0.0 {
+                *to = *from;
+            }
+        }
+    }
+
+    /// Largest level and correlation of the innovations so far, and the fewest pairs.
+    pub(super) fn seen(&self) -> [f64; 3] {
+        Whiteness::worst(&self.whiteness)
     }
 
     /// True if the state of the reference has been started, so that frames give innovations.
@@ -297,6 +316,8 @@ where
             let sigma = self.settings.noise_std[i];
             let bias = self.columns.bias_of_output[i];
             let predicted = lin.outputs[i] + bias.map_or(0.0, |column| self.theta[column]);
+            let last = self.whiteness[i];
+            self.whiteness[i].skip();
             if !(sample.outputs[i].is_finite() && predicted.is_finite() && sigma.is_finite() && sigma > 0.0) {
                 continue;
             }
@@ -341,6 +362,8 @@ where
                 continue;
             }
             present += 1;
+            self.whiteness[i] = last;
+            self.whiteness[i].add(xi * weight(xi));
             let used = xi.abs() <= self.settings.rejection_limit;
             let mut gains = None;
             if used {

@@ -12,6 +12,9 @@ pub struct Expected {
     /// One sigma of what a failure would change: the alternative that the monitor tests against. A failure of another
     /// size is found too, a little later.
     pub failure_std: f64,
+    /// A constant (trim, an offset) and no derivative: it moves with load, a tab or an asymmetry without any damage. Where
+    /// changed constants explain all that is seen, they are named and no derivative is.
+    pub constant: bool,
 }
 
 /// Settings of the health monitor: the accepted rate of false alarms and a few times.
@@ -26,17 +29,34 @@ pub struct MonitorSettings {
     pub horizon_s: f64,
     /// How long after the flag the onset is still refined, s.
     pub refinement_s: f64,
+    /// Variance of the innovations along the monitored parameters, over what the noise levels in use make of it, that is
+    /// assumed until the flight shows another: one for a model and noise levels that are known.
+    pub scatter: f64,
+    /// Degrees of freedom (moved parameters times blocks of two seconds) that this assumption is worth.
+    pub scatter_weight: f64,
 }
 
 impl Default for MonitorSettings {
     fn default() -> Self {
-        Self { false_alarms_per_hour: 0.01, settle_s: 2.0, horizon_s: 60.0, refinement_s: 0.5 }
+        Self {
+            false_alarms_per_hour: 0.01,
+            settle_s: 2.0,
+            horizon_s: 60.0,
+            refinement_s: 0.5,
+            scatter: 1.0,
+            scatter_weight: 10.0,
+        }
     }
 }
 
 impl MonitorSettings {
     pub(super) fn check(&self) -> Result<(), MonitorError> {
-        let positive = [("false_alarms_per_hour", self.false_alarms_per_hour), ("horizon_s", self.horizon_s)];
+        let positive = [
+            ("false_alarms_per_hour", self.false_alarms_per_hour),
+            ("horizon_s", self.horizon_s),
+            ("scatter", self.scatter),
+            ("scatter_weight", self.scatter_weight),
+        ];
         for (name, value) in positive {
             if !(value.is_finite() && value > 0.0) {
                 return Err(MonitorError::Setting { name, value });

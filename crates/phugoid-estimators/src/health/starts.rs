@@ -1,6 +1,8 @@
 //! Hypotheses "it failed at this time", each with what the innovations have said since.
 
 use super::evidence::{Information, Limits, log_add};
+use super::scatter::Scatter;
+use super::settings::MonitorSettings;
 use crate::kernels::{add_scaled, dot};
 
 /// Most hypotheses at a time.
@@ -74,6 +76,9 @@ pub(super) struct Starts<const N: usize, const P: usize> {
     always: Effect<N, P>,
     /// What all innovations since the start of the monitor say of a healthy deviation.
     healthy: Information<P>,
+    scatter: Scatter<P>,
+    /// One over the scatter in use.
+    temper: f64,
 }
 
 impl<const N: usize, const P: usize> Effect<N, P> {
@@ -148,7 +153,7 @@ impl<const N: usize, const P: usize> FailureStart<N, P> {
 
 impl<const N: usize, const P: usize> Starts<N, P> {
     /// `width`: half widths of the tolerances over one sigma of a failure.
-    pub(super) fn new(monitored: usize, nuisance: usize, width: [f64; P]) -> Self {
+    pub(super) fn new(monitored: usize, nuisance: usize, width: [f64; P], settings: &MonitorSettings) -> Self {
         Self {
             slots: [FailureStart::EMPTY; STARTS],
             order: core::array::from_fn(|i| i),
@@ -160,26 +165,44 @@ impl<const N: usize, const P: usize> Starts<N, P> {
             last_opened_s: f64::NAN,
             always: Effect::NONE,
             healthy: Information::NONE,
+            scatter: Scatter::new(settings.scatter, settings.scatter_weight),
+            temper: 1.0 / settings.scatter.max(1.0),
         }
+    }
+
+    /// What the scatter was in this flight, and the degrees of freedom that it comes from.
+    pub(super) fn scatter(&self) -> [f64; 2] {
+        self.scatter.seen()
+    }
+
+    /// Looks whether the innovations scatter more than they should; the evidence allows for it from now on.
+    pub(super) fn look_at_scatter(&mut self, time_s: f64) {
+        self.scatter.look(time_s, &self.healthy, &self.limits, self.monitored);
+        self.temper = 1.0 / self.scatter.in_use();
+    }
+
+    /// What the innovations since a hypothesis began say of a change, with the scatter in use.
+    pub(super) fn change(&self, start: &FailureStart<N, P>) -> Information<P> {
+        start.change(self.monitored).scaled(self.temper, self.monitored)
     }
 
     /// What the innovations say of a healthy deviation since a hypothesis began.
     fn healthy_since(&self, start: &FailureStart<N, P>) -> Information<P> {
-        self.healthy.since(&start.before, self.monitored)
+        self.healthy.since(&start.before, self.monitored).scaled(self.temper, self.monitored)
     }
 
     /// `ln F`: mean likelihood of a failure since `start` over that of no deviation at all, the healthy deviation of
     /// before taken for granted.
     fn failure(&self, start: &FailureStart<N, P>) -> f64 {
         let n = self.monitored;
-        self.healthy_since(start).log_likelihood(&start.healthy, n) + start.change(n).failure(n)
+        self.healthy_since(start).log_likelihood(&start.healthy, n) + self.change(start).failure(n)
     }
 
     /// `ln E`: the same over the best healthy deviation since then. Minus infinity where it is less than `least`.
     pub(super) fn evidence(&self, start: &FailureStart<N, P>, least: f64) -> f64 {
         let n = self.monitored;
         // What was healthy before explains no more than the best healthy deviation does.
-        let most = start.change(n).failure(n);
+        let most = self.change(start).failure(n);
         if most < least {
             return f64::NEG_INFINITY;
         }
@@ -192,7 +215,7 @@ impl<const N: usize, const P: usize> Starts<N, P> {
     pub(super) fn misfit(&self, start: &FailureStart<N, P>) -> f64 {
         let n = self.monitored;
         let since = self.healthy_since(start);
-        let mut left = start.change(n);
+        let mut left = self.change(start);
         // What the healthy deviation explains is no misfit either.
         left.square = since.square - 2.0 * since.log_likelihood(&start.healthy, n);
         left.misfit(n)
@@ -200,7 +223,7 @@ impl<const N: usize, const P: usize> Starts<N, P> {
 
     /// Log likelihood of the whole flight with the failure at `start`.
     pub(super) fn whole(&self, start: &FailureStart<N, P>) -> f64 {
-        start.before.log_likelihood(&start.healthy, self.monitored) + self.failure(start)
+        start.before.log_likelihood(&start.healthy, self.monitored) * self.temper + self.failure(start)
     }
 
     /// Between what deviations from the centre count as healthy.
@@ -220,6 +243,7 @@ impl<const N: usize, const P: usize> Starts<N, P> {
         let n = self.monitored;
         let (_, step) = self.healthy.best_within(&self.limits, n);
         self.healthy.recentre(&step, n);
+        self.scatter.recentre(&step, n);
         for slot in &self.order[..self.count] {
             let start = &mut self.slots[*slot];
             start.before.recentre(&step, n);
@@ -255,6 +279,7 @@ impl<const N: usize, const P: usize> Starts<N, P> {
         self.count = 0;
         self.last_opened_s = f64::NAN;
         self.healthy = Information::NONE;
+        self.scatter.begin_block();
     }
 
     /// A new hypothesis that begins with the frame at `time_s`, if the last one is old enough.
@@ -308,7 +333,7 @@ impl<const N: usize, const P: usize> Starts<N, P> {
         let mut heir = (f64::NEG_INFINITY, place);
         for neighbour in [place.wrapping_sub(1), place + 1] {
             let Some(other) = self.get(neighbour) else { continue };
-            let between = own.before.since(&other.before, n);
+            let between = own.before.since(&other.before, n).scaled(self.temper, n);
             let mut most = 0.0;
             let reach = |i: usize| self.limits.high[i].abs().max(self.limits.low[i].abs());
             for i in 0..n {
@@ -357,6 +382,7 @@ impl<const N: usize, const P: usize> Starts<N, P> {
         let n = self.monitored;
         let healthy = self.always.observe(row, n, self.nuisance);
         self.healthy.add(&healthy, row.innovation, n);
+        self.scatter.add(&healthy, row.innovation, n);
         for slot in &self.order[..self.count] {
             let start = &mut self.slots[*slot];
             let change = start.effect.observe(row, n, self.nuisance);

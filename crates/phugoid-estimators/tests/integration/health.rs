@@ -8,7 +8,7 @@ use phugoid_estimators::health::{Condition, Expected, Health, HealthMonitor, Mon
 use phugoid_estimators::settings::{EstimatorSettings, ParameterPrior};
 use phugoid_estimators::smpe::Smpe;
 use phugoid_estimators::{Estimate, Estimator, Model, Sample};
-use plants::{FirstOrder, fly, regular, seeded};
+use plants::{FirstOrder, fly, normal, regular, seeded};
 use rand::RngExt;
 use synthetic::Synthetic;
 
@@ -54,6 +54,7 @@ where
                 estimate: &estimate,
                 covariance: &covariance,
                 residuals: &smpe.innovations().normalised,
+                noise_std: &smpe.noise().std,
                 noise_scale: smpe.process_noise_scale(),
             };
             monitor.update(sample, &watched)
@@ -61,7 +62,7 @@ where
         .collect()
 }
 
-const EXPECTED: Expected = Expected { value: 3.0, tolerance: 0.1, failure_std: 1.0 };
+const EXPECTED: Expected = Expected { value: 3.0, tolerance: 0.1, failure_std: 1.0, constant: false };
 
 /// False alarms in 400 healthy flights of 30 s with these true parameters: with one false alarm per 2.5 minutes accepted, each may
 /// raise one with a probability of 0.2.
@@ -85,6 +86,45 @@ fn false_alarms_are_as_rare_as_promised() {
     println!("false alarms in 400 flights: {exact} exact, {inside} inside, {edge} at the edge; promised at most 80");
     assert!(exact.max(inside).max(edge) <= 80 + 24, "{exact} {inside} {edge}");
     assert!(exact >= 4, "{exact}");
+}
+
+/// Whether the monitor says that its assumptions hold, at the end or at the flag, and whether it raised a flag; with noise of
+/// the size that the settings give and correlated over so many seconds.
+fn assumed(seed: u64, correlated_s: f64) -> (bool, bool) {
+    let quiet = first_order(seed, 30.0, |_| 3.0);
+    let mut rng = seeded(7000 + seed);
+    let kept = if correlated_s > 0.0 { (-STEP_S / correlated_s).exp() } else { 0.0 };
+    let mut error = 0.0;
+    let flight: Vec<Sample<[f64; 1], 2>> = quiet
+        .iter()
+        .map(|sample| {
+            error = kept * error + (1.0 - kept * kept).sqrt() * NOISE[0] * normal(&mut rng);
+            Sample { outputs: [sample.outputs[0] + error, f64::NAN], ..*sample }
+        })
+        .collect();
+    // The flight has white noise of its own.
+    let settings = EstimatorSettings { noise_std: NOISE.map(|std| std * 2.0_f64.sqrt()), ..smpe_settings() };
+    let expected = Expected { tolerance: 0.01, ..EXPECTED };
+    let words = monitored(&FirstOrder, settings, &[Some(expected)], MonitorSettings::default(), &flight);
+    let last = words.last().unwrap();
+    (last.assumptions.hold(), last.failure.is_some())
+}
+
+/// The rate is a theorem about white noise. With white noise the checks say so; where half of the noise is coloured they do
+/// not.
+#[test]
+fn what_is_promised_was_checked_on_the_flight() {
+    let flights = 40;
+    let (mut held, mut coloured_held) = (0, 0);
+    for seed in 0..flights {
+        let (holds, alarm) = assumed(seed, 0.0);
+        held += u32::from(holds);
+        assert!(!alarm, "seed {seed}: white noise");
+        coloured_held += u32::from(assumed(seed, 0.3).0);
+    }
+    println!("of {flights}: {held} hold with white noise, {coloured_held} with colour");
+    assert!(held >= 36, "{held}");
+    assert_eq!(coloured_held, 0);
 }
 
 /// The weights of the onsets add up to the time flown: without information the evidence is exactly that.
@@ -148,7 +188,7 @@ fn five(seed: u64, onset_s: f64) -> (Synthetic<ROOM>, EstimatorSettings<4, 6, RO
 }
 
 fn five_expected() -> Vec<Option<Expected>> {
-    vec![Some(Expected { value: 0.0, tolerance: 0.02, failure_std: 0.25 }); 5]
+    vec![Some(Expected { value: 0.0, tolerance: 0.02, failure_std: 0.25, constant: false }); 5]
 }
 
 #[test]
@@ -224,7 +264,7 @@ fn units_of_the_parameters_do_not_matter() {
     let plain = monitored(&FirstOrder, smpe_settings(), &[Some(EXPECTED)], MonitorSettings::default(), &flight);
     let priors = [ParameterPrior::bounded(3000.0, 1000.0, 5000.0)];
     let settings = EstimatorSettings::automatic(&priors, NOISE, STEP_S).unwrap();
-    let expected = Expected { value: 3000.0, tolerance: 100.0, failure_std: 1000.0 };
+    let expected = Expected { value: 3000.0, tolerance: 100.0, failure_std: 1000.0, constant: false };
     let scaled = monitored(&Thousandths, settings, &[Some(expected)], MonitorSettings::default(), &flight);
     for (a, b) in plain.iter().zip(&scaled) {
         assert_eq!((a.condition, a.unknown), (b.condition, b.unknown));
@@ -263,6 +303,7 @@ fn nothing_makes_it_panic_or_lie() {
             estimate: &broken[k % 3],
             covariance: &covariances[k % 3],
             residuals: &residuals,
+            noise_std: &[f64::NAN, 0.0, -1.0, f64::INFINITY, 1.0, 1e300],
             noise_scale: [f64::NAN, -1.0, f64::INFINITY][k % 3],
         };
         let health = monitor.update(&sample, &watched);

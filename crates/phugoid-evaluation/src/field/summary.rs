@@ -371,7 +371,10 @@ mod tests {
         let with = |flagged_at_s: Option<f64>, change_s: Option<f64>| {
             let changed = vec!["Cm_q".to_owned()];
             let named = flagged_at_s.map(|_| "Cm_q".to_owned()).into_iter().collect();
-            let watched = Watched { expected: 4, flagged_at_s, named, called_healthy: false, changed, change_s };
+            let [promised, called_healthy] = [false; 2];
+            let scatter = None;
+            let watched =
+                Watched { expected: 4, flagged_at_s, named, promised, scatter, called_healthy, changed, change_s };
             Trial { watched: Some(watched), ..trial(EstimationStatus::Sound, Vec::new()) }
         };
         let trials = [

@@ -24,6 +24,11 @@ pub struct Watched {
     pub flagged_at_s: Option<f64>,
     /// Parameters that were named.
     pub named: Vec<String>,
+    /// Whether the rate of false alarms was promised for this flight.
+    pub promised: bool,
+    /// What was seen of the scatter of the innovations along the monitored parameters, as a variance; none if nothing
+    /// has moved.
+    pub scatter: Option<f64>,
     /// Whether every parameter was called as expected at the end.
     pub called_healthy: bool,
     /// Parameters that really changed, of those that were monitored.
@@ -84,6 +89,8 @@ pub(super) fn watch(record: &Record, model: &ModelFile, truth: &Truth) -> Option
         expected: count,
         flagged_at_s: report.failure.as_ref().map(|f| f.flagged_at_s),
         named: report.failure.map(|f| f.parameters).unwrap_or_default(),
+        promised: report.promise.holds,
+        scatter: report.promise.scatter,
         called_healthy: report.condition == Condition::Healthy,
         changed,
         change_s: truth.change.as_ref().map(|c| c.time_s),
@@ -108,7 +115,16 @@ mod tests {
     fn watched(flagged_at_s: Option<f64>, named: &[&str], change_s: Option<f64>) -> Watched {
         let named = named.iter().map(|name| (*name).to_owned()).collect();
         let changed = vec!["Cm_0".to_owned()];
-        Watched { expected: 5, flagged_at_s, named, called_healthy: false, changed, change_s }
+        Watched {
+            expected: 5,
+            flagged_at_s,
+            named,
+            promised: false,
+            scatter: None,
+            called_healthy: false,
+            changed,
+            change_s,
+        }
     }
 
     #[test]

@@ -84,6 +84,28 @@ pub struct FailureReport {
     pub parameters: Vec<String>,
 }
 
+/// Whether the accepted rate of false alarms is promised for a flight, and what was checked on it.
+///
+/// The promise is a theorem about innovations that are white and have the level in use. Where that was not seen to be so
+/// on the flight itself, nothing is promised.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Promise {
+    /// Whether the rate is promised.
+    pub holds: bool,
+    /// Why not, as a part of a sentence; `None` where it is promised.
+    pub reason: Option<String>,
+    /// Mean square of the reference's normalised innovations, of the output where it is largest; `None` if there were
+    /// none. Right noise levels give up to about one.
+    pub level: Option<f64>,
+    /// Correlation of successive innovations, of the output where its size is largest; white noise has none.
+    pub correlation: Option<f64>,
+    /// Mean square of what blocks of two seconds say of the monitored parameters, over what white noise would make of
+    /// it; `None` if nothing has moved. The evidence allows for it.
+    pub scatter: Option<f64>,
+    /// Largest scatter with which the rate is promised; `None` if nothing has moved.
+    pub largest_scatter: Option<f64>,
+}
+
 /// The course of the monitor: one entry per sample.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct HealthHistory {
@@ -92,7 +114,7 @@ pub struct HealthHistory {
     /// Condition of the aircraft after each sample.
     pub condition: Vec<Condition>,
     /// Evidence of a failure, natural logarithm of hours: a healthy aircraft shows this much at most once in
-    /// `exp(evidence)` hours. Minus infinity before the first look; after the flag it stays.
+    /// `exp(evidence)` hours, where the rate is promised ([`Promise`]). Minus infinity before the first look; after the flag it stays.
     pub evidence: Vec<f64>,
     /// Squared distance of the estimate from the nearest healthy parameters, in its corrected covariance; NaN where it
     /// cannot be computed.
@@ -110,6 +132,8 @@ pub struct HealthReport {
     pub model: String,
     /// Accepted false alarms per flight hour, 1/h.
     pub false_alarms_per_hour: f64,
+    /// Whether that rate is promised for this flight.
+    pub promise: Promise,
     /// Evidence at which the flag is raised, natural logarithm of hours.
     pub threshold: f64,
     /// Largest evidence so far, natural logarithm of hours.

@@ -1,15 +1,19 @@
 //! The health monitor beside an estimator: it sees the same samples and the estimates as they are shown.
 
 use phugoid_estimators::health::{
-    self, Expected, Failure, Health, HealthMonitor, MonitorError, MonitorSettings, Watched,
+    self, Assumptions, Expected, Failure, Health, HealthMonitor, MonitorError, MonitorSettings, Watched,
 };
 use phugoid_estimators::settings::EstimatorSettings;
 use phugoid_estimators::{Estimate, Inspect, Sample};
 
 use crate::core::error::EstimateError;
 use crate::core::health::{Condition, HealthHistory, HealthOptions};
-use crate::model_file::{Expectation, ModelFile, Role};
+use crate::model_file::{Expectation, ModelFile, Parameter, Role};
 use crate::motion::MotionModel;
+
+/// Scatter that is assumed at first where the noise levels are learnt in flight, and not known: levels follow the size of
+/// residuals, and not what the model lacks. On healthy flights of foreign aircraft it was between one and ten.
+const SCATTER: f64 = 8.0;
 
 /// The monitor during a run, with the same room for parameters as the estimator.
 pub(crate) struct Monitoring<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> {
@@ -17,6 +21,8 @@ pub(crate) struct Monitoring<M: MotionModel<N, R, P>, const N: usize, const R: u
     expected: Vec<Expectation>,
     /// Column of the estimator that each expectation belongs to.
     columns: Vec<usize>,
+    /// Whether the estimator learns its noise levels in flight.
+    learns: bool,
     run: HealthRun,
 }
 
@@ -25,6 +31,10 @@ pub(crate) struct Monitoring<M: MotionModel<N, R, P>, const N: usize, const R: u
 pub(crate) struct HealthRun {
     pub(crate) history: HealthHistory,
     pub(crate) threshold: f64,
+    /// What was seen of the assumptions behind the rate of false alarms; none before the first sample.
+    pub(crate) assumptions: Option<Assumptions>,
+    /// Whether the noise levels were learnt in flight.
+    pub(crate) learns: bool,
     /// By expectation, at the end: what was found, and whether enough is known of it.
     pub(crate) parameters: Vec<(Expectation, FailedParameter, bool)>,
     /// When the flag was raised, s, and when the failure began.
@@ -46,9 +56,10 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> Mo
         file: &ModelFile,
         settings: &EstimatorSettings<N, R, P>,
         options: &HealthOptions,
+        learns: bool,
     ) -> Result<Self, EstimateError> {
-        let names: Vec<&str> =
-            file.estimated().filter(|p| !matches!(p.role, Role::Bias(_))).map(|p| p.name.as_str()).collect();
+        let own: Vec<&Parameter> = file.estimated().filter(|p| !matches!(p.role, Role::Bias(_))).collect();
+        let names: Vec<&str> = own.iter().map(|p| p.name.as_str()).collect();
         let mut entries = vec![None; names.len()];
         let mut columns = Vec::with_capacity(options.expected.len());
         for expectation in &options.expected {
@@ -63,17 +74,21 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> Mo
             } else {
                 4.0 * expectation.tolerance
             });
+            let constant = matches!(&own[column].role, Role::Term(_, term) if term.is_constant());
             entries[column] =
-                Some(Expected { value: expectation.value, tolerance: expectation.tolerance, failure_std });
+                Some(Expected { value: expectation.value, tolerance: expectation.tolerance, failure_std, constant });
             columns.push(column);
         }
-        let monitoring =
+        let mut monitoring =
             MonitorSettings { false_alarms_per_hour: options.false_alarms_per_hour, ..MonitorSettings::default() };
+        if learns {
+            monitoring.scatter = SCATTER;
+        }
         let monitor =
             HealthMonitor::new(model.clone(), settings, &entries, monitoring).map_err(|e| refused(e, &names))?;
         let mut run = HealthRun { threshold: monitor.threshold(), ..HealthRun::default() };
         run.history.deviation = vec![Vec::new(); columns.len()];
-        Ok(Self { monitor: Box::new(monitor), expected: options.expected.clone(), columns, run })
+        Ok(Self { monitor: Box::new(monitor), expected: options.expected.clone(), columns, learns, run })
     }
 
     /// Takes the next sample with the estimate as it is shown.
@@ -85,10 +100,12 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> Mo
     ) {
         let mut covariance = [[0.0; P]; P];
         estimator.covariance(&mut covariance);
+        let noise_std = estimator.noise().map_or([f64::NAN; R], |noise| noise.std);
         let watched = Watched {
             estimate,
             covariance: &covariance,
             residuals: &estimator.innovations().normalised,
+            noise_std: &noise_std,
             noise_scale: estimator.process_noise_scale(),
         };
         let health = self.monitor.update(sample, &watched);
@@ -117,6 +134,8 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> Mo
                 change_std: failure.change_std[column],
             })
         };
+        self.run.assumptions = Some(health.assumptions);
+        self.run.learns = self.learns;
         self.run.failure = health.failure.as_ref().map(|f| (f.flagged_s, f.onset));
         let entries = self.expected.iter().zip(&self.columns);
         self.run.parameters = entries.map(|(e, c)| (e.clone(), failed(*c), !health.unknown[*c])).collect();

@@ -148,7 +148,7 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> St
         let settings = if learns { learning(&shared, M::AXES, noise) } else { shared };
         let estimator = set_up(method, gated.clone(), &settings, file.aircraft.gravity)?;
         let monitoring = match health {
-            Some(health) => Some(Monitoring::new(&prepared.model, file, &shared, health)?),
+            Some(health) => Some(Monitoring::new(&prepared.model, file, &shared, health, learns)?),
             None => None,
         };
         Ok(Self {
