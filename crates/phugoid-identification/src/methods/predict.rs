@@ -33,7 +33,8 @@ pub struct PredictedParameter {
     /// Smallest standard error of an unbiased estimator, where the outputs have no error but their noise: the
     /// Cramer-Rao bound with the priors of the model file.
     pub std_error: f64,
-    /// The same with the residuals that the model leaves at these values in place of the noise, and their colour.
+    /// The same with the residuals that the model leaves at these values in place of the noise, and their colour, and with
+    /// the systematic errors that the model file declares: what an estimate will claim.
     pub expected_std_error: f64,
     /// The unknown whose error is most correlated with that of this parameter, and the correlation.
     pub closest: Option<(String, f64)>,
@@ -113,13 +114,15 @@ fn predict_of<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
             UnknownKind::Bias { output, .. } => Some(output) == bias,
             _ => false,
         });
+        let value = place.and_then(|i| values.get(i)).copied().unwrap_or(parameter.start);
+        let systematic = model.uncertainty.of(parameter) * value.abs();
         PredictedParameter {
             name: parameter.name.clone(),
-            value: place.and_then(|i| values.get(i)).copied().unwrap_or(parameter.start),
+            value,
             prior_std: parameter.prior_std,
             // A parameter without a bound keeps its prior.
             std_error: bound.map_or(parameter.prior_std, |b| b.std_error),
-            expected_std_error: bound.map_or(parameter.prior_std, |b| b.with_residuals),
+            expected_std_error: bound.map_or(parameter.prior_std, |b| b.with_residuals.hypot(systematic)),
             closest: bound.and_then(|b| b.closest.clone()),
             nuisance: parameter.is_nuisance(),
         }
