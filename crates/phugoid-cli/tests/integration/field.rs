@@ -18,7 +18,8 @@ fn number(value: &Value) -> f64 {
     value.as_f64().unwrap()
 }
 
-/// The limits are what the default method reaches on all develop flights together: these four are among the easier ones.
+/// The limits are what the default method reaches on all develop flights together (284 sound ones: 1.14 %, 9.7 %), and the
+/// coverage that is asked of it: these four are among the easier ones.
 #[test]
 fn foreign_flights_are_estimated_as_well_as_develop_says() {
     let study = field(&["--json"]).json();
@@ -31,9 +32,9 @@ fn foreign_flights_are_estimated_as_well_as_develop_says() {
     }
     assert_eq!(healthy.count(), 3);
     assert!(all["derivatives"].as_u64().unwrap() >= 20);
-    assert!(number(&all["error_median"]) < 0.016, "{}", all["error_median"]);
-    assert!(number(&all["error_90_percent"]) < 0.158, "{}", all["error_90_percent"]);
-    assert!(number(&all["coverage"]) > 0.76, "{}", all["coverage"]);
+    assert!(number(&all["error_median"]) < 0.0114, "{}", all["error_median"]);
+    assert!(number(&all["error_90_percent"]) < 0.097, "{}", all["error_90_percent"]);
+    assert!(number(&all["coverage"]) > 0.9, "{}", all["coverage"]);
 }
 
 #[test]

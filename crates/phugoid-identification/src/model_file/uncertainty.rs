@@ -176,11 +176,16 @@ mod tests {
     use super::Uncertainty;
     use crate::model_file::ModelFile;
 
+    /// The text of a model in absolute form without its section.
+    fn unstated() -> String {
+        ModelFile::text("hfb320").unwrap().split("[uncertainty]").next().unwrap().to_owned()
+    }
+
     /// By hand: a pitch damping derivative goes with the inverse of the airspeed squared, over that of the rate, and
     /// with the inertia.
     #[test]
     fn each_derivative_takes_the_scales_that_it_depends_on() {
-        let file = ModelFile::named("hfb320").unwrap();
+        let file = ModelFile::parse("mine.toml", &unstated()).unwrap();
         assert_eq!(file.uncertainty, Uncertainty { by_default: true, ..Uncertainty::UNSTATED });
         let of = |name: &str| {
             let parameter = file.parameters.iter().find(|p| p.name == name).unwrap();
@@ -191,20 +196,20 @@ mod tests {
         assert!((of("Cm_q") - root(&[0.015, 0.06])).abs() < 1e-12);
         assert!((of("Cm_elevator") - root(&[0.03, 0.03, 0.06])).abs() < 1e-12);
         assert_eq!(of("Cm_0"), 0.0);
+        assert_eq!(ModelFile::named("hfb320").unwrap().uncertainty, Uncertainty::FLIGHT_TEST);
         assert_eq!(ModelFile::named("f16").unwrap().uncertainty, Uncertainty::NONE);
     }
 
     #[test]
     fn a_class_gives_what_the_section_leaves_out() {
         let with = |section: &str| {
-            let text = ModelFile::text("hfb320").unwrap();
-            ModelFile::parse("mine.toml", &format!("{text}\n{section}\n")).map(|file| file.uncertainty)
+            ModelFile::parse("mine.toml", &format!("{}\n{section}\n", unstated())).map(|file| file.uncertainty)
         };
         let own = with("[uncertainty]\nclass = \"unmanned\"\nmass = 0.002").unwrap();
         assert_eq!(own, Uncertainty { mass: 0.002, ..Uncertainty::UNMANNED });
         assert_eq!(with("[uncertainty]\nmass = 0.002").unwrap(), Uncertainty { mass: 0.002, ..Uncertainty::NONE });
         assert!(with("[uncertainty]\nclass = \"glider\"").is_err() && with("[uncertainty]\nmass = 2").is_err());
-        let light = ModelFile::text("hfb320").unwrap().replace("mass = ", "mass = \"12 kg\" #");
+        let light = unstated().replace("mass = ", "mass = \"12 kg\" #");
         let light = ModelFile::parse("mine.toml", &light).unwrap().uncertainty;
         assert_eq!(light, Uncertainty { by_default: true, ..Uncertainty::UNMANNED });
     }
