@@ -226,7 +226,9 @@ class Simulator:
         return self.get("inertia/mass-slugs") * SLUG
 
     def inertia(self) -> dict[str, float]:
-        return {k: self.get(f"inertia/{k}-slugs_ft2") * SLUG_FT2 for k in ("ixx", "iyy", "izz", "ixz")}
+        # JSBSim shows the element of its inertia matrix, which is minus the product of inertia.
+        sign = {"ixz": -1}
+        return {k: sign.get(k, 1) * self.get(f"inertia/{k}-slugs_ft2") * SLUG_FT2 for k in ("ixx", "iyy", "izz", "ixz")}
 
     def place_thrust(self) -> None:
         """Puts the thrust line through the centre of gravity."""
