@@ -408,6 +408,39 @@ pub(super) fn fin_arm(derivatives: &Derivatives) -> Option<VerdictReason> {
     })
 }
 
+/// Part of the rolling moment that a product of inertia of the wrong sign adds to the yawing moment, from which it is looked
+/// for: the yawing moments by roll rate and aileron are of that size by themselves.
+const MIXED: f64 = 0.15;
+/// The other sign has to leave at most this part of both.
+const LEFT_BY_OTHER_SIGN: f64 = 1.0 / 3.0;
+
+/// The sign of the product of inertia. Sources differ in it: the integral of x z, or the element of the inertia matrix.
+/// From `N = izz r' - ixz p'` (with p' about L/ixx) a wrong sign adds `-2 ixz/ixx` times the rolling moment to the yawing
+/// moment: to all its derivatives by the same factor, where an aeroplane yaws little by roll rate and aileron.
+pub(super) fn product_of_inertia(derivatives: &Derivatives, body: &Body) -> Option<VerdictReason> {
+    let factor = 2.0 * body.ixz? / body.ixx?;
+    let mixed = |variable: Variable| -> Option<bool> {
+        let yaw = derivatives.find(Coefficient::YawingMoment, variable)?;
+        let roll = derivatives.find(Coefficient::RollingMoment, variable)?;
+        let with_other_sign = yaw.value + factor * roll.value;
+        let is_known = yaw.value.abs() > SIGNIFICANT * yaw.std_error && roll.value.abs() > SIGNIFICANT * roll.std_error;
+        Some(is_known && with_other_sign.abs() < LEFT_BY_OTHER_SIGN * yaw.value.abs())
+    };
+    let by_both = mixed(Variable::RollRate)? && mixed(Variable::Aileron)?;
+    (by_both && factor.abs() > MIXED).then(|| {
+        reason(
+            false,
+            &["[aircraft] ixz", "Cn_p", "Cn_aileron"],
+            format!(
+                "The yawing moments by roll rate and aileron are both about {:.2} times the rolling moments, which is what \
+                 a wrong sign of ixz adds to all derivatives of Cn. Check ixz under [aircraft]: the integral of x z, which \
+                 is minus the element of the inertia matrix.",
+                -factor
+            ),
+        )
+    })
+}
+
 /// Smallest and largest sizes of derivatives: about half and twice the ranges that textbooks give over all aeroplanes
 /// (J. Roskam, *Airplane Flight Dynamics and Automatic Flight Controls*, part I, chapter 4).
 const SIZES: [(Coefficient, Variable, f64, f64); 14] = [
@@ -518,6 +551,7 @@ mod tests {
         ixx: None,
         iyy: 1913.0,
         izz: None,
+        ixz: None,
         wing_area: 16.17,
         mean_chord: 1.494,
         wing_span: Some(10.91),
@@ -609,6 +643,27 @@ mod tests {
         assert!(found.sentence.contains("ay") && found.concerns.contains(&"CY_beta".to_owned()), "{}", found.sentence);
         // Not known well enough to say so.
         assert_eq!(fin_arm(&with(Coefficient::SideForce, Variable::Beta, -0.044, 0.02)), None);
+    }
+
+    /// The lateral derivatives and inertia of JSBSim's t6texan2, with both signs of its product of inertia.
+    #[test]
+    fn a_product_of_inertia_of_the_wrong_sign_is_named() {
+        use Coefficient::{RollingMoment, YawingMoment};
+        let found = |ixz: f64, p: f64, aileron: f64| {
+            let all = Derivatives(vec![
+                one(RollingMoment, Variable::RollRate, -0.52, 0.03),
+                one(RollingMoment, Variable::Aileron, -0.30, 0.02),
+                one(YawingMoment, Variable::RollRate, p, 0.015),
+                one(YawingMoment, Variable::Aileron, aileron, 0.01),
+            ]);
+            product_of_inertia(&all, &Body { ixx: Some(5716.5), ixz: Some(ixz), ..WING })
+        };
+        assert!(found(-1355.8, -0.243, -0.141).unwrap().sentence.contains("Check ixz"));
+        assert_eq!(found(1355.8, 0.0006, 0.0006), None);
+        // The right sign, a product that is too small to matter, adverse yaw of its own.
+        assert_eq!(found(1355.8, -0.243, -0.141), None);
+        assert_eq!(found(-135.0, -0.024, -0.014), None);
+        assert_eq!(found(-1355.8, -0.03, 0.02), None);
     }
 
     #[test]

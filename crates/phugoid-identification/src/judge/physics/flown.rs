@@ -161,6 +161,7 @@ mod tests {
         ixx: None,
         iyy: 1913.0,
         izz: None,
+        ixz: None,
         wing_area: 16.17,
         mean_chord: 1.494,
         wing_span: Some(10.91),
