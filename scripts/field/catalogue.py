@@ -86,12 +86,12 @@ def _lateral() -> list[dict]:
     ]
 
 
-def flights(spec: Aircraft, split: str) -> list[Plan]:
-    """The flights of one aircraft in one part of the field."""
+def flights(spec: Aircraft, split: str, repetition: int | None = None) -> list[Plan]:
+    """The flights of one aircraft in one part of the field, or in another repetition of it."""
     if split == "develop" and spec.look_once_only:
         return []
     out = []
-    for repetition in REPETITIONS[split]:
+    for repetition in REPETITIONS[split] if repetition is None else (repetition,):
         for axes, list_ in (("longitudinal", _longitudinal()), ("lateral", _lateral())):
             for one in list_:
                 # The same on every machine: Python's own hash of a text is not.

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Flies the field: foreign aircraft of JSBSim, recorded as a stranger would, with the truth beside each record.
 
-    scripts/field/make.py [FOLDER] [--aircraft NAME ...] [--only TEXT ...] [--split develop|look-once] [--jobs N]
+    scripts/field/make.py [FOLDER] [--aircraft NAME ...] [--only TEXT ...] [--split develop|look-once]
+                          [--repetition N] [--jobs N]
     scripts/field/make.py crates/phugoid-evaluation/tests/field --sample
 
 Needs `jsbsim` and `numpy` as pinned in tests/python/requirements.txt. The same numbers come out every time.
@@ -69,14 +70,18 @@ def one_flight(sim: Simulator, plan: Plan, split: str, folder: pathlib.Path) -> 
 
 def one_aircraft(job) -> list[str]:
     """All flights of one aircraft in one part; returns a line per flight."""
-    spec, split, folder, step, wanted = job
+    spec, split, repetition, folder, step, wanted = job
     place = folder / split / spec.name
     place.mkdir(parents=True, exist_ok=True)
     lines = []
     with tempfile.TemporaryDirectory() as scratch:
         sim = Simulator(spec, pathlib.Path(scratch), step)
         sim.trim(spec.speed, spec.altitude)
-        plans = [plan for plan in flights(spec, split) if wanted(spec, plan) and not plan.name.startswith(spec.left_out)]
+        plans = [
+            plan
+            for plan in flights(spec, split, repetition)
+            if wanted(spec, plan) and not plan.name.startswith(spec.left_out)
+        ]
         for axes in {plan.axes for plan in plans}:
             model_file.write(place / f"{axes}.toml", sim, spec, axes)
         for plan in plans:
@@ -108,6 +113,11 @@ def main() -> None:
     parser.add_argument("--only", nargs="+", default=[], help="flights whose name contains one of these")
     parser.add_argument("--aircraft", nargs="+", default=[], help="these aircraft only")
     parser.add_argument("--split", choices=("develop", "look-once"), help="this part only")
+    parser.add_argument(
+        "--repetition",
+        type=int,
+        help="another repetition of these flights, with conditions, times, sizes, gusts and noise that nobody has seen",
+    )
     parser.add_argument("--sample", action="store_true", help="the few flights that are kept in the project")
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
     parser.add_argument("--step", type=float, default=1 / 600, help="step of the simulation, s")
@@ -119,7 +129,7 @@ def main() -> None:
         parser.error(f"no such aircraft: {', '.join(sorted(unknown))}; there are {', '.join(spec.name for spec in FLEET)}")
     wanted = Wanted(arguments.only, arguments.sample)
     jobs = [
-        (spec, split, arguments.folder, arguments.step, wanted)
+        (spec, split, arguments.repetition, arguments.folder, arguments.step, wanted)
         for split in splits
         for spec in FLEET
         if (not aircraft or spec.name in aircraft) and not (split == "develop" and spec.look_once_only)

@@ -24,11 +24,11 @@ const DECISIVE: f64 = 10.0;
 const WHITE_MATURE: f64 = 0.3;
 
 /// Where the running estimate predicts this part as badly as it does when next to nothing is left of it, ...
-const CLEAR: f64 = 0.25;
+const CLEAR: f64 = 0.4;
 /// ... a change is adopted in spite of the wander, if it is so many times as mature as needed without an allowance for
 /// the wander. A model that wanders half as much as a damage changes it otherwise hides the damage for as long as it
 /// lasts (docs/methods.md).
-const PLAIN: f64 = 20.0;
+const PLAIN: f64 = 40.0;
 
 /// What is to be done with a challenger.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -236,13 +236,13 @@ mod tests {
         // Unless the running estimate predicts next to nothing, by 0.6 nats a row.
         let lost = |score: f64| Challenge { score, colour: 50.0, ..challenge }.decide(103.0, 0.0, 0.0, 25.0, true);
         assert_eq!((lost(1439.0), lost(1441.0)), (Verdict::Undecided, Verdict::Adopt));
-        // A quarter of that is enough where the change is far larger than what is not known of it, wander left aside.
+        // Two fifths of that are enough where the change is far larger than what is not known of it, wander left aside.
         let clear = |score: f64, plain: f64, caution: f64| {
             Challenge { score, caution, colour: 3.0, ..challenge }.decide(103.0, 0.0, plain, 25.0, true)
         };
-        assert_eq!((clear(361.0, 999.0, 0.0), clear(361.0, 1001.0, 0.0)), (Verdict::Undecided, Verdict::Adopt));
-        assert_eq!((clear(359.0, 9999.0, 0.0), clear(361.0, 9999.0, 0.1)), (Verdict::Undecided, Verdict::Undecided));
-        assert_eq!((clear(721.0, 1999.0, 1.0), clear(721.0, 2001.0, 1.0)), (Verdict::Undecided, Verdict::Adopt));
+        assert_eq!((clear(577.0, 1999.0, 0.0), clear(577.0, 2001.0, 0.0)), (Verdict::Undecided, Verdict::Adopt));
+        assert_eq!((clear(575.0, 9999.0, 0.0), clear(577.0, 9999.0, 0.1)), (Verdict::Undecided, Verdict::Undecided));
+        assert_eq!((clear(1153.0, 3999.0, 1.0), clear(1153.0, 4001.0, 1.0)), (Verdict::Undecided, Verdict::Adopt));
         // At the time limit what is not adopted is dropped, if the residuals were not white or the gain is small.
         assert_eq!(verdict(1000.0, 105.9, 24.9, 0.0), Verdict::Undecided);
         let at_limit = |score: f64, colour: f64, matured: f64| {

@@ -49,6 +49,7 @@ pub(super) fn angles(doubts: &mut Doubts) {
         && doubts.unit("alpha") == Some("deg")
         && size > 0.0
         && size < 0.35
+        && !theta_agrees(doubts)
     {
         let message = format!(
             "stays below {} deg: a deviation from trim, or radians taken for degrees. If so, write alpha_rad",
@@ -56,6 +57,15 @@ pub(super) fn angles(doubts: &mut Doubts) {
         );
         doubts.add(&["alpha"], Certainty::Doubtful, message);
     }
+}
+
+/// Whether the pitch angle lies at least three times as near to the angle of attack (rad) as to what it would be if its
+/// numbers were radians: an aeroplane that is trimmed close to zero angle of attack flies nose level. False without a
+/// pitch angle, and where the angle of attack is nothing but a deviation around zero, for then it cannot tell.
+fn theta_agrees(doubts: &Doubts) -> bool {
+    let median = |name: &str| median_of_finite(doubts.values(name)?.iter().copied());
+    let (Some(theta), Some(alpha)) = (median("theta"), median("alpha")) else { return false };
+    3.0 * (theta - alpha).abs() < (theta - alpha.to_degrees()).abs()
 }
 
 /// Checks the sizes of airspeed, altitude and throttle.

@@ -3,7 +3,7 @@
 
 use crate::shared_data;
 
-use phugoid_flight_data::csv::{CsvOptions, read_path};
+use phugoid_flight_data::csv::{CsvOptions, read, read_path};
 use phugoid_flight_data::plausibility::{Certainty, Doubt, check};
 use phugoid_flight_data::record::{Channel, Record};
 use shared_data::shared_file;
@@ -150,4 +150,27 @@ fn milliseconds_read_as_seconds_are_noticed() {
         let found = doubts.iter().filter(|doubt| doubt.message.contains(unit)).collect::<Vec<_>>();
         assert!(!found.is_empty() && found.iter().all(|d| d.certainty == Certainty::Certain), "{doubts:#?}");
     }
+}
+
+/// Angles of attack below a third of a degree are real where the nose is level too, as in a lateral manoeuvre of an
+/// aeroplane that is trimmed at zero; where the nose is as high as the same numbers in radians, they are radians.
+#[test]
+fn a_trim_at_zero_angle_of_attack_is_no_wrong_unit() {
+    let doubted = |alpha: f64, theta: Option<f64>| {
+        let mut text =
+            String::from(if theta.is_some() { "time_s,alpha_deg,theta_deg\n" } else { "time_s,alpha_deg\n" });
+        for k in 0..500 {
+            let t = 0.02 * f64::from(k);
+            text += &format!("{t},{}", alpha + 0.02 * (1.1 * t).sin());
+            text += &theta.map_or(String::new(), |theta| format!(",{}", theta + 0.3 * (0.7 * t).sin()));
+            text.push('\n');
+        }
+        let record = read(text.as_bytes(), "x", &CsvOptions::default()).unwrap();
+        check(&record).iter().any(|doubt| doubt.channels.iter().any(|name| name == "alpha"))
+    };
+    assert!(!doubted(0.12, Some(-0.4)) && !doubted(-0.13, Some(0.1)));
+    // 0.1 rad, 5.7 deg, taken for degrees: level, and in a climb.
+    assert!(doubted(0.1, Some(5.7)) && doubted(0.1, Some(9.0)));
+    // Nothing tells.
+    assert!(doubted(0.1, None) && doubted(0.0, Some(2.0)));
 }
