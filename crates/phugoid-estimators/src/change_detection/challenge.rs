@@ -23,13 +23,6 @@ const DECISIVE: f64 = 10.0;
 /// (docs/methods.md).
 const WHITE_MATURE: f64 = 0.3;
 
-/// Where the running estimate predicts this part as badly as it does when next to nothing is left of it, ...
-const CLEAR: f64 = 0.4;
-/// ... a change is adopted in spite of the wander, if it is so many times as mature as needed without an allowance for
-/// the wander. A model that wanders half as much as a damage changes it otherwise hides the damage for as long as it
-/// lasts (docs/methods.md).
-const PLAIN: f64 = 40.0;
-
 /// What is to be done with a challenger.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Verdict {
@@ -98,30 +91,25 @@ impl Challenge {
         self.opened_at_s = time_s;
     }
 
-    /// Whether the evidence is enough for a change to be adopted in spite of the wander, which needs `T` without it.
-    pub(crate) fn is_clear(&self) -> bool {
-        self.score > CLEAR * self.settings.overwhelming * self.rows * (1.0 + self.caution)
-    }
-
-    /// Decides. `maturity` is `T`, and `plain` the same without an allowance for the wander (used where
-    /// [`Self::is_clear`]); what is needed of them holds for white residuals; `sound` whether the challenger is still
-    /// finite with positive variances.
-    pub(crate) fn decide(&self, time_s: f64, maturity: f64, plain: f64, needed_maturity: f64, sound: bool) -> Verdict {
+    /// Decides. `maturity` is `T`, what is needed of it holds for white residuals; `sound` whether the challenger is
+    /// still finite with positive variances.
+    pub(crate) fn decide(&self, time_s: f64, maturity: f64, needed_maturity: f64, sound: bool) -> Verdict {
         let expired = time_s - self.opened_at_s >= self.settings.doubt_limit_s;
         let caution = 1.0 + self.caution;
         let needed_nats = self.settings.adoption * caution;
         // The past raised the suspicion and cannot confirm it, but it can refute it: a burst of outliers draws the
         // challenger away.
         let better = self.score > needed_nats && self.score + self.past > needed_nats;
-        let coloured = 1.0 + COLOUR * (self.colour - 1.0);
-        let asked =
-            if expired && self.colour < WHITE && self.score > DECISIVE * needed_nats { WHITE_MATURE } else { coloured };
-        let clear = self.is_clear() && plain > PLAIN * needed_maturity * coloured * caution;
+        let asked = if expired && self.colour < WHITE && self.score > DECISIVE * needed_nats {
+            WHITE_MATURE
+        } else {
+            1.0 + COLOUR * (self.colour - 1.0)
+        };
         // The running estimate predicts next to nothing: no error of a model that has served until now does this.
         let overwhelming = self.score > self.settings.overwhelming * self.rows;
         if !sound || !self.score.is_finite() || self.model_error {
             Verdict::Drop
-        } else if better && (overwhelming || clear || maturity > needed_maturity * asked) {
+        } else if better && (overwhelming || maturity > needed_maturity * asked) {
             Verdict::Adopt
         } else if self.score < self.settings.dropping || expired {
             Verdict::Drop
@@ -215,7 +203,7 @@ mod tests {
         assert!(!challenge.is_triggered(5.9, 60.0));
         challenge.open(100.0, 1.0);
         let verdict = |score: f64, time_s: f64, matured: f64, caution: f64| {
-            Challenge { score, caution, ..challenge }.decide(time_s, matured, 0.0, 25.0, true)
+            Challenge { score, caution, ..challenge }.decide(time_s, matured, 25.0, true)
         };
         assert_eq!(verdict(10.1, 101.0, 25.1, 0.0), Verdict::Adopt);
         assert_eq!(verdict(9.9, 101.0, 25.1, 0.0), Verdict::Undecided);
@@ -225,33 +213,26 @@ mod tests {
         assert_eq!(verdict(20.1, 101.0, 25.1, 1.0), Verdict::Adopt);
         assert_eq!(verdict(-30.1, 101.0, 25.1, 0.0), Verdict::Drop);
         // What is known of before can refute it, not confirm it.
-        let past = |past: f64, score: f64| Challenge { score, past, ..challenge }.decide(101.0, 25.1, 0.0, 25.0, true);
+        let past = |past: f64, score: f64| Challenge { score, past, ..challenge }.decide(101.0, 25.1, 25.0, true);
         assert_eq!((past(-5.0, 15.1), past(-5.0, 14.9)), (Verdict::Adopt, Verdict::Undecided));
         assert_eq!(past(1000.0, 9.9), Verdict::Undecided);
         // Coloured residuals ask for a larger change.
         let coloured = |colour: f64, matured: f64| {
-            Challenge { score: 11.0, colour, ..challenge }.decide(101.0, matured, 0.0, 25.0, true)
+            Challenge { score: 11.0, colour, ..challenge }.decide(101.0, matured, 25.0, true)
         };
         assert_eq!((coloured(5.0, 74.9), coloured(5.0, 75.1)), (Verdict::Undecided, Verdict::Adopt));
         // Unless the running estimate predicts next to nothing, by 0.6 nats a row.
-        let lost = |score: f64| Challenge { score, colour: 50.0, ..challenge }.decide(103.0, 0.0, 0.0, 25.0, true);
+        let lost = |score: f64| Challenge { score, colour: 50.0, ..challenge }.decide(103.0, 0.0, 25.0, true);
         assert_eq!((lost(1439.0), lost(1441.0)), (Verdict::Undecided, Verdict::Adopt));
-        // Two fifths of that are enough where the change is far larger than what is not known of it, wander left aside.
-        let clear = |score: f64, plain: f64, caution: f64| {
-            Challenge { score, caution, colour: 3.0, ..challenge }.decide(103.0, 0.0, plain, 25.0, true)
-        };
-        assert_eq!((clear(577.0, 1999.0, 0.0), clear(577.0, 2001.0, 0.0)), (Verdict::Undecided, Verdict::Adopt));
-        assert_eq!((clear(575.0, 9999.0, 0.0), clear(577.0, 9999.0, 0.1)), (Verdict::Undecided, Verdict::Undecided));
-        assert_eq!((clear(1153.0, 3999.0, 1.0), clear(1153.0, 4001.0, 1.0)), (Verdict::Undecided, Verdict::Adopt));
         // At the time limit what is not adopted is dropped, if the residuals were not white or the gain is small.
         assert_eq!(verdict(1000.0, 105.9, 24.9, 0.0), Verdict::Undecided);
         let at_limit = |score: f64, colour: f64, matured: f64| {
-            Challenge { score, colour, ..challenge }.decide(106.0, matured, 0.0, 25.0, true)
+            Challenge { score, colour, ..challenge }.decide(106.0, matured, 25.0, true)
         };
         assert_eq!((at_limit(101.0, 1.0, 7.6), at_limit(99.0, 1.0, 7.6)), (Verdict::Adopt, Verdict::Drop));
         assert_eq!((at_limit(101.0, 1.0, 7.4), at_limit(101.0, 1.2, 7.6)), (Verdict::Drop, Verdict::Drop));
         assert_eq!(verdict(f64::NAN, 101.0, 25.1, 0.0), Verdict::Drop);
-        assert_eq!(Challenge { score: 1000.0, ..challenge }.decide(101.0, 100.0, 0.0, 25.0, false), Verdict::Drop);
+        assert_eq!(Challenge { score: 1000.0, ..challenge }.decide(101.0, 100.0, 25.0, false), Verdict::Drop);
     }
 
     #[test]

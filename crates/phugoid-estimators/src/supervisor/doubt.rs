@@ -241,8 +241,7 @@ where
         let tested = detector.tested();
         let matured = maturity(&difference, &covariance, &change, detector.wander_squared(), tested);
         let needed = needed_maturity(&challenge.settings, tested.len());
-        let plain = if challenge.is_clear() { maturity(&difference, &covariance, &change, 0.0, tested) } else { 0.0 };
-        match challenge.decide(time_s, matured, plain, needed, sound) {
+        match challenge.decide(time_s, matured, needed, sound) {
             Verdict::Undecided => {}
             Verdict::Drop => self.drop_challenger(),
             Verdict::Adopt => self.adopt_challenger(time_s),
