@@ -22,7 +22,7 @@ use super::method::method;
 ))]
 pub(crate) struct Estimate {
     /// The flight, a CSV file with units in its headers (alpha_deg, tas_kt, ...)
-    #[arg(value_name = "FLIGHT.csv", required_unless_present_any = ["list_models", "show_model"])]
+    #[arg(value_name = "FLIGHT.csv", required_unless_present_any = ["list_models", "show_model", "show_uncertainty"])]
     pub(crate) flight: Option<PathBuf>,
     /// The aircraft: a model file, or the name of a built-in one
     #[arg(long, value_name = "AIRCRAFT.toml", required_unless_present_any = ["list_models", "show_model"])]
@@ -95,6 +95,10 @@ pub(crate) struct Estimate {
     /// List the built-in model files
     #[arg(long)]
     pub(crate) list_models: bool,
+    /// Print the uncertainties of the model's constants and sensor scales that go into the bounds, and where each comes
+    /// from
+    #[arg(long, requires = "model", conflicts_with = "list_models")]
+    pub(crate) show_uncertainty: bool,
     /// Print the text of a built-in model file, as a start for your own
     #[arg(long, value_name = "NAME", conflicts_with = "list_models")]
     pub(crate) show_model: Option<String>,

@@ -8,10 +8,10 @@ use phugoid::estimate_with_progress;
 use phugoid_flight_data::csv;
 use phugoid_flight_data::record::Record;
 use phugoid_identification::estimate::{EstimateOptions, OfferTerms};
-use phugoid_identification::estimation::{Estimation, EstimationStatus};
+use phugoid_identification::estimation::{Estimation, EstimationStatus, UncertainQuantity};
 use phugoid_identification::inspect::segment;
 use phugoid_identification::manoeuvres::{Settings, find};
-use phugoid_identification::model_file::ModelFile;
+use phugoid_identification::model_file::{ModelFile, Uncertainty};
 use phugoid_report::HtmlOptions;
 use phugoid_simulation::scenario::nearest;
 use serde::Serialize;
@@ -22,7 +22,7 @@ use super::result::{self, Document};
 use super::simulate::scenario;
 use crate::arguments::{self, Truth};
 use crate::failure::Failure;
-use crate::output::{json, print};
+use crate::output::{Table, json, print};
 use crate::progress::Progress;
 
 /// Estimates, or shows what the options ask for instead. The status is that of the result; sound where none was asked
@@ -30,6 +30,9 @@ use crate::progress::Progress;
 pub(crate) fn run(arguments: &arguments::Estimate) -> Result<EstimationStatus, Failure> {
     if let Some(name) = &arguments.show_model {
         return show_model(name).map(|()| EstimationStatus::Sound);
+    }
+    if let (true, Some(wanted)) = (arguments.show_uncertainty, &arguments.model) {
+        return show_uncertainty(&model(wanted)?.uncertainty).map(|()| EstimationStatus::Sound);
     }
     let (false, Some(flight), Some(wanted)) = (arguments.list_models, &arguments.flight, &arguments.model) else {
         return list_models(arguments.json).map(|()| EstimationStatus::Sound);
@@ -291,6 +294,20 @@ fn between(record: Record, from: Option<f64>, to: Option<f64>) -> Result<Record,
         let span = ends.map_or_else(String::new, |(a, b)| format!(": the record runs from {a} s to {b} s"));
         Failure::input(format!("no sample lies between --from and --to{span}"))
     })
+}
+
+/// The declared uncertainties as a table.
+fn show_uncertainty(uncertainty: &Uncertainty) -> Result<(), Failure> {
+    let mut table = Table::new(&["key in [uncertainty]", "one sigma", "of the scale of", "because of"]);
+    for quantity in UncertainQuantity::ALL {
+        table.row(vec![
+            quantity.key().to_owned(),
+            format!("{:.1} %", 100.0 * uncertainty.scale_of(quantity)),
+            quantity.name().to_owned(),
+            uncertainty.origin_of(quantity).to_owned(),
+        ]);
+    }
+    print(&table.render())
 }
 
 fn show_model(name: &str) -> Result<(), Failure> {

@@ -111,6 +111,7 @@ pub(crate) fn text(estimation: &Estimation, report: Option<&Path>, figures: &[Pa
     text.push_str(
         "\nDerivatives per radian. Bounds are two standard errors, corrected for the\ncolour of the residuals.\n",
     );
+    text.push_str(&systematic(estimation));
     paragraph(&mut text, "Not ready", not_ready(estimation));
     if let Some(report) = &estimation.batch {
         text.push_str(&batch(report));
@@ -137,6 +138,23 @@ pub(crate) fn text(estimation: &Estimation, report: Option<&Path>, figures: &[Pa
         let _ = writeln!(text, "{} figure files in {}", figures.len(), folder.display());
     }
     text
+}
+
+/// The bounds in their random and their systematic part, and what makes the latter; empty where nothing is declared.
+fn systematic(estimation: &Estimation) -> String {
+    let mut table = Table::new(&["parameter", "random", "systematic", "which comes from"]);
+    let mut any = false;
+    for p in estimation.parameters.iter().filter(|p| p.systematic_std > 0.0) {
+        any = true;
+        let parts = p.systematic_parts.iter().map(|part| format!("{} {:.0} %", part.quantity, 100.0 * part.share));
+        table.row(vec![
+            p.name.clone(),
+            significant(2.0 * p.random_std(), 3),
+            significant(2.0 * p.systematic_std, 3),
+            parts.collect::<Vec<_>>().join(", "),
+        ]);
+    }
+    if any { format!("\nParts of the bounds, +- 2 sigma\n{}", table.render()) } else { String::new() }
 }
 
 /// Text about fit and prediction of a batch method.

@@ -24,5 +24,6 @@ mod records;
 mod reproduce;
 mod results;
 mod strangers;
+mod systematic;
 mod tune;
 mod view;

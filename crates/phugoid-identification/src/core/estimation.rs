@@ -12,6 +12,7 @@ pub use phugoid_estimators::{ChangeState, ParameterStatus, Phase};
 
 use super::method::Method;
 pub use super::soundness::{EstimationStatus, ReasonCode, VerdictReason, headline, status_of};
+pub use super::systematic::{SystematicPart, UncertainQuantity};
 use crate::batch::{Equation, OutputFit, Unknown};
 
 /// How well a parameter is known at the end of the record.
@@ -137,6 +138,10 @@ pub struct ParameterResult {
     /// longer flight does not make it smaller.
     #[serde(default)]
     pub systematic_std: f64,
+    /// The declared quantities that make the systematic part, the largest share first. Empty where nothing is declared
+    /// that moves this parameter.
+    #[serde(default)]
+    pub systematic_parts: Vec<SystematicPart>,
     /// Lower bound at about 95 %: `value - 2 corrected_std_error`.
     pub lower: f64,
     /// Upper bound at about 95 %: `value + 2 corrected_std_error`.
@@ -422,6 +427,13 @@ impl ParameterResult {
     /// unit: the value lies between [`lower`](Self::lower) and [`upper`](Self::upper) with a probability of about 95 %.
     pub fn bound(&self) -> f64 {
         2.0 * self.corrected_std_error
+    }
+
+    /// The part of [`corrected_std_error`](Self::corrected_std_error) that a longer or livelier flight makes smaller,
+    /// one sigma in the parameter's unit: what noise and turbulence leave open (GUM: type A). NaN stays NaN.
+    pub fn random_std(&self) -> f64 {
+        let (whole, systematic) = (self.corrected_std_error, self.systematic_std);
+        ((whole - systematic) * (whole + systematic)).max(0.0).sqrt()
     }
 }
 

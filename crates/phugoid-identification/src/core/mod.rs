@@ -10,5 +10,6 @@ pub mod options;
 pub mod output;
 pub(crate) mod soundness;
 pub mod stack;
+pub(crate) mod systematic;
 pub mod term;
 pub(crate) mod words;

@@ -14,4 +14,5 @@ mod physics;
 pub(crate) mod readiness;
 mod reasons;
 pub(crate) mod summary;
+mod systematic;
 mod verdict;

@@ -8,6 +8,7 @@ use crate::core::estimation::{
     ParameterResult, ReasonCode, Signal, VerdictReason, headline,
 };
 use crate::judge::contradiction::{Spread, colour};
+use crate::judge::systematic;
 use crate::methods::{Run, Task};
 use crate::motion::Motion;
 
@@ -45,6 +46,7 @@ pub(crate) fn verdict<M: Motion<N, R>, const N: usize, const R: usize>(
         batch(report, &mut sentences);
     }
     sentences.extend(task.file.uncertainty.sentence().filter(|_| run.excited));
+    sentences.extend(systematic::sentence(parameters).filter(|_| run.excited));
     sentences.extend(task.prepared.notes.iter().map(|n| format!("{}.", capitalised(n))));
     sentences
 }

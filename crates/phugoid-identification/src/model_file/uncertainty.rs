@@ -8,6 +8,7 @@
 use super::error::ModelFileError;
 use super::section::Section;
 use super::{Base, Parameter, Role, Source};
+use crate::core::systematic::{SystematicPart, UncertainQuantity};
 use crate::core::term::{Coefficient, Term, Variable};
 use phugoid_flight_data::quantity::Dimension;
 
@@ -30,9 +31,6 @@ pub struct Uncertainty {
 
 /// Lighter aircraft carry nobody, kg: very light aeroplanes with a pilot weigh twice as much.
 const UNMANNED_BELOW: f64 = 100.0;
-
-/// The keys of the section, in the order of the fields.
-const KEYS: [&str; 5] = ["airspeed_scale", "flow_angle_scale", "surface_scale", "mass", "inertia"];
 
 impl Uncertainty {
     /// Nothing is uncertain: for flights of a simulator.
@@ -86,13 +84,14 @@ impl Uncertainty {
         let Some(section) = top.section("uncertainty")? else {
             return Ok(if base == Base::None { Self::usual(mass) } else { Self::NONE });
         };
-        section.allow("key", std::iter::once("class").chain(KEYS))?;
+        section.allow("key", std::iter::once("class").chain(UncertainQuantity::ALL.map(UncertainQuantity::key)))?;
         let class = match section.word("class", &["flight-test", "unmanned"])? {
             Some("unmanned") => Self::UNMANNED,
             Some(_) => Self::FLIGHT_TEST,
             None => Self::NONE,
         };
-        let part = |key: &str, of_class: f64| -> Result<f64, ModelFileError> {
+        let part = |quantity: UncertainQuantity| -> Result<f64, ModelFileError> {
+            let (key, of_class) = (quantity.key(), class.scale_of(quantity));
             let value = section.number(key, Dimension::NUMBER)?.unwrap_or(of_class);
             if (0.0..=0.5).contains(&value) {
                 Ok(value)
@@ -101,25 +100,80 @@ impl Uncertainty {
             }
         };
         Ok(Self {
-            airspeed_scale: part(KEYS[0], class.airspeed_scale)?,
-            flow_angle_scale: part(KEYS[1], class.flow_angle_scale)?,
-            surface_scale: part(KEYS[2], class.surface_scale)?,
-            mass: part(KEYS[3], class.mass)?,
-            inertia: part(KEYS[4], class.inertia)?,
+            airspeed_scale: part(UncertainQuantity::AirspeedScale)?,
+            flow_angle_scale: part(UncertainQuantity::FlowAngleScale)?,
+            surface_scale: part(UncertainQuantity::SurfaceScale)?,
+            mass: part(UncertainQuantity::Mass)?,
+            inertia: part(UncertainQuantity::Inertia)?,
             by_default: false,
         })
+    }
+
+    /// One sigma of the scale of a quantity, as a part of one.
+    pub fn scale_of(&self, quantity: UncertainQuantity) -> f64 {
+        match quantity {
+            UncertainQuantity::AirspeedScale => self.airspeed_scale,
+            UncertainQuantity::FlowAngleScale => self.flow_angle_scale,
+            UncertainQuantity::SurfaceScale => self.surface_scale,
+            UncertainQuantity::Mass => self.mass,
+            UncertainQuantity::Inertia => self.inertia,
+        }
+    }
+
+    /// Where the value of a quantity comes from: the model file, or the default with its source.
+    pub fn origin_of(&self, quantity: UncertainQuantity) -> &'static str {
+        let unmanned = self.by_default && self.inertia == Self::UNMANNED.inertia;
+        match (self.by_default, unmanned, quantity) {
+            (false, ..) if self.scale_of(quantity) == 0.0 => {
+                "none declared in the model file, or increments on a database"
+            }
+            (false, ..) => "the model file",
+            (_, false, UncertainQuantity::AirspeedScale) => {
+                "default; 14 CFR 25.1323 allows an installation error of 3 %"
+            }
+            (_, true, UncertainQuantity::Inertia) => {
+                "default for less than 100 kg; Lehmkuehler, Wong and Verstraete 2016"
+            }
+            (_, true, UncertainQuantity::Mass) => "default for less than 100 kg, judgement: it is weighed",
+            (_, true, _) => "default for less than 100 kg, judgement",
+            (_, false, UncertainQuantity::FlowAngleScale) => "default, judgement: vane not calibrated in flight",
+            (_, false, UncertainQuantity::SurfaceScale) => "default, judgement: not calibrated under load",
+            (_, false, UncertainQuantity::Mass) => "default, judgement: not weighed with its fuel",
+            (_, false, UncertainQuantity::Inertia) => "default, judgement: not measured",
+        }
     }
 
     /// One sigma of a parameter as a part of its value: zero for offsets and biases, and for constants, which the
     /// flight determines whatever the scales.
     pub fn of(&self, parameter: &Parameter) -> f64 {
+        self.parts_of(parameter).iter().map(|part| part * part).sum::<f64>().sqrt()
+    }
+
+    /// The quantities that make the systematic error of a parameter, the largest share first. Empty where
+    /// [`of`](Self::of) is zero.
+    pub fn shares_of(&self, parameter: &Parameter) -> Vec<SystematicPart> {
+        let parts = self.parts_of(parameter);
+        let whole: f64 = parts.iter().map(|part| part * part).sum();
+        let mut shares: Vec<SystematicPart> = UncertainQuantity::ALL
+            .into_iter()
+            .zip(parts)
+            .filter(|(_, part)| *part != 0.0)
+            .map(|(quantity, part)| SystematicPart { quantity, share: part * part / whole })
+            .collect();
+        shares.sort_by(|a, b| b.share.total_cmp(&a.share));
+        shares
+    }
+
+    /// What each quantity contributes to one sigma of a parameter, as a part of its value, in the order of
+    /// [`UncertainQuantity::ALL`].
+    fn parts_of(&self, parameter: &Parameter) -> [f64; 5] {
         match &parameter.role {
-            Role::Term(coefficient, term) if !term.is_constant() => self.of_term(*coefficient, term),
-            _ => 0.0,
+            Role::Term(coefficient, term) if !term.is_constant() => self.parts_of_term(*coefficient, term),
+            _ => [0.0; 5],
         }
     }
 
-    fn of_term(&self, coefficient: Coefficient, term: &Term) -> f64 {
+    fn parts_of_term(&self, coefficient: Coefficient, term: &Term) -> [f64; 5] {
         // By dynamic pressure.
         let mut airspeed = 2.0;
         let (mut flow_angle, mut surface) = (0.0, 0.0);
@@ -138,22 +192,24 @@ impl Uncertainty {
                 None => {}
             }
         }
-        let body = match coefficient {
-            Coefficient::Lift | Coefficient::Drag | Coefficient::SideForce => self.mass,
-            Coefficient::PitchingMoment | Coefficient::RollingMoment | Coefficient::YawingMoment => self.inertia,
+        let (mass, inertia) = match coefficient {
+            Coefficient::Lift | Coefficient::Drag | Coefficient::SideForce => (self.mass, 0.0),
+            Coefficient::PitchingMoment | Coefficient::RollingMoment | Coefficient::YawingMoment => (0.0, self.inertia),
         };
-        let parts =
-            [airspeed * self.airspeed_scale, flow_angle * self.flow_angle_scale, surface * self.surface_scale, body];
-        parts.iter().map(|part| part * part).sum::<f64>().sqrt()
+        [
+            airspeed * self.airspeed_scale,
+            flow_angle * self.flow_angle_scale,
+            surface * self.surface_scale,
+            mass,
+            inertia,
+        ]
     }
 
     /// A sentence for the user; `None` where nothing is uncertain.
     pub(crate) fn sentence(&self) -> Option<String> {
-        let values = [self.airspeed_scale, self.flow_angle_scale, self.surface_scale, self.mass, self.inertia];
-        let names = ["airspeed", "flow angles", "surface positions", "mass", "inertia"];
-        let list: Vec<String> = names
-            .iter()
-            .zip(values)
+        let list: Vec<String> = UncertainQuantity::ALL
+            .into_iter()
+            .map(|quantity| (quantity.name(), self.scale_of(quantity)))
             .filter(|(_, value)| *value > 0.0)
             .map(|(name, value)| format!("{name} {:.1} %", 100.0 * value))
             .collect();
@@ -196,6 +252,13 @@ mod tests {
         assert!((of("Cm_q") - root(&[0.015, 0.06])).abs() < 1e-12);
         assert!((of("Cm_elevator") - root(&[0.03, 0.03, 0.06])).abs() < 1e-12);
         assert_eq!(of("Cm_0"), 0.0);
+        let parameter = |name: &str| file.parameters.iter().find(|p| p.name == name).unwrap();
+        let shares = file.uncertainty.shares_of(parameter("Cm_elevator"));
+        let words: Vec<&str> = shares.iter().map(|part| part.quantity.key()).collect();
+        assert_eq!(words, ["inertia", "airspeed_scale", "surface_scale"]);
+        // 36, 9 and 9 parts of 54.
+        assert!((shares[0].share - 36.0 / 54.0).abs() < 1e-12 && (shares[2].share - 9.0 / 54.0).abs() < 1e-12);
+        assert!(file.uncertainty.shares_of(parameter("Cm_0")).is_empty());
         assert_eq!(ModelFile::named("hfb320").unwrap().uncertainty, Uncertainty::FLIGHT_TEST);
         assert_eq!(ModelFile::named("f16").unwrap().uncertainty, Uncertainty::NONE);
     }

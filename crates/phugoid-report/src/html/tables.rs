@@ -40,6 +40,23 @@ pub(super) fn parameters(estimation: &Estimation) -> String {
          Error is the corrected standard error in per cent of the value. Converged at: from then on, in seconds from \
          the start of the record, the estimate stays within 5 % of the truth where that is known, else of its final value.</p>\n",
     );
+    if estimation.parameters.iter().any(|p| p.systematic_std > 0.0) {
+        let heads = [
+            ("", "Parameter"),
+            ("", "Unit"),
+            ("n", "Random<br>std. error"),
+            ("n", "Systematic<br>std. error"),
+            ("", "The systematic part comes from"),
+        ];
+        out.push_str("<h3>Random and systematic</h3>\n");
+        out.push_str(&grouped(estimation, &heads, |p| systematic_row(estimation, p)));
+        out.push_str(
+            "<p class=\"note\">The two make the standard error above, as the root of the sum of their squares. A longer or \
+             livelier flight makes the random part smaller (GUM: type A). The systematic part follows from the declared \
+             uncertainties of masses and scales (type B): only a calibration or a measurement on the ground makes it \
+             smaller.</p>\n",
+        );
+    }
     let heads = [
         ("", "Parameter"),
         ("", "Unit"),
@@ -111,6 +128,19 @@ fn result_row(estimation: &Estimation, parameter: &ParameterResult, truth: bool)
         escape(&status_words(parameter.status)),
         number_cells(&[parameter.converged_at_s.map_or_else(dash, |t| fixed(t, 2))])
     )
+}
+
+/// The row of a parameter in the table of random and systematic errors.
+fn systematic_row(estimation: &Estimation, parameter: &ParameterResult) -> String {
+    let unit = unit_of(estimation, &parameter.name);
+    let number = |value: f64| {
+        if value > 0.0 { significant(value * unit.factor, 3) } else { dash() }
+    };
+    let cells = [number(parameter.random_std()), number(parameter.systematic_std)];
+    let parts = parameter.systematic_parts.iter();
+    let parts: Vec<String> = parts.map(|part| format!("{} {:.0} %", part.quantity, 100.0 * part.share)).collect();
+    let parts = if parts.is_empty() { dash() } else { escape(&parts.join(", ")) };
+    format!("<tr>{}{}<td>{parts}</td></tr>\n", first_cells(parameter, &unit), number_cells(&cells))
 }
 
 /// The row of a parameter in the table of what was known before.

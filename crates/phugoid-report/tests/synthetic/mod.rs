@@ -218,6 +218,7 @@ pub(crate) fn estimation(case: &Case) -> Estimation {
             std_error: 0.8 * sigma,
             corrected_std_error: sigma,
             systematic_std: 0.0,
+            systematic_parts: Vec::new(),
             lower: last - 2.0 * sigma,
             upper: last + 2.0 * sigma,
             status: if excited { FinalStatus::Converged } else { FinalStatus::NotExcited },

@@ -1,0 +1,26 @@
+//! Which parameters a longer flight does not improve, and what would.
+
+use crate::core::estimation::{FinalStatus, ParameterResult, UncertainQuantity};
+
+/// Names the parameters whose systematic part is larger than the random one, and the quantity that has the largest
+/// share in them; `None` where there is no such parameter.
+pub(crate) fn sentence(parameters: &[ParameterResult]) -> Option<String> {
+    let limited: Vec<&ParameterResult> = parameters
+        .iter()
+        .filter(|p| !p.nuisance && p.status != FinalStatus::Fixed && p.systematic_std > p.random_std())
+        .collect();
+    let share = |quantity: UncertainQuantity| -> f64 {
+        let parts = limited.iter().flat_map(|p| &p.systematic_parts);
+        parts.filter(|part| part.quantity == quantity).map(|part| part.share).sum::<f64>() / limited.len() as f64
+    };
+    let shares = UncertainQuantity::ALL.map(|quantity| (quantity, share(quantity)));
+    let (largest, part) = shares.into_iter().max_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, part)| *part > 0.0)?;
+    let names: Vec<&str> = limited.iter().map(|p| p.name.as_str()).collect();
+    Some(format!(
+        "A longer flight will not make the bounds of {} much smaller: their systematic part is the larger one. What would \
+         help most is {} ({:.0} % of the variance of that part).",
+        names.join(", "),
+        largest.remedy(),
+        100.0 * part
+    ))
+}
