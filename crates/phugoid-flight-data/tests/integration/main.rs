@@ -7,6 +7,9 @@ mod damage;
 #[cfg(any(feature = "matlab", feature = "parquet"))]
 #[path = "../common/flight.rs"]
 mod flight;
+#[cfg(target_os = "linux")]
+#[path = "../common/hostile.rs"]
+mod hostile;
 #[path = "../logs/mod.rs"]
 mod logs;
 #[path = "../../../../tests/shared_data.rs"]
@@ -21,6 +24,7 @@ mod flights;
 mod logs_to_records;
 mod matlab;
 mod mcap;
+mod memory;
 mod plausibility;
 mod properties;
 mod tables;
