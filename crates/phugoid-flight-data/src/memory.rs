@@ -94,7 +94,7 @@ impl fmt::Display for Memory {
      (--max-memory {}, in code `max_memory`), or read less: fewer columns or topics, or a shorter span of time",
     if place.is_empty() { String::new() } else { format!(", {place}") },
     if *at_least { "more than" } else { "about" },
-    enough(*needs)
+    enough(*needs, *at_least)
 )]
 pub struct OverBudget {
     /// Name of the file or stream, as the caller gave it.
@@ -109,8 +109,9 @@ pub struct OverBudget {
     pub budget: Memory,
 }
 
-/// A round amount with some room above this need.
-fn enough(needs: Memory) -> String {
+/// A round amount with some room above this need, and with as much again where that is only the least.
+fn enough(needs: Memory, at_least: bool) -> String {
+    let needs = Memory(needs.0.saturating_mul(1 + u64::from(at_least)));
     let step = match needs.0 {
         0..10_000_000 => 1_000_000,
         10_000_000..100_000_000 => 10_000_000,
@@ -272,6 +273,6 @@ mod tests {
         assert_eq!(account.take(u64::MAX), Err(Excess(u64::MAX)));
         let error = account.over_so_far(Excess(930_000_000), "a.csv", "line 7").to_string();
         assert!(error.starts_with("a.csv, line 7: to read it more than 930 MB of memory are needed"), "{error}");
-        assert!(error.contains("--max-memory 2GB") || error.contains("--max-memory 1.1GB"), "{error}");
+        assert!(error.contains("(--max-memory 3GB,"), "{error}");
     }
 }

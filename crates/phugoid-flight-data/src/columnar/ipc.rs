@@ -21,6 +21,9 @@ use crate::table::{TableError, TableOptions};
 
 /// The longest description of a message that is read, bytes. The schema of thousands of columns has a few million.
 const LONGEST_DESCRIPTION: u64 = 64 << 20;
+/// How many times their length compressed data may have when they are unpacked: Zstandard makes blocks of 128 KiB of four
+/// bytes.
+const MOST_TIMES: u64 = 1 << 15;
 const CONTINUATION: [u8; 4] = [0xFF; 4];
 
 /// Reads batches until the end; if one is damaged, those before it are kept.
@@ -257,8 +260,12 @@ impl<R: Read> Stream<'_, R> {
         let Some(batch) = message.header_as_record_batch() else { return damaged("a batch without content") };
         let (rows, unpacked) = sizes(batch, &body).or_else(damaged)?;
         // The library gives every column as many values as the batch has rows, and unpacks all before it looks at them.
-        let _held = self.account.hold(unpacked).map_err(|excess| self.over(excess))?;
-        self.account.hold(rows.saturating_mul(8 * columns.chosen.len() as u64)).map_err(|excess| self.over(excess))?;
+        let over = |excess| {
+            let place = format!("byte {}", self.offset);
+            Problem::Stop(TableError::from(self.account.over(excess, self.source, place)).into())
+        };
+        let _held = self.account.hold(unpacked).map_err(over)?;
+        self.account.hold(rows.saturating_mul(8 * columns.chosen.len() as u64)).map_err(over)?;
         if columns.chosen.is_empty() {
             return Ok(());
         }
@@ -296,8 +303,9 @@ fn sizes(batch: RecordBatch<'_>, body: &[u8]) -> Result<(u64, u64), String> {
             let Some(size) = bytes.first_chunk::<8>().map(|size| i64::from_le_bytes(*size)) else {
                 return Err(format!("compressed data of {length} bytes, which have no room for their size"));
             };
-            if size < -1 {
-                return Err(format!("compressed data of {size} bytes"));
+            // No method packs so tightly: the size is damaged.
+            if size < -1 || size.unsigned_abs() > MOST_TIMES.saturating_mul(length.unsigned_abs()) {
+                return Err(format!("{length} bytes of compressed data that want {size} bytes"));
             }
             // A size of -1 marks a buffer that is not compressed.
             unpacked = unpacked.saturating_add(u64::try_from(size).unwrap_or(0));

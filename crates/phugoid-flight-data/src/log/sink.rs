@@ -372,7 +372,7 @@ impl Stop {
     pub(super) fn into_error(self, source: &str, account: &Account) -> LogError {
         match self {
             Stop::Log(error) => error,
-            Stop::Full(Full(excess)) => account.over_so_far(excess, source, "the topics asked for").into(),
+            Stop::Full(Full(excess)) => account.over_so_far(excess, source, "").into(),
         }
     }
 }

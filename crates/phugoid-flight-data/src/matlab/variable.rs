@@ -6,7 +6,7 @@ use flate2::read::ZlibDecoder;
 
 use super::ReadError;
 use super::element::{Input, Problem, Tag, bad, kind, width};
-use crate::memory::{Account, many};
+use crate::memory::{Account, OverBudget, many};
 use crate::quality::QualityReport;
 use crate::table::TableError;
 use crate::table::columns::MAX_COLUMNS;
@@ -68,7 +68,9 @@ pub(super) fn read_all(
                     "" => format!("byte {offset}"),
                     name => format!("variable '{}'", cut(name, 40)),
                 };
-                return Err(TableError::from(account.over(excess, source, place)).into());
+                // Of the numbers of a variable the whole need is known, of its fields only what came so far.
+                let at_least = variable.is_empty();
+                return Err(TableError::from(OverBudget { at_least, ..account.over(excess, source, place) }).into());
             }
             Err(Problem::Io(error)) if !is_damage_of_one_variable(&error) => return Err(io(error)),
             Err(problem) => {

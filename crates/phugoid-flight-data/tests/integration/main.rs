@@ -4,6 +4,9 @@
 #[cfg(any(feature = "matlab", feature = "mcap", feature = "parquet"))]
 #[path = "../common/damage.rs"]
 mod damage;
+#[cfg(target_os = "linux")]
+#[path = "../common/damaged.rs"]
+mod damaged;
 #[cfg(any(feature = "matlab", feature = "parquet"))]
 #[path = "../common/flight.rs"]
 mod flight;
