@@ -201,6 +201,7 @@ impl Account {
     }
 
     /// True if the file surely has fewer bytes than this; false if it may have them or its length is not known.
+    #[cfg(any(feature = "mcap", feature = "parquet"))]
     pub(crate) fn file_is_shorter_than(&self, bytes: u64) -> bool {
         self.shared.length.get() > 0 && bytes > self.shared.length.get()
     }
