@@ -54,16 +54,18 @@ impl Record {
 
     /// Reads a flight from a file.
     #[staticmethod]
-    #[pyo3(signature = (path, model=None, mappings=Vec::new()))]
+    #[pyo3(signature = (path, model=None, mappings=Vec::new(), max_memory=None))]
     fn open(
         py: Python<'_>,
         path: PathBuf,
         model: Option<&Model>,
         mappings: Vec<(String, String, Option<String>, f64)>,
+        max_memory: Option<&str>,
     ) -> PyResult<Self> {
+        let memory = max_memory.map(str::parse).transpose().map_err(raise)?.unwrap_or_default();
         let mut columns = model.map(|model| model.inner.columns()).unwrap_or_default();
         columns.extend(to_mappings(mappings));
-        let options = ReadOptions::with_columns(columns);
+        let options = ReadOptions::with_columns(columns).with_max_memory(memory);
         py.detach(|| reader::read_path(&path, &options).map(Self::from).map_err(raise))
     }
 
