@@ -33,6 +33,9 @@ pub struct Memory(u64);
 pub struct NotMemory(String);
 
 impl Memory {
+    /// No bound, for what the caller has made himself.
+    pub const UNBOUNDED: Self = Self(u64::MAX);
+
     /// This many bytes.
     pub const fn from_bytes(bytes: u64) -> Self {
         Self(bytes)

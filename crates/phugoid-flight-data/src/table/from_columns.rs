@@ -2,7 +2,7 @@
 
 use super::assemble::{BYTES_PER_ROW, Read, record};
 use super::{ColumnMapping, MappingProblem, TableError, TableOptions};
-use crate::memory::{Account, many};
+use crate::memory::{Account, Memory, many};
 use crate::quality::QualityReport;
 use crate::record::Record;
 use crate::table::columns::{self, ColumnUse, Head, Plan};
@@ -94,7 +94,9 @@ impl Record {
     ) -> Result<Self, TableError> {
         let column = |(header, values): (H, Vec<f64>)| Column { header: header.into(), values, ..Column::default() };
         let columns = columns.into_iter().map(column).collect();
-        from_columns(source, columns, &[], &TableOptions::default(), QualityReport::default())
+        // They are in memory already.
+        let options = TableOptions { max_memory: Memory::UNBOUNDED, ..TableOptions::default() };
+        from_columns(source, columns, &[], &options, QualityReport::default())
     }
 }
 
