@@ -174,6 +174,7 @@ impl Account {
     }
 
     /// The bytes that may still be taken.
+    #[cfg(any(test, feature = "matlab"))]
     pub(crate) fn left(&self) -> u64 {
         self.budget.0.saturating_sub(self.shared.held.get())
     }

@@ -2,8 +2,8 @@
 
 use crate::memory::Memory;
 
-/// Which topics and fields of a log are kept. The default keeps everything up to 100 million values.
-#[derive(Clone, Debug, PartialEq, Eq)]
+/// Which topics and fields of a log are kept. The default keeps everything.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Selection {
     /// What is kept; everything if `None`.
     pub topics: Option<Vec<Wanted>>,
@@ -20,12 +20,6 @@ pub struct Wanted {
     pub instance: Option<u16>,
     /// Names of the fields; all fields if `None`.
     pub fields: Option<Vec<String>>,
-}
-
-impl Default for Selection {
-    fn default() -> Self {
-        Self { topics: None, max_memory: Memory::default() }
-    }
 }
 
 impl Selection {

@@ -50,7 +50,7 @@ pub fn from_columns(
     let account = Account::new(options.max_memory);
     let values = columns.iter().map(|column| column.values.len()).sum();
     account.take(many(values, 8)).map_err(|excess| account.over(excess, source, ""))?;
-    make_record(source, columns, left_out, options, report, false, &account)
+    from_counted_columns(source, columns, left_out, options, report, &account)
 }
 
 /// As [`from_columns`], for columns whose values the account holds already.

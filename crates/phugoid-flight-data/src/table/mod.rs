@@ -11,8 +11,10 @@ pub(crate) mod time_base;
 
 pub(crate) use assemble::{BYTES_PER_ROW, Read, record};
 pub use error::{MappingProblem, OptionProblem, TableError};
+#[cfg(any(feature = "matlab", feature = "parquet"))]
+pub(crate) use from_columns::from_counted_columns;
+pub(crate) use from_columns::from_sparse_columns;
 pub use from_columns::{Column, LeftOut, from_columns};
-pub(crate) use from_columns::{from_counted_columns, from_sparse_columns};
 
 use serde::{Deserialize, Serialize};
 

@@ -4,19 +4,22 @@ use crate::logs;
 
 /// Name and content of each.
 pub(crate) fn files() -> Vec<(&'static str, Vec<u8>)> {
-    let mut files = vec![
+    let always = vec![
         ("header-of-commas.csv", header_of_commas()),
         ("long-names.ulg", long_names()),
         ("many-definitions.ulg", many_definitions()),
         ("many-parameters.ulg", many_parameters()),
     ];
-    #[cfg(feature = "mcap")]
-    files.extend(mcap::files());
-    #[cfg(feature = "matlab")]
-    files.extend(matlab::files());
-    #[cfg(feature = "parquet")]
-    files.extend(columnar::files());
-    files
+    let formats = [
+        always,
+        #[cfg(feature = "mcap")]
+        mcap::files(),
+        #[cfg(feature = "matlab")]
+        matlab::files(),
+        #[cfg(feature = "parquet")]
+        columnar::files(),
+    ];
+    formats.into_iter().flatten().collect()
 }
 
 /// A header whose quoted names hold line ends, with a million cells on each of its lines.
