@@ -28,7 +28,7 @@ pub const MAGIC: [u8; 2] = crate::format::DATAFLASH_MAGIC;
 ///
 /// # Errors
 /// [`LogError`] if it cannot be read, does not begin as a DataFlash log, has no samples at all, or holds more than
-/// `selection.max_values`. Damage within the log is no error; `quality` names what was skipped.
+/// `selection.max_memory`. Damage within the log is no error; `quality` names what was skipped.
 pub fn read(reader: impl Read, source: &str, selection: &Selection) -> Result<Log, LogError> {
     let account = Account::new(selection.max_memory);
     into_log(source, selection, &account, |sink| run(reader, source, sink))
