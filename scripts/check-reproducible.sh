@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Builds the program twice from the committed sources, in folders with different names, and compares the two files byte by byte.
-# Takes two full builds (minutes) and about 2 GB in the folder for temporary files.
+# Builds the program twice from the committed sources, in folders with different names, and compares the two files byte
+# by byte. Takes two full builds (minutes) and about 2 GB in the folder for temporary files.
 #
 #   scripts/check-reproducible.sh                     the program as it is released: --profile dist -p phugoid-cli
 #   scripts/check-reproducible.sh CARGO-OPTION...     something else that `cargo build` makes, for instance

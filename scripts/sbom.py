@@ -1,12 +1,15 @@
 #!/usr/bin/env python3
-"""Writes the parts list (SBOM) of the program as CycloneDX 1.5 in JSON: every crate whose code, or the code that its macros write, is
-in `phugoid`, with its version, licence, source and check sum, and what depends on what.
+"""Writes the parts list (SBOM) of the program as CycloneDX 1.5 in JSON.
+
+It has every crate whose code, or the code that its macros write, is in `phugoid`, with its version, licence, source and
+check sum, and what depends on what.
 
     scripts/sbom.py [--features all-formats] [--target TRIPLE] [--out phugoid.cdx.json]
 
-Without --out it goes to standard output. All facts come from `cargo metadata` and Cargo.lock, so that the same sources give the
-same bytes: there is no date in it and no random number. Before anything is written the document is checked: every reference leads to
-a part, every part is reached from the program, and every part from a registry has a licence and a check sum. CycloneDX: ECMA-424.
+Without --out it goes to standard output. All facts come from `cargo metadata` and Cargo.lock, so that the same sources
+give the same bytes: there is no date in it and no random number. Before anything is written the document is checked:
+every reference leads to a part, every part is reached from the program, and every part from a registry has a licence
+and a check sum. CycloneDX: ECMA-424.
 """
 
 import argparse
@@ -23,7 +26,8 @@ PROGRAM = "phugoid-cli"
 
 def arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
-    parser.add_argument("--features", default="", help="features of the program beyond its default ones, separated by commas")
+    told = "features of the program beyond its default ones, separated by commas"
+    parser.add_argument("--features", default="", help=told)
     parser.add_argument("--target", help="target triple [default: that of this machine]")
     parser.add_argument("--out", type=Path, help="file to write")
     return parser.parse_args()
@@ -83,7 +87,8 @@ def document(features: str, target: str) -> dict:
     root = next(id for id, package in packages.items() if package["name"] == PROGRAM)
     used = linked(graph, root)
     parts = sorted(used, key=lambda id: (packages[id]["name"], packages[id]["version"]))
-    properties = [{"name": "phugoid:target", "value": target}, {"name": "phugoid:features", "value": features or "default"}]
+    facts = {"target": target, "features": features or "default"}
+    properties = [{"name": f"phugoid:{name}", "value": value} for name, value in facts.items()]
     return {
         "bomFormat": "CycloneDX",
         "specVersion": "1.5",
@@ -104,7 +109,8 @@ def check(sbom: dict) -> list[str]:
     wrong = [f"{part} stands in it twice" for part in sorted({part for part in parts if parts.count(part) > 1})]
     known = {root, *parts}
     wrong += [f"{part} has no entry of what it uses" for part in sorted(known - set(uses))]
-    wrong += [f"{ref} uses {other}, which is no part" for ref, others in uses.items() for other in others if other not in known]
+    pairs = [(ref, other) for ref, others in uses.items() for other in others]
+    wrong += [f"{ref} uses {other}, which is no part" for ref, other in pairs if other not in known]
     reached, ahead = set(), [root]
     while ahead:
         part = ahead.pop()

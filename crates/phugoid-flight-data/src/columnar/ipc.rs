@@ -21,8 +21,8 @@ use crate::table::{TableError, TableOptions};
 
 /// The longest description of a message that is read, bytes. The schema of thousands of columns has a few million.
 const LONGEST_DESCRIPTION: u64 = 64 << 20;
-/// How many times their length compressed data may have when they are unpacked: Zstandard makes blocks of 128 KiB of four
-/// bytes.
+/// How many times their length compressed data may have when they are unpacked: Zstandard makes blocks of 128 KiB of
+/// four bytes.
 const MOST_TIMES: u64 = 1 << 15;
 const CONTINUATION: [u8; 4] = [0xFF; 4];
 

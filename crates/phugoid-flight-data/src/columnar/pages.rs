@@ -12,8 +12,8 @@ use ::parquet::file::reader::ChunkReader;
 const MAX_DEPTH: usize = 8;
 /// The same for the footer of a file: groups of rows, columns, their sizes and statistics, and lists of all these.
 const DEPTH_OF_FOOTER: usize = 24;
-/// What the library (60.1) makes of a struct of the footer takes less than this, bytes; measured with 50,000 columns and
-/// with 500 columns in 2,000 groups.
+/// What the library (60.1) makes of a struct of the footer takes less than this, bytes; measured with 50,000 columns
+/// and with 500 columns in 2,000 groups.
 const BYTES_PER_STRUCT: u64 = 400;
 /// The largest value of a column of numbers, bytes.
 const LARGEST_VALUE: u64 = 12;

@@ -25,7 +25,8 @@ pub(crate) fn intact() -> Vec<(String, Vec<u8>)> {
     files
 }
 
-/// The damaged file with this number: one of the intact ones cut, with bits turned, with bytes set, or with a number in it raised.
+/// The damaged file with this number: one of the intact ones cut, with bits turned, with bytes set, or with a number in
+/// it raised.
 pub(crate) fn file(intact: &[(String, Vec<u8>)], number: u64) -> (&str, Vec<u8>) {
     let mut random = Random(number.wrapping_mul(0x9E37_79B9_7F4A_7C15));
     let (name, bytes) = &intact[(number % intact.len() as u64) as usize];

@@ -1,5 +1,5 @@
-//! Files of which a few bytes ask for much memory. Each is read in a process of its own, whose address space is limited, because an
-//! allocation that fails ends the process that asked for it.
+//! Files of which a few bytes ask for much memory. Each is read in a process of its own, whose address space is
+//! limited, because an allocation that fails ends the process that asked for it.
 #![cfg(target_os = "linux")]
 
 use crate::{damaged, hostile};
@@ -23,8 +23,8 @@ const DAMAGED: &str = "PHUGOID_TEST_DAMAGED";
 /// What the child says of its memory: the most that it ever had, MiB.
 const PEAK: &str = "peak MiB ";
 
-/// Reads every file of the folder, or the damaged ones with these numbers, and says how much memory that took. Runs only as a child of
-/// the other tests.
+/// Reads every file of the folder, or the damaged ones with these numbers, and says how much memory that took. Runs
+/// only as a child of the other tests.
 #[test]
 #[ignore = "the child of the other tests of this file"]
 fn child() {
@@ -67,7 +67,8 @@ fn read_every_way(file: &Path, budget: Memory) -> String {
     said
 }
 
-/// Runs the child on a folder and returns what it printed, after checking that it ended well and never had more than so many MiB.
+/// Runs the child on a folder and returns what it printed, after checking that it ended well and never had more than so
+/// many MiB.
 #[track_caller]
 fn read_in_child(folder: &Path, damaged: Option<(u64, u64)>, budget: &str, most: u64) -> String {
     let mut command = Command::new("sh");
@@ -109,8 +110,8 @@ impl Drop for Folder {
     }
 }
 
-/// Each alone, so that one that ends its process does not hide the others. The program itself takes 12 MiB, and the allocator keeps a
-/// part of what is freed.
+/// Each alone, so that one that ends its process does not hide the others. The program itself takes 12 MiB, and the
+/// allocator keeps a part of what is freed.
 #[test]
 fn a_file_gets_no_more_memory_than_the_budget() {
     let mut failed = Vec::new();
@@ -170,8 +171,8 @@ fn damaged_files_end_no_process() {
     damaged_files(300);
 }
 
-/// `cargo test --profile quick -p phugoid-flight-data --features matlab,mcap,parquet --test integration -- --ignored --nocapture
-/// twenty_thousand`; another number of files is given by `PHUGOID_DAMAGED_FILES`.
+/// `cargo test --profile quick -p phugoid-flight-data --features matlab,mcap,parquet --test integration -- --ignored
+/// --nocapture twenty_thousand`; another number of files is given by `PHUGOID_DAMAGED_FILES`.
 #[test]
 #[ignore = "takes minutes"]
 fn twenty_thousand_damaged_files_end_no_process() {
