@@ -5,17 +5,18 @@ use std::fmt::Display;
 
 use phugoid_flight_data::log::survey::Survey;
 use phugoid_flight_data::log::{Log, LogError, Selection};
+use phugoid_flight_data::memory::Memory;
 use phugoid_flight_data::profile::Profile;
 use phugoid_flight_data::reader::{self, ReadOptions};
 use phugoid_flight_data::record::Record;
 use phugoid_flight_data::table::TableOptions;
 
-/// Bound on the values that are kept, so that a run needs little memory; whatever a file says, no more is taken.
-const MAX_VALUES: usize = 1 << 16;
+/// Bound on the memory of a run; whatever a file says, no more is taken.
+const MAX_MEMORY: Memory = Memory::from_bytes(8 << 20);
 
 /// Options with the bound.
 pub fn options() -> TableOptions {
-    TableOptions { max_values: MAX_VALUES, ..TableOptions::default() }
+    TableOptions { max_memory: MAX_MEMORY, ..TableOptions::default() }
 }
 
 /// A record that keeps its promises, or an error that fits on a screen.
@@ -38,7 +39,7 @@ pub fn log<'b>(
     survey: impl Fn(&'b [u8], &str) -> Result<Survey, LogError>,
     profile: &Profile,
 ) {
-    match read(bytes, "fuzz", &Selection { max_values: MAX_VALUES, ..Selection::default() }) {
+    match read(bytes, "fuzz", &Selection { max_memory: MAX_MEMORY, ..Selection::default() }) {
         Ok(log) => {
             for topic in &log.topics {
                 assert!(!topic.time_s.is_empty());

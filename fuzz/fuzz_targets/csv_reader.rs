@@ -7,7 +7,7 @@ use phugoid_flight_data::csv::{CsvOptions, read, write};
 mod common;
 
 fuzz_target!(|bytes: &[u8]| {
-    let options = CsvOptions { max_values: common::options().max_values, ..CsvOptions::default() };
+    let options = CsvOptions { max_memory: common::options().max_memory, ..CsvOptions::default() };
     let without_time = CsvOptions { sample_time_s: Some(0.02), ..options.clone() };
     for options in [&options, &without_time] {
         let Some(record) = common::table(read(bytes, "fuzz", options)) else { continue };

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use numpy::{PyArray1, PyReadonlyArray1};
 use phugoid_flight_data::csv;
+use phugoid_flight_data::memory::Memory;
 use phugoid_flight_data::quality::QualityReport;
 use phugoid_flight_data::reader::{self, ReadOptions};
 use phugoid_flight_data::record as library;
@@ -47,23 +48,26 @@ impl Record {
             .zip(values)
             .map(|((header, unit), values)| Column { header, unit, values: values.as_array().to_vec(), is_time: false })
             .collect();
-        let options = TableOptions { columns: to_mappings(mappings), ..TableOptions::default() };
+        let options =
+            TableOptions { columns: to_mappings(mappings), max_memory: Memory::UNBOUNDED, ..TableOptions::default() };
         let record = py.detach(|| from_columns(source, columns, &[], &options, QualityReport::default()));
         Ok(record.map_err(raise)?.into())
     }
 
     /// Reads a flight from a file.
     #[staticmethod]
-    #[pyo3(signature = (path, model=None, mappings=Vec::new()))]
+    #[pyo3(signature = (path, model=None, mappings=Vec::new(), max_memory=None))]
     fn open(
         py: Python<'_>,
         path: PathBuf,
         model: Option<&Model>,
         mappings: Vec<(String, String, Option<String>, f64)>,
+        max_memory: Option<&str>,
     ) -> PyResult<Self> {
+        let memory: Memory = max_memory.map(str::parse).transpose().map_err(raise)?.unwrap_or_default();
         let mut columns = model.map(|model| model.inner.columns()).unwrap_or_default();
         columns.extend(to_mappings(mappings));
-        let options = ReadOptions::with_columns(columns);
+        let options = ReadOptions::with_columns(columns).with_max_memory(memory);
         py.detach(|| reader::read_path(&path, &options).map(Self::from).map_err(raise))
     }
 

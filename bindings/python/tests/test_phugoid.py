@@ -106,6 +106,11 @@ def test_errors_have_the_texts_of_the_command_line(tmp_path, flight, model):
         phugoid.Session(model, method="output-error")
     with pytest.raises(phugoid.PhugoidError, match="cannot be read|No such file"):
         phugoid.Record.open(tmp_path / "none.csv")
+    flight[0].write_csv(tmp_path / "flight.csv")
+    with pytest.raises(phugoid.PhugoidError, match="the budget is 5 kB"):
+        phugoid.Record.open(tmp_path / "flight.csv", max_memory="5kB")
+    with pytest.raises(phugoid.PhugoidError, match="no amount of memory"):
+        phugoid.Record.open(tmp_path / "flight.csv", max_memory="5")
     with pytest.raises(phugoid.PhugoidError, match="shape"):
         phugoid.Record.from_columns({"time_s": np.zeros((3, 2))})
     with pytest.raises(KeyError, match="alpha"):

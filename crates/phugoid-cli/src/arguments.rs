@@ -16,6 +16,7 @@ mod linearize;
 pub(crate) mod live;
 mod method;
 mod monitor;
+mod reading;
 mod reproduce;
 mod simulate;
 mod study;

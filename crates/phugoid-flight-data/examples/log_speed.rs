@@ -13,6 +13,7 @@ use std::time::Instant;
 
 use phugoid_flight_data::format::Format;
 use phugoid_flight_data::log::{self, Selection};
+use phugoid_flight_data::memory::Memory;
 
 struct Temporary(PathBuf);
 
@@ -49,7 +50,8 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     forget_peak();
     let clock = Clock::start();
-    let log = log::read_path(&file.0, &Selection { max_values: usize::MAX, ..Selection::topics([topic.as_str()]) })?;
+    let log =
+        log::read_path(&file.0, &Selection { max_memory: Memory::UNBOUNDED, ..Selection::topics([topic.as_str()]) })?;
     let values: usize = log.topics.iter().map(|topic| topic.time_s.len() * (topic.fields.len() + 1)).sum();
     let detail = format!("{values} values kept are {} MiB, peak {} MiB", values * 8 / (1 << 20), peak_mib());
     say(&format!("topic {topic}"), bytes, &clock, &detail);

@@ -9,6 +9,7 @@ use std::path::Path;
 
 pub use crate::columnar::ReadError;
 use crate::columnar::ipc;
+use crate::memory::Account;
 use crate::printable;
 use crate::record::Record;
 use crate::table::TableOptions;
@@ -20,7 +21,10 @@ use crate::table::TableOptions;
 pub fn read_path(path: &Path, options: &TableOptions) -> Result<Record, ReadError> {
     let source_name = printable::path(path);
     match File::open(path) {
-        Ok(file) => read(BufReader::new(file), &source_name, options),
+        Ok(file) => {
+            let account = Account::new(options.max_memory);
+            ipc::read(BufReader::new(account.follow(file)), &source_name, options, &account)
+        }
         Err(error) => Err(ReadError::Io { source_name, error }),
     }
 }
@@ -32,5 +36,5 @@ pub fn read_path(path: &Path, options: &TableOptions) -> Result<Record, ReadErro
 /// [`ReadError`] if it cannot be read, is no Arrow IPC, holds no batch that could be read, or no record can be made of
 /// its columns.
 pub fn read(reader: impl Read, source: &str, options: &TableOptions) -> Result<Record, ReadError> {
-    ipc::read(reader, source, options)
+    ipc::read(reader, source, options, &Account::new(options.max_memory))
 }

@@ -17,6 +17,7 @@
 //! | [`channels`] | the table of known channels: name, quantity, sign, synonyms |
 //! | [`units`], [`quantity`] | conversion of units; numbers with units in text (`"20000 ft"`) |
 //! | [`airspeed`] | true airspeed from equivalent airspeed and air density |
+//! | [`memory`] | the bound on the memory that reading may take |
 //! | [`statistics`] | median and quantile |
 //! | [`format`](mod@format) | the format of a file by its first bytes |
 pub mod airspeed;
@@ -29,6 +30,7 @@ pub mod format;
 pub mod log;
 #[cfg(feature = "matlab")]
 pub mod matlab;
+pub mod memory;
 pub mod output_file;
 #[cfg(feature = "parquet")]
 pub mod parquet;

@@ -79,12 +79,18 @@ class Record:
         self._native = native
 
     @staticmethod
-    def open(path: Any, model: Optional[Model] = None, columns: Optional[Columns] = None) -> "Record":
+    def open(
+        path: Any,
+        model: Optional[Model] = None,
+        columns: Optional[Columns] = None,
+        max_memory: Optional[str] = None,
+    ) -> "Record":
         """Opens a flight of any format that the reader knows; the format is recognised from the content of the file.
 
-        ``model`` (its table ``[channels]``) and ``columns`` assign headers of the file to channels by hand.
+        ``model`` (its table ``[channels]``) and ``columns`` assign headers of the file to channels by hand. Reading may
+        take 200 MB of memory, or ``max_memory`` (``"500MB"``); a file that needs more is refused.
         """
-        return Record(_phugoid.Record.open(path, model, _mappings(columns)))
+        return Record(_phugoid.Record.open(path, model, _mappings(columns), max_memory))
 
     @staticmethod
     def from_columns(

@@ -19,7 +19,9 @@ class Record:
     channels: list[str]
     quality: str
     @staticmethod
-    def open(path: _Path, model: Optional[Model] = ..., mappings: list[_Mapping] = ...) -> Record: ...
+    def open(
+        path: _Path, model: Optional[Model] = ..., mappings: list[_Mapping] = ..., max_memory: Optional[str] = ...
+    ) -> Record: ...
     @staticmethod
     def from_columns(
         source: str, headers: list[str], units: list[Optional[str]], values: list[_Array], mappings: list[_Mapping]

@@ -6,6 +6,7 @@ use clap::{Args, ValueEnum};
 use phugoid_simulation::quantity::Length;
 
 use super::help::examples_and_exit_codes;
+use super::reading::Reading;
 
 /// Checks a flight for kinematic consistency and estimates the errors of its sensors
 ///
@@ -39,6 +40,8 @@ pub(crate) struct Compatibility {
     /// Further groups of sensor errors to estimate, separated by commas
     #[arg(long, value_enum, value_delimiter = ',', value_name = "GROUP")]
     pub(crate) estimate: Vec<SensorGroup>,
+    #[command(flatten)]
+    pub(crate) reading: Reading,
     /// Folder for the corrected record, the corrections and the page
     #[arg(long, value_name = "DIR", default_value = "phugoid-compatibility")]
     pub(crate) out: PathBuf,

@@ -8,6 +8,7 @@ use phugoid_simulation::quantity::Time;
 
 use super::help::examples_and_exit_codes;
 use super::method::method;
+use super::reading::Reading;
 
 /// Estimates the coefficients of an aircraft from a recorded flight
 #[derive(Debug, Args)]
@@ -36,6 +37,8 @@ pub(crate) struct Estimate {
     /// A flight to test the result on: its outputs are predicted with the parameters that a batch method has estimated
     #[arg(long, value_name = "FLIGHT.csv")]
     pub(crate) predict: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) reading: Reading,
     /// Do not look for sudden changes of the coefficients
     #[arg(long)]
     pub(crate) no_change_detection: bool,

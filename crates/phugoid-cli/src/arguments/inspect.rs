@@ -6,6 +6,7 @@ use clap::Args;
 
 use super::delivery::Delivery;
 use super::help::examples_and_exit_codes;
+use super::reading::Reading;
 
 /// Lists what a flight contains: channels, gaps, doubtful units and signs, manoeuvres, and which derivatives can be
 /// estimated
@@ -28,6 +29,8 @@ pub(crate) struct Inspect {
     /// built-in one
     #[arg(long, value_name = "AIRCRAFT.toml")]
     pub(crate) model: Option<String>,
+    #[command(flatten)]
+    pub(crate) reading: Reading,
     #[command(flatten)]
     pub(crate) delivery: Delivery,
 }

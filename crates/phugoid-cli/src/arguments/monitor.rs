@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::help::examples_and_exit_codes;
+use super::reading::Reading;
 
 /// Checks in a recorded flight whether the coefficients leave their expected ranges: an alarm with a stated false-alarm
 /// rate, the onset time of the failure, and the coefficient that changed
@@ -29,6 +30,8 @@ pub(crate) struct Monitor {
     /// Accepted false alarms per flight hour [default: 0.01]
     #[arg(long, value_name = "NUMBER", value_parser = rate)]
     pub(crate) false_alarms_per_hour: Option<f64>,
+    #[command(flatten)]
+    pub(crate) reading: Reading,
     /// Folder for health.json, which contains all histories, and for the report of the estimation
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,

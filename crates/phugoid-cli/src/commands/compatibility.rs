@@ -9,6 +9,7 @@ use phugoid::compatibility;
 use phugoid_evaluation::chart::{Axis, Chart, Content, Curve, Meaning, Panel, Shape};
 use phugoid_evaluation::table::{Cell, Column, Table};
 use phugoid_flight_data::csv;
+use phugoid_flight_data::reader::{ReadOptions, read_path};
 use phugoid_flight_data::record::Record;
 use phugoid_identification::compatibility::{
     Compatibility, CompatibilityOptions, Corrections, Group, InputSkew, Reconstructed, SensorVerdict, input_skew,
@@ -34,11 +35,12 @@ struct Document<'a> {
 
 pub(crate) fn run(arguments: &arguments::Compatibility) -> Result<(), Failure> {
     let model = arguments.model.as_deref().map(super::estimate::model).transpose()?;
+    let memory = arguments.reading.max_memory;
     let record = {
         let _progress = Progress::spinner("reading");
         match &model {
-            Some(model) => model.open_record(&arguments.flight),
-            None => Record::open(&arguments.flight),
+            Some(model) => model.open_record_within(&arguments.flight, memory),
+            None => read_path(&arguments.flight, &ReadOptions::default().with_max_memory(memory)),
         }
         .map_err(Failure::input)?
     };

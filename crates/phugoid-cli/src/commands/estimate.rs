@@ -42,7 +42,8 @@ pub(crate) fn run(arguments: &arguments::Estimate) -> Result<EstimationStatus, F
     let model = model(wanted)?;
     export::check(&arguments.export, &model)?;
     let truth = truth(&arguments.truth, &model)?;
-    let read = |path: &PathBuf| model.open_record(path).map_err(Failure::input);
+    let memory = arguments.reading.max_memory;
+    let read = |path: &PathBuf| model.open_record_within(path, memory).map_err(Failure::input);
     let (record, further, predict) = {
         let _progress = Progress::spinner("reading");
         let further = arguments.with.iter().map(read).collect::<Result<Vec<_>, _>>()?;

@@ -35,8 +35,8 @@ pub(crate) fn run(arguments: &arguments::Inspect) -> Result<(), Failure> {
     let columns = wanted.as_ref().map(ModelFile::columns).unwrap_or_default();
     let (survey, inspection, no_flight) = {
         let _progress = Progress::spinner("reading");
-        let Surveyed { survey, record } =
-            reader::survey_path(&arguments.flight, &ReadOptions::with_columns(columns)).map_err(Failure::input)?;
+        let options = ReadOptions::with_columns(columns).with_max_memory(arguments.reading.max_memory);
+        let Surveyed { survey, record } = reader::survey_path(&arguments.flight, &options).map_err(Failure::input)?;
         match record {
             Ok(record) => (survey, Some(phugoid::inspect(&record, wanted.as_ref())), None),
             // A log without a flight in it is a result too.

@@ -28,7 +28,7 @@ pub(crate) fn run(arguments: &arguments::Monitor) -> Result<bool, Failure> {
     let false_alarms_per_hour = arguments.false_alarms_per_hour.unwrap_or(FALSE_ALARMS_PER_HOUR);
     let record = {
         let _progress = Progress::spinner("reading");
-        model.open_record(&arguments.flight).map_err(Failure::input)?
+        model.open_record_within(&arguments.flight, arguments.reading.max_memory).map_err(Failure::input)?
     };
     let (estimation, report) = {
         let progress = Progress::new("monitoring");

@@ -39,6 +39,28 @@ fn quantities_need_their_units() {
 }
 
 #[test]
+fn a_flight_that_needs_more_memory_than_it_may_take_is_told_so() {
+    let folder = Folder::new("memory");
+    let rows: String = (0..2000).map(|row| format!("{},{row}\n", 0.01 * f64::from(row))).collect();
+    folder.file("flight.csv", &format!("time_s,alpha_deg\n{rows}"));
+    for command in [
+        &["inspect", "flight.csv"][..],
+        &["estimate", "flight.csv", "--model", "f16"],
+        &["monitor", "flight.csv", "--model", "f16"],
+        &["compatibility", "flight.csv"],
+        &["compatibility", "flight.csv", "--model", "f16"],
+    ] {
+        let run = phugoid(&folder.0, &[command, &["--max-memory", "100kB"]].concat());
+        let message = run.fails(3);
+        assert!(message.contains("flight.csv, line 12") && message.contains("the budget is 100 kB"), "{message}");
+        assert!(message.contains("--max-memory 1MB"), "{message}");
+    }
+    let run = phugoid(&folder.0, &["inspect", "flight.csv", "--max-memory", "100"]);
+    assert!(run.fails(2).contains("such as 500MB"));
+    assert_eq!(phugoid(&folder.0, &["inspect", "flight.csv", "--max-memory", "1 MiB"]).code, Some(0));
+}
+
+#[test]
 fn an_impossible_trim_says_why() {
     let folder = Folder::new("no-trim");
     let run = phugoid(&folder.0, &["trim", "--altitude", "60000ft", "--speed", "400ft/s", "--json"]);

@@ -13,18 +13,27 @@ use arrow_ipc::reader::read_record_batch;
 use arrow_ipc::{Endianness, Message, MessageHeader, RecordBatch, root_as_message};
 use arrow_schema::Schema;
 
-use super::{AddError, Columns, ReadError};
+use super::{AddError, Columns, ReadError, schema};
+use crate::memory::{Account, Excess};
 use crate::quality::QualityReport;
 use crate::record::Record;
-use crate::table::TableOptions;
+use crate::table::{TableError, TableOptions};
 
 /// The longest description of a message that is read, bytes. The schema of thousands of columns has a few million.
 const LONGEST_DESCRIPTION: u64 = 64 << 20;
+/// How many times their length compressed data may have when they are unpacked: Zstandard makes blocks of 128 KiB of
+/// four bytes.
+const MOST_TIMES: u64 = 1 << 15;
 const CONTINUATION: [u8; 4] = [0xFF; 4];
 
 /// Reads batches until the end; if one is damaged, those before it are kept.
-pub(crate) fn read(reader: impl Read, source: &str, options: &TableOptions) -> Result<Record, ReadError> {
-    let mut stream = Stream { reader, offset: 0, source, options };
+pub(crate) fn read(
+    reader: impl Read,
+    source: &str,
+    options: &TableOptions,
+    account: &Account,
+) -> Result<Record, ReadError> {
+    let mut stream = Stream { reader, offset: 0, source, account };
     let mut report = QualityReport::default();
     let damaged = |place: u64, problem: String| ReadError::Damaged {
         source_name: source.to_owned(),
@@ -49,13 +58,16 @@ pub(crate) fn read(reader: impl Read, source: &str, options: &TableOptions) -> R
             },
         };
         match result {
-            Got::Schema(schema) => table = Some((Arc::new(schema.clone()), Columns::of(&schema))),
+            Got::Schema(schema) => {
+                let columns = Columns::of(&schema, source)?;
+                table = Some((Arc::new(schema), columns));
+            }
             Got::Other => {}
             Got::End => break,
         }
     }
     match table {
-        Some((_, columns)) => columns.record(source, options, report),
+        Some((_, columns)) => columns.record(source, options, report, account),
         None => Err(damaged(0, "there is no schema in it".into())),
     }
 }
@@ -81,7 +93,7 @@ struct Stream<'a, R> {
     reader: R,
     offset: u64,
     source: &'a str,
-    options: &'a TableOptions,
+    account: &'a Account,
 }
 
 impl<R: Read> Stream<'_, R> {
@@ -126,8 +138,18 @@ impl<R: Read> Stream<'_, R> {
         }
     }
 
-    /// Reads this many bytes. Memory is taken as they arrive, because the announced number may be wrong.
+    fn over(&self, excess: Excess) -> Problem {
+        let place = format!("byte {}", self.offset);
+        Problem::Stop(TableError::from(self.account.over_so_far(excess, self.source, place)).into())
+    }
+
+    /// Reads this many bytes. Memory is taken as they arrive, because the announced number may be wrong, but all of it
+    /// is counted before.
     fn bytes(&mut self, count: u64) -> Result<Vec<u8>, Problem> {
+        if self.account.file_is_shorter_than(self.offset.saturating_add(count)) {
+            return damaged(format!("{count} bytes announced, which the file does not have"));
+        }
+        let _held = self.account.hold(count).map_err(|excess| self.over(excess))?;
         let mut bytes = Vec::new();
         let read = self
             .reader
@@ -175,6 +197,9 @@ impl<R: Read> Stream<'_, R> {
             ));
         }
         let description = self.bytes(length)?;
+        // Held as long as the description is there.
+        let account = self.account;
+        let _held = account.hold(length).map_err(|excess| self.over(excess))?;
         let message = match root_as_message(&description) {
             Ok(message) => message,
             Err(error) => return damaged(format!("its description cannot be understood: {error}")),
@@ -188,6 +213,7 @@ impl<R: Read> Stream<'_, R> {
             (MessageHeader::Schema, Some(_)) => damaged("a second schema"),
             (MessageHeader::RecordBatch, Some((schema, columns))) => {
                 let body = self.bytes(body_length)?;
+                let _held = account.hold(body_length).map_err(|excess| self.over(excess))?;
                 self.batch(message, body, schema, columns)?;
                 Ok(Got::Other)
             }
@@ -220,6 +246,7 @@ impl<R: Read> Stream<'_, R> {
                 advice: "Write it on a little-endian machine",
             }));
         }
+        schema::check(schema, self.account).map_err(|excess| self.over(excess))?;
         try_fb_to_schema(schema).or_else(|error| damaged(format!("its schema cannot be understood: {error}")))
     }
 
@@ -231,7 +258,14 @@ impl<R: Read> Stream<'_, R> {
         columns: &mut Columns,
     ) -> Result<(), Problem> {
         let Some(batch) = message.header_as_record_batch() else { return damaged("a batch without content") };
-        check(batch, &body, self.options.max_values).or_else(damaged)?;
+        let (rows, unpacked) = sizes(batch, &body).or_else(damaged)?;
+        // The library gives every column as many values as the batch has rows, and unpacks all before it looks at them.
+        let over = |excess| {
+            let place = format!("byte {}", self.offset);
+            Problem::Stop(TableError::from(self.account.over(excess, self.source, place)).into())
+        };
+        let _held = self.account.hold(unpacked).map_err(over)?;
+        self.account.hold(rows.saturating_mul(8 * columns.chosen.len() as u64)).map_err(over)?;
         if columns.chosen.is_empty() {
             return Ok(());
         }
@@ -239,23 +273,24 @@ impl<R: Read> Stream<'_, R> {
         let (schema, chosen) = (Arc::clone(schema), Some(columns.chosen.as_slice()));
         let batch = read_record_batch(&body, batch, schema, &dictionaries, chosen, &message.version());
         let batch = batch.or_else(|error| damaged(error.to_string()))?;
-        columns.add(&batch, self.source, self.options).map_err(|error| match error {
+        columns.add(&batch, self.account).map_err(|error| match error {
             AddError::Damaged(problem) => Problem::Damaged(problem),
-            AddError::Table(error) => Problem::Stop(error.into()),
+            AddError::OverBudget(excess) => self.over(excess),
         })
     }
 }
 
-/// Checks that everything the batch announces lies in its body and within the bound on memory.
-fn check(batch: RecordBatch<'_>, body: &[u8], max_values: usize) -> Result<(), String> {
-    let rows = batch.nodes().into_iter().flatten().map(|node| (node.length(), node.null_count()));
-    for (length, missing) in rows {
-        if length < 0 || length > max_values as i64 || missing < 0 || missing > length {
+/// Checks that everything the batch announces lies in its body. Returns the number of its rows, and of the bytes that
+/// its columns have when they are unpacked.
+fn sizes(batch: RecordBatch<'_>, body: &[u8]) -> Result<(u64, u64), String> {
+    let mut rows = u64::try_from(batch.length()).unwrap_or(u64::MAX);
+    for node in batch.nodes().into_iter().flatten() {
+        let (length, missing) = (node.length(), node.null_count());
+        if length < 0 || missing < 0 || missing > length {
             return Err(format!("a column of {length} values, {missing} of them missing"));
         }
+        rows = rows.max(length.unsigned_abs());
     }
-    // Eight bytes per value, and as much again for validity bits and text.
-    let most = 16 * max_values as u64 + (1 << 20);
     let mut unpacked = 0_u64;
     for buffer in batch.buffers().into_iter().flatten() {
         let (offset, length) = (buffer.offset(), buffer.length());
@@ -268,12 +303,13 @@ fn check(batch: RecordBatch<'_>, body: &[u8], max_values: usize) -> Result<(), S
             let Some(size) = bytes.first_chunk::<8>().map(|size| i64::from_le_bytes(*size)) else {
                 return Err(format!("compressed data of {length} bytes, which have no room for their size"));
             };
-            // A size of -1 marks a buffer that is not compressed.
-            unpacked = unpacked.saturating_add(u64::try_from(size).unwrap_or(if size == -1 { 0 } else { u64::MAX }));
-            if unpacked > most {
-                return Err(format!("compressed data that want {size} bytes, more than the bound on memory"));
+            // No method packs so tightly: the size is damaged.
+            if size < -1 || size.unsigned_abs() > MOST_TIMES.saturating_mul(length.unsigned_abs()) {
+                return Err(format!("{length} bytes of compressed data that want {size} bytes"));
             }
+            // A size of -1 marks a buffer that is not compressed.
+            unpacked = unpacked.saturating_add(u64::try_from(size).unwrap_or(0));
         }
     }
-    Ok(())
+    Ok((rows, unpacked))
 }

@@ -6,6 +6,7 @@ mod numbers;
 pub(crate) mod ipc;
 pub(crate) mod pages;
 pub(crate) mod row_groups;
+mod schema;
 pub(crate) mod write;
 
 pub use error::ReadError;
@@ -13,9 +14,10 @@ pub use error::ReadError;
 use arrow_array::RecordBatch;
 use arrow_schema::{Field, Schema};
 
+use crate::memory::{Account, Excess, many};
 use crate::quality::QualityReport;
 use crate::record::Record;
-use crate::table::{self, Column, LeftOut, TableError, TableOptions};
+use crate::table::{self, Column, LeftOut, TableError, TableOptions, columns};
 
 /// The columns of numbers of a schema, and their values so far.
 pub(crate) struct Columns {
@@ -26,7 +28,9 @@ pub(crate) struct Columns {
 }
 
 impl Columns {
-    pub(crate) fn of(schema: &Schema) -> Self {
+    /// The columns of a schema; an error if there are more than are read.
+    pub(crate) fn of(schema: &Schema, source: &str) -> Result<Self, TableError> {
+        columns::check_count(source, None, schema.fields().len())?;
         let mut columns = Self { chosen: Vec::new(), columns: Vec::new(), left_out: Vec::new() };
         for (index, field) in schema.fields().iter().enumerate() {
             match numbers::kind(field.data_type()) {
@@ -39,7 +43,7 @@ impl Columns {
                 Err(why) => columns.left_out.push(LeftOut { header: field.name().clone(), why }),
             }
         }
-        columns
+        Ok(columns)
     }
 
     /// Number of rows so far.
@@ -48,21 +52,13 @@ impl Columns {
     }
 
     /// Appends a batch that holds only the chosen columns. On an error the rows before it are kept.
-    pub(crate) fn add(&mut self, batch: &RecordBatch, source: &str, options: &TableOptions) -> Result<(), AddError> {
+    pub(crate) fn add(&mut self, batch: &RecordBatch, account: &Account) -> Result<(), AddError> {
         if batch.num_columns() != self.columns.len() {
             let (found, expected) = (batch.num_columns(), self.columns.len());
             return Err(AddError::Damaged(format!("a batch of {found} columns, where {expected} are expected")));
         }
         let before = self.rows();
-        // Besides the values each row has a time and a number.
-        let most = options.max_values / (self.columns.len() + 2);
-        if before + batch.num_rows() > most {
-            return Err(AddError::Table(TableError::TooLarge {
-                source_name: source.to_owned(),
-                place: format!("row {}", most + 1),
-                max_values: options.max_values,
-            }));
-        }
+        account.take(many(batch.num_rows(), 8 * self.columns.len())).map_err(AddError::OverBudget)?;
         for (column, array) in self.columns.iter_mut().zip(batch.columns()) {
             numbers::append(array, &mut column.values);
         }
@@ -81,15 +77,16 @@ impl Columns {
         source: &str,
         options: &TableOptions,
         report: QualityReport,
+        account: &Account,
     ) -> Result<Record, ReadError> {
-        Ok(table::from_columns(source, self.columns, &self.left_out, options, report)?)
+        Ok(table::from_counted_columns(source, self.columns, &self.left_out, options, report, account)?)
     }
 }
 
 /// Why a batch could not be added.
 pub(crate) enum AddError {
     Damaged(String),
-    Table(TableError),
+    OverBudget(Excess),
 }
 
 /// The unit in the metadata of a field, where this crate and other programs write it.

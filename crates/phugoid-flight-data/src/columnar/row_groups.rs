@@ -4,19 +4,22 @@ use std::io;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
-use ::parquet::arrow::ProjectionMask;
 use ::parquet::arrow::arrow_reader::{ArrowReaderMetadata, ArrowReaderOptions, ParquetRecordBatchReaderBuilder};
+use ::parquet::arrow::{ARROW_SCHEMA_META_KEY, ProjectionMask};
 use ::parquet::basic::Compression;
-use ::parquet::file::metadata::ParquetMetaData;
+use ::parquet::file::metadata::{ParquetMetaData, ParquetMetaDataReader};
 use ::parquet::file::reader::ChunkReader;
 
-use super::{AddError, Columns, ReadError, pages};
+use super::{AddError, Columns, ReadError, pages, schema};
+use crate::memory::{Account, Excess};
 use crate::quality::QualityReport;
 use crate::record::Record;
-use crate::table::TableOptions;
+use crate::table::{BYTES_PER_ROW, TableError, TableOptions, columns};
 
 /// Number of rows per batch: a few thousand need little memory and few calls.
 const BATCH: usize = 8192;
+/// Number of values per batch of a table of many columns.
+const BATCH_VALUES: usize = 1 << 19;
 /// Number of damaged groups that are reported one by one.
 const MAX_FINDINGS: usize = 10;
 
@@ -27,6 +30,8 @@ pub(crate) fn read<R: ChunkReader + 'static>(
     source: &str,
     options: &TableOptions,
 ) -> Result<Record, ReadError> {
+    let account = &Account::new(options.max_memory);
+    let over = |excess, place: &str| ReadError::from(TableError::from(account.over(excess, source, place)));
     let io = |error| ReadError::Io { source_name: source.to_owned(), error };
     let damaged = |place: &str, problem: String| ReadError::Damaged {
         source_name: source.to_owned(),
@@ -34,22 +39,47 @@ pub(crate) fn read<R: ChunkReader + 'static>(
         problem,
     };
     let file = open().map_err(io)?;
-    let metadata = catching_panics(|| ArrowReaderMetadata::load(&file, ArrowReaderOptions::new()))
-        .map_err(|problem| damaged("footer", problem))?;
-    let mut columns = Columns::of(metadata.schema());
+    let in_footer = |problem| damaged("footer", problem);
+    if let Some(needed) = pages::footer(&file).map_err(in_footer)? {
+        account.take(needed).map_err(|excess| over(excess, "footer"))?;
+    }
+    let metadata = catching_panics(|| ParquetMetaDataReader::new().parse_and_finish(&file)).map_err(in_footer)?;
+    let described = metadata.file_metadata();
+    columns::check_count(source, None, described.schema_descr().root_schema().get_fields().len())?;
+    for entry in described.key_value_metadata().into_iter().flatten().filter(|entry| entry.key == ARROW_SCHEMA_META_KEY)
+    {
+        let text = entry.value.as_deref().unwrap_or_default();
+        schema::check_text(text, account).map_err(|excess| over(excess, "footer"))?;
+    }
+    let metadata = catching_panics(|| ArrowReaderMetadata::try_new(Arc::new(metadata), ArrowReaderOptions::new()))
+        .map_err(in_footer)?;
+    let mut columns = Columns::of(metadata.schema(), source)?;
     let mut report = QualityReport::default();
     let mask = ProjectionMask::roots(metadata.parquet_schema(), columns.chosen.iter().copied());
     let groups = metadata.metadata().num_row_groups();
     let mut lost = 0;
     let mut first = None;
     for group in 0..groups {
-        let problem = match check(&file, metadata.metadata(), group, &mask, options, source)? {
-            Some(problem) => Some(problem),
-            None => one_group(open().map_err(io)?, &metadata, group, &mask, &mut columns, source, options)?,
+        let place = format!("row group {} of {groups}", group + 1);
+        let problem = match check(&file, metadata.metadata(), group, &mask, source)? {
+            Err(problem) => Some(problem),
+            Ok(needed) => {
+                let _held = account.hold(needed).map_err(|excess| over(excess, &place))?;
+                match one_group(open().map_err(io)?, &metadata, group, &mask, &mut columns, account) {
+                    Ok(()) => None,
+                    Err(AddError::Damaged(problem)) => Some(problem),
+                    Err(AddError::OverBudget(Excess(reached))) => {
+                        // The file says how many rows there are.
+                        let rows: i64 = metadata.metadata().row_groups().iter().map(|group| group.num_rows()).sum();
+                        let each = BYTES_PER_ROW + 8 * columns.chosen.len();
+                        let all = u64::try_from(rows).unwrap_or(0).saturating_mul(each as u64);
+                        return Err(over(Excess(reached.max(all)), &place));
+                    }
+                }
+            }
         };
         let Some(problem) = problem else { continue };
         lost += 1;
-        let place = format!("row group {} of {groups}", group + 1);
         if lost <= MAX_FINDINGS {
             report.warn(&place, format!("damaged ({problem}); the rows of it that could not be read are left out"));
         }
@@ -57,23 +87,21 @@ pub(crate) fn read<R: ChunkReader + 'static>(
     }
     match first {
         Some((place, problem)) if columns.rows() == 0 => Err(damaged(&place, problem)),
-        _ => columns.record(source, options, report),
+        _ => columns.record(source, options, report, account),
     }
 }
 
-/// What is wrong with a group of rows, found before anything of it is unpacked; `None` if nothing is.
+/// What the library needs to read a group of rows, bytes; or what is wrong with the group, found before anything of it
+/// is unpacked.
 fn check(
     file: &impl ChunkReader,
     metadata: &Arc<ParquetMetaData>,
     group: usize,
     mask: &ProjectionMask,
-    options: &TableOptions,
     source: &str,
-) -> Result<Option<String>, ReadError> {
+) -> Result<Result<u64, String>, ReadError> {
     let group = metadata.row_group(group);
-    // A page may hold a whole column, and another page its dictionary.
-    let most_values = options.max_values as u64;
-    let most_bytes = 8 * most_values + (1 << 16);
+    let mut needed = 0_u64;
     for (leaf, column) in group.columns().iter().enumerate() {
         if !mask.leaf_included(leaf) {
             continue;
@@ -89,50 +117,42 @@ fn check(
         }
         let first = column.dictionary_page_offset().unwrap_or_else(|| column.data_page_offset());
         let from = u64::try_from(first.min(column.data_page_offset()));
-        let (Ok(from), Ok(length)) = (from, u64::try_from(column.compressed_size())) else {
+        let sizes = [column.compressed_size(), column.uncompressed_size()].map(u64::try_from);
+        let (Ok(from), [Ok(length), Ok(unpacked)]) = (from, sizes) else {
             let (first, size) = (first, column.compressed_size());
-            return Ok(Some(format!("column '{}' of {size} bytes at byte {first}", column.column_path())));
+            return Ok(Err(format!("column '{}' of {size} bytes at byte {first}", column.column_path())));
         };
-        if let Err(problem) = pages::check(file, from, length, most_bytes, most_values) {
-            return Ok(Some(format!("column '{}', {problem}", column.column_path())));
+        // The pages of all columns are open at the same time.
+        match pages::check(file, from, length, unpacked) {
+            Ok(bytes) => needed = needed.saturating_add(bytes),
+            Err(problem) => return Ok(Err(format!("column '{}', {problem}", column.column_path()))),
         }
     }
-    Ok(None)
+    Ok(Ok(needed))
 }
 
-/// Adds the rows of a group to the columns. Returns what is wrong with it, or `None`.
+/// Adds the rows of a group to the columns. The error says what is wrong with it, or that there is no room.
 fn one_group<R: ChunkReader + 'static>(
     file: R,
     metadata: &ArrowReaderMetadata,
     group: usize,
     mask: &ProjectionMask,
     columns: &mut Columns,
-    source: &str,
-    options: &TableOptions,
-) -> Result<Option<String>, ReadError> {
+    account: &Account,
+) -> Result<(), AddError> {
+    let batch = (BATCH_VALUES / columns.chosen.len().max(1)).clamp(16, BATCH);
     let reader = catching_panics(|| {
         ParquetRecordBatchReaderBuilder::new_with_metadata(file, metadata.clone())
             .with_row_groups(vec![group])
             .with_projection(mask.clone())
-            .with_batch_size(BATCH)
+            .with_batch_size(batch)
             .build()
     });
-    let mut reader = match reader {
-        Ok(reader) => reader,
-        Err(problem) => return Ok(Some(problem)),
-    };
-    loop {
-        let batch = match catching_panics(|| reader.next().transpose()) {
-            Ok(Some(batch)) => batch,
-            Ok(None) => return Ok(None),
-            Err(problem) => return Ok(Some(problem)),
-        };
-        match columns.add(&batch, source, options) {
-            Ok(()) => {}
-            Err(AddError::Damaged(problem)) => return Ok(Some(problem)),
-            Err(AddError::Table(error)) => return Err(error.into()),
-        }
+    let mut reader = reader.map_err(AddError::Damaged)?;
+    while let Some(batch) = catching_panics(|| reader.next().transpose()).map_err(AddError::Damaged)? {
+        columns.add(&batch, account)?;
     }
+    Ok(())
 }
 
 /// Runs a call of the library and turns a panic into an error. It panics on some damaged pages, such as one that refers

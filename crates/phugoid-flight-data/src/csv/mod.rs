@@ -38,12 +38,14 @@ mod text_file;
 mod write;
 
 pub use error::{NameProblem, ReadError, WriteError};
+pub(crate) use read::read_counted;
 pub use read::{read, read_path};
 pub use stream::{BadRow, RowReader, StreamColumns};
 #[cfg(feature = "parquet")]
 pub(crate) use write::headers;
 pub use write::{write, write_path};
 
+use crate::memory::Memory;
 use crate::table::TableOptions;
 pub use crate::table::{ColumnMapping, TableError};
 
@@ -60,14 +62,14 @@ pub struct CsvOptions {
     pub sample_time_s: Option<f64>,
     /// A step in time longer than this many median steps is reported as a gap. More than 1.
     pub gap_factor: f64,
-    /// Bound on memory: largest number of rows times columns, 8 bytes each (default 100 million, 0.8 GB).
-    pub max_values: usize,
+    /// The most memory that reading may take (default 200 MB), see [`crate::memory`].
+    pub max_memory: Memory,
 }
 
 impl Default for CsvOptions {
     fn default() -> Self {
-        let TableOptions { columns, sample_time_s, gap_factor, max_values } = TableOptions::default();
-        Self { columns, delimiter: None, sample_time_s, gap_factor, max_values }
+        let TableOptions { columns, sample_time_s, gap_factor, max_memory } = TableOptions::default();
+        Self { columns, delimiter: None, sample_time_s, gap_factor, max_memory }
     }
 }
 
@@ -78,7 +80,7 @@ impl CsvOptions {
             columns: self.columns.clone(),
             sample_time_s: self.sample_time_s,
             gap_factor: self.gap_factor,
-            max_values: self.max_values,
+            max_memory: self.max_memory,
         }
     }
 }

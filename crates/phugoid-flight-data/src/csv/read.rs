@@ -7,6 +7,7 @@ use std::path::Path;
 use super::rows::Rows;
 use super::text_file::TextFile;
 use super::{CsvOptions, ReadError};
+use crate::memory::Account;
 use crate::printable;
 use crate::quality::QualityReport;
 use crate::record::Record;
@@ -20,7 +21,10 @@ use crate::table::{OptionProblem, TableError};
 pub fn read_path(path: &Path, options: &CsvOptions) -> Result<Record, ReadError> {
     let source_name = printable::path(path);
     match File::open(path) {
-        Ok(file) => read(file, &source_name, options),
+        Ok(file) => {
+            let account = Account::new(options.max_memory);
+            read_counted(account.follow(file), &source_name, options, &account)
+        }
         Err(error) => Err(ReadError::Io { source_name, error }),
     }
 }
@@ -34,9 +38,19 @@ pub fn read_path(path: &Path, options: &CsvOptions) -> Result<Record, ReadError>
 ///
 /// # Errors
 /// [`ReadError`] if the file cannot be read, is no table of text, has no header, no time, two columns for the same
-/// channel, contradicting units, fewer than two usable rows, or more values than `options.max_values`; or if a mapping
+/// channel, contradicting units, fewer than two usable rows, or if it needs more than `options.max_memory` or a mapping
 /// is wrong.
 pub fn read(reader: impl Read, source: &str, options: &CsvOptions) -> Result<Record, ReadError> {
+    read_counted(reader, source, options, &Account::new(options.max_memory))
+}
+
+/// As [`read()`], with the memory counted in this account.
+pub(crate) fn read_counted(
+    reader: impl Read,
+    source: &str,
+    options: &CsvOptions,
+    account: &Account,
+) -> Result<Record, ReadError> {
     check(options)?;
     let mut file = TextFile::open(reader, source, options.delimiter)?;
     let mut report = QualityReport::default();
@@ -47,10 +61,10 @@ pub fn read(reader: impl Read, source: &str, options: &CsvOptions) -> Result<Rec
     let plan = columns::plan(&head, &table_options, &mut report)?;
     let mut rows = Rows::new(plan, headers.len(), line, file.format);
     if let Some(row) = carried {
-        rows.add(&row, source, options)?;
+        rows.add(&row, source, options, account)?;
     }
     while let Some(row) = file.next_row()? {
-        rows.add(&row, source, options)?;
+        rows.add(&row, source, options, account)?;
     }
     rows.finish(source, &table_options, report)
 }

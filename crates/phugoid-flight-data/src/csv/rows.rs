@@ -4,11 +4,12 @@ use super::cells::{self, Cell};
 use super::format::Format;
 use super::text_file::Row;
 use super::{CsvOptions, ReadError};
+use crate::memory::{Account, many};
 use crate::quality::QualityReport;
 use crate::record::Record;
 use crate::table::columns::Plan;
 use crate::table::time_base::Table;
-use crate::table::{self, Read, TableError, TableOptions};
+use crate::table::{self, BYTES_PER_ROW, Read, TableError, TableOptions};
 use crate::wording::{Counted, Lines, Short, cut, plural};
 
 /// The rows read so far, and what was wrong with those that were left out.
@@ -65,7 +66,13 @@ impl Rows {
         }
     }
 
-    pub(super) fn add(&mut self, row: &Row, source: &str, options: &CsvOptions) -> Result<(), ReadError> {
+    pub(super) fn add(
+        &mut self,
+        row: &Row,
+        source: &str,
+        options: &CsvOptions,
+        account: &Account,
+    ) -> Result<(), ReadError> {
         let row_index = self.seen;
         self.seen += 1;
         let mut scratch = ::csv::StringRecord::new();
@@ -102,14 +109,8 @@ impl Rows {
             self.no_time.add(row.line);
             return Ok(());
         };
-        // Besides the values each row has a time and a line number.
-        if (self.table.time.len() + 1).saturating_mul(self.table.columns.len() + 2) > options.max_values {
-            return Err(ReadError::Table(TableError::TooLarge {
-                source_name: source.to_owned(),
-                place: format!("line {}", row.line),
-                max_values: options.max_values,
-            }));
-        }
+        let taken = account.take(many(1, BYTES_PER_ROW + 8 * self.table.columns.len()));
+        taken.map_err(|excess| TableError::from(account.over_so_far(excess, source, format!("line {}", row.line))))?;
         self.table.time.push(time);
         self.table.lines.push(row.line);
         for ((channel, values), text) in self.plan.channels.iter().zip(&mut self.table.columns).zip(&mut self.text) {

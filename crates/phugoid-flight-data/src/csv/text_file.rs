@@ -6,6 +6,7 @@ use super::ReadError;
 use super::cells::{self, Cell};
 use super::format::{self, Format};
 use crate::quality::QualityReport;
+use crate::table::columns;
 use crate::units;
 use crate::wording::cut;
 
@@ -60,11 +61,7 @@ impl<'s, R: Read> TextFile<'s, R> {
             }
             self.line += 1;
             if read > LONGEST_LINE {
-                return Err(ReadError::LineTooLong {
-                    source_name: self.source.to_owned(),
-                    line: self.line,
-                    max_bytes: LONGEST_LINE,
-                });
+                return Err(self.too_long(self.line));
             }
             let ended = bytes.ends_with(&[self.format.line_end]);
             let text = format::decode(&bytes);
@@ -76,6 +73,10 @@ impl<'s, R: Read> TextFile<'s, R> {
                 self.last_comment = Some((self.line, comment.trim().to_owned()));
             }
         }
+    }
+
+    fn too_long(&self, line: usize) -> ReadError {
+        ReadError::LineTooLong { source_name: self.source.to_owned(), line, max_bytes: LONGEST_LINE }
     }
 
     fn cells(&self, text: &str) -> Vec<String> {
@@ -97,6 +98,9 @@ impl<'s, R: Read> TextFile<'s, R> {
                 break;
             }
             let Some(more) = self.next_row()? else { break };
+            if first.text.len() + more.text.len() > LONGEST_LINE {
+                return Err(self.too_long(first.line));
+            }
             first.text = format!("{}\n{}", first.text, more.text);
         }
         let mut cells = self.cells(&first.text);
@@ -108,6 +112,7 @@ impl<'s, R: Read> TextFile<'s, R> {
             while cells.last().is_some_and(|cell| cell.trim().is_empty()) {
                 cells.pop();
             }
+            columns::check_count(self.source, Some(first.line), cells.len())?;
             return Ok((first.line, cells, None));
         }
         if let Some((line, text)) = comment {

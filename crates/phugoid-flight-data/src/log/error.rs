@@ -1,5 +1,7 @@
 //! Errors of logs that cannot be read at all. Damage within a log is no error: the quality report names it.
 
+use crate::memory::OverBudget;
+
 /// Why a log could not be read.
 #[derive(Debug, thiserror::Error)]
 pub enum LogError {
@@ -42,15 +44,7 @@ pub enum LogError {
         /// The cause, beginning with `: `; empty if none is known.
         reason: String,
     },
-    /// The selected topics hold more values than [`super::Selection::max_values`].
-    #[error(
-        "{source_name}: the topics asked for hold more than {max_values} values, the set bound on memory. Ask for fewer topics \
-         or fields, or raise `max_values`"
-    )]
-    TooLarge {
-        /// Name of the file or stream, as the caller gave it.
-        source_name: String,
-        /// The bound that was exceeded, values.
-        max_values: usize,
-    },
+    /// What is asked of it needs more memory than [`super::Selection::max_memory`].
+    #[error(transparent)]
+    OverBudget(#[from] OverBudget),
 }

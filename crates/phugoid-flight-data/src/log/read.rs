@@ -6,11 +6,12 @@ use std::path::Path;
 
 #[cfg(feature = "mcap")]
 use super::mcap;
-use super::sink::{Head, Sink, into_log};
+use super::sink::{Head, Sink, Stop, into_log};
 use super::survey::{Survey, into_survey};
 use super::survey_and_tables::SurveyAndTables;
 use super::{Log, LogError, Selection, dataflash, ulog};
 use crate::format::Format;
+use crate::memory::{Account, Followed, Memory};
 use crate::printable;
 
 /// Reads a log from the disk; otherwise as [`read()`].
@@ -18,8 +19,10 @@ use crate::printable;
 /// # Errors
 /// As [`read()`], with the path as the source's name.
 pub fn read_path(path: &Path, selection: &Selection) -> Result<Log, LogError> {
-    let (file, source) = open(path)?;
-    read(file, &source, selection)
+    let account = Account::new(selection.max_memory);
+    let (file, source) = open(path, &account)?;
+    let (format, reader) = sniff(file, &source)?;
+    read_as(format, reader, &source, selection, &account)
 }
 
 /// Surveys a log on the disk; otherwise as [`survey()`].
@@ -27,18 +30,20 @@ pub fn read_path(path: &Path, selection: &Selection) -> Result<Log, LogError> {
 /// # Errors
 /// As [`read()`], with the path as the source's name.
 pub fn survey_path(path: &Path) -> Result<Survey, LogError> {
-    let (file, source) = open(path)?;
-    survey(file, &source)
+    let account = Account::new(Memory::default());
+    let (file, source) = open(path, &account)?;
+    let (format, reader) = sniff(file, &source)?;
+    survey_as(format, reader, &source, &account)
 }
 
 /// Reads the selected part of a log of any format that this build reads. `source` is its name in messages and reports.
 ///
 /// # Errors
-/// [`LogError`]: it cannot be read, is no log of a format that is read, holds no sample, or more values than the
+/// [`LogError`]: it cannot be read, is no log of a format that is read, holds no sample, or needs more memory than the
 /// selection allows. Damage within the log is no error; `quality` names what was skipped.
 pub fn read(reader: impl Read, source: &str, selection: &Selection) -> Result<Log, LogError> {
     let (format, reader) = sniff(reader, source)?;
-    read_as(format, reader, source, selection)
+    read_as(format, reader, source, selection, &Account::new(selection.max_memory))
 }
 
 /// Surveys a log of any format that this build reads, in memory that does not grow with the log.
@@ -47,17 +52,28 @@ pub fn read(reader: impl Read, source: &str, selection: &Selection) -> Result<Lo
 /// As [`read()`].
 pub fn survey(reader: impl Read, source: &str) -> Result<Survey, LogError> {
     let (format, reader) = sniff(reader, source)?;
-    survey_as(format, reader, source)
+    survey_as(format, reader, source, &Account::new(Memory::default()))
 }
 
 /// As [`read()`], for a format that is known already.
-pub(crate) fn read_as(format: Format, reader: impl Read, source: &str, selection: &Selection) -> Result<Log, LogError> {
-    into_log(source, selection, |sink| run(format, reader, source, sink))
+pub(crate) fn read_as(
+    format: Format,
+    reader: impl Read,
+    source: &str,
+    selection: &Selection,
+    account: &Account,
+) -> Result<Log, LogError> {
+    into_log(source, selection, account, |sink| run(format, reader, source, sink, account))
 }
 
 /// As [`survey()`], for a format that is known already.
-pub(crate) fn survey_as(format: Format, reader: impl Read, source: &str) -> Result<Survey, LogError> {
-    into_survey(|sink| run(format, reader, source, sink))
+pub(crate) fn survey_as(
+    format: Format,
+    reader: impl Read,
+    source: &str,
+    account: &Account,
+) -> Result<Survey, LogError> {
+    into_survey(source, account, |sink| run(format, reader, source, sink, account))
 }
 
 /// Surveys the whole log and reads the selected part of it in one pass. If that part exceeds the bound of the
@@ -67,27 +83,36 @@ pub(crate) fn survey_and_read_as(
     reader: impl Read,
     source: &str,
     selection: &Selection,
+    account: &Account,
 ) -> Result<(Survey, Result<Log, LogError>), LogError> {
-    let mut sink = SurveyAndTables::new(selection);
-    let head = run(format, reader, source, &mut sink)?.unwrap_or_default();
-    Ok(sink.finish(head, source))
-}
-
-/// Reads a log of this format into a sink; `None` if the sink is full.
-fn run<S: Sink>(format: Format, reader: impl Read, source: &str, sink: &mut S) -> Result<Option<Head>, LogError> {
-    match format {
-        Format::Ulog => ulog::run(reader, source, sink),
-        Format::DataFlash => dataflash::run(reader, source, sink),
-        #[cfg(feature = "mcap")]
-        Format::Mcap => mcap::run(reader, source, sink),
-        other => Err(no_log(source, other)),
+    let mut sink = SurveyAndTables::new(selection, account);
+    match run(format, reader, source, &mut sink, account) {
+        Ok(head) => Ok(sink.finish(head, source, account)),
+        Err(stop) => Err(stop.into_error(source, account)),
     }
 }
 
-fn open(path: &Path) -> Result<(File, String), LogError> {
+/// Reads a log of this format into a sink.
+fn run<S: Sink>(
+    format: Format,
+    reader: impl Read,
+    source: &str,
+    sink: &mut S,
+    account: &Account,
+) -> Result<Head, Stop> {
+    match format {
+        Format::Ulog => ulog::run(reader, source, sink, account),
+        Format::DataFlash => dataflash::run(reader, source, sink),
+        #[cfg(feature = "mcap")]
+        Format::Mcap => mcap::run(reader, source, sink, account),
+        other => Err(no_log(source, other).into()),
+    }
+}
+
+fn open(path: &Path, account: &Account) -> Result<(Followed, String), LogError> {
     let source_name = printable::path(path);
     match File::open(path) {
-        Ok(file) => Ok((file, source_name)),
+        Ok(file) => Ok((account.follow(file), source_name)),
         Err(error) => Err(LogError::Io { source_name, error }),
     }
 }

@@ -1,12 +1,14 @@
 //! Selects the part of a log that is kept in memory.
 
-/// Which topics and fields of a log are kept. The default keeps everything up to 100 million values.
-#[derive(Clone, Debug, PartialEq, Eq)]
+use crate::memory::Memory;
+
+/// Which topics and fields of a log are kept. The default keeps everything.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Selection {
     /// What is kept; everything if `None`.
     pub topics: Option<Vec<Wanted>>,
-    /// Bound on memory: largest number of values and times kept, 8 bytes each (default 100 million, 0.8 GB).
-    pub max_values: usize,
+    /// The most memory that reading may take (default 200 MB), see [`crate::memory`].
+    pub max_memory: Memory,
 }
 
 /// A topic that is to be kept, whole or in part.
@@ -18,12 +20,6 @@ pub struct Wanted {
     pub instance: Option<u16>,
     /// Names of the fields; all fields if `None`.
     pub fields: Option<Vec<String>>,
-}
-
-impl Default for Selection {
-    fn default() -> Self {
-        Self { topics: None, max_values: 100_000_000 }
-    }
 }
 
 impl Selection {

@@ -4,12 +4,15 @@ use std::collections::HashMap;
 
 use super::decode::Scale;
 use super::{Field, Log, LogError, Message, Selection, Topic};
-use crate::quality::QualityReport;
+use crate::memory::{Account, Excess, many};
+use crate::quality::{Finding, QualityReport, Severity};
 
 /// Largest number of fields of one topic; further ones are left out with a warning.
 const MAX_FIELDS: usize = 4096;
 /// Largest number of fields of all topics together.
 const MAX_FIELDS_IN_ALL: usize = 200_000;
+/// Number of findings about definitions that are reported one by one.
+const MAX_FINDINGS: usize = 50;
 /// Largest number of topics, each instance counted.
 const MAX_TOPICS: usize = 4096;
 
@@ -27,13 +30,29 @@ pub(super) struct Head {
     pub(super) start_us: Option<f64>,
     /// Offset from the autopilot's clock to seconds from 1970, UTC, if a satellite receiver gave the time.
     pub(super) utc_offset_s: Option<f64>,
+    /// Number of findings about definitions, of which only the first are in the report.
+    pub(super) findings: usize,
 }
 
 impl Head {
+    /// Reports something about a definition, unless very much was reported already: a damaged log may hold millions of
+    /// definitions.
+    pub(super) fn find(&mut self, severity: Severity, place: impl Into<String>, message: impl Into<String>) {
+        self.findings += 1;
+        if self.findings <= MAX_FINDINGS {
+            let (place, message) = (place.into(), message.into());
+            self.quality.findings.push(Finding { severity, place, message });
+        }
+    }
+
     /// Converts the times of messages to seconds from the start of the log, and notes its date. Returns time zero,
     /// microseconds.
     pub(super) fn settle(&mut self) -> f64 {
         let start_us = self.start_us.unwrap_or_default();
+        if self.findings > MAX_FINDINGS {
+            let message = format!("{} findings about definitions; the first {MAX_FINDINGS} are listed", self.findings);
+            self.quality.warn("", message);
+        }
         for message in &mut self.messages {
             // A message before the first time stamp is put at the start.
             message.time_s = if message.time_s.is_nan() { 0.0 } else { (message.time_s - start_us) * 1e-6 };
@@ -72,21 +91,39 @@ pub(super) trait Sink {
     fn forget(&mut self, stream: &Stream) -> usize;
 }
 
-/// Error of a sink: the bound on memory is reached.
+/// Error of a sink: what it keeps needs more memory than the budget.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Full;
+pub(super) struct Full(pub(super) Excess);
+
+/// What a column takes besides its values and twice its name, bytes.
+const BYTES_PER_COLUMN: usize = 200;
 
 /// The columns of every topic, which all kinds of sinks share.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct Layout {
+    account: Account,
     topics: HashMap<(String, u16), usize>,
     columns: Vec<HashMap<String, usize>>,
     fields: usize,
     left_out: Vec<(String, usize)>,
     topics_left_out: usize,
+    /// What the names of fields that had no room in the budget would have needed.
+    excess: Option<Excess>,
 }
 
 impl Layout {
+    pub(super) fn new(account: &Account) -> Self {
+        Self {
+            account: account.clone(),
+            topics: HashMap::new(),
+            columns: Vec::new(),
+            fields: 0,
+            left_out: Vec::new(),
+            topics_left_out: 0,
+            excess: None,
+        }
+    }
+
     /// The stream for samples of a topic; columns are added for new fields. `wanted` selects the fields that are kept.
     fn stream(
         &mut self,
@@ -116,6 +153,12 @@ impl Layout {
             let column = match columns.get(name) {
                 Some(&column) => column,
                 None if next < MAX_FIELDS && self.fields < MAX_FIELDS_IN_ALL => {
+                    // The name stands here and in the topic.
+                    if let Err(excess) = self.account.take(many(2, name.len() + BYTES_PER_COLUMN / 2)) {
+                        self.excess.get_or_insert(excess);
+                        left_out += 1;
+                        continue;
+                    }
                     columns.insert(name.clone(), next);
                     self.fields += 1;
                     next
@@ -145,6 +188,9 @@ impl Layout {
                 format!("{count} fields left out: a topic may have {MAX_FIELDS} fields, a log {MAX_FIELDS_IN_ALL}"),
             );
         }
+        if self.excess.is_some() {
+            quality.warn("", "fields left out: their names alone need more memory than the budget");
+        }
         if self.topics_left_out > 0 {
             quality.warn("", format!("{} topics left out: a log may have {MAX_TOPICS}", self.topics_left_out));
         }
@@ -158,7 +204,11 @@ pub(super) struct Tables<'s> {
     layout: Layout,
     topics: Vec<Table>,
     others: Vec<String>,
-    values: usize,
+    account: Account,
+    /// What the values kept so far take, bytes.
+    taken: u64,
+    /// Set when a new column had no room.
+    full: Option<Full>,
 }
 
 #[derive(Debug, Default)]
@@ -172,17 +222,28 @@ struct Table {
 }
 
 impl<'s> Tables<'s> {
-    pub(super) fn new(selection: &'s Selection) -> Self {
-        Self { selection, layout: Layout::default(), topics: Vec::new(), others: Vec::new(), values: 0 }
-    }
-
-    pub(super) fn too_large(&self, source: &str) -> LogError {
-        LogError::TooLarge { source_name: source.to_owned(), max_values: self.selection.max_values }
+    pub(super) fn new(selection: &'s Selection, account: &Account) -> Self {
+        Self {
+            selection,
+            layout: Layout::new(account),
+            topics: Vec::new(),
+            others: Vec::new(),
+            account: account.clone(),
+            taken: 0,
+            full: None,
+        }
     }
 
     /// Frees the memory of all samples.
     pub(super) fn clear(&mut self) {
         self.topics = Vec::new();
+        self.account.give_back(std::mem::take(&mut self.taken));
+    }
+
+    fn take(&mut self, bytes: u64) -> Result<(), Full> {
+        self.account.take(bytes).map_err(Full)?;
+        self.taken += bytes;
+        Ok(())
     }
 
     pub(super) fn finish(self, mut head: Head) -> Log {
@@ -214,8 +275,18 @@ impl Sink for Tables<'_> {
         }
         let wanted = |field: &str| self.selection.has_field(topic, instance, field);
         let stream = self.layout.stream(topic, instance, fields, wanted)?;
+        if let Some(excess) = self.layout.excess {
+            self.full.get_or_insert(Full(excess));
+        }
         if stream.topic == self.topics.len() {
             self.topics.push(Table { name: topic.to_owned(), instance, ..Table::default() });
+        }
+        let (rows, known) = self.topics.get(stream.topic).map(|table| (table.time_us.len(), table.columns.len()))?;
+        let new = stream.columns.iter().filter(|&&column| column >= known).count();
+        // The rows so far have no value of the new columns, but room for one.
+        if let Err(full) = self.take(many(rows, 8 * new)) {
+            self.full.get_or_insert(full);
+            return Some(stream);
         }
         let table = self.topics.get_mut(stream.topic)?;
         for (&field, &column) in stream.kept.iter().zip(&stream.columns) {
@@ -231,10 +302,12 @@ impl Sink for Tables<'_> {
 
     #[inline]
     fn row(&mut self, stream: &Stream, time_us: f64, values: &[f64]) -> Result<(), Full> {
-        self.values += values.len() + 1;
-        if self.values > self.selection.max_values {
-            return Err(Full);
+        if let Some(full) = self.full {
+            return Err(full);
         }
+        let Some(table) = self.topics.get(stream.topic) else { return Ok(()) };
+        let kept = if table.mixed { table.columns.len() } else { values.len() };
+        self.take(many(1, 8 * (kept + 1)))?;
         let Some(table) = self.topics.get_mut(stream.topic) else { return Ok(()) };
         table.time_us.push(time_us);
         for (&column, &value) in stream.columns.iter().zip(values) {
@@ -263,22 +336,58 @@ impl Sink for Tables<'_> {
     fn forget(&mut self, stream: &Stream) -> usize {
         let Some(table) = self.topics.get_mut(stream.topic) else { return 0 };
         let count = table.time_us.len();
+        // Their memory is kept for the samples to come, and what they take is counted again with those.
+        let taken = many(count, 8 * (table.columns.len() + 1)).min(self.taken);
+        self.account.give_back(taken);
+        self.taken -= taken;
         table.time_us.clear();
         table.columns.iter_mut().for_each(|column| column.values.clear());
         count
     }
 }
 
-/// Makes a log of what the reader of a format gives; an error if it exceeds the bound of the selection.
+/// Why the reader of a format stopped before the end of a log.
+#[derive(Debug)]
+pub(super) enum Stop {
+    /// The sink is full.
+    Full(Full),
+    /// The log cannot be read.
+    Log(LogError),
+}
+
+impl From<LogError> for Stop {
+    fn from(error: LogError) -> Self {
+        Stop::Log(error)
+    }
+}
+
+impl From<Full> for Stop {
+    fn from(full: Full) -> Self {
+        Stop::Full(full)
+    }
+}
+
+impl Stop {
+    /// The error of a log of which not all that is asked for has room.
+    pub(super) fn into_error(self, source: &str, account: &Account) -> LogError {
+        match self {
+            Stop::Log(error) => error,
+            Stop::Full(Full(excess)) => account.over_so_far(excess, source, "").into(),
+        }
+    }
+}
+
+/// Makes a log of what the reader of a format gives; an error if that needs more memory than the account has.
 pub(super) fn into_log<'s>(
     source: &str,
     selection: &'s Selection,
-    run: impl FnOnce(&mut Tables<'s>) -> Result<Option<Head>, LogError>,
+    account: &Account,
+    run: impl FnOnce(&mut Tables<'s>) -> Result<Head, Stop>,
 ) -> Result<Log, LogError> {
-    let mut tables = Tables::new(selection);
-    match run(&mut tables)? {
-        Some(head) => Ok(tables.finish(head)),
-        None => Err(tables.too_large(source)),
+    let mut tables = Tables::new(selection, account);
+    match run(&mut tables) {
+        Ok(head) => Ok(tables.finish(head)),
+        Err(stop) => Err(stop.into_error(source, account)),
     }
 }
 

@@ -3,8 +3,9 @@
 use serde::Serialize;
 
 use super::decode::Scale;
-use super::sink::{self, Full, Head, Layout, Sink, Stream};
+use super::sink::{self, Full, Head, Layout, Sink, Stop, Stream};
 use super::{Log, LogError, Message};
+use crate::memory::{Account, Memory};
 use crate::quality::QualityReport;
 
 /// A time step longer than this many median steps is counted as a gap, as for records.
@@ -81,7 +82,7 @@ impl Survey {
 
     /// Makes the survey of a log that is in memory.
     pub fn of(log: &Log) -> Self {
-        let mut counts = Counts::default();
+        let mut counts = Counts::new(&Account::new(Memory::default()));
         for topic in &log.topics {
             let names: Vec<String> = topic.fields.iter().map(|field| field.name.clone()).collect();
             let Some(stream) = counts.open(&topic.name, topic.instance, &names) else { continue };
@@ -110,7 +111,7 @@ impl Survey {
 }
 
 /// A sink that counts samples and keeps none.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct Counts {
     layout: Layout,
     topics: Vec<TopicCount>,
@@ -261,6 +262,10 @@ fn class_begin(class: usize) -> f64 {
 }
 
 impl Counts {
+    pub(super) fn new(account: &Account) -> Self {
+        Self { layout: Layout::new(account), topics: Vec::new() }
+    }
+
     pub(super) fn finish(self, mut head: Head) -> Survey {
         self.layout.report(&mut head.quality);
         let start_us = head.settle();
@@ -331,11 +336,18 @@ impl Sink for Counts {
     }
 }
 
-/// Makes a survey of what the reader of a format gives. A survey is never full.
-pub(super) fn into_survey(run: impl FnOnce(&mut Counts) -> Result<Option<Head>, LogError>) -> Result<Survey, LogError> {
-    let mut counts = Counts::default();
-    let head = run(&mut counts)?.unwrap_or_default();
-    Ok(counts.finish(head))
+/// Makes a survey of what the reader of a format gives. A survey keeps no values and is never full, but what a log
+/// defines may need more memory than the account has.
+pub(super) fn into_survey(
+    source: &str,
+    account: &Account,
+    run: impl FnOnce(&mut Counts) -> Result<Head, Stop>,
+) -> Result<Survey, LogError> {
+    let mut counts = Counts::new(account);
+    match run(&mut counts) {
+        Ok(head) => Ok(counts.finish(head)),
+        Err(stop) => Err(stop.into_error(source, account)),
+    }
 }
 
 #[cfg(test)]

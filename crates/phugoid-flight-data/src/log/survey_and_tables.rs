@@ -1,9 +1,10 @@
 //! A sink that surveys a whole log and keeps the tables of a selection, in one pass.
 
 use super::decode::Scale;
-use super::sink::{Full, Head, Sink, Stream, Tables};
+use super::sink::{Full, Head, Sink, Stop, Stream, Tables};
 use super::survey::{Counts, Survey};
 use super::{Log, LogError, Selection};
+use crate::memory::Account;
 
 /// Counts everything, and keeps what is selected until it exceeds the bound on memory.
 #[derive(Debug)]
@@ -16,13 +17,14 @@ pub(super) struct SurveyAndTables<'s> {
 }
 
 impl<'s> SurveyAndTables<'s> {
-    pub(super) fn new(selection: &'s Selection) -> Self {
-        Self { counts: Counts::default(), tables: Tables::new(selection), full: None, row: Vec::new() }
+    pub(super) fn new(selection: &'s Selection, account: &Account) -> Self {
+        let (counts, tables) = (Counts::new(account), Tables::new(selection, account));
+        Self { counts, tables, full: None, row: Vec::new() }
     }
 
-    pub(super) fn finish(self, head: Head, source: &str) -> (Survey, Result<Log, LogError>) {
+    pub(super) fn finish(self, head: Head, source: &str, account: &Account) -> (Survey, Result<Log, LogError>) {
         let log = match self.full {
-            Some(Full) => Err(self.tables.too_large(source)),
+            Some(full) => Err(Stop::Full(full).into_error(source, account)),
             None => Ok(self.tables.finish(head.clone())),
         };
         (self.counts.finish(head), log)
@@ -41,8 +43,8 @@ impl Sink for SurveyAndTables<'_> {
         if let (Some((selected, places)), None) = (stream.selected(), self.full) {
             self.row.clear();
             self.row.extend(places.iter().map(|&place| values.get(place).copied().unwrap_or(f64::NAN)));
-            if self.tables.row(selected, time_us, &self.row) == Err(Full) {
-                self.full = Some(Full);
+            if let Err(full) = self.tables.row(selected, time_us, &self.row) {
+                self.full = Some(full);
                 // The tables cannot be used any more: free their memory. The survey goes on.
                 self.tables.clear();
             }

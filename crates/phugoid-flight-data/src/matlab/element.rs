@@ -2,6 +2,8 @@
 
 use std::io::{self, Read};
 
+use crate::memory::Excess;
+
 /// What can be wrong with one variable. Other variables may still be readable.
 #[derive(Debug)]
 pub(super) enum Problem {
@@ -9,8 +11,14 @@ pub(super) enum Problem {
     Bad(String),
     /// The bytes cannot be read: the file ends, or compressed data are damaged.
     Io(io::Error),
-    /// The values exceed the bound on memory.
-    TooLarge { variable: String },
+    /// What it holds needs more memory than the budget.
+    OverBudget { variable: String, excess: Excess },
+}
+
+impl From<Excess> for Problem {
+    fn from(excess: Excess) -> Self {
+        Problem::OverBudget { variable: String::new(), excess }
+    }
 }
 
 impl From<io::Error> for Problem {
@@ -137,13 +145,7 @@ impl<'r> Input<'r> {
 
     /// Gives the numbers of an element to `take`, one by one, until it returns false.
     pub(super) fn numbers(&mut self, kind: u32, mut take: impl FnMut(f64) -> bool) -> Result<(), Problem> {
-        let width = match kind {
-            kind::INT8 | kind::UINT8 => 1,
-            kind::INT16 | kind::UINT16 => 2,
-            kind::INT32 | kind::UINT32 | kind::SINGLE => 4,
-            kind::DOUBLE | kind::INT64 | kind::UINT64 => 8,
-            other => return bad(format!("data of type {other}, which is none of numbers")),
-        };
+        let width = width(kind)?;
         if !self.left.is_multiple_of(width) {
             return bad(format!("{} bytes of numbers of {width} bytes", self.left));
         }
@@ -162,6 +164,17 @@ impl<'r> Input<'r> {
             }
         }
         Ok(())
+    }
+}
+
+/// Number of bytes of a number of this type.
+pub(super) fn width(kind: u32) -> Result<u64, Problem> {
+    match kind {
+        kind::INT8 | kind::UINT8 => Ok(1),
+        kind::INT16 | kind::UINT16 => Ok(2),
+        kind::INT32 | kind::UINT32 | kind::SINGLE => Ok(4),
+        kind::DOUBLE | kind::INT64 | kind::UINT64 => Ok(8),
+        other => bad(format!("data of type {other}, which is none of numbers")),
     }
 }
 

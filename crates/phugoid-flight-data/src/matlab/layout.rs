@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 
 use super::variable::{Value, in_words};
+use crate::memory::{Account, Excess, many};
 use crate::quality::QualityReport;
 use crate::table::header::{self, Meaning};
 use crate::table::{Column, LeftOut, TableOptions};
@@ -28,7 +29,8 @@ pub(super) fn columns(
     variables: Vec<(String, Value)>,
     options: &TableOptions,
     report: &mut QualityReport,
-) -> (Vec<Column>, Vec<LeftOut>) {
+    account: &Account,
+) -> Result<(Vec<Column>, Vec<LeftOut>), Excess> {
     let mut found = Found::default();
     for (name, value) in variables {
         walk(vec![name], value, &mut found);
@@ -47,6 +49,8 @@ pub(super) fn columns(
             let count = if rows == length { width } else { rows };
             let (names, units) =
                 (list_for_matrix(&path, &texts, &NAMES, count), list_for_matrix(&path, &texts, &UNITS, count));
+            // The matrix is there until its columns have been copied.
+            account.take(many(values.len(), 8))?;
             for index in 0..count {
                 let last = path.last().map(String::as_str).unwrap_or_default();
                 let header = match names.and_then(|names| names.get(index)).filter(|name| !name.is_empty()) {
@@ -63,12 +67,13 @@ pub(super) fn columns(
                 path.push(header.clone());
                 columns.push((path, Column { header, unit, values, is_time: false }));
             }
+            account.give_back(many(values.len(), 8));
         } else {
             let why = format!("a matrix of {dimensions}, where the columns of the table have {length} values");
             left_out.push(LeftOut { header: path.join("."), why });
         }
     }
-    (make_names_unique(columns, report), left_out)
+    Ok((make_names_unique(columns, report), left_out))
 }
 
 /// Names of lists that hold the names of the columns of a matrix beside them; below, those that hold their units, and

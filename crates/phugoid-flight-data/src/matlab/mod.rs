@@ -24,10 +24,11 @@ use std::fs::File;
 use std::io::{BufReader, Read};
 use std::path::Path;
 
+use crate::memory::Account;
 use crate::printable;
 use crate::quality::QualityReport;
 use crate::record::Record;
-use crate::table::{self, TableOptions};
+use crate::table::{self, TableError, TableOptions};
 
 /// Reads a MATLAB file from the disk; otherwise as [`read()`].
 ///
@@ -36,13 +37,16 @@ use crate::table::{self, TableOptions};
 pub fn read_path(path: &Path, options: &TableOptions) -> Result<Record, ReadError> {
     let source_name = printable::path(path);
     match File::open(path) {
-        Ok(file) => read(file, &source_name, options),
+        Ok(file) => {
+            let account = Account::new(options.max_memory);
+            read_counted(account.follow(file), &source_name, options, &account)
+        }
         Err(error) => Err(ReadError::Io { source_name, error }),
     }
 }
 
 /// Reads the table of a MATLAB file into a record in SI units. `source` is its name in messages and reports. Memory is
-/// bounded by `options.max_values`, whatever the file says of its sizes.
+/// bounded by `options.max_memory`, whatever the file says of its sizes.
 ///
 /// Of a damaged file the variables that can be read are kept, and the report names the byte at which one was lost.
 ///
@@ -58,9 +62,20 @@ pub fn read_path(path: &Path, options: &TableOptions) -> Result<Record, ReadErro
 /// [`ReadError`] if the file cannot be read, is no MATLAB file of level 5, holds no variable that could be read, or no
 /// record can be made of its columns.
 pub fn read(reader: impl Read, source: &str, options: &TableOptions) -> Result<Record, ReadError> {
+    read_counted(reader, source, options, &Account::new(options.max_memory))
+}
+
+/// As [`read()`], with the memory counted in this account.
+pub(crate) fn read_counted(
+    reader: impl Read,
+    source: &str,
+    options: &TableOptions,
+    account: &Account,
+) -> Result<Record, ReadError> {
     let mut report = QualityReport::default();
     let mut reader = BufReader::with_capacity(1 << 16, reader);
-    let variables = variable::read_all(&mut reader, source, options.max_values, &mut report)?;
-    let (columns, left_out) = layout::columns(variables, options, &mut report);
-    Ok(table::from_columns(source, columns, &left_out, options, report)?)
+    let variables = variable::read_all(&mut reader, source, account, &mut report)?;
+    let found = layout::columns(variables, options, &mut report, account);
+    let (columns, left_out) = found.map_err(|excess| TableError::from(account.over(excess, source, "")))?;
+    Ok(table::from_counted_columns(source, columns, &left_out, options, report, account)?)
 }

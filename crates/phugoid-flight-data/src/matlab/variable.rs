@@ -5,7 +5,8 @@ use std::io::{self, BufRead, Read};
 use flate2::read::ZlibDecoder;
 
 use super::ReadError;
-use super::element::{Input, Problem, Tag, bad, kind};
+use super::element::{Input, Problem, Tag, bad, kind, width};
+use crate::memory::{Account, OverBudget, many};
 use crate::quality::QualityReport;
 use crate::table::TableError;
 use crate::table::columns::MAX_COLUMNS;
@@ -13,6 +14,9 @@ use crate::wording::cut;
 
 /// Structs that are nested deeper than this are left out.
 const MAX_DEPTH: usize = 8;
+/// What a variable or a field takes besides its name and values, bytes: its place among the others, the path to it, and
+/// a line of the report if it is left out.
+const BYTES_PER_FIELD: usize = 500;
 /// Number of damaged variables that are reported one by one.
 const MAX_FINDINGS: usize = 20;
 /// The longest name or text kept, bytes.
@@ -35,7 +39,7 @@ pub(super) enum Value {
 pub(super) fn read_all(
     reader: &mut impl BufRead,
     source: &str,
-    max_values: usize,
+    account: &Account,
     report: &mut QualityReport,
 ) -> Result<Vec<(String, Value)>, ReadError> {
     let io = |error| ReadError::Io { source_name: source.to_owned(), error };
@@ -47,18 +51,26 @@ pub(super) fn read_all(
         advice,
     })?;
     let mut variables = Vec::new();
-    let mut budget = max_values;
     let mut lost: Option<(u64, String)> = None;
     let mut offset = 128;
     while !reader.fill_buf().map_err(io)?.is_empty() {
         let mut outcome = Element::default();
-        let result = element(reader, big_endian, &mut budget, &mut outcome);
+        let result = element(reader, big_endian, account, &mut outcome);
         match result {
-            Ok(Some(variable)) => variables.push(variable),
+            Ok(Some(variable)) => {
+                let taken = account.take(many(1, BYTES_PER_FIELD + variable.0.len()));
+                taken.map_err(|excess| TableError::from(account.over_so_far(excess, source, "")))?;
+                variables.push(variable);
+            }
             Ok(None) => {}
-            Err(Problem::TooLarge { variable }) => {
-                let place = format!("variable '{}'", cut(&variable, 40));
-                return Err(TableError::TooLarge { source_name: source.to_owned(), place, max_values }.into());
+            Err(Problem::OverBudget { variable, excess }) => {
+                let place = match variable.as_str() {
+                    "" => format!("byte {offset}"),
+                    name => format!("variable '{}'", cut(name, 40)),
+                };
+                // Of the numbers of a variable the whole need is known, of its fields only what came so far.
+                let at_least = variable.is_empty();
+                return Err(TableError::from(OverBudget { at_least, ..account.over(excess, source, place) }).into());
             }
             Err(Problem::Io(error)) if !is_damage_of_one_variable(&error) => return Err(io(error)),
             Err(problem) => {
@@ -68,7 +80,7 @@ pub(super) fn read_all(
                         "the data end in the middle of a variable".to_owned()
                     }
                     Problem::Io(error) => format!("the compressed data cannot be unpacked: {error}"),
-                    Problem::TooLarge { .. } => String::new(),
+                    Problem::OverBudget { .. } => String::new(),
                 };
                 let rest = if outcome.resumes { "" } else { "; everything after it is lost too" };
                 if report.findings.len() < MAX_FINDINGS {
@@ -126,7 +138,7 @@ struct Element {
 fn element(
     reader: &mut impl BufRead,
     big_endian: bool,
-    budget: &mut usize,
+    account: &Account,
     outcome: &mut Element,
 ) -> Result<Option<(String, Value)>, Problem> {
     let tag = Input::new(reader, big_endian, 8).tag()?;
@@ -137,8 +149,8 @@ fn element(
     }
     let mut inside = reader.by_ref().take(tag.size);
     let result = match tag.kind {
-        kind::COMPRESSED => compressed(&mut inside, big_endian, budget),
-        kind::MATRIX => matrix(&mut Input::new(&mut inside, big_endian, tag.size), budget, 0).map(Some),
+        kind::COMPRESSED => compressed(&mut inside, big_endian, account),
+        kind::MATRIX => matrix(&mut Input::new(&mut inside, big_endian, tag.size), account, 0).map(Some),
         1..=18 => Ok(None),
         // If the type is wrong, the size is probably wrong too, and the next element cannot be found.
         other => return bad(format!("a data element of type {other}, which there is not")),
@@ -157,14 +169,14 @@ fn element(
     }
 }
 
-fn compressed(packed: &mut dyn Read, big_endian: bool, budget: &mut usize) -> Result<Option<(String, Value)>, Problem> {
+fn compressed(packed: &mut dyn Read, big_endian: bool, account: &Account) -> Result<Option<(String, Value)>, Problem> {
     let mut unpacked = ZlibDecoder::new(packed);
     let tag = Input::new(&mut unpacked, big_endian, 8).tag()?;
     if tag.kind != kind::MATRIX {
         return Ok(None);
     }
     let mut input = Input::new(&mut unpacked, big_endian, tag.size);
-    let variable = matrix(&mut input, budget, 0)?;
+    let variable = matrix(&mut input, account, 0)?;
     input.skip(input.left())?;
     // The end of the stream carries its checksum.
     let mut beyond = [0; 16];
@@ -173,7 +185,7 @@ fn compressed(packed: &mut dyn Read, big_endian: bool, budget: &mut usize) -> Re
 }
 
 /// Reads an array: its name and value. Its tag has been read, and `input` ends where the array ends.
-fn matrix(input: &mut Input<'_>, budget: &mut usize, depth: usize) -> Result<(String, Value), Problem> {
+fn matrix(input: &mut Input<'_>, account: &Account, depth: usize) -> Result<(String, Value), Problem> {
     // An empty element stands for an empty array, as MATLAB writes it into structs.
     if input.left() == 0 {
         return Ok((String::new(), Value::Other("empty".into())));
@@ -193,12 +205,12 @@ fn matrix(input: &mut Input<'_>, budget: &mut usize, depth: usize) -> Result<(St
     let dimensions = dimensions(input)?;
     let name = text(input)?;
     let value = match class {
-        1 => cells(input, &dimensions, budget, depth)?,
-        2 => structs(input, &dimensions, budget, depth)?,
+        1 => cells(input, &dimensions, account, depth)?,
+        2 => structs(input, &dimensions, account, depth)?,
         4 => characters(input, &dimensions)?,
         5 => Value::Other("a sparse matrix".into()),
         6..=15 if complex => Value::Other("complex".into()),
-        6..=15 => numeric(input, &dimensions, budget, &name)?,
+        6..=15 => numeric(input, &dimensions, account, &name)?,
         16 => Value::Other("a function".into()),
         other => Value::Other(format!("of the unknown class {other}")),
     };
@@ -251,7 +263,7 @@ fn to_text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(name).into_owned()
 }
 
-fn numeric(input: &mut Input<'_>, dimensions: &[usize], budget: &mut usize, name: &str) -> Result<Value, Problem> {
+fn numeric(input: &mut Input<'_>, dimensions: &[usize], account: &Account, name: &str) -> Result<Value, Problem> {
     let count = dimensions.iter().try_fold(1_usize, |product, &size| product.checked_mul(size));
     let (&[rows, columns], Some(count)) = (dimensions, count) else {
         return Ok(Value::Other(format!("an array of {}", in_words(dimensions))));
@@ -260,19 +272,23 @@ fn numeric(input: &mut Input<'_>, dimensions: &[usize], budget: &mut usize, name
         return Ok(Value::Other(format!("a matrix of {}", in_words(dimensions))));
     }
     let tag = input.tag()?;
+    let stored = tag.size / width(tag.kind)?;
+    if stored != count as u64 {
+        let matrix = in_words(dimensions);
+        return bad(format!("'{}' is a matrix of {matrix} but has {stored} values", cut(name, 40)));
+    }
+    // Counted before the first value is read: a few bytes of zeros, packed, may stand for many.
+    let needed = many(count, 8);
+    account.take(needed).map_err(|excess| Problem::OverBudget { variable: name.to_owned(), excess })?;
     let mut values = Vec::new();
-    input.within(tag, |input| {
-        input.numbers(tag.kind, |value| push(&mut values, value, (*budget).min(count).saturating_add(1)))
-    })?;
-    if values.len() > *budget {
-        return Err(Problem::TooLarge { variable: name.to_owned() });
+    let read = input.within(tag, |input| {
+        values.reserve_exact(count);
+        input.numbers(tag.kind, |value| push(&mut values, value, count))
+    });
+    if let Err(problem) = read {
+        account.give_back(needed);
+        return Err(problem);
     }
-    if values.len() != count {
-        let found = if values.len() > count { "more".to_owned() } else { values.len().to_string() };
-        return bad(format!("'{}' is a matrix of {} but has {found} values", cut(name, 40), in_words(dimensions)));
-    }
-    *budget -= values.len();
-    values.shrink_to_fit();
     Ok(Value::Numbers { rows, columns, values })
 }
 
@@ -319,18 +335,22 @@ fn characters(input: &mut Input<'_>, dimensions: &[usize]) -> Result<Value, Prob
 }
 
 /// Reads a cell array. One of text is a list; the content of others is not kept.
-fn cells(input: &mut Input<'_>, dimensions: &[usize], budget: &mut usize, depth: usize) -> Result<Value, Problem> {
+fn cells(input: &mut Input<'_>, dimensions: &[usize], account: &Account, depth: usize) -> Result<Value, Problem> {
     let other = || Ok(Value::Other("a cell array".into()));
     let count = dimensions.iter().try_fold(1_usize, |product, &size| product.checked_mul(size));
     let Some(count) = count.filter(|&count| count <= MAX_COLUMNS && depth < MAX_DEPTH) else { return other() };
     let mut list = Vec::new();
     for _ in 0..count {
         let tag = matrix_tag(input)?;
-        // The numbers in it are not kept and so do not count towards the bound on memory.
-        let mut apart = *budget;
-        let (_, value) = input.within(tag, |input| matrix(input, &mut apart, depth + 1))?;
+        // What is in it and is no text is not kept.
+        let before = account.left();
+        let (_, value) = input.within(tag, |input| matrix(input, account, depth + 1))?;
+        account.give_back(before - account.left());
         match value {
-            Value::Texts(mut texts) if texts.len() == 1 => list.append(&mut texts),
+            Value::Texts(mut texts) if texts.len() == 1 => {
+                account.take(many(1, texts.first().map_or(0, String::len) + BYTES_PER_FIELD))?;
+                list.append(&mut texts);
+            }
             _ => return other(),
         }
     }
@@ -338,7 +358,7 @@ fn cells(input: &mut Input<'_>, dimensions: &[usize], budget: &mut usize, depth:
 }
 
 /// Reads a struct, or an array of structs whose fields are single numbers: each field is then a column.
-fn structs(input: &mut Input<'_>, dimensions: &[usize], budget: &mut usize, depth: usize) -> Result<Value, Problem> {
+fn structs(input: &mut Input<'_>, dimensions: &[usize], account: &Account, depth: usize) -> Result<Value, Problem> {
     let tag = input.tag()?;
     let mut lengths = Vec::new();
     input.within(tag, |input| input.numbers(tag.kind, |length| push(&mut lengths, length, 1)))?;
@@ -355,7 +375,8 @@ fn structs(input: &mut Input<'_>, dimensions: &[usize], budget: &mut usize, dept
         let mut fields = Vec::with_capacity(names.len());
         for name in names {
             let tag = matrix_tag(input)?;
-            let (_, value) = input.within(tag, |input| matrix(input, budget, depth + 1))?;
+            account.take(many(1, BYTES_PER_FIELD + 2 * name.len()))?;
+            let (_, value) = input.within(tag, |input| matrix(input, account, depth + 1))?;
             fields.push((name, value));
         }
         return Ok(Value::Struct(fields));
@@ -364,10 +385,14 @@ fn structs(input: &mut Input<'_>, dimensions: &[usize], budget: &mut usize, dept
     for _ in 0..count {
         for (_, column) in &mut fields {
             let tag = matrix_tag(input)?;
-            let (_, value) = input.within(tag, |input| matrix(input, budget, depth + 1))?;
+            let before = account.left();
+            let (_, value) = input.within(tag, |input| matrix(input, account, depth + 1))?;
             match (value, column.as_mut()) {
                 (Value::Numbers { rows: 1, columns: 1, values }, Some(column)) => column.extend(values),
-                _ => *column = None,
+                _ => {
+                    account.give_back(before - account.left());
+                    *column = None;
+                }
             }
         }
     }

@@ -6,6 +6,7 @@ use super::{ReadError, ReadOptions, surfaces, vehicle};
 use crate::align::{Aligner, Hold, Statistics};
 use crate::channels;
 use crate::log::{Log, Selection, Topic, Wanted};
+use crate::memory::{Account, Excess, many};
 use crate::printable::toml_string;
 use crate::profile::{Factor, FieldName, Profile, Source};
 use crate::quality::QualityReport;
@@ -34,7 +35,7 @@ pub fn selection(profile: &Profile, options: &ReadOptions) -> Selection {
     let headers = options.table.columns.iter().flat_map(ColumnMapping::terms);
     let mapped = headers.filter_map(|(header, _)| header.parse::<FieldName>().ok());
     topics.extend(mapped.map(|FieldName { topic, instance, .. }| Wanted { topic, instance, fields: None }));
-    Selection { topics: Some(topics), max_values: options.table.max_values }
+    Selection { topics: Some(topics), max_memory: options.table.max_memory }
 }
 
 /// Makes a record of a log by a profile: all channels at the times of one topic, causally and without interpolation
@@ -53,14 +54,41 @@ pub fn selection(profile: &Profile, options: &ReadOptions) -> Selection {
 ///
 /// # Errors
 /// [`ReadError`]: a mapping names a topic or field that the log does not have, no topic can give the times, or no field
-/// is a channel.
+/// is a channel, or the log and the record together need more than `options.table.max_memory`.
 pub fn record(log: &Log, profile: &Profile, options: &ReadOptions) -> Result<Record, ReadError> {
+    let account = Account::new(options.table.max_memory);
+    let values = log.topics.iter().map(|topic| topic.time_s.len().saturating_mul(1 + topic.fields.len())).sum();
+    account.take(many(values, 8)).map_err(|excess| over(&account, excess, log, ""))?;
+    record_counted(log, profile, options, &account)
+}
+
+fn over(account: &Account, excess: Excess, log: &Log, place: &str) -> TableError {
+    account.over(excess, &log.source, place).into()
+}
+
+/// As [`record`], for a log that the account holds already.
+pub(super) fn record_counted(
+    log: &Log,
+    profile: &Profile,
+    options: &ReadOptions,
+    account: &Account,
+) -> Result<Record, ReadError> {
+    // What is needed for a moment to make one signal: its samples in order, and the signal itself.
+    let longest = log.topics.iter().map(|topic| topic.time_s.len()).max().unwrap_or(0);
+    let work = account.hold(many(longest, 6 * 8)).map_err(|excess| over(account, excess, log, ""))?;
+    let keep = |signal: &Signal| {
+        let taken = account.take(many(signal.time_s.len(), 2 * 8));
+        taken.map_err(|excess| over(account, excess, log, &signal.topic))
+    };
     let mut quality = log.quality.clone();
     vehicle::report(log, &mut quality);
     let commands = profile.surfaces.map(|rule| surfaces::commands(log, rule, &profile.mixed)).unwrap_or_default();
+    commands.iter().try_for_each(keep)?;
     let mut signals = Vec::new();
     for mapping in &options.table.columns {
-        signals.push(mapped(log, profile, mapping, &commands)?);
+        let signal = mapped(log, profile, mapping, &commands)?;
+        keep(&signal)?;
+        signals.push(signal);
     }
     let by_hand: Vec<String> = signals.iter().map(|signal| signal.channel.clone()).collect();
     for entry in profile.channels.iter().filter(|entry| !by_hand.contains(&entry.channel)) {
@@ -68,6 +96,7 @@ pub fn record(log: &Log, profile: &Profile, options: &ReadOptions) -> Result<Rec
             Some(source) => {
                 if let Some(mut signal) = signals::signal(log, source, &entry.channel, entry.hold) {
                     check_unit(&mut signal, source, &mut quality);
+                    keep(&signal)?;
                     signals.push(signal);
                 }
             }
@@ -88,8 +117,9 @@ pub fn record(log: &Log, profile: &Profile, options: &ReadOptions) -> Result<Rec
         surfaces::report(log, &commands, &by_hand, rule, &profile.mixed, &mut quality);
     }
     signals.extend(commands);
+    drop(work);
     let base = base(log, profile, options)?;
-    align(log, base, signals, options, quality)
+    align(log, base, signals, options, quality, account)
 }
 
 /// Why a channel is not in the record.
@@ -169,14 +199,12 @@ fn align(
     signals: Vec<Signal>,
     options: &ReadOptions,
     mut quality: QualityReport,
+    account: &Account,
 ) -> Result<Record, ReadError> {
+    let needed = many(base.time_s.len(), 8 * (signals.len() + 3));
+    account.take(needed).map_err(|excess| over(account, excess, log, &base.name))?;
     let kept = signals::rising(&base.time_s);
     let times: Vec<f64> = kept.iter().filter_map(|&sample| base.time_s.get(sample).copied()).collect();
-    let max_values = options.table.max_values;
-    if times.len().saturating_mul(signals.len() + 3) > max_values {
-        let place = base.name.clone();
-        return Err(TableError::TooLarge { source_name: log.source.clone(), place, max_values }.into());
-    }
     let step_s = statistics::median_step(&times).unwrap_or(0.0);
     let label = signals::label(log, base);
     quality.note(
@@ -236,7 +264,7 @@ fn align(
         });
     }
     let options = TableOptions { columns: mappings, sample_time_s: None, ..options.table.clone() };
-    Ok(table::from_sparse_columns(&log.source, table, &options, quality)?)
+    Ok(table::from_sparse_columns(&log.source, table, &options, quality, account)?)
 }
 
 fn same(a: &[f64], b: &[f64]) -> bool {

@@ -40,6 +40,7 @@ use crate::csv::{self, CsvOptions};
 use crate::format::Format;
 use crate::log;
 use crate::log::survey::Survey;
+use crate::memory::Account;
 use crate::printable;
 use crate::profile::{Profile, ProfileError};
 use crate::record::Record;
@@ -75,16 +76,17 @@ impl Record {
 /// ([`ReadError::NotRead`]); a table has no time or contradicts itself ([`ReadError::Table`]); a log has nothing that
 /// the profile or the mappings name ([`ReadError::NothingUsable`]).
 pub fn read_path(path: &Path, options: &ReadOptions) -> Result<Record, ReadError> {
-    let (format, reader, source) = open(path)?;
+    let account = Account::new(options.table.max_memory);
+    let (format, reader, source) = open(path, &account)?;
     if !format.is_log() {
-        return table(format, reader, path, options);
+        return table(format, reader, path, options, &account);
     }
     match profile(format, options)? {
         Some(profile) => {
-            let log = log::read_as(format, reader, &source, &selection(&profile, options))?;
-            record(&log, &profile, options)
+            let log = log::read_as(format, reader, &source, &selection(&profile, options), &account)?;
+            from_log::record_counted(&log, &profile, options, &account)
         }
-        None => record_by_field_names(&log::survey_as(format, reader, &source)?, path, options),
+        None => record_by_field_names(&log::survey_as(format, reader, &source, &account)?, path, options),
     }
 }
 
@@ -115,23 +117,26 @@ pub struct Surveyed {
 /// As [`read_path`] for a table and for a log that cannot be read at all. If no record can be made of a log, that error
 /// is in [`Surveyed::record`].
 pub fn survey_path(path: &Path, options: &ReadOptions) -> Result<Surveyed, ReadError> {
-    let (format, reader, source) = open(path)?;
+    let account = Account::new(options.table.max_memory);
+    let (format, reader, source) = open(path, &account)?;
     if !format.is_log() {
-        return Ok(Surveyed { survey: None, record: Ok(table(format, reader, path, options)?) });
+        return Ok(Surveyed { survey: None, record: Ok(table(format, reader, path, options, &account)?) });
     }
     let Some(profile) = profile(format, options)? else {
-        let survey = log::survey_as(format, reader, &source)?;
+        let survey = log::survey_as(format, reader, &source, &account)?;
         let record = record_by_field_names(&survey, path, options);
         return Ok(Surveyed { survey: Some(survey), record });
     };
-    let (survey, log) = log::survey_and_read_as(format, reader, &source, &selection(&profile, options))?;
-    let record = log.map_err(ReadError::from).and_then(|log| record(&log, &profile, options));
+    let selection = selection(&profile, options);
+    let (survey, log) = log::survey_and_read_as(format, reader, &source, &selection, &account)?;
+    let made = |log: log::Log| from_log::record_counted(&log, &profile, options, &account);
+    let record = log.map_err(ReadError::from).and_then(made);
     Ok(Surveyed { survey: Some(survey), record })
 }
 
-fn open(path: &Path) -> Result<(Format, impl Read, String), ReadError> {
+fn open(path: &Path, account: &Account) -> Result<(Format, impl Read + use<>, String), ReadError> {
     let source_name = printable::path(path);
-    match File::open(path).and_then(Format::of) {
+    match File::open(path).and_then(|file| Format::of(account.follow(file))) {
         Ok((format, reader)) => Ok((format, reader, source_name)),
         Err(error) if path.is_dir() => {
             let error = io::Error::new(error.kind(), "it is a folder; name a file in it");
@@ -162,30 +167,38 @@ fn built_in(format: Format) -> Option<Result<Profile, ProfileError>> {
 /// keep.
 fn record_by_field_names(survey: &Survey, path: &Path, options: &ReadOptions) -> Result<Record, ReadError> {
     let profile = by_field_names::profile(survey);
-    let log = log::read_path(path, &selection(&profile, options))?;
-    record(&log, &profile, options)
+    let account = Account::new(options.table.max_memory);
+    let (format, reader, source) = open(path, &account)?;
+    let log = log::read_as(format, reader, &source, &selection(&profile, options), &account)?;
+    from_log::record_counted(&log, &profile, options, &account)
 }
 
 /// Reads a file that is no log.
-fn table(format: Format, reader: impl Read, path: &Path, options: &ReadOptions) -> Result<Record, ReadError> {
+fn table(
+    format: Format,
+    reader: impl Read,
+    path: &Path,
+    options: &ReadOptions,
+    account: &Account,
+) -> Result<Record, ReadError> {
     let source = printable::path(path);
     match format {
         // The reader of CSV has the best messages for files that are no text.
         Format::Csv | Format::Gzip | Format::Zip | Format::Utf16 => {
-            Ok(csv::read(reader, &source, &csv_options(options))?)
+            Ok(csv::read_counted(reader, &source, &csv_options(options), account)?)
         }
         // Parquet has its table of contents at the end, so that it needs the file and not a stream.
         #[cfg(feature = "parquet")]
         Format::Parquet => Ok(crate::parquet::read_path(path, &options.table)?),
         #[cfg(feature = "parquet")]
-        Format::Arrow => Ok(crate::arrow::read(reader, &source, &options.table)?),
+        Format::Arrow => Ok(crate::columnar::ipc::read(reader, &source, &options.table, account)?),
         #[cfg(feature = "matlab")]
-        Format::Mat5 => Ok(crate::matlab::read(reader, &source, &options.table)?),
+        Format::Mat5 => Ok(crate::matlab::read_counted(reader, &source, &options.table, account)?),
         other => Err(ReadError::NotRead { source_name: source, format: other }),
     }
 }
 
 fn csv_options(options: &ReadOptions) -> CsvOptions {
-    let TableOptions { columns, sample_time_s, gap_factor, max_values } = options.table.clone();
-    CsvOptions { columns, delimiter: options.delimiter, sample_time_s, gap_factor, max_values }
+    let TableOptions { columns, sample_time_s, gap_factor, max_memory } = options.table.clone();
+    CsvOptions { columns, delimiter: options.delimiter, sample_time_s, gap_factor, max_memory }
 }

@@ -1,12 +1,13 @@
 //! How a flight is to be read.
 
+use crate::memory::Memory;
 use crate::profile::Profile;
 use crate::table::{ColumnMapping, TableOptions};
 
 /// How a flight is to be read. The default reads every file whose headers, or whose profile, name the channels.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ReadOptions {
-    /// Mappings by hand, the bound on memory, and what is reported as a gap.
+    /// Mappings by hand, the budget of memory, and what is reported as a gap.
     pub table: TableOptions,
     /// CSV only: the character between cells; found automatically if not given.
     pub delimiter: Option<char>,
@@ -17,6 +18,13 @@ pub struct ReadOptions {
 }
 
 impl ReadOptions {
+    /// The same options with another budget of memory.
+    #[must_use]
+    pub fn with_max_memory(mut self, max_memory: Memory) -> Self {
+        self.table.max_memory = max_memory;
+        self
+    }
+
     /// The default options with these mappings.
     pub fn with_columns(columns: Vec<ColumnMapping>) -> Self {
         Self { table: TableOptions { columns, ..TableOptions::default() }, ..Self::default() }

@@ -9,6 +9,10 @@ use crate::table::time_base::{self, Table};
 use crate::table::{TableError, TableOptions, stuck_and_spikes};
 use crate::wording::{Lines, Short, plural};
 
+/// What each row takes besides its values, bytes: its time, its number, and what is needed to put the rows in order and
+/// to check them (seven lists of numbers at the most, one after the other).
+pub(crate) const BYTES_PER_ROW: usize = 9 * 8;
+
 /// The rows of a table that have a time, and what its reader noticed on the way.
 pub(crate) struct Read<'a> {
     pub(crate) source: &'a str,

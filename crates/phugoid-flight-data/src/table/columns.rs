@@ -110,21 +110,25 @@ pub(crate) struct Plan {
     pub(crate) channels: Vec<ColumnUse>,
 }
 
+/// Refuses a table of more columns than are read.
+pub(crate) fn check_count(source: &str, line: Option<usize>, columns: usize) -> Result<(), TableError> {
+    match columns > MAX_COLUMNS {
+        true => {
+            let (source_name, max_columns) = (source.to_owned(), MAX_COLUMNS);
+            Err(TableError::TooManyColumns { source_name, line, columns, max_columns })
+        }
+        false => Ok(()),
+    }
+}
+
 /// Decides for every column what it becomes, and reports what was assumed.
 pub(crate) fn plan(head: &Head<'_>, options: &TableOptions, report: &mut QualityReport) -> Result<Plan, TableError> {
+    check_count(head.source, head.line, head.headers.len())?;
     // From here on the words of the table appear in names and messages.
     let shown =
         |words: &[String]| -> Vec<String> { words.iter().map(|w| printable::one_line(w).into_owned()).collect() };
     let (headers, units) = (shown(head.headers), head.units.map(shown));
     let head = &Head { headers: &headers, units: units.as_deref(), ..*head };
-    if head.headers.len() > MAX_COLUMNS {
-        return Err(TableError::TooManyColumns {
-            source_name: head.source.to_owned(),
-            line: head.line,
-            columns: head.headers.len(),
-            max_columns: MAX_COLUMNS,
-        });
-    }
     let mut uses = Vec::new();
     for mapping in &options.columns {
         uses.push(mapped(head, mapping, report)?);

@@ -1,6 +1,7 @@
 //! Errors of tables, whatever file they came from.
 
 use super::ColumnMapping;
+use crate::memory::OverBudget;
 use crate::units::{self, Quantity};
 
 /// Why no record can be made of a table. Every message says where, what was found, what was expected and what to do.
@@ -126,19 +127,9 @@ pub enum TableError {
         /// What the user can do about it, as a sentence.
         hint: &'static str,
     },
-    /// The table holds more values than [`super::TableOptions::max_values`].
-    #[error(
-        "{source_name}, {place}: the file holds more than {max_values} values, the set bound on memory. Cut it into \
-         pieces, leave out columns, or raise `max_values`"
-    )]
-    TooLarge {
-        /// Name of the file or stream, as the caller gave it.
-        source_name: String,
-        /// Line, row or variable at which the bound was reached.
-        place: String,
-        /// The bound that was exceeded, values.
-        max_values: usize,
-    },
+    /// It needs more memory than [`super::TableOptions::max_memory`].
+    #[error(transparent)]
+    OverBudget(#[from] OverBudget),
     /// The table has more columns than are read.
     #[error(
         "{source_name}{}: the header has {columns} columns, more than the {max_columns} that are read. Check \

@@ -1,7 +1,8 @@
 //! Makes a record of columns of numbers.
 
-use super::assemble::{Read, record};
+use super::assemble::{BYTES_PER_ROW, Read, record};
 use super::{ColumnMapping, MappingProblem, TableError, TableOptions};
+use crate::memory::{Account, Memory, many};
 use crate::quality::QualityReport;
 use crate::record::Record;
 use crate::table::columns::{self, ColumnUse, Head, Plan};
@@ -38,7 +39,7 @@ pub struct LeftOut {
 ///
 /// # Errors
 /// [`TableError`] if the columns differ in length, none is the time, two are the same channel, units contradict each
-/// other, there are fewer than two usable rows, more values than `options.max_values`, or a mapping is wrong.
+/// other, there are fewer than two usable rows, they need more than `options.max_memory`, or a mapping is wrong.
 pub fn from_columns(
     source: &str,
     columns: Vec<Column>,
@@ -46,7 +47,22 @@ pub fn from_columns(
     options: &TableOptions,
     report: QualityReport,
 ) -> Result<Record, TableError> {
-    make_record(source, columns, left_out, options, report, false)
+    let account = Account::new(options.max_memory);
+    let values = columns.iter().map(|column| column.values.len()).sum();
+    account.take(many(values, 8)).map_err(|excess| account.over(excess, source, ""))?;
+    from_counted_columns(source, columns, left_out, options, report, &account)
+}
+
+/// As [`from_columns`], for columns whose values the account holds already.
+pub(crate) fn from_counted_columns(
+    source: &str,
+    columns: Vec<Column>,
+    left_out: &[LeftOut],
+    options: &TableOptions,
+    report: QualityReport,
+    account: &Account,
+) -> Result<Record, TableError> {
+    make_record(source, columns, left_out, options, report, false, account)
 }
 
 impl Record {
@@ -78,19 +94,22 @@ impl Record {
     ) -> Result<Self, TableError> {
         let column = |(header, values): (H, Vec<f64>)| Column { header: header.into(), values, ..Column::default() };
         let columns = columns.into_iter().map(column).collect();
-        from_columns(source, columns, &[], &TableOptions::default(), QualityReport::default())
+        // They are in memory already.
+        let options = TableOptions { max_memory: Memory::UNBOUNDED, ..TableOptions::default() };
+        from_columns(source, columns, &[], &options, QualityReport::default())
     }
 }
 
-/// As [`from_columns`], for the signals of a log: each has its own rate, so that missing values are normal and not
-/// reported.
+/// As [`from_counted_columns`], for the signals of a log: each has its own rate, so that missing values are normal and
+/// not reported.
 pub(crate) fn from_sparse_columns(
     source: &str,
     columns: Vec<Column>,
     options: &TableOptions,
     report: QualityReport,
+    account: &Account,
 ) -> Result<Record, TableError> {
-    make_record(source, columns, &[], options, report, true)
+    make_record(source, columns, &[], options, report, true, account)
 }
 
 fn make_record(
@@ -100,14 +119,14 @@ fn make_record(
     options: &TableOptions,
     mut report: QualityReport,
     sparse: bool,
+    account: &Account,
 ) -> Result<Record, TableError> {
     options.check()?;
     let rows = same_length(source, &columns)?;
-    // Besides the values each row has a time and a number.
-    if rows.saturating_mul(columns.len() + 2) > options.max_values {
-        let place = format!("row {}", options.max_values / (columns.len() + 2) + 1);
-        return Err(TableError::TooLarge { source_name: source.to_owned(), place, max_values: options.max_values });
-    }
+    // Columns that two channels use are copied.
+    let copies: usize = options.columns.iter().map(|mapping| mapping.terms().count()).sum();
+    let work = many(rows, BYTES_PER_ROW).saturating_add(many(rows, 8 * copies));
+    account.take(work).map_err(|excess| account.over(excess, source, ""))?;
     for column in left_out {
         report.note(format!("column '{}'", column.header), format!("left out: it is {}", column.why));
     }

@@ -9,12 +9,16 @@ pub(crate) mod header;
 mod stuck_and_spikes;
 pub(crate) mod time_base;
 
-pub(crate) use assemble::{Read, record};
+pub(crate) use assemble::{BYTES_PER_ROW, Read, record};
 pub use error::{MappingProblem, OptionProblem, TableError};
+#[cfg(any(feature = "matlab", feature = "parquet"))]
+pub(crate) use from_columns::from_counted_columns;
 pub(crate) use from_columns::from_sparse_columns;
 pub use from_columns::{Column, LeftOut, from_columns};
 
 use serde::{Deserialize, Serialize};
+
+use crate::memory::Memory;
 
 /// Maps a column to a channel by hand, where its header does not name the channel or names a wrong one. Several columns
 /// can be added to make one channel.
@@ -108,13 +112,13 @@ pub struct TableOptions {
     pub sample_time_s: Option<f64>,
     /// A step in time longer than this many median steps is reported as a gap. More than 1.
     pub gap_factor: f64,
-    /// Bound on memory: largest number of rows times columns, 8 bytes each (default 100 million, 0.8 GB).
-    pub max_values: usize,
+    /// The most memory that reading may take (default 200 MB), see [`crate::memory`].
+    pub max_memory: Memory,
 }
 
 impl Default for TableOptions {
     fn default() -> Self {
-        Self { columns: Vec::new(), sample_time_s: None, gap_factor: 3.5, max_values: 100_000_000 }
+        Self { columns: Vec::new(), sample_time_s: None, gap_factor: 3.5, max_memory: Memory::default() }
     }
 }
 

@@ -17,6 +17,9 @@ pub(crate) struct Table {
 /// clock.
 const RESTART_ROWS: usize = 10;
 
+/// Number of restarts that are reported one by one.
+const MAX_RESTARTS: usize = 20;
+
 /// Advice for a time column that holds no time.
 const OTHER_TIME: &str = "If another column is the time, map the channel 'time' to it";
 
@@ -93,7 +96,7 @@ fn longest_part(table: &Table, report: &mut QualityReport) -> Vec<usize> {
     let ends = starts.iter().skip(1).copied().chain([time.len()]);
     let parts: Vec<(usize, usize)> = starts.iter().copied().zip(ends).collect();
     let longest = parts.iter().copied().rev().max_by_key(|(start, end)| end - start).unwrap_or((0, time.len()));
-    for pair in parts.windows(2) {
+    for pair in parts.windows(2).take(MAX_RESTARTS) {
         let &[(_, end), (start, _)] = pair else { continue };
         let line = table.lines.get(start).copied().unwrap_or_default();
         let (from, to) = (time.get(end - 1).copied().unwrap_or(f64::NAN), time.get(start).copied().unwrap_or(f64::NAN));

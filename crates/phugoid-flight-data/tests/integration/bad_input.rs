@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use std::io::Read;
 
 use phugoid_flight_data::csv::{ColumnMapping, CsvOptions, ReadError, read};
+use phugoid_flight_data::memory::Memory;
 use phugoid_flight_data::record::{Quantity, Record};
 
 fn read_text(text: &str) -> Result<Record, ReadError> {
@@ -529,11 +530,14 @@ fn other_file_types_are_named() {
 
 #[test]
 fn memory_is_bounded() {
-    let options = CsvOptions { max_values: 40, ..CsvOptions::default() };
+    let options = CsvOptions { max_memory: Memory::from_bytes(950), ..CsvOptions::default() };
     let mut text = String::from("time_s,a1,b1\n");
     (0..11).for_each(|row| writeln!(text, "{row},1,2").unwrap());
     let error = read(text.as_bytes(), "flight.csv", &options).unwrap_err().to_string();
-    assert!(error.contains("line 12: the file holds more than 40 values"), "{error}");
+    assert!(
+        error.contains("line 12: to read it more than 968 bytes of memory are needed, and the budget is 950 bytes"),
+        "{error}"
+    );
     // A file without line ends is not swallowed whole: this source would never end.
     let endless = std::io::repeat(b'x');
     let error = read(endless, "flight.csv", &CsvOptions::default()).unwrap_err().to_string();

@@ -8,6 +8,7 @@ use crate::flight;
 use std::path::{Path, PathBuf};
 
 use phugoid_flight_data::csv::{self, CsvOptions};
+use phugoid_flight_data::memory::Memory;
 use phugoid_flight_data::parquet::ReadError;
 use phugoid_flight_data::reader::{self, ReadOptions};
 use phugoid_flight_data::record::Record;
@@ -120,7 +121,7 @@ fn the_rows_before_the_damage_are_kept() {
 
 #[test]
 fn damage_anywhere_is_a_record_or_an_error() {
-    let options = TableOptions { max_values: 10_000, ..TableOptions::default() };
+    let options = TableOptions { max_memory: Memory::from_bytes(2_000_000), ..TableOptions::default() };
     for name in PARQUET.iter().chain(&ARROW) {
         let bytes = std::fs::read(file(name)).unwrap();
         damage::try_all(&bytes, |damaged| match read_bytes(name, damaged, &options) {
@@ -135,10 +136,10 @@ fn damage_anywhere_is_a_record_or_an_error() {
 
 #[test]
 fn memory_is_bounded() {
-    let options = TableOptions { max_values: 100, ..TableOptions::default() };
+    let options = TableOptions { max_memory: Memory::from_bytes(5000), ..TableOptions::default() };
     for name in PARQUET.iter().chain(&ARROW) {
         let bytes = std::fs::read(file(name)).unwrap();
         let error = read_bytes(name, &bytes, &options).unwrap_err().to_string();
-        assert!(error.contains("bound on memory") || error.contains("values"), "{name}: {error}");
+        assert!(error.contains("the budget is 5 kB"), "{name}: {error}");
     }
 }

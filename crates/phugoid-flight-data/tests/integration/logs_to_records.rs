@@ -8,6 +8,7 @@ use std::path::PathBuf;
 
 use logs::{dataflash_define, dataflash_head, dataflash_message, dataflash_units, ulog_key, ulog_message};
 use phugoid_flight_data::log;
+use phugoid_flight_data::memory::Memory;
 use phugoid_flight_data::reader::{ReadOptions, Surveyed, read_path, survey_path};
 use phugoid_flight_data::record::Record;
 use phugoid_flight_data::table::{ColumnMapping, TableOptions};
@@ -249,10 +250,10 @@ fn a_log_is_surveyed_and_read_in_one_pass() {
         assert_eq!((&channel.name, bits(&channel.values)), (&other.name, bits(&other.values)));
     }
     // Too much for a record is not too much for a survey.
-    let table = TableOptions { max_values: 100, ..TableOptions::default() };
+    let table = TableOptions { max_memory: Memory::from_bytes(20_000), ..TableOptions::default() };
     let Surveyed { survey, record } = survey_path(&file.0, &ReadOptions { table, ..options }).unwrap();
     assert_eq!(survey.unwrap(), log::survey_path(&file.0).unwrap());
-    assert!(record.unwrap_err().to_string().contains("more than 100 values"));
+    assert!(record.unwrap_err().to_string().contains("the budget is 20 kB"));
     // A table has no topics.
     let table = Temporary::new("surveyed.csv", b"time_s,alpha_deg\n0,1\n1,2\n");
     let Surveyed { survey, record } = survey_path(&table.0, &ReadOptions::default()).unwrap();

@@ -4,9 +4,15 @@
 #[cfg(any(feature = "matlab", feature = "mcap", feature = "parquet"))]
 #[path = "../common/damage.rs"]
 mod damage;
+#[cfg(target_os = "linux")]
+#[path = "../common/damaged.rs"]
+mod damaged;
 #[cfg(any(feature = "matlab", feature = "parquet"))]
 #[path = "../common/flight.rs"]
 mod flight;
+#[cfg(target_os = "linux")]
+#[path = "../common/hostile.rs"]
+mod hostile;
 #[path = "../logs/mod.rs"]
 mod logs;
 #[path = "../../../../tests/shared_data.rs"]
@@ -21,6 +27,7 @@ mod flights;
 mod logs_to_records;
 mod matlab;
 mod mcap;
+mod memory;
 mod plausibility;
 mod properties;
 mod tables;

@@ -6,6 +6,7 @@ use crate::damage;
 use crate::flight;
 
 use phugoid_flight_data::matlab::{ReadError, read, read_path};
+use phugoid_flight_data::memory::Memory;
 use phugoid_flight_data::reader::{self, ReadOptions};
 use phugoid_flight_data::record::Record;
 use phugoid_flight_data::table::{ColumnMapping, TableOptions};
@@ -82,7 +83,7 @@ fn what_is_good_in_a_damaged_file_is_kept() {
 
 #[test]
 fn damage_anywhere_is_a_record_or_an_error() {
-    let options = TableOptions { max_values: 10_000, ..TableOptions::default() };
+    let options = TableOptions { max_memory: Memory::from_bytes(200_000), ..TableOptions::default() };
     for name in ["vectors.mat", "compressed.mat", "struct.mat", "values.mat", "matrix.mat"] {
         let bytes = std::fs::read(file(name)).unwrap();
         damage::try_all(&bytes, |damaged| match read(damaged, "x.mat", &options) {
@@ -95,9 +96,9 @@ fn damage_anywhere_is_a_record_or_an_error() {
 #[test]
 fn memory_is_bounded() {
     let bytes = std::fs::read(file("compressed.mat")).unwrap();
-    let options = TableOptions { max_values: 100, ..TableOptions::default() };
+    let options = TableOptions { max_memory: Memory::from_bytes(800), ..TableOptions::default() };
     let error = read(bytes.as_slice(), "x.mat", &options).unwrap_err();
-    assert!(error.to_string().contains("more than 100 values"), "{error}");
+    assert!(error.to_string().contains("the budget is 800 bytes"), "{error}");
     // A matrix that claims four thousand million values, and has none.
     let mut bytes = bytes[..128].to_vec();
     let mut element = |kind: u32, content: &[u8]| {

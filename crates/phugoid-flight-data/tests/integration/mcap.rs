@@ -6,6 +6,7 @@ use crate::damage;
 
 use phugoid_flight_data::csv::ColumnMapping;
 use phugoid_flight_data::log::{Log, LogError, Selection, Wanted, mcap};
+use phugoid_flight_data::memory::Memory;
 use phugoid_flight_data::reader::{self, ReadOptions};
 
 const FILES: [&str; 4] = ["none.mcap", "lz4.mcap", "zstd.mcap", "unchunked.mcap"];
@@ -61,12 +62,12 @@ fn every_compression_gives_the_same_numbers() {
 #[test]
 fn only_what_is_asked_for_is_kept() {
     let wanted = Wanted { topic: "attitude".into(), instance: None, fields: Some(vec!["pose.x".into()]) };
-    let selection = Selection { topics: Some(vec![wanted]), max_values: 80 };
+    let selection = Selection { topics: Some(vec![wanted]), max_memory: Memory::from_bytes(40_000) };
     let log = mcap::read(bytes("zstd.mcap").as_slice(), "x.mcap", &selection).unwrap();
     assert_eq!((log.topics.len(), log.topics[0].fields.len(), log.topics[0].time_s.len()), (1, 1, 40));
-    let selection = Selection { max_values: 79, ..selection };
+    let selection = Selection { max_memory: Memory::from_bytes(3000), ..selection };
     let error = mcap::read(bytes("zstd.mcap").as_slice(), "x.mcap", &selection).unwrap_err();
-    assert!(matches!(error, LogError::TooLarge { max_values: 79, .. }), "{error}");
+    assert!(matches!(error, LogError::OverBudget(_)), "{error}");
 }
 
 /// From the first message of the file, whatever is kept: else a survey and a record had different times.

@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 
 use phugoid_flight_data::channels::CHANNELS;
 use phugoid_flight_data::csv::{self, CsvOptions, WriteError};
+use phugoid_flight_data::memory::Memory;
 use phugoid_flight_data::record::{Channel, Quantity, Record};
 use phugoid_flight_data::units::{UNITS, Unit};
 use proptest::prelude::*;
@@ -210,8 +211,13 @@ const VALID: &str = "# flight 7\ntime_s,Alpha [deg],tas_kt,q_rad_s,note,x1\ns,de
 /// Nothing that reads without an error may break what a record promises.
 fn check(bytes: &[u8]) {
     for options in [
-        CsvOptions { max_values: 1 << 16, ..CsvOptions::default() },
-        CsvOptions { max_values: 1 << 16, delimiter: Some(';'), sample_time_s: Some(0.1), ..CsvOptions::default() },
+        CsvOptions { max_memory: Memory::from_bytes(1 << 20), ..CsvOptions::default() },
+        CsvOptions {
+            max_memory: Memory::from_bytes(1 << 20),
+            delimiter: Some(';'),
+            sample_time_s: Some(0.1),
+            ..CsvOptions::default()
+        },
     ] {
         match csv::read(bytes, "generated", &options) {
             Ok(record) => {

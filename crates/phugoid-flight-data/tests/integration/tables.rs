@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests, not production code
 
 use phugoid_flight_data::csv::{self, CsvOptions};
+use phugoid_flight_data::memory::Memory;
 use phugoid_flight_data::quality::QualityReport;
 use phugoid_flight_data::record::Record;
 use phugoid_flight_data::table::{
@@ -70,9 +71,12 @@ fn what_is_wrong_is_said_without_a_line() {
     let columns = vec![column("time_s", None, &[0.0, 1.0]), column("alpha_deg", Some("rad"), &[0.0, 1.0])];
     let error = read(columns, &TableOptions::default()).unwrap_err().to_string();
     assert!(error.starts_with("flight, column 2 ('alpha_deg'): the unit is given twice"), "{error}");
-    let bound = TableOptions { max_values: 7, ..TableOptions::default() };
+    let bound = TableOptions { max_memory: Memory::from_bytes(200), ..TableOptions::default() };
     let error = read(vec![column("time_s", None, &[0.0, 1.0, 2.0])], &bound).unwrap_err().to_string();
-    assert!(error.starts_with("flight, row 3: the file holds more than 7 values"), "{error}");
+    assert!(
+        error.starts_with("flight: to read it about 240 bytes of memory are needed, and the budget is 200 bytes"),
+        "{error}"
+    );
 }
 
 #[test]

@@ -6,6 +6,7 @@ use crate::shared_data;
 
 use logs::{ulog, ulog_head, ulog_imu, ulog_key, ulog_message};
 use phugoid_flight_data::log::{Log, LogError, Selection, Wanted, read, read_path, survey};
+use phugoid_flight_data::memory::Memory;
 
 fn all(bytes: &[u8]) -> Log {
     read(bytes, "test.ulg", &Selection::default()).unwrap()
@@ -39,9 +40,9 @@ fn a_selection_keeps_what_is_asked_for() {
     assert_eq!(log.topics.len(), 1);
     assert_eq!(log.topics[0].fields.len(), 1);
     assert_eq!(log.topics[0].fields[0].values[7], 8.0);
-    let few = Selection { max_values: 100, ..Selection::default() };
+    let few = Selection { max_memory: Memory::from_bytes(5000), ..Selection::default() };
     let error = read(&ulog(50)[..], "test.ulg", &few).unwrap_err();
-    assert!(matches!(error, LogError::TooLarge { max_values: 100, .. }), "{error}");
+    assert!(matches!(error, LogError::OverBudget(_)), "{error}");
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use phugoid_flight_data::memory::Memory;
 use phugoid_flight_data::reader::{ReadError, ReadOptions, read_path};
 use phugoid_flight_data::record::Record;
 
@@ -168,7 +169,16 @@ impl ModelFile {
     /// As [`read_path`]; a mapped column that the file does not have is one.
     #[allow(clippy::result_large_err)] // the error of the reader as it is
     pub fn open_record(&self, path: impl AsRef<Path>) -> Result<Record, ReadError> {
-        read_path(path.as_ref(), &ReadOptions::with_columns(self.columns()))
+        self.open_record_within(path, Memory::default())
+    }
+
+    /// As [`ModelFile::open_record`], with another bound on the memory that reading may take than 200 MB.
+    ///
+    /// # Errors
+    /// As [`read_path`]; what needs more memory is refused with [`phugoid_flight_data::memory::OverBudget`].
+    #[allow(clippy::result_large_err)] // the error of the reader as it is
+    pub fn open_record_within(&self, path: impl AsRef<Path>, max_memory: Memory) -> Result<Record, ReadError> {
+        read_path(path.as_ref(), &ReadOptions::with_columns(self.columns()).with_max_memory(max_memory))
     }
 }
 

@@ -5,11 +5,12 @@ use std::io::Read;
 
 use super::format::{Format, HEADER, Purpose, Stamp, Tables};
 use crate::format::DATAFLASH_MAGIC as MAGIC;
-use crate::log::sink::{Full, Head, Sink};
+use crate::log::sink::{Full, Head, Sink, Stop};
 use crate::log::skipped::Skipped;
 use crate::log::utc;
 use crate::log::window::Window;
 use crate::log::{LogError, Message};
+use crate::quality::Severity;
 use crate::wording::{Short, plural};
 
 /// Largest size of a message, bytes: lengths are stored in one byte.
@@ -23,8 +24,8 @@ const MAX_SHOWN: usize = 5;
 /// How often units that come late may be applied to samples read before: each time all formats are visited.
 const MAX_PASSES: usize = 2000;
 
-/// Reads all messages into the sink; `None` if the sink is full.
-pub(in crate::log) fn run<R: Read, S: Sink>(reader: R, source: &str, sink: &mut S) -> Result<Option<Head>, LogError> {
+/// Reads all messages into the sink.
+pub(in crate::log) fn run<R: Read, S: Sink>(reader: R, source: &str, sink: &mut S) -> Result<Head, Stop> {
     let io = |error| LogError::Io { source_name: source.to_owned(), error };
     let mut window = Window::new(reader);
     window.fill(HEADER).map_err(io)?;
@@ -32,7 +33,8 @@ pub(in crate::log) fn run<R: Read, S: Sink>(reader: R, source: &str, sink: &mut 
         let found: Vec<String> = window.bytes().iter().take(HEADER).map(|byte| format!("{byte:02x}")).collect();
         let found = if found.is_empty() { "an empty file".to_owned() } else { found.join(" ") };
         let problem = format!("byte 0: a message has to begin with a3 95, found {found}");
-        return Err(LogError::NotThisFormat { source_name: source.to_owned(), format: "DataFlash log", problem });
+        let source_name = source.to_owned();
+        return Err(LogError::NotThisFormat { source_name, format: "DataFlash log", problem }.into());
     }
     let mut log = Reading::new(source);
     loop {
@@ -49,9 +51,7 @@ pub(in crate::log) fn run<R: Read, S: Sink>(reader: R, source: &str, sink: &mut 
             // If no message follows, bytes may be missing inside this one, and the next message begins within its
             // length.
             Some(length) if begins(bytes.get(length..)) || log.find(bytes).is_none_or(|next| next >= length) => {
-                if log.take(bytes.get(..length).unwrap_or_default(), sink, offset) == Err(Full) {
-                    return Ok(None);
-                }
+                log.take(bytes.get(..length).unwrap_or_default(), sink, offset)?;
                 length
             }
             _ => {
@@ -81,7 +81,7 @@ pub(in crate::log) fn run<R: Read, S: Sink>(reader: R, source: &str, sink: &mut 
         };
         window.advance(step);
     }
-    log.finish(source).map(Some)
+    Ok(log.finish(source)?)
 }
 
 /// True if a message begins here, or if there are too few bytes to decide.
@@ -193,9 +193,11 @@ impl Reading {
             return Ok(());
         }
         if format.stamp == Stamp::Before {
+            let room = self.stampless.len() < MAX_TEXTS;
             match self.stampless.get_mut(&format.name) {
                 Some(count) => *count += 1,
-                None => drop(self.stampless.insert(format.name.clone(), 1)),
+                None if room => drop(self.stampless.insert(format.name.clone(), 1)),
+                None => {}
             }
         }
         let Some(time_us) = time_us else { return Ok(()) };
@@ -252,7 +254,8 @@ impl Reading {
                 };
                 let forgotten = format.take_ids(units, multipliers, &self.tables, sink);
                 if forgotten > 0 {
-                    self.head.quality.warn(
+                    self.head.find(
+                        Severity::Warning,
                         format.name.as_str(),
                         format!(
                             "{forgotten} samples left out: the log says only after them which field tells the instance"
@@ -281,26 +284,28 @@ impl Reading {
             return;
         }
         let place = format!("byte {offset}");
-        let quality = &mut self.head.quality;
+        let head = &mut self.head;
         if kind == 0x80 && known.as_ref().is_some_and(|known| known.length != length) {
-            quality.warn(place, "a definition that changes the definition of definitions is left out");
+            head.find(Severity::Warning, place, "a definition that changes the definition of definitions is left out");
             return;
         }
         if length < HEADER || !name.bytes().all(|byte| byte.is_ascii_graphic()) || name.is_empty() {
-            quality.warn(
+            head.find(
+                Severity::Warning,
                 place,
                 format!("the definition of message type {kind} is damaged and left out (length {length})"),
             );
             return;
         }
         if let Some(known) = known {
-            quality
-                .note(place, format!("message type {kind} was {} and is {name} ({columns}) from here on", known.name));
+            let message = format!("message type {kind} was {} and is {name} ({columns}) from here on", known.name);
+            head.find(Severity::Note, place, message);
         }
         *known = Some(Box::new(match Format::new(name, length, letters, columns) {
             Ok(format) => format,
             Err(problem) => {
-                quality.warn(name, format!("left out: its definition at byte {offset} is wrong: {problem}"));
+                let message = format!("left out: its definition at byte {offset} is wrong: {problem}");
+                head.find(Severity::Warning, name, message);
                 Format::unreadable(name, length)
             }
         }));

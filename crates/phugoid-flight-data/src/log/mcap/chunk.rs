@@ -1,8 +1,9 @@
 //! Unpacks the records in a chunk, after its check sum has been verified.
 
-use ::mcap::parse_record;
-use ::mcap::records::{Record, op};
+use ::mcap::records::op;
 use ::mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
+
+use super::content::Content;
 
 /// The longest chunk, packed or unpacked, and the longest record that are read, bytes. Memory holds a chunk twice and
 /// its unpacked content once. Recorders close a chunk at a few million bytes.
@@ -10,16 +11,26 @@ pub(super) const LONGEST: u64 = 48 << 20;
 /// Number of bytes given to the library at once: it allocates this much, whatever length is announced.
 const STEP: usize = 1 << 20;
 
-/// Gives every record of a chunk to `take`, until that returns false. The error says what is wrong with the chunk.
-pub(super) fn each_record(chunk: &[u8], mut take: impl FnMut(u8, &[u8]) -> bool) -> Result<(), String> {
-    // The library (0.26.0) does not check whether records that are not packed end with the chunk, and its count
+/// Checks the lengths in the head of a chunk, because the library (0.26.0) allocates what they say. Returns the number
+/// of bytes that unpacking takes besides the chunk itself.
+pub(super) fn check(chunk: &[u8]) -> Result<u64, String> {
+    let Some(head) = Content(chunk).chunk() else {
+        return Err("its lengths do not fit into it".to_owned());
+    };
+    if head.unpacked > LONGEST {
+        return Err(format!("{} bytes when unpacked, more than the {LONGEST} that are read", head.unpacked));
+    }
+    // Of records that are not packed the library does not check whether they end with the chunk, and its count
     // underflows.
-    if let Ok(Record::Chunk { header, data }) = parse_record(op::CHUNK, chunk)
-        && header.compression.is_empty()
-        && !is_filled(&data)
-    {
+    if head.compression.is_empty() && !is_filled(head.records) {
         return Err("its records do not end where it ends".to_owned());
     }
+    Ok(chunk.len() as u64 + head.unpacked)
+}
+
+/// Gives every record of a chunk that was checked to `take`, until that returns false. The error says what is wrong
+/// with the chunk.
+pub(super) fn each_record(chunk: &[u8], mut take: impl FnMut(u8, &[u8]) -> bool) -> Result<(), String> {
     let options = LinearReaderOptions::default()
         .with_skip_start_magic(true)
         .with_skip_end_magic(true)

@@ -10,6 +10,7 @@
 //! records are used.
 
 mod chunk;
+mod content;
 mod flatten;
 mod records;
 
@@ -18,6 +19,7 @@ use std::io::Read;
 use super::sink::into_log;
 use super::survey::{Survey, into_survey};
 use super::{Log, LogError, Selection};
+use crate::memory::{Account, Memory};
 pub(super) use records::run;
 
 /// The first bytes of an MCAP file.
@@ -27,9 +29,10 @@ pub const MAGIC: [u8; 8] = crate::format::MCAP_MAGIC;
 ///
 /// # Errors
 /// [`LogError`] if it cannot be read, does not begin as an MCAP file, has no message that could be read, or holds more
-/// than `selection.max_values`. Damage within the file is no error; `quality` names what was skipped.
+/// than `selection.max_memory`. Damage within the file is no error; `quality` names what was skipped.
 pub fn read(reader: impl Read, source: &str, selection: &Selection) -> Result<Log, LogError> {
-    into_log(source, selection, |sink| run(reader, source, sink))
+    let account = Account::new(selection.max_memory);
+    into_log(source, selection, &account, |sink| run(reader, source, sink, &account))
 }
 
 /// Surveys a file, in memory that does not grow with it.
@@ -37,5 +40,6 @@ pub fn read(reader: impl Read, source: &str, selection: &Selection) -> Result<Lo
 /// # Errors
 /// As [`read()`], but a survey has no bound on the number of values.
 pub fn survey(reader: impl Read, source: &str) -> Result<Survey, LogError> {
-    into_survey(|sink| run(reader, source, sink))
+    let account = Account::new(Memory::default());
+    into_survey(source, &account, |sink| run(reader, source, sink, &account))
 }

@@ -4,6 +4,7 @@ use std::collections::HashMap;
 use std::rc::Rc;
 
 use crate::log::decode::{Kind, Place, Scale};
+use crate::memory::{Account, Excess, many};
 
 /// Largest size of a message, bytes.
 const LARGEST: usize = u16::MAX as usize;
@@ -12,6 +13,9 @@ const MAX_DEPTH: usize = 16;
 /// Largest number of fields and elements that are laid out in one log. Without it a definition of a few bytes could
 /// need gigabytes.
 const MAX_LAID_OUT: usize = 500_000;
+
+/// What a field takes besides its texts, bytes, with what the allocator adds to short ones.
+const BYTES_PER_FIELD: usize = 128;
 
 /// One field of a definition, such as `float[4] q`.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,34 +58,49 @@ pub(super) struct Formats {
 
 impl Formats {
     /// Adds the text of a definition, `name:type field;type[4] field;`. `None` if the text is no definition.
-    pub(super) fn add(&mut self, text: &str) -> Option<()> {
-        let (name, fields) = parse(text)?;
-        if self.declared.get(&name) != Some(&fields) {
-            self.laid_out.clear();
-            self.declared.insert(name, fields);
+    pub(super) fn add(&mut self, text: &str, account: &Account) -> Result<Option<()>, Excess> {
+        // Counted before the text is taken apart: each of its fields becomes an entry with two texts of its own.
+        let needs = |fields: usize, texts: usize| many(fields + 1, BYTES_PER_FIELD).saturating_add(many(1, texts));
+        let held = needs(text.matches(';').count(), text.len());
+        account.take(held)?;
+        let Some((name, fields)) = parse(text).filter(|(name, fields)| self.declared.get(name) != Some(fields)) else {
+            account.give_back(held);
+            return Ok(parse(text).map(|_| ()));
+        };
+        self.laid_out.clear();
+        if let Some(old) = self.declared.insert(name, fields) {
+            let texts = old.iter().map(|field| field.name.len() + field.type_name.len()).sum();
+            account.give_back(needs(old.len(), texts));
         }
-        Some(())
+        Ok(Some(()))
     }
 
     pub(super) fn knows(&self, name: &str) -> bool {
         self.declared.contains_key(name)
     }
 
-    /// The layout of a message, computed once; the error says what is wrong with its definition.
-    pub(super) fn layout(&mut self, name: &str) -> Result<Rc<Layout>, String> {
+    /// The layout of a message, computed once; the inner error says what is wrong with its definition.
+    pub(super) fn layout(&mut self, name: &str, account: &Account) -> Result<Result<Rc<Layout>, String>, Excess> {
         if let Some(layout) = self.laid_out.get(name) {
-            return Ok(Rc::clone(layout));
+            return Ok(Ok(Rc::clone(layout)));
         }
         let mut layout = Layout::default();
-        let mut walk = Walk { declared: &self.declared, work: self.work, layout: &mut layout, end: 0 };
+        let mut walk = Walk { declared: &self.declared, work: self.work, layout: &mut layout, end: 0, account };
         let done = walk.message(name, "", 0);
         let (work, end) = (walk.work, walk.end);
         self.work = work;
-        done?;
+        match done {
+            Err(Wrong::Definition(problem)) => {
+                account.give_back(layout.names.iter().map(|name| many(1, name.len() + BYTES_PER_FIELD)).sum());
+                return Ok(Err(problem));
+            }
+            Err(Wrong::Memory(excess)) => return Err(excess),
+            Ok(()) => {}
+        }
         layout.most = end;
         let layout = Rc::new(layout);
         self.laid_out.insert(name.to_owned(), Rc::clone(&layout));
-        Ok(layout)
+        Ok(Ok(layout))
     }
 }
 
@@ -109,18 +128,31 @@ pub(super) fn is_name_byte(byte: u8) -> bool {
     byte.is_ascii_alphanumeric() || matches!(byte, b'_' | b'-' | b'/')
 }
 
+/// Why a message cannot be laid out.
+enum Wrong {
+    Definition(String),
+    Memory(Excess),
+}
+
+impl From<String> for Wrong {
+    fn from(problem: String) -> Self {
+        Wrong::Definition(problem)
+    }
+}
+
 struct Walk<'a> {
     declared: &'a HashMap<String, Vec<Declared>>,
     work: usize,
     layout: &'a mut Layout,
     end: usize,
+    account: &'a Account,
 }
 
 impl Walk<'_> {
-    fn message(&mut self, name: &str, prefix: &str, depth: usize) -> Result<(), String> {
+    fn message(&mut self, name: &str, prefix: &str, depth: usize) -> Result<(), Wrong> {
         let declared = self.declared.get(name).ok_or_else(|| format!("the type '{name}' is not defined"))?;
         if depth > MAX_DEPTH {
-            return Err(format!("its types are nested more than {MAX_DEPTH} deep"));
+            return Err(format!("its types are nested more than {MAX_DEPTH} deep").into());
         }
         for field in declared {
             for element in 0..field.elements.unwrap_or(1) {
@@ -130,7 +162,7 @@ impl Walk<'_> {
                 };
                 self.work += 1;
                 if self.work > MAX_LAID_OUT {
-                    return Err(format!("the log defines more than {MAX_LAID_OUT} fields"));
+                    return Err(format!("the log defines more than {MAX_LAID_OUT} fields").into());
                 }
                 match kind(&field.type_name) {
                     None => self.message(&field.type_name, &format!("{name}."), depth + 1)?,
@@ -141,11 +173,11 @@ impl Walk<'_> {
         Ok(())
     }
 
-    fn number(&mut self, name: String, last_name: &str, kind: Option<Kind>, size: usize) -> Result<(), String> {
+    fn number(&mut self, name: String, last_name: &str, kind: Option<Kind>, size: usize) -> Result<(), Wrong> {
         let offset = self.end;
         self.end += size;
         if self.end > LARGEST {
-            return Err(format!("it is longer than {LARGEST} bytes"));
+            return Err(format!("it is longer than {LARGEST} bytes").into());
         }
         let is_padding = last_name.starts_with("_padding");
         // Only the padding of the message itself may be omitted at its end, not that of a nested type.
@@ -162,6 +194,7 @@ impl Walk<'_> {
                 self.layout.timestamp = Some(place);
             }
         } else {
+            self.account.take(many(1, name.len() + BYTES_PER_FIELD)).map_err(Wrong::Memory)?;
             self.layout.names.push(name);
             self.layout.places.push(place);
         }
@@ -191,13 +224,23 @@ pub(super) fn kind(type_name: &str) -> Option<(Option<Kind>, usize)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::memory::Memory;
+
+    fn add(formats: &mut Formats, text: &str) -> Option<()> {
+        formats.add(text, &Account::new(Memory::default())).unwrap()
+    }
+
+    fn layout(formats: &mut Formats, name: &str) -> Result<Rc<Layout>, String> {
+        formats.layout(name, &Account::new(Memory::default())).unwrap()
+    }
 
     #[test]
     fn nested_arrays_padding_and_text() {
         let mut formats = Formats::default();
-        formats.add("point:uint64_t timestamp;double lat;uint8_t[2] _padding0;").unwrap();
-        formats.add("route:uint64_t timestamp;point[2] at;float[2] q;char[3] name;uint8_t[5] _padding0;").unwrap();
-        let layout = formats.layout("route").unwrap();
+        add(&mut formats, "point:uint64_t timestamp;double lat;uint8_t[2] _padding0;").unwrap();
+        add(&mut formats, "route:uint64_t timestamp;point[2] at;float[2] q;char[3] name;uint8_t[5] _padding0;")
+            .unwrap();
+        let layout = layout(&mut formats, "route").unwrap();
         let names = ["at[0].timestamp", "at[0].lat", "at[1].timestamp", "at[1].lat", "q[0]", "q[1]"];
         assert_eq!(layout.names, names);
         let offsets: Vec<usize> = layout.places.iter().map(|place| place.offset).collect();
@@ -209,17 +252,17 @@ mod tests {
     #[test]
     fn definitions_that_bite_their_tail_or_explode_are_refused() {
         let mut formats = Formats::default();
-        formats.add("a:b x;").unwrap();
-        formats.add("b:a x;").unwrap();
-        assert!(formats.layout("a").unwrap_err().contains("deep"));
-        formats.add("e:").unwrap();
-        formats.add("d:e[65535] x;").unwrap();
-        formats.add("c:d[65535] x;").unwrap();
-        assert!(formats.layout("c").unwrap_err().contains("more than"));
-        assert!(Formats::default().layout("c").unwrap_err().contains("'c' is not defined"));
+        add(&mut formats, "a:b x;").unwrap();
+        add(&mut formats, "b:a x;").unwrap();
+        assert!(layout(&mut formats, "a").unwrap_err().contains("deep"));
+        add(&mut formats, "e:").unwrap();
+        add(&mut formats, "d:e[65535] x;").unwrap();
+        add(&mut formats, "c:d[65535] x;").unwrap();
+        assert!(layout(&mut formats, "c").unwrap_err().contains("more than"));
+        assert!(layout(&mut Formats::default(), "c").unwrap_err().contains("'c' is not defined"));
         let mut formats = Formats::default();
-        formats.add("big:uint64_t timestamp;uint8_t[65530] x;").unwrap();
-        assert!(formats.layout("big").unwrap_err().contains("longer than"));
+        add(&mut formats, "big:uint64_t timestamp;uint8_t[65530] x;").unwrap();
+        assert!(layout(&mut formats, "big").unwrap_err().contains("longer than"));
         for text in [
             "",
             "x",
@@ -230,7 +273,7 @@ mod tests {
             "a:float[-1] x;",
             "a:float[9999999999999999999999] x;",
         ] {
-            assert!(formats.add(text).is_none(), "{text}");
+            assert!(add(&mut formats, text).is_none(), "{text}");
         }
     }
 }

@@ -18,6 +18,7 @@ use std::io::Read;
 use super::sink::into_log;
 use super::survey::{Survey, into_survey};
 use super::{Log, LogError, Selection};
+use crate::memory::{Account, Memory};
 pub(super) use reader::run;
 
 /// The first bytes of a ULog file.
@@ -27,9 +28,10 @@ pub const MAGIC: [u8; 7] = crate::format::ULOG_MAGIC;
 ///
 /// # Errors
 /// [`LogError`] if it cannot be read, does not begin as a ULog file, needs a newer reader, has no samples at all, or
-/// holds more than `selection.max_values`. Damage within the log is no error; `quality` names what was skipped.
+/// holds more than `selection.max_memory`. Damage within the log is no error; `quality` names what was skipped.
 pub fn read(reader: impl Read, source: &str, selection: &Selection) -> Result<Log, LogError> {
-    into_log(source, selection, |sink| run(reader, source, sink))
+    let account = Account::new(selection.max_memory);
+    into_log(source, selection, &account, |sink| run(reader, source, sink, &account))
 }
 
 /// Surveys a log, in memory that does not grow with it.
@@ -37,5 +39,6 @@ pub fn read(reader: impl Read, source: &str, selection: &Selection) -> Result<Lo
 /// # Errors
 /// As [`read()`], but a survey has no bound on the number of values.
 pub fn survey(reader: impl Read, source: &str) -> Result<Survey, LogError> {
-    into_survey(|sink| run(reader, source, sink))
+    let account = Account::new(Memory::default());
+    into_survey(source, &account, |sink| run(reader, source, sink, &account))
 }

@@ -8,22 +8,32 @@ use super::format;
 use super::message::{self, HEADER, LONGEST, Trust};
 use crate::format::ULOG_MAGIC as MAGIC;
 use crate::log::decode::{Kind, Place, Scale};
-use crate::log::sink::{Full, Head, Sink};
+use crate::log::sink::{Full, Head, Sink, Stop};
 use crate::log::skipped::Skipped;
 use crate::log::window::Window;
 use crate::log::{LogError, Message};
-use crate::quality::QualityReport;
+use crate::memory::{Account, Excess, many};
+use crate::quality::{QualityReport, Severity};
 use crate::wording::{Short, plural};
 
 /// Largest number of messages and entries of information that are kept; no flight has nearly as many.
 const MAX_TEXTS: usize = 10_000;
 /// Largest length of a text that is kept, bytes.
 const LONGEST_TEXT: usize = 400;
+/// Largest length of an entry of information that is kept, bytes.
+const LONGEST_INFORMATION: usize = 4096;
+/// What a parameter, an entry of information or a subscription takes besides its texts, bytes.
+const BYTES_PER_ENTRY: usize = 200;
 /// Number of dropouts and changes that are reported one by one.
 const MAX_SHOWN: usize = 5;
 
-/// Reads all messages into the sink; `None` if the sink is full.
-pub(in crate::log) fn run<R: Read, S: Sink>(reader: R, source: &str, sink: &mut S) -> Result<Option<Head>, LogError> {
+/// Reads all messages into the sink. What the log defines is counted in the account.
+pub(in crate::log) fn run<R: Read, S: Sink>(
+    reader: R,
+    source: &str,
+    sink: &mut S,
+    account: &Account,
+) -> Result<Head, Stop> {
     let io = |error| LogError::Io { source_name: source.to_owned(), error };
     let mut window = Window::new(reader);
     window.fill(16).map_err(io)?;
@@ -35,11 +45,12 @@ pub(in crate::log) fn run<R: Read, S: Sink>(reader: R, source: &str, sink: &mut 
             }
             false => format!("byte 0: the bytes 55 4c 6f 67 01 12 35 are expected, found {}", hex(window.bytes())),
         };
-        return Err(LogError::NotThisFormat { source_name: source.to_owned(), format: "ULog", problem });
+        let source_name = source.to_owned();
+        return Err(LogError::NotThisFormat { source_name, format: "ULog", problem }.into());
     };
     let stamp = Place { offset: 8, kind: Kind::U64, scale: Scale::ONE }.read(window.bytes());
     let head = Head { source: source.to_owned(), start_us: Some(stamp), ..Head::default() };
-    let mut log = Reading { head, last_us: stamp, ..Reading::default() };
+    let mut log = Reading::new(head, stamp, account);
     if version > 1 {
         log.head.quality.note("byte 7", format!("version {version} of the format is not known; read as version 1"));
     }
@@ -84,9 +95,7 @@ pub(in crate::log) fn run<R: Read, S: Sink>(reader: R, source: &str, sink: &mut 
         };
         if good {
             lost = false;
-            if log.take(kind, payload, sink, offset).map_err(|error| error.into_error(source))? == Taken::Full {
-                return Ok(None);
-            }
+            log.take(kind, payload, sink, offset).map_err(|halt| halt.into_stop(source))?;
             window.advance(length);
         } else {
             let step = log.find(bytes).unwrap_or(bytes.len().saturating_sub(LONGEST).max(1)).min(bytes.len());
@@ -95,7 +104,7 @@ pub(in crate::log) fn run<R: Read, S: Sink>(reader: R, source: &str, sink: &mut 
             lost = true;
         }
     }
-    log.finish(source).map(Some)
+    Ok(log.finish(source)?)
 }
 
 fn hex(bytes: &[u8]) -> String {
@@ -104,8 +113,9 @@ fn hex(bytes: &[u8]) -> String {
 }
 
 /// The state of the reader: what was read of a log so far.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 struct Reading {
+    account: Account,
     head: Head,
     definitions: Definitions,
     /// Positions at which appended data begin, bytes from the start of the file, rising.
@@ -128,27 +138,65 @@ struct Reading {
     row: Vec<f64>,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Taken {
-    Read,
-    Full,
+/// Why a message ends the reading of the log.
+#[derive(Debug)]
+enum Halt {
+    /// The log has flags which say that a reader that does not know them must not read it.
+    UnknownFlags(Vec<u8>),
+    /// The sink, or the account of what the log defines, is full.
+    Full(Full),
 }
 
-/// Error: the log has flags which say that a reader that does not know them must not read it.
-#[derive(Debug)]
-struct UnknownFlags(Vec<u8>);
+impl From<Full> for Halt {
+    fn from(full: Full) -> Self {
+        Halt::Full(full)
+    }
+}
 
-impl UnknownFlags {
-    fn into_error(self, source: &str) -> LogError {
-        let flags: Vec<String> = self.0.iter().map(|flag| format!("{flag:02x}")).collect();
-        LogError::Incompatible {
-            source_name: source.to_owned(),
-            feature: format!("incompatible flags {}", flags.join(" ")),
-        }
+impl From<Excess> for Halt {
+    fn from(excess: Excess) -> Self {
+        Halt::Full(Full(excess))
+    }
+}
+
+impl Halt {
+    fn into_stop(self, source: &str) -> Stop {
+        let flags = match self {
+            Halt::UnknownFlags(flags) => flags,
+            Halt::Full(full) => return full.into(),
+        };
+        let flags: Vec<String> = flags.iter().map(|flag| format!("{flag:02x}")).collect();
+        let feature = format!("incompatible flags {}", flags.join(" "));
+        LogError::Incompatible { source_name: source.to_owned(), feature }.into()
     }
 }
 
 impl Reading {
+    fn new(head: Head, last_us: f64, account: &Account) -> Self {
+        Self {
+            account: account.clone(),
+            head,
+            definitions: Definitions::default(),
+            appended: Vec::new(),
+            in_data: false,
+            last_us,
+            samples: 0,
+            skipped: Skipped::default(),
+            cut: Vec::new(),
+            parameters: HashMap::new(),
+            changes: Vec::new(),
+            change_count: 0,
+            information: HashMap::new(),
+            dropouts: Vec::new(),
+            dropout_count: 0,
+            dropout_ms: 0.0,
+            unannounced: 0,
+            left_out: BTreeMap::new(),
+            unknown_kinds: BTreeMap::new(),
+            row: Vec::new(),
+        }
+    }
+
     /// The nearest position after the first byte at which there certainly is a message.
     fn find(&self, bytes: &[u8]) -> Option<usize> {
         // If a message does not end within the window, it is judged when more of the stream has been read.
@@ -165,21 +213,22 @@ impl Reading {
     }
 
     #[inline]
-    fn take<S: Sink>(&mut self, kind: u8, payload: &[u8], sink: &mut S, offset: u64) -> Result<Taken, UnknownFlags> {
+    fn take<S: Sink>(&mut self, kind: u8, payload: &[u8], sink: &mut S, offset: u64) -> Result<(), Halt> {
         match kind {
-            b'D' => return Ok(self.sample(payload, sink)),
+            b'D' => self.sample(payload, sink)?,
             b'B' => self.flags(payload)?,
             b'F' => {
-                if std::str::from_utf8(payload).ok().and_then(|text| self.definitions.formats.add(text)).is_none() {
-                    self.head
-                        .quality
-                        .warn(format!("byte {offset}"), "a definition that cannot be understood is left out");
+                let text = std::str::from_utf8(payload).ok();
+                let added = text.map_or(Ok(None), |text| self.definitions.formats.add(text, &self.account))?;
+                if added.is_none() {
+                    let message = "a definition that cannot be understood is left out";
+                    self.head.find(Severity::Warning, format!("byte {offset}"), message);
                 }
             }
-            b'I' => self.inform(payload, false),
-            b'M' => self.inform(payload.get(1..).unwrap_or_default(), payload.first() == Some(&1)),
-            b'P' => self.parameter(payload),
-            b'A' => self.announce(payload),
+            b'I' => self.inform(payload, false)?,
+            b'M' => self.inform(payload.get(1..).unwrap_or_default(), payload.first() == Some(&1))?,
+            b'P' => self.parameter(payload)?,
+            b'A' => self.announce(payload)?,
             b'R' => {
                 if let Some(id) = payload.first_chunk().map(|id| u16::from_le_bytes(*id))
                     && let Some(topic) = self.definitions.topics.get_mut(usize::from(id))
@@ -200,20 +249,20 @@ impl Reading {
             b'S' | b'Q' => {}
             kind => *self.unknown_kinds.entry(char::from(kind)).or_default() += 1,
         }
-        Ok(Taken::Read)
+        Ok(())
     }
 
     #[inline]
-    fn sample<S: Sink>(&mut self, payload: &[u8], sink: &mut S) -> Taken {
+    fn sample<S: Sink>(&mut self, payload: &[u8], sink: &mut S) -> Result<(), Full> {
         self.in_data = true;
-        let Some((id, data)) = payload.split_first_chunk() else { return Taken::Read };
+        let Some((id, data)) = payload.split_first_chunk() else { return Ok(()) };
         let topic =
             self.definitions.topics.get_mut(usize::from(u16::from_le_bytes(*id))).and_then(Option::as_deref_mut);
         let Some(topic) = topic else {
             self.unannounced += 1;
-            return Taken::Read;
+            return Ok(());
         };
-        let Some(stamp) = topic.layout.timestamp else { return Taken::Read };
+        let Some(stamp) = topic.layout.timestamp else { return Ok(()) };
         let time_us = stamp.read(data);
         if let Some(utc) = topic.utc
             && self.head.utc_offset_s.is_none()
@@ -239,21 +288,19 @@ impl Reading {
         if let State::Open { stream, places } = &topic.state {
             self.row.clear();
             self.row.extend(places.iter().map(|place| place.read(data)));
-            if sink.row(stream, time_us, &self.row) == Err(Full) {
-                return Taken::Full;
-            }
+            sink.row(stream, time_us, &self.row)?;
         }
-        Taken::Read
+        Ok(())
     }
 
-    fn flags(&mut self, payload: &[u8]) -> Result<(), UnknownFlags> {
+    fn flags(&mut self, payload: &[u8]) -> Result<(), Halt> {
         let Some((incompatible, offsets)) = payload.get(8..40).and_then(|rest| rest.split_at_checked(8)) else {
             return Ok(());
         };
         // Bit 0 of byte 0 means that data are appended to the log; no other flag is known.
         let unknown = incompatible.iter().enumerate().any(|(index, &flags)| flags & !u8::from(index == 0) != 0);
         if unknown && !self.in_data {
-            return Err(UnknownFlags(incompatible.to_vec()));
+            return Err(Halt::UnknownFlags(incompatible.to_vec()));
         }
         if incompatible.first().is_some_and(|flags| flags & 1 == 1) {
             let offsets = offsets.chunks_exact(8).filter_map(|bytes| bytes.first_chunk());
@@ -263,13 +310,14 @@ impl Reading {
         Ok(())
     }
 
-    fn inform(&mut self, payload: &[u8], continued: bool) {
-        let Some((key, value)) = message::key_and_value(payload) else { return };
-        let Some((type_name, name)) = key.split_once(' ') else { return };
+    fn inform(&mut self, payload: &[u8], continued: bool) -> Result<(), Excess> {
+        let Some((key, value)) = message::key_and_value(payload) else { return Ok(()) };
+        let Some((type_name, name)) = key.split_once(' ') else { return Ok(()) };
+        let value = value.get(..LONGEST_INFORMATION).unwrap_or(value);
         let text = match (type_name.starts_with("char["), format::kind(type_name)) {
             (true, _) => String::from_utf8_lossy(value).trim_end_matches('\0').to_owned(),
             (false, Some((Some(kind), _))) => Place { offset: 0, kind, scale: Scale::ONE }.read(value).to_string(),
-            _ => return,
+            _ => return Ok(()),
         };
         let room = self.head.information.len() < MAX_TEXTS;
         match self.information.get(name).and_then(|&index| self.head.information.get_mut(index)) {
@@ -277,16 +325,18 @@ impl Reading {
             Some(_) if continued => {}
             Some((_, known)) => *known = text,
             None if room => {
+                self.account.take(many(2, name.len() + BYTES_PER_ENTRY / 2) + LONGEST_INFORMATION as u64)?;
                 self.information.insert(name.to_owned(), self.head.information.len());
                 self.head.information.push((name.to_owned(), text));
             }
             None => {}
         }
+        Ok(())
     }
 
-    fn parameter(&mut self, payload: &[u8]) {
-        let Some((key, value)) = message::key_and_value(payload) else { return };
-        let Some((type_name, name)) = key.split_once(' ') else { return };
+    fn parameter(&mut self, payload: &[u8]) -> Result<(), Excess> {
+        let Some((key, value)) = message::key_and_value(payload) else { return Ok(()) };
+        let Some((type_name, name)) = key.split_once(' ') else { return Ok(()) };
         let kind = if type_name == "float" { Kind::F32 } else { Kind::I32 };
         let value = Place { offset: 0, kind, scale: Scale::ONE }.read(value);
         match self.parameters.get(name).and_then(|&index| self.head.parameters.get_mut(index)) {
@@ -299,17 +349,20 @@ impl Reading {
                 }
             }
             None => {
+                self.account.take(many(2, name.len() + BYTES_PER_ENTRY / 2))?;
                 self.parameters.insert(name.to_owned(), self.head.parameters.len());
                 self.head.parameters.push((name.to_owned(), value));
             }
         }
+        Ok(())
     }
 
-    fn announce(&mut self, payload: &[u8]) {
+    fn announce(&mut self, payload: &[u8]) -> Result<(), Excess> {
         self.in_data = true;
-        let Some((&[instance, low, high], name)) = payload.split_first_chunk() else { return };
+        let Some((&[instance, low, high], name)) = payload.split_first_chunk() else { return Ok(()) };
         let (id, name) = (usize::from(u16::from_le_bytes([low, high])), String::from_utf8_lossy(name).into_owned());
-        let subscription = match self.definitions.formats.layout(&name) {
+        self.account.take(many(1, name.len() + BYTES_PER_ENTRY))?;
+        let subscription = match self.definitions.formats.layout(&name, &self.account)? {
             Err(problem) => {
                 self.leave_out(&name, &problem);
                 None
@@ -332,6 +385,7 @@ impl Reading {
         if let Some(topic) = self.definitions.topics.get_mut(id) {
             *topic = subscription;
         }
+        Ok(())
     }
 
     fn leave_out(&mut self, name: &str, problem: &str) {
