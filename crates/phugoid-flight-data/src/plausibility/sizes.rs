@@ -59,13 +59,12 @@ pub(super) fn angles(doubts: &mut Doubts) {
     }
 }
 
-/// Whether the pitch angle lies at least three times as near to the angle of attack (rad) as to what it would be if its
-/// numbers were radians: an aeroplane that is trimmed close to zero angle of attack flies nose level. False without a
-/// pitch angle, and where the angle of attack is nothing but a deviation around zero, for then it cannot tell.
+/// Whether the pitch angle stays within a third of what the angle of attack would be if its numbers were radians: an
+/// aeroplane that is trimmed close to zero angle of attack flies nose level. False without a pitch angle.
 fn theta_agrees(doubts: &Doubts) -> bool {
-    let median = |name: &str| median_of_finite(doubts.values(name)?.iter().copied());
-    let (Some(theta), Some(alpha)) = (median("theta"), median("alpha")) else { return false };
-    3.0 * (theta - alpha).abs() < (theta - alpha.to_degrees()).abs()
+    let size = |name: &str| doubts.values(name).and_then(span).map(largest_size);
+    let (Some(theta), Some(alpha)) = (size("theta"), size("alpha")) else { return false };
+    3.0 * theta < alpha.to_degrees()
 }
 
 /// Checks the sizes of airspeed, altitude and throttle.

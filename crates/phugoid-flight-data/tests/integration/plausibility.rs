@@ -168,7 +168,7 @@ fn a_trim_at_zero_angle_of_attack_is_no_wrong_unit() {
         let record = read(text.as_bytes(), "x", &CsvOptions::default()).unwrap();
         check(&record).iter().any(|doubt| doubt.channels.iter().any(|name| name == "alpha"))
     };
-    assert!(!doubted(0.12, Some(-0.4)) && !doubted(-0.13, Some(0.1)));
+    assert!(!doubted(0.12, Some(-0.4)) && !doubted(-0.13, Some(0.1)) && !doubted(0.0, Some(0.0)));
     // 0.1 rad, 5.7 deg, taken for degrees: level, and in a climb.
     assert!(doubted(0.1, Some(5.7)) && doubted(0.1, Some(9.0)));
     // Nothing tells.
