@@ -12,6 +12,7 @@ use phugoid_identification::stack::STACK_BYTES;
 
 use crate::arrival::{Clock, wall_ns};
 pub use crate::audience::Audience;
+use crate::budget::Budget;
 use crate::document::DocumentKind;
 use crate::engine::{Engine, WriterCounts};
 use crate::event::LiveEventKind;
@@ -23,6 +24,8 @@ use crate::stop::{Stop, Why};
 
 /// Arrivals that may wait for the estimation. Further ones stay in the operating system's buffers.
 const WAITING: usize = 8192;
+/// Bytes of the arrivals that may wait for the estimation.
+const WAITING_BYTES: usize = 16 << 20;
 /// Longest time without a look at whether to stop and whether a document about the link is due, ns.
 const LOOK_NS: u64 = 100_000_000;
 
@@ -131,7 +134,9 @@ impl Live<'_> {
         };
         let clock = Clock::start();
         let (queue, arrivals) = mpsc::sync_channel(WAITING);
-        let outlet = Outlet::new(queue, Arc::clone(stop), clock);
+        let budget = Arc::new(Budget::new(WAITING_BYTES));
+        let outlet = Outlet::new(queue, Arc::clone(stop), clock).with_budget(Arc::clone(&budget));
+        let attention = outlet.attention();
         // Reading standard input cannot be interrupted, so this thread is left behind at the end.
         std::thread::Builder::new()
             .name("source".to_owned())
@@ -153,8 +158,10 @@ impl Live<'_> {
             let due_ns = deadline_ns.min(now_ns.saturating_add(LOOK_NS));
             match arrivals.recv_timeout(Duration::from_nanos(due_ns.saturating_sub(now_ns))) {
                 Ok(mut arrival) => {
+                    budget.give_back(arrival.size());
                     engine.stamp(&mut arrival);
                     engine.take(&arrival, &finished, &mut publish);
+                    attention.pin(engine.pinned());
                     if let Some(recorder) = &recorder {
                         recorder.record(arrival);
                     }
@@ -171,6 +178,7 @@ impl Live<'_> {
                 recorded_bytes: recorded.bytes(),
                 recording_dropped: recorded.dropped(),
                 published_dropped: lines.dropped(),
+                strangers_dropped: attention.thrown_away(),
             };
             if recorded.failed() && !recording_failed {
                 recording_failed = true;
@@ -213,6 +221,8 @@ impl Live<'_> {
             system: self.receiver.mavlink.system,
             base: self.receiver.mavlink.base.clone(),
             mapped: source.is_mapped(),
+            sender: self.receiver.sender.as_ref().map(ToString::to_string),
+            signed: self.receiver.mavlink.key.is_some(),
         };
         let recorder = Recorder::create(file, &header);
         recorder.map(Some).map_err(|error| LiveError::Recording { file: file.clone(), error })

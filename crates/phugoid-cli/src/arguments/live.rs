@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use phugoid_identification::method::Method;
-use phugoid_live::source::SourceSpec;
+use phugoid_live::source::{SenderSpec, SourceSpec};
 
 use super::help::examples_and_exit_codes;
 use super::method::method;
@@ -59,6 +59,12 @@ pub(crate) struct Live {
     /// How long a MAVLink sample waits for earlier messages that are still missing, in milliseconds; 0 does not wait
     #[arg(long, value_name = "MS", default_value_t = 4.0, value_parser = window)]
     pub(crate) reorder_ms: f64,
+    /// Use this sender only: its address, as in 10.0.0.7 or 10.0.0.7:14550 [default: the first that gives a sample]
+    #[arg(long, value_name = "HOST[:PORT]")]
+    pub(crate) sender: Option<SenderSpec>,
+    /// Use only MAVLink messages that are signed with the key in this file: 32 bytes, or 64 hexadecimal digits
+    #[arg(long, value_name = "FILE")]
+    pub(crate) mavlink_key: Option<PathBuf>,
     /// Listen to this MAVLink system only
     #[arg(long, value_name = "ID")]
     pub(crate) system: Option<u8>,

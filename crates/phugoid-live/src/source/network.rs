@@ -2,48 +2,45 @@
 
 use std::io;
 use std::net::{SocketAddr, TcpListener, TcpStream, UdpSocket};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use super::outlet::{LOOK, Run};
+use super::peers::{FURTHER, PEERS, Peers, Place};
 use super::stream::{DATAGRAM, pieces, waits};
+use super::{FURTHER_SENDERS, SenderSpec};
 use crate::arrival::Content;
 
-/// Senders that are distinguished at one time.
-const PEERS: u16 = 64;
 /// Time before a lost connection is tried again.
 const RETRY_AFTER: Duration = Duration::from_secs(1);
 
-/// Receives datagrams that are sent to an address. The second value is that address with the port that the operating
-/// system chose, if 0 was asked for.
-pub(super) fn udp(address: &SocketAddr) -> io::Result<(Run, SocketAddr)> {
+/// Receives datagrams that are sent to an address; only those of `wanted`, if that is given, are told apart. The second
+/// value is that address with the port that the operating system chose, if 0 was asked for.
+pub(super) fn udp(address: &SocketAddr, wanted: Option<SenderSpec>) -> io::Result<(Run, SocketAddr)> {
     let socket = UdpSocket::bind(address)?;
     socket.set_read_timeout(Some(LOOK))?;
     let here = socket.local_addr()?;
     let run: Run = Box::new(move |outlet| {
         let mut bytes = vec![0; DATAGRAM];
-        let mut peers: Vec<SocketAddr> = Vec::new();
-        let mut next = 0;
+        let mut peers = Peers::new(wanted, Instant::now());
         while !outlet.stopped() {
             match socket.recv_from(&mut bytes) {
                 Ok((read, from)) => {
-                    let origin = match peers.iter().position(|peer| *peer == from) {
-                        Some(known) => known,
-                        None => {
-                            // A sender that restarts often uses many ports, so the oldest sender is forgotten.
-                            let place = next % usize::from(PEERS);
-                            next += 1;
-                            match peers.get_mut(place) {
-                                Some(peer) => *peer = from,
-                                None => peers.push(from),
-                            }
-                            if !outlet.put(place as u16, Content::Opened(format!("udp {from}"))) {
+                    let origin = match peers.place(from, Instant::now(), &outlet.attention) {
+                        Place::Nowhere => continue,
+                        Place::Known(origin) => origin,
+                        Place::New(origin) => {
+                            let name = match origin {
+                                FURTHER => FURTHER_SENDERS.to_owned(),
+                                _ => format!("udp {from}"),
+                            };
+                            if !outlet.put(origin, Content::Opened(name)) {
                                 return;
                             }
-                            place
+                            origin
                         }
                     };
                     let datagram = bytes.get(..read).unwrap_or_default().to_vec();
-                    if !outlet.put(origin as u16, Content::Datagram(datagram)) {
+                    if !outlet.put(origin, Content::Datagram(datagram)) {
                         return;
                     }
                 }
@@ -89,7 +86,8 @@ pub(super) fn tcp_connect(address: String) -> Run {
 }
 
 /// Waits for connections, each of which is a sender of its own. The second value is the address on which it listens.
-pub(super) fn tcp_listen(address: &SocketAddr) -> io::Result<(Run, SocketAddr)> {
+/// A connection of another one than `wanted`, if that is given, is closed at once.
+pub(super) fn tcp_listen(address: &SocketAddr, wanted: Option<SenderSpec>) -> io::Result<(Run, SocketAddr)> {
     let listener = TcpListener::bind(address)?;
     listener.set_nonblocking(true)?;
     let here = listener.local_addr()?;
@@ -109,6 +107,10 @@ pub(super) fn tcp_listen(address: &SocketAddr) -> io::Result<(Run, SocketAddr)> 
                     continue;
                 }
             };
+            if wanted.as_ref().is_some_and(|wanted| !wanted.is(from)) {
+                outlet.attention.throw_away();
+                continue;
+            }
             let free = |thread: &Option<std::thread::JoinHandle<()>>| {
                 thread.as_ref().is_none_or(std::thread::JoinHandle::is_finished)
             };

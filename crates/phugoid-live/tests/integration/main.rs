@@ -4,6 +4,7 @@
 #[path = "../../../../tests/telemetry.rs"]
 mod telemetry;
 
+mod attacks;
 mod documents;
 mod replay;
 mod view;
