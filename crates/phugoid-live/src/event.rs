@@ -60,7 +60,7 @@ pub enum LiveEventKind {
     Impossible,
     /// The stream ended before an estimation could begin.
     Waiting,
-    /// The recording cannot be written any more.
+    /// The recording cannot be written, goes on, or has reached its limit.
     Recording,
 }
 

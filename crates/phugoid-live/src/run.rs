@@ -42,6 +42,8 @@ pub struct Live<'a> {
     pub receiver: &'a ReceiverOptions,
     /// File of the recording, which must not exist; `None` records nothing.
     pub record: Option<PathBuf>,
+    /// Size that the recording may have, bytes; of a longer one only the newest parts are kept. `None` sets no limit.
+    pub record_limit: Option<u64>,
     /// Writes every estimate, not only the fifty a second for the page.
     pub all: bool,
     /// What happens if the reader of the lines is slow.
@@ -145,7 +147,6 @@ impl Live<'_> {
         engine.begin(&mut publish);
         // A replay has no latency, because its stamps are of another time.
         let finished = || if self.replayed { 0 } else { clock.now_ns() };
-        let mut recording_failed = false;
         let reason = loop {
             if let Some(why) = stop.asked() {
                 break why.words();
@@ -180,14 +181,8 @@ impl Live<'_> {
                 published_dropped: lines.dropped(),
                 strangers_dropped: attention.thrown_away(),
             };
-            if recorded.failed() && !recording_failed {
-                recording_failed = true;
-                engine.publish_event(
-                    now_ns,
-                    LiveEventKind::Recording,
-                    "the recording cannot be written any more; the estimation goes on",
-                    &mut publish,
-                );
+            for news in recorded.take_news() {
+                engine.publish_event(now_ns, LiveEventKind::Recording, &news, &mut publish);
             }
             engine.publish_link(now_ns, writers, &mut publish);
         };
@@ -224,7 +219,7 @@ impl Live<'_> {
             sender: self.receiver.sender.as_ref().map(ToString::to_string),
             signed: self.receiver.mavlink.key.is_some(),
         };
-        let recorder = Recorder::create(file, &header);
+        let recorder = Recorder::create_limited(file, &header, self.record_limit);
         recorder.map(Some).map_err(|error| LiveError::Recording { file: file.clone(), error })
     }
 }

@@ -53,6 +53,10 @@ pub(crate) struct Live {
     /// Record all received data to this file [default: phugoid-TIME.phugoid-live; a replay records nothing]
     #[arg(long, value_name = "FILE", conflicts_with = "no_record")]
     pub(crate) record: Option<PathBuf>,
+    /// Most that the recording may take, as in 500MB or 2GB, at least 4MB: it is written in parts, and the oldest are
+    /// removed [default: no limit]
+    #[arg(long, value_name = "SIZE", conflicts_with = "no_record", value_parser = size)]
+    pub(crate) record_limit: Option<u64>,
     /// Do not record the received data
     #[arg(long)]
     pub(crate) no_record: bool,
@@ -105,6 +109,19 @@ fn speed(text: &str) -> Result<Speed, String> {
         _ if text == "max" => Ok(Speed::Max),
         Ok(times) if times > 0.0 && times <= 1e6 => Ok(Speed::Times(times)),
         _ => Err("write a factor, as in 1 or 10, or max".to_owned()),
+    }
+}
+
+fn size(text: &str) -> Result<u64, String> {
+    let digits = text.trim_end_matches(|c: char| !c.is_ascii_digit());
+    let factor = match text.get(digits.len()..).unwrap_or_default().trim().to_ascii_uppercase().as_str() {
+        "MB" => 1_000_000,
+        "GB" => 1_000_000_000,
+        _ => 0,
+    };
+    match digits.parse::<u64>().ok().and_then(|number| number.checked_mul(factor)) {
+        Some(bytes) if bytes >= 4_000_000 => Ok(bytes),
+        _ => Err("write a number of MB or GB, as in 500MB or 2GB, at least 4MB".to_owned()),
     }
 }
 

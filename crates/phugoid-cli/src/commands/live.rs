@@ -43,6 +43,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         options: &flight.options,
         receiver: &flight.receiver,
         record,
+        record_limit: arguments.record_limit,
         all: arguments.all,
         when_slow: if waits { WhenSlow::Wait } else { WhenSlow::LeaveOut },
         replayed: arguments.replay.is_some(),

@@ -6,5 +6,7 @@ mod telemetry;
 
 mod attacks;
 mod documents;
+#[cfg(feature = "server")]
+mod page;
 mod replay;
 mod view;
