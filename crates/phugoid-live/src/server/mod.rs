@@ -33,6 +33,9 @@ const REQUEST_WITHIN: Duration = Duration::from_secs(10);
 const STUCK: Duration = Duration::from_secs(10);
 /// Bytes of a request, and of an answer that wait for the operating system, per connection.
 const WAITING_BYTES: usize = 32 << 10;
+/// Connections that wait to be accepted; the operating system may allow fewer.
+#[cfg(unix)]
+const BACKLOG: i32 = 4096;
 /// Bytes that the operating system is asked to hold for a slow reader, per connection.
 #[cfg(unix)]
 const SYSTEM_BYTES: usize = 128 << 10;
@@ -81,6 +84,9 @@ impl Server {
             ));
         }
         let listener = TcpListener::bind(address)?;
+        // With the usual 128 a burst of short connections makes the system turn new readers away for a second and more.
+        #[cfg(unix)]
+        rustix::net::listen(&listener, BACKLOG)?;
         listener.set_nonblocking(true)?;
         Ok(Self { listener, access: Access::new(token) })
     }
