@@ -2,6 +2,8 @@
 
 mod network;
 mod outlet;
+#[cfg(target_os = "linux")]
+mod own_socket;
 mod peers;
 mod replay;
 mod sender;

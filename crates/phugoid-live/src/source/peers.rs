@@ -64,6 +64,12 @@ impl Peers {
         if is_new { Place::New(origin) } else { Place::Known(origin) }
     }
 
+    /// The address of the sender with this number.
+    #[cfg(target_os = "linux")]
+    pub(super) fn address(&self, origin: u16) -> Option<SocketAddr> {
+        self.known.get(usize::from(origin)).map(|(peer, _)| *peer)
+    }
+
     /// The number of a sender, and whether it is a new one.
     fn number(&mut self, from: SocketAddr, now: Instant, pinned: Option<u16>) -> (u16, bool) {
         if let Some(known) = self.known.iter().position(|(peer, _)| *peer == from) {
