@@ -213,7 +213,7 @@ impl Plan {
                 plan.file("--html", a.html.as_ref());
             }
             Some(Command::Live(a)) => {
-                plan.inputs.extend(a.replay.clone());
+                plan.inputs.extend(a.replay.iter().chain(&a.mavlink_key).cloned());
                 plan.words(&a.model);
                 plan.file("--out", a.out.as_ref());
                 plan.file("--record", a.record.as_ref());

@@ -25,6 +25,17 @@ pub struct Arrival {
     pub content: Content,
 }
 
+impl Arrival {
+    /// Memory that it takes, bytes.
+    pub(crate) fn size(&self) -> usize {
+        let content = match &self.content {
+            Content::Opened(text) | Content::Closed(text) => text.len(),
+            Content::Datagram(bytes) | Content::Piece(bytes) => bytes.len(),
+        };
+        content + size_of::<Self>()
+    }
+}
+
 /// What happened at a source.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Content {

@@ -29,6 +29,8 @@ pub struct WriterCounts {
     pub recording_dropped: u64,
     /// Estimates that were left out for a slow reader of the lines.
     pub published_dropped: u64,
+    /// Datagrams of others than the sender in use that were thrown away as they came; they count as strangers.
+    pub strangers_dropped: u64,
 }
 
 /// Reception and estimation of one live stream.
@@ -59,6 +61,8 @@ pub struct Engine {
     now_ns: u64,
     /// When the next document about the link is due, ns.
     link_due_ns: u64,
+    /// Datagrams of strangers that the source has thrown away, as last told.
+    strangers_dropped: u64,
 }
 
 impl Engine {
@@ -82,6 +86,7 @@ impl Engine {
             estimation: Estimation::new(model, options, source, session),
             now_ns: 0,
             link_due_ns: 0,
+            strangers_dropped: 0,
         })
     }
 
@@ -106,6 +111,11 @@ impl Engine {
     /// Counts of the link since the start.
     pub fn counts(&self) -> Counts {
         *self.receiver.counts()
+    }
+
+    /// The number of the sender whose samples are used; `None` while there is none.
+    pub fn pinned(&self) -> Option<u16> {
+        self.receiver.pinned()
     }
 
     /// Number of estimates made so far, published or not.
@@ -152,7 +162,7 @@ impl Engine {
         let waiting = self.waiting();
         let document = Document::Link {
             arrival_s: seconds(now_ns),
-            counts: self.counts(),
+            counts: self.counts_with(writers.strangers_dropped),
             latency_ms: self.estimation.latency.quantiles(),
             recorded_bytes: writers.recorded_bytes,
             recording_dropped: writers.recording_dropped,
@@ -160,6 +170,12 @@ impl Engine {
             waiting: waiting.as_deref(),
         };
         publish(DocumentKind::Link, &document.text());
+    }
+
+    fn counts_with(&mut self, strangers_dropped: u64) -> Counts {
+        self.strangers_dropped = strangers_dropped;
+        let counts = self.counts();
+        Counts { strangers: counts.strangers + strangers_dropped, ..counts }
     }
 
     /// What the estimation waits for; `None` once it has begun.
@@ -195,7 +211,7 @@ impl Engine {
         }
         let document = Document::End {
             reason,
-            counts: self.counts(),
+            counts: self.counts_with(self.strangers_dropped),
             estimates: self.estimation.estimates,
             latency_ms: self.estimation.latency.quantiles(),
         };

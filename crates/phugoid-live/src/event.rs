@@ -45,13 +45,22 @@ pub enum LiveEventKind {
     Stalled,
     /// Nothing has arrived for two seconds, or data arrive again.
     Silent,
-    /// The clock of the sender was set back; the estimation starts again.
+    /// The sender whose samples are used: the first one, or another because it was silent.
+    Sender,
+    /// Data of another sender came, which are not used.
+    Stranger,
+    /// Another sender uses the numbers of the one whose samples are used, or a frame is not signed as it should be.
+    /// Somebody may be sending false data.
+    Alarm,
+    /// A time leapt against its arrival: it was left out, or data are missing.
+    Leap,
+    /// The clock of the sender was set; what is known is kept, and the states start again.
     Restart,
     /// What arrives cannot be estimated with this model; the next flight is tried again.
     Impossible,
     /// The stream ended before an estimation could begin.
     Waiting,
-    /// The recording cannot be written any more.
+    /// The recording cannot be written, goes on, or has reached its limit.
     Recording,
 }
 
@@ -77,6 +86,10 @@ impl LiveEventKind {
             Self::Refused => "refused",
             Self::Stalled => "stalled",
             Self::Silent => "silent",
+            Self::Sender => "sender",
+            Self::Stranger => "stranger",
+            Self::Alarm => "alarm",
+            Self::Leap => "leap",
             Self::Restart => "restart",
             Self::Impossible => "impossible",
             Self::Waiting => "waiting",
@@ -98,10 +111,12 @@ mod tests {
     #[test]
     fn the_name_is_the_word_in_json() {
         use LiveEventKind::{
-            Airspeed, Base, Columns, Impossible, Origin, Payload, Recording, Refused, Restart, Silent, Stalled, Waiting,
+            Airspeed, Alarm, Base, Columns, Impossible, Leap, Origin, Payload, Recording, Refused, Restart, Sender,
+            Silent, Stalled, Stranger, Waiting,
         };
         for kind in [
-            Origin, Payload, Columns, Airspeed, Base, Refused, Stalled, Silent, Restart, Impossible, Waiting, Recording,
+            Origin, Payload, Columns, Airspeed, Base, Refused, Stalled, Silent, Sender, Stranger, Alarm, Leap, Restart,
+            Impossible, Waiting, Recording,
         ] {
             let kind = EventKind::from(kind);
             let json = serde_json::to_string(&kind).unwrap();

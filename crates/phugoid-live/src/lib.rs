@@ -25,6 +25,7 @@
 mod airspeed;
 pub mod arrival;
 mod audience;
+mod budget;
 pub mod document;
 pub mod engine;
 pub mod event;

@@ -21,12 +21,18 @@ pub struct Counts {
     pub duplicated: u64,
     /// Messages that came after one that was sent later.
     pub reordered: u64,
+    /// Samples and messages that were left out because their time had leapt against their arrival.
+    pub leaps: u64,
+    /// Datagrams, and pieces of streams, of others than the sender whose samples are used; none was merged.
+    pub strangers: u64,
     /// Number of times that the sender's clock started again.
     pub restarts: u64,
     /// Number of times that the sender's clock stood still for more than a second while samples arrived.
     pub stalled: u64,
     /// Frames of known messages whose checksum is wrong.
     pub checksum_failures: u64,
+    /// Frames, and rows of text, that were left out because they are not signed with the key that was given.
+    pub unverified: u64,
     /// Bytes that belong to no frame and no line.
     pub garbage_bytes: u64,
     /// Rows and messages that were left out because of their content.

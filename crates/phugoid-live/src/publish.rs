@@ -6,8 +6,12 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::mpsc::{self, Receiver, SyncSender, TrySendError};
 use std::thread::JoinHandle;
 
-/// Lines that may wait for a slow reader.
+use crate::budget::Budget;
+
+/// Lines that may wait for a slow reader, ...
 const WAITING: usize = 16_384;
+/// ... and their bytes.
+const WAITING_BYTES: usize = 64 << 20;
 
 /// What happens if the reader of the lines is slower than the estimation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,6 +29,7 @@ pub struct Lines {
     when_slow: WhenSlow,
     dropped: Arc<AtomicU64>,
     gone: Arc<AtomicBool>,
+    budget: Arc<Budget>,
 }
 
 impl Lines {
@@ -36,12 +41,14 @@ impl Lines {
         let (queue, lines) = mpsc::sync_channel(WAITING);
         let gone = Arc::new(AtomicBool::new(false));
         let ended = Arc::clone(&gone);
+        let budget = Arc::new(Budget::new(WAITING_BYTES));
+        let returned = Arc::clone(&budget);
         let thread = std::thread::Builder::new().name("lines".to_owned()).spawn(move || {
-            let result = write(out, &lines);
+            let result = write(out, &lines, &returned);
             ended.store(true, Ordering::Relaxed);
             result
         })?;
-        Ok(Self { queue: Some(queue), thread: Some(thread), when_slow, dropped: Arc::default(), gone })
+        Ok(Self { queue: Some(queue), thread: Some(thread), when_slow, dropped: Arc::default(), gone, budget })
     }
 
     /// Puts a line, without its end, into the queue. With [`WhenSlow::LeaveOut`] it is dropped if the queue is full.
@@ -50,10 +57,15 @@ impl Lines {
         match self.when_slow {
             WhenSlow::Wait => {
                 // This fails only if writing has failed; `is_gone` tells the caller.
-                let _ = queue.send(line.to_owned());
+                if self.budget.take(line.len(), &|| self.is_gone()) {
+                    let _ = queue.send(line.to_owned());
+                }
             }
             WhenSlow::LeaveOut => {
-                if let Err(TrySendError::Full(_)) = queue.try_send(line.to_owned()) {
+                if !self.budget.try_take(line.len()) {
+                    self.dropped.fetch_add(1, Ordering::Relaxed);
+                } else if let Err(TrySendError::Full(_)) = queue.try_send(line.to_owned()) {
+                    self.budget.give_back(line.len());
                     self.dropped.fetch_add(1, Ordering::Relaxed);
                 }
             }
@@ -84,13 +96,15 @@ impl Lines {
     }
 }
 
-fn write(out: impl Write, lines: &Receiver<String>) -> io::Result<()> {
+fn write(out: impl Write, lines: &Receiver<String>, budget: &Budget) -> io::Result<()> {
     let mut out = io::BufWriter::new(out);
     while let Ok(line) = lines.recv() {
         writeln!(out, "{line}")?;
+        budget.give_back(line.len());
         // All lines that wait go out in one write.
         while let Ok(line) = lines.try_recv() {
             writeln!(out, "{line}")?;
+            budget.give_back(line.len());
         }
         out.flush()?;
     }

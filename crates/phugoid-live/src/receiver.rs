@@ -1,9 +1,11 @@
 //! From arrivals to samples on one time base. The result depends on the arrivals and their stamps only, so a recording
 //! gives the same samples as the flight.
 
+mod pin;
+mod quota;
 mod stream;
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::HashMap;
 
 use phugoid_flight_data::csv::{ColumnMapping, CsvOptions};
 
@@ -11,8 +13,12 @@ use crate::airspeed::{self, TrueAirspeed};
 use crate::arrival::{Arrival, Content};
 use crate::event::LiveEventKind;
 use crate::link::Counts;
+use crate::mavlink::Verifier;
 use crate::mavlink::map::{Assembler, MavlinkOptions};
+use crate::source::SenderSpec;
 use crate::timing::{Judgement, SenderClock};
+use pin::{Pin, Standing};
+use quota::Quota;
 use stream::{Payload, Piece, Stream};
 
 /// How the bytes that arrive are interpreted.
@@ -23,13 +29,15 @@ pub struct ReceiverOptions {
     pub columns: Vec<ColumnMapping>,
     /// Options that concern MAVLink only.
     pub mavlink: MavlinkOptions,
+    /// The sender that alone is used. `None` uses the first that gives a sample, until it is silent for five seconds.
+    pub sender: Option<SenderSpec>,
 }
 
 impl ReceiverOptions {
     /// The same without the column mappings: for rows that have canonical names and SI units already.
     #[must_use]
     pub fn without_columns(&self) -> Self {
-        Self { columns: Vec::new(), mavlink: self.mavlink.clone() }
+        Self { columns: Vec::new(), ..self.clone() }
     }
 }
 
@@ -45,12 +53,14 @@ pub enum Reception<'a> {
         /// Values in the order of the channels that were asked for, SI; NaN where a value is missing.
         values: &'a [f64],
     },
-    /// The sender's clock has started again. The samples that follow belong to another flight.
+    /// The sender's clock has started again, or was set. The samples that follow have its new time.
     Restart {
         /// Last time before the restart, s.
         from_s: f64,
         /// First time after the restart, s.
         to_s: f64,
+        /// Time of arrival since the last sample, ns.
+        pause_ns: u64,
     },
     /// Something happened that a person should know.
     Event {
@@ -61,10 +71,8 @@ pub enum Reception<'a> {
     },
 }
 
-/// Events of one kind that are published at most; further ones only count.
-const MOST_EVENTS: u32 = 5;
-/// Rows of another sender are used only if the current one has been silent for this long, ns.
-const HANDOVER_NS: u64 = 1_000_000_000;
+/// Longest message of an event, characters: a part of it may be what a stranger sent.
+const LONGEST_MESSAGE: usize = 1000;
 /// An event is published if nothing has arrived for this long, ns.
 const SILENCE_NS: u64 = 2_000_000_000;
 
@@ -101,14 +109,14 @@ pub struct Receiver {
     clock: SenderClock,
     mavlink: Assembler,
     counts: Counts,
-    /// How many events of each kind have been published.
-    published: BTreeMap<LiveEventKind, u32>,
+    quota: Quota,
+    pin: Pin,
+    /// Verifies signatures, where a key is given.
+    verifier: Option<Verifier>,
     /// What the first stream that was recognised gives.
     payload: Option<Payload>,
     /// Why something was left out for the first time.
     first_refusal: Option<String>,
-    /// The sender whose rows of text are used, and the arrival of its last row, ns.
-    text_sender: Option<(u16, u64)>,
     row: Vec<f64>,
     values: Vec<f64>,
     /// Arrival of the last packet, ns.
@@ -137,10 +145,11 @@ impl Receiver {
             streams: HashMap::new(),
             clock: SenderClock::default(),
             counts: Counts::default(),
-            published: BTreeMap::new(),
+            quota: Quota::default(),
+            pin: Pin::new(options.sender.clone()),
+            verifier: options.mavlink.key.clone().map(Verifier::new),
             payload: None,
             first_refusal: None,
-            text_sender: None,
             row: Vec::new(),
             values: vec![f64::NAN; channels.len()],
             channels,
@@ -200,7 +209,8 @@ impl Receiver {
         while let Some(due_ns) = self.deadline_ns().filter(|due| *due <= now_ns) {
             if !self.silence_published && self.newest_ns > 0 && due_ns >= self.newest_ns.saturating_add(SILENCE_NS) {
                 self.silence_published = true;
-                out(event(LiveEventKind::Silent, format!("nothing has arrived for {:.0} s", SILENCE_NS as f64 / 1e9)));
+                let message = format!("nothing has arrived for {:.0} s", SILENCE_NS as f64 / 1e9);
+                self.say(LiveEventKind::Silent, message, due_ns, out);
             }
             self.emit_mavlink(due_ns, out);
         }
@@ -209,41 +219,57 @@ impl Receiver {
     /// Takes an arrival and hands over the samples and events that follow from it. What was due before its time is done
     /// first.
     pub fn take(&mut self, arrival: &Arrival, out: &mut dyn FnMut(Reception<'_>)) {
-        let now_ns = arrival.arrival_ns;
+        let (now_ns, origin) = (arrival.arrival_ns, arrival.origin);
         self.advance(now_ns, out);
         match &arrival.content {
             Content::Opened(peer) => {
-                self.streams.insert(arrival.origin, Stream::new(peer));
-                self.mavlink.forget(arrival.origin);
-                out(event(LiveEventKind::Origin, format!("receiving from {peer}")));
+                self.streams.insert(origin, Stream::new(peer));
+                self.mavlink.forget(origin);
+                // The number may have been that of another sender.
+                self.pin.release(origin);
+                self.say(LiveEventKind::Origin, format!("receiving from {peer}"), now_ns, out);
             }
             Content::Closed(reason) => {
-                let mut stream = self.streams.remove(&arrival.origin).unwrap_or_else(|| Stream::new(""));
-                self.pieces(&mut stream, arrival, &[], true, out);
-                if self.text_sender.is_some_and(|(origin, _)| origin == arrival.origin) {
-                    self.text_sender = None;
-                }
-                out(event(LiveEventKind::Origin, format!("{}: {reason}", stream.peer())));
+                let mut stream = self.streams.remove(&origin).unwrap_or_else(|| Stream::new(""));
+                let standing = self.pin.standing(origin, stream.peer(), now_ns);
+                self.pieces(&mut stream, arrival, &[], true, standing, out);
+                self.pin.release(origin);
+                self.say(LiveEventKind::Origin, format!("{}: {reason}", stream.peer()), now_ns, out);
             }
             Content::Datagram(bytes) | Content::Piece(bytes) => {
-                self.counts.packets += 1;
-                self.counts.bytes += bytes.len() as u64;
-                if self.silence_published {
-                    let silent_s = now_ns.saturating_sub(self.newest_ns) as f64 / 1e9;
-                    out(event(LiveEventKind::Silent, format!("data again, after {silent_s:.1} s without")));
-                }
-                (self.newest_ns, self.silence_published) = (now_ns.max(1), false);
                 let ends = matches!(arrival.content, Content::Datagram(_));
-                let mut stream = self.streams.remove(&arrival.origin).unwrap_or_else(|| Stream::new("the stream"));
-                self.pieces(&mut stream, arrival, bytes, ends, out);
-                self.streams.insert(arrival.origin, stream);
+                let mut stream = self.streams.remove(&origin).unwrap_or_else(|| Stream::new("the stream"));
+                let standing = self.pin.standing(origin, stream.peer(), now_ns);
+                if standing == Standing::Stranger {
+                    self.counts.strangers += 1;
+                } else {
+                    self.counts.packets += 1;
+                    self.counts.bytes += bytes.len() as u64;
+                    if self.silence_published {
+                        let silent_s = now_ns.saturating_sub(self.newest_ns) as f64 / 1e9;
+                        let message = format!("data again, after {silent_s:.1} s without");
+                        self.say(LiveEventKind::Silent, message, now_ns, out);
+                    }
+                    (self.newest_ns, self.silence_published) = (now_ns.max(1), false);
+                }
+                self.pieces(&mut stream, arrival, bytes, ends, standing, out);
+                self.pin.heard(origin, now_ns);
+                self.streams.insert(origin, stream);
             }
         }
     }
 
-    /// Hands over the samples that still wait. To be called at the end.
+    /// Hands over the samples that still wait, and says how many events were not said. To be called at the end.
     pub fn finish(&mut self, out: &mut dyn FnMut(Reception<'_>)) {
         self.emit_mavlink(u64::MAX, out);
+        for (kind, unsaid) in self.quota.unsaid() {
+            out(event(kind, format!("{unsaid} more of this kind were counted and not said")));
+        }
+    }
+
+    /// Number of the sender whose samples are used; `None` while there is none.
+    pub fn pinned(&self) -> Option<u16> {
+        self.pin.origin()
     }
 
     fn pieces(
@@ -252,46 +278,105 @@ impl Receiver {
         arrival: &Arrival,
         bytes: &[u8],
         ends: bool,
+        standing: Standing,
         out: &mut dyn FnMut(Reception<'_>),
     ) {
         let csv = std::mem::take(&mut self.csv);
         let mut row = std::mem::take(&mut self.row);
+        let peer = stream.peer().to_owned();
+        if standing == Standing::Stranger {
+            // It is read all the same: a header that comes now is needed if its rows are used later.
+            let mut alike = false;
+            stream.push(bytes, ends, &csv, &mut row, &mut |piece| match piece {
+                Piece::Frame(frame) => alike |= self.pin.has_ids(frame.system, frame.component),
+                Piece::Row { .. } => alike |= self.pin.is_text(),
+                _ => {}
+            });
+            (self.csv, self.row) = (csv, row);
+            self.say_stranger(&peer, alike, arrival.arrival_ns, out);
+            return;
+        }
+        let now_ns = arrival.arrival_ns;
         stream.push(bytes, ends, &csv, &mut row, &mut |piece| match piece {
             Piece::Payload(payload) => {
                 self.payload.get_or_insert(payload);
-                out(event(LiveEventKind::Payload, format!("this is {}", payload.words())));
+                self.say(LiveEventKind::Payload, format!("this is {}", payload.words()), now_ns, out);
             }
-            Piece::Columns(notes) => notes.into_iter().for_each(|message| out(event(LiveEventKind::Columns, message))),
-            Piece::Row { time_s, names, values } => self.row(arrival, time_s, names, values, out),
+            Piece::Columns(notes) => {
+                notes.into_iter().for_each(|message| self.say(LiveEventKind::Columns, message, now_ns, out));
+            }
+            Piece::Row { .. } if self.verifier.is_some() => {
+                self.counts.unverified += 1;
+                let message = format!("a row of text of {peer}, which cannot be signed: left out");
+                self.say(LiveEventKind::Alarm, message, now_ns, out);
+            }
+            Piece::Row { time_s, names, values } => self.row(arrival, &peer, time_s, names, values, out),
             Piece::Refused(reason) => {
                 self.counts.refused += 1;
-                self.publish(LiveEventKind::Refused, reason, out);
+                self.say(LiveEventKind::Refused, reason, now_ns, out);
             }
             Piece::Garbage(bytes) => self.counts.garbage_bytes += bytes as u64,
             Piece::BadChecksum => self.counts.checksum_failures += 1,
             Piece::Frame(frame) => {
+                let verified = self.verifier.as_mut().map_or(Ok(()), |verifier| verifier.verify(&frame));
+                if let Err(refusal) = verified {
+                    self.counts.unverified += 1;
+                    let message = format!("a frame of {peer} {}: left out", refusal.words());
+                    self.say(LiveEventKind::Alarm, message, now_ns, out);
+                    return;
+                }
                 self.counts.received += 1;
                 let mut events = Vec::new();
-                self.mavlink.take(&frame, arrival.origin, arrival.arrival_ns, &mut self.counts, &mut events);
+                self.mavlink.take(&frame, arrival.origin, now_ns, &self.clock, &mut self.counts, &mut events);
                 if self.counts.received == 1 {
-                    self.mavlink
-                        .warnings()
-                        .into_iter()
-                        .for_each(|message| out(event(LiveEventKind::Airspeed, message)));
+                    let warnings = self.mavlink.warnings();
+                    warnings.into_iter().for_each(|message| self.say(LiveEventKind::Airspeed, message, now_ns, out));
                 }
-                events.into_iter().for_each(|(kind, message)| self.publish(kind, message, out));
-                self.emit_mavlink(arrival.arrival_ns, out);
+                events.into_iter().for_each(|(kind, message)| self.say(kind, message, now_ns, out));
+                self.emit_mavlink_of(Some((arrival.origin, &peer)), now_ns, out);
             }
         });
         (self.csv, self.row) = (csv, row);
     }
 
+    /// Says that a sender that is not used sends; `alike` if it could be taken for the one that is.
+    fn say_stranger(&mut self, peer: &str, alike: bool, now_ns: u64, out: &mut dyn FnMut(Reception<'_>)) {
+        let pinned = self.pin.name();
+        match alike {
+            true => self.say(
+                LiveEventKind::Alarm,
+                format!("{peer} sends as if it were {pinned}: it is not used. Somebody may be sending false data"),
+                now_ns,
+                out,
+            ),
+            false => self.say(
+                LiveEventKind::Stranger,
+                format!("{peer} sends too: it is not used, the samples are those of {pinned}"),
+                now_ns,
+                out,
+            ),
+        }
+    }
+
     /// Hands over the MAVLink samples that are ready at this time.
     fn emit_mavlink(&mut self, now_ns: u64, out: &mut dyn FnMut(Reception<'_>)) {
+        self.emit_mavlink_of(None, now_ns, out);
+    }
+
+    /// The same while the stream of the sender with this number and name is being read.
+    fn emit_mavlink_of(&mut self, read: Option<(u16, &str)>, now_ns: u64, out: &mut dyn FnMut(Reception<'_>)) {
         while let Some(base) = self.mavlink.ready(now_ns) {
-            if !self.judge(base.time_s, base.arrival_ns, out) {
+            let (origin, system, component) = base.component;
+            let peer = match read {
+                Some((reading, peer)) if reading == origin => peer.to_owned(),
+                _ => self.streams.get(&origin).map_or_else(String::new, |stream| stream.peer().to_owned()),
+            };
+            if self.pin.standing(origin, &peer, base.arrival_ns) == Standing::Stranger
+                || !self.judge(base.time_s, base.arrival_ns, out)
+            {
                 continue;
             }
+            self.pin(origin, &peer, Some((system, component)), base.arrival_ns, out);
             self.mavlink.frame(base.time_s, &mut self.values);
             self.sample(base.time_s, base.arrival_ns, out);
         }
@@ -300,29 +385,18 @@ impl Receiver {
     fn row(
         &mut self,
         arrival: &Arrival,
+        peer: &str,
         time_s: f64,
         names: &[String],
         row: &[f64],
         out: &mut dyn FnMut(Reception<'_>),
     ) {
         self.counts.received += 1;
-        match self.text_sender {
-            Some((origin, last_ns))
-                if origin != arrival.origin && arrival.arrival_ns.saturating_sub(last_ns) < HANDOVER_NS =>
-            {
-                self.counts.refused += 1;
-                self.publish(
-                    LiveEventKind::Refused,
-                    "a second sender at the same time: only the first is used".to_owned(),
-                    out,
-                );
-                return;
-            }
-            _ => self.text_sender = Some((arrival.origin, arrival.arrival_ns)),
-        }
+        // A row that came before in the same datagram may have pinned the sender, but no other one.
         if !self.judge(time_s, arrival.arrival_ns, out) {
             return;
         }
+        self.pin(arrival.origin, peer, None, arrival.arrival_ns, out);
         for (value, channel) in self.values.iter_mut().zip(&self.channels) {
             let column = names.iter().position(|name| name == channel);
             *value = column.and_then(|column| row.get(column)).copied().unwrap_or(f64::NAN);
@@ -330,11 +404,20 @@ impl Receiver {
         self.sample(time_s, arrival.arrival_ns, out);
     }
 
+    /// A sample of this sender is used.
+    fn pin(&mut self, origin: u16, peer: &str, ids: Option<(u8, u8)>, now_ns: u64, out: &mut dyn FnMut(Reception<'_>)) {
+        if let Some(message) = self.pin.gave(origin, peer, ids, now_ns) {
+            self.say(LiveEventKind::Sender, message, now_ns, out);
+        }
+    }
+
     /// Computes the true airspeed where that is needed, and hands the sample over.
     fn sample(&mut self, time_s: f64, arrival_ns: u64, out: &mut dyn FnMut(Reception<'_>)) {
+        let mut notes = Vec::new();
         if let Some(airspeed) = &mut self.airspeed {
-            airspeed.fill(time_s, &mut self.values, &mut |message| out(event(LiveEventKind::Airspeed, message)));
+            airspeed.fill(time_s, &mut self.values, &mut |message| notes.push(message));
         }
+        notes.into_iter().for_each(|message| self.say(LiveEventKind::Airspeed, message, arrival_ns, out));
         self.counts.samples += 1;
         out(Reception::Sample { time_s, arrival_ns, values: self.values.get(..self.asked).unwrap_or_default() });
     }
@@ -346,25 +429,31 @@ impl Receiver {
             Judgement::Repeated => self.counts.duplicated += 1,
             Judgement::Stalled => {
                 self.counts.stalled += 1;
-                out(event(
-                    LiveEventKind::Stalled,
-                    format!("samples come, but the sender's clock stands still at {time_s:.3} s"),
-                ));
+                let message = format!("samples come, but the sender's clock stands still at {time_s:.3} s");
+                self.say(LiveEventKind::Stalled, message, arrival_ns, out);
             }
             Judgement::Late => self.counts.late += 1,
-            Judgement::Doubtful => {
-                self.counts.refused += 1;
-                self.publish(
-                    LiveEventKind::Refused,
-                    format!("a time far from the others, {time_s} s: left out unless it goes on so"),
-                    out,
+            Judgement::Leap { by_s } => {
+                self.counts.leaps += 1;
+                let direction = if by_s > 0.0 { "ahead" } else { "back" };
+                let message = format!(
+                    "a time that leapt {:.3} s {direction} against its arrival, {time_s} s: left out unless it goes on so",
+                    by_s.abs()
                 );
+                self.say(LiveEventKind::Leap, message, arrival_ns, out);
             }
-            Judgement::Restarted { from_s } => {
+            Judgement::Gap { from_s } => {
+                let message = format!(
+                    "the time leapt from {from_s:.3} s to {time_s:.3} s and goes on from there: data are missing"
+                );
+                self.say(LiveEventKind::Leap, message, arrival_ns, out);
+                return true;
+            }
+            Judgement::Restarted { from_s, pause_ns } => {
                 self.counts.restarts += 1;
-                self.mavlink.restart(&mut self.counts);
+                self.mavlink.restart(time_s, &mut self.counts);
                 self.airspeed.iter_mut().for_each(TrueAirspeed::restart);
-                out(Reception::Restart { from_s, to_s: time_s });
+                out(Reception::Restart { from_s, to_s: time_s, pause_ns });
                 return true;
             }
         }
@@ -372,17 +461,20 @@ impl Receiver {
     }
 
     /// Publishes an event, unless there have been too many of its kind.
-    fn publish(&mut self, kind: LiveEventKind, message: String, out: &mut dyn FnMut(Reception<'_>)) {
+    fn say(&mut self, kind: LiveEventKind, message: String, now_ns: u64, out: &mut dyn FnMut(Reception<'_>)) {
         if kind == LiveEventKind::Refused {
             self.first_refusal.get_or_insert_with(|| message.clone());
         }
-        let published = self.published.entry(kind).or_default();
-        *published += 1;
-        match *published {
-            0..MOST_EVENTS => out(event(kind, message)),
-            MOST_EVENTS => out(event(kind, format!("{message} (further ones are counted, not said)"))),
-            _ => {}
+        let Some(unsaid) = self.quota.take(kind, now_ns) else { return };
+        let mut message = message;
+        if let Some((end, _)) = message.char_indices().nth(LONGEST_MESSAGE) {
+            message.truncate(end);
+            message.push_str(" ...");
         }
+        if unsaid > 0 {
+            message.push_str(&format!(" ({unsaid} more before it were counted and not said)"));
+        }
+        out(event(kind, message));
     }
 }
 

@@ -12,6 +12,7 @@ use phugoid_identification::stack::STACK_BYTES;
 
 use crate::arrival::{Clock, wall_ns};
 pub use crate::audience::Audience;
+use crate::budget::Budget;
 use crate::document::DocumentKind;
 use crate::engine::{Engine, WriterCounts};
 use crate::event::LiveEventKind;
@@ -23,6 +24,8 @@ use crate::stop::{Stop, Why};
 
 /// Arrivals that may wait for the estimation. Further ones stay in the operating system's buffers.
 const WAITING: usize = 8192;
+/// Bytes of the arrivals that may wait for the estimation.
+const WAITING_BYTES: usize = 16 << 20;
 /// Longest time without a look at whether to stop and whether a document about the link is due, ns.
 const LOOK_NS: u64 = 100_000_000;
 
@@ -39,6 +42,8 @@ pub struct Live<'a> {
     pub receiver: &'a ReceiverOptions,
     /// File of the recording, which must not exist; `None` records nothing.
     pub record: Option<PathBuf>,
+    /// Size that the recording may have, bytes; of a longer one only the newest parts are kept. `None` sets no limit.
+    pub record_limit: Option<u64>,
     /// Writes every estimate, not only the fifty a second for the page.
     pub all: bool,
     /// What happens if the reader of the lines is slow.
@@ -131,7 +136,9 @@ impl Live<'_> {
         };
         let clock = Clock::start();
         let (queue, arrivals) = mpsc::sync_channel(WAITING);
-        let outlet = Outlet::new(queue, Arc::clone(stop), clock);
+        let budget = Arc::new(Budget::new(WAITING_BYTES));
+        let outlet = Outlet::new(queue, Arc::clone(stop), clock).with_budget(Arc::clone(&budget));
+        let attention = outlet.attention();
         // Reading standard input cannot be interrupted, so this thread is left behind at the end.
         std::thread::Builder::new()
             .name("source".to_owned())
@@ -140,7 +147,6 @@ impl Live<'_> {
         engine.begin(&mut publish);
         // A replay has no latency, because its stamps are of another time.
         let finished = || if self.replayed { 0 } else { clock.now_ns() };
-        let mut recording_failed = false;
         let reason = loop {
             if let Some(why) = stop.asked() {
                 break why.words();
@@ -153,8 +159,10 @@ impl Live<'_> {
             let due_ns = deadline_ns.min(now_ns.saturating_add(LOOK_NS));
             match arrivals.recv_timeout(Duration::from_nanos(due_ns.saturating_sub(now_ns))) {
                 Ok(mut arrival) => {
+                    budget.give_back(arrival.size());
                     engine.stamp(&mut arrival);
                     engine.take(&arrival, &finished, &mut publish);
+                    attention.pin(engine.pinned());
                     if let Some(recorder) = &recorder {
                         recorder.record(arrival);
                     }
@@ -171,15 +179,10 @@ impl Live<'_> {
                 recorded_bytes: recorded.bytes(),
                 recording_dropped: recorded.dropped(),
                 published_dropped: lines.dropped(),
+                strangers_dropped: attention.thrown_away(),
             };
-            if recorded.failed() && !recording_failed {
-                recording_failed = true;
-                engine.publish_event(
-                    now_ns,
-                    LiveEventKind::Recording,
-                    "the recording cannot be written any more; the estimation goes on",
-                    &mut publish,
-                );
+            for news in recorded.take_news() {
+                engine.publish_event(now_ns, LiveEventKind::Recording, &news, &mut publish);
             }
             engine.publish_link(now_ns, writers, &mut publish);
         };
@@ -213,8 +216,10 @@ impl Live<'_> {
             system: self.receiver.mavlink.system,
             base: self.receiver.mavlink.base.clone(),
             mapped: source.is_mapped(),
+            sender: self.receiver.sender.as_ref().map(ToString::to_string),
+            signed: self.receiver.mavlink.key.is_some(),
         };
-        let recorder = Recorder::create(file, &header);
+        let recorder = Recorder::create_limited(file, &header, self.record_limit);
         recorder.map(Some).map_err(|error| LiveError::Recording { file: file.clone(), error })
     }
 }

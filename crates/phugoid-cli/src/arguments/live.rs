@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use phugoid_identification::method::Method;
-use phugoid_live::source::SourceSpec;
+use phugoid_live::source::{SenderSpec, SourceSpec};
 
 use super::help::examples_and_exit_codes;
 use super::method::method;
@@ -53,12 +53,22 @@ pub(crate) struct Live {
     /// Record all received data to this file [default: phugoid-TIME.phugoid-live; a replay records nothing]
     #[arg(long, value_name = "FILE", conflicts_with = "no_record")]
     pub(crate) record: Option<PathBuf>,
+    /// Most that the recording may take, as in 500MB or 2GB, at least 4MB: it is written in parts, and the oldest are
+    /// removed [default: no limit]
+    #[arg(long, value_name = "SIZE", conflicts_with = "no_record", value_parser = size)]
+    pub(crate) record_limit: Option<u64>,
     /// Do not record the received data
     #[arg(long)]
     pub(crate) no_record: bool,
     /// How long a MAVLink sample waits for earlier messages that are still missing, in milliseconds; 0 does not wait
     #[arg(long, value_name = "MS", default_value_t = 4.0, value_parser = window)]
     pub(crate) reorder_ms: f64,
+    /// Use this sender only: its address, as in 10.0.0.7 or 10.0.0.7:14550 [default: the first that gives a sample]
+    #[arg(long, value_name = "HOST[:PORT]")]
+    pub(crate) sender: Option<SenderSpec>,
+    /// Use only MAVLink messages that are signed with the key in this file: 32 bytes, or 64 hexadecimal digits
+    #[arg(long, value_name = "FILE")]
+    pub(crate) mavlink_key: Option<PathBuf>,
     /// Listen to this MAVLink system only
     #[arg(long, value_name = "ID")]
     pub(crate) system: Option<u8>,
@@ -99,6 +109,19 @@ fn speed(text: &str) -> Result<Speed, String> {
         _ if text == "max" => Ok(Speed::Max),
         Ok(times) if times > 0.0 && times <= 1e6 => Ok(Speed::Times(times)),
         _ => Err("write a factor, as in 1 or 10, or max".to_owned()),
+    }
+}
+
+fn size(text: &str) -> Result<u64, String> {
+    let digits = text.trim_end_matches(|c: char| !c.is_ascii_digit());
+    let factor = match text.get(digits.len()..).unwrap_or_default().trim().to_ascii_uppercase().as_str() {
+        "MB" => 1_000_000,
+        "GB" => 1_000_000_000,
+        _ => 0,
+    };
+    match digits.parse::<u64>().ok().and_then(|number| number.checked_mul(factor)) {
+        Some(bytes) if bytes >= 4_000_000 => Ok(bytes),
+        _ => Err("write a number of MB or GB, as in 500MB or 2GB, at least 4MB".to_owned()),
     }
 }
 

@@ -26,15 +26,20 @@ impl Flight {
     pub(super) fn of(header: &Header) -> Result<Self, Failure> {
         let model = ModelFile::parse(&header.model_name, &header.model_text).map_err(Failure::input)?;
         let method = header.method.as_deref().map(str::parse::<Method>).transpose().map_err(Failure::input)?;
-        let mavlink =
-            MavlinkOptions { reorder_ns: header.reorder_ns, system: header.system, base: header.base.clone() };
+        let mavlink = MavlinkOptions {
+            reorder_ns: header.reorder_ns,
+            system: header.system,
+            base: header.base.clone(),
+            ..MavlinkOptions::default()
+        };
+        let sender = header.sender.as_deref().map(str::parse).transpose().map_err(Failure::input)?;
         Ok(Self {
             options: EstimateOptions {
                 method,
                 change_detection: header.change_detection,
                 ..EstimateOptions::default()
             },
-            receiver: ReceiverOptions { columns: model.columns(), mavlink },
+            receiver: ReceiverOptions { columns: model.columns(), mavlink, sender },
             text: header.model_text.clone(),
             model,
         })

@@ -1,14 +1,14 @@
 //! `phugoid live`.
 
 use std::fs::File;
-use std::io::{self, Write};
+use std::io::{self, Read, Write};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use phugoid_flight_data::printable;
 use phugoid_identification::model_file::ModelFile;
-use phugoid_live::mavlink::DebugMessages;
+use phugoid_live::mavlink::{DebugMessages, Key};
 use phugoid_live::publish::WhenSlow;
 use phugoid_live::recording::{Header, Reader};
 use phugoid_live::run::{Audience, Live, LiveError};
@@ -22,13 +22,14 @@ use crate::failure::Failure;
 
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let recording = arguments.replay.as_deref().map(recording).transpose()?.flatten();
-    let flight = Flight::of(&settings(arguments, recording.as_ref().map(Reader::header))?)?;
+    let mut flight = Flight::of(&settings(arguments, recording.as_ref().map(Reader::header))?)?;
     if let Some(recording) = &recording {
         say_whose_mapping(recording.header(), &flight.model);
     }
+    flight.receiver.mavlink.key = key(arguments, recording.as_ref().map(Reader::header))?;
     let started_wall_ns = recording.as_ref().map(|recording| recording.header().started_wall_ns);
     let stop = Arc::new(Stop::default());
-    let source = source(arguments, recording, &flight.model)?;
+    let source = source(arguments, recording, &flight)?;
     let record = record(arguments);
     if let Some(file) = &record {
         say(&format!("recording to {}", file.display()));
@@ -42,6 +43,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         options: &flight.options,
         receiver: &flight.receiver,
         record,
+        record_limit: arguments.record_limit,
         all: arguments.all,
         when_slow: if waits { WhenSlow::Wait } else { WhenSlow::LeaveOut },
         replayed: arguments.replay.is_some(),
@@ -106,6 +108,22 @@ fn say_whose_mapping(recorded: &Header, model: &ModelFile) {
     }
 }
 
+/// The key with which MAVLink has to be signed. A recording does not hold the one that it was made with.
+fn key(arguments: &Arguments, recorded: Option<&Header>) -> Result<Option<Key>, Failure> {
+    let Some(file) = &arguments.mavlink_key else {
+        if recorded.is_some_and(|recorded| recorded.signed) {
+            say("signatures were verified when this was recorded; without --mavlink-key they are not verified now");
+        }
+        return Ok(None);
+    };
+    let wrong = |why: String| Failure::input(format!("--mavlink-key {}: {why}", file.display()));
+    // No key is longer, whatever the file is.
+    let mut bytes = Vec::new();
+    let read = File::open(file).and_then(|file| file.take(1024).read_to_end(&mut bytes));
+    read.map_err(|error| wrong(error.to_string()))?;
+    Key::parse(&bytes).map(Some).map_err(|error| wrong(error.to_string()))
+}
+
 /// Starts the server of the page and prints its address.
 #[cfg(feature = "live")]
 fn page(page: &crate::arguments::live::Page) -> Result<Option<Box<dyn Audience>>, Failure> {
@@ -136,6 +154,7 @@ fn settings(arguments: &Arguments, recorded: Option<&Header>) -> Result<Header, 
         _ => recorded.and_then(|recorded| recorded.change_detection),
     };
     let method = arguments.method.map(|method| method.name().to_owned());
+    let sender = arguments.sender.as_ref().map(ToString::to_string);
     Ok(Header {
         model_name,
         model_text,
@@ -145,22 +164,24 @@ fn settings(arguments: &Arguments, recorded: Option<&Header>) -> Result<Header, 
         reorder_ns: recorded.map_or((arguments.reorder_ms * 1e6) as u64, |recorded| recorded.reorder_ns),
         system: arguments.system.or(recorded.and_then(|recorded| recorded.system)),
         base: arguments.base.clone().or(recorded.and_then(|recorded| recorded.base.clone())),
+        sender: sender.or(recorded.and_then(|recorded| recorded.sender.clone())),
         ..Header::default()
     })
 }
 
-fn source(arguments: &Arguments, recording: Option<Reader>, model: &ModelFile) -> Result<Source, Failure> {
+fn source(arguments: &Arguments, recording: Option<Reader>, flight: &Flight) -> Result<Source, Failure> {
     let pace = match arguments.speed {
         Speed::Times(times) => Pace::Times(times),
         Speed::Max => Pace::Unlimited,
     };
     match (&arguments.source, &arguments.replay, recording) {
         (Some(spec), ..) => {
-            Source::open(spec).map_err(|error| Failure::input(format!("cannot receive from {spec}: {error}")))
+            let opened = Source::open_for(spec, flight.receiver.sender.as_ref());
+            opened.map_err(|error| Failure::input(format!("cannot receive from {spec}: {error}")))
         }
         (None, Some(path), Some(reader)) => Ok(Replay::recording(reader, &path.display().to_string(), pace).into()),
         (None, Some(path), None) => {
-            let record = model.open_record(path).map_err(Failure::input)?;
+            let record = flight.model.open_record(path).map_err(Failure::input)?;
             Ok(Replay::flight(record, pace).map_err(Failure::input)?.into())
         }
         (None, None, _) => Err(Failure::input("a source is needed, as in udp://14550, or --replay FILE")),

@@ -39,6 +39,7 @@ fn replayed(reader: Reader, name: &str) -> Result<Collector, Failure> {
         options: &flight.options,
         receiver: &flight.receiver,
         record: None,
+        record_limit: None,
         all: true,
         when_slow: WhenSlow::Wait,
         replayed: true,

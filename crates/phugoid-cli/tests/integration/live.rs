@@ -73,6 +73,57 @@ fn text_gives_the_same_estimates_from_every_source() {
     assert!(over_tcp(live, connection) == expected, "TCP, connecting");
 }
 
+/// Ninety others send to the same port while the flight is received: each of its rows is used nevertheless.
+#[test]
+fn stray_datagrams_cost_the_sender_nothing() {
+    let folder = Folder::new("live-strays");
+    let expected = from_standard_input(&folder.0, &whole_csv());
+    for more in [&[][..], &["--sender", "127.0.0.1"]] {
+        let arguments = [&["udp://127.0.0.1:0", "--no-page", "--no-record"], more].concat();
+        let mut live = Live::start(&folder.0, &arguments);
+        let address = live.address();
+        let sender = UdpSocket::bind("127.0.0.1:0").unwrap();
+        let strays: Vec<UdpSocket> = (0..90).map(|_| UdpSocket::bind("127.0.0.1:0").unwrap()).collect();
+        for (k, line) in whole_csv().split_inclusive('\n').enumerate() {
+            sender.send_to(line.as_bytes(), &address).unwrap();
+            if k > 10 {
+                strays[k % strays.len()].send_to(b"who is there?", &address).unwrap();
+            }
+            // Neither is to be lost for want of room.
+            std::thread::sleep(Duration::from_micros(200));
+        }
+        assert!(estimates(&live.until(LAST_S)) == expected, "{more:?}");
+        live.interrupt();
+        let end = json(live.rest().last().unwrap());
+        assert_eq!((&end["samples"], &end["strangers"]), (&SAMPLES.into(), &290.into()), "{end}");
+    }
+}
+
+/// A sender that is not the one that was named.
+#[test]
+fn only_the_named_sender_is_used() {
+    let folder = Folder::new("live-named");
+    let sender = UdpSocket::bind("127.0.0.1:0").unwrap();
+    let named = sender.local_addr().unwrap().to_string();
+    let mut live = Live::start(&folder.0, &["udp://127.0.0.1:0", "--no-page", "--no-record", "--sender", &named]);
+    let address = live.address();
+    let other = UdpSocket::bind("127.0.0.1:0").unwrap();
+    for line in whole_csv().split_inclusive('\n') {
+        other.send_to(line.replace("205.", "105.").as_bytes(), &address).unwrap();
+        sender.send_to(line.as_bytes(), &address).unwrap();
+        std::thread::sleep(Duration::from_micros(200));
+    }
+    assert!(estimates(&live.until(LAST_S)) == from_standard_input(&folder.0, &whole_csv()));
+    live.interrupt();
+    let end = json(live.rest().last().unwrap());
+    assert_eq!((&end["samples"], &end["strangers"]), (&SAMPLES.into(), &301.into()), "{end}");
+    let run = phugoid(&folder.0, &["live", "udp://0", "--model", "f16", "--sender", "10.0.0.1:port"]);
+    assert!(run.code == Some(2) && run.err.contains("HOST:PORT"), "{:?} {}", run.code, run.err);
+    folder.file("short.key", "secret");
+    let run = phugoid(&folder.0, &["live", "udp://0", "--model", "f16", "--mavlink-key", "short.key"]);
+    assert!(run.code == Some(3) && run.err.contains("32 bytes"), "{:?} {}", run.code, run.err);
+}
+
 fn over_tcp(mut live: Live, mut connection: TcpStream) -> Vec<String> {
     for piece in whole_csv().as_bytes().chunks(777) {
         connection.write_all(piece).unwrap();

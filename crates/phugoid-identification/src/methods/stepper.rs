@@ -80,6 +80,10 @@ pub(crate) trait CausalRun<I, const R: usize>: Send {
 
     /// Takes the result of the health monitor out, if there is one.
     fn take_health(&mut self) -> Option<HealthRun>;
+
+    /// The longest interval between samples that is predicted through, s. After a longer one the states start again
+    /// from the measurements; the parameters and their covariance are kept.
+    fn maximum_gap_s(&self) -> f64;
 }
 
 /// An estimate as it is shown, one entry per column in use.
@@ -361,6 +365,10 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> Ca
 
     fn take_health(&mut self) -> Option<HealthRun> {
         self.monitoring.take().map(Monitoring::finish)
+    }
+
+    fn maximum_gap_s(&self) -> f64 {
+        self.settings.maximum_gap_s
     }
 }
 

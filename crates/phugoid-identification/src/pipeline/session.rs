@@ -76,7 +76,10 @@ pub struct Session {
     course: Option<Box<dyn Course>>,
     snapshot: Option<Snapshot>,
     events: Vec<Event>,
+    /// Time of the last sample by the sender's clock, s.
     last_s: f64,
+    /// What the estimator's time is ahead of the sender's, s; not 0 once the sender's clock has been set.
+    ahead_s: f64,
 }
 
 /// What a session did with a sample.
@@ -226,6 +229,7 @@ impl Session {
             snapshot: None,
             events: Vec::new(),
             last_s: f64::NEG_INFINITY,
+            ahead_s: 0.0,
         })
     }
 
@@ -261,6 +265,40 @@ impl Session {
         self.collect(time_s, values)
     }
 
+    /// To be called when the sender's clock has been set, as by a restart of the sender: the next sample has the time
+    /// `time_s` by the new clock and came `pause_s` after the last one. What is known of the parameters is kept with its
+    /// covariance as it is; the states start again from the measurements, as after a gap. Times of snapshots and events
+    /// are those of the new clock from then on. Returns false if no estimation had begun; what was collected for its
+    /// start is then dropped. A pause that is negative or NaN counts as the shortest one after which states start
+    /// again; a time that is not finite changes nothing.
+    ///
+    /// ```
+    /// use phugoid_identification::estimate::EstimateOptions;
+    /// use phugoid_identification::model_file::ModelFile;
+    /// use phugoid_identification::session::{Session, Step};
+    /// let mut session = Session::new(&ModelFile::named("f16")?, &EstimateOptions::default())?;
+    /// let nothing_measured = vec![f64::NAN; session.channels().len()];
+    /// session.update(100.0, &nothing_measured)?;
+    /// assert!(matches!(session.update(0.0, &nothing_measured)?, Step::Refused(_)));
+    /// assert!(!session.resume(0.0, 3.0), "no estimation had begun");
+    /// assert!(matches!(session.update(0.0, &nothing_measured)?, Step::Waiting { .. }));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn resume(&mut self, time_s: f64, pause_s: f64) -> bool {
+        if !time_s.is_finite() {
+            return self.course.is_some();
+        }
+        let shortest_s = self.course.as_ref().map(|course| 2.0 * course.maximum_gap_s());
+        if let Some(shortest_s) = shortest_s {
+            // `max` gives the other one for NaN.
+            self.ahead_s += self.last_s + pause_s.max(shortest_s) - time_s;
+        } else {
+            self.slide(f64::INFINITY, 0);
+        }
+        self.last_s = f64::NEG_INFINITY;
+        shortest_s.is_some()
+    }
+
     /// The state after the last sample that gave an estimate.
     pub fn snapshot(&self) -> Option<&Snapshot> {
         self.snapshot.as_ref()
@@ -274,7 +312,21 @@ impl Session {
     fn step(&mut self, time_s: f64, values: &[f64]) -> Result<(), EstimateError> {
         let Some(course) = &mut self.course else { return Ok(()) };
         let snapshot = self.snapshot.get_or_insert_default();
-        course.step(time_s, values, snapshot, &mut self.events)
+        if self.ahead_s == 0.0 {
+            return course.step(time_s, values, snapshot, &mut self.events);
+        }
+        let (its_s, before, readiness_s) = (time_s + self.ahead_s, self.events.len(), snapshot.readiness_s);
+        // The sum need not give back the sender's time exactly.
+        let sent = |its: f64| if its == its_s { time_s } else { its - self.ahead_s };
+        let stepped = course.step(its_s, values, snapshot, &mut self.events);
+        snapshot.time_s = sent(snapshot.time_s);
+        if snapshot.readiness_s != readiness_s {
+            snapshot.readiness_s = snapshot.readiness_s.map(sent);
+        }
+        for event in self.events.iter_mut().skip(before) {
+            event.time_s = sent(event.time_s);
+        }
+        stepped
     }
 
     fn collect(&mut self, time_s: f64, values: &[f64]) -> Result<Step, EstimateError> {

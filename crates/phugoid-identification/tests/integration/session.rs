@@ -154,3 +154,44 @@ fn a_batch_method_and_wrong_units_are_refused() {
     });
     assert!(outcome.unwrap_err().to_string().contains("deg"));
 }
+
+/// The sender was restarted in the middle of the flight: its clock counts from zero again.
+#[test]
+fn a_resumed_session_keeps_the_parameters_and_shows_the_new_clock() {
+    let record = fly(12.0, 0.026, 71);
+    for method in [Method::Smpe, Method::Ekf, Method::Rls, Method::Fourier] {
+        let options = EstimateOptions { method: Some(method), ..EstimateOptions::default() };
+        let mut session = Session::new(&model(), &options).unwrap();
+        let (half, mut first) = (record.time.len() / 2, None);
+        for k in 0..record.time.len() {
+            let from_s = if k < half { 0.0 } else { record.time[half] };
+            if k == half {
+                assert!(matches!(session.update(0.0, &sample(&record, &session, k)).unwrap(), Step::Refused(_)));
+                assert!(session.resume(0.0, 4.0));
+                first = session.snapshot().cloned();
+                session.take_events();
+            }
+            let time_s = record.time[k] - from_s;
+            let step = session.update(time_s, &sample(&record, &session, k)).unwrap();
+            if k < half {
+                continue;
+            }
+            assert_eq!((step, session.snapshot().unwrap().time_s), (Step::Estimated, time_s), "{method}");
+            if k == half {
+                // The first sample of the new clock starts the states; nothing is learnt from it.
+                let (before, after) = (first.as_ref().unwrap(), session.snapshot().unwrap());
+                for (before, after) in before.parameters.iter().zip(&after.parameters) {
+                    assert_eq!((before.value, before.std_error), (after.value, after.std_error), "{method}");
+                }
+                let events = session.take_events();
+                assert!(events.iter().any(|event| event.kind == EventKind::Gap && event.time_s == 0.0), "{events:?}");
+            }
+        }
+        let (before, after) = (first.unwrap(), session.snapshot().unwrap());
+        let readiness_s = after.readiness_s.unwrap();
+        assert!(readiness_s > 5.0 && readiness_s <= after.time_s, "{method}: {readiness_s}");
+        // What is learnt after it is added to what was known.
+        let narrower = before.parameters.iter().zip(&after.parameters).filter(|(b, a)| a.std_error < b.std_error);
+        assert!(narrower.count() > 0, "{method}");
+    }
+}

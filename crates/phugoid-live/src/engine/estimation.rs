@@ -4,7 +4,7 @@ use phugoid_identification::estimate::EstimateOptions;
 use phugoid_identification::model_file::ModelFile;
 use phugoid_identification::session::{Session, Step};
 
-use crate::document::{Document, DocumentKind, Publish, publish_event};
+use crate::document::{Document, DocumentKind, Publish, publish_event, seconds};
 use crate::event::{EventKind, LiveEventKind};
 use crate::link::Latency;
 use crate::receiver::Reception;
@@ -105,7 +105,7 @@ impl Estimation {
                     self.latency.add(latency_ns);
                 }
             }
-            Reception::Restart { from_s, to_s } => self.restart(from_s, to_s, now_ns, publish),
+            Reception::Restart { from_s, to_s, pause_ns } => self.restart([from_s, to_s], pause_ns, now_ns, publish),
             Reception::Event { kind, message } => publish_event(None, now_ns, &kind.into(), &message, publish),
         }
     }
@@ -154,16 +154,26 @@ impl Estimation {
         }
     }
 
-    fn restart(&mut self, from_s: f64, to_s: f64, now_ns: u64, publish: Publish<'_>) {
-        let message = format!(
-            "the sender's clock went from {from_s:.3} s to {to_s:.3} s: it was restarted; the estimation begins anew"
-        );
-        publish_event(Some(to_s), now_ns, &LiveEventKind::Restart.into(), &message, publish);
-        match Session::new(&self.model, &self.options) {
-            Ok(session) => self.session = session,
-            // The same call succeeded at the start, so this is not expected.
-            Err(error) => publish_event(None, now_ns, &LiveEventKind::Impossible.into(), &error.to_string(), publish),
+    fn restart(&mut self, [from_s, to_s]: [f64; 2], pause_ns: u64, now_ns: u64, publish: Publish<'_>) {
+        let mut kept = false;
+        if self.failure.is_none() {
+            kept = self.session.resume(to_s, seconds(pause_ns));
+        } else {
+            match Session::new(&self.model, &self.options) {
+                Ok(session) => self.session = session,
+                // The same call succeeded at the start, so this is not expected.
+                Err(error) => {
+                    publish_event(None, now_ns, &LiveEventKind::Impossible.into(), &error.to_string(), publish);
+                }
+            }
         }
+        let then = match kept {
+            true => "the parameters are kept with their bounds, the states start again",
+            false => "the estimation begins with it",
+        };
+        let message =
+            format!("the sender's clock went from {from_s:.3} s to {to_s:.3} s: it was restarted or set; {then}");
+        publish_event(Some(to_s), now_ns, &LiveEventKind::Restart.into(), &message, publish);
         self.flight += 1;
         (self.failure, self.shown_s, self.waiting) = (None, f64::NEG_INFINITY, None);
         self.readiness = ReadinessPublished::default();

@@ -1,12 +1,12 @@
 //! Frames in a stream of bytes (<https://mavlink.io/en/guide/serialization.html>).
 
 use super::definitions;
+use super::signing::{Key, SIGNATURE};
 
 const START_1: u8 = 0xFE;
 const START_2: u8 = 0xFD;
 /// Incompatibility flag of MAVLink 2: a signature of 13 bytes follows the checksum.
 const SIGNED: u8 = 0x01;
-const SIGNATURE: usize = 13;
 
 /// A frame whose checksum is right, or whose message is not known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,6 +23,8 @@ pub struct Frame<'a> {
     pub payload: &'a [u8],
     /// False if the message is not in the dialects, so that its checksum cannot be verified.
     pub known: bool,
+    /// The whole frame with its signature, if it is signed; `None` if it is not.
+    pub signed: Option<&'a [u8]>,
 }
 
 /// What stands at the beginning of a buffer. The number is always that of the bytes that it takes.
@@ -74,11 +76,12 @@ pub fn next(bytes: &[u8]) -> Found<'_> {
         _ => (at(4), at(5), at(6), u32::from_le_bytes([at(7), at(8), at(9), 0])),
     };
     let payload = frame.get(header..header + length).unwrap_or_default();
+    let signed = (trailer > 2).then_some(frame);
     let Some(message) = definitions::messages().get(&id) else {
         // The checksum cannot be verified without `CRC_EXTRA`, so the frame is accepted only if another one, or
         // nothing, follows it.
         let followed = bytes.get(whole).is_none_or(|byte| [START_1, START_2].contains(byte));
-        let frame = Frame { id, sequence, system, component, payload, known: false };
+        let frame = Frame { id, sequence, system, component, payload, known: false, signed };
         return if followed { Found::Frame(frame, whole) } else { Found::Garbage(1) };
     };
     let covered = frame.get(1..header + length).unwrap_or_default();
@@ -86,7 +89,7 @@ pub fn next(bytes: &[u8]) -> Found<'_> {
     if checksum(covered, message.crc_extra) != sent {
         return Found::BadChecksum(whole);
     }
-    Found::Frame(Frame { id, sequence, system, component, payload, known: true }, whole)
+    Found::Frame(Frame { id, sequence, system, component, payload, known: true, signed }, whole)
 }
 
 /// Hands everything in a buffer to `out` in turn, up to what may be the beginning of a frame, and returns the number of
@@ -139,12 +142,34 @@ pub fn checksum(bytes: &[u8], extra: u8) -> u16 {
 /// A MAVLink 2 frame of a known message, without signature. Zeros at the end of the payload are cut off, as the
 /// protocol requires. `None` if the message is not known or if more than 255 bytes of payload are left.
 pub fn encode(id: u32, sequence: u8, system: u8, component: u8, payload: &[u8]) -> Option<Vec<u8>> {
+    frame_of(id, [0, sequence, system, component], payload)
+}
+
+/// The same with a signature, for this number of the link and this timestamp (10 us since 2015-01-01 UTC, 48 bits).
+#[allow(clippy::too_many_arguments)] // the parts of a frame
+pub fn encode_signed(
+    id: u32,
+    sequence: u8,
+    system: u8,
+    component: u8,
+    payload: &[u8],
+    key: &Key,
+    link: u8,
+    timestamp: u64,
+) -> Option<Vec<u8>> {
+    let mut frame = frame_of(id, [SIGNED, sequence, system, component], payload)?;
+    let signature = key.sign(&frame, link, timestamp);
+    frame.extend_from_slice(&signature);
+    Some(frame)
+}
+
+fn frame_of(id: u32, [flags, sequence, system, component]: [u8; 4], payload: &[u8]) -> Option<Vec<u8>> {
     let message = definitions::messages().get(&id)?;
     let used = payload.iter().rposition(|byte| *byte != 0).map_or(1, |last| last + 1).min(payload.len());
     let payload = payload.get(..used)?;
     let length = u8::try_from(payload.len()).ok()?;
     let [low, middle, high, _] = id.to_le_bytes();
-    let mut frame = vec![START_2, length, 0, 0, sequence, system, component, low, middle, high];
+    let mut frame = vec![START_2, length, flags, 0, sequence, system, component, low, middle, high];
     frame.extend_from_slice(payload);
     let crc = checksum(frame.get(1..)?, message.crc_extra);
     frame.extend_from_slice(&crc.to_le_bytes());

@@ -10,5 +10,7 @@ pub mod frame;
 pub(crate) mod map;
 pub use debug_messages::DebugMessages;
 pub use map::MavlinkOptions;
+pub use signing::{Key, KeyError, Refusal, Verifier};
 pub mod sequence;
+mod signing;
 mod units;

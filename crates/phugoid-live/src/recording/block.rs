@@ -26,10 +26,13 @@ pub enum BlockKind {
     Closed,
     /// The reception ended normally, not by a kill.
     End,
+    /// Arrivals are missing here; the content is their number, eight bytes, little-endian.
+    Gap,
 }
 
 impl BlockKind {
-    const ALL: [Self; 6] = [Self::Header, Self::Opened, Self::Datagram, Self::Piece, Self::Closed, Self::End];
+    const ALL: [Self; 7] =
+        [Self::Header, Self::Opened, Self::Datagram, Self::Piece, Self::Closed, Self::End, Self::Gap];
 
     /// The number of the kind in the file.
     pub fn code(self) -> u8 {
@@ -40,6 +43,7 @@ impl BlockKind {
             Self::Piece => 3,
             Self::Closed => 4,
             Self::End => 5,
+            Self::Gap => 6,
         }
     }
 
@@ -69,7 +73,7 @@ impl Block {
         }
     }
 
-    /// The arrival that the block holds; `None` for the header and the end.
+    /// The arrival that the block holds; `None` for the header, the end and a gap.
     pub(super) fn arrival(self) -> Option<Arrival> {
         let text = |bytes: Vec<u8>| String::from_utf8_lossy(&bytes).into_owned();
         let content = match self.kind {
@@ -77,7 +81,7 @@ impl Block {
             BlockKind::Datagram => Content::Datagram(self.content),
             BlockKind::Piece => Content::Piece(self.content),
             BlockKind::Closed => Content::Closed(text(self.content)),
-            BlockKind::Header | BlockKind::End => return None,
+            BlockKind::Header | BlockKind::End | BlockKind::Gap => return None,
         };
         Some(Arrival { arrival_ns: self.arrival_ns, wall_ns: self.wall_ns, origin: self.origin, content })
     }

@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 /// Version of the format that is written; later ones are not read. Version 1 has no [`Header::mapped`], which is then
-/// false.
-pub const VERSION: u32 = 2;
+/// false; versions before 3 have no [`Header::sender`] and no [`Header::signed`].
+pub const VERSION: u32 = 3;
 
 /// The first block: what is needed to estimate again, with the model file as text.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -35,6 +35,12 @@ pub struct Header {
     /// this was recorded. The columns that the model file maps are not mapped once more then.
     #[serde(default)]
     pub mapped: bool,
+    /// The sender that alone was used, if one was named.
+    #[serde(default)]
+    pub sender: Option<String>,
+    /// True if every frame had to be signed with a key. The key itself is not recorded.
+    #[serde(default)]
+    pub signed: bool,
 }
 
 #[cfg(test)]

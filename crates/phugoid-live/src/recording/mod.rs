@@ -31,6 +31,7 @@
 
 mod block;
 mod header;
+mod parts;
 mod read;
 mod write;
 

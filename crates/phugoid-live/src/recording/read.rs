@@ -62,6 +62,8 @@ pub struct Damage {
     pub cut_off_bytes: u64,
     /// Whether the reception ended normally; false after a kill. Known only after the last arrival.
     pub ended: bool,
+    /// Arrivals that were not recorded because the disk was full or too slow.
+    pub lost_arrivals: u64,
 }
 
 /// Reads a recording block by block, in bounded memory, from a file or any other input.
@@ -148,6 +150,9 @@ impl<I: Read> Reader<I> {
         while let Some(block) = self.next_block()? {
             if block.kind == BlockKind::End {
                 self.damage.ended = true;
+            } else if block.kind == BlockKind::Gap {
+                let lost = block.content.first_chunk().map_or(0, |lost| u64::from_le_bytes(*lost));
+                self.damage.lost_arrivals = self.damage.lost_arrivals.saturating_add(lost);
             } else if let Some(arrival) = block.arrival() {
                 return Ok(Some(arrival));
             }

@@ -1,84 +1,124 @@
 //! Writing a recording on threads of its own, so that the estimation never waits for the disk.
 
-use std::fs::{File, OpenOptions};
+use std::fs::File;
 use std::io::{self, Write};
 use std::path::Path;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::mpsc::{self, Receiver, SyncSender, TryRecvError, TrySendError};
+use std::sync::mpsc::{self, Receiver, Sender, TryRecvError};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use super::block::{Block, BlockKind, append};
 use super::header::Header;
-use crate::arrival::{Arrival, wall_ns};
+use super::parts::{Disk, FileSystem, Parts};
+use crate::arrival::Arrival;
+use crate::budget::Budget;
 
 /// Data are handed to the operating system within this time. A kill of the program loses no more than that.
 const WRITE_WITHIN: Duration = Duration::from_millis(50);
+/// Time between two attempts while the disk takes nothing.
+const TRY_AGAIN: Duration = Duration::from_millis(250);
 /// Data are put on the disk at this interval. A loss of power loses no more than about that, if the disk does what it
 /// reports.
 const SYNC_INTERVAL: Duration = Duration::from_secs(1);
-/// Arrivals that may wait for a slow disk: 13 s at 2400 messages a second.
-const WAITING: usize = 32_768;
+/// Bytes of the arrivals that may wait for a slow or full disk: two minutes at 2400 messages a second.
+const WAITING_BYTES: usize = 64 << 20;
+/// Bytes that are written at once at most.
+const AT_ONCE: usize = 1 << 20;
 
 /// Counts of the recorder, shared with its thread.
 #[derive(Clone, Debug, Default)]
 pub struct Recorded {
     bytes: Arc<AtomicU64>,
     dropped: Arc<AtomicU64>,
-    failed: Arc<AtomicBool>,
+    failing: Arc<AtomicBool>,
+    news: Arc<Mutex<Vec<String>>>,
 }
 
 impl Recorded {
-    /// Bytes handed to the operating system so far.
+    /// Bytes handed to the operating system so far, in all parts.
     pub fn bytes(&self) -> u64 {
         self.bytes.load(Ordering::Relaxed)
     }
 
-    /// Number of arrivals that were not recorded because the disk was too slow or full.
+    /// Number of arrivals that were not recorded because the disk was too slow or full for too long.
     pub fn dropped(&self) -> u64 {
         self.dropped.load(Ordering::Relaxed)
     }
 
-    /// Whether writing has failed, as on a full disk. Nothing more is recorded then.
+    /// Whether the last attempt to write has failed, as on a full disk. It is tried again.
     pub fn failed(&self) -> bool {
-        self.failed.load(Ordering::Relaxed)
+        self.failing.load(Ordering::Relaxed)
+    }
+
+    /// What happened since the last call, as sentences for people: the disk is full, it is written again, how much was
+    /// lost, a part was removed.
+    pub fn take_news(&self) -> Vec<String> {
+        std::mem::take(&mut *self.news.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+
+    fn say(&self, sentence: String) {
+        self.news.lock().unwrap_or_else(PoisonError::into_inner).push(sentence);
     }
 }
 
 /// Writes a recording while it is received. [`write_whole`] writes one at once.
 pub struct Recorder {
-    queue: Option<SyncSender<Arrival>>,
+    queue: Option<Sender<Arrival>>,
+    budget: Arc<Budget>,
     thread: Option<JoinHandle<io::Result<()>>>,
     recorded: Recorded,
 }
 
 impl Recorder {
-    /// Creates the file and writes the header.
+    /// Creates the file and writes the header. Only the user who runs the program may read the file.
     ///
     /// # Errors
     /// [`io::ErrorKind::AlreadyExists`] if the file exists; else what the operating system says.
     pub fn create(path: &Path, header: &Header) -> io::Result<Self> {
-        let mut file = OpenOptions::new().write(true).create_new(true).open(path)?;
+        Self::create_limited(path, header, None)
+    }
+
+    /// The same with a limit of the size, bytes. It is written in parts of a quarter of it (`flight.phugoid-live`,
+    /// `flight.2.phugoid-live`, ...), each of which can be replayed alone, and the oldest is removed when a fifth
+    /// begins.
+    ///
+    /// # Errors
+    /// As [`Recorder::create`].
+    pub fn create_limited(path: &Path, header: &Header, limit: Option<u64>) -> io::Result<Self> {
+        Self::create_on(Box::new(FileSystem), path, header, limit, WAITING_BYTES)
+    }
+
+    fn create_on(
+        disk: Box<dyn Disk>,
+        path: &Path,
+        header: &Header,
+        limit: Option<u64>,
+        waiting_bytes: usize,
+    ) -> io::Result<Self> {
         let mut first = Vec::new();
         append_header(&mut first, header)?;
-        file.write_all(&first)?;
         let recorded = Recorded::default();
         recorded.bytes.store(first.len() as u64, Ordering::Relaxed);
-        let (queue, arrivals) = mpsc::sync_channel(WAITING);
-        let shared = recorded.clone();
-        let thread = std::thread::Builder::new().name("recorder".to_owned()).spawn(move || {
-            let result = write(file, &arrivals, &shared);
-            shared.failed.fetch_or(result.is_err(), Ordering::Relaxed);
-            result
-        })?;
-        Ok(Self { queue: Some(queue), thread: Some(thread), recorded })
+        let parts = Parts::create(disk, path, first, limit)?;
+        let budget = Arc::new(Budget::new(waiting_bytes));
+        // What waits is bounded in bytes.
+        let (queue, arrivals) = mpsc::channel();
+        let (shared, returned) = (recorded.clone(), Arc::clone(&budget));
+        let writing = Writing { parts, recorded: shared, budget: returned, said_dropped: 0, failing: None };
+        let thread = std::thread::Builder::new().name("recorder".to_owned()).spawn(move || writing.run(&arrivals))?;
+        Ok(Self { queue: Some(queue), budget, thread: Some(thread), recorded })
     }
 
     /// Hands over an arrival. This never waits: if the disk is too far behind, the arrival is dropped and counted.
     pub fn record(&self, arrival: Arrival) {
-        let sent = self.queue.as_ref().map(|queue| queue.try_send(arrival));
-        if let Some(Err(TrySendError::Full(_) | TrySendError::Disconnected(_))) = sent {
+        let bytes = arrival.size();
+        let Some(queue) = &self.queue else { return };
+        if !self.budget.try_take(bytes) {
+            self.recorded.dropped.fetch_add(1, Ordering::Relaxed);
+        } else if queue.send(arrival).is_err() {
+            self.budget.give_back(bytes);
             self.recorded.dropped.fetch_add(1, Ordering::Relaxed);
         }
     }
@@ -91,7 +131,7 @@ impl Recorder {
     /// Writes the arrivals that still wait and the end, and puts everything on the disk.
     ///
     /// # Errors
-    /// What the operating system said when writing failed.
+    /// What the operating system said when writing failed, also in a last attempt now.
     pub fn finish(mut self) -> io::Result<()> {
         self.queue = None;
         match self.thread.take().map(JoinHandle::join) {
@@ -136,47 +176,328 @@ fn append_arrival(buffer: &mut Vec<u8>, arrival: &Arrival) {
     append(buffer, kind, [arrival.arrival_ns, arrival.wall_ns], arrival.origin, content);
 }
 
-/// The recorder's thread: writes arrivals until their sender is gone, then the end.
-fn write(mut file: File, arrivals: &Receiver<Arrival>, recorded: &Recorded) -> io::Result<()> {
-    // Putting data on the disk may take long, so another thread does it.
-    let (sync, wanted) = mpsc::sync_channel::<()>(1);
-    let same_file = file.try_clone()?;
-    let syncing = std::thread::Builder::new().name("recorder-sync".to_owned()).spawn(move || {
-        while wanted.recv().is_ok() {
-            // If this fails, the data are still with the operating system; nothing else can be done.
-            let _ = same_file.sync_data();
-        }
-    })?;
-    let mut buffer = Vec::new();
-    let mut synced = Instant::now();
-    let result = loop {
-        // The thread sleeps most of the time, because waking up for every arrival would cost more than writing.
-        std::thread::sleep(WRITE_WITHIN / 2);
-        let ended = loop {
-            match arrivals.try_recv() {
-                Ok(arrival) => append_arrival(&mut buffer, &arrival),
-                Err(TryRecvError::Empty) => break false,
-                Err(TryRecvError::Disconnected) => {
-                    append(&mut buffer, BlockKind::End, [u64::MAX, wall_ns()], 0, &[]);
-                    break true;
+/// The recorder's thread.
+struct Writing {
+    parts: Parts,
+    recorded: Recorded,
+    budget: Arc<Budget>,
+    /// Arrivals that were dropped and have been noted in the file.
+    said_dropped: u64,
+    /// Since when nothing can be written.
+    failing: Option<Instant>,
+}
+
+impl Writing {
+    /// Writes arrivals until their sender is gone, then the end.
+    fn run(mut self, arrivals: &Receiver<Arrival>) -> io::Result<()> {
+        // Putting data on the disk may take long, so another thread does it.
+        let (sync, wanted) = mpsc::sync_channel::<File>(1);
+        let syncing = std::thread::Builder::new().name("recorder-sync".to_owned()).spawn(move || {
+            while let Ok(file) = wanted.recv() {
+                // If this fails, the data are still with the operating system; nothing else can be done.
+                let _ = file.sync_data();
+            }
+        })?;
+        let mut synced = Instant::now();
+        // Blocks that are not in the file yet, the bytes that their arrivals took in the queue, and the last stamps.
+        let (mut blocks, mut taken, mut stamps) = (Vec::new(), 0, [0, 0]);
+        let result = loop {
+            // The thread sleeps most of the time, because waking up for every arrival would cost more than writing.
+            std::thread::sleep(if self.failing.is_some() { TRY_AGAIN } else { WRITE_WITHIN / 2 });
+            let (mut ended, mut more) = (false, true);
+            while more {
+                while blocks.len() < AT_ONCE {
+                    match arrivals.try_recv() {
+                        Ok(arrival) => {
+                            taken += arrival.size();
+                            stamps = [arrival.arrival_ns, arrival.wall_ns];
+                            self.parts.note(&arrival);
+                            append_arrival(&mut blocks, &arrival);
+                        }
+                        Err(TryRecvError::Empty) => break,
+                        Err(TryRecvError::Disconnected) => {
+                            ended = true;
+                            break;
+                        }
+                    }
+                }
+                more = blocks.len() >= AT_ONCE;
+                if !self.attempt(&mut blocks, &mut taken, stamps, ended && !more) {
+                    break;
                 }
             }
+            if ended && (self.failing.is_some() || !more) {
+                break match self.failing {
+                    None => self.parts.end(),
+                    Some(_) => Err(io::Error::other(format!(
+                        "{} bytes that were received last could not be written",
+                        blocks.len()
+                    ))),
+                };
+            }
+            if synced.elapsed() >= SYNC_INTERVAL {
+                // A full queue means that the other thread is still at work.
+                let _ = self.parts.twin().map(|file| sync.try_send(file));
+                synced = Instant::now();
+            }
         };
-        if let Err(error) = file.write_all(&buffer) {
-            break Err(error);
+        drop(sync);
+        let _ = syncing.join();
+        result
+    }
+
+    /// Tries to write what waits, and says when that stops or begins to succeed. False if it did not succeed.
+    fn attempt(&mut self, blocks: &mut Vec<u8>, taken: &mut usize, stamps: [u64; 2], is_last: bool) -> bool {
+        let written = self.parts.rotate(stamps).and_then(|rotated| {
+            self.parts.write(blocks)?;
+            Ok(rotated)
+        });
+        let (further, removed) = match written {
+            Ok(rotated) => rotated,
+            Err(error) => {
+                if self.failing.is_none() {
+                    self.failing = Some(Instant::now());
+                    self.recorded.failing.store(true, Ordering::Relaxed);
+                    self.recorded.say(format!(
+                        "the recording cannot be written ({error}): it is tried again, and what comes waits meanwhile"
+                    ));
+                }
+                return false;
+            }
+        };
+        self.recorded.bytes.fetch_add(blocks.len() as u64 + further, Ordering::Relaxed);
+        self.budget.give_back(std::mem::take(taken));
+        blocks.clear();
+        if let Some(removed) = removed {
+            self.recorded.say(format!("the recording has reached its limit: {} was removed", removed.display()));
         }
-        recorded.bytes.fetch_add(buffer.len() as u64, Ordering::Relaxed);
-        buffer.clear();
-        if ended {
-            break file.sync_data();
+        let dropped = self.recorded.dropped();
+        let lost = dropped - self.said_dropped;
+        if lost > 0 {
+            // Behind what waited, where the arrivals are missing.
+            append(blocks, BlockKind::Gap, stamps, 0, &lost.to_le_bytes());
+            self.said_dropped = dropped;
         }
-        if synced.elapsed() >= SYNC_INTERVAL {
-            // A full queue means that the other thread is still at work.
-            let _ = sync.try_send(());
-            synced = Instant::now();
+        if let Some(since) = self.failing.take() {
+            self.recorded.failing.store(false, Ordering::Relaxed);
+            let seconds = since.elapsed().as_secs_f64();
+            self.recorded.say(format!("the recording goes on after {seconds:.1} s; {}", lost_words(lost)));
+        } else if lost > 0 {
+            self.recorded.say(format!("the disk is too slow for the recording; {}", lost_words(lost)));
         }
-    };
-    drop(sync);
-    let _ = syncing.join();
-    result
+        if is_last && !blocks.is_empty() && self.parts.write(blocks).is_ok() {
+            blocks.clear();
+        }
+        true
+    }
+}
+
+fn lost_words(lost: u64) -> String {
+    match lost {
+        0 => "nothing was lost".to_owned(),
+        1 => "one packet is missing in it".to_owned(),
+        lost => format!("{lost} packets are missing in it"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::arrival::Content;
+    use crate::recording::Reader;
+    use crate::recording::parts::DiskFile;
+    use std::collections::BTreeMap;
+    use std::path::PathBuf;
+
+    /// A disk in memory with room for so many bytes.
+    #[derive(Clone, Default)]
+    struct Memory(Arc<Mutex<Shelf>>);
+
+    #[derive(Default)]
+    struct Shelf {
+        files: BTreeMap<PathBuf, Vec<u8>>,
+        room: usize,
+    }
+
+    struct MemoryFile(Memory, PathBuf);
+
+    impl Memory {
+        fn room(&self, room: usize) {
+            self.0.lock().unwrap().room = room;
+        }
+
+        fn file(&self, path: &str) -> Vec<u8> {
+            self.0.lock().unwrap().files[Path::new(path)].clone()
+        }
+
+        fn names(&self) -> Vec<String> {
+            self.0.lock().unwrap().files.keys().map(|path| path.display().to_string()).collect()
+        }
+    }
+
+    impl Disk for Memory {
+        fn create(&self, path: &Path) -> io::Result<Box<dyn DiskFile>> {
+            let before = self.0.lock().unwrap().files.insert(path.to_owned(), Vec::new());
+            assert_eq!(before, None);
+            Ok(Box::new(MemoryFile(self.clone(), path.to_owned())))
+        }
+
+        fn remove(&self, path: &Path) -> io::Result<()> {
+            self.0.lock().unwrap().files.remove(path).map(|_| ()).ok_or(io::ErrorKind::NotFound.into())
+        }
+    }
+
+    impl Write for MemoryFile {
+        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+            let mut shelf = self.0.0.lock().unwrap();
+            let part = bytes.len().min(shelf.room);
+            if part == 0 && !bytes.is_empty() {
+                return Err(io::ErrorKind::StorageFull.into());
+            }
+            shelf.room -= part;
+            shelf.files.get_mut(&self.1).unwrap().extend(&bytes[..part]);
+            Ok(part)
+        }
+
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    impl DiskFile for MemoryFile {
+        fn cut(&mut self, length: u64) -> io::Result<()> {
+            self.0.0.lock().unwrap().files.get_mut(&self.1).unwrap().truncate(length as usize);
+            Ok(())
+        }
+
+        fn twin(&self) -> Option<File> {
+            None
+        }
+
+        fn sync(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    fn datagram(k: u64) -> Arrival {
+        let content = Content::Datagram(format!("row {k}, {}", "x".repeat(80)).into_bytes());
+        Arrival { arrival_ns: k, wall_ns: k, origin: 0, content }
+    }
+
+    fn opened() -> Arrival {
+        Arrival { arrival_ns: 0, wall_ns: 0, origin: 0, content: Content::Opened("udp 127.0.0.1:1".to_owned()) }
+    }
+
+    /// The arrivals in a file, and how many are missing.
+    fn read(bytes: &[u8]) -> (Vec<Arrival>, u64) {
+        let mut reader = Reader::from_input(bytes, "test").unwrap();
+        let mut arrivals = Vec::new();
+        while let Some(arrival) = reader.next_arrival().unwrap() {
+            arrivals.push(arrival);
+        }
+        let damage = reader.damage();
+        assert!(damage.skipped_bytes == 0 && damage.cut_off_bytes == 0 && damage.ended, "{damage:?}");
+        (arrivals, damage.lost_arrivals)
+    }
+
+    fn until(what: impl Fn() -> bool) {
+        let start = Instant::now();
+        while !what() {
+            assert!(start.elapsed() < Duration::from_secs(60), "it does not come");
+            std::thread::sleep(Duration::from_millis(5));
+        }
+    }
+
+    #[test]
+    fn a_recording_goes_on_after_a_full_disk_and_says_what_is_missing() {
+        for waiting_bytes in [usize::MAX, 20_000] {
+            let disk = Memory::default();
+            // Full in the middle of a block.
+            disk.room(1234);
+            let recorder =
+                Recorder::create_on(Box::new(disk.clone()), Path::new("f"), &Header::default(), None, waiting_bytes);
+            let recorder = recorder.unwrap();
+            let recorded = recorder.recorded();
+            (0..100).for_each(|k| recorder.record(datagram(k)));
+            until(|| recorded.failed());
+            (100..1000).for_each(|k| recorder.record(datagram(k)));
+            assert!(recorded.take_news()[0].contains("tried again"));
+            disk.room(1 << 30);
+            until(|| !recorded.failed());
+            (1000..1100).for_each(|k| recorder.record(datagram(k)));
+            let dropped = recorded.dropped();
+            recorder.finish().unwrap();
+            let (arrivals, lost) = read(&disk.file("f"));
+            assert_eq!((lost, arrivals.len() as u64), (dropped, 1100 - dropped));
+            assert_eq!(dropped > 0, waiting_bytes != usize::MAX);
+            // Before and after it nothing is missing.
+            let kept: Vec<u64> = arrivals.iter().map(|arrival| arrival.arrival_ns).collect();
+            assert!(
+                kept.starts_with(&(0..100).collect::<Vec<_>>()) && kept.ends_with(&(1000..1100).collect::<Vec<_>>())
+            );
+            let news = recorded.take_news().concat();
+            assert!(news.contains("goes on") && news.contains("nothing was lost") == (dropped == 0), "{news}");
+        }
+    }
+
+    #[test]
+    fn a_disk_that_stays_full_is_an_error_at_the_end() {
+        let disk = Memory::default();
+        disk.room(1000);
+        let recorder = Recorder::create_on(Box::new(disk), Path::new("f"), &Header::default(), None, 1 << 20).unwrap();
+        (0..100).for_each(|k| recorder.record(datagram(k)));
+        assert!(recorder.finish().unwrap_err().to_string().contains("could not be written"));
+    }
+
+    #[test]
+    fn with_a_limit_the_oldest_part_goes_and_each_can_be_read_alone() {
+        let disk = Memory::default();
+        disk.room(1 << 30);
+        let path = Path::new("a.b");
+        let recorder = Recorder::create_on(Box::new(disk.clone()), path, &Header::default(), Some(40_000), 1 << 30);
+        let recorder = recorder.unwrap();
+        let recorded = recorder.recorded();
+        recorder.record(opened());
+        let header = Content::Datagram(b"time_s,alpha_deg\n0,1".to_vec());
+        recorder.record(Arrival { arrival_ns: 0, wall_ns: 0, origin: 0, content: header });
+        for k in 0..1000 {
+            recorder.record(datagram(k));
+            if k % 50 == 0 {
+                let before = recorded.bytes();
+                until(|| recorded.bytes() > before);
+            }
+        }
+        recorder.finish().unwrap();
+        let names = disk.names();
+        assert_eq!(names.len(), 4, "{names:?}");
+        assert!(!names.contains(&"a.b".to_owned()) && names.iter().all(|name| name.starts_with("a.")), "{names:?}");
+        let mut last = None;
+        let mut numbers: Vec<u32> = names.iter().map(|name| name.split('.').nth(1).unwrap().parse().unwrap()).collect();
+        numbers.sort_unstable();
+        for number in numbers {
+            let bytes = disk.file(&format!("a.{number}.b"));
+            assert!(bytes.len() < 20_000, "{}", bytes.len());
+            let (arrivals, _) = read(&bytes);
+            assert_eq!(arrivals[0].content, opened().content);
+            assert_eq!(arrivals[1].content, Content::Datagram(b"time_s,alpha_deg\n".to_vec()));
+            // One part goes on where the one before it ends.
+            let first = arrivals[2].arrival_ns;
+            assert!(last.is_none_or(|last| first == last + 1), "{last:?} {first}");
+            last = arrivals.last().map(|arrival| arrival.arrival_ns);
+        }
+        assert_eq!(last, Some(999));
+        assert!(recorded.take_news().iter().any(|text| text.contains("a.b was removed")));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn only_the_user_may_read_the_file() {
+        use std::os::unix::fs::PermissionsExt;
+
+        let path = std::env::temp_dir().join(format!("phugoid-mode-{}", std::process::id()));
+        let _ = std::fs::remove_file(&path);
+        Recorder::create(&path, &Header::default()).unwrap().finish().unwrap();
+        assert_eq!(std::fs::metadata(&path).unwrap().permissions().mode() & 0o777, 0o600);
+        std::fs::remove_file(&path).unwrap();
+    }
 }

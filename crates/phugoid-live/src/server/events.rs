@@ -7,35 +7,42 @@ use std::time::Duration;
 
 use hyper::body::{Body, Bytes, Frame};
 use tokio::sync::mpsc;
+use tokio::task::AbortHandle;
 
 use super::hub::Hub;
 
 /// Events that may wait for the connection of a client. Further ones stay in the hub, which may leave them out.
 const WAITING: usize = 16;
-/// A connection that takes nothing for this long is closed.
-const STUCK: Duration = Duration::from_secs(30);
 /// Interval of the comments that keep a connection without events open.
 const ALIVE: Duration = Duration::from_secs(15);
 
 /// The body of a response that goes on as long as there are documents.
 pub(super) struct Events {
     frames: mpsc::Receiver<Bytes>,
+    /// Brings the documents; ends with the connection.
+    pump: AbortHandle,
+}
+
+impl Drop for Events {
+    fn drop(&mut self) {
+        self.pump.abort();
+    }
 }
 
 impl Events {
     pub(super) fn new(hub: Hub) -> Self {
         let (sender, frames) = mpsc::channel(WAITING);
-        tokio::spawn(async move {
-            // It ends when the client has gone or takes nothing.
+        let pump = tokio::spawn(async move {
+            // It ends when the client has gone.
             let _: Option<()> = pump(&hub, &sender).await;
         });
-        Self { frames }
+        Self { frames, pump: pump.abort_handle() }
     }
 }
 
 async fn pump(hub: &Hub, client: &mpsc::Sender<Bytes>) -> Option<()> {
-    let send =
-        |text: String| async move { tokio::time::timeout(STUCK, client.send(Bytes::from(text))).await.ok()?.ok() };
+    // A client that takes nothing is given up by its connection.
+    let send = |text: String| async move { client.send(Bytes::from(text)).await.ok() };
     let mut changes = hub.watch();
     let (past, mut place) = hub.new_client();
     for document in past {

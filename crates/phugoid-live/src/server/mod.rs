@@ -2,14 +2,16 @@
 //! client.
 
 mod access;
+mod connections;
 mod events;
 mod hub;
+mod patient;
 
 use std::convert::Infallible;
 use std::io;
 use std::net::{SocketAddr, TcpListener};
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use http_body_util::{Either, Full};
 use hyper::body::{Bytes, Incoming};
@@ -17,17 +19,26 @@ use hyper::header::{self, HeaderValue};
 use hyper::service::service_fn;
 use hyper::{Method, Request, Response, StatusCode};
 use hyper_util::rt::{TokioIo, TokioTimer};
-use tokio::sync::Semaphore;
 
 use crate::page::ASSETS;
 pub use access::{Access, random_token};
+use connections::{Connections, Place, Stage};
 use events::Events;
 pub use hub::Hub;
+use patient::Patient;
 
-/// Connections at one time; further ones wait until one ends.
-const CONNECTIONS: usize = 64;
 /// A connection whose request has not come after this time is closed.
 const REQUEST_WITHIN: Duration = Duration::from_secs(10);
+/// A connection that takes nothing of what is sent to it for this long is closed.
+const STUCK: Duration = Duration::from_secs(10);
+/// Bytes of a request, and of an answer that wait for the operating system, per connection.
+const WAITING_BYTES: usize = 32 << 10;
+/// Connections that wait to be accepted; the operating system may allow fewer.
+#[cfg(unix)]
+const BACKLOG: i32 = 4096;
+/// Bytes that the operating system is asked to hold for a slow reader, per connection.
+#[cfg(unix)]
+const SYSTEM_BYTES: usize = 128 << 10;
 
 /// What the server gives.
 #[derive(Clone)]
@@ -73,6 +84,9 @@ impl Server {
             ));
         }
         let listener = TcpListener::bind(address)?;
+        // With the usual 128 a burst of short connections makes the system turn new readers away for a second and more.
+        #[cfg(unix)]
+        rustix::net::listen(&listener, BACKLOG)?;
         listener.set_nonblocking(true)?;
         Ok(Self { listener, access: Access::new(token) })
     }
@@ -112,29 +126,42 @@ impl Server {
 async fn serve(server: Server, content: Content) -> io::Result<()> {
     let listener = tokio::net::TcpListener::from_std(server.listener)?;
     let access = Arc::new(server.access);
-    let places = Arc::new(Semaphore::new(CONNECTIONS));
+    let connections = Connections::default();
     loop {
-        let Ok(place) = Arc::clone(&places).acquire_owned().await else { return Ok(()) };
-        let stream = match listener.accept().await {
-            Ok((stream, _)) => stream,
+        let (stream, from) = match listener.accept().await {
+            Ok(accepted) => accepted,
             Err(_) => {
                 // For example too many open files. Later connections may succeed.
                 tokio::time::sleep(Duration::from_millis(100)).await;
                 continue;
             }
         };
+        // Without it the system may hold megabytes for a reader that does not read.
+        #[cfg(unix)]
+        let _ = rustix::net::sockopt::set_socket_send_buffer_size(&stream, SYSTEM_BYTES);
         let (content, access) = (content.clone(), Arc::clone(&access));
-        tokio::spawn(async move {
+        let place = Arc::new(connections.place(from.ip().to_canonical(), Instant::now()));
+        let number = place.number();
+        let task = tokio::spawn(async move {
+            let (asking, writing) = (Arc::clone(&place), Arc::clone(&place));
             let answer = service_fn(move |request| {
+                asking.reaches(Stage::Answered);
                 let response = answer(&request, &content, &access);
                 async move { Ok::<_, Infallible>(response) }
             });
             let mut http = hyper::server::conn::http1::Builder::new();
-            http.timer(TokioTimer::new()).header_read_timeout(REQUEST_WITHIN);
+            // One request each: a connection that has been answered holds no place.
+            http.timer(TokioTimer::new()).header_read_timeout(REQUEST_WITHIN).keep_alive(false);
+            http.max_buf_size(WAITING_BYTES);
+            let stuck = move |stuck| writing.reaches(if stuck { Stage::Stuck } else { Stage::Answered });
+            let stream = Patient::new(stream, STUCK, stuck);
             // The error of a client that broke off needs no action.
             let _ = http.serve_connection(TokioIo::new(stream), answer).await;
             drop(place);
         });
+        Place::is_served_by(&connections, number, task.abort_handle());
+        // The requests of those that were accepted are read before the next one is.
+        tokio::task::yield_now().await;
     }
 }
 

@@ -2,7 +2,11 @@
 
 mod network;
 mod outlet;
+#[cfg(target_os = "linux")]
+mod own_socket;
+mod peers;
 mod replay;
+mod sender;
 mod serial;
 mod spec;
 mod stream;
@@ -12,8 +16,12 @@ use std::io;
 pub use outlet::Outlet;
 use outlet::Run;
 pub use replay::{Pace, Replay, ReplayError};
+pub use sender::{SenderError, SenderSpec};
 pub use spec::{SourceSpec, SpecError};
 use stream::read_all;
+
+/// Name of the sender that stands for all senders which are not told apart. It is never used.
+pub(crate) const FURTHER_SENDERS: &str = "further senders, which are not told apart";
 
 /// A source that has been opened and can be run once.
 pub struct Source {
@@ -29,13 +37,22 @@ impl Source {
     /// # Errors
     /// What the operating system says: an address in use, a device that is missing or is no serial line.
     pub fn open(spec: &SourceSpec) -> io::Result<Self> {
+        Self::open_for(spec, None)
+    }
+
+    /// The same for one sender alone, if one is given: others that send to the same port are counted and not used.
+    ///
+    /// # Errors
+    /// As [`Source::open`].
+    pub fn open_for(spec: &SourceSpec, sender: Option<&SenderSpec>) -> io::Result<Self> {
+        let wanted = sender.cloned();
         let (run, spec): (Run, SourceSpec) = match spec {
             SourceSpec::Udp(address) => {
-                let (run, here) = network::udp(address)?;
+                let (run, here) = network::udp(address, wanted)?;
                 (run, SourceSpec::Udp(here))
             }
             SourceSpec::TcpListen(address) => {
-                let (run, here) = network::tcp_listen(address)?;
+                let (run, here) = network::tcp_listen(address, wanted)?;
                 (run, SourceSpec::TcpListen(here))
             }
             SourceSpec::Tcp(address) => (network::tcp_connect(address.clone()), spec.clone()),

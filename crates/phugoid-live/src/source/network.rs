@@ -2,62 +2,118 @@
 
 use std::io;
 use std::net::{SocketAddr, TcpListener, TcpStream, UdpSocket};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
-use super::outlet::{LOOK, Run};
+use super::outlet::{LOOK, Outlet, Run};
+#[cfg(target_os = "linux")]
+use super::own_socket;
+use super::peers::{FURTHER, PEERS, Peers, Place};
 use super::stream::{DATAGRAM, pieces, waits};
+use super::{FURTHER_SENDERS, SenderSpec};
 use crate::arrival::Content;
 
-/// Senders that are distinguished at one time.
-const PEERS: u16 = 64;
 /// Time before a lost connection is tried again.
 const RETRY_AFTER: Duration = Duration::from_secs(1);
 
-/// Receives datagrams that are sent to an address. The second value is that address with the port that the operating
-/// system chose, if 0 was asked for.
-pub(super) fn udp(address: &SocketAddr) -> io::Result<(Run, SocketAddr)> {
+/// Receives datagrams that are sent to an address; only those of `wanted`, if that is given, are told apart. The second
+/// value is that address with the port that the operating system chose, if 0 was asked for.
+pub(super) fn udp(address: &SocketAddr, wanted: Option<SenderSpec>) -> io::Result<(Run, SocketAddr)> {
     let socket = UdpSocket::bind(address)?;
     socket.set_read_timeout(Some(LOOK))?;
     let here = socket.local_addr()?;
     let run: Run = Box::new(move |outlet| {
-        let mut bytes = vec![0; DATAGRAM];
-        let mut peers: Vec<SocketAddr> = Vec::new();
-        let mut next = 0;
-        while !outlet.stopped() {
-            match socket.recv_from(&mut bytes) {
-                Ok((read, from)) => {
-                    let origin = match peers.iter().position(|peer| *peer == from) {
-                        Some(known) => known,
-                        None => {
-                            // A sender that restarts often uses many ports, so the oldest sender is forgotten.
-                            let place = next % usize::from(PEERS);
-                            next += 1;
-                            match peers.get_mut(place) {
-                                Some(peer) => *peer = from,
-                                None => peers.push(from),
-                            }
-                            if !outlet.put(place as u16, Content::Opened(format!("udp {from}"))) {
-                                return;
-                            }
-                            place
-                        }
-                    };
-                    let datagram = bytes.get(..read).unwrap_or_default().to_vec();
-                    if !outlet.put(origin as u16, Content::Datagram(datagram)) {
-                        return;
-                    }
-                }
-                Err(error) if waits(&error) => {}
-                // Linux reports here that an earlier packet of this socket found no receiver.
-                Err(error) if error.kind() == io::ErrorKind::ConnectionRefused => {}
-                Err(error) => {
-                    outlet.put(0, Content::Closed(format!("receiving failed: {error}")));
-                    return;
-                }
-            }
+        let mut reception = Reception { bytes: vec![0; DATAGRAM], peers: Peers::new(wanted, Instant::now()), outlet };
+        if let Err(error) = reception.run(&socket) {
+            outlet.put(0, Content::Closed(format!("receiving failed: {error}")));
         }
     });
     Ok((run, here))
+}
+
+/// The reception of datagrams.
+struct Reception<'a> {
+    bytes: Vec<u8>,
+    peers: Peers,
+    outlet: &'a Outlet,
+}
+
+/// Datagrams that are taken at once from the socket of all senders, before that of the one in use is looked at.
+#[cfg(target_os = "linux")]
+const AT_ONCE: usize = 64;
+/// Datagrams of the sender in use that may still be at the socket of all when it gets its own: no buffer holds more.
+#[cfg(target_os = "linux")]
+const BEFORE: usize = 65_536;
+
+impl Reception<'_> {
+    /// Receives until the source has to end.
+    #[cfg(not(target_os = "linux"))]
+    fn run(&mut self, socket: &UdpSocket) -> io::Result<()> {
+        while !self.outlet.stopped() && self.take(socket, 1)?.is_some() {}
+        Ok(())
+    }
+
+    /// The same, with a socket of its own for the sender in use.
+    #[cfg(target_os = "linux")]
+    fn run(&mut self, socket: &UdpSocket) -> io::Result<()> {
+        socket.set_nonblocking(true)?;
+        let mut own: Option<(SocketAddr, Option<UdpSocket>)> = None;
+        while !self.outlet.stopped() {
+            let used = self.outlet.attention.pinned().and_then(|origin| self.peers.address(origin));
+            if own.as_ref().map(|(address, _)| *address) != used {
+                own = used.map(|address| (address, own_socket::open(socket, address).ok()));
+                // What came before has to go before.
+                if own.is_some() && self.take(socket, BEFORE)?.is_none() {
+                    return Ok(());
+                }
+            }
+            let its = own.as_ref().and_then(|(_, its)| its.as_ref());
+            let of_own = its.map_or(Ok(Some(0)), |its| self.take(its, usize::MAX))?;
+            let (Some(of_own), Some(of_all)) = (of_own, self.take(socket, AT_ONCE)?) else { return Ok(()) };
+            if of_own + of_all == 0 {
+                own_socket::wait(socket, its, LOOK);
+            }
+        }
+        Ok(())
+    }
+
+    /// Takes datagrams until there is none, but no more than `most`; gives their number, or `None` if the source has to
+    /// end.
+    fn take(&mut self, socket: &UdpSocket, most: usize) -> io::Result<Option<usize>> {
+        for taken in 0..most {
+            if self.outlet.stopped() {
+                return Ok(None);
+            }
+            match socket.recv_from(&mut self.bytes) {
+                Ok((read, from)) => {
+                    if !self.pass(read, from) {
+                        return Ok(None);
+                    }
+                }
+                Err(error) if waits(&error) => return Ok(Some(taken)),
+                // Linux reports here that an earlier packet of this socket found no receiver.
+                Err(error) if error.kind() == io::ErrorKind::ConnectionRefused => {}
+                Err(error) => return Err(error),
+            }
+        }
+        Ok(Some(most))
+    }
+
+    /// Passes a datagram of `read` bytes on; false if the source has to end.
+    fn pass(&mut self, read: usize, from: SocketAddr) -> bool {
+        let origin = match self.peers.place(from, Instant::now(), &self.outlet.attention) {
+            Place::Nowhere => return true,
+            Place::Known(origin) => origin,
+            Place::New(origin) => {
+                let name = if origin == FURTHER { FURTHER_SENDERS.to_owned() } else { format!("udp {from}") };
+                if !self.outlet.put(origin, Content::Opened(name)) {
+                    return false;
+                }
+                origin
+            }
+        };
+        let datagram = self.bytes.get(..read).unwrap_or_default().to_vec();
+        self.outlet.put(origin, Content::Datagram(datagram))
+    }
 }
 
 /// Connects to a server, and connects again whenever the connection is lost.
@@ -89,7 +145,8 @@ pub(super) fn tcp_connect(address: String) -> Run {
 }
 
 /// Waits for connections, each of which is a sender of its own. The second value is the address on which it listens.
-pub(super) fn tcp_listen(address: &SocketAddr) -> io::Result<(Run, SocketAddr)> {
+/// A connection of another one than `wanted`, if that is given, is closed at once.
+pub(super) fn tcp_listen(address: &SocketAddr, wanted: Option<SenderSpec>) -> io::Result<(Run, SocketAddr)> {
     let listener = TcpListener::bind(address)?;
     listener.set_nonblocking(true)?;
     let here = listener.local_addr()?;
@@ -109,6 +166,10 @@ pub(super) fn tcp_listen(address: &SocketAddr) -> io::Result<(Run, SocketAddr)> 
                     continue;
                 }
             };
+            if wanted.as_ref().is_some_and(|wanted| !wanted.is(from)) {
+                outlet.attention.throw_away();
+                continue;
+            }
             let free = |thread: &Option<std::thread::JoinHandle<()>>| {
                 thread.as_ref().is_none_or(std::thread::JoinHandle::is_finished)
             };

@@ -135,6 +135,9 @@ fn damage(damage: Damage) -> Option<String> {
     if damage.cut_off_bytes > 0 {
         findings.push(format!("the last block was cut off ({} bytes)", damage.cut_off_bytes));
     }
+    if damage.lost_arrivals > 0 {
+        findings.push(format!("{} packets were not recorded, for want of disk", damage.lost_arrivals));
+    }
     if !damage.ended {
         findings.push("the recording was not ended in order, as after a kill".to_owned());
     }

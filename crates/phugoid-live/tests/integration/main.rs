@@ -4,6 +4,9 @@
 #[path = "../../../../tests/telemetry.rs"]
 mod telemetry;
 
+mod attacks;
 mod documents;
+#[cfg(feature = "server")]
+mod page;
 mod replay;
 mod view;

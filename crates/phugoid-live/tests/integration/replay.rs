@@ -75,14 +75,21 @@ fn model() -> ModelFile {
 }
 
 fn engine() -> Engine {
-    Engine::new(&model(), &EstimateOptions::default(), &ReceiverOptions::default(), "test")
-        .unwrap()
-        .with_every_estimate()
+    engine_with(&ReceiverOptions::default())
+}
+
+fn engine_with(options: &ReceiverOptions) -> Engine {
+    Engine::new(&model(), &EstimateOptions::default(), options, "test").unwrap().with_every_estimate()
 }
 
 /// Everything that is published of arrivals; timers run every `timer_ns` as in flight, or not at all as in a replay.
-fn published(arrivals: &[Arrival], timer_ns: Option<u64>) -> Vec<String> {
-    let mut engine = engine();
+pub(crate) fn published(arrivals: &[Arrival], timer_ns: Option<u64>) -> Vec<String> {
+    published_with(&ReceiverOptions::default(), arrivals, timer_ns)
+}
+
+/// The same with these options of the reception.
+pub(crate) fn published_with(options: &ReceiverOptions, arrivals: &[Arrival], timer_ns: Option<u64>) -> Vec<String> {
+    let mut engine = engine_with(options);
     let mut documents = Vec::new();
     let mut publish = |kind: DocumentKind, text: &str| {
         if kind != DocumentKind::Link {
@@ -104,11 +111,11 @@ fn published(arrivals: &[Arrival], timer_ns: Option<u64>) -> Vec<String> {
     documents
 }
 
-fn last(documents: &[String]) -> Value {
+pub(crate) fn last(documents: &[String]) -> Value {
     serde_json::from_str(documents.last().unwrap()).unwrap()
 }
 
-fn count(documents: &[String], kind: &str) -> usize {
+pub(crate) fn count(documents: &[String], kind: &str) -> usize {
     documents.iter().filter(|text| text.contains(&format!("\"type\":\"{kind}\""))).count()
 }
 

@@ -22,7 +22,8 @@ use crate::preparation::prepare::prepare_start;
 
 /// A running method, behind one interface for all motions and sizes of the estimator.
 pub(super) trait Course: Send {
-    /// Takes the values of a sample, in the order of the session's channels, and brings the snapshot up to it.
+    /// Takes the values of a sample, in the order of the session's channels, and brings the snapshot up to it. Times
+    /// are those of the estimator, which increase even if the sender's clock is set back.
     ///
     /// # Errors
     /// [`EstimateError::Model`] if the settings are refused where the estimation starts anew with the first motion.
@@ -33,6 +34,9 @@ pub(super) trait Course: Send {
         snapshot: &mut Snapshot,
         events: &mut Vec<Event>,
     ) -> Result<(), EstimateError>;
+
+    /// After an interval without samples that is longer than this, s, the states start again from the measurements.
+    fn maximum_gap_s(&self) -> f64;
 }
 
 /// Sets the method up from the beginning of a flight; the second value is the number of samples at the beginning that
@@ -139,6 +143,10 @@ impl<M: Motion<N, R>, const N: usize, const R: usize> Course for Running<M, N, R
         self.run.step(&sample, &mut surfaces, events)?;
         self.show(&sample.outputs, snapshot);
         Ok(())
+    }
+
+    fn maximum_gap_s(&self) -> f64 {
+        self.run.maximum_gap_s()
     }
 }
 
