@@ -12,7 +12,7 @@ use crate::core::estimation::{
 };
 use crate::judge::contradiction::{self, Unsettled};
 use crate::judge::equations::Equations;
-use crate::judge::{explained, fit, input_noise, integrity, physics};
+use crate::judge::{attitude, explained, fit, input_noise, integrity, physics};
 use crate::methods::{Run, Task};
 use crate::model_file::{ModelFile, Role};
 use crate::motion::Motion;
@@ -37,6 +37,10 @@ pub(crate) fn reasons<M: Motion<N, R>, const N: usize, const R: usize>(
         found.extend(contradiction::reasons(&history.time_s, &history.residuals, equations, &unsettled_s, &learnt));
         found.extend(run.batch.iter().flat_map(|report| fit::reasons(task.method(), task.file, history, report)));
         found.extend(run.noise.and_then(|_| explained::reason(history)));
+        found.extend(run.noise.and_then(|learnt| {
+            let outputs = M::AXES.outputs().iter().zip(task.noise).zip(learnt.std);
+            attitude::reason(outputs.map(|((output, noise), learnt)| (*output, noise.std, learnt)))
+        }));
         found.extend(input_noise::reason(&task.prepared.surface_noise));
         found.extend(integrity::reason(record, task));
         found.extend(unsettled(parameters, run));
