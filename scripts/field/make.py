@@ -24,7 +24,7 @@ import instruments
 import model_file
 import truth
 from aircraft import FLEET
-from catalogue import SAMPLE, flights
+from catalogue import REPETITIONS, SAMPLE, flights
 from fly import Plan, fly
 from simulator import Simulator
 
@@ -122,6 +122,11 @@ def main() -> None:
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
     parser.add_argument("--step", type=float, default=1 / 600, help="step of the simulation, s")
     arguments = parser.parse_args()
+    if arguments.repetition is not None:
+        if arguments.split is None:
+            parser.error("--repetition needs --split: both parts would have the same flights")
+        if arguments.repetition in sum(REPETITIONS.values(), ()):
+            parser.error(f"--repetition {arguments.repetition} is one of those of the field itself")
     began = time.time()
     splits = ("develop",) if arguments.sample else (arguments.split,) if arguments.split else ("develop", "look-once")
     aircraft = list(SAMPLE) if arguments.sample else arguments.aircraft

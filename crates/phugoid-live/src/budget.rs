@@ -22,7 +22,7 @@ impl Budget {
     /// Takes so many bytes if they are free. An entry that is larger than the limit gets it all.
     pub(crate) fn try_take(&self, bytes: usize) -> bool {
         let mut used = self.lock();
-        let fits = *used == 0 || used.saturating_add(bytes) <= self.limit;
+        let fits = self.fits(*used, bytes);
         if fits {
             *used = used.saturating_add(bytes);
         }
@@ -31,17 +31,20 @@ impl Budget {
 
     /// Waits until so many bytes are free, and takes them; false if `give_up` says so before.
     pub(crate) fn take(&self, bytes: usize, give_up: &dyn Fn() -> bool) -> bool {
-        while !self.try_take(bytes) {
+        let mut used = self.lock();
+        while !self.fits(*used, bytes) {
             if give_up() {
                 return false;
             }
-            let used = self.lock();
-            let fits = *used == 0 || used.saturating_add(bytes) <= self.limit;
-            if !fits {
-                drop(self.freed.wait_timeout(used, LOOK));
-            }
+            let waited = self.freed.wait_timeout(used, LOOK);
+            used = waited.unwrap_or_else(std::sync::PoisonError::into_inner).0;
         }
+        *used = used.saturating_add(bytes);
         true
+    }
+
+    fn fits(&self, used: usize, bytes: usize) -> bool {
+        used == 0 || used.saturating_add(bytes) <= self.limit
     }
 
     /// Gives bytes back that were taken.

@@ -6,6 +6,8 @@
 //! time that is further ahead, or that lies back, has leapt. It is left out, and only followed once samples that come
 //! one after another agree with it for a while of arrival, with none of the former time between them.
 
+use crate::document::seconds;
+
 /// A time that is earlier than the last one by more than this, s, has leapt back; by less, the sample is late.
 const RESTART_S: f64 = 1.0;
 /// A leap ahead that is followed is a gap of the data up to this length, s; a longer one is another time scale.
@@ -196,11 +198,6 @@ impl Leap {
         let step_s = time_s - self.last_s;
         step_s > 0.0 && step_s <= seconds(arrival_ns.saturating_sub(self.last_ns)) + jitter_s
     }
-}
-
-/// Nanoseconds as seconds.
-fn seconds(ns: u64) -> f64 {
-    ns as f64 / 1e9
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use phugoid_flight_data::memory::Memory;
 use phugoid_identification::method::Method;
 use phugoid_live::source::{SenderSpec, SourceSpec};
 
@@ -113,14 +114,8 @@ fn speed(text: &str) -> Result<Speed, String> {
 }
 
 fn size(text: &str) -> Result<u64, String> {
-    let digits = text.trim_end_matches(|c: char| !c.is_ascii_digit());
-    let factor = match text.get(digits.len()..).unwrap_or_default().trim().to_ascii_uppercase().as_str() {
-        "MB" => 1_000_000,
-        "GB" => 1_000_000_000,
-        _ => 0,
-    };
-    match digits.parse::<u64>().ok().and_then(|number| number.checked_mul(factor)) {
-        Some(bytes) if bytes >= 4_000_000 => Ok(bytes),
+    match text.parse::<Memory>() {
+        Ok(size) if size.bytes() >= 4_000_000 => Ok(size.bytes()),
         _ => Err("write a number of MB or GB, as in 500MB or 2GB, at least 4MB".to_owned()),
     }
 }
