@@ -37,6 +37,10 @@ pub(crate) struct Estimate {
     /// A flight to test the result on: its outputs are predicted with the parameters that a batch method has estimated
     #[arg(long, value_name = "FLIGHT.csv")]
     pub(crate) predict: Option<PathBuf>,
+    /// Let a batch method take all noise for Gaussian, so that an outlier counts with the square of its residual. Without
+    /// this a value more than three sigmas from the model counts the less the further away it is
+    #[arg(long)]
+    pub(crate) gaussian: bool,
     #[command(flatten)]
     pub(crate) reading: Reading,
     /// Do not look for sudden changes of the coefficients

@@ -7,13 +7,16 @@ use phugoid_estimators::{Input, LinearizedOutputs, LinearizedRates, Model};
 use super::differentiate::LocalCubics;
 use super::error::BatchError;
 use super::layout::Layout;
+use super::loss::Loss;
 use super::optimise::OptimiserSettings;
 use super::problem::{Bias, Manoeuvre, Noise, Structure};
 use super::regression::{Equation, equations};
 use super::relaxation::{self, Fitted};
 use super::response::Rows;
 use super::result::{BatchFit, UnknownKind};
+use super::start::Stretch;
 use super::summary::{Summary, summarise};
+use crate::preparation::noise::{measure_noise, without_outliers};
 
 /// Settings of [`equation_error`]: the differentiation of the measured states, and which equations and terms are used.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,8 +24,9 @@ pub struct EquationErrorSettings {
     /// Samples this far to each side make one value of a state and its slope, s. It should be short against the motion
     /// (a tenth of the short period) and hold at least three samples.
     pub half_window_s: f64,
-    /// Use smoothed states in the regressors; otherwise the measured ones, which is right for noise-free data only:
-    /// noise in a regressor biases its derivative towards zero.
+    /// Smooth both sides of the equations alike; otherwise measured accelerations and the states in the regressors are
+    /// taken as they are, which is right for noise-free data only: noise in a regressor biases its derivative towards
+    /// zero.
     pub smooth_regressors: bool,
     /// Use every equation that has a measured left side. Otherwise a state's rate is differentiated only where a
     /// parameter needs it: a measured acceleration is better than a numerical one.
@@ -59,8 +63,10 @@ pub struct EquationErrorFit {
 /// y_i - h_i(x, 0, u)                        = D_i(x, u) theta + e_i          a measured acceleration
 /// ```
 ///
-/// Differentiation rounds corners; the right side of a state's equation is integrated and differentiated in the same
-/// way, so that both sides agree whatever the window. Each equation has its own residual variance, found with the
+/// Smoothing and differentiation round corners. The right side of a state's equation is therefore integrated and
+/// differentiated in the same way, and both sides of a measured acceleration are smoothed in the same way, so that they
+/// agree whatever the window, and however quick the aircraft. Samples of a state or acceleration that stand out of their
+/// neighbours by eight sigmas of its noise are left out. Each equation has its own residual variance, found with the
 /// parameters. States that no output measures, and equations whose left side is nowhere measured, are refused or left
 /// out. Nothing is integrated and no start values are needed, so that it cannot diverge; its result can start the other
 /// methods. Noise in the states biases it (docs/methods.md, measured).
@@ -91,8 +97,7 @@ where
             channel.bias = Bias::None;
         }
     }
-    let states = vec![[0.0; N]; manoeuvres.len()];
-    let layout: Layout<N> = Layout::new(&held, manoeuvres, states);
+    let layout: Layout<N> = Layout::new(&held, manoeuvres, nothing_integrated(manoeuvres));
     let every: Vec<Rows<R>> = rows_of(manoeuvres, &smoothed, &layout, &layout.start(), &[true; R]);
     let wanted = if settings.every_equation { [true; R] } else { needed(manoeuvres, &every, &layout) };
     let residuals = |unknowns: &[f64]| Ok(rows_of(manoeuvres, &smoothed, &layout, unknowns, &wanted));
@@ -100,7 +105,8 @@ where
     // The equations are linear in the parameters: only the weights have to be iterated.
     let search = OptimiserSettings { step_tolerance: 1e-6, ..OptimiserSettings::default() };
     let noise = [Noise::Estimated; R];
-    let minimum = relaxation::fit(&layout.places, layout.start(), &noise, &floor, &search, residuals)?;
+    let loss = Loss::of(structure.likelihood);
+    let minimum = relaxation::fit(&layout.places, layout.start(), &noise, &floor, loss, &search, residuals)?;
     let Fitted { rows, noise_std } = &minimum.evaluation.detail;
     let fit = summarise(&Summary {
         method: "equation-error",
@@ -143,22 +149,37 @@ where
     }
     let manoeuvres = std::slice::from_ref(manoeuvre);
     let measured = [Measured::of(manoeuvre, &held, settings)?];
-    let layout: Layout<N> = Layout::new(&held, manoeuvres, vec![[0.0; N]]);
+    let layout: Layout<N> = Layout::new(&held, manoeuvres, nothing_integrated(manoeuvres));
     let rows = rows_of(manoeuvres, &measured, &layout, &layout.start(), &[true; R]);
     rows.into_iter().next().ok_or_else(|| BatchError::BadInput("there is no manoeuvre".to_owned()))
 }
 
-/// The states of one manoeuvre as measured, and their slopes.
-struct Measured<const N: usize> {
-    /// By sample; NaN near the ends and where not measured.
+/// The equations take the states as they were measured, and have no use for where an integration would start.
+fn nothing_integrated<M, I, const N: usize, const R: usize>(
+    manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
+) -> Vec<Vec<Stretch<N>>> {
+    let stretch = |m: &Manoeuvre<'_, M, I, N, R>| Stretch { from: 0, to: m.time_s.len(), state: [0.0; N] };
+    manoeuvres.iter().map(|m| vec![stretch(m)]).collect()
+}
+
+/// One manoeuvre as measured, with the windows that smooth it.
+struct Measured<const N: usize, const R: usize> {
+    /// The states by sample, without outliers; the smoothed value where there is none, and NaN where that is missing too.
     states: Vec<[f64; N]>,
+    /// The smoothed states and their slopes; NaN near the ends and where not measured.
+    smoothed: Vec<[f64; N]>,
     slopes: Vec<[f64; N]>,
     /// The local cubics that the slopes were computed with, by state.
     cubics: Vec<LocalCubics>,
+    /// The outputs by sample, without outliers.
+    outputs: Vec<[f64; R]>,
+    /// The local cubics over the samples at which an output and all states are known, by output; `None` where nothing is
+    /// smoothed.
+    output_cubics: [Option<LocalCubics>; R],
 }
 
-impl<const N: usize> Measured<N> {
-    fn of<M, I, const R: usize>(
+impl<const N: usize, const R: usize> Measured<N, R> {
+    fn of<M, I>(
         m: &Manoeuvre<'_, M, I, N, R>,
         structure: &Structure<N, R>,
         settings: &EquationErrorSettings,
@@ -168,14 +189,27 @@ impl<const N: usize> Measured<N> {
         I: Input,
     {
         let samples = m.time_s.len();
-        let mut measured =
-            Self { states: vec![[f64::NAN; N]; samples], slopes: vec![[f64::NAN; N]; samples], cubics: Vec::new() };
+        let mut measured = Self {
+            states: vec![[f64::NAN; N]; samples],
+            smoothed: vec![[f64::NAN; N]; samples],
+            slopes: vec![[f64::NAN; N]; samples],
+            cubics: Vec::new(),
+            outputs: m.outputs.to_vec(),
+            output_cubics: [const { None }; R],
+        };
+        for i in 0..R {
+            let values: Vec<f64> = m.outputs.iter().map(|y| y[i]).collect();
+            if let Some(noise) = measure_noise(&values) {
+                let clean = without_outliers(&values, noise.std);
+                measured.outputs.iter_mut().zip(clean).for_each(|(y, value)| y[i] = value);
+            }
+        }
         for state in 0..N {
             let Some(output) = m.model.measuring_output(state) else {
                 let (name, of) = (&structure.states[state].name, m.name);
                 return Err(BatchError::BadInput(format!("{of}: equation error needs the state {name} measured")));
             };
-            let values: Vec<f64> = m.outputs.iter().map(|y| y[output]).collect();
+            let values: Vec<f64> = measured.outputs.iter().map(|y| y[output]).collect();
             let cubics = LocalCubics::new(m.time_s, &values, settings.half_window_s);
             let (smoothed, slopes) = (cubics.values(&values), cubics.slopes(&values));
             if !slopes.iter().any(|v| v.is_finite()) {
@@ -186,11 +220,24 @@ impl<const N: usize> Measured<N> {
             }
             for k in 0..samples {
                 measured.slopes[k][state] = slopes[k];
-                measured.states[k][state] = if settings.smooth_regressors { smoothed[k] } else { values[k] };
+                measured.smoothed[k][state] = smoothed[k];
+                measured.states[k][state] = if values[k].is_finite() { values[k] } else { smoothed[k] };
             }
             measured.cubics.push(cubics);
         }
+        if settings.smooth_regressors {
+            for i in 0..R {
+                let known = |k: usize| measured.is_known(k).then_some(measured.outputs[k][i]).unwrap_or(f64::NAN);
+                let known: Vec<f64> = (0..samples).map(known).collect();
+                measured.output_cubics[i] = Some(LocalCubics::new(m.time_s, &known, settings.half_window_s));
+            }
+        }
         Ok(measured)
+    }
+
+    /// True if all states are known at a sample.
+    fn is_known(&self, sample: usize) -> bool {
+        self.states[sample].iter().all(|v| v.is_finite())
     }
 }
 
@@ -206,7 +253,7 @@ struct RightSide<const N: usize> {
 /// rounds off, such as the step in a rate that a step of a surface makes, it rounds off on both.
 fn right_side<M, I, const N: usize, const R: usize>(
     m: &Manoeuvre<'_, M, I, N, R>,
-    measured: &Measured<N>,
+    measured: &Measured<N, R>,
     theta: &[f64; CAPACITY],
 ) -> RightSide<N>
 where
@@ -215,7 +262,7 @@ where
 {
     let samples = m.time_s.len();
     let columns = m.model.parameter_count().min(CAPACITY);
-    let known = |k: usize| measured.states[k].iter().all(|v| v.is_finite());
+    let known = |k: usize| measured.is_known(k);
     let mut rates = vec![vec![0.0; samples]; N];
     let mut regressors = vec![vec![vec![0.0; samples]; columns]; N];
     let (mut before, mut after) = (LinearizedRates::<N, CAPACITY>::ZERO, LinearizedRates::<N, CAPACITY>::ZERO);
@@ -277,7 +324,7 @@ where
 /// Equations as rows: residual is left side minus right side, sensitivity the regressors.
 fn rows_of<M, I, const N: usize, const R: usize>(
     manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
-    measured: &[Measured<N>],
+    measured: &[Measured<N, R>],
     layout: &Layout<N>,
     unknowns: &[f64],
     wanted: &[bool; R],
@@ -287,50 +334,115 @@ where
     I: Input,
 {
     let theta = layout.parameters(unknowns);
-    let of = |(index, (m, measured)): (usize, (&Manoeuvre<'_, M, I, N, R>, &Measured<N>))| {
+    let of = |(index, (m, measured)): (usize, (&Manoeuvre<'_, M, I, N, R>, &Measured<N, R>))| {
         let columns = layout.columns(index);
         let kinds: Vec<UnknownKind> = columns.iter().map(|&j| layout.places[j].kind).collect();
         let biases: [f64; R] = layout.biases(index, unknowns);
         let states: [Option<usize>; R] = std::array::from_fn(|i| state_of::<M, I, N, R>(manoeuvres, i));
         let side = right_side(m, measured, &theta);
-        let mut lin = LinearizedOutputs::<N, R, CAPACITY>::ZERO;
+        let samples = m.time_s.len();
+        let width = columns.len();
         let mut rows = Rows {
-            outputs: Vec::with_capacity(m.time_s.len()),
-            residuals: Vec::with_capacity(m.time_s.len()),
-            sensitivities: Vec::with_capacity(m.time_s.len() * R * columns.len()),
+            outputs: vec![[f64::NAN; R]; samples],
+            residuals: vec![[f64::NAN; R]; samples],
+            sensitivities: vec![0.0; samples * R * width],
             columns,
+            loss: Loss::GAUSSIAN,
             growth: 1.0,
         };
-        for k in 0..m.time_s.len() {
-            let x = &measured.states[k];
-            let known = x.iter().all(|v| v.is_finite());
-            if known {
-                m.model.linearized_outputs(x, &theta, &m.inputs[k], &mut lin);
-            }
-            let mut residuals = [f64::NAN; R];
-            for i in 0..R {
-                let (regressors, residual) = match states[i] {
+        let mut lin = LinearizedOutputs::<N, R, CAPACITY>::ZERO;
+        for k in (0..samples).filter(|&k| measured.smoothed[k].iter().all(|v| v.is_finite())) {
+            m.model.linearized_outputs(&measured.smoothed[k], &theta, &m.inputs[k], &mut lin);
+            rows.outputs[k] = std::array::from_fn(|i| lin.outputs[i] + biases[i]);
+        }
+        let accelerations = accelerations(m, measured, &theta, &kinds);
+        for i in (0..R).filter(|&i| wanted[i]) {
+            for k in 0..samples {
+                let from = (k * R + i) * width;
+                let row = &mut rows.sensitivities[from..from + width];
+                match states[i] {
                     Some(state) => {
-                        (&side.regressors[k].regressors[state], measured.slopes[k][state] - side.rates[k][state])
+                        let residual = measured.slopes[k][state] - side.rates[k][state];
+                        if !(residual.is_finite() && rows.outputs[k][i].is_finite()) {
+                            continue;
+                        }
+                        rows.residuals[k][i] = residual;
+                        for (value, kind) in row.iter_mut().zip(&kinds) {
+                            if let UnknownKind::Parameter { index } = *kind {
+                                *value = side.regressors[k].regressors[state][index];
+                            }
+                        }
                     }
-                    None => (&lin.parameter_jacobian[i], m.outputs[k][i] - lin.outputs[i] - biases[i]),
-                };
-                let used = known && wanted[i] && residual.is_finite();
-                if used {
-                    residuals[i] = residual;
+                    None => {
+                        let residual = accelerations[i].residuals[k] - biases[i];
+                        if !residual.is_finite() {
+                            continue;
+                        }
+                        rows.residuals[k][i] = residual;
+                        for ((value, kind), regressor) in row.iter_mut().zip(&kinds).zip(&accelerations[i].regressors) {
+                            *value = match *kind {
+                                UnknownKind::Bias { output, .. } => f64::from(output == i),
+                                _ => regressor.get(k).copied().unwrap_or(0.0),
+                            };
+                        }
+                    }
                 }
-                rows.sensitivities.extend(kinds.iter().map(|kind| match *kind {
-                    UnknownKind::Parameter { index } if used => regressors[index],
-                    UnknownKind::Bias { output, .. } if used && states[i].is_none() => f64::from(output == i),
-                    _ => 0.0,
-                }));
             }
-            rows.outputs.push(if known { std::array::from_fn(|i| lin.outputs[i] + biases[i]) } else { [f64::NAN; R] });
-            rows.residuals.push(residuals);
         }
         rows
     };
     manoeuvres.iter().zip(measured).enumerate().map(of).collect()
+}
+
+/// Both sides of the equation of one output that measures no state.
+#[derive(Clone, Debug, Default)]
+struct Acceleration {
+    /// Measured minus modelled without the bias, by sample; NaN where not known.
+    residuals: Vec<f64>,
+    /// By column of the rows, then by sample; empty for a column that is no parameter.
+    regressors: Vec<Vec<f64>>,
+}
+
+/// The equations of the outputs, both sides smoothed alike where the windows are there.
+fn accelerations<M, I, const N: usize, const R: usize>(
+    m: &Manoeuvre<'_, M, I, N, R>,
+    measured: &Measured<N, R>,
+    theta: &[f64; CAPACITY],
+    kinds: &[UnknownKind],
+) -> [Acceleration; R]
+where
+    M: Model<N, R, CAPACITY, Input = I>,
+    I: Input,
+{
+    let samples = m.time_s.len();
+    let empty = Acceleration {
+        residuals: vec![f64::NAN; samples],
+        regressors: kinds
+            .iter()
+            .map(|kind| if matches!(kind, UnknownKind::Parameter { .. }) { vec![0.0; samples] } else { Vec::new() })
+            .collect(),
+    };
+    let mut found: [Acceleration; R] = std::array::from_fn(|_| empty.clone());
+    let mut lin = LinearizedOutputs::<N, R, CAPACITY>::ZERO;
+    for k in (0..samples).filter(|&k| measured.is_known(k)) {
+        m.model.linearized_outputs(&measured.states[k], theta, &m.inputs[k], &mut lin);
+        for (i, equation) in found.iter_mut().enumerate() {
+            equation.residuals[k] = measured.outputs[k][i] - lin.outputs[i];
+            for (column, kind) in equation.regressors.iter_mut().zip(kinds) {
+                if let UnknownKind::Parameter { index } = *kind {
+                    column[k] = lin.parameter_jacobian[i][index];
+                }
+            }
+        }
+    }
+    for (equation, cubics) in found.iter_mut().zip(&measured.output_cubics) {
+        let Some(cubics) = cubics else { continue };
+        equation.residuals = cubics.values(&equation.residuals);
+        for column in equation.regressors.iter_mut().filter(|column| !column.is_empty()) {
+            *column = cubics.values(column);
+        }
+    }
+    found
 }
 
 /// The equations to use: measured accelerations, and the rates of states that carry a parameter which no acceleration

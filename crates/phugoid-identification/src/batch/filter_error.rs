@@ -9,11 +9,12 @@ use super::error::BatchError;
 use super::filter::{Innovations, Tuning, filter};
 use super::layout::{Layout, Place};
 use super::likelihood::Evaluation;
+use super::loss::Loss;
 use super::optimise::{OptimiserSettings, minimise};
 use super::problem::{Manoeuvre, Noise, Structure};
 use super::response::Rows;
 use super::result::{BatchFit, UnknownKind};
-use super::start::initial_states;
+use super::start::stretches;
 use super::summary::{Summary, summarise};
 use crate::preparation::noise::measure_noise;
 
@@ -33,7 +34,7 @@ const INITIAL_SD: f64 = 10.0;
 const LOG_VARIANCE_SD: f64 = 4.605_170_186;
 /// Largest distance that the logarithm of a variance may move from its start.
 const LOG_VARIANCE_RANGE: f64 = 18.0;
-/// Step of the central differences over the standard error that an unknown would have if all others were known.
+/// Step of the differences over the standard error that an unknown would have if all others were known.
 const DIFFERENCE: f64 = 1e-3;
 /// First relative step, as long as that is not known.
 const FIRST_DIFFERENCE: f64 = 1e-5;
@@ -43,9 +44,12 @@ const FIRST_DIFFERENCE: f64 = 1e-5;
 /// Minimises the negative log-likelihood of the innovations,
 ///
 /// ```text
-/// J = 1/2 sum_k sum_i [ e_i(k)^2 / s_i(k) + ln s_i(k) ]   ( + priors )
+/// J = sum_k sum_i [ rho(e_i(k) / sqrt(s_i(k))) + beta/2 ln s_i(k) ]   ( + priors )
 /// ```
 ///
+/// with `rho(z) = z^2/2` and `beta = 1` for a [Gaussian](crate::options::Likelihood) likelihood, and a loss with
+/// heavy tails for the robust one: an innovation beyond three sigmas counts the less the further away it is, and corrects
+/// the state by three sigmas. It is minimised
 /// over parameters, biases and, where they are to be estimated, the variances of measurement and process noise (by
 /// their logarithms, so that every filter on the way has a valid, stabilising gain). The filter is time-varying; the
 /// initial state is not searched but starts ten sensor sigmas wide and is found by the first samples. Fisher scoring
@@ -56,8 +60,8 @@ const FIRST_DIFFERENCE: f64 = 1e-5;
 /// M_jk = sum [ (de/dz_j)(de/dz_k) / s + 1/2 (d ln s/dz_j)(d ln s/dz_k) ]
 /// ```
 ///
-/// The derivatives of the whole filter, its gain included, are central differences with a step of a thousandth of a
-/// standard error: their own error is some millionths of what they decide.
+/// The derivatives of the whole filter, its gain included, are forward differences with a step of a thousandth of a
+/// standard error: their own error is some thousandths of what they decide.
 ///
 /// # Errors
 /// [`BatchError`]: inputs that contradict each other, a filter that diverges, unknowns of which the data determine only
@@ -77,24 +81,25 @@ where
         let (name, density) = (&structure.states[i].name, process_noise.density[i]);
         return Err(BatchError::BadInput(format!("the process noise of {name} is {density}: it must not be negative")));
     }
+    let loss = Loss::of(structure.likelihood);
     let used = Structure::used(manoeuvres);
     let noise = first_noise(manoeuvres, structure)?;
-    let states = initial_states(manoeuvres, structure)?;
     let initial_std = initial_std(manoeuvres, structure, &noise)?;
     let mut held = structure.clone();
     held.states.iter_mut().for_each(|s| s.free = false);
-    let mut layout: Layout<N> = Layout::new(&held, manoeuvres, states);
+    let mut layout: Layout<N> = Layout::new(&held, manoeuvres, stretches(manoeuvres, structure)?);
     layout.places.extend(variances(structure, &noise, process_noise, &used));
 
     let tuning = |index: usize, unknowns: &[f64]| -> Tuning<N, R> {
         let mut tuning = Tuning {
             parameters: layout.parameters(unknowns),
             biases: layout.biases(index, unknowns),
-            initial_state: layout.initial_state(index, unknowns),
+            stretches: layout.stretches(index, unknowns),
             initial_std,
             noise: noise.map(|std| std * std),
             process_noise: process_noise.density,
             maximum_step_s: structure.maximum_step_s,
+            loss,
         };
         for (place, value) in layout.places.iter().zip(unknowns) {
             match place.kind {
@@ -119,7 +124,7 @@ where
     let steps = RefCell::new(layout.places.iter().map(first_step).collect::<Vec<f64>>());
     let evaluate = |unknowns: &[f64], below: f64| -> Result<Option<Evaluation<Filtered<R>>>, BatchError> {
         let centre = (0..manoeuvres.len()).map(|m| run(m, unknowns)).collect::<Result<Vec<_>, _>>()?;
-        let cost: f64 = centre.iter().map(Innovations::cost).sum();
+        let cost: f64 = centre.iter().map(|innovations| innovations.cost(loss)).sum();
         let mut evaluation = Evaluation::of_priors(&layout.places, unknowns);
         let total = evaluation.cost + cost;
         if total.is_nan() || total >= below {
@@ -129,7 +134,7 @@ where
         let mut rows = Vec::with_capacity(centre.len());
         for (index, innovations) in centre.into_iter().enumerate() {
             let columns = layout.columns(index);
-            let (mean, spread) = differences(innovations, columns, &steps.borrow(), unknowns, |z| run(index, z))?;
+            let (mean, spread) = differences(innovations, columns, &steps.borrow(), unknowns, loss, |z| run(index, z))?;
             evaluation.add(&mean);
             evaluation.add(&spread);
             rows.push(mean);
@@ -241,13 +246,14 @@ fn variances<const N: usize, const R: usize>(
         .collect()
 }
 
-/// Rows of the innovations and of the logarithms of their variances, with derivatives by central differences. Both are
+/// Rows of the innovations and of the logarithms of their variances, with derivatives by forward differences. Both are
 /// made so that `sum S^T nu` is minus the gradient of the cost and `sum S^T S` the information.
 fn differences<const R: usize>(
     centre: Innovations<R>,
     columns: Vec<usize>,
     steps: &[f64],
     unknowns: &[f64],
+    loss: Loss,
     run: impl Fn(&[f64]) -> Result<Innovations<R>, BatchError>,
 ) -> Result<(Rows<R>, Rows<R>), BatchError> {
     let samples = centre.errors.len();
@@ -258,17 +264,14 @@ fn differences<const R: usize>(
     for (c, &j) in columns.iter().enumerate() {
         shifted[j] = unknowns[j] + steps[j];
         let above = run(&shifted)?;
-        let up = shifted[j];
-        shifted[j] = unknowns[j] - steps[j];
-        let below = run(&shifted)?;
-        let apart = up - shifted[j];
+        let apart = shifted[j] - unknowns[j];
         shifted[j] = unknowns[j];
         for k in 0..samples {
             for i in (0..R).filter(|&i| centre.errors[k][i].is_finite()) {
                 let s = centre.variances[k][i];
                 let at = (k * R + i) * width + c;
-                mean[at] = -(above.errors[k][i] - below.errors[k][i]) / (apart * s.sqrt());
-                spread[at] = (above.variances[k][i] - below.variances[k][i]) / (apart * s * std::f64::consts::SQRT_2);
+                mean[at] = -(above.errors[k][i] - centre.errors[k][i]) / (apart * s.sqrt());
+                spread[at] = (above.variances[k][i] - s) / (apart * s * std::f64::consts::SQRT_2);
             }
         }
     }
@@ -277,13 +280,15 @@ fn differences<const R: usize>(
         pairs.map(|(e, s)| std::array::from_fn(|i| f(e[i], s[i]))).collect()
     };
     let whitened = each(&|e, s| e / s.sqrt());
-    let surprise = each(&|e, s| (e * e / s - 1.0) / std::f64::consts::SQRT_2);
-    let rows = |outputs, residuals, sensitivities| Rows {
+    let surprise = |e: f64, s: f64| (loss.weight(e / s.sqrt()) * e * e / s - loss.share) / std::f64::consts::SQRT_2;
+    let surprise = each(&surprise);
+    let rows = |outputs, residuals, sensitivities, loss| Rows {
         columns: columns.clone(),
         outputs,
         residuals,
         sensitivities,
+        loss,
         growth: 1.0,
     };
-    Ok((rows(centre.predicted, whitened, mean), rows(Vec::new(), surprise, spread)))
+    Ok((rows(centre.predicted, whitened, mean, loss), rows(Vec::new(), surprise, spread, Loss::GAUSSIAN)))
 }

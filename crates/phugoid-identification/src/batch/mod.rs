@@ -22,6 +22,7 @@ mod fit;
 mod information;
 mod layout;
 mod likelihood;
+pub(crate) mod loss;
 mod optimise;
 mod output_error;
 mod prediction;

@@ -31,6 +31,18 @@ pub enum OfferTerms {
     Always,
 }
 
+/// What a batch method takes the noise of the measurements for. Causal methods have a gate of their own and ignore it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Likelihood {
+    /// Gaussian with outliers: a value further than three sigmas from the model counts the less the further away it is.
+    /// This is the default.
+    #[default]
+    Robust,
+    /// Gaussian: every value counts with the square of its residual, outliers too.
+    Gaussian,
+}
+
 /// Settings of one estimation beside those of the model file. The default changes nothing of the model file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct EstimateOptions {
@@ -54,4 +66,6 @@ pub struct EstimateOptions {
     pub predict: Option<Record>,
     /// Whether terms that the model lacks are tried; batch methods ignore it.
     pub offer: OfferTerms,
+    /// What a batch method takes the noise of the measurements for.
+    pub likelihood: Likelihood,
 }

@@ -12,6 +12,7 @@ use phugoid_identification::batch::{
     BatchError, BatchFit, BatchParameter, Bias, EquationErrorSettings, InitialState, Manoeuvre, Noise,
     OptimiserSettings, OutputChannel, ProcessNoise, Structure, equation_error, filter_error, output_error, predict,
 };
+use phugoid_identification::options::Likelihood;
 
 /// Stable: short period of 6.2 rad/s, damping 0.41.
 const STABLE: [f64; 6] = [-1.4, -1.5, -6.3, -0.75, -3.7, -12.8];
@@ -70,6 +71,8 @@ fn structure(start: [f64; 6], noise: impl Fn(usize) -> Noise) -> Structure<2, 3>
         states: ["w", "q"].map(InitialState::free),
         outputs: std::array::from_fn(|i| OutputChannel::new(outputs[i], noise(i))),
         maximum_step_s: 1.0,
+        maximum_gap_s: f64::INFINITY,
+        likelihood: Likelihood::Gaussian,
     }
 }
 

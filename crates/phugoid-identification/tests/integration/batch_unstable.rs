@@ -10,6 +10,7 @@ use phugoid_identification::batch::{
     BatchError, BatchFit, BatchParameter, EquationErrorSettings, InitialState, Manoeuvre, Noise, OptimiserSettings,
     OutputChannel, ProcessNoise, Structure, equation_error, filter_error, output_error,
 };
+use phugoid_identification::options::Likelihood;
 
 fn manoeuvre(flight: &Flight) -> Manoeuvre<'_, ShortPeriod, [f64; 1], 2, 3> {
     Manoeuvre {
@@ -29,6 +30,8 @@ fn structure(start: [f64; 6]) -> Structure<2, 3> {
         states: ["w", "q"].map(InitialState::free),
         outputs: ["w", "q", "az"].map(|o| OutputChannel::new(o, Noise::Estimated)),
         maximum_step_s: 1.0,
+        maximum_gap_s: f64::INFINITY,
+        likelihood: Likelihood::Gaussian,
     }
 }
 
