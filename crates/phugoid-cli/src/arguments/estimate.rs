@@ -38,7 +38,7 @@ pub(crate) struct Estimate {
     #[arg(long, value_name = "FLIGHT.csv")]
     pub(crate) predict: Option<PathBuf>,
     /// Let a batch method take all noise for Gaussian, so that an outlier counts with the square of its residual. Without
-    /// this a value more than three sigmas from the model counts the less the further away it is
+    /// this a value counts the less the further from the model it is, or is left out where it stands alone
     #[arg(long)]
     pub(crate) gaussian: bool,
     #[command(flatten)]

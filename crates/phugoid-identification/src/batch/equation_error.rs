@@ -1,6 +1,6 @@
 //! Equation error: least squares on the equations of motion themselves.
 
-use crate::core::options::CAPACITY;
+use crate::core::options::{CAPACITY, Likelihood};
 use phugoid_estimators::discretization::IntervalInput;
 use phugoid_estimators::{Input, LinearizedOutputs, LinearizedRates, Model};
 
@@ -8,9 +8,10 @@ use super::differentiate::LocalCubics;
 use super::error::BatchError;
 use super::layout::Layout;
 use super::loss::Loss;
-use super::optimise::OptimiserSettings;
+use super::optimise::{Minimum, OptimiserSettings};
 use super::problem::{Bias, Manoeuvre, Noise, Structure};
 use super::regression::{Equation, equations};
+use super::regressor_noise;
 use super::relaxation::{self, Fitted};
 use super::response::Rows;
 use super::result::{BatchFit, UnknownKind};
@@ -69,7 +70,8 @@ pub struct EquationErrorFit {
 /// neighbours by eight sigmas of its noise are left out. Each equation has its own residual variance, found with the
 /// parameters. States that no output measures, and equations whose left side is nowhere measured, are refused or left
 /// out. Nothing is integrated and no start values are needed, so that it cannot diverge; its result can start the other
-/// methods. Noise in the states biases it (docs/methods.md, measured).
+/// methods. Noise in the states biases it: with smoothed regressors the bias is found by adding more noise of the same
+/// level, taken off, and the standard errors allow for what is uncertain of it (docs/methods.md, measured).
 ///
 /// # Errors
 /// [`BatchError`]: inputs that contradict each other, a state that is not measured, terms of which the data determine
@@ -88,7 +90,6 @@ where
     if half.is_nan() || half <= 0.0 {
         return Err(BatchError::BadInput(format!("the half window is {half} s: it must be positive")));
     }
-    let smoothed = manoeuvres.iter().map(|m| Measured::of(m, structure, settings)).collect::<Result<Vec<_>, _>>()?;
     let mut held = structure.clone();
     held.states.iter_mut().for_each(|s| s.free = false);
     for (i, channel) in held.outputs.iter_mut().enumerate() {
@@ -98,17 +99,10 @@ where
         }
     }
     let layout: Layout<N> = Layout::new(&held, manoeuvres, nothing_integrated(manoeuvres));
-    let every: Vec<Rows<R>> = rows_of(manoeuvres, &smoothed, &layout, &layout.start(), &[true; R]);
-    let wanted = if settings.every_equation { [true; R] } else { needed(manoeuvres, &every, &layout) };
-    let residuals = |unknowns: &[f64]| Ok(rows_of(manoeuvres, &smoothed, &layout, unknowns, &wanted));
-    let floor = equation_floor(&every);
-    // The equations are linear in the parameters: only the weights have to be iterated.
-    let search = OptimiserSettings { step_tolerance: 1e-6, ..OptimiserSettings::default() };
-    let noise = [Noise::Estimated; R];
-    let loss = Loss::of(structure.likelihood);
-    let minimum = relaxation::fit(&layout.places, layout.start(), &noise, &floor, loss, &search, residuals)?;
+    let measured = manoeuvres.iter().map(|m| Measured::of(m, structure, settings)).collect::<Result<Vec<_>, _>>()?;
+    let minimum = regression(manoeuvres, &measured, settings, structure.likelihood, &layout, FINE)?;
     let Fitted { rows, noise_std } = &minimum.evaluation.detail;
-    let fit = summarise(&Summary {
+    let mut fit = summarise(&Summary {
         method: "equation-error",
         structure,
         manoeuvres,
@@ -117,12 +111,56 @@ where
         rows,
         noise_std,
     })?;
+    if settings.smooth_regressors {
+        let outputs: Vec<&[[f64; R]]> = measured.iter().map(|m| m.outputs.as_slice()).collect();
+        let of_state = std::array::from_fn(|i| state_of::<M, I, N, R>(manoeuvres, i).is_some());
+        let solve = |noisy: &[Vec<[f64; R]>]| {
+            let with = |(index, outputs): (usize, &Vec<[f64; R]>)| measured[index].with(&manoeuvres[index], outputs);
+            let noisy: Vec<Measured<N, R>> = noisy.iter().enumerate().map(with).collect();
+            // Their difference is a fraction of a standard error or more, or of no interest.
+            regression(manoeuvres, &noisy, settings, structure.likelihood, &layout, ROUGH)
+                .ok()
+                .map(|minimum| minimum.unknowns)
+        };
+        if let Some(bias) = regressor_noise::bias(&outputs, &of_state, &minimum.unknowns, &solve) {
+            regressor_noise::correct(&mut fit, &bias);
+        }
+    }
     let name = |row: usize| match state_of::<M, I, N, R>(manoeuvres, row) {
         Some(state) => format!("d({})/dt", structure.states[state].name),
         None => structure.outputs[row].name.clone(),
     };
     let equations = equations(rows, noise_std, &layout.places, &minimum.unknowns, &fit, settings.f_to_enter, name);
     Ok(EquationErrorFit { fit, equations })
+}
+
+/// Length of the last step of a regression, in standard errors: where its values are shown, and where only what noise does
+/// to them is asked.
+const FINE: f64 = 1e-6;
+const ROUGH: f64 = 1e-2;
+
+/// The weighted least squares themselves.
+fn regression<M, I, const N: usize, const R: usize>(
+    manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
+    measured: &[Measured<N, R>],
+    settings: &EquationErrorSettings,
+    likelihood: Likelihood,
+    layout: &Layout<N>,
+    step_tolerance: f64,
+) -> Result<Minimum<Fitted<R>>, BatchError>
+where
+    M: Model<N, R, CAPACITY, Input = I>,
+    I: Input,
+{
+    let every: Vec<Rows<R>> = rows_of(manoeuvres, measured, layout, &layout.start(), &[true; R]);
+    let wanted = if settings.every_equation { [true; R] } else { needed(manoeuvres, &every, layout) };
+    let residuals = |unknowns: &[f64]| Ok(rows_of(manoeuvres, measured, layout, unknowns, &wanted));
+    let floor = equation_floor(&every);
+    // The equations are linear in the parameters: only the weights have to be iterated.
+    let search = OptimiserSettings { step_tolerance, ..OptimiserSettings::default() };
+    let noise = [Noise::Estimated; R];
+    let loss = Loss::of(likelihood);
+    relaxation::fit(&layout.places, layout.start(), &noise, &floor, loss, &search, residuals)
 }
 
 /// The equations of one manoeuvre at given parameters, without solving them: residuals (left side minus right side, in
@@ -163,6 +201,7 @@ fn nothing_integrated<M, I, const N: usize, const R: usize>(
 }
 
 /// One manoeuvre as measured, with the windows that smooth it.
+#[derive(Clone)]
 struct Measured<const N: usize, const R: usize> {
     /// The states by sample, without outliers; the smoothed value where there is none, and NaN where that is missing too.
     states: Vec<[f64; N]>,
@@ -173,7 +212,7 @@ struct Measured<const N: usize, const R: usize> {
     cubics: Vec<LocalCubics>,
     /// The outputs by sample, without outliers.
     outputs: Vec<[f64; R]>,
-    /// The local cubics over the samples at which an output and all states are known, by output; `None` where nothing is
+    /// The local cubics over the samples at which an output and all states are known, by output; `None` of a state, and where nothing is
     /// smoothed.
     output_cubics: [Option<LocalCubics>; R],
 }
@@ -211,28 +250,54 @@ impl<const N: usize, const R: usize> Measured<N, R> {
             };
             let values: Vec<f64> = measured.outputs.iter().map(|y| y[output]).collect();
             let cubics = LocalCubics::new(m.time_s, &values, settings.half_window_s);
-            let (smoothed, slopes) = (cubics.values(&values), cubics.slopes(&values));
-            if !slopes.iter().any(|v| v.is_finite()) {
+            if !cubics.slopes(&values).iter().any(|v| v.is_finite()) {
                 let (name, of, half) = (&structure.outputs[output].name, m.name, settings.half_window_s);
                 return Err(BatchError::BadInput(format!(
                     "{of}: {name} has nowhere two values to each side within {half} s: widen the window of equation error"
                 )));
             }
-            for k in 0..samples {
-                measured.slopes[k][state] = slopes[k];
-                measured.smoothed[k][state] = smoothed[k];
-                measured.states[k][state] = if values[k].is_finite() { values[k] } else { smoothed[k] };
-            }
             measured.cubics.push(cubics);
         }
+        measured.differentiate(m);
         if settings.smooth_regressors {
-            for i in 0..R {
-                let known = |k: usize| measured.is_known(k).then_some(measured.outputs[k][i]).unwrap_or(f64::NAN);
+            let is_state = |i: usize| (0..N).any(|state| m.model.measuring_output(state) == Some(i));
+            for i in (0..R).filter(|&i| !is_state(i)) {
+                let known = |k: usize| if measured.is_known(k) { measured.outputs[k][i] } else { f64::NAN };
                 let known: Vec<f64> = (0..samples).map(known).collect();
                 measured.output_cubics[i] = Some(LocalCubics::new(m.time_s, &known, settings.half_window_s));
             }
         }
         Ok(measured)
+    }
+
+    /// The same windows over other values of the outputs, which are missing where these are.
+    fn with<M, I>(&self, m: &Manoeuvre<'_, M, I, N, R>, outputs: &[[f64; R]]) -> Self
+    where
+        M: Model<N, R, CAPACITY, Input = I>,
+        I: Input,
+    {
+        let mut other = self.clone();
+        other.outputs.copy_from_slice(outputs);
+        other.differentiate(m);
+        other
+    }
+
+    /// The states and their slopes, from the outputs.
+    fn differentiate<M, I>(&mut self, m: &Manoeuvre<'_, M, I, N, R>)
+    where
+        M: Model<N, R, CAPACITY, Input = I>,
+        I: Input,
+    {
+        for (state, cubics) in self.cubics.iter().enumerate() {
+            let Some(output) = m.model.measuring_output(state) else { continue };
+            let values: Vec<f64> = self.outputs.iter().map(|y| y[output]).collect();
+            let (smoothed, slopes) = (cubics.values(&values), cubics.slopes(&values));
+            for k in 0..values.len() {
+                self.slopes[k][state] = slopes[k];
+                self.smoothed[k][state] = smoothed[k];
+                self.states[k][state] = if values[k].is_finite() { values[k] } else { smoothed[k] };
+            }
+        }
     }
 
     /// True if all states are known at a sample.
@@ -241,11 +306,12 @@ impl<const N: usize, const R: usize> Measured<N, R> {
     }
 }
 
-/// The right side of the states' equations as the differentiation sees it: rates and regressors by sample.
+/// The right side of the states' equations as the differentiation sees it.
 struct RightSide<const N: usize> {
+    /// By sample, 1/s of the state's unit; NaN where not known.
     rates: Vec<[f64; N]>,
-    /// Row of the sample, state, column.
-    regressors: Vec<LinearizedRates<N, CAPACITY>>,
+    /// By state, then column, then sample; empty where a column is zero throughout.
+    regressors: [Vec<Vec<f64>>; N],
 }
 
 /// Integrates the right side over the samples (trapezia, with the input that acted in each interval) and takes the
@@ -255,6 +321,7 @@ fn right_side<M, I, const N: usize, const R: usize>(
     m: &Manoeuvre<'_, M, I, N, R>,
     measured: &Measured<N, R>,
     theta: &[f64; CAPACITY],
+    wanted: &[bool; N],
 ) -> RightSide<N>
 where
     M: Model<N, R, CAPACITY, Input = I>,
@@ -283,14 +350,17 @@ where
             }
         }
     }
-    let mut side = RightSide { rates: vec![[f64::NAN; N]; samples], regressors: vec![LinearizedRates::ZERO; samples] };
-    for i in 0..N {
+    let mut side = RightSide {
+        rates: vec![[f64::NAN; N]; samples],
+        regressors: std::array::from_fn(|_| vec![Vec::new(); columns]),
+    };
+    for i in (0..N).filter(|&i| wanted[i]) {
         for (k, slope) in measured.cubics[i].slopes(&rates[i]).into_iter().enumerate() {
             side.rates[k][i] = slope;
         }
-        for j in 0..columns {
-            for (k, slope) in measured.cubics[i].slopes(&regressors[i][j]).into_iter().enumerate() {
-                side.regressors[k].regressors[i][j] = slope;
+        for (slopes, integral) in side.regressors[i].iter_mut().zip(&regressors[i]) {
+            if integral.iter().any(|v| *v != 0.0) {
+                *slopes = measured.cubics[i].slopes(integral);
             }
         }
     }
@@ -339,7 +409,8 @@ where
         let kinds: Vec<UnknownKind> = columns.iter().map(|&j| layout.places[j].kind).collect();
         let biases: [f64; R] = layout.biases(index, unknowns);
         let states: [Option<usize>; R] = std::array::from_fn(|i| state_of::<M, I, N, R>(manoeuvres, i));
-        let side = right_side(m, measured, &theta);
+        let wanted_states = std::array::from_fn(|state| (0..R).any(|i| wanted[i] && states[i] == Some(state)));
+        let side = right_side(m, measured, &theta, &wanted_states);
         let samples = m.time_s.len();
         let width = columns.len();
         let mut rows = Rows {
@@ -369,7 +440,8 @@ where
                         rows.residuals[k][i] = residual;
                         for (value, kind) in row.iter_mut().zip(&kinds) {
                             if let UnknownKind::Parameter { index } = *kind {
-                                *value = side.regressors[k].regressors[state][index];
+                                *value =
+                                    side.regressors[state].get(index).and_then(|of| of.get(k)).copied().unwrap_or(0.0);
                             }
                         }
                     }
@@ -435,6 +507,7 @@ where
             }
         }
     }
+    // The output of a state has no window, and its own equation elsewhere.
     for (equation, cubics) in found.iter_mut().zip(&measured.output_cubics) {
         let Some(cubics) = cubics else { continue };
         equation.residuals = cubics.values(&equation.residuals);

@@ -4,7 +4,6 @@ use crate::core::options::CAPACITY;
 use phugoid_estimators::discretization::{IntervalInput, Part, step, sub_steps};
 use phugoid_estimators::{Input, LinearizedOutputs, Model};
 
-use super::loss::Loss;
 use super::problem::Manoeuvre;
 use super::start::Stretch;
 
@@ -22,8 +21,6 @@ pub(crate) struct Tuning<const N: usize, const R: usize> {
     /// Densities of the process noise: variance of each state per second.
     pub(crate) process_noise: [f64; N],
     pub(crate) maximum_step_s: f64,
-    /// What the innovations cost. That of an outlier corrects the state by three sigmas, not by all it says.
-    pub(crate) loss: Loss,
 }
 
 /// Innovations of one manoeuvre; NaN where nothing was measured.
@@ -39,10 +36,10 @@ pub(crate) struct Innovations<const R: usize> {
 }
 
 impl<const R: usize> Innovations<R> {
-    /// `sum [ rho(e/sqrt(s)) + beta/2 ln s ]`.
-    pub(crate) fn cost(&self, loss: Loss) -> f64 {
+    /// `1/2 sum (e^2/s + ln s)`.
+    pub(crate) fn cost(&self) -> f64 {
         let all = self.errors.iter().flatten().zip(self.variances.iter().flatten());
-        all.filter(|(e, _)| e.is_finite()).map(|(e, s)| loss.cost(e / s.sqrt()) + 0.5 * loss.share * s.ln()).sum()
+        all.filter(|(e, _)| e.is_finite()).map(|(e, s)| 0.5 * (e * e / s + s.ln())).sum()
     }
 }
 
@@ -86,9 +83,8 @@ where
                     return Err(manoeuvre.time_s[k] - manoeuvre.time_s[0]);
                 }
                 let gain = gain.map(|g| g / s);
-                let acting = tuning.loss.cut(e / s.sqrt()) * s.sqrt();
                 for l in 0..N {
-                    correction[l] += gain[l] * acting;
+                    correction[l] += gain[l] * e;
                 }
                 covariance = joseph(&covariance, &gain, h, tuning.noise[i]);
                 (result.errors[k][i], result.variances[k][i]) = (e, s);

@@ -51,12 +51,6 @@ impl Loss {
         let far = z.abs() / self.core;
         if far > 1.0 { 1.0 / (far * far) } else { 1.0 }
     }
-
-    /// The innovation that a filter corrects its state by: that of an outlier is cut at the core. It does not fall off
-    /// with the distance, because a filter that has lost the motion has to find back to it.
-    pub(crate) fn cut(self, z: f64) -> f64 {
-        z.clamp(-self.core, self.core)
-    }
 }
 
 #[cfg(test)]
@@ -69,10 +63,10 @@ mod tests {
         assert!((robust.cost(3.0) - robust.cost(3.0 + 1e-9)).abs() < 1e-8);
         let slope = (robust.cost(10.0 + 1e-6) - robust.cost(10.0 - 1e-6)) / 2e-6;
         assert!((slope - 10.0 * robust.weight(10.0)).abs() < 1e-6, "{slope}");
-        assert_eq!((robust.weight(-30.0), robust.cut(-30.0)), (0.01, -3.0));
-        assert_eq!((robust.cost(-2.0), robust.weight(2.0), robust.cut(2.0)), (2.0, 1.0, 2.0));
+        assert_eq!(robust.weight(-30.0), 0.01);
+        assert_eq!((robust.cost(-2.0), robust.weight(2.0)), (2.0, 1.0));
         let plain = Loss::GAUSSIAN;
-        assert_eq!((plain.cost(30.0), plain.weight(30.0), plain.cut(30.0)), (450.0, 1.0, 30.0));
+        assert_eq!((plain.cost(30.0), plain.weight(30.0)), (450.0, 1.0));
         assert!(robust.cost(f64::NAN).is_nan() && robust.weight(f64::NAN) == 1.0);
         // E[z rho'(z)] by the midpoint rule.
         let step = 1e-3;

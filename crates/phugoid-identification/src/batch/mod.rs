@@ -28,6 +28,7 @@ mod output_error;
 mod prediction;
 mod problem;
 mod regression;
+mod regressor_noise;
 mod relaxation;
 pub(crate) mod response;
 mod result;

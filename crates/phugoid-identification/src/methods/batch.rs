@@ -159,7 +159,8 @@ fn solve<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
     let equations = |structure: &Structure<N, R>| {
         batch::equation_error::<M, M::KnownInput, N, R>(manoeuvres, structure, &regression)
     };
-    // The likelihood of a filter is not smooth to the last digit where outliers are cut; a fiftieth of a standard error is.
+    // Differences give the likelihood of a filter, and an evaluation takes a tenth of a second: a fiftieth of a standard
+    // error is enough.
     let step_tolerance = if task.method() == Method::FilterError { 0.02 } else { 1e-3 };
     let search = OptimiserSettings { step_tolerance, ..OptimiserSettings::default() };
     let integrating = |structure: &Structure<N, R>| match task.method() {

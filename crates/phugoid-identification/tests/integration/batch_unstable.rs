@@ -83,14 +83,18 @@ fn equation_error_needs_no_start() {
     }
 }
 
-/// Smoothing distorts what is sharp: steps of the elevator. On data without noise it only costs.
+/// Smoothing rounds off what is sharp, such as steps of the elevator, but on both sides of each equation alike: on data
+/// without noise it costs little. (With smoothed states and the elevator as it was, Z_q was 1.6 % off.)
 #[test]
-fn smoothing_costs_on_exact_data() {
+fn smoothing_both_sides_alike_costs_little_on_exact_data() {
     let Some(flight) = flight() else { return };
     let smooth = EquationErrorSettings { half_window_s: 0.15, smooth_regressors: true, ..settings() };
     let fit = equation_error::<_, _, 2, 3>(&[manoeuvre(&flight)], &structure([0.0; 6]), &smooth).unwrap().fit;
     print(&fit);
-    assert!((fit.parameters[1] / TRUTH[1] - 1.0).abs() > 0.01);
+    for index in 0..6 {
+        println!("{} is {:.2e} off", NAMES[index], fit.parameters[index] / TRUTH[index] - 1.0);
+        within(&fit, index, 1e-3);
+    }
 }
 
 /// Output error integrates freely: here an error of the initial state grows some 4000 times.
