@@ -37,6 +37,10 @@ pub(crate) struct Estimate {
     /// A flight to test the result on: its outputs are predicted with the parameters that a batch method has estimated
     #[arg(long, value_name = "FLIGHT.csv")]
     pub(crate) predict: Option<PathBuf>,
+    /// Let a batch method take all noise for Gaussian, so that an outlier counts with the square of its residual. Without
+    /// this a value counts the less the further from the model it is, or is left out where it stands alone
+    #[arg(long)]
+    pub(crate) gaussian: bool,
     #[command(flatten)]
     pub(crate) reading: Reading,
     /// Do not look for sudden changes of the coefficients

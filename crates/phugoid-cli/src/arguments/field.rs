@@ -39,6 +39,10 @@ pub(crate) struct Field {
     /// Number of flights with a physical error put in, for the first method
     #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=1_000_000))]
     pub(crate) faults: u32,
+    /// Let a batch method take all noise for Gaussian, so that an outlier counts with the square of its residual. Without
+    /// this a value counts the less the further from the model it is, or is left out where it stands alone
+    #[arg(long)]
+    pub(crate) gaussian: bool,
     /// Leave out the health monitor
     #[arg(long)]
     pub(crate) no_monitor: bool,

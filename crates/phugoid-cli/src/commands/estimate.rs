@@ -12,6 +12,7 @@ use phugoid_identification::estimation::{Estimation, EstimationStatus, Uncertain
 use phugoid_identification::inspect::segment;
 use phugoid_identification::manoeuvres::{Settings, find};
 use phugoid_identification::model_file::{ModelFile, Uncertainty};
+use phugoid_identification::options::Likelihood;
 use phugoid_report::HtmlOptions;
 use phugoid_simulation::scenario::nearest;
 use serde::Serialize;
@@ -79,6 +80,7 @@ pub(crate) fn run(arguments: &arguments::Estimate) -> Result<EstimationStatus, F
         further,
         predict,
         offer,
+        likelihood: if arguments.gaussian { Likelihood::Gaussian } else { Likelihood::Robust },
         ..EstimateOptions::default()
     };
     let estimation = {

@@ -7,6 +7,7 @@ use phugoid_evaluation::field::summary::{ChangeSummary, GroupSummary, WatchSumma
 use phugoid_evaluation::field::truth::Kind;
 use phugoid_evaluation::field::{FaultSummary, FieldOptions, FieldStudy, run as run_field};
 use phugoid_identification::method::Method;
+use phugoid_identification::options::Likelihood;
 
 use crate::arguments;
 use crate::failure::Failure;
@@ -21,6 +22,7 @@ pub(crate) fn run(arguments: &arguments::Field) -> Result<(), Failure> {
         only: arguments.only.clone(),
         faults: arguments.faults as usize,
         monitor: !arguments.no_monitor,
+        likelihood: if arguments.gaussian { Likelihood::Gaussian } else { Likelihood::Robust },
     };
     let study = {
         let progress = Progress::new("estimating");

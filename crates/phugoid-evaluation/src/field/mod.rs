@@ -15,6 +15,7 @@ use std::path::{Path, PathBuf};
 
 use phugoid_identification::method::Method;
 use phugoid_identification::model_file::ModelFile;
+use phugoid_identification::options::Likelihood;
 use serde::Serialize;
 
 pub use error::FieldError;
@@ -39,6 +40,8 @@ pub struct FieldOptions {
     pub faults: usize,
     /// Whether the health monitor watches the sound flights.
     pub monitor: bool,
+    /// What batch methods take the noise of the measurements for.
+    pub likelihood: Likelihood,
 }
 
 /// The result: every trial, and what they come to.
@@ -104,7 +107,7 @@ pub fn run(folder: &Path, options: &FieldOptions, done: &(dyn Fn(usize) + Sync))
     }
     let run = |k: usize| -> Result<Trial, FieldError> {
         let (flight, method, corruption, watched) = tasks[k];
-        Ok(flights[flight].trial(method, corruption, watched))
+        Ok(flights[flight].trial(method, options.likelihood, corruption, watched))
     };
     let trials = monte_carlo(tasks.len(), run, || done(tasks.len()))?;
     Ok(summarise(options, trials))

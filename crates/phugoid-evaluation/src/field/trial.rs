@@ -5,6 +5,7 @@ use phugoid_identification::estimate::{EstimateOptions, OfferTerms, estimate};
 use phugoid_identification::estimation::{ChangeOutcome, Estimation, EstimationStatus, EventKind, FinalStatus};
 use phugoid_identification::method::Method;
 use phugoid_identification::model_file::ModelFile;
+use phugoid_identification::options::Likelihood;
 use serde::Serialize;
 
 use super::corruption::Corruption;
@@ -164,7 +165,13 @@ pub(super) struct Flight {
 
 impl Flight {
     /// Runs `method` on the flight, with an error if one is given, and the health monitor beside it if `watched`.
-    pub(super) fn trial(&self, method: Method, corruption: Option<Corruption>, watched: bool) -> Trial {
+    pub(super) fn trial(
+        &self,
+        method: Method,
+        likelihood: Likelihood,
+        corruption: Option<Corruption>,
+        watched: bool,
+    ) -> Trial {
         let truth = &self.truth;
         let mut trial = Trial {
             aircraft: truth.aircraft.clone(),
@@ -201,7 +208,7 @@ impl Flight {
         trial.hours = record.time.first().zip(record.time.last()).map_or(0.0, |(a, b)| (b - a) / 3600.0);
         // Trying terms changes no number and none of the words that take numbers back, and costs more than all else.
         let offer = if corruption.is_some() { OfferTerms::Never } else { OfferTerms::WithReason };
-        let options = EstimateOptions { method: Some(method), offer, ..EstimateOptions::default() };
+        let options = EstimateOptions { method: Some(method), offer, likelihood, ..EstimateOptions::default() };
         match estimate(record, &model, &options, &mut |_| {}) {
             Err(error) => trial.word = refusal(&error),
             Ok(estimation) => {

@@ -10,6 +10,7 @@ use super::error::BatchError;
 use super::information::covariance;
 use super::layout::Layout;
 use super::likelihood::Evaluation;
+use super::loss::Loss;
 use super::optimise::OptimiserSettings;
 use super::output_error::GROWTH;
 use super::prediction::predict;
@@ -17,6 +18,7 @@ use super::problem::{Manoeuvre, Noise, Structure};
 use super::relaxation::{levels, noise_floor};
 use super::response::{Rows, response};
 use super::result::UnknownKind;
+use super::start::stretches;
 
 /// The bound on the standard error of one unknown.
 #[derive(Clone, Debug, PartialEq)]
@@ -61,9 +63,13 @@ where
     // The start of the simulation is found with the parameters held, so that its residuals are those of the model.
     let search = OptimiserSettings::default();
     let held = predict::<M, I, N, R>(manoeuvres, &at, parameters, &search)?;
-    let states =
-        held.manoeuvres.iter().map(|m| std::array::from_fn(|i| m.initial_state.get(i).copied().unwrap_or(f64::NAN)));
-    let layout: Layout<N> = Layout::new(&at, manoeuvres, states.collect());
+    let mut stretches = stretches(manoeuvres, &at)?;
+    for unknown in &held.unknowns {
+        if let UnknownKind::InitialState { state, manoeuvre, stretch } = unknown.kind {
+            stretches[manoeuvre][stretch].state[state] = unknown.value;
+        }
+    }
+    let layout: Layout<N> = Layout::new(&at, manoeuvres, stretches);
     let start = layout.start();
     let mut rows: Vec<Rows<R>> = Vec::with_capacity(manoeuvres.len());
     for (index, m) in manoeuvres.iter().enumerate() {
@@ -75,8 +81,9 @@ where
         rows.push(simulated);
     }
     let floor = noise_floor(manoeuvres);
-    let (quiet, _) = levels(&structure.outputs.each_ref().map(|channel| channel.noise), &rows, &floor);
-    let (left, _) = levels(&[Noise::Estimated; R], &rows, &floor);
+    let loss = Loss::of(structure.likelihood);
+    let (quiet, _) = levels(&structure.outputs.each_ref().map(|channel| channel.noise), &rows, &floor, loss);
+    let (left, _) = levels(&[Noise::Estimated; R], &rows, &floor, loss);
     let name = |j: usize| layout.places[j].name.clone();
     let best = covariance(&information(&layout, &start, &rows, &quiet).0, name)?;
     let loud: [f64; R] = std::array::from_fn(|i| quiet[i].max(left[i]));
@@ -107,7 +114,7 @@ fn information<const N: usize, const R: usize>(
     rows: &[Rows<R>],
     noise_std: &[f64; R],
 ) -> (DMatrix<f64>, DMatrix<f64>, Vec<Rows<R>>) {
-    let whitened: Vec<Rows<R>> = rows.iter().map(|r| r.clone().whitened(noise_std)).collect();
+    let whitened: Vec<Rows<R>> = rows.iter().map(|r| r.clone().whitened(noise_std, Loss::GAUSSIAN)).collect();
     let mut data = Evaluation::nothing(layout.places.len());
     whitened.iter().for_each(|r| data.add(r));
     let priors = Evaluation::of_priors(&layout.places, unknowns).information;

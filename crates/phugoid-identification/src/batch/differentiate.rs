@@ -11,7 +11,7 @@ use nalgebra::{Matrix4, Vector4};
 #[derive(Clone, Debug)]
 pub(crate) struct LocalCubics {
     /// One entry per sample; `None` near the ends and where too few values were measured.
-    windows: Vec<Option<Window>>,
+    windows: std::rc::Rc<[Option<Window>]>,
 }
 
 #[derive(Clone, Debug)]

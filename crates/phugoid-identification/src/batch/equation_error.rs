@@ -1,19 +1,23 @@
 //! Equation error: least squares on the equations of motion themselves.
 
-use crate::core::options::CAPACITY;
+use crate::core::options::{CAPACITY, Likelihood};
 use phugoid_estimators::discretization::IntervalInput;
 use phugoid_estimators::{Input, LinearizedOutputs, LinearizedRates, Model};
 
 use super::differentiate::LocalCubics;
 use super::error::BatchError;
 use super::layout::Layout;
-use super::optimise::OptimiserSettings;
+use super::loss::Loss;
+use super::optimise::{Minimum, OptimiserSettings};
 use super::problem::{Bias, Manoeuvre, Noise, Structure};
 use super::regression::{Equation, equations};
+use super::regressor_noise;
 use super::relaxation::{self, Fitted};
 use super::response::Rows;
 use super::result::{BatchFit, UnknownKind};
+use super::start::Stretch;
 use super::summary::{Summary, summarise};
+use crate::preparation::noise::{measure_noise, without_outliers};
 
 /// Settings of [`equation_error`]: the differentiation of the measured states, and which equations and terms are used.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,8 +25,9 @@ pub struct EquationErrorSettings {
     /// Samples this far to each side make one value of a state and its slope, s. It should be short against the motion
     /// (a tenth of the short period) and hold at least three samples.
     pub half_window_s: f64,
-    /// Use smoothed states in the regressors; otherwise the measured ones, which is right for noise-free data only:
-    /// noise in a regressor biases its derivative towards zero.
+    /// Smooth both sides of the equations alike; otherwise measured accelerations and the states in the regressors are
+    /// taken as they are, which is right for noise-free data only: noise in a regressor biases its derivative towards
+    /// zero.
     pub smooth_regressors: bool,
     /// Use every equation that has a measured left side. Otherwise a state's rate is differentiated only where a
     /// parameter needs it: a measured acceleration is better than a numerical one.
@@ -59,11 +64,14 @@ pub struct EquationErrorFit {
 /// y_i - h_i(x, 0, u)                        = D_i(x, u) theta + e_i          a measured acceleration
 /// ```
 ///
-/// Differentiation rounds corners; the right side of a state's equation is integrated and differentiated in the same
-/// way, so that both sides agree whatever the window. Each equation has its own residual variance, found with the
+/// Smoothing and differentiation round corners. The right side of a state's equation is therefore integrated and
+/// differentiated in the same way, and both sides of a measured acceleration are smoothed in the same way, so that they
+/// agree whatever the window, and however quick the aircraft. Samples of a state or acceleration that stand out of their
+/// neighbours by eight sigmas of its noise are left out. Each equation has its own residual variance, found with the
 /// parameters. States that no output measures, and equations whose left side is nowhere measured, are refused or left
 /// out. Nothing is integrated and no start values are needed, so that it cannot diverge; its result can start the other
-/// methods. Noise in the states biases it (docs/methods.md, measured).
+/// methods. Noise in the states biases it: with smoothed regressors the bias is found by adding more noise of the same
+/// level, taken off, and the standard errors allow for what is uncertain of it (docs/methods.md, measured).
 ///
 /// # Errors
 /// [`BatchError`]: inputs that contradict each other, a state that is not measured, terms of which the data determine
@@ -82,7 +90,6 @@ where
     if half.is_nan() || half <= 0.0 {
         return Err(BatchError::BadInput(format!("the half window is {half} s: it must be positive")));
     }
-    let smoothed = manoeuvres.iter().map(|m| Measured::of(m, structure, settings)).collect::<Result<Vec<_>, _>>()?;
     let mut held = structure.clone();
     held.states.iter_mut().for_each(|s| s.free = false);
     for (i, channel) in held.outputs.iter_mut().enumerate() {
@@ -91,18 +98,11 @@ where
             channel.bias = Bias::None;
         }
     }
-    let states = vec![[0.0; N]; manoeuvres.len()];
-    let layout: Layout<N> = Layout::new(&held, manoeuvres, states);
-    let every: Vec<Rows<R>> = rows_of(manoeuvres, &smoothed, &layout, &layout.start(), &[true; R]);
-    let wanted = if settings.every_equation { [true; R] } else { needed(manoeuvres, &every, &layout) };
-    let residuals = |unknowns: &[f64]| Ok(rows_of(manoeuvres, &smoothed, &layout, unknowns, &wanted));
-    let floor = equation_floor(&every);
-    // The equations are linear in the parameters: only the weights have to be iterated.
-    let search = OptimiserSettings { step_tolerance: 1e-6, ..OptimiserSettings::default() };
-    let noise = [Noise::Estimated; R];
-    let minimum = relaxation::fit(&layout.places, layout.start(), &noise, &floor, &search, residuals)?;
+    let layout: Layout<N> = Layout::new(&held, manoeuvres, nothing_integrated(manoeuvres));
+    let measured = manoeuvres.iter().map(|m| Measured::of(m, structure, settings)).collect::<Result<Vec<_>, _>>()?;
+    let minimum = regression(manoeuvres, &measured, settings, structure.likelihood, &layout, FINE)?;
     let Fitted { rows, noise_std } = &minimum.evaluation.detail;
-    let fit = summarise(&Summary {
+    let mut fit = summarise(&Summary {
         method: "equation-error",
         structure,
         manoeuvres,
@@ -111,12 +111,56 @@ where
         rows,
         noise_std,
     })?;
+    if settings.smooth_regressors {
+        let outputs: Vec<&[[f64; R]]> = measured.iter().map(|m| m.outputs.as_slice()).collect();
+        let of_state = std::array::from_fn(|i| state_of::<M, I, N, R>(manoeuvres, i).is_some());
+        let solve = |noisy: &[Vec<[f64; R]>]| {
+            let with = |(index, outputs): (usize, &Vec<[f64; R]>)| measured[index].with(&manoeuvres[index], outputs);
+            let noisy: Vec<Measured<N, R>> = noisy.iter().enumerate().map(with).collect();
+            // Their difference is a fraction of a standard error or more, or of no interest.
+            regression(manoeuvres, &noisy, settings, structure.likelihood, &layout, ROUGH)
+                .ok()
+                .map(|minimum| minimum.unknowns)
+        };
+        if let Some(bias) = regressor_noise::bias(&outputs, &of_state, &minimum.unknowns, &solve) {
+            regressor_noise::correct(&mut fit, &bias);
+        }
+    }
     let name = |row: usize| match state_of::<M, I, N, R>(manoeuvres, row) {
         Some(state) => format!("d({})/dt", structure.states[state].name),
         None => structure.outputs[row].name.clone(),
     };
     let equations = equations(rows, noise_std, &layout.places, &minimum.unknowns, &fit, settings.f_to_enter, name);
     Ok(EquationErrorFit { fit, equations })
+}
+
+/// Length of the last step of a regression, in standard errors: where its values are shown, and where only what noise does
+/// to them is asked.
+const FINE: f64 = 1e-6;
+const ROUGH: f64 = 1e-2;
+
+/// The weighted least squares themselves.
+fn regression<M, I, const N: usize, const R: usize>(
+    manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
+    measured: &[Measured<N, R>],
+    settings: &EquationErrorSettings,
+    likelihood: Likelihood,
+    layout: &Layout<N>,
+    step_tolerance: f64,
+) -> Result<Minimum<Fitted<R>>, BatchError>
+where
+    M: Model<N, R, CAPACITY, Input = I>,
+    I: Input,
+{
+    let every: Vec<Rows<R>> = rows_of(manoeuvres, measured, layout, &layout.start(), &[true; R]);
+    let wanted = if settings.every_equation { [true; R] } else { needed(manoeuvres, &every, layout) };
+    let residuals = |unknowns: &[f64]| Ok(rows_of(manoeuvres, measured, layout, unknowns, &wanted));
+    let floor = equation_floor(&every);
+    // The equations are linear in the parameters: only the weights have to be iterated.
+    let search = OptimiserSettings { step_tolerance, ..OptimiserSettings::default() };
+    let noise = [Noise::Estimated; R];
+    let loss = Loss::of(likelihood);
+    relaxation::fit(&layout.places, layout.start(), &noise, &floor, loss, &search, residuals)
 }
 
 /// The equations of one manoeuvre at given parameters, without solving them: residuals (left side minus right side, in
@@ -143,22 +187,38 @@ where
     }
     let manoeuvres = std::slice::from_ref(manoeuvre);
     let measured = [Measured::of(manoeuvre, &held, settings)?];
-    let layout: Layout<N> = Layout::new(&held, manoeuvres, vec![[0.0; N]]);
+    let layout: Layout<N> = Layout::new(&held, manoeuvres, nothing_integrated(manoeuvres));
     let rows = rows_of(manoeuvres, &measured, &layout, &layout.start(), &[true; R]);
     rows.into_iter().next().ok_or_else(|| BatchError::BadInput("there is no manoeuvre".to_owned()))
 }
 
-/// The states of one manoeuvre as measured, and their slopes.
-struct Measured<const N: usize> {
-    /// By sample; NaN near the ends and where not measured.
+/// The equations take the states as they were measured, and have no use for where an integration would start.
+fn nothing_integrated<M, I, const N: usize, const R: usize>(
+    manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
+) -> Vec<Vec<Stretch<N>>> {
+    let stretch = |m: &Manoeuvre<'_, M, I, N, R>| Stretch { from: 0, to: m.time_s.len(), state: [0.0; N] };
+    manoeuvres.iter().map(|m| vec![stretch(m)]).collect()
+}
+
+/// One manoeuvre as measured, with the windows that smooth it.
+#[derive(Clone)]
+struct Measured<const N: usize, const R: usize> {
+    /// The states by sample, without outliers; the smoothed value where there is none, and NaN where that is missing too.
     states: Vec<[f64; N]>,
+    /// The smoothed states and their slopes; NaN near the ends and where not measured.
+    smoothed: Vec<[f64; N]>,
     slopes: Vec<[f64; N]>,
     /// The local cubics that the slopes were computed with, by state.
     cubics: Vec<LocalCubics>,
+    /// The outputs by sample, without outliers.
+    outputs: Vec<[f64; R]>,
+    /// The local cubics over the samples at which an output and all states are known, by output; `None` of a state, and where nothing is
+    /// smoothed.
+    output_cubics: [Option<LocalCubics>; R],
 }
 
-impl<const N: usize> Measured<N> {
-    fn of<M, I, const R: usize>(
+impl<const N: usize, const R: usize> Measured<N, R> {
+    fn of<M, I>(
         m: &Manoeuvre<'_, M, I, N, R>,
         structure: &Structure<N, R>,
         settings: &EquationErrorSettings,
@@ -168,37 +228,90 @@ impl<const N: usize> Measured<N> {
         I: Input,
     {
         let samples = m.time_s.len();
-        let mut measured =
-            Self { states: vec![[f64::NAN; N]; samples], slopes: vec![[f64::NAN; N]; samples], cubics: Vec::new() };
+        let mut measured = Self {
+            states: vec![[f64::NAN; N]; samples],
+            smoothed: vec![[f64::NAN; N]; samples],
+            slopes: vec![[f64::NAN; N]; samples],
+            cubics: Vec::new(),
+            outputs: m.outputs.to_vec(),
+            output_cubics: [const { None }; R],
+        };
+        for i in 0..R {
+            let values: Vec<f64> = m.outputs.iter().map(|y| y[i]).collect();
+            if let Some(noise) = measure_noise(&values) {
+                let clean = without_outliers(&values, noise.std);
+                measured.outputs.iter_mut().zip(clean).for_each(|(y, value)| y[i] = value);
+            }
+        }
         for state in 0..N {
             let Some(output) = m.model.measuring_output(state) else {
                 let (name, of) = (&structure.states[state].name, m.name);
                 return Err(BatchError::BadInput(format!("{of}: equation error needs the state {name} measured")));
             };
-            let values: Vec<f64> = m.outputs.iter().map(|y| y[output]).collect();
+            let values: Vec<f64> = measured.outputs.iter().map(|y| y[output]).collect();
             let cubics = LocalCubics::new(m.time_s, &values, settings.half_window_s);
-            let (smoothed, slopes) = (cubics.values(&values), cubics.slopes(&values));
-            if !slopes.iter().any(|v| v.is_finite()) {
+            if !cubics.slopes(&values).iter().any(|v| v.is_finite()) {
                 let (name, of, half) = (&structure.outputs[output].name, m.name, settings.half_window_s);
                 return Err(BatchError::BadInput(format!(
                     "{of}: {name} has nowhere two values to each side within {half} s: widen the window of equation error"
                 )));
             }
-            for k in 0..samples {
-                measured.slopes[k][state] = slopes[k];
-                measured.states[k][state] = if settings.smooth_regressors { smoothed[k] } else { values[k] };
-            }
             measured.cubics.push(cubics);
+        }
+        measured.differentiate(m);
+        if settings.smooth_regressors {
+            let is_state = |i: usize| (0..N).any(|state| m.model.measuring_output(state) == Some(i));
+            for i in (0..R).filter(|&i| !is_state(i)) {
+                let known = |k: usize| if measured.is_known(k) { measured.outputs[k][i] } else { f64::NAN };
+                let known: Vec<f64> = (0..samples).map(known).collect();
+                measured.output_cubics[i] = Some(LocalCubics::new(m.time_s, &known, settings.half_window_s));
+            }
         }
         Ok(measured)
     }
+
+    /// The same windows over other values of the outputs, which are missing where these are.
+    fn with<M, I>(&self, m: &Manoeuvre<'_, M, I, N, R>, outputs: &[[f64; R]]) -> Self
+    where
+        M: Model<N, R, CAPACITY, Input = I>,
+        I: Input,
+    {
+        let mut other = self.clone();
+        other.outputs.copy_from_slice(outputs);
+        other.differentiate(m);
+        other
+    }
+
+    /// The states and their slopes, from the outputs.
+    fn differentiate<M, I>(&mut self, m: &Manoeuvre<'_, M, I, N, R>)
+    where
+        M: Model<N, R, CAPACITY, Input = I>,
+        I: Input,
+    {
+        for (state, cubics) in self.cubics.iter().enumerate() {
+            let Some(output) = m.model.measuring_output(state) else { continue };
+            let values: Vec<f64> = self.outputs.iter().map(|y| y[output]).collect();
+            let (smoothed, slopes) = (cubics.values(&values), cubics.slopes(&values));
+            for k in 0..values.len() {
+                self.slopes[k][state] = slopes[k];
+                self.smoothed[k][state] = smoothed[k];
+                self.states[k][state] = if values[k].is_finite() { values[k] } else { smoothed[k] };
+            }
+        }
+    }
+
+    /// True if all states are known at a sample.
+    fn is_known(&self, sample: usize) -> bool {
+        self.states[sample].iter().all(|v| v.is_finite())
+    }
 }
 
-/// The right side of the states' equations as the differentiation sees it: rates and regressors by sample.
+/// The right side of the states' equations as the differentiation sees it.
 struct RightSide<const N: usize> {
+    /// By sample, 1/s of the state's unit; NaN where not known.
     rates: Vec<[f64; N]>,
-    /// Row of the sample, state, column.
-    regressors: Vec<LinearizedRates<N, CAPACITY>>,
+    /// By state, then column, then sample; empty where a column is zero throughout.
+    regressors: [Vec<Vec<f64>>; N],
 }
 
 /// Integrates the right side over the samples (trapezia, with the input that acted in each interval) and takes the
@@ -206,8 +319,9 @@ struct RightSide<const N: usize> {
 /// rounds off, such as the step in a rate that a step of a surface makes, it rounds off on both.
 fn right_side<M, I, const N: usize, const R: usize>(
     m: &Manoeuvre<'_, M, I, N, R>,
-    measured: &Measured<N>,
+    measured: &Measured<N, R>,
     theta: &[f64; CAPACITY],
+    wanted: &[bool; N],
 ) -> RightSide<N>
 where
     M: Model<N, R, CAPACITY, Input = I>,
@@ -215,7 +329,7 @@ where
 {
     let samples = m.time_s.len();
     let columns = m.model.parameter_count().min(CAPACITY);
-    let known = |k: usize| measured.states[k].iter().all(|v| v.is_finite());
+    let known = |k: usize| measured.is_known(k);
     let mut rates = vec![vec![0.0; samples]; N];
     let mut regressors = vec![vec![vec![0.0; samples]; columns]; N];
     let (mut before, mut after) = (LinearizedRates::<N, CAPACITY>::ZERO, LinearizedRates::<N, CAPACITY>::ZERO);
@@ -236,14 +350,17 @@ where
             }
         }
     }
-    let mut side = RightSide { rates: vec![[f64::NAN; N]; samples], regressors: vec![LinearizedRates::ZERO; samples] };
-    for i in 0..N {
+    let mut side = RightSide {
+        rates: vec![[f64::NAN; N]; samples],
+        regressors: std::array::from_fn(|_| vec![Vec::new(); columns]),
+    };
+    for i in (0..N).filter(|&i| wanted[i]) {
         for (k, slope) in measured.cubics[i].slopes(&rates[i]).into_iter().enumerate() {
             side.rates[k][i] = slope;
         }
-        for j in 0..columns {
-            for (k, slope) in measured.cubics[i].slopes(&regressors[i][j]).into_iter().enumerate() {
-                side.regressors[k].regressors[i][j] = slope;
+        for (slopes, integral) in side.regressors[i].iter_mut().zip(&regressors[i]) {
+            if integral.iter().any(|v| *v != 0.0) {
+                *slopes = measured.cubics[i].slopes(integral);
             }
         }
     }
@@ -277,7 +394,7 @@ where
 /// Equations as rows: residual is left side minus right side, sensitivity the regressors.
 fn rows_of<M, I, const N: usize, const R: usize>(
     manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
-    measured: &[Measured<N>],
+    measured: &[Measured<N, R>],
     layout: &Layout<N>,
     unknowns: &[f64],
     wanted: &[bool; R],
@@ -287,50 +404,118 @@ where
     I: Input,
 {
     let theta = layout.parameters(unknowns);
-    let of = |(index, (m, measured)): (usize, (&Manoeuvre<'_, M, I, N, R>, &Measured<N>))| {
+    let of = |(index, (m, measured)): (usize, (&Manoeuvre<'_, M, I, N, R>, &Measured<N, R>))| {
         let columns = layout.columns(index);
         let kinds: Vec<UnknownKind> = columns.iter().map(|&j| layout.places[j].kind).collect();
         let biases: [f64; R] = layout.biases(index, unknowns);
         let states: [Option<usize>; R] = std::array::from_fn(|i| state_of::<M, I, N, R>(manoeuvres, i));
-        let side = right_side(m, measured, &theta);
-        let mut lin = LinearizedOutputs::<N, R, CAPACITY>::ZERO;
+        let wanted_states = std::array::from_fn(|state| (0..R).any(|i| wanted[i] && states[i] == Some(state)));
+        let side = right_side(m, measured, &theta, &wanted_states);
+        let samples = m.time_s.len();
+        let width = columns.len();
         let mut rows = Rows {
-            outputs: Vec::with_capacity(m.time_s.len()),
-            residuals: Vec::with_capacity(m.time_s.len()),
-            sensitivities: Vec::with_capacity(m.time_s.len() * R * columns.len()),
+            outputs: vec![[f64::NAN; R]; samples],
+            residuals: vec![[f64::NAN; R]; samples],
+            sensitivities: vec![0.0; samples * R * width],
             columns,
+            loss: Loss::GAUSSIAN,
             growth: 1.0,
         };
-        for k in 0..m.time_s.len() {
-            let x = &measured.states[k];
-            let known = x.iter().all(|v| v.is_finite());
-            if known {
-                m.model.linearized_outputs(x, &theta, &m.inputs[k], &mut lin);
-            }
-            let mut residuals = [f64::NAN; R];
-            for i in 0..R {
-                let (regressors, residual) = match states[i] {
+        let mut lin = LinearizedOutputs::<N, R, CAPACITY>::ZERO;
+        for k in (0..samples).filter(|&k| measured.smoothed[k].iter().all(|v| v.is_finite())) {
+            m.model.linearized_outputs(&measured.smoothed[k], &theta, &m.inputs[k], &mut lin);
+            rows.outputs[k] = std::array::from_fn(|i| lin.outputs[i] + biases[i]);
+        }
+        let accelerations = accelerations(m, measured, &theta, &kinds);
+        for i in (0..R).filter(|&i| wanted[i]) {
+            for k in 0..samples {
+                let from = (k * R + i) * width;
+                let row = &mut rows.sensitivities[from..from + width];
+                match states[i] {
                     Some(state) => {
-                        (&side.regressors[k].regressors[state], measured.slopes[k][state] - side.rates[k][state])
+                        let residual = measured.slopes[k][state] - side.rates[k][state];
+                        if !(residual.is_finite() && rows.outputs[k][i].is_finite()) {
+                            continue;
+                        }
+                        rows.residuals[k][i] = residual;
+                        for (value, kind) in row.iter_mut().zip(&kinds) {
+                            if let UnknownKind::Parameter { index } = *kind {
+                                *value =
+                                    side.regressors[state].get(index).and_then(|of| of.get(k)).copied().unwrap_or(0.0);
+                            }
+                        }
                     }
-                    None => (&lin.parameter_jacobian[i], m.outputs[k][i] - lin.outputs[i] - biases[i]),
-                };
-                let used = known && wanted[i] && residual.is_finite();
-                if used {
-                    residuals[i] = residual;
+                    None => {
+                        let residual = accelerations[i].residuals[k] - biases[i];
+                        if !residual.is_finite() {
+                            continue;
+                        }
+                        rows.residuals[k][i] = residual;
+                        for ((value, kind), regressor) in row.iter_mut().zip(&kinds).zip(&accelerations[i].regressors) {
+                            *value = match *kind {
+                                UnknownKind::Bias { output, .. } => f64::from(output == i),
+                                _ => regressor.get(k).copied().unwrap_or(0.0),
+                            };
+                        }
+                    }
                 }
-                rows.sensitivities.extend(kinds.iter().map(|kind| match *kind {
-                    UnknownKind::Parameter { index } if used => regressors[index],
-                    UnknownKind::Bias { output, .. } if used && states[i].is_none() => f64::from(output == i),
-                    _ => 0.0,
-                }));
             }
-            rows.outputs.push(if known { std::array::from_fn(|i| lin.outputs[i] + biases[i]) } else { [f64::NAN; R] });
-            rows.residuals.push(residuals);
         }
         rows
     };
     manoeuvres.iter().zip(measured).enumerate().map(of).collect()
+}
+
+/// Both sides of the equation of one output that measures no state.
+#[derive(Clone, Debug, Default)]
+struct Acceleration {
+    /// Measured minus modelled without the bias, by sample; NaN where not known.
+    residuals: Vec<f64>,
+    /// By column of the rows, then by sample; empty for a column that is no parameter.
+    regressors: Vec<Vec<f64>>,
+}
+
+/// The equations of the outputs, both sides smoothed alike where the windows are there.
+fn accelerations<M, I, const N: usize, const R: usize>(
+    m: &Manoeuvre<'_, M, I, N, R>,
+    measured: &Measured<N, R>,
+    theta: &[f64; CAPACITY],
+    kinds: &[UnknownKind],
+) -> [Acceleration; R]
+where
+    M: Model<N, R, CAPACITY, Input = I>,
+    I: Input,
+{
+    let samples = m.time_s.len();
+    let empty = Acceleration {
+        residuals: vec![f64::NAN; samples],
+        regressors: kinds
+            .iter()
+            .map(|kind| if matches!(kind, UnknownKind::Parameter { .. }) { vec![0.0; samples] } else { Vec::new() })
+            .collect(),
+    };
+    let mut found: [Acceleration; R] = std::array::from_fn(|_| empty.clone());
+    let mut lin = LinearizedOutputs::<N, R, CAPACITY>::ZERO;
+    for k in (0..samples).filter(|&k| measured.is_known(k)) {
+        m.model.linearized_outputs(&measured.states[k], theta, &m.inputs[k], &mut lin);
+        for (i, equation) in found.iter_mut().enumerate() {
+            equation.residuals[k] = measured.outputs[k][i] - lin.outputs[i];
+            for (column, kind) in equation.regressors.iter_mut().zip(kinds) {
+                if let UnknownKind::Parameter { index } = *kind {
+                    column[k] = lin.parameter_jacobian[i][index];
+                }
+            }
+        }
+    }
+    // The output of a state has no window, and its own equation elsewhere.
+    for (equation, cubics) in found.iter_mut().zip(&measured.output_cubics) {
+        let Some(cubics) = cubics else { continue };
+        equation.residuals = cubics.values(&equation.residuals);
+        for column in equation.regressors.iter_mut().filter(|column| !column.is_empty()) {
+            *column = cubics.values(column);
+        }
+    }
+    found
 }
 
 /// The equations to use: measured accelerations, and the rates of states that carry a parameter which no acceleration

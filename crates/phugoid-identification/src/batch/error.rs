@@ -47,8 +47,8 @@ pub enum BatchError {
         iterations: usize,
         /// Length of the next Gauss-Newton step in standard errors.
         step: f64,
-        /// Length at which the search would have ended:
-        /// [`OptimiserSettings::step_tolerance`](super::OptimiserSettings::step_tolerance).
+        /// Length that would have been accepted:
+        /// [`OptimiserSettings::acceptable_step`](super::OptimiserSettings::acceptable_step).
         tolerance: f64,
     },
 }

@@ -5,14 +5,16 @@ use phugoid_estimators::discretization::{IntervalInput, Part, step, sub_steps};
 use phugoid_estimators::{Input, LinearizedOutputs, Model};
 
 use super::problem::Manoeuvre;
+use super::start::Stretch;
 
 /// The values that one run of the filter holds fixed.
 #[derive(Clone, Debug)]
 pub(crate) struct Tuning<const N: usize, const R: usize> {
     pub(crate) parameters: [f64; CAPACITY],
     pub(crate) biases: [f64; R],
-    pub(crate) initial_state: [f64; N],
-    /// One sigma of the initial state.
+    /// The stretches between gaps, with the state at the start of each.
+    pub(crate) stretches: Vec<Stretch<N>>,
+    /// One sigma of the initial states.
     pub(crate) initial_std: [f64; N],
     /// Variances of the measurement noise.
     pub(crate) noise: [f64; R],
@@ -56,55 +58,54 @@ where
 {
     let model = manoeuvre.model;
     let samples = manoeuvre.time_s.len();
-    let mut x = tuning.initial_state;
-    let mut covariance: [[f64; N]; N] =
-        std::array::from_fn(|i| std::array::from_fn(|j| if i == j { tuning.initial_std[i].powi(2) } else { 0.0 }));
     let mut lin = LinearizedOutputs::<N, R, CAPACITY>::ZERO;
     let mut result = Innovations {
-        predicted: Vec::with_capacity(samples),
-        errors: Vec::with_capacity(samples),
-        variances: Vec::with_capacity(samples),
+        predicted: vec![[f64::NAN; R]; samples],
+        errors: vec![[f64::NAN; R]; samples],
+        variances: vec![[f64::NAN; R]; samples],
     };
     let (mut unused, mut transition) = ([[0.0; CAPACITY]; N], [[0.0; N]; N]);
-    for k in 0..samples {
-        model.linearized_outputs(&x, &tuning.parameters, &manoeuvre.inputs[k], &mut lin);
-        let predicted: [f64; R] = std::array::from_fn(|i| lin.outputs[i] + tuning.biases[i]);
-        let (mut errors, mut variances) = ([f64::NAN; R], [f64::NAN; R]);
-        let mut correction = [0.0; N];
-        for i in (0..R).filter(|&i| manoeuvre.outputs[k][i].is_finite()) {
-            let h = &lin.state_jacobian[i];
-            let gain: [f64; N] = std::array::from_fn(|l| (0..N).map(|m| covariance[l][m] * h[m]).sum());
-            let s = tuning.noise[i] + (0..N).map(|l| h[l] * gain[l]).sum::<f64>();
-            let corrected: f64 = (0..N).map(|l| h[l] * correction[l]).sum();
-            let e = manoeuvre.outputs[k][i] - predicted[i] - corrected;
-            if !(e.is_finite() && s > 0.0 && s.is_finite()) {
-                return Err(manoeuvre.time_s[k] - manoeuvre.time_s[0]);
+    for stretch in &tuning.stretches {
+        let mut x = stretch.state;
+        let mut covariance: [[f64; N]; N] =
+            std::array::from_fn(|i| std::array::from_fn(|j| if i == j { tuning.initial_std[i].powi(2) } else { 0.0 }));
+        for k in stretch.from..stretch.to {
+            model.linearized_outputs(&x, &tuning.parameters, &manoeuvre.inputs[k], &mut lin);
+            let predicted: [f64; R] = std::array::from_fn(|i| lin.outputs[i] + tuning.biases[i]);
+            let mut correction = [0.0; N];
+            for i in (0..R).filter(|&i| manoeuvre.outputs[k][i].is_finite()) {
+                let h = &lin.state_jacobian[i];
+                let gain: [f64; N] = std::array::from_fn(|l| (0..N).map(|m| covariance[l][m] * h[m]).sum());
+                let s = tuning.noise[i] + (0..N).map(|l| h[l] * gain[l]).sum::<f64>();
+                let corrected: f64 = (0..N).map(|l| h[l] * correction[l]).sum();
+                let e = manoeuvre.outputs[k][i] - predicted[i] - corrected;
+                if !(e.is_finite() && s > 0.0 && s.is_finite()) {
+                    return Err(manoeuvre.time_s[k] - manoeuvre.time_s[0]);
+                }
+                let gain = gain.map(|g| g / s);
+                for l in 0..N {
+                    correction[l] += gain[l] * e;
+                }
+                covariance = joseph(&covariance, &gain, h, tuning.noise[i]);
+                (result.errors[k][i], result.variances[k][i]) = (e, s);
             }
-            let gain = gain.map(|g| g / s);
             for l in 0..N {
-                correction[l] += gain[l] * e;
+                x[l] += correction[l];
             }
-            covariance = joseph(&covariance, &gain, h, tuning.noise[i]);
-            (errors[i], variances[i]) = (e, s);
-        }
-        for l in 0..N {
-            x[l] += correction[l];
-        }
-        result.predicted.push(predicted);
-        result.errors.push(errors);
-        result.variances.push(variances);
-        if k + 1 == samples {
-            break;
-        }
-        let interval_s = manoeuvre.time_s[k + 1] - manoeuvre.time_s[k];
-        let input = IntervalInput { from: manoeuvre.inputs[k], to: manoeuvre.inputs[k + 1], hold: manoeuvre.hold };
-        let steps = sub_steps(interval_s, tuning.maximum_step_s);
-        for part in 0..steps {
-            let part = Part { from: part as f64 / steps as f64, to: (part + 1) as f64 / steps as f64 };
-            x = step(model, &x, &tuning.parameters, &input, interval_s, part, 0, &mut unused, &mut transition);
-            covariance = predicted_covariance(&covariance, &transition);
-            for l in 0..N {
-                covariance[l][l] += tuning.process_noise[l] * interval_s / steps as f64;
+            result.predicted[k] = predicted;
+            if k + 1 == stretch.to {
+                break;
+            }
+            let interval_s = manoeuvre.time_s[k + 1] - manoeuvre.time_s[k];
+            let input = IntervalInput { from: manoeuvre.inputs[k], to: manoeuvre.inputs[k + 1], hold: manoeuvre.hold };
+            let steps = sub_steps(interval_s, tuning.maximum_step_s);
+            for part in 0..steps {
+                let part = Part { from: part as f64 / steps as f64, to: (part + 1) as f64 / steps as f64 };
+                x = step(model, &x, &tuning.parameters, &input, interval_s, part, 0, &mut unused, &mut transition);
+                covariance = predicted_covariance(&covariance, &transition);
+                for l in 0..N {
+                    covariance[l][l] += tuning.process_noise[l] * interval_s / steps as f64;
+                }
             }
         }
     }

@@ -2,6 +2,7 @@
 
 use super::problem::{Bias, Manoeuvre, Structure};
 use super::result::UnknownKind;
+use super::start::Stretch;
 use crate::core::options::CAPACITY;
 
 /// One free unknown: one entry of the vector that the search moves.
@@ -22,16 +23,16 @@ pub(crate) struct Layout<const N: usize> {
     pub(crate) places: Vec<Place>,
     /// Parameters where they are fixed or start.
     parameters: [f64; CAPACITY],
-    /// Initial states where they are held or start, by manoeuvre.
-    states: Vec<[f64; N]>,
+    /// What is integrated, with the initial states where they are held or start, by manoeuvre.
+    stretches: Vec<Vec<Stretch<N>>>,
 }
 
 impl<const N: usize> Layout<N> {
-    /// Free parameters, then shared biases, then by manoeuvre its free initial states and biases.
+    /// Free parameters, then shared biases, then by manoeuvre its free initial states, stretch by stretch, and biases.
     pub(crate) fn new<M, I, const R: usize>(
         structure: &Structure<N, R>,
         manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
-        states: Vec<[f64; N]>,
+        stretches: Vec<Vec<Stretch<N>>>,
     ) -> Self {
         let mut parameters = [0.0; CAPACITY];
         let mut places = Vec::new();
@@ -60,9 +61,16 @@ impl<const N: usize> Layout<N> {
         }
         for (m, manoeuvre) in manoeuvres.iter().enumerate() {
             let of = if manoeuvres.len() > 1 { format!(" in {}", manoeuvre.name) } else { String::new() };
-            for (i, state) in structure.states.iter().enumerate().filter(|(_, s)| s.free) {
-                let kind = UnknownKind::InitialState { state: i, manoeuvre: m };
-                places.push(unbounded(kind, format!("initial {}{of}", state.name), states[m][i], f64::INFINITY));
+            for (n, stretch) in stretches[m].iter().enumerate() {
+                let at = match stretch.from {
+                    0 => String::new(),
+                    from => format!(" after the gap to {:.2} s", manoeuvre.time_s[from]),
+                };
+                for (i, state) in structure.states.iter().enumerate().filter(|(_, s)| s.free) {
+                    let kind = UnknownKind::InitialState { state: i, manoeuvre: m, stretch: n };
+                    let name = format!("initial {}{at}{of}", state.name);
+                    places.push(unbounded(kind, name, stretch.state[i], f64::INFINITY));
+                }
             }
             for (i, channel) in structure.outputs.iter().enumerate() {
                 if let Bias::PerManoeuvre(std) = channel.bias
@@ -73,7 +81,7 @@ impl<const N: usize> Layout<N> {
                 }
             }
         }
-        Self { places, parameters, states }
+        Self { places, parameters, stretches }
     }
 
     pub(crate) fn start(&self) -> Vec<f64> {
@@ -91,16 +99,18 @@ impl<const N: usize> Layout<N> {
         parameters
     }
 
-    /// The initial state of a manoeuvre.
-    pub(crate) fn initial_state(&self, manoeuvre: usize, unknowns: &[f64]) -> [f64; N] {
-        let mut initial = self.states[manoeuvre];
+    /// What is integrated of a manoeuvre, with its initial states; in order of time, at least one.
+    pub(crate) fn stretches(&self, manoeuvre: usize, unknowns: &[f64]) -> Vec<Stretch<N>> {
+        let mut stretches = self.stretches[manoeuvre].clone();
         for (place, value) in self.places.iter().zip(unknowns) {
             match place.kind {
-                UnknownKind::InitialState { state, manoeuvre: m } if m == manoeuvre => initial[state] = *value,
+                UnknownKind::InitialState { state, manoeuvre: m, stretch } if m == manoeuvre => {
+                    stretches[stretch].state[state] = *value;
+                }
                 _ => {}
             }
         }
-        initial
+        stretches
     }
 
     /// The constant errors of the outputs in a manoeuvre.

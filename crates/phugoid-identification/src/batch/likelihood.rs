@@ -46,8 +46,8 @@ impl<T> Evaluation<T> {
         Evaluation { cost: self.cost + cost, descent: self.descent, information: self.information, detail }
     }
 
-    /// Adds the rows of one manoeuvre, already divided by one sigma: `sum S^T nu` and `sum S^T S`. The cost is left to
-    /// the caller.
+    /// Adds the rows of one manoeuvre, already divided by one sigma: `sum w S^T nu` and `sum w S^T S` with the weights of
+    /// their loss. The cost is left to the caller.
     pub(crate) fn add<const R: usize>(&mut self, rows: &Rows<R>) {
         let width = rows.columns.len();
         let mut information = DMatrix::<f64>::zeros(width, width);
@@ -55,8 +55,9 @@ impl<T> Evaluation<T> {
         for (k, residuals) in rows.residuals.iter().enumerate() {
             for (i, residual) in residuals.iter().enumerate().filter(|(_, e)| e.is_finite()) {
                 let sensitivity = rows.sensitivity(k, i);
+                let weight = rows.loss.weight(*residual);
                 for b in 0..width {
-                    let s = sensitivity[b];
+                    let s = weight * sensitivity[b];
                     if s == 0.0 {
                         continue;
                     }

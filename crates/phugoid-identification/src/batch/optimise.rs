@@ -16,12 +16,15 @@ pub struct OptimiserSettings {
     /// The minimum is reached when the next Gauss-Newton step is shorter than this many standard errors
     /// (`sqrt(g^T M^-1 g)`): every unknown is then closer than that fraction of its own standard error to the optimum.
     pub step_tolerance: f64,
+    /// A search that comes no nearer is accepted, and says so, where the next step is at most this many standard errors
+    /// long; a longer one is an error ([`BatchError::NotConverged`]).
+    pub acceptable_step: f64,
 }
 
 impl Default for OptimiserSettings {
-    /// 100 iterations, 1e-3 standard errors.
+    /// 100 iterations, 1e-3 standard errors, acceptable from 0.05 standard errors on.
     fn default() -> Self {
-        Self { maximum_iterations: 100, step_tolerance: 1e-3 }
+        Self { maximum_iterations: 100, step_tolerance: 1e-3, acceptable_step: 0.05 }
     }
 }
 
@@ -42,6 +45,8 @@ pub(crate) struct Minimum<T> {
     pub(crate) iterations: Vec<Iteration>,
     /// Unknowns that rest on a bound.
     pub(crate) at_limit: Vec<bool>,
+    /// Length of the next step in standard errors, where the search ended before that was below its tolerance.
+    pub(crate) short_of: Option<f64>,
 }
 
 /// Searches the minimum of a negative log-likelihood.
@@ -70,16 +75,20 @@ pub(crate) fn minimise<T>(
         };
         iterations.push(Iteration { cost: here.cost, damping: used, next_step });
         let done = |unknowns, here, iterations| {
-            Ok(Minimum { unknowns, evaluation: here, iterations, at_limit: at_limit.clone() })
+            let short_of = (next_step > settings.step_tolerance && next_step.is_finite()).then_some(next_step);
+            Ok(Minimum { unknowns, evaluation: here, iterations, at_limit: at_limit.clone(), short_of })
         };
         if next_step <= settings.step_tolerance {
             return done(unknowns, here, iterations);
         }
         if iterations.len() > settings.maximum_iterations {
+            if next_step <= settings.acceptable_step {
+                return done(unknowns, here, iterations);
+            }
             return Err(BatchError::NotConverged {
                 iterations: settings.maximum_iterations,
                 step: next_step,
-                tolerance: settings.step_tolerance,
+                tolerance: settings.acceptable_step,
             });
         }
         let mut accepted = None;
@@ -105,10 +114,11 @@ pub(crate) fn minimise<T>(
         let Some((trial, there)) = accepted else {
             // No direction lowers the cost any more: the minimum is reached to rounding, or the information is
             // singular, which the covariance reports.
-            return if next_step.is_infinite() || next_step.powi(2) < 1e-6 * here.cost.abs().max(1.0) {
+            let reached = next_step.is_infinite() || next_step.powi(2) < 1e-6 * here.cost.abs().max(1.0);
+            return if reached || next_step <= settings.acceptable_step {
                 done(unknowns, here, iterations)
             } else {
-                let (iterations, tolerance) = (iterations.len() - 1, settings.step_tolerance);
+                let (iterations, tolerance) = (iterations.len() - 1, settings.acceptable_step);
                 Err(BatchError::NotConverged { iterations, step: next_step, tolerance })
             };
         };
@@ -120,7 +130,7 @@ pub(crate) fn minimise<T>(
         (unknowns, here) = (trial, there);
         if stands {
             let at_limit = limits(places, &unknowns, &here.descent);
-            return Ok(Minimum { unknowns, evaluation: here, iterations, at_limit });
+            return Ok(Minimum { unknowns, evaluation: here, iterations, at_limit, short_of: None });
         }
     }
 }

@@ -5,30 +5,34 @@ use phugoid_estimators::{Input, Model};
 
 use super::error::BatchError;
 use super::layout::Layout;
+use super::loss::Loss;
 use super::optimise::OptimiserSettings;
 use super::problem::{Manoeuvre, Structure};
 use super::relaxation::{self, Fitted, noise_floor};
 use super::response::{Rows, response};
 use super::result::BatchFit;
-use super::start::initial_states;
+use super::start::stretches;
 use super::summary::{Summary, summarise};
 
-/// Fits a free simulation to the measured outputs of all manoeuvres at once.
+/// Fits a free simulation to the measured outputs of all manoeuvres at once. After a gap it begins anew.
 ///
 /// Minimises, over parameters, initial states and biases,
 ///
 /// ```text
-/// J = sum_i [ N_i/2 ln r_i + 1/2 sum_k (y_i(k) - yhat_i(k))^2 / r_i ]   ( + 1/2 sum (theta_j - start_j)^2 / prior_j^2 )
+/// J = sum_i [ beta N_i/2 ln r_i + sum_k rho((y_i(k) - yhat_i(k)) / sqrt(r_i)) ]   ( + 1/2 sum (theta_j - start_j)^2 / prior_j^2 )
 /// ```
 ///
-/// with the noise variances `r_i` given, or at their own optimum `r_i = sum_k e_i(k)^2 / N_i` for any given parameters
-/// (the relaxation of Klein & Morelli, section 6.1.1, and Jategaonkar, section 4.3; noise of different outputs is taken
-/// for independent). Gauss-Newton with exact output sensitivities, safeguarded by Levenberg-Marquardt; it ends when the
+/// with `rho(z) = z^2/2` and `beta = 1` for a [Gaussian](crate::options::Likelihood) likelihood, and a loss with
+/// heavy tails for the robust one, which counts a residual beyond three sigmas the less the further away it is. The noise variances `r_i` are
+/// given, or at their own optimum for any given parameters (`r_i = sum_k e_i(k)^2 / N_i` of the Gaussian one; the
+/// relaxation of Klein & Morelli, section 6.1.1, and Jategaonkar, section 4.3; noise of different outputs is taken for
+/// independent). Gauss-Newton with exact output sensitivities, safeguarded by Levenberg-Marquardt; it ends when the
 /// next step is shorter than [`OptimiserSettings::step_tolerance`] standard errors.
 ///
 /// ```
 /// use phugoid_estimators::discretization::InputHold;
 /// use phugoid_estimators::{LinearizedOutputs, LinearizedRates, Model};
+/// use phugoid_identification::options::Likelihood;
 /// use phugoid_identification::batch::{
 ///     BatchParameter, InitialState, Manoeuvre, Noise, OptimiserSettings, OutputChannel, Structure, output_error,
 /// };
@@ -78,6 +82,8 @@ use super::summary::{Summary, summarise};
 ///     states: [InitialState::free("x")],
 ///     outputs: [OutputChannel::new("x", Noise::Known(0.01))],
 ///     maximum_step_s: 0.02,
+///     maximum_gap_s: 0.5,
+///     likelihood: Likelihood::Robust,
 /// };
 /// let fit = output_error(&[manoeuvre], &structure, &OptimiserSettings::default())?;
 /// let a = fit.unknown("a").ok_or("not estimated")?;
@@ -99,8 +105,7 @@ where
     I: Input,
 {
     structure.check(manoeuvres, |m: &M| m.parameter_count().min(CAPACITY))?;
-    let states = initial_states(manoeuvres, structure)?;
-    let layout: Layout<N> = Layout::new(structure, manoeuvres, states);
+    let layout: Layout<N> = Layout::new(structure, manoeuvres, stretches(manoeuvres, structure)?);
     let simulate = |unknowns: &[f64]| -> Result<Vec<Rows<R>>, BatchError> {
         let run = |(index, m): (usize, &Manoeuvre<'_, M, I, N, R>)| {
             response(m, index, &layout, unknowns, structure.maximum_step_s)
@@ -110,15 +115,17 @@ where
     };
     let noise = structure.outputs.each_ref().map(|channel| channel.noise);
     let floor = noise_floor(manoeuvres);
-    let minimum = relaxation::fit(&layout.places, layout.start(), &noise, &floor, settings, simulate).map_err(|e| {
-        let unstable = |rows: Vec<Rows<R>>| manoeuvres.iter().zip(rows).find(|(_, r)| r.growth > GROWTH);
-        match (&e, simulate(&layout.start()).ok().and_then(unstable)) {
-            (BatchError::NotConverged { .. }, Some((m, r))) => {
-                BatchError::Unstable { manoeuvre: m.name.to_owned(), growth: r.growth }
+    let loss = Loss::of(structure.likelihood);
+    let minimum =
+        relaxation::fit(&layout.places, layout.start(), &noise, &floor, loss, settings, simulate).map_err(|e| {
+            let unstable = |rows: Vec<Rows<R>>| manoeuvres.iter().zip(rows).find(|(_, r)| r.growth > GROWTH);
+            match (&e, simulate(&layout.start()).ok().and_then(unstable)) {
+                (BatchError::NotConverged { .. }, Some((m, r))) => {
+                    BatchError::Unstable { manoeuvre: m.name.to_owned(), growth: r.growth }
+                }
+                _ => e,
             }
-            _ => e,
-        }
-    })?;
+        })?;
     let Fitted { rows, noise_std } = &minimum.evaluation.detail;
     let mut fit = summarise(&Summary {
         method: "output-error",

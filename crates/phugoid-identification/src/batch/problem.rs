@@ -4,6 +4,7 @@
 use phugoid_estimators::discretization::InputHold;
 
 use super::error::BatchError;
+use crate::core::options::Likelihood;
 
 /// The samples of one flight, with the model of that flight: constants such as mass may differ from flight to flight,
 /// the parameters are common to all.
@@ -127,6 +128,12 @@ pub struct Structure<const N: usize, const R: usize> {
     pub outputs: [OutputChannel; R],
     /// Longest step of the integration, s; sampling intervals that are longer are cut.
     pub maximum_step_s: f64,
+    /// Longest interval between two samples that is integrated through, s: after a longer one each state begins anew,
+    /// where the measurements are, with an initial value of its own. Infinite: never. Equation error does not integrate
+    /// and has no use for it.
+    pub maximum_gap_s: f64,
+    /// Whether outliers are allowed for.
+    pub likelihood: Likelihood,
 }
 
 impl<const N: usize, const R: usize> Structure<N, R> {
@@ -147,6 +154,12 @@ impl<const N: usize, const R: usize> Structure<N, R> {
         }
         if self.maximum_step_s.is_nan() || self.maximum_step_s <= 0.0 {
             return refuse(format!("the longest integration step is {} s: it must be positive", self.maximum_step_s));
+        }
+        if self.maximum_gap_s.is_nan() || self.maximum_gap_s <= 0.0 {
+            return refuse(format!(
+                "the longest gap to integrate through is {} s: it must be positive",
+                self.maximum_gap_s
+            ));
         }
         for m in manoeuvres {
             let (name, samples) = (m.name, m.time_s.len());

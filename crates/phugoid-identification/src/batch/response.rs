@@ -5,6 +5,7 @@ use phugoid_estimators::discretization::{IntervalInput, Part, step, sub_steps};
 use phugoid_estimators::{Input, LinearizedOutputs, Model};
 
 use super::layout::Layout;
+use super::loss::Loss;
 use super::problem::Manoeuvre;
 use super::result::UnknownKind;
 
@@ -13,13 +14,15 @@ use super::result::UnknownKind;
 pub(crate) struct Rows<const R: usize> {
     /// Positions of the unknowns that the columns belong to.
     pub(crate) columns: Vec<usize>,
-    /// Model outputs with their biases, by sample.
+    /// Model outputs with their biases, by sample; NaN outside of the stretches that are integrated.
     pub(crate) outputs: Vec<[f64; R]>,
     /// Measured minus modelled, by sample; NaN where nothing was measured.
     pub(crate) residuals: Vec<[f64; R]>,
     /// Derivatives of the modelled outputs: sample by sample, output by output, one value per column.
     pub(crate) sensitivities: Vec<f64>,
-    /// Largest growth of an error of the initial state over the manoeuvre, each state measured by its own spread.
+    /// What the residuals cost, once they are in units of one sigma.
+    pub(crate) loss: Loss,
+    /// Largest growth of an error of an initial state over its stretch, each state measured by its own spread.
     pub(crate) growth: f64,
 }
 
@@ -32,7 +35,8 @@ impl<const R: usize> Rows<R> {
     }
 
     /// Residuals and sensitivities divided by one sigma of each output; an output without noise is left out.
-    pub(crate) fn whitened(mut self, noise_std: &[f64; R]) -> Self {
+    pub(crate) fn whitened(mut self, noise_std: &[f64; R], loss: Loss) -> Self {
+        self.loss = loss;
         let width = self.columns.len();
         for (k, residuals) in self.residuals.iter_mut().enumerate() {
             for (i, residual) in residuals.iter_mut().enumerate() {
@@ -68,66 +72,73 @@ where
     let kinds: Vec<UnknownKind> = columns.iter().map(|&j| layout.places[j].kind).collect();
     let theta = layout.parameters(unknowns);
     let biases: [f64; R] = layout.biases(index, unknowns);
-    let mut x = layout.initial_state(index, unknowns);
-    let mut by_parameter = [[0.0; CAPACITY]; N];
-    let mut by_initial: [[f64; N]; N] = identity();
     let mut transition = [[0.0; N]; N];
     let mut lin = LinearizedOutputs::<N, R, CAPACITY>::ZERO;
     let samples = manoeuvre.time_s.len();
     let width = columns.len();
     let mut rows = Rows {
         columns,
-        outputs: Vec::with_capacity(samples),
-        residuals: Vec::with_capacity(samples),
-        sensitivities: Vec::with_capacity(samples * R * width),
+        outputs: vec![[f64::NAN; R]; samples],
+        residuals: vec![[f64::NAN; R]; samples],
+        sensitivities: vec![0.0; samples * R * width],
+        loss: Loss::GAUSSIAN,
         growth: 1.0,
     };
     let spread = spreads(manoeuvre);
 
-    for k in 0..samples {
-        model.linearized_outputs(&x, &theta, &manoeuvre.inputs[k], &mut lin);
-        let since_start = manoeuvre.time_s[k] - manoeuvre.time_s[0];
-        for i in 0..R {
-            let h = &lin.state_jacobian[i];
-            for kind in &kinds {
-                rows.sensitivities.push(match *kind {
-                    UnknownKind::Parameter { index: j } => {
-                        lin.parameter_jacobian[i][j] + (0..N).map(|l| h[l] * by_parameter[l][j]).sum::<f64>()
-                    }
-                    UnknownKind::InitialState { state, .. } => (0..N).map(|l| h[l] * by_initial[l][state]).sum(),
-                    UnknownKind::Bias { output, .. } => f64::from(output == i),
-                    // Noise variances do not move the outputs.
-                    UnknownKind::Noise { .. } | UnknownKind::ProcessNoise { .. } => 0.0,
-                });
+    for (n, stretch) in layout.stretches(index, unknowns).into_iter().enumerate() {
+        let mut x = stretch.state;
+        let mut by_parameter = [[0.0; CAPACITY]; N];
+        let mut by_initial: [[f64; N]; N] = identity();
+        for k in stretch.from..stretch.to {
+            model.linearized_outputs(&x, &theta, &manoeuvre.inputs[k], &mut lin);
+            for i in 0..R {
+                let h = &lin.state_jacobian[i];
+                let from = (k * R + i) * width;
+                for (value, kind) in rows.sensitivities[from..from + width].iter_mut().zip(&kinds) {
+                    *value = match *kind {
+                        UnknownKind::Parameter { index: j } => {
+                            lin.parameter_jacobian[i][j] + (0..N).map(|l| h[l] * by_parameter[l][j]).sum::<f64>()
+                        }
+                        UnknownKind::InitialState { state, stretch, .. } if stretch == n => {
+                            (0..N).map(|l| h[l] * by_initial[l][state]).sum()
+                        }
+                        UnknownKind::Bias { output, .. } => f64::from(output == i),
+                        // The start of another stretch, and noise variances, do not move these outputs.
+                        UnknownKind::InitialState { .. }
+                        | UnknownKind::Noise { .. }
+                        | UnknownKind::ProcessNoise { .. } => 0.0,
+                    };
+                }
             }
-        }
-        let outputs: [f64; R] = std::array::from_fn(|i| lin.outputs[i] + biases[i]);
-        let measured = &manoeuvre.outputs[k];
-        let lost = |i: usize| {
-            measured[i].is_finite()
-                && !(outputs[i].is_finite() && rows.sensitivity(k, i).iter().all(|value| value.is_finite()))
-        };
-        if (0..R).any(lost) || !x.iter().all(|v| v.is_finite()) {
-            return Err(since_start);
-        }
-        rows.outputs.push(outputs);
-        rows.residuals.push(std::array::from_fn(|i| measured[i] - outputs[i]));
-        if k + 1 == samples {
-            break;
-        }
-        let interval_s = manoeuvre.time_s[k + 1] - manoeuvre.time_s[k];
-        let input = IntervalInput { from: manoeuvre.inputs[k], to: manoeuvre.inputs[k + 1], hold: manoeuvre.hold };
-        let steps = sub_steps(interval_s, maximum_step_s);
-        for part in 0..steps {
-            let part = Part { from: part as f64 / steps as f64, to: (part + 1) as f64 / steps as f64 };
-            let count = model.parameter_count();
-            x = step(model, &x, &theta, &input, interval_s, part, count, &mut by_parameter, &mut transition);
-            by_initial = product(&transition, &by_initial);
-        }
-        for i in 0..N {
-            for j in 0..N {
-                let growth = by_initial[i][j].abs() * spread[j] / spread[i];
-                rows.growth = if growth > rows.growth { growth } else { rows.growth };
+            let outputs: [f64; R] = std::array::from_fn(|i| lin.outputs[i] + biases[i]);
+            let measured = &manoeuvre.outputs[k];
+            let lost = |i: usize| {
+                measured[i].is_finite()
+                    && !(outputs[i].is_finite() && rows.sensitivity(k, i).iter().all(|value| value.is_finite()))
+            };
+            if (0..R).any(lost) || !x.iter().all(|v| v.is_finite()) {
+                return Err(manoeuvre.time_s[k] - manoeuvre.time_s[0]);
+            }
+            rows.outputs[k] = outputs;
+            rows.residuals[k] = std::array::from_fn(|i| measured[i] - outputs[i]);
+            if k + 1 == stretch.to {
+                break;
+            }
+            let interval_s = manoeuvre.time_s[k + 1] - manoeuvre.time_s[k];
+            let input = IntervalInput { from: manoeuvre.inputs[k], to: manoeuvre.inputs[k + 1], hold: manoeuvre.hold };
+            let steps = sub_steps(interval_s, maximum_step_s);
+            for part in 0..steps {
+                let part = Part { from: part as f64 / steps as f64, to: (part + 1) as f64 / steps as f64 };
+                let count = model.parameter_count();
+                x = step(model, &x, &theta, &input, interval_s, part, count, &mut by_parameter, &mut transition);
+                by_initial = product(&transition, &by_initial);
+            }
+            for i in 0..N {
+                for j in 0..N {
+                    let growth = by_initial[i][j].abs() * spread[j] / spread[i];
+                    rows.growth = if growth > rows.growth { growth } else { rows.growth };
+                }
             }
         }
     }

@@ -20,12 +20,15 @@ pub enum UnknownKind {
         /// The manoeuvre's position; none if it is the same in all.
         manoeuvre: Option<usize>,
     },
-    /// A state at the start of a manoeuvre.
+    /// A state at the start of a manoeuvre, or after a gap in it.
     InitialState {
         /// Position of the state in the state vector.
         state: usize,
         /// Position of the manoeuvre in the list.
         manoeuvre: usize,
+        /// Position of the stretch between gaps in the manoeuvre, in order of time.
+        #[serde(default)]
+        stretch: usize,
     },
     /// One sigma of the noise of an output.
     Noise {
@@ -72,7 +75,8 @@ pub struct Iteration {
 pub struct ManoeuvreFit {
     /// Name of the manoeuvre, e.g. its file.
     pub name: String,
-    /// State at the first sample with which the fit was computed, in the order of the model's states, SI.
+    /// State at the first sample with which the fit was computed, in the order of the model's states, SI. After a gap the
+    /// state begins anew: those starts are among [`BatchFit::unknowns`].
     pub initial_state: Vec<f64>,
     /// Constant errors of the sensors that the fitted outputs include, in the order of the outputs; 0 where none was
     /// estimated.

@@ -1,4 +1,4 @@
-//! Where the search for the initial states starts.
+//! Where the integration of a manoeuvre starts: at its first sample, and again after every gap.
 
 use crate::core::options::CAPACITY;
 use phugoid_estimators::{Input, Model};
@@ -7,40 +7,158 @@ use phugoid_flight_data::statistics::median;
 use super::error::BatchError;
 use super::problem::{Manoeuvre, Structure};
 
-/// Number of values whose median starts an initial state.
+/// Number of values whose median starts a state. A stretch between gaps in which a state has fewer is left out.
 const FIRST: usize = 5;
 
-/// The initial state of each manoeuvre: as given, or each state at the median of the first values of its output.
-pub(crate) fn initial_states<M, I, const N: usize, const R: usize>(
+/// The samples of a manoeuvre between two gaps. Samples outside of all stretches are not used.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Stretch<const N: usize> {
+    /// First sample.
+    pub(crate) from: usize,
+    /// First sample after it.
+    pub(crate) to: usize,
+    /// State at the first sample: held there, or where the search starts.
+    pub(crate) state: [f64; N],
+}
+
+/// The stretches of each manoeuvre, with their initial states: as given for the first, or each state at the median of
+/// the first values of its output.
+pub(crate) fn stretches<M, I, const N: usize, const R: usize>(
     manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
     structure: &Structure<N, R>,
-) -> Result<Vec<[f64; N]>, BatchError>
+) -> Result<Vec<Vec<Stretch<N>>>, BatchError>
 where
     M: Model<N, R, CAPACITY, Input = I>,
     I: Input,
 {
-    manoeuvres
-        .iter()
-        .map(|m| {
-            if let Some(given) = m.initial_state {
-                return Ok(given);
-            }
-            let mut initial = [0.0; N];
-            for (i, value) in initial.iter_mut().enumerate() {
-                let output = m.model.measuring_output(i);
-                let first = output.and_then(|output| {
-                    let values = m.outputs.iter().map(|y| y[output]).filter(|v| v.is_finite());
-                    median(&mut values.take(FIRST).collect::<Vec<f64>>())
-                });
-                *value = first.ok_or_else(|| {
-                    let state = &structure.states[i].name;
-                    BatchError::BadInput(format!(
-                        "{}: nothing measures the state {state}, so that its start has to be given",
-                        m.name
-                    ))
-                })?;
-            }
-            Ok(initial)
-        })
-        .collect()
+    manoeuvres.iter().map(|m| of_manoeuvre(m, structure)).collect()
+}
+
+fn of_manoeuvre<M, I, const N: usize, const R: usize>(
+    m: &Manoeuvre<'_, M, I, N, R>,
+    structure: &Structure<N, R>,
+) -> Result<Vec<Stretch<N>>, BatchError>
+where
+    M: Model<N, R, CAPACITY, Input = I>,
+    I: Input,
+{
+    let samples = m.time_s.len();
+    let gaps = (1..samples).filter(|&k| m.time_s[k] - m.time_s[k - 1] > structure.maximum_gap_s);
+    let limits: Vec<usize> = std::iter::once(0).chain(gaps).chain([samples]).collect();
+    let whole = limits.len() == 2;
+    let mut lacking = None;
+    let mut found = Vec::new();
+    for pair in limits.windows(2) {
+        let (from, to) = (pair[0], pair[1]);
+        if let Some(state) = m.initial_state.filter(|_| from == 0) {
+            found.push(Stretch { from, to, state });
+            continue;
+        }
+        let first: [Option<f64>; N] = std::array::from_fn(|i| {
+            let output = m.model.measuring_output(i)?;
+            let values = m.outputs[from..to].iter().map(|y| y[output]).filter(|v| v.is_finite());
+            let mut values: Vec<f64> = values.take(FIRST).collect();
+            if whole || values.len() == FIRST { median(&mut values) } else { None }
+        });
+        match first.iter().position(Option::is_none) {
+            Some(i) => lacking = lacking.or(Some(i)),
+            None => found.push(Stretch { from, to, state: first.map(|value| value.unwrap_or(f64::NAN)) }),
+        }
+    }
+    if found.is_empty() {
+        let state = lacking.map_or("", |i| structure.states[i].name.as_str());
+        let unless = if whole { "" } else { " in any stretch between two gaps" };
+        return Err(BatchError::BadInput(format!(
+            "{}: nothing measures the state {state}{unless}, so that its start has to be given",
+            m.name
+        )));
+    }
+    Ok(found)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::batch::{InitialState, Noise, OutputChannel};
+    use crate::core::options::Likelihood;
+    use phugoid_estimators::discretization::InputHold;
+    use phugoid_estimators::{LinearizedOutputs, LinearizedRates};
+
+    /// `x' = 0`, and `x` is measured.
+    struct Constant;
+
+    impl Model<1, 1, CAPACITY> for Constant {
+        type Input = [f64; 1];
+        fn parameter_count(&self) -> usize {
+            0
+        }
+        fn rates(&self, _: &[f64; 1], _: &[f64; CAPACITY], _: &[f64; 1]) -> [f64; 1] {
+            [0.0]
+        }
+        fn linearized_rates(
+            &self,
+            _: &[f64; 1],
+            _: &[f64; CAPACITY],
+            _: &[f64; 1],
+            out: &mut LinearizedRates<1, CAPACITY>,
+        ) {
+            *out = LinearizedRates::ZERO;
+        }
+        fn linearized_outputs(
+            &self,
+            x: &[f64; 1],
+            _: &[f64; CAPACITY],
+            _: &[f64; 1],
+            out: &mut LinearizedOutputs<1, 1, CAPACITY>,
+        ) {
+            *out = LinearizedOutputs::ZERO;
+            (out.outputs, out.state_jacobian) = (*x, [[1.0]]);
+        }
+        fn measuring_output(&self, _state: usize) -> Option<usize> {
+            Some(0)
+        }
+    }
+
+    fn structure() -> Structure<1, 1> {
+        Structure {
+            parameters: Vec::new(),
+            states: [InitialState::free("x")],
+            outputs: [OutputChannel::new("x", Noise::Estimated)],
+            maximum_step_s: 0.02,
+            maximum_gap_s: 0.5,
+            likelihood: Likelihood::Robust,
+        }
+    }
+
+    fn found(time_s: &[f64], outputs: &[[f64; 1]]) -> Result<Vec<Stretch<1>>, BatchError> {
+        let inputs = vec![[0.0]; time_s.len()];
+        let (name, hold, initial_state) = ("flight", InputHold::Linear, None);
+        of_manoeuvre(
+            &Manoeuvre { name, model: &Constant, time_s, inputs: &inputs, hold, outputs, initial_state },
+            &structure(),
+        )
+    }
+
+    #[test]
+    fn every_gap_begins_a_stretch_and_one_that_tells_too_little_is_left_out() {
+        // Ten samples, a gap, three samples, a gap, ten samples.
+        let time_s: Vec<f64> = (0..23).map(|k| 0.1 * f64::from(k) + if k < 10 { 0.0 } else { 30.0 }).collect();
+        let time_s: Vec<f64> = time_s.iter().enumerate().map(|(k, t)| if k < 13 { *t } else { t + 1.0 }).collect();
+        let mut outputs: Vec<[f64; 1]> = (0..23).map(|k| [f64::from(k)]).collect();
+        outputs[13] = [f64::NAN];
+        let stretches = found(&time_s, &outputs).unwrap();
+        assert_eq!(
+            stretches,
+            [Stretch { from: 0, to: 10, state: [2.0] }, Stretch { from: 13, to: 23, state: [16.0] }],
+            "the start is the median of the first five values that were measured"
+        );
+    }
+
+    #[test]
+    fn a_flight_without_gaps_starts_from_what_it_has() {
+        let time_s = [0.0, 0.1, 0.2];
+        assert_eq!(found(&time_s, &[[f64::NAN], [4.0], [f64::NAN]]).unwrap()[0].state, [4.0]);
+        let refused = found(&time_s, &[[f64::NAN]; 3]).unwrap_err().to_string();
+        assert!(refused.contains("nothing measures the state x"), "{refused}");
+    }
 }

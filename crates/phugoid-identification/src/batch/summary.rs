@@ -66,8 +66,16 @@ pub(crate) fn summarise<T, M, I, const N: usize, const R: usize>(
         process_noise: Vec::new(),
         iterations: s.minimum.iterations.clone(),
         manoeuvres,
-        notes: Vec::new(),
+        notes: s.minimum.short_of.map(short_of).into_iter().collect(),
     })
+}
+
+/// Says how far from the minimum a search ended.
+fn short_of(step: f64) -> String {
+    format!(
+        "the search for the minimum ended where its next step would still be {step:.2} standard errors long: no step lowered \
+         the cost any more, or the iterations were used up. The values may be off by that much of their standard errors"
+    )
 }
 
 /// A searched value in the unit that is shown, with the derivative: variances are searched by their logarithms.
@@ -108,7 +116,7 @@ fn manoeuvre_fit<T, M, I, const N: usize, const R: usize>(
     });
     ManoeuvreFit {
         name: manoeuvre.name.to_owned(),
-        initial_state: s.layout.initial_state(index, unknowns).to_vec(),
+        initial_state: s.layout.stretches(index, unknowns).first().map(|s| s.state.to_vec()).unwrap_or_default(),
         biases: s.layout.biases::<R>(index, unknowns).to_vec(),
         outputs: outputs.collect(),
         fitted: rows.outputs.iter().map(|y| y.to_vec()).collect(),

@@ -24,6 +24,7 @@ use crate::batch::{
     output_error,
 };
 use crate::core::error::EstimateError;
+use crate::core::options::Likelihood;
 pub use correction::{ChannelCorrection, Corrections};
 use kinematics::{Kinematics, OUTPUTS, STATES};
 pub use reconstruction::Reconstructed;
@@ -192,6 +193,8 @@ pub fn compatibility(record: &Record, options: &CompatibilityOptions) -> Result<
             bias: Bias::None,
         }),
         maximum_step_s: 0.05,
+        maximum_gap_s: f64::INFINITY,
+        likelihood: Likelihood::Gaussian,
     };
     let model = Kinematics { gravity: options.gravity };
     let manoeuvre = Manoeuvre {

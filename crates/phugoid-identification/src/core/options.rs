@@ -31,6 +31,19 @@ pub enum OfferTerms {
     Always,
 }
 
+/// What a batch method takes the noise of the measurements for. Causal methods have a gate of their own and ignore it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Likelihood {
+    /// Gaussian with outliers. Output error and equation error count a value further than three sigmas from the model the
+    /// less the further away it is; equation error and filter error leave out single values that stand out of their
+    /// neighbours by eight sigmas. This is the default.
+    #[default]
+    Robust,
+    /// Gaussian: every value counts with the square of its residual, outliers too.
+    Gaussian,
+}
+
 /// Settings of one estimation beside those of the model file. The default changes nothing of the model file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct EstimateOptions {
@@ -54,4 +67,6 @@ pub struct EstimateOptions {
     pub predict: Option<Record>,
     /// Whether terms that the model lacks are tried; batch methods ignore it.
     pub offer: OfferTerms,
+    /// What a batch method takes the noise of the measurements for.
+    pub likelihood: Likelihood,
 }

@@ -16,13 +16,12 @@ use phugoid_flight_data::statistics::{median, median_step};
 use crate::batch::{
     BatchParameter, EquationErrorSettings, InitialState, Manoeuvre, Noise, OutputChannel, Structure, equations_at,
 };
-use crate::core::options::CAPACITY;
+use crate::core::options::{CAPACITY, Likelihood};
 use crate::core::output::Output;
 use crate::core::term::{Coefficient, Term};
 use crate::methods::{Run, Task};
 use crate::model_file::Role;
 use crate::motion::{MotionModel, terms};
-use crate::preparation::noise::measure_noise;
 
 /// Length of a block, s.
 const BLOCK_S: f64 = 1.0;
@@ -31,8 +30,6 @@ const CHUNK: usize = 20;
 /// A regressor moves in a block where its mean square is at least this part of that in the block where it moves most.
 /// The limit does not depend on how long the record is.
 const MOVES: f64 = 0.1;
-/// Values this many sigmas of the noise from the median of the five around them are outliers.
-const OUTLIER: f64 = 8.0;
 /// Fewest samples in the blocks over which the explained share is judged.
 const FEWEST: f64 = 20.0;
 
@@ -111,10 +108,11 @@ impl Equations {
             states: std::array::from_fn(|i| InitialState::free(names[i].name())),
             outputs: std::array::from_fn(|i| OutputChannel::new(names[i].name(), Noise::Estimated)),
             maximum_step_s: 1.0,
+            maximum_gap_s: f64::INFINITY,
+            likelihood: Likelihood::Gaussian,
         };
         let settings = EquationErrorSettings::automatic(median_step(&prepared.time)?);
-        let outputs =
-            without_outliers::<N, R>(&prepared.outputs, |row| file.outputs[names[row].index()], &run.predicted);
+        let outputs = with_predicted::<N, R>(&prepared.outputs, |row| file.outputs[names[row].index()], &run.predicted);
         let time = &prepared.time;
         let (start_s, end_s) = (*time.first()?, *time.last()?);
         let blocks = ((end_s - start_s) / BLOCK_S).floor() as usize + 1;
@@ -269,28 +267,17 @@ impl Equation {
     }
 }
 
-/// The outputs without single wild values (NaN in their place), and with what the method predicted in the place of a
-/// state that nothing measures.
-fn without_outliers<const N: usize, const R: usize>(
+/// The outputs, with what the method predicted in the place of a state that nothing measures.
+fn with_predicted<const N: usize, const R: usize>(
     outputs: &[[f64; R]],
     is_measured: impl Fn(usize) -> bool,
     predicted: &[[f64; R]],
 ) -> Vec<[f64; R]> {
-    let mut clean = outputs.to_vec();
-    for row in 0..R {
-        let values: Vec<f64> = outputs.iter().map(|y| y[row]).collect();
-        let Some(noise) = measure_noise(&values) else { continue };
-        for (k, around) in values.windows(5).enumerate() {
-            let mut present: Vec<f64> = around.iter().copied().filter(|v| v.is_finite()).collect();
-            if median(&mut present).is_some_and(|middle| (around[2] - middle).abs() > OUTLIER * noise.std) {
-                clean[k + 2][row] = f64::NAN;
-            }
-        }
-    }
+    let mut complete = outputs.to_vec();
     for row in (0..N).filter(|row| !is_measured(*row)) {
-        for (y, predicted) in clean.iter_mut().zip(predicted) {
+        for (y, predicted) in complete.iter_mut().zip(predicted) {
             y[row] = predicted[row];
         }
     }
-    clean
+    complete
 }

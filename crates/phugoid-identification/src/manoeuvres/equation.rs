@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::record::Window;
 use crate::batch::colour::Colour;
 use crate::batch::differentiate::LocalCubics;
+use crate::batch::loss::Loss;
 use crate::batch::response::Rows;
 
 /// How far a regressor moves together with the other regressors of its equation.
@@ -153,6 +154,7 @@ fn coloured(design: &DMatrix<f64>, inverse: &DMatrix<f64>, residuals: &[f64], si
         outputs: Vec::new(),
         residuals: residuals.iter().map(|r| [r / sigma]).collect(),
         sensitivities: (0..design.nrows()).flat_map(|k| (0..width).map(move |j| design[(k, j)])).collect(),
+        loss: Loss::GAUSSIAN,
         growth: 1.0,
     }];
     let spread = Colour::of(&rows).spread(&rows, width);

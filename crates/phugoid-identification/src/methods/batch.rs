@@ -105,7 +105,7 @@ pub(super) fn manoeuvre<'a, M: MotionModel<N, R, CAPACITY>, const N: usize, cons
 }
 
 /// What is unknown, from the model file: parameters inside their bounds and without priors (the likelihood decides),
-/// sensor biases with theirs, initial states free.
+/// sensor biases with theirs and for each record anew, initial states free at the start and after gaps.
 ///
 /// Output error and equation error estimate the noise, as their residuals hold turbulence and model error too. Filter
 /// error has the process noise for those, and takes the file's noise levels where it gives any: the data hardly
@@ -123,7 +123,10 @@ pub(super) fn structure<M: MotionModel<N, R, CAPACITY>, const N: usize, const R:
     });
     let bias = |row: usize| {
         let of = |p: &&Parameter| matches!(p.role, Role::Bias(output) if M::AXES.row(output) == Some(row));
-        file.estimated().find(of).map_or(Bias::None, |p| Bias::Shared(p.prior_std))
+        file.estimated().find(of).map_or(Bias::None, |p| match options.further.as_slice() {
+            [] => Bias::Shared(p.prior_std),
+            _ => Bias::PerManoeuvre(p.prior_std),
+        })
     };
     let names = M::AXES.outputs();
     let outputs = std::array::from_fn(|row| OutputChannel {
@@ -140,6 +143,8 @@ pub(super) fn structure<M: MotionModel<N, R, CAPACITY>, const N: usize, const R:
         states: std::array::from_fn(|i| InitialState::free(names[i].name())),
         outputs,
         maximum_step_s: settings.maximum_step_s,
+        maximum_gap_s: settings.maximum_gap_s,
+        likelihood: options.likelihood,
     })
 }
 
@@ -154,7 +159,10 @@ fn solve<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
     let equations = |structure: &Structure<N, R>| {
         batch::equation_error::<M, M::KnownInput, N, R>(manoeuvres, structure, &regression)
     };
-    let search = OptimiserSettings::default();
+    // Differences give the likelihood of a filter, and an evaluation takes a tenth of a second: a fiftieth of a standard
+    // error is enough.
+    let step_tolerance = if task.method() == Method::FilterError { 0.02 } else { 1e-3 };
+    let search = OptimiserSettings { step_tolerance, ..OptimiserSettings::default() };
     let integrating = |structure: &Structure<N, R>| match task.method() {
         Method::FilterError => {
             let settings = shared_settings::<M, N, R, CAPACITY>(task.prepared, task.file, task.options, task.noise)
@@ -168,23 +176,47 @@ fn solve<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
         let found = equations(structure)?;
         return Ok((found.fit, found.equations));
     }
-    let failure = match integrating(structure) {
-        Ok(fit) => return Ok((fit, Vec::new())),
-        Err(failure) => failure,
+    // The values of the model file may lie beyond another minimum than the best one; those of the regression need no
+    // start themselves and are biased by noise only.
+    let nearer = equations(structure).ok().map(|found| {
+        let mut nearer = structure.clone();
+        for (parameter, value) in nearer.parameters.iter_mut().zip(&found.fit.parameters) {
+            parameter.start = value.clamp(parameter.lower, parameter.upper);
+        }
+        nearer
+    });
+    let cost = |fit: &BatchFit| fit.iterations.last().map_or(f64::INFINITY, |i| i.cost);
+    let fit = match (task.method(), nearer) {
+        (_, None) => integrating(structure)?,
+        // One search takes seconds, and one that starts from the regression cannot end above it.
+        (Method::FilterError, Some(nearer)) => integrating(&nearer).or_else(|failure| match failure {
+            BatchError::BadInput(_) | BatchError::Singular { .. } => Err(failure),
+            _ => integrating(structure),
+        })?,
+        (_, Some(nearer)) => match (integrating(structure), integrating(&nearer)) {
+            (Ok(fit), Ok(other)) if cost(&other) < cost(&fit) - NOTICEABLE => noted(
+                other,
+                "a lower minimum was found from the values of equation error than from those of the model file",
+            ),
+            (Ok(fit), _) => fit,
+            (Err(failure), Err(_)) => return Err(failure.into()),
+            // A start helps against a search that loses itself, not where the data do not determine the parameters.
+            (Err(failure @ (BatchError::BadInput(_) | BatchError::Singular { .. })), _) => return Err(failure.into()),
+            (Err(_), Ok(fit)) => {
+                noted(fit, "from the start values of the model file no minimum was found: started from equation error")
+            }
+        },
     };
-    // Equation error helps against a bad start; it does not help where the data do not determine the parameters.
-    if matches!(failure, BatchError::BadInput(_) | BatchError::Singular { .. }) {
-        return Err(failure.into());
-    }
-    let mut nearer = structure.clone();
-    let Ok(found) = equations(structure) else { return Err(failure.into()) };
-    for (parameter, value) in nearer.parameters.iter_mut().zip(&found.fit.parameters) {
-        parameter.start = value.clamp(parameter.lower, parameter.upper);
-    }
-    let mut fit = integrating(&nearer).map_err(|_| failure)?;
-    fit.notes
-        .push("from the start values of the model file no minimum was found: started from equation error".to_owned());
     Ok((fit, Vec::new()))
+}
+
+/// Difference of two costs, in units of the logarithm of the likelihood, from which two minima are not the same one: the
+/// searches end within a thousandth of a standard error of theirs.
+const NOTICEABLE: f64 = 1e-2;
+
+fn noted(mut fit: BatchFit, note: &str) -> BatchFit {
+    fit.notes.push(note.to_owned());
+    fit
 }
 
 /// Predicts a record that was not used for the estimation.

@@ -149,7 +149,7 @@ fn values<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
         }
         Err(why) => notes.push(format!("started from the model file, as a regression gave no values: {why}")),
     }
-    let rough = OptimiserSettings { maximum_iterations: 30, step_tolerance: 1.0 };
+    let rough = OptimiserSettings { maximum_iterations: 30, step_tolerance: 1.0, ..OptimiserSettings::default() };
     match batch::output_error::<M, M::KnownInput, N, R>(manoeuvres, &near, &rough) {
         Ok(fit) => fit.parameters,
         Err(why) => {

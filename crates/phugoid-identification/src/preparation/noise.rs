@@ -52,6 +52,26 @@ pub fn measure_noise(values: &[f64]) -> Option<MeasuredNoise> {
     })
 }
 
+/// Values this many sigmas of the noise from the median of the five around them are outliers.
+const OUTLIER: f64 = 8.0;
+
+/// The values of a channel with noise of one sigma `noise_std`, and NaN in the place of outliers: samples that stand out
+/// of the median of the five around them, and of both neighbours, by more than eight sigmas. A step is none.
+pub(crate) fn without_outliers(values: &[f64], noise_std: f64) -> Vec<f64> {
+    let mut clean = values.to_vec();
+    for (k, around) in values.windows(5).enumerate() {
+        let mut present: Vec<f64> = around.iter().copied().filter(|v| v.is_finite()).collect();
+        let alone = [1, 3].iter().all(|i| {
+            let distance = around[2] - around[*i];
+            !distance.is_finite() || distance.abs() > OUTLIER * noise_std
+        });
+        if alone && median(&mut present).is_some_and(|middle| (around[2] - middle).abs() > OUTLIER * noise_std) {
+            clean[k + 2] = f64::NAN;
+        }
+    }
+    clean
+}
+
 /// One sigma of an output, and where it comes from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct NoiseLevel {

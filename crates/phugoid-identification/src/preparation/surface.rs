@@ -14,17 +14,15 @@
 //! rest it averages over seconds, and at an edge it follows the samples.
 
 use nalgebra::{Matrix2, Vector2};
-use phugoid_flight_data::statistics::{median, median_step};
+use phugoid_flight_data::statistics::median_step;
 
-use crate::preparation::noise::measure_noise;
+use crate::preparation::noise::{measure_noise, without_outliers};
 
 /// Share of the noise in the scatter from which a surface is smoothed: the bias of less is a quarter of what the bounds
 /// allow for the scale of a surface by default, and a slow recorder shows as much where there is motion between samples.
 const SMOOTHED: f64 = 0.005;
 /// Fewer samples do not show what is noise and what is motion.
 const FEWEST: usize = 100;
-/// Values this many sigmas of the noise from the median of the five around them are outliers.
-const OUTLIER: f64 = 8.0;
 /// Most runs of the smoother, and the change of the logarithm of the scale from which on none is worth it. The share that
 /// is left changes by less than a tenth of itself after a dozen of them.
 const MOST_RUNS: usize = 20;
@@ -158,22 +156,6 @@ fn motion(step: f64) -> Matrix2<f64> {
 /// Covariance of a unit jump of the rate in the middle of a step.
 fn jump(step: f64) -> Matrix2<f64> {
     Matrix2::new(0.25 * step * step, 0.5 * step, 0.5 * step, 1.0)
-}
-
-fn without_outliers(values: &[f64], noise_std: f64) -> Vec<f64> {
-    let mut clean = values.to_vec();
-    for (k, around) in values.windows(5).enumerate() {
-        let mut present: Vec<f64> = around.iter().copied().filter(|v| v.is_finite()).collect();
-        // A sample that stands out of both its neighbours by as much: a step does not.
-        let alone = [1, 3].iter().all(|i| {
-            let distance = around[2] - around[*i];
-            !distance.is_finite() || distance.abs() > OUTLIER * noise_std
-        });
-        if alone && median(&mut present).is_some_and(|middle| (around[2] - middle).abs() > OUTLIER * noise_std) {
-            clean[k + 2] = f64::NAN;
-        }
-    }
-    clean
 }
 
 #[cfg(test)]

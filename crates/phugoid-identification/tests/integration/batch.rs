@@ -12,20 +12,21 @@ use phugoid_identification::batch::{
     BatchError, BatchFit, BatchParameter, Bias, EquationErrorSettings, InitialState, Manoeuvre, Noise,
     OptimiserSettings, OutputChannel, ProcessNoise, Structure, equation_error, filter_error, output_error, predict,
 };
+use phugoid_identification::options::Likelihood;
 
 /// Stable: short period of 6.2 rad/s, damping 0.41.
-const STABLE: [f64; 6] = [-1.4, -1.5, -6.3, -0.75, -3.7, -12.8];
-const SD: [f64; 3] = [0.1, 0.005, 0.2];
-const STEP_S: f64 = 0.02;
+pub(crate) const STABLE: [f64; 6] = [-1.4, -1.5, -6.3, -0.75, -3.7, -12.8];
+pub(crate) const SD: [f64; 3] = [0.1, 0.005, 0.2];
+pub(crate) const STEP_S: f64 = 0.02;
 
-struct Data {
-    time: Vec<f64>,
-    inputs: Vec<[f64; 1]>,
-    outputs: Vec<[f64; 3]>,
+pub(crate) struct Data {
+    pub(crate) time: Vec<f64>,
+    pub(crate) inputs: Vec<[f64; 1]>,
+    pub(crate) outputs: Vec<[f64; 3]>,
 }
 
 /// A flight of `samples` with a doublet that starts at `delay_s`; `noise` gives the error of each output in turn.
-fn fly(samples: usize, delay_s: f64, mut noise: impl FnMut(usize) -> f64) -> Data {
+pub(crate) fn fly(samples: usize, delay_s: f64, mut noise: impl FnMut(usize) -> f64) -> Data {
     let time: Vec<f64> = (0..samples).map(|k| STEP_S * k as f64).collect();
     let elevator = |t: f64| match t - delay_s {
         s if s < 0.0 => 0.0,
@@ -46,12 +47,12 @@ fn fly(samples: usize, delay_s: f64, mut noise: impl FnMut(usize) -> f64) -> Dat
     Data { time, inputs, outputs }
 }
 
-fn white(seed: u64) -> impl FnMut(usize) -> f64 {
+pub(crate) fn white(seed: u64) -> impl FnMut(usize) -> f64 {
     let mut normal = Normal::new(seed);
     move |i| SD[i] * normal.next()
 }
 
-fn manoeuvre<'a>(name: &'a str, data: &'a Data) -> Manoeuvre<'a, ShortPeriod, [f64; 1], 2, 3> {
+pub(crate) fn manoeuvre<'a>(name: &'a str, data: &'a Data) -> Manoeuvre<'a, ShortPeriod, [f64; 1], 2, 3> {
     Manoeuvre {
         name,
         model: &ShortPeriod,
@@ -63,17 +64,19 @@ fn manoeuvre<'a>(name: &'a str, data: &'a Data) -> Manoeuvre<'a, ShortPeriod, [f
     }
 }
 
-fn structure(start: [f64; 6], noise: impl Fn(usize) -> Noise) -> Structure<2, 3> {
+pub(crate) fn structure(start: [f64; 6], noise: impl Fn(usize) -> Noise) -> Structure<2, 3> {
     let outputs = ["w", "q", "az"];
     Structure {
         parameters: NAMES.iter().zip(start).map(|(name, value)| BatchParameter::free(*name, value)).collect(),
         states: ["w", "q"].map(InitialState::free),
         outputs: std::array::from_fn(|i| OutputChannel::new(outputs[i], noise(i))),
         maximum_step_s: 1.0,
+        maximum_gap_s: f64::INFINITY,
+        likelihood: Likelihood::Gaussian,
     }
 }
 
-fn known(i: usize) -> Noise {
+pub(crate) fn known(i: usize) -> Noise {
     Noise::Known(SD[i])
 }
 

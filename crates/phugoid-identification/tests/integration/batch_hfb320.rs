@@ -13,6 +13,7 @@ use phugoid_identification::batch::{
 };
 use phugoid_identification::longitudinal::{LongitudinalInput, LongitudinalModel, OUTPUTS, STATES};
 use phugoid_identification::model_file::ModelFile;
+use phugoid_identification::options::Likelihood;
 use phugoid_identification::output::Output;
 use phugoid_identification::prepare::{Prepared, prepare};
 
@@ -60,6 +61,8 @@ fn structure(file: &ModelFile, noise: impl Fn(Output) -> Noise) -> Structure<STA
             OutputChannel::new(output.name(), noise(output))
         }),
         maximum_step_s: 1.0,
+        maximum_gap_s: f64::INFINITY,
+        likelihood: Likelihood::Gaussian,
     }
 }
 

@@ -10,6 +10,7 @@ use phugoid_identification::batch::{
     BatchError, BatchFit, BatchParameter, EquationErrorSettings, InitialState, Manoeuvre, Noise, OptimiserSettings,
     OutputChannel, ProcessNoise, Structure, equation_error, filter_error, output_error,
 };
+use phugoid_identification::options::Likelihood;
 
 fn manoeuvre(flight: &Flight) -> Manoeuvre<'_, ShortPeriod, [f64; 1], 2, 3> {
     Manoeuvre {
@@ -29,6 +30,8 @@ fn structure(start: [f64; 6]) -> Structure<2, 3> {
         states: ["w", "q"].map(InitialState::free),
         outputs: ["w", "q", "az"].map(|o| OutputChannel::new(o, Noise::Estimated)),
         maximum_step_s: 1.0,
+        maximum_gap_s: f64::INFINITY,
+        likelihood: Likelihood::Gaussian,
     }
 }
 
@@ -80,14 +83,18 @@ fn equation_error_needs_no_start() {
     }
 }
 
-/// Smoothing distorts what is sharp: steps of the elevator. On data without noise it only costs.
+/// Smoothing rounds off what is sharp, such as steps of the elevator, but on both sides of each equation alike: on data
+/// without noise it costs little. (With smoothed states and the elevator as it was, Z_q was 1.6 % off.)
 #[test]
-fn smoothing_costs_on_exact_data() {
+fn smoothing_both_sides_alike_costs_little_on_exact_data() {
     let Some(flight) = flight() else { return };
     let smooth = EquationErrorSettings { half_window_s: 0.15, smooth_regressors: true, ..settings() };
     let fit = equation_error::<_, _, 2, 3>(&[manoeuvre(&flight)], &structure([0.0; 6]), &smooth).unwrap().fit;
     print(&fit);
-    assert!((fit.parameters[1] / TRUTH[1] - 1.0).abs() > 0.01);
+    for index in 0..6 {
+        println!("{} is {:.2e} off", NAMES[index], fit.parameters[index] / TRUTH[index] - 1.0);
+        within(&fit, index, 1e-3);
+    }
 }
 
 /// Output error integrates freely: here an error of the initial state grows some 4000 times.

@@ -10,6 +10,7 @@ mod bad_input;
 mod batch;
 mod batch_hfb320;
 mod batch_pipeline;
+mod batch_real_records;
 mod batch_unstable;
 mod effective;
 mod form;
