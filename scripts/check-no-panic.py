@@ -115,7 +115,10 @@ def is_of_core(name):
 
 
 def panics_of(image):
-    """Sites: {(function, callee): sorted source lines}, where a function of ours reaches for what ends in the handler."""
+    """Where functions of ours call what ends in the handler: {caller: {callee: count}}, and {caller: source lines}.
+
+    None if the handler is not in the image.
+    """
     functions = image.functions()
     starts = [function.address for function in functions]
     by_address = {function.address: function for function in functions}
