@@ -48,7 +48,7 @@ pub fn flight(seconds: f64, a: impl Fn(f64) -> f64) -> Vec<Sample<[f64; 1], 1>> 
     (0..(seconds / h).round() as u32)
         .map(|k| {
             let time_s = h * f64::from(k);
-            let u = if (time_s / 1.5) as u32 % 2 == 0 { 1.0 } else { -1.0 };
+            let u = if ((time_s / 1.5) as u32).is_multiple_of(2) { 1.0 } else { -1.0 };
             let noise = NOISE * (0..12).map(|_| uniform()).sum::<f64>();
             let sample = Sample { time_s, input: [u], outputs: [x + noise] };
             let decay = (-a(time_s) * h).exp();

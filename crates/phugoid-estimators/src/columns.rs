@@ -1,5 +1,6 @@
 //! The columns of the regression: the model's parameters, then the sensor biases.
 
+use crate::bounded::at;
 use crate::settings::{ChangePrior, EstimatorSettings};
 
 /// Layout and limits of the columns. Entries from `count` on are not in use.
@@ -51,17 +52,38 @@ impl<const R: usize, const P: usize> Columns<R, P> {
             }
         }
         for output in settings.bias_columns() {
-            if columns.count < P {
-                columns.std[columns.count] = settings.bias_std[output];
-                columns.bias_of_output[output] = Some(columns.count);
+            let column = columns.count;
+            if let (Some(std), Some(bias)) = (columns.std.get_mut(column), columns.bias_of_output.get_mut(output)) {
+                *std = at(&settings.bias_std, output);
+                *bias = Some(column);
                 columns.count += 1;
             }
         }
         columns
     }
 
-    /// The bias column of an output, if there is an output and it has one.
+    /// Number of columns in use. At most `P`, which the compiler cannot know of a field: loops up to it need no test of
+    /// their index.
+    #[inline(always)]
+    pub(crate) fn count(&self) -> usize {
+        self.count.min(P)
+    }
+
+    /// Number of the model's own columns, at most `P`.
+    #[inline(always)]
+    pub(crate) fn own(&self) -> usize {
+        self.own.min(P)
+    }
+
+    /// The bias column of an output, if there is such an output and it has one. Below `P`.
+    #[inline(always)]
+    pub(crate) fn bias(&self, output: usize) -> Option<usize> {
+        self.bias_of_output.get(output).copied().flatten().filter(|column| *column < P)
+    }
+
+    /// The same, if there is an output.
+    #[inline(always)]
     pub(crate) fn bias_of(&self, output: Option<usize>) -> Option<usize> {
-        output.and_then(|output| self.bias_of_output[output])
+        output.and_then(|output| self.bias(output))
     }
 }

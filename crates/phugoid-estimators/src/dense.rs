@@ -41,13 +41,19 @@ impl<'a, const P: usize> Cholesky<'a, P> {
         Some(Self { len: n, lower: a, inverse_diagonal, log_determinant })
     }
 
+    /// At most `P`, which the compiler cannot know of a field.
+    #[inline(always)]
+    fn len(&self) -> usize {
+        self.len.min(P)
+    }
+
     pub(crate) fn log_determinant(&self) -> f64 {
         self.log_determinant
     }
 
     /// Solves `L y = b` and writes `y` over `b`.
     pub(crate) fn solve_lower(&self, b: &mut [f64; P]) {
-        for i in 0..self.len {
+        for i in 0..self.len() {
             b[i] = (b[i] - dot(&self.lower[i][..i], &b[..i])) * self.inverse_diagonal[i];
         }
     }
@@ -55,7 +61,7 @@ impl<'a, const P: usize> Cholesky<'a, P> {
     /// Solves `A x = b` and writes `x` over `b`.
     pub(crate) fn solve(&self, b: &mut [f64; P]) {
         self.solve_lower(b);
-        for i in (0..self.len).rev() {
+        for i in (0..self.len()).rev() {
             let x = b[i] * self.inverse_diagonal[i];
             b[i] = x;
             add_scaled(&mut b[..i], -x, &self.lower[i][..i]);
@@ -65,12 +71,12 @@ impl<'a, const P: usize> Cholesky<'a, P> {
     /// Trace of `A^-1`, from the columns of `L^-1`.
     pub(crate) fn inverse_trace(&self) -> f64 {
         let mut trace = 0.0;
-        for j in 0..self.len {
+        for j in 0..self.len() {
             // Column j of L^-1; its entries above j are zero.
             let mut column = [0.0; P];
             column[j] = self.inverse_diagonal[j];
             trace += column[j] * column[j];
-            for i in j + 1..self.len {
+            for i in j + 1..self.len() {
                 column[i] = -dot(&self.lower[i][j..i], &column[j..i]) * self.inverse_diagonal[i];
                 trace += column[i] * column[i];
             }

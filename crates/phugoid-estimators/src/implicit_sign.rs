@@ -34,6 +34,7 @@
 //! # Ok::<(), phugoid_estimators::settings::SettingsError>(())
 //! ```
 
+use crate::bounded::limited;
 use crate::estimate::{Estimate, Estimator, Inspect};
 use crate::innovation::Innovations;
 use crate::model::Sample;
@@ -82,10 +83,10 @@ where
         if self.least_squares.update_with(sample, |_| {}) == Taken::Next {
             let frame = self.least_squares.rows().frame();
             let reach = frame.interval_s * self.reaching_rate;
-            for j in 0..frame.columns.count {
+            for j in 0..frame.columns.count() {
                 let limit = reach * 2.0 * frame.columns.std[j];
                 self.surfaces[j] = self.least_squares.parameters()[j] - self.theta[j];
-                self.theta[j] += self.surfaces[j].clamp(-limit, limit);
+                self.theta[j] += limited(self.surfaces[j], -limit, limit);
             }
         }
         self.estimate()

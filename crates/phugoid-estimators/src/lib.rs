@@ -22,6 +22,7 @@
 #![cfg_attr(not(test), deny(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
 pub mod adaptive_model;
+mod bounded;
 mod change_detection;
 mod columns;
 mod dense;

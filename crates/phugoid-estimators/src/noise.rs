@@ -33,12 +33,14 @@ pub fn third_difference_std(values: &[f64], scratch: &mut [f64]) -> Option<f64> 
     let mut count = 0;
     for window in values.windows(4) {
         let size = third_difference(window[3], window[2], window[1], window[0]).abs();
-        if size.is_finite() && count < scratch.len() {
-            scratch[count] = size;
+        if size.is_finite()
+            && let Some(place) = scratch.get_mut(count)
+        {
+            *place = size;
             count += 1;
         }
     }
-    from_sizes(&mut scratch[..count])
+    from_sizes(scratch.get_mut(..count)?)
 }
 
 fn third_difference(y: f64, y1: f64, y2: f64, y3: f64) -> f64 {

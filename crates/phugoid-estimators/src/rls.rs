@@ -43,6 +43,7 @@
 //! # Ok::<(), phugoid_estimators::settings::SettingsError>(())
 //! ```
 
+use crate::bounded::{limited, unit};
 use crate::estimate::{Estimate, Estimator, Inspect, Phase};
 use crate::innovation::{Innovations, RowPhase};
 use crate::kernels::dot;
@@ -79,7 +80,7 @@ where
         let columns = &rows.frame().columns;
         Self {
             theta: columns.initial,
-            covariance: Ud::from_variances(&[1.0; P][..columns.count]),
+            covariance: Ud::from_variances(&[1.0; P][..columns.count()]),
             colour: Colour::new(),
             colour_started_s: f64::NAN,
             colour_forgotten_s: 0.0,
@@ -105,7 +106,7 @@ where
 
     pub(crate) fn update_with(&mut self, sample: &Sample<F::Input, R>, mut observe: impl FnMut(&Row<P>)) -> Taken {
         let Self { rows, theta, covariance, .. } = self;
-        let (std, p) = (rows.frame().columns.std, rows.frame().columns.count);
+        let (std, p) = (rows.frame().columns.std, rows.frame().columns.count());
         let taken = rows.take(sample, theta, |row| {
             let scaled = core::array::from_fn(|j| if j < p { row[j] * std[j] } else { 0.0 });
             covariance.project(&scaled, 0.0).variance
@@ -129,7 +130,7 @@ where
     /// Lets information fade towards the prior while something moves.
     fn forget(&mut self) {
         let Frame { settings, interval_s: h, columns, excited, .. } = self.rows.frame();
-        let (rate, h, p) = (settings.forgetting_per_s, *h, columns.count);
+        let (rate, h, p) = (settings.forgetting_per_s, *h, columns.count());
         if !(rate > 0.0 && *excited && p > 0) {
             return;
         }
@@ -137,10 +138,9 @@ where
         self.colour_forgotten_s += h;
         // The prior's share of a whole round at once, for one column in turn: the estimate itself is not moved.
         let share = libm::exp(rate * h * p as f64) - 1.0;
-        let mut unit = [0.0; P];
-        unit[self.next_restored.min(p - 1)] = 1.0;
+        let row = unit(self.next_restored.min(p - 1));
         self.next_restored = if self.next_restored + 1 < p { self.next_restored + 1 } else { 0 };
-        let projection = self.covariance.project(&unit, 1.0 / share);
+        let projection = self.covariance.project(&row, 1.0 / share);
         self.covariance.update(&projection, 1.0 / share);
     }
 
@@ -148,7 +148,7 @@ where
         let Self { rows, theta, covariance, colour, innovations, surfaces, .. } = self;
         let frame = rows.frame();
         let columns = &frame.columns;
-        let p = columns.count;
+        let p = columns.count();
         *innovations = Innovations { predicted: frame.predicted, ..Innovations::EMPTY };
         for output in 0..R {
             if sample.outputs[output].is_finite() && !frame.believed[output].is_finite() {
@@ -158,6 +158,8 @@ where
         surfaces[..p].fill(0.0);
         let mut used = false;
         rows.rows(|row| {
+            // Once more, because the compiler does not see through the closure.
+            let p = p.min(P);
             observe(row);
             let mut psi = [0.0; P];
             for j in 0..p {
@@ -175,15 +177,17 @@ where
             for j in 0..p {
                 let moved = columns.std[j] * gain[j] * step;
                 surfaces[j] += moved;
-                theta[j] = (theta[j] + moved).clamp(columns.clip_low[j], columns.clip_high[j]);
+                theta[j] = limited(theta[j] + moved, columns.clip_low[j], columns.clip_high[j]);
             }
             colour.add(&psi[..p], e / nn);
             used = true;
-            innovations.predicted[row.output] = row.known + predicted;
-            innovations.whitened[row.output] = e;
-            innovations.normalised[row.output] = e / nn;
-            innovations.variance[row.output] = row.std * row.std * projection.variance;
-            innovations.phase[row.output] = RowPhase::Sliding;
+            if row.output < R {
+                innovations.predicted[row.output] = row.known + predicted;
+                innovations.whitened[row.output] = e;
+                innovations.normalised[row.output] = e / nn;
+                innovations.variance[row.output] = row.std * row.std * projection.variance;
+                innovations.phase[row.output] = RowPhase::Sliding;
+            }
         });
         self.phase = if innovations.phase.contains(&RowPhase::Rejected) {
             Phase::Rejected
@@ -220,7 +224,7 @@ where
     /// of its bounds.
     pub(crate) fn estimate_of(&self, theta: &[f64; P]) -> Estimate<P> {
         let mut distance = [0.0; P];
-        for j in 0..self.rows.frame().columns.count {
+        for j in 0..self.rows.frame().columns.count() {
             distance[j] = theta[j] - self.theta[j];
         }
         let claim = Claim {
@@ -255,8 +259,8 @@ where
         *out = [[0.0; P]; P];
         self.covariance.write_dense(out);
         let columns = &self.rows.frame().columns;
-        for i in 0..columns.count {
-            for j in 0..columns.count {
+        for i in 0..columns.count() {
+            for j in 0..columns.count() {
                 out[i][j] *= columns.std[i] * columns.std[j];
             }
         }
@@ -268,7 +272,7 @@ where
     F: RowSource<R, P>,
 {
     fn column_count(&self) -> usize {
-        self.rows.frame().columns.count
+        self.rows.frame().columns.count()
     }
 
     fn prior_std(&self) -> &[f64; P] {

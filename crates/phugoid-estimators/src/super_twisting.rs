@@ -36,6 +36,7 @@
 //! # Ok::<(), phugoid_estimators::settings::SettingsError>(())
 //! ```
 
+use crate::bounded::{limited, unit};
 use crate::dense::Cholesky;
 use crate::estimate::{Estimate, Estimator, Inspect, ParameterStatus, Phase, Status};
 use crate::innovation::{Innovations, RowPhase};
@@ -83,7 +84,7 @@ where
     /// The estimate that holds after the last sample. Its standard errors are infinite.
     pub fn estimate(&self) -> Estimate<P> {
         let columns = &self.rows.frame().columns;
-        let unknown = |j: usize| j < columns.count && columns.std[j] > 0.0;
+        let unknown = |j: usize| j < columns.count() && columns.std[j] > 0.0;
         let std_error = core::array::from_fn(|j| if unknown(j) { f64::INFINITY } else { 0.0 });
         Estimate {
             time_s: self.rows.frame().last_s,
@@ -108,7 +109,7 @@ where
         let Self { rows, theta, information, score, innovations, .. } = self;
         let frame = rows.frame();
         let columns = &frame.columns;
-        let p = columns.count;
+        let p = columns.count();
         let fading = libm::exp(-frame.settings.forgetting_per_s * frame.interval_s);
         if fading < 1.0 && frame.excited {
             information.iter_mut().flatten().for_each(|w| *w *= fading);
@@ -121,6 +122,8 @@ where
             }
         }
         rows.rows(|row| {
+            // Once more, because the compiler does not see through the closure.
+            let p = p.min(P);
             let mut psi = [0.0; P];
             for j in 0..p {
                 psi[j] = row.w[j] * columns.std[j] / row.std;
@@ -135,11 +138,13 @@ where
                 add_scaled(&mut information[i][..p], psi[i], &psi[..p]);
             }
             add_scaled(&mut score[..p], about, &psi[..p]);
-            innovations.predicted[row.output] = row.known + predicted;
-            innovations.whitened[row.output] = e;
-            innovations.normalised[row.output] = e;
-            innovations.variance[row.output] = row.std * row.std;
-            innovations.phase[row.output] = RowPhase::Sliding;
+            if row.output < R {
+                innovations.predicted[row.output] = row.known + predicted;
+                innovations.whitened[row.output] = e;
+                innovations.normalised[row.output] = e;
+                innovations.variance[row.output] = row.std * row.std;
+                innovations.phase[row.output] = RowPhase::Sliding;
+            }
         });
         self.phase = if self.innovations.phase.contains(&RowPhase::Rejected) {
             Phase::Rejected
@@ -153,7 +158,7 @@ where
     /// The surfaces, in half ranges; zero where nothing is known.
     fn surface(&self) -> [f64; P] {
         let columns = &self.rows.frame().columns;
-        let p = columns.count;
+        let p = columns.count();
         let mut surface = [0.0; P];
         let mut factor = self.information;
         // A column that no row has ever seen is no part of the mixture.
@@ -171,8 +176,7 @@ where
                 continue;
             }
             // [W^-1]_jj is the squared length of column j of L^-1.
-            let mut column = [0.0; P];
-            column[j] = 1.0;
+            let mut column = unit(j);
             cholesky.solve_lower(&mut column);
             let information = 1.0 / dot(&column[..p], &column[..p]);
             let left = columns.initial[j] + columns.std[j] * solution[j] - self.theta[j];
@@ -186,7 +190,7 @@ where
         let h = self.rows.frame().interval_s;
         let [k1, k2] = GAINS;
         let surface = self.surface();
-        for j in 0..self.rows.frame().columns.count {
+        for j in 0..self.rows.frame().columns.count() {
             let s = surface[j];
             let half_range = 2.0 * self.rows.frame().columns.std[j];
             self.surfaces[j] = s * half_range;
@@ -204,7 +208,7 @@ where
                 b.signum() * root * root
             };
             let columns = &self.rows.frame().columns;
-            self.theta[j] = (self.theta[j] + half_range * (s - left)).clamp(columns.clip_low[j], columns.clip_high[j]);
+            self.theta[j] = limited(self.theta[j] + half_range * (s - left), columns.clip_low[j], columns.clip_high[j]);
             self.moved[j] = true;
         }
     }
@@ -218,7 +222,7 @@ where
 
     fn update(&mut self, sample: &Sample<Self::Input, R>) -> Estimate<P> {
         let std = self.rows.frame().columns.std;
-        let own = self.rows.frame().columns.own;
+        let own = self.rows.frame().columns.own();
         let spread = |row: &[f64; P]| (0..own).map(|j| row[j] * row[j] * std[j] * std[j]).sum();
         match self.rows.take(sample, &self.theta, spread) {
             Taken::Refused => self.phase = Phase::Rejected,
@@ -237,7 +241,7 @@ where
     /// Infinite for the unknown parameters: the law knows no covariance.
     fn covariance(&self, out: &mut [[f64; P]; P]) {
         *out = [[0.0; P]; P];
-        for j in 0..self.rows.frame().columns.count {
+        for j in 0..self.rows.frame().columns.count() {
             out[j][j] = if self.rows.frame().columns.std[j] > 0.0 { f64::INFINITY } else { 0.0 };
         }
     }
@@ -248,7 +252,7 @@ where
     F: RowSource<R, P>,
 {
     fn column_count(&self) -> usize {
-        self.rows.frame().columns.count
+        self.rows.frame().columns.count()
     }
 
     fn prior_std(&self) -> &[f64; P] {

@@ -18,7 +18,7 @@ impl Actuator {
     /// The command that the actuator can follow: within the deflection limits, rad.
     #[inline]
     pub fn reachable(&self, command: f64) -> f64 {
-        command.clamp(-self.limit, self.limit)
+        within(command, self.limit)
     }
 
     /// Rate of the surface, rad/s, from the commanded and the present position (rad).
@@ -26,8 +26,21 @@ impl Actuator {
     /// The position never passes its limit: the command is limited before the lag, and the lag does not overshoot.
     #[inline]
     pub fn rate(&self, command: f64, position: f64) -> f64 {
-        ((self.reachable(command) - position) / self.lag).clamp(-self.rate_limit, self.rate_limit)
+        within((self.reachable(command) - position) / self.lag, self.rate_limit)
     }
+}
+
+/// `f64::clamp` to either side without its panic: limits are public, and one that is not a number limits nothing.
+#[inline]
+fn within(value: f64, limit: f64) -> f64 {
+    let mut value = value;
+    if value < -limit {
+        value = -limit;
+    }
+    if value > limit {
+        value = limit;
+    }
+    value
 }
 
 /// The actuators of elevator, aileron and rudder. The throttle lever has none: the engine's own lag follows it.
@@ -106,5 +119,15 @@ mod tests {
         assert!((position - 0.2 * ELEVATOR.rate_limit).abs() < 1e-4, "{position}");
         let (position, _) = follow(1.0, 2.0);
         assert!(position <= ELEVATOR.limit && ELEVATOR.limit - position < 1e-6, "{position}");
+    }
+
+    /// Limits are public: those that are in the wrong order, or no numbers, must not stop a flight computer.
+    #[test]
+    fn impossible_limits_give_a_number_and_no_panic() {
+        let with = |limit: f64| Actuator { limit, rate_limit: limit, ..ELEVATOR };
+        assert_eq!(with(-1.0).reachable(0.3), -1.0);
+        assert_eq!(with(f64::NAN).reachable(0.3), 0.3);
+        assert!(with(f64::NAN).rate(0.3, 0.0).is_finite());
+        assert!(with(-1.0).rate(0.3, 0.0).is_finite());
     }
 }

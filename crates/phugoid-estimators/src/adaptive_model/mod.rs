@@ -35,6 +35,7 @@
 
 mod state_error;
 
+use crate::bounded::at;
 use crate::discretization::{self, Part};
 use crate::estimate::{Estimate, Estimator, Inspect};
 use crate::innovation::{Innovations, RowPhase};
@@ -93,8 +94,10 @@ where
         let ranges = prior_std.map(|std: f64| 2.0 * std);
         let mut columns = count;
         for output in settings.bias_columns() {
-            prior_std[columns] = settings.bias_std[output];
-            columns += 1;
+            if let Some(std) = prior_std.get_mut(columns) {
+                *std = at(&settings.bias_std, output);
+                columns += 1;
+            }
         }
         let theta: [f64; P] = core::array::from_fn(|j| of(j, settings.priors[j].initial));
         let law = StateErrorSettings {
@@ -152,7 +155,7 @@ where
     fn update(&mut self, sample: &Sample<Self::Input, R>) -> Estimate<P> {
         let Self { model, maximum_step_s, law, measuring, .. } = self;
         let columns = law.count();
-        let measured = core::array::from_fn(|state| sample.outputs[measuring[state]]);
+        let measured = core::array::from_fn(|state| at(&sample.outputs, measuring[state]));
         let mut estimate = law.update(sample.time_s, sample.input, &measured, |x, theta, input, interval_s| {
             let steps = discretization::sub_steps(interval_s, *maximum_step_s);
             let (mut x, mut sensitivity, mut transition) = (*x, [[0.0; P]; N], [[0.0; N]; N]);
@@ -163,7 +166,7 @@ where
             }
             (x, sensitivity)
         });
-        for j in self.law.count()..self.columns {
+        for j in self.law.count()..self.columns.min(P) {
             estimate.std_error[j] = self.prior_std[j];
             estimate.corrected_std_error[j] = self.prior_std[j];
         }
@@ -175,7 +178,7 @@ where
     /// Infinite for the unknown parameters: the law knows no covariance.
     fn covariance(&self, out: &mut [[f64; P]; P]) {
         self.law.covariance(out);
-        for j in self.law.count()..self.columns {
+        for j in self.law.count()..self.columns.min(P) {
             out[j][j] = self.prior_std[j] * self.prior_std[j];
         }
     }

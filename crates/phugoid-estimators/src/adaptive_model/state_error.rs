@@ -11,6 +11,7 @@
 //!
 //! `phugoid-thesis` has this law beside the other forms that the thesis compares with, and tests that both give the same.
 
+use crate::bounded::limited;
 use crate::discretization::{InputHold, IntervalInput};
 use crate::estimate::{Estimate, ParameterStatus, Phase, Status};
 
@@ -97,7 +98,7 @@ impl<I: Copy, const N: usize, const P: usize> StateErrorLaw<I, N, P> {
 
     /// Parameters that the model has.
     pub(super) fn count(&self) -> usize {
-        self.count
+        self.count.min(P)
     }
 
     /// State of the estimated model.
@@ -128,7 +129,7 @@ impl<I: Copy, const N: usize, const P: usize> StateErrorLaw<I, N, P> {
     /// Infinite for the unknown parameters: the law knows no covariance.
     pub(super) fn covariance(&self, out: &mut [[f64; P]; P]) {
         *out = [[0.0; P]; P];
-        for j in 0..self.count {
+        for j in 0..self.count() {
             if self.settings.ranges[j] > 0.0 {
                 out[j][j] = f64::INFINITY;
             }
@@ -181,7 +182,8 @@ impl<I: Copy, const N: usize, const P: usize> StateErrorLaw<I, N, P> {
         let decay = libm::exp(-self.settings.error_decay * interval_s);
         let mut step = [0.0; P];
         let mut squared = 0.0;
-        for (i, (&measured, &scale)) in measured.iter().zip(&self.settings.scale).enumerate() {
+        for i in 0..N {
+            let (measured, scale) = (measured[i], self.settings.scale[i]);
             self.error[i] *= decay;
             if !measured.is_finite() {
                 continue;
@@ -201,10 +203,10 @@ impl<I: Copy, const N: usize, const P: usize> StateErrorLaw<I, N, P> {
 
     /// Moves the parameters by `step` of their ranges and projects them; a step that is not a number moves nothing.
     fn adapt(&mut self, step: &[f64; P]) {
-        for (j, step) in step.iter().enumerate().take(self.count) {
+        for (j, step) in step.iter().enumerate().take(self.count()) {
             let moved = self.theta[j] + self.settings.ranges[j] * step;
             if moved.is_finite() && moved != self.theta[j] {
-                self.theta[j] = moved.clamp(self.settings.lower[j], self.settings.upper[j]);
+                self.theta[j] = limited(moved, self.settings.lower[j], self.settings.upper[j]);
                 self.moved[j] = true;
             }
         }

@@ -1,6 +1,7 @@
 //! Champion and challenger: a suspected change does not touch the running estimate (the champion). A second estimate
 //! with opened parameters (the challenger) replaces it only after it has explained fresh data better.
 
+use crate::bounded::at;
 use crate::dense::Cholesky;
 use crate::settings::ChangeDetection;
 
@@ -163,16 +164,19 @@ pub(crate) fn maturity<const P: usize>(
 ) -> f64 {
     let mut a = [[0.0; P]; P];
     let mut left = [0.0; P];
-    for (i, &row) in tested.iter().enumerate() {
-        for (j, &column) in tested[..=i].iter().enumerate() {
-            a[i][j] = covariance[row][column];
+    for (i, ((a, left), &row)) in a.iter_mut().zip(&mut left).zip(tested).enumerate() {
+        let Some(from) = covariance.get(row) else { return 0.0 };
+        for (a, &column) in a.iter_mut().zip(tested).take(i + 1) {
+            *a = at(from, column);
         }
-        a[i][i] += wander_squared * change[row] * change[row];
-        left[i] = difference[row];
+        if let Some(diagonal) = a.get_mut(i) {
+            *diagonal += wander_squared * at(change, row) * at(change, row);
+        }
+        *left = at(difference, row);
     }
     let Some(cholesky) = Cholesky::new(&mut a, tested.len()) else { return 0.0 };
     cholesky.solve_lower(&mut left);
-    left[..tested.len()].iter().map(|x| x * x).sum()
+    left.iter().take(tested.len()).map(|x| x * x).sum()
 }
 
 /// Part of the quantile that is asked for: real changes pass twice the quantile some hundredths of a second after it,

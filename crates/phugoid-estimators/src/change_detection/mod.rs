@@ -15,6 +15,7 @@
 
 pub(crate) mod challenge;
 
+use crate::bounded::{Places, at, limited};
 use crate::columns::Columns;
 use crate::dense::Cholesky;
 use crate::innovation::ScoredRow;
@@ -77,9 +78,8 @@ struct Moments {
 #[derive(Clone, Copy)]
 pub(crate) struct ChangeDetector<const P: usize> {
     settings: ChangeDetection,
-    /// Columns that may change, and their number.
-    tested: [usize; P],
-    count: usize,
+    /// Columns that may change.
+    tested: Places<P>,
     frames_per_block: usize,
     /// Ring; `running` is the block being filled, `filled` complete ones lie before it.
     blocks: [Block<P>; BLOCKS],
@@ -102,21 +102,18 @@ pub(crate) struct ChangeDetector<const P: usize> {
 
 impl<const P: usize> ChangeDetector<P> {
     pub(crate) fn new<const R: usize>(settings: ChangeDetection, sample_time_s: f64, columns: &Columns<R, P>) -> Self {
-        let mut tested = [0; P];
-        let mut count = 0;
-        for j in 0..columns.count {
+        let mut tested = Places::NONE;
+        for j in 0..columns.count() {
             if columns.change[j].std(columns.initial[j], columns.initial[j]) > 0.0
                 || matches!(columns.change[j], super::settings::ChangePrior::Relative { .. })
             {
-                tested[count] = j;
-                count += 1;
+                tested.push(j);
             }
         }
         let frames = libm::round(settings.window_s / (BLOCKS as f64 * sample_time_s));
         Self {
             settings,
             tested,
-            count,
             frames_per_block: if frames >= 1.0 { frames as usize } else { 1 },
             blocks: [Block::EMPTY; BLOCKS],
             running: 0,
@@ -136,7 +133,7 @@ impl<const P: usize> ChangeDetector<P> {
 
     /// Indices of the columns that may change.
     pub(crate) fn tested(&self) -> &[usize] {
-        &self.tested[..self.count.min(P)]
+        self.tested.as_slice()
     }
 
     /// Adds a row, before it is used, as so much of a row as `weight` says.
@@ -146,14 +143,14 @@ impl<const P: usize> ChangeDetector<P> {
         if row.v >= 1.0 {
             return;
         }
-        let n = self.count.min(P);
+        let n = self.tested.len();
         let inverse = 1.0 / row.nn;
         let mut a = [0.0; P];
-        for (value, column) in a[..n].iter_mut().zip(&self.tested[..n]) {
+        for (value, column) in a[..n].iter_mut().zip(self.tested.as_slice()) {
             *value = row.psi.get(*column).copied().unwrap_or(0.0) * inverse;
         }
-        let x = row.xi.clamp(-kappa, kappa);
-        let block = &mut self.blocks[self.running];
+        let x = limited(row.xi, -kappa, kappa);
+        let block = &mut self.blocks[self.running.min(BLOCKS - 1)];
         for i in 0..n {
             let ai = weight * a[i];
             block.g[i] += ai * x;
@@ -165,10 +162,10 @@ impl<const P: usize> ChangeDetector<P> {
     /// `change_over_prior` is `d_j` over the prior standard deviation, per column; `number` that of the frame.
     pub(crate) fn end_frame(&mut self, change_over_prior: &[f64; P], number: u64) -> Option<f64> {
         if self.frames == 0 {
-            self.begins[self.running] = number;
+            self.begins[self.running.min(BLOCKS - 1)] = number;
         }
         self.frames += 1;
-        if self.frames < self.frames_per_block || self.count == 0 {
+        if self.frames < self.frames_per_block || self.tested.len() == 0 {
             return None;
         }
         self.frames = 0;
@@ -191,7 +188,7 @@ impl<const P: usize> ChangeDetector<P> {
         }
 
         self.running = (self.running + 1) % BLOCKS;
-        self.blocks[self.running].clear(self.count.min(P));
+        self.blocks[self.running].clear(self.tested.len());
         Some(best)
     }
 
@@ -200,20 +197,19 @@ impl<const P: usize> ChangeDetector<P> {
     /// judged by all blocks: wander before it, a jump after it. (The Bayes factors of the windows have each its own
     /// alternative and prefer long windows.) To be asked for directly after a test.
     pub(crate) fn onset(&mut self, change_over_prior: &[f64; P]) -> [u64; 2] {
-        let n = self.count.min(P);
+        let n = self.tested.len();
         let scale = self.scale(change_over_prior);
         // The running block has just been emptied: the newest complete one lies before it, and it has one place less.
         let complete = self.filled.min(BLOCKS - 1);
-        let place = |back: usize| (self.running + BLOCKS - back) % BLOCKS;
-        let places: [usize; BLOCKS] = core::array::from_fn(place);
+        let place = |back: usize| (self.running + BLOCKS - back.min(BLOCKS)) % BLOCKS;
         let mut likelihood = [f64::NEG_INFINITY; BLOCKS];
         let mut before = Block::EMPTY;
-        for place in &places[1..=complete] {
-            before.add(&self.blocks[*place], 1.0, n);
+        for length in 1..=complete {
+            before.add(&self.blocks[place(length)], 1.0, n);
         }
         self.sum.clear(n);
         for length in 1..=complete {
-            let block = self.blocks[places[length]];
+            let block = self.blocks[place(length)];
             self.sum.add(&block, 1.0, n);
             before.add(&block, -1.0, n);
             let after = self.evidence(&self.sum, &scale, 1.0);
@@ -227,13 +223,13 @@ impl<const P: usize> ChangeDetector<P> {
         let shortest = possible.next().unwrap_or(1);
         let longest = possible.next_back().unwrap_or(shortest);
         // The change may lie within the block before the longest window, and before that which begins the shortest.
-        [self.begins[places[(longest + 1).min(complete.max(1))]], self.begins[places[shortest]]]
+        [self.begins[place((longest + 1).min(complete.max(1)))], self.begins[place(shortest)]]
     }
 
     /// Log evidence of some blocks for a deviation `N(0, size diag d^2)` of the parameters against none, nats:
     /// `1/2 [size g^T A^-1 g - ln det A]`, `A = I + size M`.
     fn evidence(&self, blocks: &Block<P>, scale: &[f64; P], size: f64) -> Option<f64> {
-        let n = self.count.min(P);
+        let n = self.tested.len();
         let inverse_leverage = 1.0 / self.leverage;
         let mut a = [[0.0; P]; P];
         let mut g = [0.0; P];
@@ -256,10 +252,10 @@ impl<const P: usize> ChangeDetector<P> {
     }
 
     fn scale(&self, change_over_prior: &[f64; P]) -> [f64; P] {
-        let n = self.count.min(P);
+        let n = self.tested.len();
         let mut scale = [0.0; P];
-        for (s, column) in scale[..n].iter_mut().zip(&self.tested[..n]) {
-            *s = change_over_prior[*column];
+        for (s, column) in scale[..n].iter_mut().zip(self.tested.as_slice()) {
+            *s = at(change_over_prior, *column);
         }
         scale
     }
@@ -267,7 +263,7 @@ impl<const P: usize> ChangeDetector<P> {
     /// Largest log Bayes factor over the windows, and the moments of the longest one if they are wanted. The running
     /// block is the newest complete one.
     fn test(&mut self, change_over_prior: &[f64; P], with_moments: bool) -> (f64, Option<Moments>) {
-        let n = self.count.min(P);
+        let n = self.tested.len();
         let scale = self.scale(change_over_prior);
         self.sum.clear(n);
         let mut taken = 0;
@@ -292,7 +288,7 @@ impl<const P: usize> ChangeDetector<P> {
 
     /// Log Bayes factor of the summed window.
     fn window(&mut self, scale: &[f64; P], with_moments: bool) -> Option<(f64, Option<Moments>)> {
-        let n = self.count.min(P);
+        let n = self.tested.len();
         let w2 = self.wander_squared;
         let inverse_leverage = 1.0 / self.leverage;
         let [a1, a2] = &mut self.work;
@@ -336,13 +332,13 @@ impl<const P: usize> ChangeDetector<P> {
         let gain = if excess > 0.0 || early { 0.5 } else { 0.3 };
         let [low, high] = self.settings.wander_limits;
         self.leverage = (self.leverage * libm::exp(0.1 * (1.0 - share) * excess)).clamp(1.0, 20.0);
-        self.wander_squared = (self.wander_squared * libm::exp(gain * share * excess)).clamp(low * low, high * high);
+        self.wander_squared = limited(self.wander_squared * libm::exp(gain * share * excess), low * low, high * high);
         self.informative += share;
     }
 
     /// Forgets the window, not what was learnt about the model.
     pub(crate) fn clear(&mut self) {
-        self.blocks[self.running].clear(self.count.min(P));
+        self.blocks[self.running.min(BLOCKS - 1)].clear(self.tested.len());
         self.filled = 0;
         self.frames = 0;
         self.since_calibration = 0;

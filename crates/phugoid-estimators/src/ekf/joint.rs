@@ -1,5 +1,6 @@
 //! One joint covariance of state and parameters, and the arithmetic of one gated row.
 
+use crate::bounded::at;
 use crate::columns::Columns;
 use crate::discretization::{self, IntervalInput, Part};
 use crate::innovation::{Innovations, RowPhase, ScoredRow};
@@ -39,13 +40,21 @@ struct Stacked<const N: usize, const P: usize> {
 }
 
 impl<const N: usize, const P: usize> Blocks<N, P> {
+    /// Columns in use, at most `P`.
+    #[inline(always)]
+    fn columns(&self) -> usize {
+        self.columns.min(P)
+    }
+
     /// Column `j` of `Ptt`, of which the first `p` entries are filled.
     #[inline(always)]
     fn parameter_column(&self, p: usize, j: usize) -> [f64; P] {
         let mut out = [0.0; P];
-        out[..=j].copy_from_slice(&self.tt[j][..=j]);
-        for i in j + 1..p {
-            out[i] = self.tt[i][j];
+        if j < P {
+            out[..=j].copy_from_slice(&self.tt[j][..=j]);
+            for i in j + 1..p.min(P) {
+                out[i] = self.tt[i][j];
+            }
         }
         out
     }
@@ -53,7 +62,7 @@ impl<const N: usize, const P: usize> Blocks<N, P> {
     /// Product `P a` of the joint covariance with a row.
     #[inline(never)]
     fn times(&self, p: usize, a: &Stacked<N, P>) -> Stacked<N, P> {
-        if p >= P { self.times_of(P, a) } else { self.times_of(p, a) }
+        if p >= P { self.times_of(P, a) } else { self.times_of(p.min(P), a) }
     }
 
     /// Most rows measure one state, or a state and a few parameters: the zeros are worth a test.
@@ -133,7 +142,7 @@ impl<const N: usize, const P: usize> Blocks<N, P> {
     /// `F P F^T + q`, with `F = [A, B; 0, I]`: `Pxt' = A Pxt + B Ptt`, `Pxx' = (A Pxx + B Ptx) A^T + Pxt' B^T + q`.
     /// `b` is scaled as the columns are; its entries from `own` on are zero.
     fn predict(&mut self, own: usize, a: &[[f64; N]; N], b: &[[f64; P]; N], q: &[f64; N]) {
-        let p = self.columns;
+        let (p, own) = (self.columns(), own.min(P));
         let mut xt = [[0.0; P]; N];
         let mut g = [[0.0; N]; N];
         for k in 0..N {
@@ -168,7 +177,7 @@ impl<const N: usize, const P: usize> Blocks<N, P> {
     }
 
     fn is_sound(&self) -> bool {
-        let p = self.columns.min(P);
+        let p = self.columns();
         // Zero times a number is zero only if it is finite.
         let mut check = 0.0;
         let mut least = 0.0_f64;
@@ -247,8 +256,9 @@ impl<const N: usize, const P: usize> Slot<N, P> for Joint<N, P> {
     }
 
     fn prior<const R: usize>(settings: &EstimatorSettings<N, R, P>, columns: &Columns<R, P>) -> Self {
-        let mut covariance = Blocks { columns: columns.count, xx: [[0.0; N]; N], xt: [[0.0; P]; N], tt: [[0.0; P]; P] };
-        for j in 0..columns.count {
+        let mut covariance =
+            Blocks { columns: columns.count(), xx: [[0.0; N]; N], xt: [[0.0; P]; N], tt: [[0.0; P]; P] };
+        for j in 0..columns.count() {
             covariance.tt[j][j] = if columns.std[j] > 0.0 { 1.0 } else { 0.0 };
         }
         Self { common: Common::prior(settings, columns), covariance }
@@ -263,7 +273,7 @@ impl<const N: usize, const P: usize> Slot<N, P> for Joint<N, P> {
         columns: &Columns<R, P>,
     ) {
         self.common.start_state(x, read_from, columns);
-        let p = columns.count;
+        let p = columns.count();
         let Blocks { xx, xt, .. } = &mut self.covariance;
         *xx = [[0.0; N]; N];
         *xt = [[0.0; P]; N];
@@ -300,7 +310,7 @@ impl<const N: usize, const P: usize> Slot<N, P> for Joint<N, P> {
         let h = interval_s / steps as f64;
         let scale = levels.scale.unwrap_or(self.common.noise_scale);
         let q = settings.process_noise.variance_per_s.map(|variance| variance * scale * h);
-        let own = columns.own;
+        let own = columns.own();
         let mut x = self.common.x;
         let before = self.covariance;
         let mut part_transition = [[0.0; N]; N];
@@ -347,7 +357,7 @@ impl<const N: usize, const P: usize> Slot<N, P> for Joint<N, P> {
     where
         M: Model<N, R, P>,
     {
-        let p = columns.count;
+        let p = columns.count();
         if is_full(p, P) {
             self.correct_of(P, model, settings, columns, levels, input, measured, adapt_noise, surface, watch, frame)
         } else {
@@ -364,11 +374,14 @@ impl<const N: usize, const P: usize> Slot<N, P> for Joint<N, P> {
         change_over_prior: &[f64; P],
         state_variance: &[f64; N],
     ) -> bool {
-        let p = columns.count;
+        let p = columns.count();
         let mut before = [[0.0; P]; P];
         Slot::write_covariance(self, &mut before);
         for &column in tested {
-            self.covariance.tt[column][column] += change_over_prior[column] * change_over_prior[column];
+            let change = at(change_over_prior, column);
+            if let Some(variance) = self.covariance.tt.get_mut(column).and_then(|row| row.get_mut(column)) {
+                *variance += change * change;
+            }
         }
         for k in 0..N {
             self.covariance.xx[k][k] += state_variance[k];
@@ -383,15 +396,15 @@ impl<const N: usize, const P: usize> Slot<N, P> for Joint<N, P> {
     }
 
     fn variances(&self) -> [f64; P] {
-        core::array::from_fn(|j| if j < self.covariance.columns { self.covariance.tt[j][j] } else { 0.0 })
+        core::array::from_fn(|j| if j < self.covariance.columns() { self.covariance.tt[j][j] } else { 0.0 })
     }
 
     fn state_covariance(&self) -> [[f64; N]; N] {
-        Conditional::new(self.covariance.columns, &self.covariance).px
+        Conditional::new(self.covariance.columns(), &self.covariance).px
     }
 
     fn write_covariance(&self, out: &mut [[f64; P]; P]) {
-        let p = self.covariance.columns;
+        let p = self.covariance.columns();
         for j in 0..p {
             out[j][..p].copy_from_slice(&self.covariance.parameter_column(p, j)[..p]);
         }
@@ -399,13 +412,13 @@ impl<const N: usize, const P: usize> Slot<N, P> for Joint<N, P> {
 
     fn close_colour_block(&mut self) {
         let Self { common, covariance } = self;
-        let p = covariance.columns;
+        let p = covariance.columns();
         common.colour.close_block(p, |j| covariance.parameter_column(p, j));
     }
 
     fn renew_colour(&mut self) {
         let Self { common, covariance } = self;
-        let p = covariance.columns;
+        let p = covariance.columns();
         common.colour.renew(p, |j| covariance.parameter_column(p, j));
     }
 
@@ -434,7 +447,7 @@ impl<const N: usize, const P: usize> Joint<N, P> {
     where
         M: Model<N, R, P>,
     {
-        let own = columns.own.min(p);
+        let own = columns.own().min(p);
         let bears = levels.bears();
         let mut innovations = Innovations::EMPTY;
         let mut lin = LinearizedOutputs::<N, R, P>::ZERO;
@@ -448,7 +461,7 @@ impl<const N: usize, const P: usize> Joint<N, P> {
         surface[..p].fill(0.0);
         for i in 0..R {
             let sigma = levels.std[i];
-            let bias = columns.bias_of_output[i];
+            let bias = columns.bias(i);
             let predicted = lin.outputs[i] + bias.map_or(0.0, |column| self.common.theta[column]);
             innovations.predicted[i] = predicted;
             if !(measured[i].is_finite() && predicted.is_finite() && sigma.is_finite() && sigma > 0.0) {

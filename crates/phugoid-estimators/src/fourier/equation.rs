@@ -6,7 +6,7 @@ use crate::settings::MAXIMUM_BINS;
 /// The frequencies and what one interval does at each.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bins {
-    pub(super) count: usize,
+    count: usize,
     /// `s = j omega - lambda`, 1/s.
     pub(super) pole: [Complex; MAXIMUM_BINS],
     pub(super) weights: [Weights; MAXIMUM_BINS],
@@ -28,11 +28,23 @@ impl Bins {
     pub(super) fn set_interval(&mut self, h: f64) {
         // Sampling times carry rounding; weights for a nanosecond more are the same.
         if (h - self.interval_s).abs() > 1e-9 * h {
-            for m in 0..self.count {
+            for m in 0..self.count() {
                 self.weights[m] = Weights::new(self.pole[m], h);
             }
             self.interval_s = h;
         }
+    }
+
+    /// Number of frequencies, at most [`MAXIMUM_BINS`].
+    #[inline(always)]
+    pub(super) fn count(&self) -> usize {
+        self.count.min(MAXIMUM_BINS)
+    }
+
+    /// Width of the band, from the lowest frequency to the highest one, rad/s.
+    pub(super) fn width(&self) -> f64 {
+        let used = &self.pole[..self.count()];
+        used.last().map_or(0.0, |pole| pole.im) - used.first().map_or(0.0, |pole| pole.im)
     }
 
     pub(super) fn interval_s(&self) -> f64 {
@@ -45,7 +57,7 @@ pub(super) type Transform = [Complex; MAXIMUM_BINS];
 
 /// One interval of `transform`, the signal running straight from `before` to `after`.
 pub(super) fn add(transform: &mut Transform, bins: &Bins, before: f64, after: f64) {
-    for (y, w) in transform[..bins.count].iter_mut().zip(&bins.weights) {
+    for (y, w) in transform[..bins.count()].iter_mut().zip(&bins.weights) {
         let decayed = y.times(w.decay);
         *y = Complex::new(
             decayed.re + before * w.before.re + after * w.after.re,
@@ -110,8 +122,8 @@ impl<const P: usize> Equation<P> {
             return;
         }
         self.fade(bins);
-        for j in (0..columns).filter(|&j| self.used[j]) {
-            add(&mut self.w[j], bins, 0.0, 0.0);
+        for (w, _) in self.w.iter_mut().zip(&self.used).take(columns).filter(|(_, used)| **used) {
+            add(w, bins, 0.0, 0.0);
         }
         add(&mut self.z, bins, 0.0, 0.0);
     }
@@ -140,13 +152,13 @@ impl<const P: usize> Equation<P> {
                 self.seams += 1.0;
             } else {
                 self.begun = true;
-                self.first[..bins.count].fill(Complex::real(1.0));
+                self.first[..bins.count()].fill(Complex::real(1.0));
             }
         }
         self.fade(bins);
         let h = bins.interval_s();
         self.energy += h * h;
-        for j in 0..columns {
+        for j in 0..columns.min(P) {
             self.used[j] |= before[j] != 0.0 || after[j] != 0.0;
             if self.used[j] {
                 add(&mut self.w[j], bins, before[j], after[j]);
@@ -184,7 +196,7 @@ impl<const P: usize> Equation<P> {
         self.add_regressors(bins, columns, before, after);
         let mut z = self.z;
         add(&mut z, bins, -known[0], -known[1]);
-        for m in 0..bins.count {
+        for m in 0..bins.count() {
             let w = &bins.weights[m];
             let transformed = w.before.scaled(x[0]).plus(w.after.scaled(x[1]));
             z[m] = z[m].plus(bins.pole[m].times(transformed));

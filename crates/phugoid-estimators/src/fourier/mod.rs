@@ -93,7 +93,7 @@ where
         let settings = &flow.settings.fourier;
         settings.check(flow.settings.sample_time_s)?;
         let bins = Bins::new(settings.bins, flow.settings.regression.forgetting_per_s, |m| settings.frequency_hz(m));
-        let solution = Solution::prior(&flow.frame.columns.initial, flow.frame.columns.count);
+        let solution = Solution::prior(&flow.frame.columns.initial, flow.frame.columns.count());
         Ok(Self {
             flow,
             bins,
@@ -111,10 +111,10 @@ where
     fn transform(&mut self) {
         let Self { flow, bins, dynamic, algebraic, last_z, last_w, .. } = self;
         let columns = &flow.frame.columns;
-        let (own, all) = (columns.own, columns.count);
+        let (own, all) = (columns.own(), columns.count());
         bins.set_interval(flow.frame.interval_s);
         for i in 0..N {
-            let Some(output) = flow.output_of_state[i] else { continue };
+            let Some(output) = flow.output_of(i) else { continue };
             let x = [flow.measured_before[i], flow.measured_after[i]];
             let equation = &mut dynamic[i];
             if !(flow.is_dynamic(i) && x[0].is_finite() && x[1].is_finite()) {
@@ -133,7 +133,7 @@ where
             let z = flow.frame.believed[output] - flow.outputs.outputs[output];
             let mut w = [0.0; P];
             w[..own].copy_from_slice(&flow.outputs.parameter_jacobian[output][..own]);
-            if let Some(column) = columns.bias_of_output[output] {
+            if let Some(column) = columns.bias(output) {
                 w[column] = 1.0;
             }
             let equation = &mut algebraic[output];
@@ -174,10 +174,10 @@ where
             if !flow.frame.believed[output].is_finite() {
                 innovations.phase[output] = RowPhase::Rejected;
             } else if flow.is_algebraic(output) {
-                let bias = columns.bias_of_output[output].map_or(0.0, |column| solution.theta[column]);
+                let bias = columns.bias(output).map_or(0.0, |column| solution.theta[column]);
                 let row = &flow.outputs.parameter_jacobian[output];
                 let predicted =
-                    flow.outputs.outputs[output] + dot(&row[..columns.own], &solution.theta[..columns.own]) + bias;
+                    flow.outputs.outputs[output] + dot(&row[..columns.own()], &solution.theta[..columns.own()]) + bias;
                 let std = flow.settings.noise_std[output];
                 innovations.predicted[output] = predicted;
                 innovations.whitened[output] = (sample.outputs[output] - predicted) / std;
@@ -245,8 +245,8 @@ where
     fn covariance(&self, out: &mut [[f64; P]; P]) {
         let columns = &self.flow.frame.columns;
         *out = [[0.0; P]; P];
-        for i in 0..columns.count {
-            for j in 0..columns.count {
+        for i in 0..columns.count() {
+            for j in 0..columns.count() {
                 out[i][j] = self.solution.covariance[i][j] * columns.std[i] * columns.std[j];
             }
         }
@@ -259,7 +259,7 @@ where
     S: StateSource<M::Input, N, R>,
 {
     fn column_count(&self) -> usize {
-        self.flow.frame.columns.count
+        self.flow.frame.columns.count()
     }
 
     fn prior_std(&self) -> &[f64; P] {

@@ -1,6 +1,7 @@
 //! Complex least squares over equations and frequencies.
 
 use super::equation::{Bins, Equation};
+use crate::bounded::{limited, unit};
 use crate::columns::Columns;
 use crate::dense::Cholesky;
 use crate::kernels::{add_scaled, dot};
@@ -51,17 +52,20 @@ impl<const P: usize> Normal<P> {
         };
         let variance = equation.std * equation.std;
         let length_s = equation.energy / bins.interval_s();
-        let band_hz = (bins.pole[bins.count - 1].im - bins.pole[0].im) / (2.0 * core::f64::consts::PI);
-        let independent = (1.0 + band_hz * length_s).min(bins.count as f64);
+        let band_hz = bins.width() / (2.0 * core::f64::consts::PI);
+        let independent = (1.0 + band_hz * length_s).min(bins.count() as f64);
         normal.independent = 2.0 * independent;
-        let share = independent / bins.count as f64;
-        for m in 0..bins.count {
+        let share = independent / bins.count() as f64;
+        for m in 0..bins.count() {
             let noise =
                 if dynamic { bins.pole[m].squared_size() * equation.energy + equation.seams } else { equation.energy };
             let weight = share / (variance * equation.excess * noise);
             let mut rows = [[0.0; P]; 2];
             let mut left = [equation.z[m].re, equation.z[m].im];
-            for j in (0..P).filter(|&j| equation.used[j]) {
+            for j in 0..P {
+                if !equation.used[j] {
+                    continue;
+                }
                 let w = equation.w[j][m];
                 left[0] -= w.re * centre[j];
                 left[1] -= w.im * centre[j];
@@ -72,8 +76,10 @@ impl<const P: usize> Normal<P> {
             let noisy = [[last, equation.first[m].re], [0.0, equation.first[m].im]];
             for part in 0..2 {
                 let row = &rows[part];
-                for i in (0..P).filter(|&i| equation.used[i]) {
-                    add_scaled(&mut normal.information[i], weight * row[i], row);
+                for i in 0..P {
+                    if equation.used[i] {
+                        add_scaled(&mut normal.information[i], weight * row[i], row);
+                    }
                 }
                 add_scaled(&mut normal.score, weight * left[part], row);
                 normal.squares += weight * left[part] * left[part];
@@ -131,7 +137,7 @@ impl<const P: usize> Solution<P> {
 
     /// Variance of `row theta`, the row scaled to the prior standard deviation.
     pub(super) fn spread(&self, row: &[f64; P]) -> f64 {
-        let n = self.count;
+        let n = self.count.min(P);
         (0..n).map(|i| row[i] * dot(&self.covariance[i][..n], &row[..n])).sum()
     }
 
@@ -159,7 +165,7 @@ impl<const P: usize> Solution<P> {
             }
             add_scaled(&mut delta, 1.0, &normal.score);
         }
-        for i in 0..self.count {
+        for i in 0..self.count.min(P) {
             information[i][i] += 1.0;
         }
         let Some(cholesky) = Cholesky::new(&mut information, self.count) else { return };
@@ -167,10 +173,9 @@ impl<const P: usize> Solution<P> {
         if !delta.iter().all(|d| d.is_finite()) {
             return;
         }
-        for j in 0..self.count {
-            self.theta[j] = (centre[j] + columns.std[j] * delta[j]).clamp(columns.clip_low[j], columns.clip_high[j]);
-            let mut column = [0.0; P];
-            column[j] = 1.0;
+        for j in 0..self.count.min(P) {
+            self.theta[j] = limited(centre[j] + columns.std[j] * delta[j], columns.clip_low[j], columns.clip_high[j]);
+            let mut column = unit(j);
             cholesky.solve(&mut column);
             self.covariance[j] = column;
         }

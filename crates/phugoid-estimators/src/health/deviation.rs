@@ -2,6 +2,7 @@
 
 use super::evidence::{Information, Limits};
 use super::settings::Expected;
+use crate::bounded::{Places, unit};
 use crate::dense::Cholesky;
 use crate::estimate::Estimate;
 use crate::kernels::dot;
@@ -24,12 +25,11 @@ pub(super) fn deviation<const P: usize>(
 ) -> Deviation<P> {
     let mut result = Deviation { outside: [0.0; P], unknown: [false; P], joint: f64::NAN };
     // Columns scaled to the corrected standard error.
-    let mut columns = [0; P];
+    let mut columns = Places::<P>::NONE;
     let mut difference = [0.0; P];
     let mut width = [0.0; P];
-    let mut n = 0;
-    for (j, expected) in expected.iter().enumerate() {
-        let Some(expected) = expected else { continue };
+    for j in 0..P {
+        let Some(expected) = &expected[j] else { continue };
         let sigma = estimate.corrected_std_error[j];
         let away = estimate.parameters[j] - expected.value;
         let beyond = (away.abs() - expected.tolerance).max(0.0);
@@ -37,17 +37,20 @@ pub(super) fn deviation<const P: usize>(
         result.unknown[j] = !(sigma > 0.0 && 2.0 * sigma <= expected.tolerance);
         if sigma > 0.0 && sigma.is_finite() {
             result.outside[j] = if away < 0.0 { -beyond / sigma } else { beyond / sigma };
-            columns[n] = j;
-            difference[n] = away / sigma;
-            width[n] = expected.tolerance / sigma;
-            n += 1;
+            let place = columns.len();
+            if place < P {
+                difference[place] = away / sigma;
+                width[place] = expected.tolerance / sigma;
+            }
+            columns.push(j);
         }
     }
+    let n = columns.len();
     let mut correlation = [[0.0; P]; P];
     for a in 0..n {
-        let i = columns[a];
+        let i = columns.column(a);
         for b in 0..a {
-            let j = columns[b];
+            let j = columns.column(b);
             correlation[a][b] = covariance[i][j] / libm::sqrt(covariance[i][i] * covariance[j][j]);
         }
         correlation[a][a] = 1.0;
@@ -56,10 +59,9 @@ pub(super) fn deviation<const P: usize>(
     // |difference - d|^2 in the inverse correlation = |difference|^2 - 2 (d g - d M d / 2), M its inverse, g = M difference.
     let mut information = Information::<P>::NONE;
     for j in 0..n {
-        let mut unit = [0.0; P];
-        unit[j] = 1.0;
-        cholesky.solve(&mut unit);
-        information.m[j] = unit;
+        let mut row = unit(j);
+        cholesky.solve(&mut row);
+        information.m[j] = row;
     }
     information.g = difference;
     cholesky.solve(&mut information.g);

@@ -4,6 +4,7 @@
 //! alone: the log likelihood of a deviation `d` against none is `d^T g - d^T M d / 2`. Columns are scaled to one sigma
 //! of a failure.
 
+use crate::bounded::{at, unit};
 use crate::dense::Cholesky;
 use crate::kernels::{add_scaled, dot};
 
@@ -53,6 +54,7 @@ impl<const P: usize> Information<P> {
 
     /// Adds one innovation `x = a d + noise`.
     pub(super) fn add(&mut self, a: &[f64; P], x: f64, len: usize) {
+        let len = len.min(P);
         self.square += x * x;
         self.rows += 1.0;
         for i in 0..len {
@@ -62,13 +64,15 @@ impl<const P: usize> Information<P> {
     }
 
     fn entry(&self, i: usize, j: usize) -> f64 {
-        if i >= j { self.m[i][j] } else { self.m[j][i] }
+        let (row, column) = if i >= j { (i, j) } else { (j, i) };
+        self.m.get(row).map_or(0.0, |row| at(row, column))
     }
 
     /// `ln` of the mean likelihood over failures `d ~ N(0, c^2 I)`, equally over the sizes `c`, against none: nats.
     ///
     /// With the truth at `d = 0` its exponential is a martingale of mean one (a mixture of likelihood ratios).
     pub(super) fn failure(&self, len: usize) -> f64 {
+        let len = len.min(P);
         let mut largest = f64::NEG_INFINITY;
         let mut logs = [f64::NEG_INFINITY; SIZES.len()];
         for (log, size) in logs.iter_mut().zip(SIZES) {
@@ -102,11 +106,12 @@ impl<const P: usize> Information<P> {
     /// The function is concave: at any `d` with slope `r = g - M d` nothing in the box is better by more than
     /// `sum max(r_j low_j, r_j high_j) - r_j d_j`.
     pub(super) fn best_within(&self, limits: &Limits<P>, len: usize) -> (f64, [f64; P]) {
+        let len = len.min(P);
         // From the best without limits: mostly it is healthy, and this is all.
         let mut d = self.free(len).unwrap_or([0.0; P]);
         let within = |j: usize, value: f64| value.max(limits.low[j]).min(limits.high[j]);
-        for (j, d) in d[..len].iter_mut().enumerate() {
-            *d = within(j, *d);
+        for j in 0..len {
+            d[j] = within(j, d[j]);
         }
         let mut slope = self.g;
         for i in 0..len {
@@ -134,6 +139,7 @@ impl<const P: usize> Information<P> {
 
     /// The most likely `d`, without limits.
     fn free(&self, len: usize) -> Option<[f64; P]> {
+        let len = len.min(P);
         let mut a = self.m;
         for i in 0..len {
             a[i][i] += RIDGE;
@@ -146,11 +152,14 @@ impl<const P: usize> Information<P> {
 
     /// `d^T g - d^T M d / 2`.
     pub(super) fn log_likelihood(&self, d: &[f64; P], len: usize) -> f64 {
-        (0..len).map(|i| d[i] * (self.g[i] - 0.5 * (0..len).map(|j| self.entry(i, j) * d[j]).sum::<f64>())).sum()
+        let len = len.min(P);
+        let product = |i: usize| (0..len).map(|j| self.entry(i, j) * at(d, j)).sum::<f64>();
+        (0..len).map(|i| at(d, i) * (at(&self.g, i) - 0.5 * product(i))).sum()
     }
 
     /// The same about `d = step`.
     pub(super) fn recentre(&mut self, step: &[f64; P], len: usize) {
+        let len = len.min(P);
         let explained = 2.0 * self.log_likelihood(step, len);
         let g = self.g;
         for i in 0..len {
@@ -161,6 +170,7 @@ impl<const P: usize> Information<P> {
 
     /// The information of the innovations after those in `earlier`: the difference of the two sums.
     pub(super) fn since(&self, earlier: &Self, len: usize) -> Self {
+        let len = len.min(P);
         let mut later = *self;
         for i in 0..len {
             later.g[i] -= earlier.g[i];
@@ -175,6 +185,7 @@ impl<const P: usize> Information<P> {
 
     /// The same of a noise whose variance is larger by one over this factor.
     pub(super) fn scaled(&self, factor: f64, len: usize) -> Self {
+        let len = len.min(P);
         let mut s = *self;
         for i in 0..len {
             s.g[i] *= factor;
@@ -189,6 +200,7 @@ impl<const P: usize> Information<P> {
     /// `s^T (M + I)^-1 s` of what this block says beside no deviation, and how large that is in the mean with white
     /// noise, where the healthy deviation was fitted to `total` within the limits. None where the arithmetic fails.
     pub(super) fn scatter(&self, total: &Self, limits: &Limits<P>, len: usize) -> Option<[f64; 2]> {
+        let len = len.min(P);
         let mut with_unit = self.m;
         let mut all = total.m;
         for i in 0..len {
@@ -204,13 +216,13 @@ impl<const P: usize> Information<P> {
         let mut freedom = 0.0;
         for j in 0..len {
             let mut left: [f64; P] = [0.0; P];
-            for (i, left) in left[..len].iter_mut().enumerate() {
-                *left = self.entry(i, j);
+            for i in 0..len {
+                left[i] = self.entry(i, j);
             }
             let mut fitted = left;
             all.solve(&mut fitted);
-            for (i, left) in left[..len].iter_mut().enumerate() {
-                *left -= (0..len).map(|k| self.entry(i, k) * fitted[k]).sum::<f64>();
+            for i in 0..len {
+                left[i] -= (0..len).map(|k| self.entry(i, k) * fitted[k]).sum::<f64>();
             }
             with_unit.solve(&mut left);
             freedom += left[j];
@@ -222,6 +234,7 @@ impl<const P: usize> Information<P> {
     /// anything (up to [`LARGEST`]), for all columns. Infinite where it cannot be computed: no evidence against that
     /// column.
     pub(super) fn best_with_one_within(&self, from: &[f64; P], limits: &Limits<P>, len: usize) -> [f64; P] {
+        let len = len.min(P);
         let mut best = [f64::INFINITY; P];
         let mut a = self.m;
         for i in 0..len {
@@ -232,11 +245,10 @@ impl<const P: usize> Information<P> {
         cholesky.solve(&mut d);
         let free = 0.5 * dot(&d[..len], &self.g[..len]) + 0.5 * RIDGE * len as f64 * LARGEST * LARGEST;
         for j in 0..len {
-            let mut unit = [0.0; P];
-            unit[j] = 1.0;
-            cholesky.solve(&mut unit);
+            let mut column = unit(j);
+            cholesky.solve(&mut column);
             let beyond = limits.beyond(j, from[j] + d[j]);
-            let bound = free - 0.5 * beyond * beyond / unit[j];
+            let bound = free - 0.5 * beyond * beyond / column[j];
             if bound.is_finite() {
                 best[j] = bound;
             }
@@ -246,14 +258,16 @@ impl<const P: usize> Information<P> {
 
     /// The same if only these columns can have changed.
     pub(super) fn restricted(&self, columns: &[bool; P], len: usize) -> Self {
+        let len = len.min(P);
         let mut own = *self;
         for i in 0..len {
-            if !columns[i] {
+            let changes = columns[i];
+            if !changes {
                 own.g[i] = 0.0;
             }
-            for j in 0..=i {
-                if !(columns[i] && columns[j]) {
-                    own.m[i][j] = 0.0;
+            for (value, other_changes) in own.m[i].iter_mut().zip(columns).take(i + 1) {
+                if !(changes && *other_changes) {
+                    *value = 0.0;
                 }
             }
         }
@@ -270,15 +284,17 @@ impl<const P: usize> Information<P> {
     /// Mean square of what the best failure leaves of the innovations: one where the failure is linear and the noise as
     /// promised.
     pub(super) fn misfit(&self, len: usize) -> f64 {
+        let len = len.min(P);
         let (d, _) = self.deviation(len);
-        let explained: f64 =
-            (0..len).map(|i| d[i] * (2.0 * self.g[i] - (0..len).map(|j| self.entry(i, j) * d[j]).sum::<f64>())).sum();
+        let product = |i: usize| (0..len).map(|j| self.entry(i, j) * at(&d, j)).sum::<f64>();
+        let explained: f64 = (0..len).map(|i| at(&d, i) * (2.0 * at(&self.g, i) - product(i))).sum();
         (self.square - explained) / self.rows
     }
 
     /// The deviation itself: mean and variance of `d` given the window and `d ~ N(0, I)`. Zero and one where the
     /// arithmetic fails.
     pub(super) fn deviation(&self, len: usize) -> ([f64; P], [f64; P]) {
+        let len = len.min(P);
         let (mut mean, mut variance) = ([0.0; P], [1.0; P]);
         let mut a = self.m;
         for i in 0..len {
@@ -287,11 +303,10 @@ impl<const P: usize> Information<P> {
         let Some(cholesky) = Cholesky::new(&mut a, len) else { return (mean, variance) };
         mean = self.g;
         cholesky.solve(&mut mean);
-        for (j, variance) in variance[..len].iter_mut().enumerate() {
-            let mut unit = [0.0; P];
-            unit[j] = 1.0;
-            cholesky.solve_lower(&mut unit);
-            *variance = dot(&unit[..len], &unit[..len]);
+        for j in 0..len {
+            let mut column = unit(j);
+            cholesky.solve_lower(&mut column);
+            variance[j] = dot(&column[..len], &column[..len]);
         }
         (mean, variance)
     }
@@ -299,6 +314,7 @@ impl<const P: usize> Information<P> {
 
 /// How much better than `d` anything within the limits can be.
 fn gap<const P: usize>(slope: &[f64; P], d: &[f64; P], limits: &Limits<P>, len: usize) -> f64 {
+    let len = len.min(P);
     (0..len).map(|j| (slope[j] * limits.low[j]).max(slope[j] * limits.high[j]) - slope[j] * d[j]).sum()
 }
 

@@ -73,6 +73,7 @@ use level::Levels;
 use reference::{Parts, Reference};
 use starts::{FailureStart, Starts};
 
+use crate::bounded::{Places, at};
 use crate::columns::Columns;
 use crate::estimate::{ChangeState, Estimate, Phase};
 use crate::model::{Model, Sample};
@@ -210,42 +211,36 @@ where
         settings.check()?;
         estimator.check(model.parameter_count()).map_err(MonitorError::Estimator)?;
         let columns = Columns::new(estimator, model.parameter_count());
-        let mut parts = Parts {
-            monitored: [0; P],
-            monitored_count: 0,
-            failure_std: [0.0; P],
-            constant: [false; P],
-            nuisance: [0; P],
-            nuisance_count: 0,
-        };
+        let mut parts =
+            Parts { monitored: Places::NONE, failure_std: [0.0; P], constant: [false; P], nuisance: Places::NONE };
         let mut width = [0.0; P];
         let mut theta = columns.initial;
         let mut all = [None; P];
-        for column in 0..columns.count {
-            let expectation = if column < columns.own { expected.get(column).copied().flatten() } else { None };
+        for column in 0..columns.count() {
+            let expectation = if column < columns.own() { expected.get(column).copied().flatten() } else { None };
             if let Some(expectation) = expectation {
                 check(column, &expectation)?;
-                let place = parts.monitored_count;
-                parts.monitored[place] = column;
-                parts.failure_std[place] = expectation.failure_std;
-                parts.constant[place] = expectation.constant;
-                width[place] = expectation.tolerance / expectation.failure_std;
-                parts.monitored_count += 1;
+                let place = parts.monitored.len();
+                if place < P {
+                    parts.failure_std[place] = expectation.failure_std;
+                    parts.constant[place] = expectation.constant;
+                    width[place] = expectation.tolerance / expectation.failure_std;
+                }
+                parts.monitored.push(column);
                 theta[column] = expectation.value;
                 all[column] = Some(expectation);
             } else if columns.std[column] > 0.0 {
-                parts.nuisance[parts.nuisance_count] = column;
-                parts.nuisance_count += 1;
+                parts.nuisance.push(column);
             }
         }
-        if parts.monitored_count == 0 {
+        if parts.monitored.len() == 0 {
             return Err(MonitorError::NothingExpected);
         }
         Ok(Self {
             settings,
             expected: all,
             reference: Reference::new(model, *estimator, columns, parts, theta),
-            starts: Starts::new(parts.monitored_count, parts.nuisance_count, width, &settings),
+            starts: Starts::new(parts.monitored.len(), parts.nuisance.len(), width, &settings),
             levels: Levels::new(),
             parts,
             first_s: f64::NAN,
@@ -358,7 +353,7 @@ where
     /// Onset, size and names of a failure, from the hypotheses.
     fn describe(&mut self, time_s: f64, watched: &Watched<'_, R, P>, failure: &mut Failure<P>) {
         let outside = deviation(&self.expected, watched.estimate, watched.covariance).outside;
-        let (n, threshold) = (self.parts.monitored_count, self.threshold());
+        let (n, threshold) = (self.parts.monitored.len(), self.threshold());
         failure.onset = onset::onset(&self.starts);
         let mut best = (f64::NEG_INFINITY, 0);
         let mut named = [f64::NEG_INFINITY; P];
@@ -382,22 +377,23 @@ where
         let late = time_s - failure.flagged_s >= NAMING_S - LATE_S;
         let causes = causes(&change, start, self.starts.limits(), &self.parts.constant, misfit, late, n);
         let (mean, variance) = change.deviation(n);
-        for (place, column) in self.parts.monitored[..n].iter().enumerate() {
-            failure.change[*column] =
+        for place in 0..n {
+            let column = self.parts.monitored.column(place);
+            failure.change[column] =
                 (self.starts.centre()[place] + start.healthy[place] + mean[place]) * self.parts.failure_std[place];
-            failure.change_std[*column] = libm::sqrt(variance[place]) * self.parts.failure_std[place];
-            let since_s = &mut self.convincing_since_s[*column];
+            failure.change_std[column] = libm::sqrt(variance[place]) * self.parts.failure_std[place];
+            let since_s = &mut self.convincing_since_s[column];
             let by_all = named[place] >= threshold && (self.parts.constant[place] || !causes.constants_suffice);
             let by_cause = start.log_weight + causes.against[place] >= threshold;
-            if outside[*column].abs() <= CONFIRMED || !(by_all || by_cause) {
+            if outside[column].abs() <= CONFIRMED || !(by_all || by_cause) {
                 *since_s = f64::NAN;
                 continue;
             }
             if since_s.is_nan() {
                 *since_s = time_s;
             }
-            if failure.named_s[*column].is_nan() && time_s - *since_s >= CONFIRMED_S - 1e-9 {
-                failure.named_s[*column] = time_s;
+            if failure.named_s[column].is_nan() && time_s - *since_s >= CONFIRMED_S - 1e-9 {
+                failure.named_s[column] = time_s;
             }
         }
     }
@@ -456,6 +452,7 @@ fn causes<const N: usize, const P: usize>(
     late: bool,
     n: usize,
 ) -> Causes<P> {
+    let n = n.min(P);
     let all = change.best(n);
     let suffices = |nats: f64| (all - nats) / misfit <= SUFFICIENT + 0.5 * n as f64;
     let is_constant: [bool; P] = core::array::from_fn(|j| j < n && constant[j]);
@@ -464,7 +461,10 @@ fn causes<const N: usize, const P: usize>(
     let alone = |j: usize| change.restricted(&core::array::from_fn(|k| k == j), n);
     // The best derivative and the second best explanation.
     let (mut best, mut second, mut which) = (f64::NEG_INFINITY, f64::NEG_INFINITY, None);
-    for j in (0..n).filter(|j| !constant[*j]) {
+    for j in 0..n {
+        if constant[j] {
+            continue;
+        }
         let value = alone(j).best(n);
         if value > best {
             (second, best, which) = (best, value, Some(j));
@@ -476,14 +476,19 @@ fn causes<const N: usize, const P: usize>(
     let clearly = |one: f64, other: f64| (one - other) / misfit >= CLEARLY;
     if result.constants_suffice && (clearly(of_constants, best) || late) {
         let within = constants.best_with_one_within(&start.healthy, limits, n);
-        for j in (0..n).filter(|j| constant[*j]) {
-            result.against[j] = (of_constants - within[j]) / misfit;
+        for j in 0..n {
+            if constant[j] {
+                result.against[j] = (of_constants - within[j]) / misfit;
+            }
         }
     } else if let Some(j) = which
         && suffices(best)
         && clearly(best, second.max(of_constants))
     {
-        result.against[j] = (best - alone(j).best_with_one_within(&start.healthy, limits, n)[j]) / misfit;
+        let within = alone(j).best_with_one_within(&start.healthy, limits, n);
+        if let Some(against) = result.against.get_mut(j) {
+            *against = (best - at(&within, j)) / misfit;
+        }
     }
     for value in &mut result.against {
         if value.is_nan() {

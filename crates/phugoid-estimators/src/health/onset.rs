@@ -1,5 +1,7 @@
 //! The time at which a failure began, from the likelihood of the innovations as a function of the onset.
 
+use crate::bounded::at;
+
 use super::starts::{STARTS, Starts};
 
 /// The time of a change with its uncertainty, s.
@@ -27,7 +29,7 @@ pub(super) fn onset<const N: usize, const P: usize>(starts: &Starts<N, P>) -> Op
     let mut misfit = 1.0;
     for start in starts.iter() {
         let value = starts.whole(start);
-        if value.is_finite() {
+        if value.is_finite() && count < STARTS {
             time[count] = start.time_s;
             log[count] = value;
             if value > largest {
@@ -37,6 +39,7 @@ pub(super) fn onset<const N: usize, const P: usize>(starts: &Starts<N, P>) -> Op
             count += 1;
         }
     }
+    let count = count.min(STARTS);
     if count < 2 || !misfit.is_finite() {
         return None;
     }
@@ -58,15 +61,15 @@ pub(super) fn onset<const N: usize, const P: usize>(starts: &Starts<N, P>) -> Op
     }
     let quantile = |fraction: f64| {
         let wanted = fraction * total;
-        let k = (1..count - 1).find(|k| cumulated[*k] >= wanted).unwrap_or(count - 1);
-        let (a, slope) = (libm::exp(log[k - 1]), log[k] - log[k - 1]);
-        let width = time[k] - time[k - 1];
-        let part = (wanted - cumulated[k - 1]) / width;
+        let k = (1..count - 1).find(|k| at(&cumulated, *k) >= wanted).unwrap_or(count - 1);
+        let (a, slope) = (libm::exp(at(&log, k - 1)), at(&log, k) - at(&log, k - 1));
+        let width = at(&time, k) - at(&time, k - 1);
+        let part = (wanted - at(&cumulated, k - 1)) / width;
         // a (exp(slope u) - 1)/slope = part
         let u = if slope.abs() > 1e-6 { libm::log1p((part * slope / a).max(-1.0)) / slope } else { part / a };
-        (k, time[k - 1] + width * if u.is_finite() { u.clamp(0.0, 1.0) } else { 1.0 })
+        (k, at(&time, k - 1) + width * if u.is_finite() { u.clamp(0.0, 1.0) } else { 1.0 })
     };
-    let interval_s = [time[quantile(0.025).0 - 1], time[quantile(0.975).0]];
+    let interval_s = [at(&time, quantile(0.025).0 - 1), at(&time, quantile(0.975).0)];
     // The first hypothesis stands for all that came before it.
     let or_earlier = libm::exp(log[0]) * (time[1] - time[0]) > 0.025 * total;
     Some(Onset { time_s: quantile(0.5).1, interval_s, or_earlier })

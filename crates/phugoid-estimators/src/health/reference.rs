@@ -4,6 +4,7 @@
 use super::assumptions::Whiteness;
 use super::level::Levels;
 use super::starts::{Row, Starts};
+use crate::bounded::Places;
 use crate::columns::Columns;
 use crate::discretization::{self, IntervalInput, Part};
 use crate::kernels::{add_scaled, dot};
@@ -31,16 +32,14 @@ const LOST_STATE_FRAMES: u32 = 5;
 /// Columns by what the monitor does with them.
 #[derive(Clone, Copy)]
 pub(super) struct Parts<const P: usize> {
-    /// Monitored columns, and their number.
-    pub(super) monitored: [usize; P],
-    pub(super) monitored_count: usize,
+    /// Monitored columns.
+    pub(super) monitored: Places<P>,
     /// One sigma of a failure of each, in that order.
     pub(super) failure_std: [f64; P],
     /// Which of them are constants.
     pub(super) constant: [bool; P],
-    /// Columns that are estimated and not monitored (offsets, sensor biases), and their number.
-    pub(super) nuisance: [usize; P],
-    pub(super) nuisance_count: usize,
+    /// Columns that are estimated and not monitored (offsets, sensor biases).
+    pub(super) nuisance: Places<P>,
 }
 
 pub(super) struct Reference<M, const N: usize, const R: usize, const P: usize>
@@ -88,7 +87,7 @@ where
             theta,
             sensitivity: [[0.0; P]; N],
             px: Ud::from_variances(&[0.0; N]),
-            c: Ud::from_variances(&[1.0; P][..parts.nuisance_count]),
+            c: Ud::from_variances(&[1.0; P][..parts.nuisance.len()]),
             start: Start::new(),
             running: false,
             last_s: f64::NEG_INFINITY,
@@ -151,15 +150,16 @@ where
     /// In linear terms nothing changes.
     pub(super) fn recentre(&mut self, starts: &mut Starts<N, P>) {
         let (step, state, nuisance) = starts.recentre();
-        for (place, column) in self.parts.monitored[..self.parts.monitored_count].iter().enumerate() {
-            self.theta[*column] += step[place] * self.parts.failure_std[place];
+        for place in 0..self.parts.monitored.len() {
+            self.theta[self.parts.monitored.column(place)] += step[place] * self.parts.failure_std[place];
         }
         for k in 0..N {
             self.x[k] += state[k];
         }
-        for (place, column) in self.parts.nuisance[..self.parts.nuisance_count].iter().enumerate() {
-            let moved = nuisance[place] * self.columns.std[*column];
-            self.theta[*column] += moved;
+        for place in 0..self.parts.nuisance.len() {
+            let column = self.parts.nuisance.column(place);
+            let moved = nuisance[place] * self.columns.std[column];
+            self.theta[column] += moved;
             for k in 0..N {
                 self.x[k] += self.sensitivity[k][place] * moved;
             }
@@ -182,10 +182,11 @@ where
         self.sensitivity = [[0.0; P]; N];
         for state in 0..N {
             let Some(bias) = self.columns.bias_of(started.read_from[state]) else { continue };
-            let nuisance = &self.parts.nuisance[..self.parts.nuisance_count];
-            if let Some(place) = nuisance.iter().position(|column| *column == bias) {
-                self.sensitivity[state][place] = -1.0;
-                self.x[state] -= self.theta[bias];
+            for place in 0..self.parts.nuisance.len() {
+                if self.parts.nuisance.column(place) == bias {
+                    self.sensitivity[state][place] = -1.0;
+                    self.x[state] -= self.theta[bias];
+                }
             }
         }
         let collected = core::mem::replace(&mut self.start, Start::new());
@@ -215,9 +216,10 @@ where
         self.start = Start::new();
         self.start.push(sample);
         if !self.c.is_sound() || !self.theta.iter().sum::<f64>().is_finite() {
-            self.c = Ud::from_variances(&[1.0; P][..self.parts.nuisance_count]);
-            for column in &self.parts.nuisance[..self.parts.nuisance_count] {
-                self.theta[*column] = self.columns.initial[*column];
+            self.c = Ud::from_variances(&[1.0; P][..self.parts.nuisance.len()]);
+            for place in 0..self.parts.nuisance.len() {
+                let column = self.parts.nuisance.column(place);
+                self.theta[column] = self.columns.initial[column];
             }
         }
         starts.forget_state();
@@ -243,7 +245,7 @@ where
         let steps = discretization::sub_steps(interval_s, self.settings.maximum_step_s);
         let h = interval_s / steps as f64;
         let q = self.settings.process_noise.variance_per_s.map(|variance| variance * noise_scale * h);
-        let (n, f) = (self.parts.monitored_count, self.parts.nuisance_count);
+        let (n, f) = (self.parts.monitored.len(), self.parts.nuisance.len());
         let mut x = self.x;
         let mut px = self.px;
         let mut sensitivity = self.sensitivity;
@@ -260,7 +262,7 @@ where
                 &input,
                 interval_s,
                 part,
-                self.columns.count,
+                self.columns.count(),
                 &mut effect,
                 &mut transition,
             );
@@ -275,11 +277,12 @@ where
         let mut nuisance_effect = [[0.0; P]; N];
         let mut failure_effect = [[0.0; P]; N];
         for i in 0..N {
-            for (place, column) in self.parts.nuisance[..f].iter().enumerate() {
-                nuisance_effect[i][place] = effect[i][*column];
+            for place in 0..f {
+                nuisance_effect[i][place] = effect[i][self.parts.nuisance.column(place)];
             }
-            for (place, column) in self.parts.monitored[..n].iter().enumerate() {
-                failure_effect[i][place] = effect[i][*column] * self.parts.failure_std[place];
+            for place in 0..n {
+                failure_effect[i][place] =
+                    effect[i][self.parts.monitored.column(place)] * self.parts.failure_std[place];
             }
             let mut row = nuisance_effect[i];
             for k in 0..N {
@@ -306,7 +309,7 @@ where
         let previous = self.last_input.unwrap_or(sample.input);
         let input = self.settings.seen_input(previous, sample.input);
         self.last_input = Some(sample.input);
-        let (n, f) = (self.parts.monitored_count, self.parts.nuisance_count);
+        let (n, f) = (self.parts.monitored.len(), self.parts.nuisance.len());
         let mut lin = LinearizedOutputs::<N, R, P>::ZERO;
         self.model.linearized_outputs(&self.x, &self.theta, &input, &mut lin);
         let mut dx = [0.0; N];
@@ -314,7 +317,7 @@ where
         let (mut rejected, mut present) = (0, 0);
         for i in 0..R {
             let sigma = self.settings.noise_std[i];
-            let bias = self.columns.bias_of_output[i];
+            let bias = self.columns.bias(i);
             let predicted = lin.outputs[i] + bias.map_or(0.0, |column| self.theta[column]);
             let last = self.whiteness[i];
             self.whiteness[i].skip();
@@ -323,19 +326,21 @@ where
             }
             let h_row = &lin.state_jacobian[i];
             let mut by_failure = [0.0; P];
-            for (place, column) in self.parts.monitored[..n].iter().enumerate() {
-                by_failure[place] = if *column < self.columns.own {
-                    lin.parameter_jacobian[i][*column] * self.parts.failure_std[place]
+            for place in 0..n {
+                let column = self.parts.monitored.column(place);
+                by_failure[place] = if column < self.columns.own() {
+                    lin.parameter_jacobian[i][column] * self.parts.failure_std[place]
                 } else {
                     0.0
                 };
             }
             let mut w = [0.0; P];
-            for (place, column) in self.parts.nuisance[..f].iter().enumerate() {
-                w[place] = if *column < self.columns.own {
-                    lin.parameter_jacobian[i][*column]
+            for place in 0..f {
+                let column = self.parts.nuisance.column(place);
+                w[place] = if column < self.columns.own() {
+                    lin.parameter_jacobian[i][column]
                 } else {
-                    f64::from(bias == Some(*column))
+                    f64::from(bias == Some(column))
                 };
             }
             let mut residual = sample.outputs[i] - predicted - dot(&w[..f], &dnuisance[..f]);
@@ -351,8 +356,8 @@ where
             let s = state_projection.variance;
             let inverse_root = 1.0 / libm::sqrt(s);
             let mut psi = [0.0; P];
-            for (place, column) in self.parts.nuisance[..f].iter().enumerate() {
-                psi[place] = w[place] * self.columns.std[*column] * inverse_root;
+            for place in 0..f {
+                psi[place] = w[place] * self.columns.std[self.parts.nuisance.column(place)] * inverse_root;
             }
             let projection = self.c.project(&psi, 1.0);
             let one_plus_v = projection.variance;
@@ -373,8 +378,9 @@ where
                 gains = Some((state_gain, c_psi.map(|value| value / one_plus_v)));
                 let e = residual * inverse_root;
                 let mut step = [0.0; P];
-                for (place, column) in self.parts.nuisance[..f].iter().enumerate() {
-                    step[place] = self.columns.std[*column] * c_psi[place] * e / one_plus_v;
+                for place in 0..f {
+                    let std = self.columns.std[self.parts.nuisance.column(place)];
+                    step[place] = std * c_psi[place] * e / one_plus_v;
                     dnuisance[place] += step[place];
                 }
                 for k in 0..N {
@@ -398,8 +404,8 @@ where
         for k in 0..N {
             self.x[k] += dx[k];
         }
-        for (place, column) in self.parts.nuisance[..f].iter().enumerate() {
-            self.theta[*column] += dnuisance[place];
+        for place in 0..f {
+            self.theta[self.parts.nuisance.column(place)] += dnuisance[place];
         }
         if 2 * rejected > present {
             self.lost_frames = self.lost_frames.saturating_add(1);

@@ -85,6 +85,7 @@ impl<const N: usize, const P: usize> Effect<N, P> {
     const NONE: Self = Self { sensitivity: [[0.0; P]; N], learnt: [[0.0; P]; P] };
 
     fn forget_state(&mut self, n: usize) {
+        let n = n.min(P);
         for row in &mut self.sensitivity {
             row[..n].fill(0.0);
         }
@@ -92,6 +93,7 @@ impl<const N: usize, const P: usize> Effect<N, P> {
 
     /// `U <- A U + B`.
     fn predict(&mut self, transition: &[[f64; N]; N], effect: &[[f64; P]; N], n: usize) {
+        let n = n.min(P);
         let before = self.sensitivity;
         for i in 0..N {
             let row = &mut self.sensitivity[i][..n];
@@ -104,6 +106,7 @@ impl<const N: usize, const P: usize> Effect<N, P> {
 
     /// How the deviation shows in a row, normalised and weighted; then the row's correction is taken into account.
     fn observe(&mut self, row: &Row<'_, N, P>, n: usize, nuisance: usize) -> [f64; P] {
+        let (n, nuisance) = (n.min(P), nuisance.min(P));
         let mut w = [0.0; P];
         w[..n].copy_from_slice(&row.by_failure[..n]);
         for k in 0..N {
@@ -143,6 +146,7 @@ impl<const N: usize, const P: usize> FailureStart<N, P> {
 
     /// On the change, beside the healthy deviation of before.
     pub(super) fn change(&self, len: usize) -> Information<P> {
+        let len = len.min(P);
         let mut information = self.information;
         for i in 0..len {
             information.g[i] -= dot(&self.cross[i][..len], &self.healthy[..len]);
@@ -170,6 +174,24 @@ impl<const N: usize, const P: usize> Starts<N, P> {
         }
     }
 
+    /// Number of monitored columns, at most `P`, which the compiler cannot know of a field.
+    #[inline(always)]
+    fn monitored(&self) -> usize {
+        self.monitored.min(P)
+    }
+
+    /// Number of nuisance columns, at most `P`.
+    #[inline(always)]
+    fn nuisance(&self) -> usize {
+        self.nuisance.min(P)
+    }
+
+    /// The slot of the hypothesis at a place in the order of time.
+    #[inline(always)]
+    fn slot(&self, place: usize) -> usize {
+        self.order.get(place).map_or(0, |slot| (*slot).min(STARTS - 1))
+    }
+
     /// What the scatter was in this flight, and the degrees of freedom that it comes from.
     pub(super) fn scatter(&self) -> [f64; 2] {
         self.scatter.seen()
@@ -177,30 +199,30 @@ impl<const N: usize, const P: usize> Starts<N, P> {
 
     /// Looks whether the innovations scatter more than they should; the evidence allows for it from now on.
     pub(super) fn look_at_scatter(&mut self, time_s: f64) {
-        self.scatter.look(time_s, &self.healthy, &self.limits, self.monitored);
+        self.scatter.look(time_s, &self.healthy, &self.limits, self.monitored());
         self.temper = 1.0 / self.scatter.in_use();
     }
 
     /// What the innovations since a hypothesis began say of a change, with the scatter in use.
     pub(super) fn change(&self, start: &FailureStart<N, P>) -> Information<P> {
-        start.change(self.monitored).scaled(self.temper, self.monitored)
+        start.change(self.monitored()).scaled(self.temper, self.monitored())
     }
 
     /// What the innovations say of a healthy deviation since a hypothesis began.
     fn healthy_since(&self, start: &FailureStart<N, P>) -> Information<P> {
-        self.healthy.since(&start.before, self.monitored).scaled(self.temper, self.monitored)
+        self.healthy.since(&start.before, self.monitored()).scaled(self.temper, self.monitored())
     }
 
     /// `ln F`: mean likelihood of a failure since `start` over that of no deviation at all, the healthy deviation of
     /// before taken for granted.
     fn failure(&self, start: &FailureStart<N, P>) -> f64 {
-        let n = self.monitored;
+        let n = self.monitored();
         self.healthy_since(start).log_likelihood(&start.healthy, n) + self.change(start).failure(n)
     }
 
     /// `ln E`: the same over the best healthy deviation since then. Minus infinity where it is less than `least`.
     pub(super) fn evidence(&self, start: &FailureStart<N, P>, least: f64) -> f64 {
-        let n = self.monitored;
+        let n = self.monitored();
         // What was healthy before explains no more than the best healthy deviation does.
         let most = self.change(start).failure(n);
         if most < least {
@@ -213,7 +235,7 @@ impl<const N: usize, const P: usize> Starts<N, P> {
 
     /// Mean square of what the failure leaves of the innovations since then.
     pub(super) fn misfit(&self, start: &FailureStart<N, P>) -> f64 {
-        let n = self.monitored;
+        let n = self.monitored();
         let since = self.healthy_since(start);
         let mut left = self.change(start);
         // What the healthy deviation explains is no misfit either.
@@ -223,7 +245,7 @@ impl<const N: usize, const P: usize> Starts<N, P> {
 
     /// Log likelihood of the whole flight with the failure at `start`.
     pub(super) fn whole(&self, start: &FailureStart<N, P>) -> f64 {
-        start.before.log_likelihood(&start.healthy, self.monitored) * self.temper + self.failure(start)
+        start.before.log_likelihood(&start.healthy, self.monitored()) * self.temper + self.failure(start)
     }
 
     /// Between what deviations from the centre count as healthy.
@@ -240,12 +262,12 @@ impl<const N: usize, const P: usize> Starts<N, P> {
     /// Changes no likelihood. Gives the step of the centre, and what it does to the state and to the nuisance columns
     /// (scaled).
     pub(super) fn recentre(&mut self) -> ([f64; P], [f64; N], [f64; P]) {
-        let n = self.monitored;
+        let n = self.monitored();
         let (_, step) = self.healthy.best_within(&self.limits, n);
         self.healthy.recentre(&step, n);
         self.scatter.recentre(&step, n);
-        for slot in &self.order[..self.count] {
-            let start = &mut self.slots[*slot];
+        for slot in &self.order[..self.count.min(STARTS)] {
+            let start = &mut self.slots[(*slot).min(STARTS - 1)];
             start.before.recentre(&step, n);
             for i in 0..n {
                 start.information.g[i] -= dot(&start.cross[i][..n], &step[..n]);
@@ -259,7 +281,7 @@ impl<const N: usize, const P: usize> Starts<N, P> {
         }
         let state = core::array::from_fn(|k| dot(&self.always.sensitivity[k][..n], &step[..n]));
         let mut nuisance = [0.0; P];
-        for f in 0..self.nuisance {
+        for f in 0..self.nuisance() {
             nuisance[f] = -dot(&self.always.learnt[f][..n], &step[..n]);
         }
         (step, state, nuisance)
@@ -267,12 +289,12 @@ impl<const N: usize, const P: usize> Starts<N, P> {
 
     /// All hypotheses in use, the oldest one first.
     pub(super) fn iter(&self) -> impl DoubleEndedIterator<Item = &FailureStart<N, P>> {
-        self.order[..self.count].iter().map(|slot| &self.slots[*slot])
+        self.order[..self.count.min(STARTS)].iter().map(|slot| &self.slots[(*slot).min(STARTS - 1)])
     }
 
     /// The hypothesis at a place in the order of time; `None` if there are fewer.
     pub(super) fn get(&self, index: usize) -> Option<&FailureStart<N, P>> {
-        self.order[..self.count].get(index).map(|slot| &self.slots[*slot])
+        self.order[..self.count.min(STARTS)].get(index).map(|slot| &self.slots[(*slot).min(STARTS - 1)])
     }
 
     pub(super) fn clear(&mut self) {
@@ -288,13 +310,13 @@ impl<const N: usize, const P: usize> Starts<N, P> {
         if since < SPACING_S - 1e-9 {
             return;
         }
-        while self.count > 1 && time_s - self.slots[self.order[0]].time_s > horizon_s {
+        while self.count > 1 && time_s - self.slots[self.slot(0)].time_s > horizon_s {
             self.remove(0);
         }
-        if self.count == STARTS {
+        if self.count >= STARTS {
             self.thin(time_s);
         }
-        let slot = self.order[self.count];
+        let slot = self.slot(self.count);
         let new = &mut self.slots[slot];
         new.time_s = time_s;
         // The evidence of all hypotheses together may grow by no more than the time that passes.
@@ -303,14 +325,14 @@ impl<const N: usize, const P: usize> Starts<N, P> {
         new.information = Information::NONE;
         new.cross = [[0.0; P]; P];
         new.before = self.healthy;
-        (_, new.healthy) = self.healthy.best_within(&self.limits, self.monitored);
+        (_, new.healthy) = self.healthy.best_within(&self.limits, self.monitored.min(P));
         self.count += 1;
         self.last_opened_s = time_s;
     }
 
     /// Drops the hypothesis whose neighbours are closest together for their age, and gives its evidence to one of them.
     fn thin(&mut self, time_s: f64) {
-        let time = |place: usize| self.slots[self.order[place]].time_s;
+        let time = |place: usize| self.slots[self.slot(place)].time_s;
         let mut chosen = (f64::INFINITY, 1);
         for place in 1..self.count - 1 {
             let closeness = (time(place + 1) - time(place - 1)) / (time_s - time(place) + RECENT_S);
@@ -327,8 +349,8 @@ impl<const N: usize, const P: usize> Starts<N, P> {
     /// `w F_i/L_i(d)`, `F` the likelihood of a failure and `L(d)` that of `d`, and becomes `w' F_j/L_j(d)`. So `w'` is
     /// `w F_i/F_j`, less what `L_i(d)/L_j(d)` can be at most within the tolerances.
     fn bequeath(&mut self, place: usize) {
-        let n = self.monitored;
-        let own = &self.slots[self.order[place]];
+        let n = self.monitored();
+        let own = &self.slots[self.slot(place)];
         let failure = self.failure(own);
         let mut heir = (f64::NEG_INFINITY, place);
         for neighbour in [place.wrapping_sub(1), place + 1] {
@@ -351,41 +373,45 @@ impl<const N: usize, const P: usize> Starts<N, P> {
             }
         }
         if heir.1 != place {
-            let other = &mut self.slots[self.order[heir.1]];
+            let slot = self.slot(heir.1);
+            let other = &mut self.slots[slot];
             other.log_weight = log_add(other.log_weight, heir.0);
         }
     }
 
     fn remove(&mut self, place: usize) {
-        self.order[place..self.count].rotate_left(1);
-        self.count -= 1;
+        let count = self.count.min(STARTS);
+        if place < count {
+            self.order[place..count].rotate_left(1);
+            self.count = count - 1;
+        }
     }
 
     /// The state was started again from measurements: no deviation is in it yet.
     pub(super) fn forget_state(&mut self) {
-        self.always.forget_state(self.monitored);
-        for slot in &self.order[..self.count] {
-            self.slots[*slot].effect.forget_state(self.monitored);
+        self.always.forget_state(self.monitored());
+        for slot in &self.order[..self.count.min(STARTS)] {
+            self.slots[(*slot).min(STARTS - 1)].effect.forget_state(self.monitored());
         }
     }
 
     /// One interval: `U <- A U + B`, with `B` of the monitored columns, scaled.
     pub(super) fn predict(&mut self, transition: &[[f64; N]; N], effect: &[[f64; P]; N]) {
-        self.always.predict(transition, effect, self.monitored);
-        for slot in &self.order[..self.count] {
-            self.slots[*slot].effect.predict(transition, effect, self.monitored);
+        self.always.predict(transition, effect, self.monitored());
+        for slot in &self.order[..self.count.min(STARTS)] {
+            self.slots[(*slot).min(STARTS - 1)].effect.predict(transition, effect, self.monitored());
         }
     }
 
     /// Adds one output row to every hypothesis.
     pub(super) fn observe(&mut self, row: &Row<'_, N, P>) {
-        let n = self.monitored;
-        let healthy = self.always.observe(row, n, self.nuisance);
+        let (n, nuisance) = (self.monitored(), self.nuisance());
+        let healthy = self.always.observe(row, n, nuisance);
         self.healthy.add(&healthy, row.innovation, n);
         self.scatter.add(&healthy, row.innovation, n);
-        for slot in &self.order[..self.count] {
-            let start = &mut self.slots[*slot];
-            let change = start.effect.observe(row, n, self.nuisance);
+        for slot in &self.order[..self.count.min(STARTS)] {
+            let start = &mut self.slots[(*slot).min(STARTS - 1)];
+            let change = start.effect.observe(row, n, nuisance);
             start.information.add(&change, row.innovation, n);
             for i in 0..n {
                 add_scaled(&mut start.cross[i][..n], change[i], &healthy[..n]);

@@ -12,6 +12,7 @@
 //! `w_i` is what the unknown parameters add to the variance; a row that still teaches them (`w_i >= s_i` of the
 //! estimator) teaches no level and is no evidence. `mu` forgets within half of the flight, 30 s at most.
 
+use crate::bounded::limited;
 use crate::settings::{LearntLevels, NoiseLearning, SHADOWS};
 
 /// Degrees of freedom of the Student density: its loss grows with the logarithm of the innovation, so that outliers do
@@ -380,14 +381,17 @@ impl<const N: usize, const R: usize> Shadow<N, R> {
                 let information = &mut self.information[i];
                 *information += 0.5 * rho * rho - forgotten * *information;
                 let step = 0.5 * rho * excess / information.max(LEAST_INFORMATION);
-                self.variance[i] = (r * exponential(step.clamp(STEP[0], STEP[1])))
-                    .clamp(floor[i].max(VARIANCE_LIMITS[0]), VARIANCE_LIMITS[1]);
+                self.variance[i] = limited(
+                    r * exponential(step.clamp(STEP[0], STEP[1])),
+                    floor[i].max(VARIANCE_LIMITS[0]),
+                    VARIANCE_LIMITS[1],
+                );
             }
             if single {
                 continue;
             }
             let root = OFFSET_LIMIT * libm::sqrt(whole);
-            let gain = eps.clamp(-root, root) / whole;
+            let gain = limited(eps, -root, root) / whole;
             for (to, p) in self.offset.iter_mut().zip(&p_h) {
                 *to += gain * p;
             }

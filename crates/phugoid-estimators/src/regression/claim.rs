@@ -29,7 +29,7 @@ impl<const P: usize> Claim<'_, P> {
             parameter_status: [ParameterStatus::NotExcited; P],
             status: Status { phase: self.phase, ..Status::default() },
         };
-        for j in 0..columns.count {
+        for j in 0..columns.count() {
             let std = columns.std[j];
             let variance = self.variances[j];
             let distance = self.distance[j] * self.distance[j];
@@ -38,7 +38,7 @@ impl<const P: usize> Claim<'_, P> {
             estimate.corrected_std_error[j] = corrected;
             estimate.observability[j] = if std > 0.0 { (1.0 - variance).clamp(0.0, 1.0) } else { 0.0 };
             let theta = self.theta[j];
-            let limited = j < columns.own && {
+            let limited = j < columns.own() && {
                 let prior = &frame.priors[j];
                 theta - 2.0 * corrected > prior.upper
                     || theta + 2.0 * corrected < prior.lower

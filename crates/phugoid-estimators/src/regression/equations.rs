@@ -4,6 +4,7 @@ use super::gate::Gate;
 use super::row_source::{Frame, RowSource, Taken};
 use super::rows::{Kreisselmeier, Rates, Row};
 use super::source::{SourceStep, StateSource};
+use crate::bounded::at;
 use crate::columns::Columns;
 use crate::discretization::{IntervalInput, simulate};
 use crate::model::{LinearizedOutputs, LinearizedRates, Model, Sample};
@@ -125,16 +126,21 @@ where
     /// True if the rate of `state` makes an equation of the regression: it is measured, and driven by a parameter that
     /// no output sees directly.
     pub(crate) fn is_dynamic(&self, state: usize) -> bool {
-        self.output_of_state[state].is_some()
-            && self.drives[state].iter().zip(&self.seen).any(|(drives, seen)| *drives && !seen)
+        let Some(drives) = self.drives.get(state) else { return false };
+        self.output_of(state).is_some() && drives.iter().zip(&self.seen).any(|(drives, seen)| *drives && !seen)
+    }
+
+    /// The output that measures a state; there is such an output.
+    #[inline(always)]
+    pub(crate) fn output_of(&self, state: usize) -> Option<usize> {
+        self.output_of_state.get(state).copied().flatten().filter(|output| *output < R)
     }
 
     /// True if an output makes an equation of the regression: it is used and sees a parameter directly.
     pub(crate) fn is_algebraic(&self, output: usize) -> bool {
-        let std = self.settings.noise_std[output];
-        std.is_finite()
-            && std > 0.0
-            && self.outputs.parameter_jacobian[output][..self.frame.columns.own].iter().any(|d| *d != 0.0)
+        let Some(row) = self.outputs.parameter_jacobian.get(output) else { return false };
+        let std = at(&self.settings.noise_std, output);
+        std.is_finite() && std > 0.0 && row[..self.frame.columns.own()].iter().any(|d| *d != 0.0)
     }
 
     /// [`RowSource::take`] without the filters of its rows.
@@ -160,16 +166,18 @@ where
         let seen_input = self.settings.seen_input(from, sample.input);
         self.model.linearized_outputs(&state, theta, &seen_input, &mut self.outputs);
         self.frame.predicted = self.outputs.outputs;
-        for (output, bias) in self.frame.columns.bias_of_output.iter().enumerate() {
-            if let Some(column) = bias {
-                self.frame.predicted[output] += theta[*column];
+        for output in 0..R {
+            if let Some(column) = self.frame.columns.bias(output) {
+                self.frame.predicted[output] += theta[column];
             }
         }
         let Self { gate, outputs, frame, .. } = self;
-        let own = frame.columns.own;
+        let own = frame.columns.own();
         frame.believed = gate.pass(sample.time_s, &sample.outputs, &frame.predicted, |output| {
             let mut row = [0.0; P];
-            row[..own].copy_from_slice(&outputs.parameter_jacobian[output][..own]);
+            if let Some(from) = outputs.parameter_jacobian.get(output) {
+                row[..own].copy_from_slice(&from[..own]);
+            }
             spread(&row)
         });
         self.state = self.source.update(&SourceStep {
@@ -189,7 +197,7 @@ where
         self.evaluate(sample, &seen_input);
         let finite = |rates: &Rates<N, P>| {
             let sum: f64 = rates.known.iter().sum::<f64>()
-                + rates.regressors.iter().map(|row| row[..self.frame.columns.own].iter().sum::<f64>()).sum::<f64>();
+                + rates.regressors.iter().map(|row| row[..self.frame.columns.own()].iter().sum::<f64>()).sum::<f64>();
             sum.is_finite()
         };
         if !finite(&self.after) || !finite(&self.next) || !self.outputs.outputs.iter().all(|y| y.is_finite()) {
@@ -234,7 +242,7 @@ where
     fn evaluate(&mut self, sample: &Sample<M::Input, R>, seen_input: &M::Input) {
         self.measured_before = self.measured_after;
         for state in 0..N {
-            let measured = self.output_of_state[state].map_or(f64::NAN, |output| self.frame.believed[output]);
+            let measured = self.output_of(state).map_or(f64::NAN, |output| self.frame.believed[output]);
             self.missing_s[state] =
                 if measured.is_finite() { 0.0 } else { self.missing_s[state] + self.frame.interval_s };
             self.measured_after[state] = match self.missing_s[state] {
@@ -245,14 +253,14 @@ where
         }
         self.next = self.rates(&sample.input);
         self.model.linearized_outputs(&self.state, &[0.0; P], seen_input, &mut self.outputs);
-        for j in 0..self.frame.columns.own {
+        for j in 0..self.frame.columns.own() {
             for state in 0..N {
                 self.drives[state][j] |= self.next.regressors[state][j] != 0.0;
             }
         }
         for output in 0..R {
             if self.is_algebraic(output) && sample.outputs[output].is_finite() {
-                for j in 0..self.frame.columns.own {
+                for j in 0..self.frame.columns.own() {
                     self.seen[j] |= self.outputs.parameter_jacobian[output][j] != 0.0;
                 }
             }
@@ -272,7 +280,7 @@ where
         let (mut moving, mut watched) = (false, false);
         for state in 0..N {
             self.mean[state] += gain * (self.state[state] - self.mean[state]);
-            if let Some(output) = self.output_of_state[state] {
+            if let Some(output) = self.output_of(state) {
                 watched = true;
                 let distance = (self.state[state] - self.mean[state]).abs();
                 moving |= distance > MOVING_SIGMAS * self.settings.noise_std[output];
@@ -297,7 +305,7 @@ where
     fn take(&mut self, sample: &Sample<Self::Input, R>, theta: &[f64; P], spread: impl Fn(&[f64; P]) -> f64) -> Taken {
         let taken = self.advance(sample, theta, spread);
         if taken == Taken::Next {
-            let (h, own) = (self.frame.interval_s, self.frame.columns.own);
+            let (h, own) = (self.frame.interval_s, self.frame.columns.own());
             let Self { filters, before, after, measured_before, measured_after, .. } = self;
             filters.advance(h, own, [measured_before, measured_after], [before, after]);
         }
@@ -306,7 +314,7 @@ where
 
     fn rows(&self, mut use_row: impl FnMut(&Row<P>)) {
         let Frame { columns, believed, .. } = &self.frame;
-        let own = columns.own;
+        let own = columns.own();
         for output in 0..R {
             let measured = believed[output];
             if measured.is_finite() && self.is_algebraic(output) {
@@ -314,7 +322,7 @@ where
                 let std = self.settings.noise_std[output];
                 let mut row = Row { output, z: measured - known, w: [0.0; P], known, std };
                 row.w[..own].copy_from_slice(&self.outputs.parameter_jacobian[output][..own]);
-                if let Some(column) = columns.bias_of_output[output] {
+                if let Some(column) = columns.bias(output) {
                     row.w[column] = 1.0;
                 }
                 use_row(&row);
@@ -322,7 +330,7 @@ where
         }
         for state in 0..N {
             let (before, after) = (self.measured_before[state], self.measured_after[state]);
-            let Some(output) = self.output_of_state[state] else { continue };
+            let Some(output) = self.output_of(state) else { continue };
             if before.is_finite() && believed[output].is_finite() && self.is_dynamic(state) {
                 let (z, w) = self.filters.of_state(state);
                 use_row(&Row { output, z, w, known: after - z, std: self.settings.noise_std[output] });

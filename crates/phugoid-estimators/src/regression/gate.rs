@@ -1,5 +1,7 @@
 //! Outliers: measurements far from what the model predicts.
 
+use crate::bounded::limited;
+
 /// A channel that has been refused for this long, s, is used again: it is not an outlier but a new level.
 const BELIEVED_AGAIN_S: f64 = 0.25;
 /// ... and at least this many frames.
@@ -53,7 +55,7 @@ impl<const R: usize> Gate<R> {
                 }
             }
             self.refused[i] = 0;
-            let excess = (squared - spread).clamp(0.0, 9.0 * self.variance[i]);
+            let excess = limited(squared - spread, 0.0, 9.0 * self.variance[i]);
             self.variance[i] = (self.variance[i] + (excess - self.variance[i]) / LEARNING_FRAMES).max(self.floor[i]);
         }
         passed

@@ -56,7 +56,7 @@ impl<I, const N: usize, const R: usize> StateSource<I, N, R> for MeasuredStates<
     fn start(&mut self, _sample: &Sample<I, R>, _state: &[f64; N]) {}
 
     fn update(&mut self, step: &SourceStep<'_, I, N, R>) -> [f64; N] {
-        core::array::from_fn(|state| match self.outputs[state].map(|output| step.outputs[output]) {
+        core::array::from_fn(|state| match self.outputs[state].and_then(|output| step.outputs.get(output).copied()) {
             Some(measured) if measured.is_finite() => measured,
             _ => step.predicted_state[state],
         })

@@ -440,8 +440,8 @@ impl<const N: usize, const R: usize, const P: usize> EstimatorSettings<N, R, P> 
 
     /// Checks the settings for a model with `parameters` parameters.
     pub(crate) fn check(&self, parameters: usize) -> Result<(), SettingsError> {
-        let needed = parameters + self.bias_columns().count();
-        if needed > P {
+        let needed = parameters.saturating_add(self.bias_columns().count());
+        if parameters > P || needed > P {
             return Err(SettingsError::Capacity { needed, capacity: P });
         }
         for (i, prior) in self.priors[..parameters].iter().enumerate() {

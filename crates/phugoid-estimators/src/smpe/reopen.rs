@@ -1,5 +1,6 @@
 //! Re-opening: the exact Gaussian book-keeping of "these parameters have just jumped by N(0, diag d^2)".
 
+use crate::bounded::{Places, at, unit};
 use crate::dense::Cholesky;
 use crate::smpe::separated::Separated;
 use crate::supervisor::slot::Slot;
@@ -25,22 +26,20 @@ pub(crate) fn reopen<const N: usize, const P: usize>(
     slot.c.write_dense(&mut before);
 
     // G = Delta_E^-1 + (C^-1)_EE in scaled columns; a column whose d is zero now does not take part.
-    let mut open = [0; P];
-    let mut count = 0;
+    let mut open = Places::<P>::NONE;
     for &column in tested {
-        if change_over_prior[column] > 0.0 {
-            open[count] = column;
-            count += 1;
+        if at(change_over_prior, column) > 0.0 {
+            open.push(column);
         }
     }
-    let open = &open[..count];
+    let count = open.len();
     let mut g = [[0.0; P]; P];
-    for (i, &column) in open.iter().enumerate() {
-        let mut unit = [0.0; P];
-        unit[column] = 1.0;
-        slot.c.solve(&mut unit);
-        for (j, &other) in open.iter().enumerate() {
-            g[i][j] = unit[other];
+    for i in 0..count {
+        let column = open.column(i);
+        let mut row = unit(column);
+        slot.c.solve(&mut row);
+        for j in 0..count {
+            g[i][j] = row[open.column(j)];
         }
         g[i][i] += 1.0 / (change_over_prior[column] * change_over_prior[column]);
     }
@@ -50,8 +49,9 @@ pub(crate) fn reopen<const N: usize, const P: usize>(
     let mut w = [[0.0; N]; P];
     for state in 0..N {
         let mut row = [0.0; P];
-        for (i, &column) in open.iter().enumerate() {
-            row[i] = slot.sensitivity[state][column] * std[column];
+        for i in 0..count {
+            let column = open.column(i);
+            row[i] = slot.sensitivity[state][column] * at(std, column);
         }
         g.solve_lower(&mut row);
         for i in 0..count {
@@ -62,16 +62,13 @@ pub(crate) fn reopen<const N: usize, const P: usize>(
         slot.px.add_rank_one(1.0, rank);
     }
     for state in 0..N {
-        let mut unit = [0.0; N];
-        unit[state] = 1.0;
-        slot.px.add_rank_one(state_variance[state], &unit);
+        slot.px.add_rank_one(state_variance[state], &unit(state));
     }
 
     // C' = C + Delta, one rank per open column.
-    for &column in open {
-        let mut unit = [0.0; P];
-        unit[column] = 1.0;
-        slot.c.add_rank_one(change_over_prior[column] * change_over_prior[column], &unit);
+    for &column in open.as_slice() {
+        let change = at(change_over_prior, column);
+        slot.c.add_rank_one(change * change, &unit(column));
     }
 
     // U'^T = C'^-1 (C U^T), state by state, in scaled columns.

@@ -35,7 +35,7 @@ impl<const N: usize, const P: usize> Slot<N, P> for Separated<N, P> {
             common: Common::prior(settings, columns),
             sensitivity: [[0.0; P]; N],
             px: Ud::from_variances(&[0.0; N]),
-            c: Ud::from_variances(&[1.0; P][..columns.count]),
+            c: Ud::from_variances(&[1.0; P][..columns.count()]),
         }
     }
 
@@ -89,7 +89,7 @@ impl<const N: usize, const P: usize> Slot<N, P> for Separated<N, P> {
                 input,
                 interval_s,
                 part,
-                columns.count,
+                columns.count(),
                 &mut sensitivity,
                 &mut part_transition,
             );
@@ -97,8 +97,8 @@ impl<const N: usize, const P: usize> Slot<N, P> for Separated<N, P> {
             chain(transition, &part_transition, k == 0);
         }
         // A sum is finite only if every term is.
-        let checksum =
-            x.iter().sum::<f64>() + sensitivity.iter().map(|row| row[..columns.count].iter().sum::<f64>()).sum::<f64>();
+        let checksum = x.iter().sum::<f64>()
+            + sensitivity.iter().map(|row| row[..columns.count()].iter().sum::<f64>()).sum::<f64>();
         if !checksum.is_finite() || !px.is_sound() {
             return false;
         }
@@ -125,7 +125,7 @@ impl<const N: usize, const P: usize> Slot<N, P> for Separated<N, P> {
     where
         M: Model<N, R, P>,
     {
-        let p = columns.count;
+        let p = columns.count();
         if is_full(p, P) {
             self.correct_of(P, model, settings, columns, levels, input, measured, adapt_noise, surface, watch, frame)
         } else {
@@ -140,7 +140,7 @@ impl<const N: usize, const P: usize> Slot<N, P> for Separated<N, P> {
         change_over_prior: &[f64; P],
         state_variance: &[f64; N],
     ) -> bool {
-        reopen::reopen(self, &columns.std[..columns.count], tested, change_over_prior, state_variance)
+        reopen::reopen(self, &columns.std[..columns.count()], tested, change_over_prior, state_variance)
     }
 
     fn common(&self) -> &Common<N, P> {
@@ -197,7 +197,7 @@ impl<const N: usize, const P: usize> Separated<N, P> {
     where
         M: Model<N, R, P>,
     {
-        let own = columns.own.min(p);
+        let own = columns.own().min(p);
         let (kappa, kappa2) = (settings.reaching_limit, settings.rejection_limit);
         let bears = levels.bears();
         let mut innovations = Innovations::EMPTY;
@@ -210,7 +210,7 @@ impl<const N: usize, const P: usize> Separated<N, P> {
         surface[..p].fill(0.0);
         for i in 0..R {
             let sigma = levels.std[i];
-            let bias = columns.bias_of_output[i];
+            let bias = columns.bias(i);
             let predicted = lin.outputs[i] + bias.map_or(0.0, |column| self.common.theta[column]);
             innovations.predicted[i] = predicted;
             if !(measured[i].is_finite() && predicted.is_finite() && sigma.is_finite() && sigma > 0.0) {

@@ -12,6 +12,7 @@
 //! sum of the outer products of the block sums of `g`, and the covariance of the estimate is `C S C` (the "sandwich"
 //! estimate). The larger of `C` and `C S C` is reported.
 
+use crate::bounded::at;
 use crate::kernels::{add_scaled, dot};
 use crate::ud::Ud;
 
@@ -76,11 +77,15 @@ impl<const P: usize> Colour<P> {
     #[inline]
     fn renew_column(&mut self, j: usize, p: usize, column: &[f64; P]) {
         // c_j^T S c_j with c_j the j-th column of C.
+        let p = p.min(P);
         let mut variance = 0.0;
         for i in 0..p {
             variance += column[i] * dot(&self.scatter[i][..p], &column[..p]);
         }
-        self.inflation[j] = if variance > column[j] { variance / column[j] } else { 1.0 };
+        let own = at(column, j);
+        if let Some(inflation) = self.inflation.get_mut(j) {
+            *inflation = if variance > own { variance / own } else { 1.0 };
+        }
     }
 
     /// The larger of `C S C` and `C` over `C`, per column.
@@ -90,7 +95,7 @@ impl<const P: usize> Colour<P> {
 
     /// True if no inflation has overflowed.
     pub(crate) fn is_sound(&self, columns: usize) -> bool {
-        self.inflation[..columns].iter().sum::<f64>().is_finite()
+        self.inflation[..columns.min(P)].iter().sum::<f64>().is_finite()
     }
 
     /// Keeps `C S C` what it was when the covariance becomes `C'`: `S <- (C'^-1 C) S (C'^-1 C)^T`.

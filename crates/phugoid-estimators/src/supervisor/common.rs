@@ -1,5 +1,6 @@
 //! The part of a running estimate that does not depend on the form of its covariance.
 
+use crate::bounded::limited;
 use crate::columns::Columns;
 use crate::settings::{EstimatorSettings, NoiseAdaptation};
 use crate::supervisor::colour::Colour;
@@ -102,9 +103,9 @@ impl<const N: usize, const P: usize> Common<N, P> {
         for k in 0..N {
             self.x[k] += dx[k];
         }
-        for (j, step) in dtheta.iter().enumerate() {
-            let free = self.theta[j] + step;
-            self.theta[j] = free.clamp(columns.clip_low[j], columns.clip_high[j]);
+        for j in 0..dtheta.len().min(P) {
+            let free = self.theta[j] + dtheta[j];
+            self.theta[j] = limited(free, columns.clip_low[j], columns.clip_high[j]);
             if self.theta[j] != free && variance(j) < KNOWN {
                 self.limited[j] = true;
             }
@@ -120,13 +121,13 @@ impl<const N: usize, const P: usize> Common<N, P> {
         };
         if step != 0.0 {
             let [low, high] = noise.scale_limits;
-            self.noise_scale = (self.noise_scale * libm::exp(step)).clamp(low, high);
+            self.noise_scale = limited(self.noise_scale * libm::exp(step), low, high);
         }
     }
 
     /// True if state, parameters and the colour correction are finite.
     pub(crate) fn is_sound(&self, columns: usize) -> bool {
-        let sum = self.x.iter().sum::<f64>() + self.theta[..columns].iter().sum::<f64>();
+        let sum = self.x.iter().sum::<f64>() + self.theta[..columns.min(P)].iter().sum::<f64>();
         sum.is_finite() && self.colour.is_sound(columns)
     }
 }

@@ -2,6 +2,7 @@
 //! the change has begun and catches up, the contest with the running estimate (the champion), and what becomes of it.
 
 use super::{ADAPTATION_START_S, Supervisor};
+use crate::bounded::{Places, at};
 use crate::change_detection::challenge::{Verdict, maturity, needed_maturity};
 use crate::discretization::IntervalInput;
 use crate::innovation::Innovations;
@@ -66,18 +67,16 @@ where
     /// ```
     pub fn reopen_now(&mut self) -> bool {
         let change = self.change_over_prior();
-        let mut tested = [0; P];
-        let mut count = 0;
-        for j in 0..self.columns.count {
+        let mut tested = Places::<P>::NONE;
+        for j in 0..self.columns.count() {
             if change[j] > 0.0 {
-                tested[count] = j;
-                count += 1;
+                tested.push(j);
             }
         }
         let mut opened = self.champion;
         let reopened = Reopened::new(self.last_s, &opened.variances(), &change);
         // The state has not been estimated wrongly yet: no allowance.
-        if count == 0 || !opened.reopen(&self.columns, &tested[..count], &change, &[0.0; N]) {
+        if tested.len() == 0 || !opened.reopen(&self.columns, tested.as_slice(), &change, &[0.0; N]) {
             return false;
         }
         self.champion = opened;
@@ -115,7 +114,7 @@ where
         // Of before the change: the change itself colours the residuals.
         let inflation = slot.common().colour.inflation();
         let tested = detector.tested();
-        let colour = tested.iter().map(|j| inflation[*j]).sum::<f64>() / (tested.len() as f64).max(1.0);
+        let colour = tested.iter().map(|j| at(inflation, *j)).sum::<f64>() / (tested.len() as f64).max(1.0);
         challenge.open(time_s, colour);
         self.in_doubt = true;
         self.catch_up();
@@ -166,7 +165,8 @@ where
         if frame == first {
             for (variance, output) in state_variance.iter_mut().zip(output_of_state) {
                 if let Some(output) = *output {
-                    *variance = STATE_ALLOWANCE * levels.std[output] * levels.std[output];
+                    let std = at(&levels.std, output);
+                    *variance = STATE_ALLOWANCE * std * std;
                 }
             }
         } else if frame != last {
@@ -202,7 +202,7 @@ where
         if settings.colour_block(last.time_s - first_s) != settings.colour_block(frame.time_s - first_s) {
             challenger.close_colour_block();
         }
-        challenger.is_sound(columns.count)
+        challenger.is_sound(columns.count())
     }
 
     /// Without a challenger: asks the detector whether the parameters have changed, and starts a challenger if so.
@@ -226,11 +226,11 @@ where
         let limit = self.settings.rejection_limit;
         let merit = self.history.merit(self.history.newest());
         challenge.score += merit.nats_for(&self.faults[1].merit(innovations, limit), detector.leverage());
-        let sound = self.challenger.is_sound(self.columns.count);
+        let sound = self.challenger.is_sound(self.columns.count());
         let mut difference = [0.0; P];
         let mut covariance = [[0.0; P]; P];
         if sound {
-            for j in 0..self.columns.count {
+            for j in 0..self.columns.count() {
                 if self.columns.std[j] > 0.0 {
                     difference[j] =
                         (self.challenger.common().theta[j] - self.champion.common().theta[j]) / self.columns.std[j];
@@ -261,7 +261,7 @@ where
         self.reopened = Reopened::new(time_s, &former, &self.change_over_prior());
         let evidence = self.detection.as_ref().map_or(0.0, |(_, challenge)| challenge.score);
         // A former estimate that is lost is no rival.
-        self.probation = self.challenger.is_sound(self.columns.count).then(|| Probation::new(evidence));
+        self.probation = self.challenger.is_sound(self.columns.count()).then(|| Probation::new(evidence));
         if let Some((detector, challenge)) = &mut self.detection {
             let widening = challenge.adopted(time_s);
             detector.widen_wander(widening);
@@ -297,7 +297,7 @@ where
         let limit = self.settings.rejection_limit;
         let merit = self.history.merit(self.history.newest());
         let nats = merit.nats_for(&self.faults[1].merit(innovations, limit), detector.leverage());
-        let lives = self.challenger.is_sound(self.columns.count);
+        let lives = self.challenger.is_sound(self.columns.count());
         let known = !self.reopened.any();
         let Some(probation) = &mut self.probation else { return };
         match probation.judge(nats, known, lives) {

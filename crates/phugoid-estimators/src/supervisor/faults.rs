@@ -2,6 +2,7 @@
 //! own output: an output that is rejected while the others are predicted well is not taken for a change of the
 //! aircraft.
 
+use crate::bounded::at;
 use crate::change_detection::ChangeDetector;
 use crate::innovation::{Innovations, ScoredRow};
 use crate::statistics::median;
@@ -39,7 +40,7 @@ impl<const R: usize> Faults<R> {
             1.0
         } else if self.is_alone(output) {
             0.0
-        } else if self.rejected_s[output] < BORNE_S {
+        } else if at(&self.rejected_s, output) < BORNE_S {
             REJECTED_WEIGHT
         } else {
             1.0
@@ -49,7 +50,7 @@ impl<const R: usize> Faults<R> {
     /// True of an output that has not been beyond the limit of rejection for long while the others are undisturbed: what
     /// lies beyond it is a burst of outliers of this output.
     pub(crate) fn bursts(&self, output: usize) -> bool {
-        self.rejected_s[output] < BORNE_S && self.is_alone(output)
+        at(&self.rejected_s, output) < BORNE_S && self.is_alone(output)
     }
 
     /// True if there are other outputs and they do not show what this one shows. Their median is used, so that
@@ -63,7 +64,7 @@ impl<const R: usize> Faults<R> {
                 count += 1;
             }
         }
-        count > 0 && median(&mut others[..count]) < UNDISTURBED
+        count > 0 && median(&mut others[..count.min(R)]) < UNDISTURBED
     }
 
     /// How well a frame was predicted.

@@ -14,6 +14,7 @@ pub(crate) mod slot;
 pub(crate) mod start;
 mod trial;
 
+use crate::bounded::at;
 use crate::change_detection::ChangeDetector;
 use crate::change_detection::challenge::Challenge;
 use crate::columns::Columns;
@@ -22,7 +23,7 @@ use crate::estimate::{Estimate, Estimator, Phase};
 use crate::innovation::{Innovations, RowPhase};
 use crate::levels::{Frame, Levels};
 use crate::model::{Model, Sample};
-use crate::settings::{EstimatorSettings, NoiseAdaptation, SettingsError};
+use crate::settings::{ChangePrior, EstimatorSettings, NoiseAdaptation, SettingsError};
 use crate::supervisor::faults::{Faults, Watch};
 use crate::supervisor::history::History;
 use crate::supervisor::probation::{Probation, Reopened};
@@ -166,13 +167,14 @@ where
 
     /// Standard deviation `d_j` of a sudden change, parameter units.
     fn change_std(&self, column: usize) -> f64 {
-        self.columns.change[column].std(self.columns.initial[column], self.champion.common().theta[column])
+        let change = self.columns.change.get(column).unwrap_or(&ChangePrior::None);
+        change.std(at(&self.columns.initial, column), at(&self.champion.common().theta, column))
     }
 
     /// `d_j` over the prior standard deviation.
     fn change_over_prior(&self) -> [f64; P] {
         let mut out = [0.0; P];
-        for j in 0..self.columns.count {
+        for j in 0..self.columns.count() {
             if self.columns.std[j] > 0.0 {
                 out[j] = self.change_std(j) / self.columns.std[j];
             }
@@ -236,7 +238,7 @@ where
         self.rejections = Rejections::NONE;
         self.catch_up_at_once();
         self.history.clear();
-        if !self.challenger.is_sound(self.columns.count) {
+        if !self.challenger.is_sound(self.columns.count()) {
             self.end_probation();
             if self.in_doubt {
                 self.drop_challenger();
@@ -245,7 +247,7 @@ where
         if let Some((detector, _)) = &mut self.detection {
             detector.clear();
         }
-        if !self.champion.is_sound(self.columns.count) {
+        if !self.champion.is_sound(self.columns.count()) {
             if self.in_doubt {
                 self.adopt_challenger(sample.time_s);
             } else if self.probation.is_some() {
@@ -380,7 +382,7 @@ where
         }
         let lost =
             |s: &mut Self| s.rejections.are_too_many(&s.innovations, sample.time_s, s.detection.is_some(), s.in_doubt);
-        if !self.champion.is_sound(self.columns.count) || lost(self) {
+        if !self.champion.is_sound(self.columns.count()) || lost(self) {
             return self.restart(sample);
         }
         if self.detection.is_some() {
@@ -437,8 +439,8 @@ where
     fn covariance(&self, out: &mut [[f64; P]; P]) {
         *out = [[0.0; P]; P];
         self.champion.write_covariance(out);
-        for i in 0..self.columns.count {
-            for j in 0..self.columns.count {
+        for i in 0..self.columns.count() {
+            for j in 0..self.columns.count() {
                 out[i][j] *= self.columns.std[i] * self.columns.std[j];
             }
         }

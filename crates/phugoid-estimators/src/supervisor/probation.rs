@@ -1,6 +1,8 @@
 //! After a change was adopted: the former estimate goes on as a rival until the new one has been excited and has
 //! predicted better, and a re-opened parameter is unknown until something has excited it.
 
+use crate::bounded::at;
+
 /// Nats in favour of the adopted estimate, since the suspicion, from which on the former one is given up once every
 /// re-opened parameter is known again.
 const CONFIRMED: f64 = 30.0;
@@ -79,7 +81,7 @@ impl<const P: usize> Reopened<P> {
     }
 
     pub(super) fn is_unknown(&self, column: usize) -> bool {
-        self.limit[column] > 0.0
+        at(&self.limit, column) > 0.0
     }
 
     pub(super) fn any(&self) -> bool {

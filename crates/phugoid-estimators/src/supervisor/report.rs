@@ -28,12 +28,12 @@ where
 
     /// Columns in use: the model's parameters and the biases.
     pub fn column_count(&self) -> usize {
-        self.columns.count
+        self.columns.count()
     }
 
     /// Column that holds the bias of an output.
     pub fn bias_column(&self, output: usize) -> Option<usize> {
-        self.columns.bias_of_output.get(output).copied().flatten()
+        self.columns.bias(output)
     }
 
     /// Prior standard deviation per column, parameter units.
@@ -98,7 +98,9 @@ where
         let mut out = [0.0; P];
         if let Some((detector, _)) = &self.detection {
             for &j in detector.tested() {
-                out[j] = 3.0 * detector.wander() * self.change_std(j);
+                if let Some(out) = out.get_mut(j) {
+                    *out = 3.0 * detector.wander() * self.change_std(j);
+                }
             }
         }
         out
@@ -121,7 +123,7 @@ where
 
     /// The estimate that holds after the last sample.
     pub fn estimate(&self) -> Estimate<P> {
-        let p = self.columns.count;
+        let p = self.columns.count();
         let slot = self.champion.common();
         let variances = self.champion.variances();
         let inflation = slot.colour.inflation();
@@ -175,7 +177,7 @@ where
 
     fn parameter_status(&self, j: usize, observability: f64, corrected: f64) -> ParameterStatus {
         let theta = self.champion.common().theta[j];
-        let limited = j < self.columns.own && {
+        let limited = j < self.columns.own() && {
             let prior = &self.settings.priors[j];
             self.champion.common().limited[j]
                 || theta - 2.0 * corrected > prior.upper

@@ -33,12 +33,14 @@ impl<I: Copy, const R: usize> Start<I, R> {
         if self.count == 0 && !sample.outputs.iter().any(|y| y.is_finite()) {
             return;
         }
-        if self.count == START_CAPACITY {
+        if self.count >= START_CAPACITY {
             self.frames.rotate_left(1);
-            self.count -= 1;
+            self.count = START_CAPACITY - 1;
         }
-        self.frames[self.count] = Some(*sample);
-        self.count += 1;
+        if let Some(place) = self.frames.get_mut(self.count) {
+            *place = Some(*sample);
+            self.count += 1;
+        }
     }
 
     pub(crate) fn len(&self) -> usize {
@@ -64,7 +66,7 @@ impl<I: Copy, const R: usize> Start<I, R> {
         // A frame that falls on the end of the window but for rounding lies beyond it.
         // The first frame always lies inside: a window of length zero is that frame alone.
         let inside = |time_s: f64| time_s <= first || time_s - first < settings.start_window_s - 1e-9;
-        let full = self.count == START_CAPACITY;
+        let full = self.count >= START_CAPACITY;
         let over = !inside(newest) || settings.start_window_s == 0.0;
         if !over && !full {
             return None;
@@ -75,14 +77,17 @@ impl<I: Copy, const R: usize> Start<I, R> {
             read_from: [None; N],
         };
         for state in 0..N {
-            let Some(output) = output_of_state[state] else { continue };
+            let Some(output) = output_of_state[state].filter(|output| *output < R) else { continue };
             let mut values = [0.0; START_CAPACITY];
             let mut count = 0;
             let mut read = |only_inside: bool| {
                 count = 0;
-                for frame in self.frames[..self.count].iter().flatten() {
-                    if frame.outputs[output].is_finite() && (!only_inside || inside(frame.time_s)) {
-                        values[count] = frame.outputs[output];
+                for frame in self.frames.iter().take(self.count).flatten() {
+                    if frame.outputs[output].is_finite()
+                        && (!only_inside || inside(frame.time_s))
+                        && let Some(value) = values.get_mut(count)
+                    {
+                        *value = frame.outputs[output];
                         count += 1;
                     }
                 }
@@ -91,11 +96,12 @@ impl<I: Copy, const R: usize> Start<I, R> {
             // The window alone if it holds a value; else whatever came later.
             let found = if read(true) > 0 { count } else { read(false) };
             if found > 0 {
-                let middle = median(&mut values[..found]);
-                for value in &mut values[..found] {
+                let values = &mut values[..found.min(START_CAPACITY)];
+                let middle = median(values);
+                for value in &mut *values {
                     *value = (*value - middle).abs();
                 }
-                let scatter = 1.4826 * median(&mut values[..found]);
+                let scatter = 1.4826 * median(values);
                 started.x[state] = middle;
                 started.variances[state] = start_variance(noise_std[output], scatter);
                 started.read_from[state] = Some(output);

@@ -1,6 +1,7 @@
 //! Collinearity: which parameters can only be estimated in combination, from their covariance.
 
 use super::Partner;
+use crate::bounded::unit;
 use crate::dense::Cholesky;
 
 /// Variance inflation and condition of a covariance.
@@ -49,8 +50,7 @@ impl<const P: usize> Collinearity<P> {
         if let Some(cholesky) = Cholesky::new(&mut factored, n) {
             let (mut norm, mut inverse_norm) = (0.0_f64, 0.0_f64);
             for j in 0..n {
-                let mut column = [0.0; P];
-                column[j] = 1.0;
+                let mut column = unit(j);
                 cholesky.solve(&mut column);
                 // Rounding can leave it a little below the one that it cannot be below.
                 variance_inflation[j] = column[j].max(1.0);
@@ -62,11 +62,12 @@ impl<const P: usize> Collinearity<P> {
         Self { variance_inflation, condition, correlation, count: n }
     }
 
-    /// The two columns most correlated with column `j`, of those beyond `threshold`, the strongest first.
+    /// The two columns most correlated with column `j`, of those beyond `threshold`, the strongest first. None of a
+    /// column that there is no room for.
     pub fn partners(&self, j: usize, threshold: f64) -> [Option<Partner>; 2] {
         let mut found: [Option<Partner>; 2] = [None; 2];
-        for k in (0..self.count).filter(|k| *k != j) {
-            let correlation = self.correlation[j][k];
+        let Some(row) = self.correlation.get(j) else { return found };
+        for (k, &correlation) in row.iter().enumerate().take(self.count).filter(|(k, _)| *k != j) {
             let stronger = |than: Option<Partner>| than.is_none_or(|p| correlation.abs() > p.correlation.abs());
             if correlation.abs() < threshold {
                 continue;

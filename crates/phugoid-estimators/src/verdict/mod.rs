@@ -225,18 +225,19 @@ impl<const R: usize, const P: usize> VerdictMonitor<R, P> {
         let whiteness = core::array::from_fn(|i| self.rows[i].whiteness());
         let contradicted = whiteness.iter().any(Whiteness::contradicts);
         let mut parameters = [ParameterVerdict::default(); P];
-        for (j, verdict) in parameters[..count].iter_mut().enumerate() {
+        for j in 0..count {
             let bound = estimate.corrected_std_error[j];
             let variance = covariance[j][j];
             let inflation = collinearity.variance_inflation[j];
-            *verdict = ParameterVerdict {
+            let mut verdict = ParameterVerdict {
                 bound_over_prior: bound / prior[j],
                 excitation: libm::sqrt(variance / inflation) / prior[j],
                 variance_inflation: inflation,
                 partners: collinearity.partners(j, PARTNER),
                 ..ParameterVerdict::default()
             };
-            (verdict.readiness, verdict.reason) = self.judge(estimate, j, verdict, contradicted);
+            (verdict.readiness, verdict.reason) = self.judge(estimate, j, &verdict, contradicted);
+            parameters[j] = verdict;
         }
         Verdict { parameters, condition: collinearity.condition, whiteness }
     }

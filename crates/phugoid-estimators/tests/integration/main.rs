@@ -12,6 +12,7 @@ mod health;
 mod identity;
 mod invariance;
 mod lyapunov;
+mod no_panic;
 mod noise;
 mod regression;
 mod smpe;
