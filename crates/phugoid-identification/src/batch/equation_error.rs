@@ -8,7 +8,7 @@ use super::differentiate::LocalCubics;
 use super::error::BatchError;
 use super::layout::Layout;
 use super::loss::Loss;
-use super::measured::Measured;
+use super::measured::{Measured, Outliers};
 use super::optimise::{Minimum, OptimiserSettings};
 use super::problem::{Bias, Manoeuvre, Noise, Structure};
 use super::regression::{Equation, equations};
@@ -67,7 +67,7 @@ pub struct EquationErrorFit {
 /// Smoothing and differentiation round corners. The right side of a state's equation is therefore integrated and
 /// differentiated in the same way, and both sides of a measured acceleration are smoothed in the same way, so that they
 /// agree whatever the window, and however quick the aircraft. Samples of a state or acceleration that stand out of their
-/// neighbours by eight sigmas of its noise are left out. Each equation has its own residual variance, found with the
+/// neighbours by eight sigmas of its noise are left out, unless the likelihood is Gaussian. Each equation has its own residual variance, found with the
 /// parameters. States that no output measures, and equations whose left side is nowhere measured, are refused or left
 /// out. Nothing is integrated and no start values are needed, so that it cannot diverge; its result can start the other
 /// methods. Noise in the states biases it: with smoothed regressors the bias is found by adding more noise of the same
@@ -99,9 +99,13 @@ where
         }
     }
     let layout: Layout<N> = Layout::new(&held, manoeuvres, nothing_integrated(manoeuvres));
-    let of = |m: &Manoeuvre<'_, M, I, N, R>| Measured::of(m, structure, half, settings.smooth_regressors);
+    let outliers = match structure.likelihood {
+        Likelihood::Robust => Outliers::LeftOut,
+        Likelihood::Gaussian => Outliers::Kept,
+    };
+    let of = |m: &Manoeuvre<'_, M, I, N, R>| Measured::of(m, structure, half, settings.smooth_regressors, outliers);
     let measured = manoeuvres.iter().map(of).collect::<Result<Vec<_>, _>>()?;
-    let minimum = regression(manoeuvres, &measured, settings, structure.likelihood, &layout, FINE)?;
+    let minimum = regression(manoeuvres, &measured, settings, &layout, FINE)?;
     let Fitted { rows, noise_std } = &minimum.evaluation.detail;
     let mut fit = summarise(&Summary {
         method: "equation-error",
@@ -119,9 +123,7 @@ where
             let with = |(index, outputs): (usize, &Vec<[f64; R]>)| measured[index].with(&manoeuvres[index], outputs);
             let noisy: Vec<Measured<N, R>> = noisy.iter().enumerate().map(with).collect();
             // Their difference is a fraction of a standard error or more, or of no interest.
-            regression(manoeuvres, &noisy, settings, structure.likelihood, &layout, ROUGH)
-                .ok()
-                .map(|minimum| minimum.unknowns)
+            regression(manoeuvres, &noisy, settings, &layout, ROUGH).ok().map(|minimum| minimum.unknowns)
         };
         if let Some(bias) = regressor_noise::bias(&outputs, &of_state, &minimum.unknowns, &solve) {
             regressor_noise::correct(&mut fit, &bias);
@@ -145,7 +147,6 @@ fn regression<M, I, const N: usize, const R: usize>(
     manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
     measured: &[Measured<N, R>],
     settings: &EquationErrorSettings,
-    likelihood: Likelihood,
     layout: &Layout<N>,
     step_tolerance: f64,
 ) -> Result<Minimum<Fitted<R>>, BatchError>
@@ -160,8 +161,9 @@ where
     // The equations are linear in the parameters: only the weights have to be iterated.
     let search = OptimiserSettings { step_tolerance, ..OptimiserSettings::default() };
     let noise = [Noise::Estimated; R];
-    let loss = Loss::of(likelihood);
-    relaxation::fit(&layout.places, layout.start(), &noise, &floor, loss, &search, residuals)
+    // What is left of an equation is what its terms lack, in the manoeuvres, and no outliers: to count it less there would
+    // hide it.
+    relaxation::fit(&layout.places, layout.start(), &noise, &floor, Loss::GAUSSIAN, &search, residuals)
 }
 
 /// The equations of one manoeuvre at given parameters, without solving them: residuals (left side minus right side, in
@@ -187,7 +189,8 @@ where
         parameter.start = *value;
     }
     let manoeuvres = std::slice::from_ref(manoeuvre);
-    let measured = [Measured::of(manoeuvre, &held, settings.half_window_s, settings.smooth_regressors)?];
+    let (half, smooth) = (settings.half_window_s, settings.smooth_regressors);
+    let measured = [Measured::of(manoeuvre, &held, half, smooth, Outliers::LeftOut)?];
     let layout: Layout<N> = Layout::new(&held, manoeuvres, nothing_integrated(manoeuvres));
     let rows = rows_of(manoeuvres, &measured, &layout, &layout.start(), &[true; R]);
     rows.into_iter().next().ok_or_else(|| BatchError::BadInput("there is no manoeuvre".to_owned()))

@@ -8,17 +8,24 @@ use super::error::BatchError;
 use super::problem::{Manoeuvre, Structure};
 use crate::preparation::noise::{measure_noise, without_outliers};
 
+/// What happens to values that stand out of their neighbours.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Outliers {
+    LeftOut,
+    Kept,
+}
+
 /// One manoeuvre as measured, with the windows that smooth it.
 #[derive(Clone)]
 pub(crate) struct Measured<const N: usize, const R: usize> {
-    /// The states by sample, without outliers; the smoothed value where there is none, and NaN where that is missing too.
+    /// The states by sample; the smoothed value where there is none, and NaN where that is missing too.
     pub(crate) states: Vec<[f64; N]>,
     /// The smoothed states and their slopes; NaN near the ends and where not measured.
     pub(crate) smoothed: Vec<[f64; N]>,
     pub(crate) slopes: Vec<[f64; N]>,
     /// The local cubics that the slopes were computed with, by state.
     pub(crate) cubics: Vec<LocalCubics>,
-    /// The outputs by sample, without outliers.
+    /// The outputs by sample.
     pub(crate) outputs: Vec<[f64; R]>,
     /// The local cubics over the samples at which an output and all states are known, by output; `None` of a state, and
     /// where nothing is smoothed.
@@ -26,7 +33,7 @@ pub(crate) struct Measured<const N: usize, const R: usize> {
 }
 
 impl<const N: usize, const R: usize> Measured<N, R> {
-    /// Takes outliers out and differentiates the states.
+    /// Takes outliers out, unless they are to be kept, and differentiates the states.
     ///
     /// # Errors
     /// [`BatchError::BadInput`] where a state is not measured, or nowhere often enough for a window.
@@ -35,6 +42,7 @@ impl<const N: usize, const R: usize> Measured<N, R> {
         structure: &Structure<N, R>,
         half_window_s: f64,
         smooth: bool,
+        outliers: Outliers,
     ) -> Result<Self, BatchError>
     where
         M: Model<N, R, CAPACITY, Input = I>,
@@ -49,7 +57,7 @@ impl<const N: usize, const R: usize> Measured<N, R> {
             outputs: m.outputs.to_vec(),
             output_cubics: [const { None }; R],
         };
-        for i in 0..R {
+        for i in (0..R).filter(|_| outliers == Outliers::LeftOut) {
             let values: Vec<f64> = m.outputs.iter().map(|y| y[i]).collect();
             if let Some(noise) = measure_noise(&values) {
                 let clean = without_outliers(&values, noise.std);
