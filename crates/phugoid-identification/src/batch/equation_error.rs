@@ -8,6 +8,7 @@ use super::differentiate::LocalCubics;
 use super::error::BatchError;
 use super::layout::Layout;
 use super::loss::Loss;
+use super::measured::{Measured, Outliers};
 use super::optimise::{Minimum, OptimiserSettings};
 use super::problem::{Bias, Manoeuvre, Noise, Structure};
 use super::regression::{Equation, equations};
@@ -17,7 +18,6 @@ use super::response::Rows;
 use super::result::{BatchFit, UnknownKind};
 use super::start::Stretch;
 use super::summary::{Summary, summarise};
-use crate::preparation::noise::{measure_noise, without_outliers};
 
 /// Settings of [`equation_error`]: the differentiation of the measured states, and which equations and terms are used.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -67,7 +67,7 @@ pub struct EquationErrorFit {
 /// Smoothing and differentiation round corners. The right side of a state's equation is therefore integrated and
 /// differentiated in the same way, and both sides of a measured acceleration are smoothed in the same way, so that they
 /// agree whatever the window, and however quick the aircraft. Samples of a state or acceleration that stand out of their
-/// neighbours by eight sigmas of its noise are left out. Each equation has its own residual variance, found with the
+/// neighbours by eight sigmas of its noise are left out, unless the likelihood is Gaussian. Each equation has its own residual variance, found with the
 /// parameters. States that no output measures, and equations whose left side is nowhere measured, are refused or left
 /// out. Nothing is integrated and no start values are needed, so that it cannot diverge; its result can start the other
 /// methods. Noise in the states biases it: with smoothed regressors the bias is found by adding more noise of the same
@@ -99,8 +99,13 @@ where
         }
     }
     let layout: Layout<N> = Layout::new(&held, manoeuvres, nothing_integrated(manoeuvres));
-    let measured = manoeuvres.iter().map(|m| Measured::of(m, structure, settings)).collect::<Result<Vec<_>, _>>()?;
-    let minimum = regression(manoeuvres, &measured, settings, structure.likelihood, &layout, FINE)?;
+    let outliers = match structure.likelihood {
+        Likelihood::Robust => Outliers::LeftOut,
+        Likelihood::Gaussian => Outliers::Kept,
+    };
+    let of = |m: &Manoeuvre<'_, M, I, N, R>| Measured::of(m, structure, half, settings.smooth_regressors, outliers);
+    let measured = manoeuvres.iter().map(of).collect::<Result<Vec<_>, _>>()?;
+    let minimum = regression(manoeuvres, &measured, settings, &layout, FINE)?;
     let Fitted { rows, noise_std } = &minimum.evaluation.detail;
     let mut fit = summarise(&Summary {
         method: "equation-error",
@@ -118,9 +123,7 @@ where
             let with = |(index, outputs): (usize, &Vec<[f64; R]>)| measured[index].with(&manoeuvres[index], outputs);
             let noisy: Vec<Measured<N, R>> = noisy.iter().enumerate().map(with).collect();
             // Their difference is a fraction of a standard error or more, or of no interest.
-            regression(manoeuvres, &noisy, settings, structure.likelihood, &layout, ROUGH)
-                .ok()
-                .map(|minimum| minimum.unknowns)
+            regression(manoeuvres, &noisy, settings, &layout, ROUGH).ok().map(|minimum| minimum.unknowns)
         };
         if let Some(bias) = regressor_noise::bias(&outputs, &of_state, &minimum.unknowns, &solve) {
             regressor_noise::correct(&mut fit, &bias);
@@ -144,7 +147,6 @@ fn regression<M, I, const N: usize, const R: usize>(
     manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
     measured: &[Measured<N, R>],
     settings: &EquationErrorSettings,
-    likelihood: Likelihood,
     layout: &Layout<N>,
     step_tolerance: f64,
 ) -> Result<Minimum<Fitted<R>>, BatchError>
@@ -159,8 +161,9 @@ where
     // The equations are linear in the parameters: only the weights have to be iterated.
     let search = OptimiserSettings { step_tolerance, ..OptimiserSettings::default() };
     let noise = [Noise::Estimated; R];
-    let loss = Loss::of(likelihood);
-    relaxation::fit(&layout.places, layout.start(), &noise, &floor, loss, &search, residuals)
+    // What is left of an equation is what its terms lack, in the manoeuvres, and no outliers: to count it less there would
+    // hide it.
+    relaxation::fit(&layout.places, layout.start(), &noise, &floor, Loss::GAUSSIAN, &search, residuals)
 }
 
 /// The equations of one manoeuvre at given parameters, without solving them: residuals (left side minus right side, in
@@ -186,7 +189,8 @@ where
         parameter.start = *value;
     }
     let manoeuvres = std::slice::from_ref(manoeuvre);
-    let measured = [Measured::of(manoeuvre, &held, settings)?];
+    let (half, smooth) = (settings.half_window_s, settings.smooth_regressors);
+    let measured = [Measured::of(manoeuvre, &held, half, smooth, Outliers::LeftOut)?];
     let layout: Layout<N> = Layout::new(&held, manoeuvres, nothing_integrated(manoeuvres));
     let rows = rows_of(manoeuvres, &measured, &layout, &layout.start(), &[true; R]);
     rows.into_iter().next().ok_or_else(|| BatchError::BadInput("there is no manoeuvre".to_owned()))
@@ -198,112 +202,6 @@ fn nothing_integrated<M, I, const N: usize, const R: usize>(
 ) -> Vec<Vec<Stretch<N>>> {
     let stretch = |m: &Manoeuvre<'_, M, I, N, R>| Stretch { from: 0, to: m.time_s.len(), state: [0.0; N] };
     manoeuvres.iter().map(|m| vec![stretch(m)]).collect()
-}
-
-/// One manoeuvre as measured, with the windows that smooth it.
-#[derive(Clone)]
-struct Measured<const N: usize, const R: usize> {
-    /// The states by sample, without outliers; the smoothed value where there is none, and NaN where that is missing too.
-    states: Vec<[f64; N]>,
-    /// The smoothed states and their slopes; NaN near the ends and where not measured.
-    smoothed: Vec<[f64; N]>,
-    slopes: Vec<[f64; N]>,
-    /// The local cubics that the slopes were computed with, by state.
-    cubics: Vec<LocalCubics>,
-    /// The outputs by sample, without outliers.
-    outputs: Vec<[f64; R]>,
-    /// The local cubics over the samples at which an output and all states are known, by output; `None` of a state, and where nothing is
-    /// smoothed.
-    output_cubics: [Option<LocalCubics>; R],
-}
-
-impl<const N: usize, const R: usize> Measured<N, R> {
-    fn of<M, I>(
-        m: &Manoeuvre<'_, M, I, N, R>,
-        structure: &Structure<N, R>,
-        settings: &EquationErrorSettings,
-    ) -> Result<Self, BatchError>
-    where
-        M: Model<N, R, CAPACITY, Input = I>,
-        I: Input,
-    {
-        let samples = m.time_s.len();
-        let mut measured = Self {
-            states: vec![[f64::NAN; N]; samples],
-            smoothed: vec![[f64::NAN; N]; samples],
-            slopes: vec![[f64::NAN; N]; samples],
-            cubics: Vec::new(),
-            outputs: m.outputs.to_vec(),
-            output_cubics: [const { None }; R],
-        };
-        for i in 0..R {
-            let values: Vec<f64> = m.outputs.iter().map(|y| y[i]).collect();
-            if let Some(noise) = measure_noise(&values) {
-                let clean = without_outliers(&values, noise.std);
-                measured.outputs.iter_mut().zip(clean).for_each(|(y, value)| y[i] = value);
-            }
-        }
-        for state in 0..N {
-            let Some(output) = m.model.measuring_output(state) else {
-                let (name, of) = (&structure.states[state].name, m.name);
-                return Err(BatchError::BadInput(format!("{of}: equation error needs the state {name} measured")));
-            };
-            let values: Vec<f64> = measured.outputs.iter().map(|y| y[output]).collect();
-            let cubics = LocalCubics::new(m.time_s, &values, settings.half_window_s);
-            if !cubics.slopes(&values).iter().any(|v| v.is_finite()) {
-                let (name, of, half) = (&structure.outputs[output].name, m.name, settings.half_window_s);
-                return Err(BatchError::BadInput(format!(
-                    "{of}: {name} has nowhere two values to each side within {half} s: widen the window of equation error"
-                )));
-            }
-            measured.cubics.push(cubics);
-        }
-        measured.differentiate(m);
-        if settings.smooth_regressors {
-            let is_state = |i: usize| (0..N).any(|state| m.model.measuring_output(state) == Some(i));
-            for i in (0..R).filter(|&i| !is_state(i)) {
-                let known = |k: usize| if measured.is_known(k) { measured.outputs[k][i] } else { f64::NAN };
-                let known: Vec<f64> = (0..samples).map(known).collect();
-                measured.output_cubics[i] = Some(LocalCubics::new(m.time_s, &known, settings.half_window_s));
-            }
-        }
-        Ok(measured)
-    }
-
-    /// The same windows over other values of the outputs, which are missing where these are.
-    fn with<M, I>(&self, m: &Manoeuvre<'_, M, I, N, R>, outputs: &[[f64; R]]) -> Self
-    where
-        M: Model<N, R, CAPACITY, Input = I>,
-        I: Input,
-    {
-        let mut other = self.clone();
-        other.outputs.copy_from_slice(outputs);
-        other.differentiate(m);
-        other
-    }
-
-    /// The states and their slopes, from the outputs.
-    fn differentiate<M, I>(&mut self, m: &Manoeuvre<'_, M, I, N, R>)
-    where
-        M: Model<N, R, CAPACITY, Input = I>,
-        I: Input,
-    {
-        for (state, cubics) in self.cubics.iter().enumerate() {
-            let Some(output) = m.model.measuring_output(state) else { continue };
-            let values: Vec<f64> = self.outputs.iter().map(|y| y[output]).collect();
-            let (smoothed, slopes) = (cubics.values(&values), cubics.slopes(&values));
-            for k in 0..values.len() {
-                self.slopes[k][state] = slopes[k];
-                self.smoothed[k][state] = smoothed[k];
-                self.states[k][state] = if values[k].is_finite() { values[k] } else { smoothed[k] };
-            }
-        }
-    }
-
-    /// True if all states are known at a sample.
-    fn is_known(&self, sample: usize) -> bool {
-        self.states[sample].iter().all(|v| v.is_finite())
-    }
 }
 
 /// The right side of the states' equations as the differentiation sees it.

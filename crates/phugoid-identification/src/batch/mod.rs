@@ -23,6 +23,7 @@ mod information;
 mod layout;
 mod likelihood;
 pub(crate) mod loss;
+mod measured;
 mod optimise;
 mod output_error;
 mod prediction;

@@ -129,10 +129,9 @@ impl Sums {
                     let row = DVector::from_fn(p, |j, _| places[j].map_or(0.0, |at| all[at]));
                     let explained: f64 = columns.iter().zip(row.iter()).map(|(&j, s)| unknowns[j] * s).sum();
                     let z = residuals[i] + explained;
-                    let w = r.loss.weight(residuals[i]);
-                    sums.normal.ger(w, &row, &row, 1.0);
-                    sums.right.axpy(w * z, &row, 1.0);
-                    (n, sum, squares) = (n + w, sum + w * z, squares + w * z * z);
+                    sums.normal.ger(1.0, &row, &row, 1.0);
+                    sums.right.axpy(z, &row, 1.0);
+                    (n, sum, squares) = (n + 1.0, sum + z, squares + z * z);
                 }
             }
             sums.squares += squares;

@@ -14,6 +14,10 @@ use crate::preparation::noise::measure_noise;
 const PAIRS: u64 = 2;
 /// Relative error of a bias that comes from that of the noise level, which is measured from the record.
 const LEVEL_UNCERTAIN: f64 = 0.1;
+/// Part of a value that its bias cannot reach, however large the noise.
+const MOST: f64 = 0.5;
+/// Largest standard error that the bias makes, as a part of the value.
+const UNKNOWN: f64 = 10.0;
 
 /// The unknowns of the regression with these outputs by manoeuvre; none where they are not determined.
 type Solve<'a, const R: usize> = &'a dyn Fn(&[Vec<[f64; R]>]) -> Option<Vec<f64>>;
@@ -71,12 +75,15 @@ pub(crate) fn correct(fit: &mut BatchFit, bias: &[f64]) {
         if bias.abs() > unknown.corrected_std_error {
             bent.push(format!("{} by {:+.2e}", unknown.name, bias));
         }
+        let before = unknown.value;
         unknown.value -= bias;
         fit.parameters[index] = unknown.value;
-        // A derivative that is shrunk by the part r is shrunk by r - r^2 ... more when the noise is doubled: the next order
-        // is what the difference leaves.
-        let next_order = (bias / unknown.value).abs().min(1.0);
-        unknown.corrected_std_error = unknown.corrected_std_error.hypot(next_order.hypot(LEVEL_UNCERTAIN) * bias);
+        let part = (bias / before).abs();
+        // Noise that shrinks a derivative to theta/(1 + r) shrinks it to theta/(1 + 2 r) when it is doubled, which is a
+        // bias of the part r/(1 + 2 r): taking that off leaves 2 part^2/(1 - 2 part). From a half on nothing is known.
+        let left = if part < MOST { 2.0 * part * part / (1.0 - 2.0 * part) } else { UNKNOWN };
+        let left = left.min(UNKNOWN) * before.abs();
+        unknown.corrected_std_error = unknown.corrected_std_error.hypot(LEVEL_UNCERTAIN * bias).hypot(left);
     }
     if !bent.is_empty() {
         fit.notes.push(format!(

@@ -35,9 +35,9 @@ pub enum OfferTerms {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Likelihood {
-    /// Gaussian with outliers. Output error and equation error count a value further than three sigmas from the model the
-    /// less the further away it is; equation error and filter error leave out single values that stand out of their
-    /// neighbours by eight sigmas. This is the default.
+    /// Gaussian with outliers. Output error counts a value further than three sigmas from the model the less the further
+    /// away it is; equation error and filter error leave out single values that stand out of their neighbours by eight
+    /// sigmas. This is the default.
     #[default]
     Robust,
     /// Gaussian: every value counts with the square of its residual, outliers too.
