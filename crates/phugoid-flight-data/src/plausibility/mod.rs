@@ -33,6 +33,7 @@ use crate::record::Record;
 use doubt::Doubts;
 pub use doubt::{Cause, Certainty, Doubt};
 use motion::Axis;
+pub(crate) use time::unit_of_step;
 
 /// Checks units and signs of a record, and returns one entry per probable cause; empty if everything is plausible.
 ///

@@ -1,9 +1,10 @@
 //! Makes the record of the rows of a table that are already converted to SI.
 
 use crate::channels;
-use crate::plausibility;
+use crate::plausibility::{self, unit_of_step};
 use crate::quality::{ChannelQuality, Finding, QualityReport};
 use crate::record::{Channel, Record};
+use crate::statistics::median;
 use crate::table::columns::{self, ColumnUse, Plan};
 use crate::table::time_base::{self, Table};
 use crate::table::{TableError, TableOptions, stuck_and_spikes};
@@ -30,10 +31,13 @@ pub(crate) struct Read<'a> {
 
 /// Puts the rows in the order of time, makes the channels, and completes the quality report.
 pub(crate) fn record(read: Read<'_>, options: &TableOptions, mut report: QualityReport) -> Result<Record, TableError> {
-    let Read { source, header_line, seen, plan, mut table, text, sparse } = read;
+    let Read { source, header_line, seen, mut plan, mut table, text, sparse } = read;
     let time_header = plan.time.as_ref().map_or("(row number)", |column| column.header.as_str()).to_owned();
-    if let Some(column) = plan.time.as_ref().filter(|column| column.unit_assumed) {
-        columns::report_assumed_unit(column, &mut report);
+    if let Some(column) = plan.time.as_mut().filter(|column| column.unit_assumed) {
+        match unit_of_time(&table.time) {
+            Some((symbol, unit)) => read_as(column, symbol, unit, &mut table.time, &mut report),
+            None => columns::report_assumed_unit(column, &mut report),
+        }
     }
     time_base::put_in_order(&mut table, source, &time_header, &mut report)?;
     if table.time.len() < 2 {
@@ -79,6 +83,29 @@ pub(crate) fn record(read: Read<'_>, options: &TableOptions, mut report: Quality
     let doubts = plausibility::check(&record);
     record.quality.findings.extend(doubts.into_iter().map(Finding::from));
     Ok(record)
+}
+
+/// Rows from which on the step of the time says its unit.
+const ENOUGH_ROWS: usize = 20;
+
+/// The unit of times that were read as seconds and cannot be: its symbol and how many seconds it is.
+fn unit_of_time(time: &[f64]) -> Option<(&'static str, f64)> {
+    // Rows may be in disorder, and rows of equal time are merged later.
+    let mut steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.0).collect();
+    (steps.len() >= ENOUGH_ROWS).then(|| median(&mut steps).and_then(unit_of_step)).flatten()
+}
+
+/// Reads the times in another unit than seconds, and says so.
+fn read_as(column: &mut ColumnUse, symbol: &str, seconds: f64, time: &mut [f64], report: &mut QualityReport) {
+    time.iter_mut().for_each(|t| *t *= seconds);
+    column.scale *= seconds;
+    report.warn(
+        format!("column '{}'", column.header),
+        format!(
+            "no unit is written, and its steps are those of a recorder in {symbol}: taken as {symbol}. Write the unit into \
+             the header: time_{symbol}, or time_s if it is in seconds",
+        ),
+    );
 }
 
 fn quality_of(column: &ColumnUse, missing: usize) -> ChannelQuality {

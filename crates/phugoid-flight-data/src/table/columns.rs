@@ -37,6 +37,7 @@ impl Meanings {
             .enumerate()
             .map(|(column, header)| header::interpret(header, unit_below(head, column)))
             .collect();
+        velocities_over_ground(head, &mut headers);
         let mut present: Vec<&'static str> = headers
             .iter()
             .filter_map(|meaning| match meaning {
@@ -71,6 +72,19 @@ impl Meanings {
 
     fn has(&self, name: &str) -> bool {
         self.present.contains(&name)
+    }
+}
+
+/// Takes the meaning of an airspeed from `ve` where it stands beside `vn`: then it is the east component of the velocity
+/// over ground.
+fn velocities_over_ground(head: &Head<'_>, headers: &mut [Result<Meaning, Conflict>]) {
+    if !head.headers.iter().any(|header| header::is_speed_named(header, "vn")) {
+        return;
+    }
+    for (meaning, header) in headers.iter_mut().zip(head.headers).filter(|(_, h)| header::is_speed_named(h, "ve")) {
+        if let Ok(Meaning::Known { unit, .. }) = meaning {
+            *meaning = Ok(Meaning::Unknown { name: header.clone(), unit: *unit, doubt: None });
+        }
     }
 }
 

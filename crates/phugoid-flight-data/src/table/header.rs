@@ -57,6 +57,14 @@ pub(crate) fn unit_for(header: &str, unit_below: Option<&str>, quantity: Quantit
     stated.or_else(|| splits(name, true).into_iter().find_map(|(_, suffix)| units::find_for(suffix, quantity)))
 }
 
+/// Whether a header is this name (in lower case, letters only), alone or with a unit of speed behind it.
+pub(crate) fn is_speed_named(header: &str, wanted: &str) -> bool {
+    let (name, _) = split_bracket(header.trim());
+    let speed = |unit: &str| units::find_for(unit, Quantity::Speed).is_some();
+    channels::key(name) == wanted
+        || splits(name, true).into_iter().any(|(name, unit)| channels::key(name) == wanted && speed(unit))
+}
+
 /// Splits `alpha [deg]`, `alpha (deg)`, `alpha {deg}` or `Alpha, deg` into the name and the text of the unit.
 fn split_bracket(header: &str) -> (&str, Option<&str>) {
     for (open, close) in [('[', ']'), ('(', ')'), ('{', '}')] {

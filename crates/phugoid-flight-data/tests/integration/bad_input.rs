@@ -111,6 +111,45 @@ fn a_missing_unit_is_taken_as_si_and_said() {
 }
 
 #[test]
+fn times_of_a_recorder_without_a_unit_are_read_in_its_own() {
+    for (start, step, unit, seconds) in [
+        (0.0, 20.0, "ms", 1e-3),
+        (5e6, 10_000.0, "us", 1e-6),
+        (1.7e18, 2e7, "ns", 1e-9),
+        // Milliseconds since 1970.
+        (1.7e12, 40.0, "ms", 1e-3),
+    ] {
+        let mut text = String::from("timestamp,alpha_rad\n");
+        (0..50).for_each(|row| writeln!(text, "{},0.1", start + step * f64::from(row)).unwrap());
+        let record = good(&text);
+        says(&record, &["column 'timestamp'", &format!("taken as {unit}"), &format!("time_{unit}")]);
+        let found = (record.time[49] - record.time[0]) / 49.0;
+        // A double since 1970 has steps of 0.24 us.
+        assert!((found / (step * seconds) - 1.0).abs() < 1e-6, "{unit}: {found}");
+    }
+    // A unit that is written is not changed, and steps of seconds are steps of seconds.
+    for header in ["time_s", "time [s]"] {
+        let mut text = format!("{header},alpha_rad\n");
+        (0..50).for_each(|row| writeln!(text, "{},0.1", 20 * row).unwrap());
+        assert_eq!(good(&text).time[1], 20.0);
+    }
+    let mut text = String::from("time,alpha_rad\n");
+    (0..50).for_each(|row| writeln!(text, "{row},0.1").unwrap());
+    assert_eq!(good(&text).time[1], 1.0);
+}
+
+#[test]
+fn the_east_component_of_a_velocity_is_no_equivalent_airspeed() {
+    let record = good("time_s,vn_m_s,ve_m_s,vd_m_s\n0,1,40,0\n1,1,40,0\n");
+    assert!(record.channel("equivalent_airspeed").is_none(), "{:?}", record.channels);
+    let record = good("time_s,vn,ve,vd\n0,1,40,0\n1,1,40,0\n");
+    assert!(record.channel("equivalent_airspeed").is_none(), "{:?}", record.channels);
+    // Alone it is the airspeed of flight mechanics.
+    let record = good("time_s,ve_kt,alpha_rad\n0,80,0.1\n1,80,0.1\n");
+    assert!(record.channel("equivalent_airspeed").is_some());
+}
+
+#[test]
 fn degrees_given_as_radians_are_noticed() {
     let mut text = String::from("time_s,alpha_rad,elevator_rad,theta_rad,q_rad_s\n");
     for row in 0..100 {
