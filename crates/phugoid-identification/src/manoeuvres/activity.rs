@@ -2,6 +2,7 @@
 
 use phugoid_flight_data::statistics::{Rank, median, quantile};
 
+use super::feedback;
 use super::input::SurfaceInput;
 use super::record::{Sampled, Signals};
 use super::settings::Settings;
@@ -28,7 +29,7 @@ const LARGE_PART: f64 = 0.25;
 
 /// The motions of one surface.
 pub(crate) fn inputs(signals: &Signals<'_>, surface: &str, settings: &Settings) -> Vec<SurfaceInput> {
-    let Some(sampled) = signals.channel(surface) else { return Vec::new() };
+    let Some(sampled) = &feedback::commanded(signals, surface) else { return Vec::new() };
     let clean = medians(&sampled.values);
     let travel = travel(&sampled.time, &clean, settings.window_s);
     let threshold = SMALLEST.max(settings.sigmas * sampled.noise);
@@ -205,7 +206,7 @@ impl View<'_> {
 }
 
 /// Running medians of three values: they remove a single outlier and keep an edge where it is.
-fn medians(values: &[f64]) -> Vec<f64> {
+pub(super) fn medians(values: &[f64]) -> Vec<f64> {
     let mut clean = values.to_vec();
     for (k, w) in values.windows(3).enumerate() {
         clean[k + 1] = w[0].max(w[1]).min(w[0].min(w[1]).max(w[2]));
@@ -319,6 +320,25 @@ mod tests {
         let found = found(|t| at_work(t) + if (30.0..31.0).contains(&t) { 0.05 } else { 0.0 });
         let [only] = found.as_slice() else { panic!("{found:?}") };
         assert!((27.0..=30.1).contains(&only.onset_s) && only.peak_rad > 0.045, "{only:?}");
+    }
+
+    #[test]
+    fn what_a_damper_does_hides_no_input() {
+        // Gusts of three frequencies, and a damper that answers them with half of the elevator's own input.
+        let q = |t: f64| 0.03 * ((1.9 * t).sin() + (3.1 * t + 1.0).sin() + (4.7 * t + 2.0).sin());
+        let elevator = |t: f64| input_3211(t - 30.0) + 0.3 * q(t - 0.03);
+        let mut record = recorded(elevator);
+        let of = |record: &Record| inputs(&Signals::of(record), "elevator", &Settings::default());
+        let alone = of(&record);
+        assert!(!alone.iter().any(|i| i.kind == shape::Kind::ThreeTwoOneOne), "without q nobody knows: {alone:?}");
+        let rates = record.time.iter().map(|t| q(*t)).collect();
+        record
+            .channels
+            .extend(Record::from_columns("q", [("time_s", record.time.clone()), ("q_rad_s", rates)]).unwrap().channels);
+        let found = of(&record);
+        let [only] = found.as_slice() else { panic!("{found:?}") };
+        assert!(only.kind == shape::Kind::ThreeTwoOneOne && (only.onset_s - 30.0).abs() < 0.1, "{only:?}");
+        assert!((only.peak_rad.abs() - 0.0175).abs() < 0.004, "{only:?}");
     }
 
     #[test]

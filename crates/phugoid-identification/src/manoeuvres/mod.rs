@@ -29,6 +29,7 @@
 mod activity;
 mod answer;
 mod equation;
+mod feedback;
 mod flying;
 mod input;
 mod record;

@@ -18,6 +18,7 @@ const SPEEDS: [&str; 4] = ["true_airspeed", "equivalent_airspeed", "calibrated_a
 const MOTIONS: [&str; 10] = ["alpha", "beta", "theta", "phi", "p", "q", "r", "ax", "ay", "az"];
 
 /// The finite values of one channel with their times.
+#[derive(Clone)]
 pub(crate) struct Sampled {
     pub(crate) time: Vec<f64>,
     pub(crate) values: Vec<f64>,

@@ -1,6 +1,6 @@
 //! The shape of an input, from the times between its changes of sign and from how flat it is in between.
 
-use phugoid_flight_data::statistics::median;
+use phugoid_flight_data::statistics::{Rank, quantile};
 use serde::{Deserialize, Serialize};
 
 /// Shapes of inputs, told apart by the times between their changes of sign and by how flat they are.
@@ -44,8 +44,11 @@ impl Kind {
 
 /// Below this part of the largest departure a surface counts as back where it was; above it, as held.
 pub(crate) const BACK: f64 = 0.35;
-/// Least part of the time near the level of its run that makes a run a step: a sine has a third.
-const FLAT: f64 = 0.55;
+/// A run is a step where eight tenths of the values between its edges are within this part of its level. A half period of
+/// a sine, cut at [`BACK`], has twice as much.
+const FLAT: f64 = 0.25;
+/// Least part of the time that steps make up in an input of steps.
+const MOSTLY: f64 = 0.6;
 
 /// More steps than this count as the work of a pilot and not as a multi-step.
 const MOST_STEPS: usize = 8;
@@ -63,12 +66,20 @@ impl Run {
         self.to_s - self.from_s
     }
 
-    /// Part of its values within 15 % of their median.
-    fn flatness(&self) -> f64 {
-        let Some(level) = median(&mut self.values.clone()) else { return 0.0 };
-        let near = self.values.iter().filter(|v| (**v - level).abs() <= 0.15 * level.abs()).count();
-        near as f64 / self.values.len().max(1) as f64
+    /// Whether it keeps one level between its edges.
+    fn is_flat(&self) -> bool {
+        let of = |part: f64| (part * self.values.len() as f64) as usize;
+        let mut inside = self.values[of(0.2)..of(0.85).max(of(0.2) + 1).min(self.values.len())].to_vec();
+        let mut at = |share: f64| quantile(&mut inside, share, Rank::Lower).unwrap_or(f64::NAN);
+        let (low, level, high) = (at(0.1), at(0.5), at(0.9));
+        high - low <= FLAT * level.abs()
     }
+}
+
+/// Whether the runs are steps: those that keep a level make up most of their time.
+fn are_flat(runs: &[Run]) -> bool {
+    let seconds = |flat: bool| runs.iter().filter(|run| !flat || run.is_flat()).map(Run::seconds).sum::<f64>();
+    seconds(true) >= MOSTLY * seconds(false)
 }
 
 /// The kind of an input, given as departures from the level before it; the last second is that after it.
@@ -78,7 +89,7 @@ pub(crate) fn kind(time: &[f64], departures: &[f64]) -> Kind {
     let peak = departures.iter().fold(0.0, |most: f64, d| most.max(d.abs()));
     let seconds: Vec<f64> = runs.iter().map(Run::seconds).collect();
     let alternating = runs.windows(2).all(|pair| pair[0].positive != pair[1].positive);
-    let flat = median(&mut runs.iter().map(Run::flatness).collect::<Vec<f64>>()).unwrap_or(0.0) >= FLAT;
+    let flat = are_flat(&runs);
     match seconds.as_slice() {
         [] => Kind::Other,
         [_] if last.abs() > BACK * peak => Kind::Step,
