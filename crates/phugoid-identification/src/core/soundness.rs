@@ -81,6 +81,8 @@ pub enum ReasonCode {
     AtLimit,
     /// The record ends while a sudden change is suspected.
     ChangeInDoubt,
+    /// A term of the model is not the same before and after some time of the flight.
+    NotConstant,
     /// A reason that this version does not know.
     #[serde(other)]
     Other,
@@ -108,6 +110,7 @@ impl ReasonCode {
             Self::NotConverged => "not-converged",
             Self::AtLimit => "at-limit",
             Self::ChangeInDoubt => "change-in-doubt",
+            Self::NotConstant => "not-constant",
             Self::Other => "other",
         }
     }
@@ -133,6 +136,7 @@ impl ReasonCode {
             Self::NotConverged => "no parameter has converged",
             Self::AtLimit => "a parameter lies at its limit",
             Self::ChangeInDoubt => "a change is suspected at the end",
+            Self::NotConstant => "the aircraft changes during the flight",
             Self::Other => "see the reasons",
         }
     }
@@ -243,6 +247,7 @@ mod tests {
             ReasonCode::NotConverged,
             ReasonCode::AtLimit,
             ReasonCode::ChangeInDoubt,
+            ReasonCode::NotConstant,
         ] {
             assert_eq!(serde_json::to_string(&code).unwrap(), format!("\"{code}\""));
         }

@@ -24,7 +24,7 @@ use crate::model_file::Role;
 use crate::motion::{MotionModel, terms};
 
 /// Length of a block, s.
-const BLOCK_S: f64 = 1.0;
+pub(crate) const BLOCK_S: f64 = 1.0;
 /// Blocks that are worked out at a time: bounds the memory that a long record takes.
 const CHUNK: usize = 20;
 /// A regressor moves in a block where its mean square is at least this part of that in the block where it moves most.
@@ -58,6 +58,20 @@ struct Equation {
     offset: Vec<f64>,
     /// Sums of products of `[regressors, residual, 1]` by block.
     sums: Vec<DMatrix<f64>>,
+}
+
+/// One equation by block, as regressors and residuals were measured.
+pub(crate) struct ByBlock {
+    /// Columns with a regressor.
+    pub(crate) used: Vec<usize>,
+    /// The values at which the residuals are.
+    pub(crate) values: Vec<f64>,
+    /// Sums of products of `[regressors, residual]` by block.
+    pub(crate) sums: Vec<DMatrix<f64>>,
+    /// Number of samples by block.
+    pub(crate) samples: Vec<f64>,
+    /// By regressor: whether it moves in the block.
+    pub(crate) moving: Vec<Vec<bool>>,
 }
 
 /// Most iterations of a singular value decomposition: some ten are usual.
@@ -149,6 +163,16 @@ impl Equations {
         (!found.equations.is_empty()).then_some(found)
     }
 
+    /// The time of the first block, s.
+    pub(crate) fn start_s(&self) -> f64 {
+        self.start_s
+    }
+
+    /// The equations by block.
+    pub(crate) fn by_block(&self) -> Vec<ByBlock> {
+        self.equations.iter().map(Equation::by_block).collect()
+    }
+
     /// The block that a time lies in; none before the record.
     pub(crate) fn block(&self, time_s: f64) -> Option<usize> {
         let block = ((time_s - self.start_s) / BLOCK_S).floor();
@@ -214,6 +238,25 @@ impl Equations {
 }
 
 impl Equation {
+    fn by_block(&self) -> ByBlock {
+        let size = self.used.len() + 1;
+        // The offsets are put back: value = sum of rows with the constant one in the last place.
+        let back = DMatrix::from_fn(size, size + 1, |a, b| match b {
+            _ if b == size => self.offset[a],
+            _ if a == b => 1.0,
+            _ => 0.0,
+        });
+        let sums = self.sums.iter().map(|block| &back * block * back.transpose()).collect();
+        let samples = self.sums.iter().map(|block| block[(size, size)]).collect();
+        let moving = |i: usize| {
+            let mut moves = vec![false; self.sums.len()];
+            self.moving(i).into_iter().for_each(|block| moves[block] = true);
+            moves
+        };
+        let moving = (0..self.used.len()).map(moving).collect();
+        ByBlock { used: self.used.clone(), values: self.values.clone(), sums, samples, moving }
+    }
+
     /// The blocks in which a regressor moves.
     fn moving(&self, i: usize) -> Vec<usize> {
         let one = self.used.len() + 1;

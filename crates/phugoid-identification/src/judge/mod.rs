@@ -2,7 +2,8 @@
 
 mod advice;
 mod attitude;
-pub(crate) mod contradiction;
+mod constancy;
+mod contradiction;
 mod effective;
 mod equations;
 mod explained;

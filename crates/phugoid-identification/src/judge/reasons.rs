@@ -12,7 +12,7 @@ use crate::core::estimation::{
 };
 use crate::judge::contradiction::{self, Unsettled};
 use crate::judge::equations::Equations;
-use crate::judge::{attitude, explained, fit, input_noise, integrity, physics};
+use crate::judge::{attitude, constancy, explained, fit, input_noise, integrity, physics};
 use crate::methods::{Run, Task};
 use crate::model_file::{ModelFile, Role};
 use crate::motion::Motion;
@@ -36,6 +36,8 @@ pub(crate) fn reasons<M: Motion<N, R>, const N: usize, const R: usize>(
         let unsettled_s = unsettled_stretches(run, &history.time_s);
         found.extend(contradiction::reasons(&history.time_s, &history.residuals, equations, &unsettled_s, &learnt));
         found.extend(run.batch.iter().flat_map(|report| fit::reasons(task.method(), task.file, history, report)));
+        // Causal methods look for changes themselves.
+        found.extend(run.batch.as_ref().and(equations).and_then(constancy::reason));
         found.extend(run.noise.and_then(|_| explained::reason(history)));
         found.extend(run.noise.and_then(|learnt| {
             let outputs = M::AXES.outputs().iter().zip(task.noise).zip(learnt.std);

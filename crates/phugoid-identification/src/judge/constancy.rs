@@ -1,0 +1,271 @@
+//! Whether the terms of a model are the same before and after some time of the flight.
+//!
+//! A batch method has one value for the whole flight. Where the aircraft changes in between, that value is a mean of two
+//! aircraft, and its residuals look much like those of turbulence. So the equations of motion are solved for the time
+//! before and after each moment anew, and the two are compared (G. C. Chow, *Tests of Equality Between Sets of Coefficients
+//! in Two Linear Regressions*, Econometrica 28, 1960; the time of the change is searched for, as in D. W. K. Andrews, *Tests
+//! for Parameter Instability and Structural Change With Unknown Change Point*, Econometrica 61, 1993). The errors are found
+//! by leaving out two seconds at a time, which allows for coloured residuals and for what rests on one manoeuvre alone.
+
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+
+use crate::core::estimation::{EstimationStatus, ReasonCode, VerdictReason};
+use crate::judge::equations::{BLOCK_S, ByBlock, Equations};
+
+/// Blocks that are left out together: residuals further apart than that are hardly related.
+const TOGETHER: usize = 2;
+/// Fewest groups of blocks on either side.
+const FEWEST: usize = 5;
+/// A change counts where the two values differ by this part of the larger one: terms that a model lacks make less.
+const MATERIAL: f64 = 0.25;
+/// The regressor has to move by this part as much (in mean squares) on the side on which it moves less, and in this many
+/// blocks as in a manoeuvre at the least: the noise of the measurements, and gusts that the vane does not see, make the value of one
+/// that hardly moves too small.
+const ALIKE: f64 = 0.2;
+const MOVING: usize = 1;
+/// Part of a regressor's square that the others may not share, at least: below it the terms cannot be told apart in this
+/// equation, such as a rolling and a yawing moment.
+const OWN: f64 = 1e-6;
+/// Two-sided quantiles of Student's t for one in 100 000, by degrees of freedom: a flight asks some hundred times, with
+/// several terms at many moments, of which neighbours have the same answer.
+const STUDENT: [(f64, f64); 9] = [
+    (4.0, 27.8),
+    (5.0, 17.9),
+    (6.0, 13.6),
+    (8.0, 9.8),
+    (10.0, 8.2),
+    (15.0, 6.5),
+    (20.0, 5.9),
+    (30.0, 5.3),
+    (60.0, 4.8),
+];
+
+/// A term that is not the same before and after.
+#[derive(Clone, Debug, PartialEq)]
+struct Change {
+    column: usize,
+    /// When, s on the clock of the record.
+    time_s: f64,
+    before: f64,
+    after: f64,
+    /// The difference over the limit of what chance makes of it: more than one.
+    strength: f64,
+}
+
+/// The reason that a term changes in flight; none if the flight does not show it.
+pub(super) fn reason(equations: &Equations) -> Option<VerdictReason> {
+    let mut found: Vec<Change> =
+        equations.by_block().iter().flat_map(|equation| changes(equation, equations.start_s())).collect();
+    found.sort_by(|a, b| b.strength.total_cmp(&a.strength));
+    let first = found.first()?;
+    let name = |change: &Change| equations.columns[change.column].name.clone();
+    let said = |change: &Change| {
+        format!("{} {:.3} before {:.0} s and {:.3} after", name(change), change.before, change.time_s, change.after)
+    };
+    let all: Vec<String> = found.iter().map(said).collect();
+    Some(VerdictReason {
+        code: ReasonCode::NotConstant,
+        status: EstimationStatus::Doubtful,
+        concerns: found.iter().map(name).collect(),
+        sentence: format!(
+            "The aircraft is not the same throughout: by the equations of motion {}. One value for the whole flight is \
+             neither. Estimate the parts by themselves (--to {:.0}s, --from {:.0}s), or with SMPE or the EKF, which look for \
+             changes.",
+            all.join("; "),
+            first.time_s,
+            first.time_s
+        ),
+    })
+}
+
+/// Sums of products of one group of blocks: of the regressors, and of them with the left side.
+#[derive(Clone)]
+struct Normal {
+    gram: DMatrix<f64>,
+    right: DVector<f64>,
+    samples: f64,
+}
+
+impl Normal {
+    fn zeros(u: usize) -> Self {
+        Self { gram: DMatrix::zeros(u, u), right: DVector::zeros(u), samples: 0.0 }
+    }
+
+    fn plus(&self, other: &Self, sign: f64) -> Self {
+        Self {
+            gram: &self.gram + &other.gram * sign,
+            right: &self.right + &other.right * sign,
+            samples: self.samples + sign * other.samples,
+        }
+    }
+
+    /// One over the length of each regressor, and the Cholesky factors of the sums with regressors of unit length; `None`
+    /// where they cannot be told apart.
+    fn factors(&self) -> Option<(DVector<f64>, Cholesky<f64, Dyn>)> {
+        let u = self.right.len();
+        let length = |a: usize| self.gram[(a, a)].sqrt();
+        let scale = DVector::from_fn(u, |a, _| if length(a) > 0.0 { length(a).recip() } else { 0.0 });
+        let ridge = |a: usize, b: usize| if a == b { RIDGE } else { 0.0 };
+        let scaled = DMatrix::from_fn(u, u, |a, b| scale[a] * self.gram[(a, b)] * scale[b] + ridge(a, b));
+        Some((scale, scaled.cholesky()?))
+    }
+
+    fn solve(&self) -> Option<DVector<f64>> {
+        let (scale, factors) = self.factors()?;
+        let solved = factors.solve(&self.right.component_mul(&scale)).component_mul(&scale);
+        solved.iter().all(|v| v.is_finite()).then_some(solved)
+    }
+
+    /// The mean square of each regressor that the others do not share.
+    fn motion(&self) -> Option<DVector<f64>> {
+        let (scale, factors) = self.factors()?;
+        let inverse = factors.inverse();
+        let own = |a: usize| 1.0 / (inverse[(a, a)] * scale[a] * scale[a] * self.samples);
+        let told = |a: usize| scale[a] > 0.0 && inverse[(a, a)] * OWN < 1.0;
+        Some(DVector::from_fn(self.right.len(), |a, _| if told(a) { own(a) } else { 0.0 }))
+    }
+}
+
+/// Added to the diagonal of regressors of unit length, so that one that does not move has no value in place of any.
+const RIDGE: f64 = 1e-9;
+
+/// The values on one side, and their variances.
+struct Side {
+    value: DVector<f64>,
+    variance: DVector<f64>,
+    motion: DVector<f64>,
+    groups: usize,
+}
+
+impl Side {
+    fn of(groups: &[Normal]) -> Option<Self> {
+        let u = groups.first()?.right.len();
+        let all = groups.iter().fold(Normal::zeros(u), |sum, group| sum.plus(group, 1.0));
+        let value = all.solve()?;
+        let n = groups.len() as f64;
+        let mut variance = DVector::zeros(u);
+        for group in groups {
+            let off = all.plus(group, -1.0).solve()? - &value;
+            variance += off.component_mul(&off) * ((n - 1.0) / n);
+        }
+        Some(Self { value, variance, motion: all.motion()?, groups: groups.len() })
+    }
+}
+
+/// By how many standard errors chance makes two values differ.
+fn limit(degrees: usize) -> f64 {
+    let wanted = degrees as f64;
+    let after = STUDENT.iter().position(|(degrees, _)| *degrees >= wanted);
+    match after {
+        Some(0) => STUDENT[0].1,
+        // Nearly linear in the inverse of the degrees of freedom.
+        Some(k) => {
+            let ((low, high), (from, to)) = ((STUDENT[k - 1].0, STUDENT[k].0), (STUDENT[k - 1].1, STUDENT[k].1));
+            from + (to - from) * (1.0 / low - 1.0 / wanted) / (1.0 / low - 1.0 / high)
+        }
+        None => STUDENT[STUDENT.len() - 1].1,
+    }
+}
+
+/// The terms of one equation that change, each where it shows most.
+fn changes(equation: &ByBlock, start_s: f64) -> Vec<Change> {
+    let groups: Vec<Normal> = equation
+        .sums
+        .chunks(TOGETHER)
+        .zip(equation.samples.chunks(TOGETHER))
+        .map(|(blocks, samples)| {
+            let u = equation.used.len();
+            blocks.iter().zip(samples).fold(Normal::zeros(u), |sum, (block, samples)| {
+                let gram = block.view((0, 0), (u, u)).into_owned();
+                // The left side is what the values explain and the residual.
+                let right = &gram * DVector::from_row_slice(&equation.values) + block.view((0, u), (u, 1)).column(0);
+                sum.plus(&Normal { gram, right, samples: *samples }, 1.0)
+            })
+        })
+        .collect();
+    // On both sides as in a manoeuvre.
+    let moves = |j: usize, split: usize| {
+        let (before, after) = equation.moving[j].split_at((split * TOGETHER).min(equation.moving[j].len()));
+        [before, after].iter().all(|side| side.iter().filter(|moves| **moves).count() >= MOVING)
+    };
+    let mut strongest: Vec<Option<Change>> = vec![None; equation.used.len()];
+    for split in FEWEST..groups.len().saturating_sub(FEWEST - 1) {
+        let Some((before, after)) = Side::of(&groups[..split]).zip(Side::of(&groups[split..])) else { continue };
+        let limit = limit(before.groups.min(after.groups) - 1);
+        for (j, strongest) in strongest.iter_mut().enumerate() {
+            let (from, to) = (before.value[j], after.value[j]);
+            let strength = (to - from).abs() / (limit * (before.variance[j] + after.variance[j]).sqrt());
+            let material = (to - from).abs() >= MATERIAL * from.abs().max(to.abs());
+            let (less, more) = (before.motion[j].min(after.motion[j]), before.motion[j].max(after.motion[j]));
+            if material
+                && less >= ALIKE * more
+                && more > 0.0
+                && moves(j, split)
+                && strength > 1.0
+                && strongest.as_ref().is_none_or(|s| strength > s.strength)
+            {
+                *strongest = Some(Change {
+                    column: equation.used[j],
+                    time_s: start_s + (split * TOGETHER) as f64 * BLOCK_S,
+                    before: from,
+                    after: to,
+                    strength,
+                });
+            }
+        }
+    }
+    strongest.into_iter().flatten().collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Forty seconds of `y = value x` with a scatter, `x` moving in every block or only in the first half.
+    fn equation(value: impl Fn(usize) -> f64, moves: impl Fn(usize) -> f64) -> ByBlock {
+        let mut seed = 1_u64;
+        let mut scatter = || {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (seed >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
+        };
+        let at = 0.8;
+        let mut sums = Vec::new();
+        for block in 0..40 {
+            let mut sum = DMatrix::zeros(2, 2);
+            for k in 0..50 {
+                let x = moves(block) * (0.3 * f64::from(k)).sin() + 0.01 * scatter();
+                let residual = (value(block) - at) * x + 0.1 * scatter();
+                let row = DVector::from_vec(vec![x, residual]);
+                sum.ger(1.0, &row, &row, 1.0);
+            }
+            sums.push(sum);
+        }
+        let moving = vec![(0..40).map(|block| moves(block) > 0.5).collect()];
+        ByBlock { used: vec![0], values: vec![at], sums, samples: vec![50.0; 40], moving }
+    }
+
+    #[test]
+    fn a_change_is_found_with_its_time_and_both_values() {
+        let found = changes(&equation(|block| if block < 24 { 1.0 } else { 0.6 }, |_| 1.0), 100.0);
+        let [change] = found.as_slice() else { panic!("{found:?}") };
+        assert!((change.time_s - 124.0).abs() <= 2.0, "{change:?}");
+        assert!((change.before - 1.0).abs() < 0.02 && (change.after - 0.6).abs() < 0.02, "{change:?}");
+    }
+
+    #[test]
+    fn what_is_constant_and_what_hardly_moves_does_not_change() {
+        assert_eq!(changes(&equation(|_| 1.0, |_| 1.0), 0.0), []);
+        // Less than what missing terms do.
+        assert_eq!(changes(&equation(|block| if block < 24 { 1.0 } else { 0.85 }, |_| 1.0), 0.0), []);
+        // After half of the flight only noise moves the regressor.
+        let quiet = equation(|block| if block < 20 { 1.0 } else { 0.2 }, |block| if block < 20 { 1.0 } else { 0.02 });
+        assert_eq!(changes(&quiet, 0.0), []);
+    }
+
+    #[test]
+    fn the_limit_falls_with_the_groups() {
+        // Student's t, two-sided, one in 100 000.
+        assert!((limit(4) - 27.8).abs() < 1e-9 && (limit(7) - 11.4).abs() < 0.4, "{}", limit(7));
+        assert!(limit(1000) <= limit(61) && limit(61) <= limit(30));
+    }
+}
