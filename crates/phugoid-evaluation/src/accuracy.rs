@@ -227,7 +227,7 @@ impl<M: Motion<N, R>, const N: usize, const R: usize> Asked<M, N, R> {
             let truth = flight.truth.channel(state.name()).and_then(|c| c.values.get(prepared.first));
             *value = truth.copied().unwrap_or(f64::NAN);
         }
-        let between = match (model.input, M::AXES) {
+        let between = match (prepared.hold, M::AXES) {
             (InputHold::Held, Axes::Longitudinal) => Between::Held,
             // The input knows itself what is held; a measured motion that is an input runs on between the samples.
             _ => Between::Interpolated,

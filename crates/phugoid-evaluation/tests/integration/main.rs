@@ -11,6 +11,7 @@ mod arena;
 mod batch;
 mod cramer_rao_f16;
 mod detection;
+mod input_timing;
 mod lateral;
 mod manoeuvres;
 mod offer;

@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use super::correction::moved;
 use crate::core::error::EstimateError;
-use crate::model_file::ModelFile;
+use crate::model_file::{InputHold, ModelFile};
 use crate::pipeline::estimate::{EstimateOptions, estimate};
 
 /// The delay of an input channel against the other channels.
@@ -31,6 +31,9 @@ pub struct InputSkew {
 pub fn input_skew(record: &Record, model: &ModelFile, channel: &str) -> Result<InputSkew, EstimateError> {
     const HALVES: i32 = 6;
     let step = 0.5 * record.sample_time_s();
+    // The delay that is looked for is not to be taken out beforehand.
+    let hold = if model.input == InputHold::Auto { InputHold::Interpolated } else { model.input };
+    let model = &ModelFile { input: hold, ..model.clone() };
     let options = EstimateOptions { change_detection: Some(false), ..EstimateOptions::default() };
     let mut tried = Vec::new();
     for k in -HALVES..=HALVES {

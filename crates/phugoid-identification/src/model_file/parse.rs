@@ -105,9 +105,13 @@ fn parse(file: &str, text: &str) -> Result<ModelFile, ModelFileError> {
         Some("reference") => RateSpeed::Reference,
         _ => RateSpeed::Actual,
     };
-    let input = match top.word("input", &["held", "interpolated"])? {
+    let input = match top.word("input", &["auto", "held", "interpolated"])? {
         Some("interpolated") => InputHold::Interpolated,
-        _ => InputHold::Held,
+        Some("auto") => InputHold::Auto,
+        // The database is flown by simulations, which hold their commands.
+        Some(_) => InputHold::Held,
+        None if base == Base::F16 => InputHold::Held,
+        None => InputHold::Auto,
     };
     let outputs = outputs(&top, axes)?;
     let parameters = parameters(&top, axes, base, &extra_inputs, &outputs)?;

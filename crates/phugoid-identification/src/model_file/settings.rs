@@ -54,4 +54,7 @@ pub enum InputHold {
     Held,
     /// They move on a straight line to the next sample, as a recorded surface does.
     Interpolated,
+    /// One of the two, found from when the aircraft of a record reacts to the surfaces, with their delay; held in a live
+    /// session, which cannot look ahead.
+    Auto,
 }

@@ -7,5 +7,8 @@ pub mod front_end;
 pub(crate) mod intake;
 pub mod noise;
 pub mod prepare;
+pub(crate) mod resample;
 pub(crate) mod surface;
+pub(crate) mod timing;
 pub mod trim;
+pub(crate) mod windows;

@@ -10,12 +10,14 @@ use crate::core::error::{EstimateError, Lacking};
 use crate::core::estimation::Signal;
 use crate::core::output::Output;
 use crate::core::words::nearest;
-use crate::model_file::{AirDensity, Base, ModelFile, Reference, ReferenceValue, Thrust};
+use crate::model_file::{AirDensity, Base, InputHold, ModelFile, Reference, ReferenceValue, Thrust};
 use crate::models::longitudinal::{Database, LongitudinalModel};
 use crate::motion::{Motion, ReferencePoint};
 use crate::preparation::intake::{KnownInput, Origin, known_inputs, model_input};
 use crate::preparation::surface::{self, SurfaceNoise};
+use crate::preparation::timing::timing;
 use crate::preparation::trim::{LevelTrim, TrimCondition, level_trim};
+use crate::preparation::windows::delay::earlier;
 
 /// Everything the estimator needs of one record.
 #[derive(Clone, Debug)]
@@ -32,6 +34,10 @@ pub struct Prepared<M: Motion<N, R>, const N: usize, const R: usize> {
     pub known: Vec<Signal>,
     /// Where they come from, in the same order.
     pub(crate) origins: Vec<Origin>,
+    /// How the surfaces and further inputs move between two samples: never `Auto`.
+    pub hold: InputHold,
+    /// The surfaces that were recorded late (positive) or early and were moved, by name, and by how much, s.
+    pub moved_s: Vec<(String, f64)>,
     /// The noise of the surfaces that have some, by name.
     pub(crate) surface_noise: Vec<(String, SurfaceNoise)>,
     /// The reference point: the values at which the terms are zero.
@@ -88,7 +94,8 @@ fn smoothing(name: &str, noise: SurfaceNoise) -> Option<String> {
 }
 
 /// Builds the model and collects the signals: `prepare::<LongitudinalModel, _, _>(&record, &file)`. Noise on the positions
-/// of the surfaces is smoothed away, with samples before and after, and a note says so.
+/// of the surfaces is smoothed away, with samples before and after, and a note says so. Where the file leaves it to the
+/// record how they move between samples, that is decided, and a skew of theirs taken out; notes say so too.
 ///
 /// # Errors
 /// A file of other axes, a missing channel, a channel without any value, an impossible trim.
@@ -96,7 +103,36 @@ pub fn prepare<M: Motion<N, R>, const N: usize, const R: usize>(
     record: &Record,
     file: &ModelFile,
 ) -> Result<Prepared<M, N, R>, EstimateError> {
-    collect(record, file, &surface::smooth)
+    let mut prepared = collect(record, file, &surface::smooth)?;
+    if file.input == InputHold::Auto {
+        let found = timing(&prepared, file);
+        for (name, late_s) in &found.late_s {
+            for signal in prepared.known.iter_mut().filter(|signal| signal.name == *name) {
+                signal.values = earlier(&prepared.time, &signal.values, *late_s);
+            }
+        }
+        prepared.moved_s = found.late_s.iter().map(|(name, late_s)| ((*name).to_owned(), *late_s)).collect();
+        prepared.hold = found.hold;
+        prepared.inputs = model_inputs::<M, N, R>(&prepared.known, file, found.hold);
+        prepared.notes.extend(found.notes);
+    }
+    Ok(prepared)
+}
+
+/// The input of the model at each sample, from the known inputs by name.
+fn model_inputs<M: Motion<N, R>, const N: usize, const R: usize>(
+    known: &[Signal],
+    file: &ModelFile,
+    hold: InputHold,
+) -> Vec<M::KnownInput> {
+    let named = known.len() - file.extra_inputs.len();
+    let samples = known.first().map_or(0, |signal| signal.values.len());
+    (0..samples)
+        .map(|k| {
+            let values = known.iter().map(|signal| (signal.name.as_str(), signal.values[k]));
+            model_input::<M, N, R>(hold, named, values)
+        })
+        .collect()
 }
 
 /// As [`prepare`], for the first samples of a live session: later ones cannot be looked at, and surfaces stay as they
@@ -178,14 +214,10 @@ fn collect<M: Motion<N, R>, const N: usize, const R: usize>(
         }
     }
     notes.extend(unseen);
-    let named = known.len() - file.extra_inputs.len();
     let origins = inputs.into_iter().map(|input| input.origin).collect();
-    let inputs: Vec<M::KnownInput> = (0..samples)
-        .map(|k| {
-            let values = known.iter().map(|signal| (signal.name.as_str(), signal.values[k]));
-            model_input::<M, N, R>(file.input, named, values)
-        })
-        .collect();
+    // What comes later decides it where the file does not: until then they are held, and so they stay in a live session.
+    let hold = if file.input == InputHold::Interpolated { file.input } else { InputHold::Held };
+    let inputs = model_inputs::<M, N, R>(&known, file, hold);
     let outputs: Vec<[f64; R]> = (first..record.time.len())
         .map(|k| std::array::from_fn(|i| measured.get(i).copied().flatten().map_or(f64::NAN, |values| values[k])))
         .collect();
@@ -213,7 +245,20 @@ fn collect<M: Motion<N, R>, const N: usize, const R: usize>(
         rudder: surface(wanted.rudder, Some(0.0), "rudder")?,
     };
     let model = M::build(file, database, &reference);
-    Ok(Prepared { model, time, inputs, outputs, known, origins, surface_noise, reference, first, notes })
+    Ok(Prepared {
+        model,
+        time,
+        inputs,
+        outputs,
+        known,
+        origins,
+        hold,
+        moved_s: Vec::new(),
+        surface_noise,
+        reference,
+        first,
+        notes,
+    })
 }
 
 /// The longitudinal model of a file with a given reference point. For simulation and studies as well as for estimation.

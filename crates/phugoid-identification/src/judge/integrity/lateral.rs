@@ -8,9 +8,10 @@
 //!
 //! without wind that changes (B. L. Stevens, F. L. Lewis, *Aircraft Control and Simulation*, chapter 2).
 
-use super::channels::Channels;
-use super::windows::{factors, integral};
-use super::{Finding, GUSTS, delay, is_off};
+use super::{Finding, delay, is_off};
+use crate::preparation::windows::GUSTS;
+use crate::preparation::windows::channels::Channels;
+use crate::preparation::windows::regression::{factors, integral};
 
 /// Channels in the order in which they are used.
 pub(super) const NAMES: [&str; 11] =

@@ -10,9 +10,10 @@
 
 use phugoid_flight_data::statistics::median;
 
-use super::channels::Channels;
-use super::windows::{factors, integral};
-use super::{Finding, GUSTS, delay, is_off};
+use super::{Finding, delay, is_off};
+use crate::preparation::windows::GUSTS;
+use crate::preparation::windows::channels::Channels;
+use crate::preparation::windows::regression::{factors, integral};
 
 /// Channels in the order in which they are used.
 pub(super) const NAMES: [&str; 6] = ["true_airspeed", "alpha", "theta", "q", "ax", "az"];

@@ -7,30 +7,22 @@
 //! single sensors, by linear regression, and not as their calibration, which `phugoid compatibility` is for.)
 
 mod air_data;
-mod channels;
 mod lateral;
 mod longitudinal;
 mod reactions;
-mod windows;
 
 use phugoid_flight_data::record::Record;
 
 use crate::core::estimation::{EstimationStatus, ReasonCode, VerdictReason};
 use crate::methods::Task;
 use crate::motion::Motion;
-use channels::Channels;
+use crate::preparation::windows::channels::Channels;
+use crate::preparation::windows::{SIGNIFICANT, delay as timing};
 
-/// Standard errors from which a departure counts. The errors are those between windows, which turbulence and model
-/// error widen too.
-const SIGNIFICANT: f64 = 5.0;
 /// Smallest departure of a scale that is reported: calibrations are rarely better.
 const SCALE: f64 = 0.04;
 /// Smallest delay that is reported, samples.
 const DELAY_SAMPLES: f64 = 1.0;
-/// Share of the motion of an angle that may be left unexplained: more of it is gusts, which the aircraft follows, so that
-/// the factors are no longer those of the sensors.
-const GUSTS: f64 = 0.1;
-
 /// One disagreement.
 struct Finding {
     /// The channel that is probably wrong.
@@ -66,7 +58,7 @@ pub(super) fn reason<M: Motion<N, R>, const N: usize, const R: usize>(
     // With a bank angle the equations of the symmetric motion have further terms.
     let chord = task.file.aircraft.mean_chord;
     let with = |names: &[&str], check: &dyn Fn(&Channels) -> Option<Vec<Finding>>| {
-        Channels::of(task, names).and_then(|channels| check(&channels)).unwrap_or_default()
+        Channels::of(task.prepared, task.file, names).and_then(|channels| check(&channels)).unwrap_or_default()
     };
     if !M::AXES.has_lateral() {
         found.extend(with(&longitudinal::NAMES, &|channels| longitudinal::findings(channels, gravity)));
@@ -75,6 +67,8 @@ pub(super) fn reason<M: Motion<N, R>, const N: usize, const R: usize>(
         found.extend(with(&lateral::NAMES, &|channels| lateral::findings(channels, gravity)));
         found.extend(with(&reactions::LATERAL, &|channels| reactions::lateral(channels, chord)));
     }
+    let surfaces = timing::surfaces(task.prepared, task.file);
+    found.extend(surfaces.iter().filter_map(|surface| reactions::surface(surface, task.prepared.hold)));
     if found.is_empty() {
         return None;
     }

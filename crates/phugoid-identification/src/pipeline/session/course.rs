@@ -84,7 +84,7 @@ where
         inputs: known.collect(),
         named: prepared.known.len() - file.extra_inputs.len(),
         shown: M::AXES.known_channels().len(),
-        hold: file.input,
+        hold: prepared.hold,
         outputs: std::array::from_fn(|row| {
             let output = axes_outputs.get(row).filter(|output| file.outputs[output.index()]);
             output.and_then(|output| position(output.name()))

@@ -10,13 +10,15 @@ const WINDOW_S: f64 = 2.0;
 const LEAST_WINDOWS: usize = 5;
 
 /// The factors on the causes.
-pub(super) struct Factors<const C: usize> {
-    pub(super) value: SVector<f64, C>,
+pub(crate) struct Factors<const C: usize> {
+    pub(crate) value: SVector<f64, C>,
     /// One sigma, by leaving out one window at a time: turbulence and model error widen it too, and what rests on one
     /// window alone has a large one.
-    pub(super) std: SVector<f64, C>,
+    pub(crate) std: SVector<f64, C>,
     /// Share of the motion of the signal that is left, without its white noise: what is left in still air is little.
-    pub(super) unexplained: f64,
+    pub(crate) unexplained: f64,
+    /// The same without the last of the causes.
+    pub(crate) unexplained_without_last: f64,
     /// The factors without one of the windows, for each of them.
     without_one: Vec<SVector<f64, C>>,
 }
@@ -24,7 +26,7 @@ pub(super) struct Factors<const C: usize> {
 impl<const C: usize> Factors<C> {
     /// The factor on cause `i` over that on cause `j`, and one sigma of it, by leaving out one window at a time. None if
     /// one of them is not determined.
-    pub(super) fn ratio(&self, i: usize, j: usize) -> Option<(f64, f64)> {
+    pub(crate) fn ratio(&self, i: usize, j: usize) -> Option<(f64, f64)> {
         let of = |value: &SVector<f64, C>| value[i] / value[j];
         let ratio = of(&self.value);
         let n = self.without_one.len() as f64;
@@ -35,7 +37,7 @@ impl<const C: usize> Factors<C> {
 }
 
 /// Integral of a rate over the time by the trapezoidal rule, from zero.
-pub(super) fn integral(time: &[f64], rate: &[f64]) -> Vec<f64> {
+pub(crate) fn integral(time: &[f64], rate: &[f64]) -> Vec<f64> {
     let mut sum = 0.0;
     let mut out = Vec::with_capacity(rate.len());
     out.extend(rate.first().map(|_| 0.0));
@@ -64,7 +66,7 @@ fn without_line(time: &[f64], values: &mut [f64]) {
 
 /// Fits the signal by the causes, all by sample. None if there are too few windows without a gap, or if the causes
 /// cannot be told apart.
-pub(super) fn factors<const C: usize>(
+pub(crate) fn factors<const C: usize>(
     time: &[f64],
     signal: &[f64],
     causes: &[Vec<f64>; C],
@@ -111,14 +113,14 @@ pub(super) fn factors<const C: usize>(
             normal += n;
             right += r;
         }
-        // Causes of unit size, so that the units do not decide what can be told apart.
-        let unit = SVector::<f64, C>::from_fn(|c, _| 1.0 / normal[(c, c)].sqrt());
-        let scaled = SMatrix::<f64, C, C>::from_fn(|a, b| unit[a] * normal[(a, b)] * unit[b]);
-        let value = (scaled.try_inverse()? * right.component_mul(&unit)).component_mul(&unit);
-        Some(value).filter(|value| value.iter().all(|v| v.is_finite()))
+        solved(&normal, &right)
     };
     let value = all(None)?;
-    let explained: f64 = windows.iter().map(|(n, r)| 2.0 * value.dot(r) - value.dot(&(n * value))).sum();
+    let explained_by = |value: &SVector<f64, C>| -> f64 {
+        windows.iter().map(|(n, r)| 2.0 * value.dot(r) - value.dot(&(n * value))).sum()
+    };
+    let explained = explained_by(&value);
+    let explained_without_last = explained_by(&without_last(&windows)?);
     let n = windows.len() as f64;
     let without_one: Vec<SVector<f64, C>> = (0..windows.len()).map(|i| all(Some(i))).collect::<Option<_>>()?;
     let mut sum = SVector::<f64, C>::zeros();
@@ -128,5 +130,34 @@ pub(super) fn factors<const C: usize>(
     }
     let std = (sum * ((n - 1.0) / n)).map(f64::sqrt);
     let moved = motion - noise;
-    (moved > 0.0).then(|| Factors { value, std, unexplained: ((moved - explained) / moved).max(0.0), without_one })
+    let unexplained = |explained: f64| ((moved - explained) / moved).max(0.0);
+    (moved > 0.0).then(|| Factors {
+        value,
+        std,
+        unexplained: unexplained(explained),
+        unexplained_without_last: unexplained(explained_without_last),
+        without_one,
+    })
+}
+
+/// The factors of all causes but the last, whose factor is zero.
+fn without_last<const C: usize>(windows: &[(SMatrix<f64, C, C>, SVector<f64, C>)]) -> Option<SVector<f64, C>> {
+    let (mut normal, mut right) = (SMatrix::<f64, C, C>::zeros(), SVector::<f64, C>::zeros());
+    for (n, r) in windows {
+        normal += n;
+        right += r;
+    }
+    normal.row_mut(C - 1).fill(0.0);
+    normal.column_mut(C - 1).fill(0.0);
+    normal[(C - 1, C - 1)] = 1.0;
+    right[C - 1] = 0.0;
+    solved(&normal, &right)
+}
+
+/// Solves with causes of unit size, so that the units do not decide what can be told apart.
+fn solved<const C: usize>(normal: &SMatrix<f64, C, C>, right: &SVector<f64, C>) -> Option<SVector<f64, C>> {
+    let unit = SVector::<f64, C>::from_fn(|c, _| 1.0 / normal[(c, c)].sqrt());
+    let scaled = SMatrix::<f64, C, C>::from_fn(|a, b| unit[a] * normal[(a, b)] * unit[b]);
+    let value = (scaled.try_inverse()? * right.component_mul(&unit)).component_mul(&unit);
+    Some(value).filter(|value| value.iter().all(|v| v.is_finite()))
 }

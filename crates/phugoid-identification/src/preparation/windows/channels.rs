@@ -2,28 +2,29 @@
 
 use phugoid_flight_data::statistics::{median, median_step};
 
-use crate::methods::Task;
+use crate::model_file::ModelFile;
 use crate::motion::Motion;
+use crate::preparation::prepare::Prepared;
 
 /// Jumps of this many median steps to both neighbours make a sample an outlier.
 const STANDS_OUT: f64 = 8.0;
 
 /// Channels in SI units by sample: those samples that hold them all.
-pub(super) struct Channels {
-    pub(super) time_s: Vec<f64>,
+pub(crate) struct Channels {
+    pub(crate) time_s: Vec<f64>,
     columns: Vec<Vec<f64>>,
 }
 
 impl Channels {
-    /// The channels of these names, outputs or known inputs of the task. None if one of them is not there. Samples with a
-    /// missing value, or with one that stands out of both neighbours, are left out.
-    pub(super) fn of<M: Motion<N, R>, const N: usize, const R: usize>(
-        task: &Task<M, N, R>,
+    /// The channels of these names, outputs or known inputs of the flight. None if one of them is not there. Samples
+    /// with a missing value, or with one that stands out of both neighbours, are left out.
+    pub(crate) fn of<M: Motion<N, R>, const N: usize, const R: usize>(
+        prepared: &Prepared<M, N, R>,
+        file: &ModelFile,
         names: &[&str],
     ) -> Option<Self> {
-        let prepared = task.prepared;
         let column = |name: &&str| -> Option<Vec<f64>> {
-            let row = M::AXES.outputs().iter().position(|o| o.name() == *name && task.file.outputs[o.index()]);
+            let row = M::AXES.outputs().iter().position(|o| o.name() == *name && file.outputs[o.index()]);
             let measured = row.map(|row| prepared.outputs.iter().map(|y| y[row]).collect());
             let known =
                 || prepared.known.iter().find(|signal| signal.name == *name).map(|signal| signal.values.clone());
@@ -56,18 +57,18 @@ impl Channels {
 
     /// Channels as they are, for tests of single checks.
     #[cfg(test)]
-    pub(super) fn for_tests(time_s: Vec<f64>, columns: Vec<Vec<f64>>) -> Self {
+    pub(crate) fn for_tests(time_s: Vec<f64>, columns: Vec<Vec<f64>>) -> Self {
         Self { time_s, columns }
     }
 
     /// The values in the order of the names.
-    pub(super) fn values<const C: usize>(&self) -> Option<[&[f64]; C]> {
+    pub(crate) fn values<const C: usize>(&self) -> Option<[&[f64]; C]> {
         let all: Vec<&[f64]> = self.columns.iter().map(Vec::as_slice).collect();
         all.try_into().ok()
     }
 
     /// The median step of the samples, s.
-    pub(super) fn step_s(&self) -> Option<f64> {
+    pub(crate) fn step_s(&self) -> Option<f64> {
         median_step(&self.time_s)
     }
 }

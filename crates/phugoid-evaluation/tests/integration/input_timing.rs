@@ -1,0 +1,144 @@
+//! Whether surfaces were held between samples, ran straight, or were stamped late, is found from flights of another
+//! simulator. The recorder of the field samples positions, so that straight lines are the truth there; a position that
+//! is stamped half a sample late and then held is the same to the aircraft, so that held commands are made of positions
+//! of half a sample later.
+
+use std::path::Path;
+
+use phugoid_evaluation::field::truth::{Split, Truth, find};
+use phugoid_flight_data::record::Record;
+use phugoid_identification::lateral::LateralModel;
+use phugoid_identification::longitudinal::LongitudinalModel;
+use phugoid_identification::model_file::{InputHold, ModelFile};
+use phugoid_identification::prepare::prepare;
+
+const SURFACES: [&str; 3] = ["elevator", "aileron", "rudder"];
+
+/// A delay is found rightly if it is within so many samples, or so many seconds, of the truth: C_m_q changes by five per
+/// cent with 5 ms (docs/theory.md).
+const NEAR_SAMPLES: f64 = 0.3;
+const NEAR_S: f64 = 0.005;
+
+/// What was found of a flight: how the surfaces move, and which of them was stamped late, s.
+type Found = (InputHold, Vec<(String, f64)>);
+
+fn decide(record: &Record, file: &ModelFile, lateral: bool) -> Option<(Found, bool)> {
+    let (hold, moved, notes) = if lateral {
+        let prepared = prepare::<LateralModel, _, _>(record, file).ok()?;
+        (prepared.hold, prepared.moved_s, prepared.notes)
+    } else {
+        let prepared = prepare::<LongitudinalModel, _, _>(record, file).ok()?;
+        (prepared.hold, prepared.moved_s, prepared.notes)
+    };
+    let decided = !notes.iter().any(|note| note.contains("is not in the bounds"));
+    Some(((hold, moved), decided))
+}
+
+/// The record with its surfaces stamped so much later, s.
+fn stamped_late(record: &Record, by_s: f64) -> Record {
+    let mut late = record.clone();
+    for channel in late.channels.iter_mut().filter(|c| SURFACES.contains(&c.name.as_str())) {
+        let of = channel.values.clone();
+        channel.values = record
+            .time
+            .iter()
+            .map(|t| {
+                let wanted = t - by_s;
+                let after = record.time.partition_point(|s| *s < wanted).clamp(1, record.time.len() - 1);
+                let (from, to) = (record.time[after - 1], record.time[after]);
+                let part = ((wanted - from) / (to - from)).clamp(0.0, 1.0);
+                of[after - 1] + part * (of[after] - of[after - 1])
+            })
+            .collect();
+    }
+    late
+}
+
+#[derive(Default, Debug, Clone, Copy)]
+struct Count {
+    right: usize,
+    wrong: usize,
+    /// Not certain, and right or wrong.
+    open_right: usize,
+    open_wrong: usize,
+}
+
+fn study(flights: &[Truth], show: bool) -> [(&'static str, Count); 4] {
+    let mut counts = [
+        ("straight", Count::default()),
+        ("held", Count::default()),
+        ("20 ms late", Count::default()),
+        ("20 ms early", Count::default()),
+    ];
+    for truth in flights {
+        let path = |name: &str| truth.folder.join(name);
+        let mut file = ModelFile::find(&path(&truth.model).to_string_lossy()).unwrap();
+        file.input = InputHold::Auto;
+        let Ok(record) = file.open_record(path(&truth.record)) else { continue };
+        let step = record.sample_time_s();
+        for (case, late_s) in [0.0, -0.5 * step, 0.02, -0.02].into_iter().enumerate() {
+            let stamped = if late_s == 0.0 { record.clone() } else { stamped_late(&record, late_s) };
+            let Some(((hold, moved), decided)) = decide(&stamped, &file, truth.axes == "lateral") else { continue };
+            // What the estimator takes as the delay, half a sample for held ones included.
+            let taken = |name: &str| {
+                moved.iter().find(|m| m.0 == name).map_or(0.0, |m| m.1)
+                    - if hold == InputHold::Held { 0.5 * step } else { 0.0 }
+            };
+            let names: &[&str] = if truth.axes == "lateral" { &SURFACES[1..] } else { &SURFACES[..1] };
+            let limit = (NEAR_SAMPLES * step).max(NEAR_S);
+            let right = names.iter().all(|name| (taken(name) - late_s).abs() <= limit);
+            let count = &mut counts[case].1;
+            *match (decided, right) {
+                (true, true) => &mut count.right,
+                (true, false) => &mut count.wrong,
+                (false, true) => &mut count.open_right,
+                (false, false) => &mut count.open_wrong,
+            } += 1;
+            if show {
+                let taken: Vec<String> = names.iter().map(|name| format!("{:+.1}", 1e3 * taken(name))).collect();
+                println!(
+                    "{} {} {} step {:.0} ms, {:+.1} ms: {} {hold:?} taken {}",
+                    truth.aircraft,
+                    truth.flight,
+                    truth.group,
+                    1e3 * step,
+                    1e3 * late_s,
+                    if decided { "decided" } else { "open" },
+                    taken.join(" ")
+                );
+            }
+        }
+    }
+    counts
+}
+
+#[test]
+fn how_surfaces_move_is_found_on_foreign_flights() {
+    let flights = find(Path::new("tests/field"), Split::Develop).unwrap();
+    let healthy: Vec<Truth> = flights.into_iter().filter(Truth::is_healthy).collect();
+    for (case, count) in study(&healthy, true) {
+        assert!(count.wrong == 0 && count.right > 0, "{case}: {count:?}");
+    }
+}
+
+/// The whole field: `PHUGOID_FIELD=target/field cargo test --release -p phugoid-evaluation --test integration
+/// input_timing -- --ignored --nocapture`, with `PHUGOID_FIELD_SPLIT=look-once` for the other part.
+#[test]
+#[ignore = "needs the field of scripts/field/make.py"]
+fn how_surfaces_move_on_the_whole_field() {
+    let folder = std::env::var("PHUGOID_FIELD").expect("PHUGOID_FIELD names the folder of scripts/field/make.py");
+    let split = match std::env::var("PHUGOID_FIELD_SPLIT").as_deref() {
+        Ok("look-once") => Split::LookOnce,
+        _ => Split::Develop,
+    };
+    let (flights, others): (Vec<Truth>, Vec<Truth>) =
+        find(Path::new(&folder), split).unwrap().into_iter().partition(Truth::is_healthy);
+    for (case, count) in study(&others, true) {
+        println!("with a change in flight or systematic errors, {case}: {count:?}");
+    }
+    for (case, count) in study(&flights, true) {
+        println!("{case}: {count:?}");
+        // How much is decided, and how near a skew is found, is what this is run for (docs/model-file.md).
+        assert!(case.contains("ms") || count.right >= 19 * count.wrong, "{case}: {count:?}");
+    }
+}
