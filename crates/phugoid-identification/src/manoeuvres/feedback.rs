@@ -13,6 +13,8 @@
 //! E. Welsch, *Robust regression using iteratively reweighted least-squares*, Commun. Stat. 6, 1977). Without a loop the
 //! gains come out as zero, because the free motion after an input moves no surface. A stick that moves all the time leaves
 //! much more than noise; then nothing is taken out, because the gains might be those of the aircraft's answer turned round.
+//! Nor is it where the surface moves at one frequency: the aircraft answers with the same frequency, and two signals of one
+//! frequency explain any third.
 
 use nalgebra::{DMatrix, DVector};
 use phugoid_flight_data::statistics::{median, median_step};
@@ -40,6 +42,10 @@ const HELPS: f64 = 0.85;
 const NOISE: f64 = 3.0;
 /// ... or at most this part of what they were.
 const PART: f64 = 0.35;
+/// A position moves at one frequency if its second differences over this time, s, are its own negative but for this part
+/// of their squares. A short period with a damping of 0.3 leaves more than a tenth.
+const TONE_S: f64 = 0.1;
+const TONE_LEAVES: f64 = 0.05;
 /// Noise below this, rad, is rounding.
 const SMALLEST: f64 = 1e-4;
 
@@ -73,6 +79,9 @@ fn without_loop(signals: &Signals<'_>, surface: &str, recorded: &Sampled) -> Opt
     let (over, lag, half) = (samples(OVER_S).max(3), samples(LAG_S), samples(LAG_S) / 2);
     let smooth: Vec<Vec<f64>> = columns.iter().map(|values| means(values, half)).collect();
     let position = means(&medians(&recorded.values), half);
+    if is_tone(&position, samples(TONE_S)) {
+        return None;
+    }
     let at = |k: usize| smooth.iter().map(move |x| x[k]).chain(smooth.iter().map(move |x| x[k.saturating_sub(lag)]));
     // Differences over a gap are none.
     let whole = |k: &usize| time[*k] - time[k - over] < 1.5 * over as f64 * step;
@@ -102,6 +111,21 @@ fn without_loop(signals: &Signals<'_>, surface: &str, recorded: &Sampled) -> Opt
         .collect();
     let noise = measure_noise(&values).map_or(recorded.noise, |noise| noise.std).max(recorded.noise);
     Some(Sampled { time: time.clone(), values, noise })
+}
+
+/// True if `x'' = -w^2 x + c` describes the position.
+fn is_tone(position: &[f64], lag: usize) -> bool {
+    let pairs: Vec<(f64, f64)> = position
+        .windows(2 * lag + 1)
+        .map(|window| (window[lag], window[0] - 2.0 * window[lag] + window[2 * lag]))
+        .filter(|(x, curve)| x.is_finite() && curve.is_finite())
+        .collect();
+    let count = pairs.len() as f64;
+    let mean = |of: &dyn Fn(&(f64, f64)) -> f64| pairs.iter().map(of).sum::<f64>() / count;
+    let (x0, curve0) = (mean(&|p| p.0), mean(&|p| p.1));
+    let (xx, xc, cc) =
+        (mean(&|p| (p.0 - x0).powi(2)), mean(&|p| (p.0 - x0) * (p.1 - curve0)), mean(&|p| (p.1 - curve0).powi(2)));
+    xc < 0.0 && cc * xx - xc * xc < TONE_LEAVES * cc * xx
 }
 
 /// One sigma of a normal distribution with the same median of the absolute values.
