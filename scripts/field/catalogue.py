@@ -8,6 +8,10 @@ from fly import Plan
 # Which repetition of an aircraft's flights belongs to which part. Repetitions differ in condition, times, sizes, gusts, noise.
 REPETITIONS = {"develop": (1,), "look-once": (101,)}
 
+# The same of the flights with a flight control system (`--feedback`), and who flies them.
+FEEDBACK_REPETITIONS = {"develop": (1, 2, 3, 4), "look-once": (101,)}
+FEEDBACK_AIRCRAFT = ("T38", "f15", "fokker100", "pc7", "t6texan2", "p51d", "T37", "global5000", "A320")
+
 # What is kept in the project, for the checks that always run: by aircraft, names of flights of the part `develop`.
 SAMPLE = {"OV10": ("calm-short", "damage-elevator"), "pc7": ("light-stick",), "T38": ("lat-light-stick",)}
 
@@ -84,6 +88,50 @@ def _lateral() -> list[dict]:
         dict(name="lat-damage-aileron", group="damage", manoeuvres=busy, duration=52.0, damage=(27.0, {"Cl_aileron": -0.5}), loop="attitude"),
         dict(name="lat-damage-fin", group="damage", manoeuvres=busy, duration=52.0, damage=(27.0, {"Cn_beta": -0.4, "Cn_rudder": -0.4}), loop="attitude", gust=0.4),
     ]
+
+
+# Every channel of every instrument, for a recorder that is better or worse as a whole.
+def _noise(factor: float) -> dict:
+    channels = ("tas", "alpha", "beta", "phi", "theta", "p", "q", "r", "ax", "ay", "az", "elevator", "aileron", "rudder")
+    return {"noise_of": {channel: factor for channel in channels}}
+
+
+def _feedback() -> list[dict]:
+    """A stabilised aircraft: feedback moves the surfaces with the motion, and one axis is excited before the other."""
+    rudder_first = (("doublet", "rudder", 3, 1.5), ("doublet", "aileron", 8, 1.5), ("3211", "rudder", 14, 1.0), ("doublet", "aileron", 21, 1.5))
+    # The rudder alone for long: everything is believed to be known when the ailerons first move.
+    rudder_long = (("doublet", "rudder", 3, 1.5), ("3211", "rudder", 9, 1.2), ("doublet", "aileron", 20, 1.5), ("doublet", "aileron", 25, 1.2))
+    hands = (("doublet", "rudder", 3, 1.5), ("stick", "aileron", 9, 1.2, 28), ("stick", "rudder", 14, 1.0, 28))
+    pitch = (("doublet", "elevator", 3, 1.5), ("3211", "elevator", 10, 1.5), ("doublet", "elevator", 20, 1.5))
+    lateral = [
+        dict(name="rudder-first", group="calm", manoeuvres=rudder_first),
+        dict(name="rudder-long", group="calm", manoeuvres=rudder_long, duration=32.0),
+        dict(name="rudder-stick", group="calm", manoeuvres=hands),
+        dict(name="rudder-good", group="good instruments", manoeuvres=rudder_first, instruments=_noise(0.3), rate_hz=100),
+        dict(name="rudder-poor", group="poor instruments", manoeuvres=rudder_first, instruments=_noise(3.0)),
+        dict(name="rudder-light", group="light turbulence", manoeuvres=rudder_long, gust=0.5, duration=32.0),
+    ]
+    longitudinal = [
+        dict(name="pitch", group="calm", manoeuvres=pitch),
+        dict(name="pitch-good", group="good instruments", manoeuvres=pitch, instruments=_noise(0.3), rate_hz=100),
+        dict(name="pitch-poor", group="poor instruments", manoeuvres=pitch, instruments=_noise(3.0)),
+        dict(name="pitch-light", group="light turbulence", manoeuvres=pitch, gust=0.5),
+    ]
+    return [dict(axes="lateral", **one) for one in lateral] + [dict(axes="longitudinal", **one) for one in longitudinal]
+
+
+def feedback_flights(spec: Aircraft, split: str, repetition: int | None = None) -> list[Plan]:
+    """The flights of one stabilised aircraft in one part, or in another repetition of it."""
+    if spec.name not in FEEDBACK_AIRCRAFT or split == "develop" and spec.look_once_only:
+        return []
+    out = []
+    for k in FEEDBACK_REPETITIONS[split] if repetition is None else (repetition,):
+        for one in _feedback():
+            seed = zlib.crc32(f"{spec.name}/feedback/{one['name']}/{k}".encode())
+            plan = Plan(seed=seed, loop="stabilised", **one)
+            plan.name += f"-{k}"
+            out.append(plan)
+    return out
 
 
 def flights(spec: Aircraft, split: str, repetition: int | None = None) -> list[Plan]:

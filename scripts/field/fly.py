@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 import inputs
+import stabilisation
 from simulator import RHO, PSF, FT, Simulator
 
 # Recorded exactly, 200 times per second; the instruments sample from it.
@@ -29,7 +30,7 @@ class Plan:
     rate_hz: int = 50
     # (pattern, surface, start s, factor on the amplitude); for "stick": (.., start, factor, end).
     manoeuvres: tuple = ()
-    # "open", "damper" or "attitude".
+    # "open", "damper", "attitude", or "stabilised": a flight control system with gains of its own for each flight.
     loop: str = "open"
     # One sigma of gusts, m/s.
     gust: float = 0.0
@@ -75,9 +76,11 @@ def fly(sim: Simulator, plan: Plan, rng) -> Flown:
     # Feedback, in units of what one radian of the surface does. The wings are kept level in longitudinal flights, and the
     # pitch attitude in lateral ones, as a pilot would.
     lateral = plan.axes == "lateral"
-    kq = {"open": 0.0, "damper": 1.2, "attitude": 1.0}[plan.loop] if not lateral else 0.6
-    ktheta = {"open": 0.0, "damper": 0.0, "attitude": 1.0}[plan.loop] if not lateral else 0.4
-    kp, kphi, kr = (0.8, 0.6, 0.4) if not lateral else {"open": (0, 0, 0), "damper": (1.0, 0, 0.6), "attitude": (0.8, 0.6, 0.6)}[plan.loop]
+    system = stabilisation.system(plan, trim, m) if plan.loop == "stabilised" else None
+    loop = "open" if system else plan.loop
+    kq = {"open": 0.0, "damper": 1.2, "attitude": 1.0}[loop] if not lateral else 0.6
+    ktheta = {"open": 0.0, "damper": 0.0, "attitude": 1.0}[loop] if not lateral else 0.4
+    kp, kphi, kr = (0.8, 0.6, 0.4) if not lateral else {"open": (0, 0, 0), "damper": (1.0, 0, 0.6), "attitude": (0.8, 0.6, 0.6)}[loop]
     gq, gtheta = kq / abs(m["M_elevator"]), ktheta / abs(m["M_elevator"])
     gp, gphi, gr = kp / abs(m["L_aileron"]), kphi / abs(m["L_aileron"]), kr / abs(m["N_rudder"])
     limit = 0.35
@@ -118,6 +121,9 @@ def fly(sim: Simulator, plan: Plan, rng) -> Flown:
             trim["aileron"] + commands["aileron"][k] + gp * p + gphi * (phi - trim["phi"]),
             trim["rudder"] + commands["rudder"][k] + gr * r,
         )
+        if system:
+            added = system.step(step, phi, theta, p, q, r, get("aero/beta-rad"), get("position/h-sl-ft") * FT, where[1] - trim["aileron"])
+            asked = tuple(a + b for a, b in zip(asked, added))
         where = tuple(x + lag * (min(max(a, -limit), limit) - x) for x, a in zip(where, asked))
         sim.set_surfaces(*where)
         sim.set_thrust(thrust[k])

@@ -3,6 +3,7 @@
 
     scripts/field/make.py [FOLDER] [--aircraft NAME ...] [--only TEXT ...] [--split develop|look-once]
                           [--repetition N] [--jobs N]
+    scripts/field/make.py FOLDER --feedback [...]
     scripts/field/make.py crates/phugoid-evaluation/tests/field --sample
 
 Needs `jsbsim` and `numpy` as pinned in tests/python/requirements.txt. The same numbers come out every time.
@@ -24,7 +25,7 @@ import instruments
 import model_file
 import truth
 from aircraft import FLEET
-from catalogue import REPETITIONS, SAMPLE, flights
+from catalogue import FEEDBACK_REPETITIONS, REPETITIONS, SAMPLE, feedback_flights, flights
 from fly import Plan, fly
 from simulator import Simulator
 
@@ -70,7 +71,7 @@ def one_flight(sim: Simulator, plan: Plan, split: str, folder: pathlib.Path) -> 
 
 def one_aircraft(job) -> list[str]:
     """All flights of one aircraft in one part; returns a line per flight."""
-    spec, split, repetition, folder, step, wanted = job
+    spec, split, repetition, folder, step, wanted, catalogue = job
     place = folder / split / spec.name
     place.mkdir(parents=True, exist_ok=True)
     lines = []
@@ -79,9 +80,11 @@ def one_aircraft(job) -> list[str]:
         sim.trim(spec.speed, spec.altitude)
         plans = [
             plan
-            for plan in flights(spec, split, repetition)
+            for plan in catalogue(spec, split, repetition)
             if wanted(spec, plan) and not plan.name.startswith(spec.left_out)
         ]
+        if not plans:
+            return []
         for axes in {plan.axes for plan in plans}:
             model_file.write(place / f"{axes}.toml", sim, spec, axes)
         for plan in plans:
@@ -119,13 +122,15 @@ def main() -> None:
         help="another repetition of these flights, with conditions, times, sizes, gusts and noise that nobody has seen",
     )
     parser.add_argument("--sample", action="store_true", help="the few flights that are kept in the project")
+    parser.add_argument("--feedback", action="store_true", help="stabilised aircraft in place of the field: flights with a flight control system")
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
     parser.add_argument("--step", type=float, default=1 / 600, help="step of the simulation, s")
     arguments = parser.parse_args()
     if arguments.repetition is not None:
         if arguments.split is None:
             parser.error("--repetition needs --split: both parts would have the same flights")
-        if arguments.repetition in sum(REPETITIONS.values(), ()):
+        taken = FEEDBACK_REPETITIONS if arguments.feedback else REPETITIONS
+        if arguments.repetition in sum(taken.values(), ()):
             parser.error(f"--repetition {arguments.repetition} is one of those of the field itself")
     began = time.time()
     splits = ("develop",) if arguments.sample else (arguments.split,) if arguments.split else ("develop", "look-once")
@@ -133,8 +138,9 @@ def main() -> None:
     if unknown := set(aircraft) - {spec.name for spec in FLEET}:
         parser.error(f"no such aircraft: {', '.join(sorted(unknown))}; there are {', '.join(spec.name for spec in FLEET)}")
     wanted = Wanted(arguments.only, arguments.sample)
+    catalogue = feedback_flights if arguments.feedback else flights
     jobs = [
-        (spec, split, arguments.repetition, arguments.folder, arguments.step, wanted)
+        (spec, split, arguments.repetition, arguments.folder, arguments.step, wanted, catalogue)
         for split in splits
         for spec in FLEET
         if (not aircraft or spec.name in aircraft) and not (split == "develop" and spec.look_once_only)

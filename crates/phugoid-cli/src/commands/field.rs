@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use phugoid_evaluation::field::summary::{ChangeSummary, GroupSummary, WatchSummary};
+use phugoid_evaluation::field::summary::{ChangeSummary, ConsistencySummary, GroupSummary, WatchSummary};
 use phugoid_evaluation::field::truth::Kind;
 use phugoid_evaluation::field::{FaultSummary, FieldOptions, FieldStudy, run as run_field};
 use phugoid_identification::method::Method;
@@ -49,6 +49,14 @@ fn text(study: &FieldStudy) -> String {
     let reasons = reasons(&study.all);
     if !reasons.is_empty() {
         let _ = writeln!(text, "\nWhy results are not sound\n{reasons}");
+    }
+    if !study.consistency.is_empty() {
+        let _ = writeln!(text, "\nConsistency of healthy flights\n{}", consistency(&study.consistency));
+        text.push_str(
+            "Squares: the median over the flights of the mean squared innovation, and the median squared error, both by what\n\
+             is claimed: one where the claims are right. Rejected: longest time in which more than\n\
+             four of five rows of one output were rejected.\n",
+        );
     }
     let _ = writeln!(text, "\nSudden changes\n{}", changes(&study.changes));
     if !study.watched.is_empty() {
@@ -116,6 +124,29 @@ fn reasons(summaries: &[GroupSummary]) -> String {
         }
     }
     if any { table.render() } else { String::new() }
+}
+
+fn consistency(summaries: &[ConsistencySummary]) -> String {
+    let mut table = Table::new(&[
+        "method",
+        "flights",
+        "innovation squared",
+        "error squared",
+        "longest rejected",
+        "over 1 s in flights",
+    ]);
+    let or_none = |value: f64| if value.is_nan() { "-".to_owned() } else { significant(value, 3) };
+    for s in summaries {
+        table.row([
+            s.method.to_string(),
+            s.flights.to_string(),
+            or_none(s.innovation_squared),
+            or_none(s.error_squared),
+            format!("{} s", significant(s.longest_rejected_s, 3)),
+            s.locked_out.to_string(),
+        ]);
+    }
+    table.render()
 }
 
 fn changes(summaries: &[ChangeSummary]) -> String {

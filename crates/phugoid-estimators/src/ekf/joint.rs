@@ -391,6 +391,10 @@ impl<const N: usize, const P: usize> Slot<N, P> for Joint<N, P> {
         Slot::is_sound(self, p)
     }
 
+    fn gate<const R: usize>(settings: &EstimatorSettings<N, R, P>) -> f64 {
+        settings.ekf.gate
+    }
+
     fn common(&self) -> &Common<N, P> {
         &self.common
     }

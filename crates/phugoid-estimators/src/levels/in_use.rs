@@ -75,7 +75,8 @@ impl<const N: usize, const R: usize> Levels<N, R> {
     }
 
     /// Takes what the estimator has seen of a frame that ends an interval of this length, s. With `hold` the levels
-    /// stay what they are and only the shadows' states go on. `bursts` says of an output beyond the limit of rejection
+    /// stay what they are and only the shadows' states go on. The limits are that of rejection, and that beyond which the
+    /// filter does not use a row. `bursts` says of an output beyond the limit of rejection
     /// whether that is a short burst of outliers of its own. `state_covariance` gives the estimator's own covariance of
     /// the state given the parameters: shadows that begin now start from it.
     pub(crate) fn take(
@@ -83,14 +84,14 @@ impl<const N: usize, const R: usize> Levels<N, R> {
         frame: &Frame<N, R>,
         interval_s: f64,
         hold: bool,
-        rejection_limit: f64,
+        [rejection_limit, gate]: [f64; 2],
         bursts: impl Fn(usize) -> bool,
         state_covariance: impl FnOnce() -> [[f64; N]; N],
     ) {
         let Some(bank) = &mut self.bank else { return };
         for (i, xi) in frame.normalised.iter().enumerate() {
             if xi.is_finite() {
-                self.beyond[i] = if xi.abs() > rejection_limit { self.beyond[i].saturating_add(1) } else { 0 };
+                self.beyond[i] = if xi.abs() > gate { self.beyond[i].saturating_add(1) } else { 0 };
             }
         }
         let bursts: [bool; R] = core::array::from_fn(|i| bank.is_calibrated() && bursts(i));
@@ -98,6 +99,13 @@ impl<const N: usize, const R: usize> Levels<N, R> {
         let moved = bank.take(frame, interval_s, hold, rejection_limit, &bursts, state_covariance);
         if moved && !hold {
             self.take_over();
+        }
+    }
+
+    /// Where levels are as given: opens the gate of the outputs that it has locked out.
+    pub(crate) fn open(&mut self, locked_out: impl FnOnce() -> [bool; R]) {
+        if self.bank.is_none() {
+            self.bears = locked_out();
         }
     }
 

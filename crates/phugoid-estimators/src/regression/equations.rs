@@ -7,6 +7,7 @@ use super::source::{SourceStep, StateSource};
 use crate::bounded::at;
 use crate::columns::Columns;
 use crate::discretization::{IntervalInput, simulate};
+use crate::kernels::add_scaled;
 use crate::model::{LinearizedOutputs, LinearizedRates, Model, Sample};
 use crate::settings::{EstimatorSettings, SettingsError};
 use crate::supervisor::start::Start;
@@ -95,7 +96,7 @@ where
             },
             filters: Kreisselmeier::new(settings.regression.filter_rate),
             start: Some(Start::new()),
-            gate: Gate::new(settings.regression.outlier_limit, &settings.noise_std),
+            gate: Gate::new(settings.regression.outlier_limit, &settings.noise_std, settings.regression.reopens),
             settings,
             state: [0.0; N],
             mean: [0.0; N],
@@ -171,12 +172,21 @@ where
                 self.frame.predicted[output] += theta[column];
             }
         }
-        let Self { gate, outputs, frame, .. } = self;
+        let Self { gate, outputs, frame, next, .. } = self;
         let own = frame.columns.own();
+        let reopens = frame.settings.reopens;
         frame.believed = gate.pass(sample.time_s, &sample.outputs, &frame.predicted, |output| {
             let mut row = [0.0; P];
             if let Some(from) = outputs.parameter_jacobian.get(output) {
                 row[..own].copy_from_slice(&from[..own]);
+            }
+            if let (true, Some(h)) = (reopens, outputs.state_jacobian.get(output)) {
+                // What the parameters do not know of the rates, over one interval.
+                for (h, regressors) in h.iter().zip(&next.regressors) {
+                    if *h != 0.0 {
+                        add_scaled(&mut row[..own], interval_s * h, &regressors[..own]);
+                    }
+                }
             }
             spread(&row)
         });

@@ -51,11 +51,17 @@ pub struct RegressionSettings {
     /// A measurement further than this many learnt standard deviations from its prediction counts as an outlier. The
     /// rule is 6; infinite for no such test.
     pub outlier_limit: f64,
+    /// Whether that test allows for what the parameters do not know yet of the motion over one interval, and uses a
+    /// channel that it has refused for a quarter of a second until its prediction fits again. Without it (the rule, with
+    /// which the laws beside least squares are compared) a channel is used once in a quarter of a second where the first
+    /// parameters predict too little: on a stabilised fighter for up to 29 s (docs/field.md). [`rls`](crate::rls) of the
+    /// pipeline has it.
+    pub reopens: bool,
 }
 
 impl Default for RegressionSettings {
     fn default() -> Self {
-        Self { filter_rate: 4.0, forgetting_per_s: 0.0, outlier_limit: 6.0 }
+        Self { filter_rate: 4.0, forgetting_per_s: 0.0, outlier_limit: 6.0, reopens: false }
     }
 }
 

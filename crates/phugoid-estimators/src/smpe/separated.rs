@@ -143,6 +143,10 @@ impl<const N: usize, const P: usize> Slot<N, P> for Separated<N, P> {
         reopen::reopen(self, &columns.std[..columns.count()], tested, change_over_prior, state_variance)
     }
 
+    fn gate<const R: usize>(settings: &EstimatorSettings<N, R, P>) -> f64 {
+        settings.rejection_limit
+    }
+
     fn common(&self) -> &Common<N, P> {
         &self.common
     }

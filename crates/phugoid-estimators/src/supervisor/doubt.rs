@@ -198,7 +198,7 @@ where
             let merit = faults[1].merit(&innovations, settings.rejection_limit);
             challenge.past += history.merit(number).nats_for(&merit, detector.leverage());
         }
-        faults[1].note(&innovations, settings.rejection_limit, settings.sample_time_s);
+        faults[1].note(&innovations, S::gate(settings), settings.sample_time_s);
         if settings.colour_block(last.time_s - first_s) != settings.colour_block(frame.time_s - first_s) {
             challenger.close_colour_block();
         }

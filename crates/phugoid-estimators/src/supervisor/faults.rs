@@ -53,6 +53,15 @@ impl<const R: usize> Faults<R> {
         at(&self.rejected_s, output) < BORNE_S && self.is_alone(output)
     }
 
+    /// The outputs that the gate has refused for half a second while at least half of them are used. Where most are
+    /// refused the state is lost, and is started again.
+    pub(crate) fn locked_out(&self) -> [bool; R] {
+        let locked_out = self.rejected_s.map(|time_s| time_s >= BORNE_S);
+        let locked = locked_out.iter().filter(|locked| **locked).count();
+        let seen = self.mean_square.iter().filter(|mean| mean.is_finite()).count();
+        if 2 * locked <= seen { locked_out } else { [false; R] }
+    }
+
     /// True if there are other outputs and they do not show what this one shows. Their median is used, so that
     /// overlapping bursts of outliers in two outputs do not confirm each other.
     fn is_alone(&self, output: usize) -> bool {
@@ -81,7 +90,8 @@ impl<const R: usize> Faults<R> {
     }
 
     /// Learns from a frame how well each output is predicted and for how long it has been rejected.
-    pub(crate) fn note(&mut self, innovations: &Innovations<R>, rejection_limit: f64, sample_time_s: f64) {
+    /// `gate` is the limit beyond which the filter does not use a row.
+    pub(crate) fn note(&mut self, innovations: &Innovations<R>, gate: f64, sample_time_s: f64) {
         let forgotten = (sample_time_s / MEMORY_S).min(1.0);
         let outputs = self.rejected_s.iter_mut().zip(&mut self.mean_square);
         for ((time_s, mean), xi) in outputs.zip(&innovations.normalised) {
@@ -90,7 +100,7 @@ impl<const R: usize> Faults<R> {
             }
             let before = if mean.is_finite() { *mean } else { 1.0 };
             *mean = before + forgotten * ((xi * xi).min(LARGEST_SQUARE) - before);
-            if xi.abs() > rejection_limit {
+            if xi.abs() > gate {
                 *time_s = (*time_s + sample_time_s).min(2.0 * BORNE_S);
             } else {
                 *time_s = (*time_s - RECOVERY * sample_time_s).max(0.0);

@@ -356,7 +356,8 @@ where
         });
         if learning {
             let bursts = |output| faults.bursts(output);
-            levels.take(frame, self.interval_s, !watching, limit, bursts, || champion.state_covariance());
+            let gate = S::gate(settings);
+            levels.take(frame, self.interval_s, !watching, [limit, gate], bursts, || champion.state_covariance());
         }
         self.phase = phase_of(&self.innovations);
         if self.detection.is_some() {
@@ -400,7 +401,7 @@ where
                 // The two have changed places.
                 core::mem::swap(&mut own, &mut innovations);
             }
-            self.faults[1].note(&innovations, limit, nominal_s);
+            self.faults[1].note(&innovations, S::gate(&self.settings), nominal_s);
         } else if self.in_doubt {
             self.catch_up();
         }
@@ -410,7 +411,9 @@ where
         if self.reopened.any() {
             self.reopened.note(&self.champion.variances());
         }
-        self.faults[0].note(&own, limit, nominal_s);
+        self.faults[0].note(&own, S::gate(&self.settings), nominal_s);
+        let Self { levels, faults: [own, _], .. } = self;
+        levels.open(|| own.locked_out());
     }
 }
 

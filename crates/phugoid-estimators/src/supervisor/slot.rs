@@ -64,6 +64,9 @@ pub trait Slot<const N: usize, const P: usize>: Copy {
     where
         M: Model<N, R, P>;
 
+    /// Normalised surface beyond which this filter does not use a row.
+    fn gate<const R: usize>(settings: &EstimatorSettings<N, R, P>) -> f64;
+
     /// Opens the `tested` columns again: they have just jumped by `N(0, diag d^2)`. `change_over_prior` is `d_j` over
     /// the prior standard deviation; `state_variance` is added to the variances of the states. Gives `false`, with the
     /// slot in an unspecified but finite state, if the arithmetic fails.

@@ -8,6 +8,7 @@ mod synthetic;
 
 mod discretization;
 mod ekf;
+mod feedback;
 mod health;
 mod identity;
 mod invariance;

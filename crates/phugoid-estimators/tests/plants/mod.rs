@@ -1,6 +1,8 @@
 //! Small plants with analytic Jacobians, shared by the tests, the benchmark and the example.
 #![allow(dead_code, unreachable_pub)]
 
+pub mod fighter;
+
 use phugoid_estimators::discretization::{InputHold, IntervalInput, simulate};
 use phugoid_estimators::{LinearizedOutputs, LinearizedRates, Model, Sample};
 use rand::{RngExt, SeedableRng};

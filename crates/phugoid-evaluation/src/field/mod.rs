@@ -21,7 +21,7 @@ use serde::Serialize;
 pub use error::FieldError;
 
 use corruption::{Corruption, Fault};
-use summary::{ChangeSummary, GroupSummary, WatchSummary};
+use summary::{ChangeSummary, ConsistencySummary, GroupSummary, WatchSummary};
 use trial::{Flight, RealChange, Trial};
 use truth::{Kind, Split, Truth};
 
@@ -55,6 +55,8 @@ pub struct FieldStudy {
     pub groups: Vec<GroupSummary>,
     /// By aircraft.
     pub aircraft: Vec<GroupSummary>,
+    /// Whether claims are of the size of errors, and what gates locked out, by method; not of batch methods.
+    pub consistency: Vec<ConsistencySummary>,
     /// Sudden changes, by method.
     pub changes: Vec<ChangeSummary>,
     /// The health monitor on healthy, damaged and shifted flights; empty if it was not run.
@@ -173,6 +175,12 @@ fn summarise(options: &FieldOptions, trials: Vec<Trial>) -> FieldStudy {
         all,
         groups: grouped(&|t| format!("{} {}", t.axes, t.group)),
         aircraft: grouped(&|t| t.aircraft.clone()),
+        consistency: options
+            .methods
+            .iter()
+            .filter(|m| !m.is_batch())
+            .map(|m| ConsistencySummary::of(*m, &of_method(*m)))
+            .collect(),
         changes: options.methods.iter().map(|m| ChangeSummary::of(*m, &of_method(*m))).collect(),
         watched,
         faults: faults(&trials),

@@ -84,6 +84,48 @@ impl GroupSummary {
     }
 }
 
+/// Whether the claims of a method are of the size of its errors, and whether its gate locked an output out: sound flights
+/// of an aircraft that does not change.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ConsistencySummary {
+    /// The method.
+    pub method: Method,
+    /// Flights with an estimate, refused ones included.
+    pub flights: usize,
+    /// Median over the flights of the mean square of the normalised innovations; one where the covariance is right.
+    pub innovation_squared: f64,
+    /// Median square of the errors of the derivatives that count over their claimed standard errors without the declared
+    /// part, flights not refused, over the median of chi-square with one degree of freedom; one where the claims are
+    /// right.
+    pub error_squared: f64,
+    /// Longest time in any flight in which more than four of five rows of one output were rejected, s.
+    pub longest_rejected_s: f64,
+    /// Flights in which that was longer than a second.
+    pub locked_out: usize,
+}
+
+/// Median of chi-square with one degree of freedom.
+const MEDIAN_SQUARE: f64 = 0.454_936;
+/// An output that was rejected for longer than this, s, counts as locked out.
+const LOCKED_OUT_S: f64 = 1.0;
+
+impl ConsistencySummary {
+    /// The numbers of the trials of one method. NaN where there is nothing to count.
+    pub fn of(method: Method, trials: &[&Trial]) -> Self {
+        let healthy = || trials.iter().filter(|t| t.kind == Kind::Sound && t.change.is_none());
+        let found: Vec<_> = healthy().filter_map(|t| t.consistency.as_ref()).collect();
+        let errors = healthy().filter(|t| t.is_given()).flat_map(|t| &t.parameters).map(Compared::error_squared);
+        Self {
+            method,
+            flights: found.len(),
+            innovation_squared: quantile(found.iter().map(|c| c.innovation_squared).collect(), 0.5),
+            error_squared: quantile(errors.filter(|e| !e.is_nan()).collect(), 0.5) / MEDIAN_SQUARE,
+            longest_rejected_s: found.iter().map(|c| c.longest_rejected_s).fold(0.0, f64::max),
+            locked_out: found.iter().filter(|c| c.longest_rejected_s > LOCKED_OUT_S).count(),
+        }
+    }
+}
+
 /// Sudden changes as the estimators see them.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ChangeSummary {
@@ -239,7 +281,7 @@ mod tests {
     use phugoid_identification::estimation::ChangeOutcome;
 
     use super::super::standing::Word;
-    use super::super::trial::Adoptions;
+    use super::super::trial::{Adoptions, Consistency};
     use super::super::watch::Watched;
     use super::*;
 
@@ -255,6 +297,7 @@ mod tests {
             corruption: None,
             word: Word { standing, reasons: Vec::new(), remarks: Vec::new(), says_trim_shift: false },
             parameters,
+            consistency: None,
             adoptions: Adoptions::default(),
             change: None,
             watched: None,
@@ -269,6 +312,7 @@ mod tests {
             structure_std: 0.0,
             value: -1.0 + error,
             std_error: 0.01,
+            systematic_std: 0.0,
             status: FinalStatus::Converged,
         }
     }
@@ -296,6 +340,28 @@ mod tests {
         assert!((s.claimed - 5.0 / 6.0).abs() < 1e-12, "{s:?}");
         assert!((s.silently_wrong - 2.0 / 6.0).abs() < 1e-12, "{s:?}");
         assert_eq!((s.flights_silently_wrong, s.of_those_remarked), (2, 1));
+    }
+
+    /// Claims of 0.01 with errors of half and twice that; an output that was locked out in one of three flights; a refused
+    /// flight tells of its innovations and not of its errors.
+    #[test]
+    fn consistency_is_of_healthy_flights() {
+        let with = |standing, innovation_squared, longest_rejected_s| {
+            let most_rejected = "p".to_owned();
+            let consistency = Some(Consistency { innovation_squared, longest_rejected_s, most_rejected });
+            Trial { consistency, ..trial(standing, vec![off_by(0.005), off_by(0.01), off_by(0.02)]) }
+        };
+        let trials = [
+            with(EstimationStatus::Sound, 1.0, 0.0),
+            with(EstimationStatus::Sound, 1.2, 0.9),
+            with(EstimationStatus::Refused, 3.0, 4.0),
+            Trial { change: real(20.0, "Cm_q"), ..with(EstimationStatus::Sound, 9.0, 9.0) },
+        ];
+        let all: Vec<&Trial> = trials.iter().collect();
+        let s = ConsistencySummary::of(Method::Smpe, &all);
+        assert_eq!((s.flights, s.locked_out), (3, 1));
+        assert!((s.innovation_squared - 1.2).abs() < 1e-12 && (s.longest_rejected_s - 4.0).abs() < 1e-12, "{s:?}");
+        assert!((s.error_squared - 1.0 / 0.454_936).abs() < 1e-9, "{s:?}");
     }
 
     #[test]

@@ -30,6 +30,8 @@ pub struct Compared {
     pub value: f64,
     /// Claimed standard error, corrected for the colour of the residuals.
     pub std_error: f64,
+    /// The part of it that the model file declares: errors that leave no trace, of which these flights have none.
+    pub systematic_std: f64,
     /// What the estimation says of the parameter.
     pub status: FinalStatus,
 }
@@ -38,6 +40,14 @@ impl Compared {
     /// Error as a part of the truth.
     pub fn relative_error(&self) -> f64 {
         (self.value - self.truth).abs() / self.truth.abs()
+    }
+
+    /// Square of the error over the claimed standard error without its declared part, the truth's own uncertainty
+    /// included: one on average where the claims are right. NaN for a method without bounds.
+    pub fn error_squared(&self) -> f64 {
+        let claimed = self.std_error * self.std_error - self.systematic_std * self.systematic_std;
+        let error = self.value - self.truth;
+        error * error / (claimed.max(0.0) + self.structure_std * self.structure_std)
     }
 
     /// Whether the truth lies within two claimed standard errors; a method without bounds claims none.
@@ -53,6 +63,18 @@ impl Compared {
         let within = (self.value - self.truth).abs() <= WRONG * claimed;
         self.status == FinalStatus::Converged && !within
     }
+}
+
+/// How the predictions of one estimation agreed with its flight.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Consistency {
+    /// Mean square of the normalised innovations since the first motion, by output, averaged over the outputs; one where
+    /// the covariance is right.
+    pub innovation_squared: f64,
+    /// Longest time in which more than four of five rows of one output were rejected, s.
+    pub longest_rejected_s: f64,
+    /// The output that this is of.
+    pub most_rejected: String,
 }
 
 /// A sudden change that an estimation adopted.
@@ -130,6 +152,8 @@ pub struct Trial {
     pub word: Word,
     /// The derivatives that count; empty where there is no estimate.
     pub parameters: Vec<Compared>,
+    /// How the predictions agreed with the flight; none where there is no estimate, or by a batch method.
+    pub consistency: Option<Consistency>,
     /// Changes that were adopted.
     pub adoptions: Adoptions,
     /// What really changed in flight.
@@ -184,6 +208,7 @@ impl Flight {
             corruption,
             word: Word::refused("unreadable"),
             parameters: Vec::new(),
+            consistency: None,
             adoptions: Adoptions::default(),
             change: truth
                 .change
@@ -214,6 +239,7 @@ impl Flight {
             Ok(estimation) => {
                 trial.word = standing(&estimation);
                 trial.parameters = compared(&estimation, truth);
+                trial.consistency = consistency(&estimation);
                 trial.adoptions = adoptions(&estimation, truth);
             }
         }
@@ -237,6 +263,17 @@ fn corrupt(record: &Record, model: &mut ModelFile, corruption: Corruption) -> Re
     Record::from_columns(&record.source, columns).map_err(|error| error.to_string())
 }
 
+fn consistency(estimation: &Estimation) -> Option<Consistency> {
+    let outputs = &estimation.consistency;
+    let squares: Vec<f64> = outputs.iter().filter_map(|o| o.mean_square).collect();
+    let most = outputs.iter().max_by(|a, b| a.longest_rejected_s.total_cmp(&b.longest_rejected_s))?;
+    Some(Consistency {
+        innovation_squared: squares.iter().sum::<f64>() / squares.len() as f64,
+        longest_rejected_s: most.longest_rejected_s,
+        most_rejected: most.name.clone(),
+    })
+}
+
 /// The derivatives that count, at the end of the flight.
 fn compared(estimation: &Estimation, truth: &Truth) -> Vec<Compared> {
     let counting = truth.at_end().iter().filter(|(_, p)| p.counts());
@@ -249,6 +286,7 @@ fn compared(estimation: &Estimation, truth: &Truth) -> Vec<Compared> {
                 structure_std: p.structure_std,
                 value: found.value,
                 std_error: found.corrected_std_error,
+                systematic_std: found.systematic_std,
                 status: found.status,
             })
         })
@@ -290,7 +328,15 @@ mod tests {
     use super::*;
 
     fn compared(value: f64, std_error: f64, status: FinalStatus) -> Compared {
-        Compared { name: "Cm_q".to_owned(), truth: -20.0, structure_std: 0.3, value, std_error, status }
+        Compared {
+            name: "Cm_q".to_owned(),
+            truth: -20.0,
+            structure_std: 0.3,
+            value,
+            std_error,
+            systematic_std: 0.0,
+            status,
+        }
     }
 
     #[test]

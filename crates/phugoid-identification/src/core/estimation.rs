@@ -322,11 +322,27 @@ pub struct Estimation {
     pub quality: QualityReport,
     /// Measurement noise used per output, SI: name, unit, one sigma (one value each).
     pub noise: Vec<Signal>,
+    /// How each measured output agreed with its predictions. Empty for a batch method.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub consistency: Vec<OutputConsistency>,
     /// Histories. Of a batch method: the fitted outputs as predictions, the parameters constant.
     pub history: History,
     /// The additional results of a batch method; `None` for a causal one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub batch: Option<BatchReport>,
+}
+
+/// How one measured output agreed with the predictions of a causal method.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct OutputConsistency {
+    /// Name of the output.
+    pub name: String,
+    /// Mean square of its normalised innovations (residual over its whole predicted standard deviation) since the first
+    /// motion: one where the covariance is right. `None` without an innovation.
+    pub mean_square: Option<f64>,
+    /// Longest time in which more than four of five measured rows were rejected, s: rejected time less four times the
+    /// accepted time.
+    pub longest_rejected_s: f64,
 }
 
 /// A sudden change of the parameters that was adopted.

@@ -6,8 +6,8 @@ use phugoid_flight_data::record::Record;
 
 use crate::core::axes::Axes;
 use crate::core::estimation::{
-    AdoptedChange, ChangedParameter, Estimation, FinalStatus, History, ParameterHistory, ParameterResult, Signal,
-    status_of,
+    AdoptedChange, ChangedParameter, Estimation, FinalStatus, History, OutputConsistency, ParameterHistory,
+    ParameterResult, Signal, status_of,
 };
 use crate::core::method::Method;
 use crate::core::options::EstimateOptions;
@@ -75,9 +75,23 @@ pub(crate) fn summarise<M: EveryRoom<N, R>, const N: usize, const R: usize>(
         changes,
         quality: without(&record.quality, doubts),
         noise: noise_signals,
+        consistency: consistency(file, run),
         history,
         batch: run.batch.clone(),
     }
+}
+
+/// How the measured outputs agreed with their predictions, by name; empty for a batch method.
+fn consistency<const R: usize>(file: &ModelFile, run: &Run<R>) -> Vec<OutputConsistency> {
+    let of = |(row, output): (usize, Output)| {
+        let found = run.consistency.get(row)?;
+        Some(OutputConsistency {
+            name: output.name().to_owned(),
+            mean_square: found.mean_square.is_finite().then_some(found.mean_square),
+            longest_rejected_s: found.longest_rejected_s,
+        })
+    };
+    measured(file).filter_map(of).collect()
 }
 
 /// The adopted changes, by name of the parameters.

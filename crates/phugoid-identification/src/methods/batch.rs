@@ -67,6 +67,7 @@ pub(super) fn run_batch<M: MotionModel<N, R, CAPACITY>, const N: usize, const R:
         residuals: rows(&own.residuals),
         log_density: Vec::new(),
         phases: own.residuals.iter().map(|e| phase(e)).collect(),
+        consistency: Vec::new(),
         events: Vec::new(),
         covariance: covariance::<M, N, R>(task, &fit),
         status: Status::default(),

@@ -2,6 +2,7 @@
 
 use phugoid_estimators::{ParameterStatus, Phase, Sample, Status};
 
+use super::consistency::Consistency;
 use super::readiness::ColumnVerdict;
 use super::stepper::CausalRun;
 use super::task::{ColumnRun, LearntNoise, Run, Task, log_density};
@@ -38,6 +39,7 @@ pub(super) fn run_causal<M: Motion<N, R>, const N: usize, const R: usize>(
         residuals: Vec::with_capacity(samples),
         log_density: Vec::with_capacity(samples),
         phases: Vec::with_capacity(samples),
+        consistency: Vec::new(),
         events: Vec::new(),
         covariance: Vec::new(),
         status: Status::default(),
@@ -49,6 +51,7 @@ pub(super) fn run_causal<M: Motion<N, R>, const N: usize, const R: usize>(
         batch: None,
     };
     let mut surfaces = vec![0.0; run.columns.len()];
+    let mut consistency = Consistency::NONE;
     for k in 0..samples {
         let sample = Sample { time_s: prepared.time[k], input: prepared.inputs[k], outputs: prepared.outputs[k] };
         let mut positions = prepared.surfaces().map(|signal| signal.values[k]);
@@ -67,6 +70,9 @@ pub(super) fn run_causal<M: Motion<N, R>, const N: usize, const R: usize>(
         run.residuals.push(innovations.normalised);
         run.log_density.push(if stepper.has_moved() { log_density(innovations) } else { [f64::NAN; R] });
         run.phases.push(phase);
+        if started {
+            consistency.note(sample.time_s, &sample.outputs, innovations, stepper.has_moved());
+        }
         if k % 64 == 0 {
             progress(k as f64 / samples as f64);
         }
@@ -74,6 +80,7 @@ pub(super) fn run_causal<M: Motion<N, R>, const N: usize, const R: usize>(
     if samples == 0 {
         return Err(EstimateError::TooShort { samples });
     }
+    run.consistency = consistency.outputs();
     run.excited = stepper.has_moved();
     run.covariance = stepper.covariance();
     let (last, sensitivity) = (stepper.shown(), stepper.change_sensitivity());

@@ -3,6 +3,7 @@
 mod batch;
 mod causal;
 mod changes;
+mod consistency;
 mod gate;
 mod health_watch;
 mod predict;

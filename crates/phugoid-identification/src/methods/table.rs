@@ -10,7 +10,7 @@ use phugoid_estimators::fourier::FourierRegression;
 use phugoid_estimators::implicit_sign::ImplicitSign;
 use phugoid_estimators::regression::Regression;
 use phugoid_estimators::rls::RecursiveLeastSquares;
-use phugoid_estimators::settings::{EstimatorSettings, SettingsError};
+use phugoid_estimators::settings::{EstimatorSettings, RegressionSettings, SettingsError};
 use phugoid_estimators::smpe::Smpe;
 use phugoid_estimators::super_twisting::SuperTwisting;
 use phugoid_estimators::{Input, Inspect};
@@ -75,7 +75,11 @@ pub(super) fn set_up<M: MotionModel<N, R, P>, const N: usize, const R: usize, co
     let estimator = match method {
         Method::Smpe => place(|| Smpe::new(model, *settings)),
         Method::Ekf => place(|| JointEkf::new(model, *settings)),
-        Method::Rls => place(|| Ok(RecursiveLeastSquares::new(rows(model, settings, gravity)?))),
+        Method::Rls => {
+            let regression = RegressionSettings { reopens: true, ..settings.regression };
+            let settings = EstimatorSettings { regression, ..*settings };
+            place(|| Ok(RecursiveLeastSquares::new(rows(model, &settings, gravity)?)))
+        }
         Method::Fourier => place(|| FourierRegression::new(rows(model, settings, gravity)?)),
         Method::ModelReference | Method::ImplicitSign | Method::SuperTwisting => {
             return Err(EstimateError::Model(format!("{method} is compiled for the largest number of columns alone")));

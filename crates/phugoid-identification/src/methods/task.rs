@@ -2,6 +2,7 @@
 
 use phugoid_estimators::{DetectorReport, Innovations, ParameterStatus, Phase, Status};
 
+use super::consistency::OutputUse;
 use super::health_watch::HealthRun;
 use super::readiness::ColumnVerdict;
 use crate::core::estimation::{BatchReport, ChangeOutcome, Event};
@@ -24,6 +25,8 @@ pub(crate) struct Run<const R: usize> {
     /// where there was none and before anything had moved. Empty for a batch method.
     pub(crate) log_density: Vec<[f64; R]>,
     pub(crate) phases: Vec<Phase>,
+    /// How each output agreed with its predictions, in the order of the rows. Empty for a batch method.
+    pub(crate) consistency: Vec<OutputUse>,
     pub(crate) events: Vec<Event>,
     /// Of the parameters at the end, row and column as in `columns`.
     pub(crate) covariance: Vec<Vec<f64>>,
