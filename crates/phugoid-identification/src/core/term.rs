@@ -375,14 +375,6 @@ impl Term {
         if words.is_empty() { "1".to_owned() } else { words.join("*") }
     }
 
-    /// The product of this term and another.
-    #[must_use]
-    pub(crate) fn times(&self, other: &Self) -> Self {
-        let mut product = self.clone();
-        product.multiply(other);
-        product
-    }
-
     /// Unit of the parameter that multiplies it, as printed: `per rad`, `per rad^2`, `-` where no angle is involved.
     /// Rates made dimensionless are angles (radians per time that the air takes along the chord or span), as usual.
     pub fn parameter_unit(&self) -> String {
