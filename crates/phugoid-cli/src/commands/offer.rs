@@ -7,8 +7,8 @@ use phugoid_identification::estimation::{ModelLine, Offer};
 use super::result::paragraph;
 use crate::output::{Table, significant};
 
-/// The missing terms beside the best of the others, what they do to each parameter, and the lines for the model file; empty
-/// if no term counts as missing.
+/// The missing terms beside the best of the others, what they do to each parameter, and the lines for the model file;
+/// empty if no term counts as missing.
 pub(crate) fn text(offer: &Offer) -> String {
     let mut text = String::new();
     if offer.best().is_none() {

@@ -1,8 +1,8 @@
 //! Whether the terms that a model lacks are found, and only those.
 //!
-//! The record of what happened without instruments (`make.py --exact`) says of any term how much of a coefficient it really
-//! makes: the least squares of the simulator's own coefficient on the exact regressors of the model's terms and this one. So
-//! every offer is judged by the aircraft itself, whose tables are no sum of terms.
+//! The record of what happened without instruments (`make.py --exact`) says of any term how much of a coefficient it
+//! really makes: the least squares of the simulator's own coefficient on the exact regressors of the model's terms and
+//! this one. So every offer is judged by the aircraft itself, whose tables are no sum of terms.
 
 use nalgebra::{DMatrix, DVector};
 use phugoid_flight_data::record::Record;
@@ -24,7 +24,8 @@ pub const NOT_THERE: f64 = 0.01;
 /// Least correlation of what two terms add to the model from which one stands for the other.
 const SAME: f64 = 0.9;
 
-/// Terms that the simulator's aircraft have and the field's model files have not, where they make enough of their coefficient.
+/// Terms that the simulator's aircraft have and the field's model files have not, where they make enough of their
+/// coefficient.
 const NATURAL: [(Coefficient, &str); 7] = [
     (Coefficient::Drag, "|elevator|"),
     (Coefficient::Lift, "alpha^2"),
@@ -307,8 +308,8 @@ impl Exact {
         DVector::from_iterator(self.factors.len(), self.factors.iter().map(|at| term.value(at)))
     }
 
-    /// What a further term adds to a coefficient beside those of the model: its value times the part of its regressor that
-    /// they leave, by sample.
+    /// What a further term adds to a coefficient beside those of the model: its value times the part of its regressor
+    /// that they leave, by sample.
     fn added(&self, model: &ModelFile, coefficient: Coefficient, term: &Term) -> Option<DVector<f64>> {
         let terms: Vec<DVector<f64>> = terms_of(model, coefficient).map(|t| self.column(t)).collect();
         let own = self.column(term);

@@ -55,8 +55,8 @@ fn in_words(offer: &Offer) -> String {
     format!("from {:.1}, {:?}{terms}", offer.criterion.partial_f, offer.levels)
 }
 
-/// What a user does: fly, read, take the term in, estimate again. The truth is within three claimed errors: of eight normal
-/// ones one lies beyond in 2 % of such sets.
+/// What a user does: fly, read, take the term in, estimate again. The truth is within three claimed errors: of eight
+/// normal ones one lies beyond in 2 % of such sets.
 #[test]
 fn a_moment_that_grows_with_alpha_squared_is_offered_and_explains_the_changes() {
     let runs = runs(8);
@@ -119,7 +119,8 @@ fn every_method_offers_the_missing_term() {
     }
 }
 
-/// With the right model nothing is offered: 20 flights in calm air, 20 in light turbulence with a model that knows of it.
+/// With the right model nothing is offered: 20 flights in calm air, 20 in light turbulence with a model that knows of
+/// it.
 #[test]
 fn a_right_model_is_offered_nothing() {
     let runs = runs(20);

@@ -1,9 +1,9 @@
 //! The equations of motion of a record as columns of numbers, for regressions that try many terms.
 //!
-//! Samples are thinned to a spacing below which the windows of the smoothing make neighbours alike, and put on a grid of
-//! times, so that what lies a number of rows apart lies as many spacings apart in time, and columns that were worked out
-//! with different models of the same record fit together. Beside the equations as measured stand copies with white noise
-//! of a given level added: what it does to an estimate is what the noise that is there has done already.
+//! Samples are thinned to a spacing below which the windows of the smoothing make neighbours alike, and put on a grid
+//! of times, so that what lies a number of rows apart lies as many spacings apart in time, and columns that were worked
+//! out with different models of the same record fit together. Beside the equations as measured stand copies with white
+//! noise of a given level added: what it does to an estimate is what the noise that is there has done already.
 
 use phugoid_estimators::{Input, Model};
 
@@ -74,9 +74,9 @@ pub(crate) struct Equation {
 /// The equations, as measured or with noise added.
 pub(crate) type Table = Vec<Equation>;
 
-/// The equations of the manoeuvres on their grids: as measured, then with noise of `noise_std` by output added, in pairs of
-/// opposite signs. `parameters` is where a model that is not linear in them is linearised. Equations without a regressor
-/// are left out.
+/// The equations of the manoeuvres on their grids: as measured, then with noise of `noise_std` by output added, in
+/// pairs of opposite signs. `parameters` is where a model that is not linear in them is linearised. Equations without a
+/// regressor are left out.
 ///
 /// # Errors
 /// [`BatchError::BadInput`] where a state is nowhere measured.

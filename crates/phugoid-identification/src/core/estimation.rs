@@ -300,7 +300,8 @@ pub struct Estimation {
     #[serde(default)]
     pub alpha_reference: f64,
     /// Terms that the model lacks, by the residuals; `None` where
-    /// [`EstimateOptions::structure`](super::options::EstimateOptions::structure) did not ask for them, or nothing moved.
+    /// [`EstimateOptions::structure`](super::options::EstimateOptions::structure) did not ask for them, or nothing
+    /// moved.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub offer: Option<Offer>,
     /// What the result as a whole is worth.
@@ -462,7 +463,8 @@ pub struct Offer {
     pub criterion: OfferCriterion,
     /// The residuals of the equations of motion with the model as it is, against the noise of the sensors.
     pub levels: Vec<ResidualLevel>,
-    /// The terms that count as missing in the order in which they were found, then the others, the largest partial F first.
+    /// The terms that count as missing in the order in which they were found, then the others, the largest partial F
+    /// first.
     pub terms: Vec<OfferedTerm>,
     /// What the missing terms do to the other parameters; empty if nothing counts as missing.
     pub effects: Vec<TermEffect>,
@@ -472,7 +474,8 @@ pub struct Offer {
     ///
     /// [`StructureSearch::Auto`]: super::options::StructureSearch::Auto
     pub taken: bool,
-    /// Airspeed (m/s) that becomes the reference speed of the model where a missing term needs one and the file has none.
+    /// Airspeed (m/s) that becomes the reference speed of the model where a missing term needs one and the file has
+    /// none.
     pub reference_speed: f64,
 }
 

@@ -317,7 +317,8 @@ impl Term {
         self.factors.iter().copied().chain(self.bent.iter().map(|b| (b.variable, b.power)))
     }
 
-    /// The flight variable of a term that is this variable itself; `None` for constants, products, powers and bent ones.
+    /// The flight variable of a term that is this variable itself; `None` for constants, products, powers and bent
+    /// ones.
     pub fn single(&self) -> Option<usize> {
         match (self.factors.as_slice(), self.bent.as_slice()) {
             ([(index, 1)], []) => Some(*index),

@@ -1,8 +1,8 @@
 //! Terms that the equations of motion ask for.
 //!
 //! A term that the aircraft has and the model lacks is taken up by the others: their values are then those of another
-//! aircraft, change with the flight condition, and a change detector finds changes that never happened. Here a library of
-//! candidates is tried on the equations of motion of the record, beside any method and in a fraction of a second
+//! aircraft, change with the flight condition, and a change detector finds changes that never happened. Here a library
+//! of candidates is tried on the equations of motion of the record, beside any method and in a fraction of a second
 //! ([`selection`]); what they ask for goes through the method itself, which has to find it too. docs/methods.md has the
 //! equations, and what was measured.
 
@@ -49,8 +49,8 @@ const CONFIRMED: f64 = 3.0;
 /// Most terms that are listed.
 const LISTED: usize = 10;
 
-/// Looks for missing terms on the equations of motion. `None` where these cannot be computed. The estimation itself is not
-/// changed, and the offer is not confirmed yet.
+/// Looks for missing terms on the equations of motion. `None` where these cannot be computed. The estimation itself is
+/// not changed, and the offer is not confirmed yet.
 ///
 /// # Errors
 /// [`EstimateError`] as of the estimation itself.
@@ -143,8 +143,8 @@ fn own_parameters(file: &ModelFile) -> impl Iterator<Item = &Parameter> {
     file.estimated().filter(|p| !matches!(p.role, Role::Bias(_)))
 }
 
-/// The equations of motion of the records, with the terms of the model and the candidates that can be worked out; and these
-/// candidates.
+/// The equations of motion of the records, with the terms of the model and the candidates that can be worked out; and
+/// these candidates.
 fn regression<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     records: &[&Record],
     file: &ModelFile,
@@ -208,8 +208,8 @@ fn batch_model(file: &ModelFile, list: &[Candidate], speed: f64) -> Option<(Mode
     Some((with, order))
 }
 
-/// The equations of the records by a model, as measured and with noise added, their columns in the order of the names given;
-/// and over how many rows their noise is correlated.
+/// The equations of the records by a model, as measured and with noise added, their columns in the order of the names
+/// given; and over how many rows their noise is correlated.
 fn batch<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     records: &[&Record],
     file: &ModelFile,
@@ -260,7 +260,8 @@ fn batch<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     Ok(Some((found, window)))
 }
 
-/// The model with the terms of an offer that count as missing, and what they need; `None` where there is no place for them.
+/// The model with the terms of an offer that count as missing, and what they need; `None` where there is no place for
+/// them.
 pub fn with_offered(file: &ModelFile, offer: &Offer) -> Option<ModelFile> {
     let terms = offer.missing().map(|term| {
         let coefficient = Coefficient::ALL.into_iter().find(|c| c.symbol() == term.coefficient)?;

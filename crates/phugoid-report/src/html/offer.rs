@@ -8,8 +8,8 @@ use super::page::{END_OF_TABLE, table};
 use crate::escape::escape;
 use crate::ticks::{fixed, significant};
 
-/// The table of the terms that were tried, and, if one counts as missing, what it does to the parameters and the lines for
-/// the model file; empty if nothing was tried.
+/// The table of the terms that were tried, and, if one counts as missing, what it does to the parameters and the lines
+/// for the model file; empty if nothing was tried.
 pub(super) fn offer(estimation: &Estimation) -> String {
     let Some(offer) = &estimation.offer else { return String::new() };
     let criterion = &offer.criterion;

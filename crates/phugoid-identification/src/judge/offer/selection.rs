@@ -1,11 +1,11 @@
 //! Stepwise regression: which of many terms the equations of motion need beside those that the model has.
 //!
-//! After modified stepwise regression (V. Klein, J. G. Batterson, P. C. Murphy, *Determination of Airplane Model Structure
-//! From Flight Data by Using Modified Stepwise Regression*, NASA TP-1916, 1981): one term at a time is taken in, that with
-//! the largest partial F, and terms that later ones make needless are taken out again. The terms of the model always stay.
-//! Three things differ. The partial F is that of residuals that last (coloured), and never more than the noise of the
-//! sensors allows. What noise in the regressors pretends is measured and taken off. And a term has to matter: it has to
-//! make a share of its coefficient, and to explain a part of what sensors do not.
+//! After modified stepwise regression (V. Klein, J. G. Batterson, P. C. Murphy, *Determination of Airplane Model
+//! Structure From Flight Data by Using Modified Stepwise Regression*, NASA TP-1916, 1981): one term at a time is taken
+//! in, that with the largest partial F, and terms that later ones make needless are taken out again. The terms of the
+//! model always stay. Three things differ. The partial F is that of residuals that last (coloured), and never more than
+//! the noise of the sensors allows. What noise in the regressors pretends is measured and taken off. And a term has to
+//! matter: it has to make a share of its coefficient, and to explain a part of what sensors do not.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -15,8 +15,8 @@ use crate::batch::{APART, Table, TableEquation as Equation};
 const LEVEL_UNCERTAIN: f64 = 0.1;
 /// Part of a value that its bias cannot reach, however large the noise.
 const MOST_BIAS: f64 = 0.5;
-/// Least part of a regressor's motion that the other terms may leave, as a part of its standard deviation: below, the flight
-/// does not tell it from them.
+/// Least part of a regressor's motion that the other terms may leave, as a part of its standard deviation: below, the
+/// flight does not tell it from them.
 const OWN: f64 = 0.05;
 /// Candidates whose correlated residuals are worked out at each step: those that lower the squares most.
 const SHORTLIST: usize = 16;
@@ -114,8 +114,8 @@ struct Fit {
 }
 
 impl Regression {
-    /// Joins tables of the same rows: the first columns of each are those of the model (`own`), the rest its candidates.
-    /// `batches` has the tables by batch and copy; `None` where nothing can be computed.
+    /// Joins tables of the same rows: the first columns of each are those of the model (`own`), the rest its
+    /// candidates. `batches` has the tables by batch and copy; `None` where nothing can be computed.
     pub(super) fn new(
         batches: Vec<Vec<Table>>,
         own: usize,
@@ -305,7 +305,8 @@ impl Regression {
         })
     }
 
-    /// Standard deviation of what only this column makes over that of its coefficient, in the equation that shows it most.
+    /// Standard deviation of what only this column makes over that of its coefficient, in the equation that shows it
+    /// most.
     fn share(&self, equation: usize, projection: &DVector<f64>, set: &[usize], whole: &Fit, column: usize) -> f64 {
         let equation = &self.equations[equation];
         let own = equation.left_over(projection, set, column);
@@ -356,8 +357,8 @@ impl Regression {
         (self.confirm(&own, &taken), first)
     }
 
-    /// Whether other values of the parameters from some time on explain much more than a candidate does: what a change of the
-    /// aircraft leaves in the residuals resembles many terms a little.
+    /// Whether other values of the parameters from some time on explain much more than a candidate does: what a change
+    /// of the aircraft leaves in the residuals resembles many terms a little.
     fn is_change(&self, set: &[usize], trial: &Trial) -> bool {
         let concerned: Vec<&Columns> =
             self.equations.iter().filter(|e| !e.copies[0].columns[trial.column].is_empty()).collect();
@@ -618,8 +619,9 @@ mod tests {
         }
     }
 
-    /// One equation `left = 2 x + missing * term + noise` with a constant and x in the model and three candidates: x^2, |x|
-    /// and y, another signal; `keep` correlates the noise from row to row. The copies have noise of the same level added.
+    /// One equation `left = 2 x + missing * term + noise` with a constant and x in the model and three candidates: x^2,
+    /// |x| and y, another signal; `keep` correlates the noise from row to row. The copies have noise of the same level
+    /// added.
     fn regression(missing: [f64; 3], noise: f64, keep: f64, seed: u64) -> Regression {
         changing(missing, 0.0, noise, keep, seed)
     }
