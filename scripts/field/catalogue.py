@@ -134,13 +134,46 @@ def feedback_flights(spec: Aircraft, split: str, repetition: int | None = None) 
     return out
 
 
+# Terms that an aircraft has beside those of its model file, with the part of the coefficient's motion that they make.
+ADDED = {
+    "longitudinal": ({}, {"Cm_V": 0.15}, {"Cm_alpha2": 0.15}, {"CL_alpha2": 0.08}, {"CD_abs_elevator": 0.4}, {"Cm_abs_elevator": 0.15}),
+    "six": ({}, {"Cm_beta2": 0.15}, {"CD_beta2": 0.4}, {"Cm_beta": 0.1}, {"Cn_alpha": 0.1}, {"Cl_q": 0.1}),
+}
+
+
+def _structure(axes: str) -> list[dict]:
+    """Flights in calm air, light turbulence and through a common filter, with each of the added terms."""
+    elevator = (("3211", "elevator", 3, 1.0), ("doublet", "elevator", 17, 1.0), ("2311", "elevator", 27, 0.8))
+    surfaces = (("doublet", "aileron", 3, 0.6), ("3211", "elevator", 7, 1.0), ("3211", "rudder", 16, 1.0), ("doublet", "elevator", 26, 1.0), ("doublet", "rudder", 31, 1.0))
+    both = axes == "six"
+    common = dict(duration=38.0, manoeuvres=surfaces if both else elevator, loop="attitude", thrust=() if both else ((13.0, 0.7),))
+    out = []
+    for added in ADDED[axes]:
+        name = "-".join(added).lower().replace("_", "-") or "nothing"
+        for air, more in (("calm", {}), ("light", {"gust": 0.8}), ("filtered", {"gust": 0.3, "instruments": {"common_lag": 0.025}, "rate_hz": 100})):
+            out.append(dict(name=f"st-{axes}-{name}-{air}", group=f"{name} {air}", added=added, **common, **more))
+    return out
+
+
+def structure_flights(spec: Aircraft, split: str, repetition: int | None = None) -> list[Plan]:
+    """Flights of one aircraft with terms that no model file has."""
+    lists = [("longitudinal", _structure("longitudinal"))]
+    if "lat-" not in spec.left_out:
+        lists.append(("six", _structure("six")))
+    return _planned(spec, split, repetition, lists)
+
+
 def flights(spec: Aircraft, split: str, repetition: int | None = None) -> list[Plan]:
     """The flights of one aircraft in one part of the field, or in another repetition of it."""
+    return _planned(spec, split, repetition, (("longitudinal", _longitudinal()), ("lateral", _lateral())))
+
+
+def _planned(spec: Aircraft, split: str, repetition: int | None, lists) -> list[Plan]:
     if split == "develop" and spec.look_once_only:
         return []
     out = []
     for repetition in REPETITIONS[split] if repetition is None else (repetition,):
-        for axes, list_ in (("longitudinal", _longitudinal()), ("lateral", _lateral())):
+        for axes, list_ in lists:
             for one in list_:
                 # The same on every machine: Python's own hash of a text is not.
                 seed = zlib.crc32(f"{spec.name}/{axes}/{one['name']}/{repetition}".encode())

@@ -24,7 +24,7 @@ class Plan:
 
     name: str
     group: str
-    axes: str  # "longitudinal" or "lateral"
+    axes: str  # "longitudinal", "lateral", or "six" for both
     seed: int
     duration: float = 30.0
     rate_hz: int = 50
@@ -41,6 +41,9 @@ class Plan:
     # time s, {parameter: fraction of its local derivative that is added; for "Cm_0" the elevator (rad) of the same moment}.
     damage: tuple | None = None
     instruments: dict = field(default_factory=dict)
+    # {parameter: part of what a degree of the coefficient's main variable does} of a term that the aircraft has from the
+    # beginning, and the model file has not.
+    added: dict = field(default_factory=dict)
     kind: str = "sound"
     conditions: tuple = ()
 
@@ -52,6 +55,7 @@ class Flown:
     coefficients: dict
     trim: dict
     changes: dict
+    added: dict
 
 
 def fly(sim: Simulator, plan: Plan, rng) -> Flown:
@@ -75,7 +79,7 @@ def fly(sim: Simulator, plan: Plan, rng) -> Flown:
 
     # Feedback, in units of what one radian of the surface does. The wings are kept level in longitudinal flights, and the
     # pitch attitude in lateral ones, as a pilot would.
-    lateral = plan.axes == "lateral"
+    lateral = plan.axes != "longitudinal"
     system = stabilisation.system(plan, trim, m) if plan.loop == "stabilised" else None
     loop = "open" if system else plan.loop
     kq = {"open": 0.0, "damper": 1.2, "attitude": 1.0}[loop] if not lateral else 0.6
@@ -89,12 +93,14 @@ def fly(sim: Simulator, plan: Plan, rng) -> Flown:
     sim.changes = {}
     for name in COEFFICIENTS:
         sim.set(f"field/{name}", 0.0)
+    added = _added(sim, plan, trim)
     if wind is not None:
         sim.set_wind(*_to_earth(wind[0], trim["phi"], trim["alpha"], 0.0))
     sim.set_surfaces(trim["elevator"], trim["aileron"], trim["rudder"])
     sim.set_thrust(trim["thrust"])
     sim.start(speed, altitude, trim["alpha"], 0.0, trim["phi"])
     sim.place_thrust()
+    sim.changes = dict(added)
     every = int(round(1 / RECORD_HZ / step))
     rows, exact = [], []
     where = trim["elevator"], trim["aileron"], trim["rudder"]
@@ -112,7 +118,7 @@ def fly(sim: Simulator, plan: Plan, rng) -> Flown:
             exact.append(tuple(sim.coefficients().values()))
         if time[k] >= damage_at:
             changes = changes_asked
-            sim.changes = changes
+            sim.changes = changes | added
             damage_at = math.inf
         phi, theta = get("attitude/phi-rad"), get("attitude/theta-rad")
         p, q, r = get("velocities/p-rad_sec"), get("velocities/q-rad_sec"), get("velocities/r-rad_sec")
@@ -139,6 +145,7 @@ def fly(sim: Simulator, plan: Plan, rng) -> Flown:
         {name: exact[:, i] for i, name in enumerate(COEFFICIENTS)},
         trim | {"response": m},
         changes,
+        added,
     )
 
 
@@ -152,6 +159,24 @@ def _changes(sim: Simulator, plan: Plan, trim: dict) -> dict:
         surface = {"Cm": "elevator", "Cl": "aileron", "Cn": "rudder"}.get(coefficient)
         changes[name] = factor * sim.derivative(trim, coefficient, surface if variable == "0" else variable)
     return changes
+
+
+# What moves each coefficient most, and the motion of the terms that may be added, in rad (V: as a part of the speed).
+MAIN = {"CL": "alpha", "CD": "alpha", "Cm": "alpha", "CY": "beta", "Cl": "beta", "Cn": "beta"}
+MOTION = {"V": 0.03, "alpha": 0.05, "alpha2": 0.005, "beta": 0.05, "beta2": 0.0025, "q": 0.004, "abs_elevator": 0.03}
+
+
+def _added(sim: Simulator, plan: Plan, trim: dict) -> dict:
+    """The values of the added terms: they make the given part of what 0.05 rad of the main variable does, less what they do
+    in the trim, which a constant takes up."""
+    values = {}
+    for name, part in plan.added.items():
+        coefficient, variable = name.split("_", 1)
+        main = sim.derivative(trim, coefficient, MAIN[coefficient])
+        values[name] = part * main * 0.05 / MOTION[variable]
+        at_trim = {"V": 1.0, "alpha": trim["alpha"], "alpha2": trim["alpha"] ** 2, "abs_elevator": abs(trim["elevator"])}
+        values[f"{coefficient}_0"] = values.get(f"{coefficient}_0", 0.0) - values[name] * at_trim.get(variable, 0.0)
+    return values
 
 
 def _commands(time, plan: Plan, m: dict, speed: float, rng) -> dict:

@@ -29,6 +29,7 @@ COLUMNS = {
 CLASS = {"alpha": "angle", "beta": "angle", "phi": "angle", "theta": "angle", "elevator": "angle", "aileron": "angle", "rudder": "angle",
          "p": "rate", "q": "rate", "r": "rate", "ax": "acceleration", "ay": "acceleration", "az": "acceleration", "tas": "tas", "altitude": "altitude"}
 ORDER = {
+    "six": ("tas", "alpha", "beta", "phi", "theta", "p", "q", "r", "ax", "ay", "az", "elevator", "aileron", "rudder", "altitude", "density", "qbar", "thrust"),
     "longitudinal": ("tas", "alpha", "theta", "q", "ax", "az", "elevator", "altitude", "density", "qbar", "thrust"),
     "lateral": ("tas", "alpha", "beta", "phi", "theta", "p", "q", "r", "ax", "ay", "az", "elevator", "aileron", "rudder", "altitude", "density", "qbar", "thrust"),
 }

@@ -2,8 +2,9 @@
 """Flies the field: foreign aircraft of JSBSim, recorded as a stranger would, with the truth beside each record.
 
     scripts/field/make.py [FOLDER] [--aircraft NAME ...] [--only TEXT ...] [--split develop|look-once]
-                          [--repetition N] [--jobs N]
+                          [--repetition N] [--jobs N] [--exact]
     scripts/field/make.py FOLDER --feedback [...]
+    scripts/field/make.py FOLDER --structure [...]
     scripts/field/make.py crates/phugoid-evaluation/tests/field --sample
 
 Needs `jsbsim` and `numpy` as pinned in tests/python/requirements.txt. The same numbers come out every time.
@@ -25,20 +26,33 @@ import instruments
 import model_file
 import truth
 from aircraft import FLEET
-from catalogue import FEEDBACK_REPETITIONS, REPETITIONS, SAMPLE, feedback_flights, flights
+from catalogue import FEEDBACK_REPETITIONS, REPETITIONS, SAMPLE, feedback_flights, flights, structure_flights
 from fly import Plan, fly
 from simulator import Simulator
 
 
-def one_flight(sim: Simulator, plan: Plan, split: str, folder: pathlib.Path) -> dict:
+def write_exact(path: pathlib.Path, at: np.ndarray, rows: np.ndarray, flown) -> None:
+    """What happened at the times of the record, without instruments: coefficients and what terms are made of."""
+    names = ("true_airspeed_m_s", "alpha_rad", "beta_rad", "p_rad_s", "q_rad_s", "r_rad_s", "elevator_rad", "aileron_rad", "rudder_rad")
+    channels = ("tas", "alpha", "beta", "p", "q", "r", "elevator", "aileron", "rudder")
+    columns = [at, *(flown.channels[c][rows] for c in channels), *(flown.coefficients[c][rows] for c in flown.coefficients)]
+    # Readers do not tell CL from Cl.
+    called = {"CL": "c_lift", "CD": "c_drag", "CY": "c_side", "Cl": "c_roll", "Cm": "c_pitch", "Cn": "c_yaw"}
+    header = ",".join(("time_s", *names, *(called[c] for c in flown.coefficients)))
+    np.savetxt(path, np.column_stack(columns), fmt="%.9g", delimiter=",", header=header, comments="")
+
+
+def one_flight(sim: Simulator, plan: Plan, split: str, folder: pathlib.Path, exact: bool = False) -> dict:
     """Flies, records and writes one flight; returns its truth."""
     spec = sim.spec
     rng = np.random.default_rng(plan.seed)
     flown = fly(sim, plan, rng)
     at, columns, noise = instruments.record(flown, plan, spec, np.random.default_rng([plan.seed, 1]))
     instruments.write_csv(folder / f"{plan.name}.csv", at, columns, spec)
-    x = truth.regressors(flown.channels, sim.chord, sim.span)
+    x = truth.regressors(flown.channels, sim.chord, sim.span, flown.trim["speed"])
     rows = np.searchsorted(flown.time, at - 1e-9)
+    if exact:
+        write_exact(folder / f"{plan.name}.exact.csv", at, rows, flown)
     out = {
         "flight": plan.name,
         "aircraft": spec.name,
@@ -60,8 +74,14 @@ def one_flight(sim: Simulator, plan: Plan, split: str, folder: pathlib.Path) -> 
     }
     damage_at = plan.damage[0] if plan.damage else None
     before = rows if damage_at is None else rows[flown.time[rows] < damage_at]
-    parameters, explained = truth.fit(flown.coefficients, x, plan.axes, before, plan.rate_hz)
+    missing = {name: value for name, value in flown.added.items() if name in plan.added}
+    parameters, explained = truth.fit(flown.coefficients, x, plan.axes, before, plan.rate_hz, missing)
     out["truth"] = {"parameters": parameters, "explained": explained, "until_s": damage_at}
+    if missing:
+        # By coefficient and term, as a model file writes it.
+        words = {"V": "v_hat", "alpha2": "alpha^2", "beta2": "beta^2", "abs_elevator": "|elevator|", "q": "q_hat"}
+        split_names = (name.split("_", 1) for name in missing)
+        out["missing"] = [[coefficient, words.get(variable, variable)] for coefficient, variable in split_names]
     if damage_at is not None:
         after, explained = truth.fit(flown.coefficients, x, plan.axes, rows[flown.time[rows] >= damage_at], plan.rate_hz)
         out["change"] = {"time_s": damage_at, "changes": flown.changes, "after": after, "explained": explained}
@@ -71,7 +91,7 @@ def one_flight(sim: Simulator, plan: Plan, split: str, folder: pathlib.Path) -> 
 
 def one_aircraft(job) -> list[str]:
     """All flights of one aircraft in one part; returns a line per flight."""
-    spec, split, repetition, folder, step, wanted, catalogue = job
+    spec, split, repetition, folder, step, wanted, exact, catalogue = job
     place = folder / split / spec.name
     place.mkdir(parents=True, exist_ok=True)
     lines = []
@@ -90,7 +110,7 @@ def one_aircraft(job) -> list[str]:
         for plan in plans:
             try:
                 # Another one for each flight, so that nothing of the last one is left in it.
-                made = one_flight(Simulator(spec, pathlib.Path(scratch), step), plan, split, place)
+                made = one_flight(Simulator(spec, pathlib.Path(scratch), step), plan, split, place, exact)
                 explained = " ".join(f"{k} {v:.3f}" for k, v in made["truth"]["explained"].items())
                 lines.append(f"{split:9} {spec.name:10} {plan.name:22} {plan.group:18} R2 of the terms: {explained}")
             except RuntimeError as error:
@@ -122,7 +142,10 @@ def main() -> None:
         help="another repetition of these flights, with conditions, times, sizes, gusts and noise that nobody has seen",
     )
     parser.add_argument("--sample", action="store_true", help="the few flights that are kept in the project")
-    parser.add_argument("--feedback", action="store_true", help="stabilised aircraft in place of the field: flights with a flight control system")
+    others = parser.add_mutually_exclusive_group()
+    others.add_argument("--feedback", action="store_true", help="stabilised aircraft in place of the field: flights with a flight control system")
+    others.add_argument("--structure", action="store_true", help="flights of aircraft with a term that no model file has, in place of the field")
+    parser.add_argument("--exact", action="store_true", help="beside each record what happened without instruments, as NAME.exact.csv")
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
     parser.add_argument("--step", type=float, default=1 / 600, help="step of the simulation, s")
     arguments = parser.parse_args()
@@ -138,9 +161,9 @@ def main() -> None:
     if unknown := set(aircraft) - {spec.name for spec in FLEET}:
         parser.error(f"no such aircraft: {', '.join(sorted(unknown))}; there are {', '.join(spec.name for spec in FLEET)}")
     wanted = Wanted(arguments.only, arguments.sample)
-    catalogue = feedback_flights if arguments.feedback else flights
+    catalogue = feedback_flights if arguments.feedback else structure_flights if arguments.structure else flights
     jobs = [
-        (spec, split, arguments.repetition, arguments.folder, arguments.step, wanted, catalogue)
+        (spec, split, arguments.repetition, arguments.folder, arguments.step, wanted, arguments.exact, catalogue)
         for split in splits
         for spec in FLEET
         if (not aircraft or spec.name in aircraft) and not (split == "develop" and spec.look_once_only)

@@ -2,6 +2,7 @@
 
 from truth import TERMS
 
+WHICH = {"longitudinal": '"longitudinal"', "lateral": '"lateral"', "six": '"longitudinal", "lateral"'}
 WORDS = {"0": "1", "p": "p_hat", "q": "q_hat", "r": "r_hat", "alpha2": "alpha^2"}
 
 
@@ -19,14 +20,14 @@ def write(path, sim, spec, axes: str) -> None:
     inertia = sim.inertia()
     lines = [
         f'name = "{spec.name} ({spec.stands_for})"',
-        f'axes = ["{axes}"]',
+        f'axes = [{WHICH[axes]}]',
         'input = "interpolated"',
         "",
         "[aircraft]",
         f'mass = "{sim.mass:.6g} kg"',
         f'iyy = "{inertia["iyy"]:.6g} kg*m^2"',
     ]
-    if axes == "lateral":
+    if axes != "longitudinal":
         lines += [f'{k} = "{inertia[k]:.6g} kg*m^2"' for k in ("ixx", "izz", "ixz")]
     lines += [
         f'wing_area = "{sim.wing_area:.6g} m^2"',

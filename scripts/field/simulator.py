@@ -117,6 +117,8 @@ class Simulator:
         self._node = {}
         self._manager = manager
         self.changes: dict[str, float] = {}
+        # Of the last trim, m/s.
+        self.trim_speed = spec.speed
         self.surfaces = {"elevator": 0.0, "aileron": 0.0, "rudder": 0.0}
 
     def node(self, name: str):
@@ -204,6 +206,10 @@ class Simulator:
             "p": self.get("velocities/p-aero-rad_sec") * half_span,
             "q": self.get("velocities/q-aero-rad_sec") * half_chord,
             "r": self.get("velocities/r-aero-rad_sec") * half_span,
+            "V": speed * FT / self.trim_speed,
+            "alpha2": self.get("aero/alpha-rad") ** 2,
+            "beta2": self.get("aero/beta-rad") ** 2,
+            "abs_elevator": abs(self.surfaces["elevator"]),
             **self.surfaces,
         }
 
@@ -291,6 +297,7 @@ class Simulator:
         trim = dict(zip(names, map(float, x)))
         trim["thrust"] *= self.mass * 9.8
         trim |= {"speed": speed, "altitude": altitude, "residual": float(np.abs(r).max())}
+        self.trim_speed = speed
         return trim
 
     def response(self, trim: dict[str, float]) -> dict[str, float]:

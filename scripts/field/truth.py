@@ -17,12 +17,13 @@ TERMS = {
         "Cn": ("0", "beta", "p", "r", "aileron", "rudder"),
     },
 }
+TERMS["six"] = TERMS["longitudinal"] | TERMS["lateral"]
 # From this share on a derivative counts as well excited.
 WELL_EXCITED = 0.05
 
 
-def regressors(channels: dict, chord: float, span: float) -> dict:
-    """The variables of the terms, normalised as in a model file."""
+def regressors(channels: dict, chord: float, span: float, trim_speed: float) -> dict:
+    """The variables of the terms, normalised as in a model file; the speed by that of the trim."""
     v = channels["tas"]
     return {
         "0": np.ones(len(v)),
@@ -35,16 +36,21 @@ def regressors(channels: dict, chord: float, span: float) -> dict:
         "elevator": channels["elevator"],
         "aileron": channels["aileron"],
         "rudder": channels["rudder"],
+        "V": v / trim_speed,
+        "beta2": channels["beta"] ** 2,
+        "abs_elevator": np.abs(channels["elevator"]),
     }
 
 
-def fit(coefficients: dict, x: dict, axes: str, rows: np.ndarray, rate_hz: float) -> tuple[dict, dict]:
+def fit(coefficients: dict, x: dict, axes: str, rows: np.ndarray, rate_hz: float, added: dict | None = None) -> tuple[dict, dict]:
     """The truth of the samples `rows`, `rate_hz` per second: by parameter its value, its share of the variation of its
     coefficient, how much of its regressor the other terms leave (0: none), and how far the structure determines it: the
     standard error of the value that what the terms do not explain would make; and by coefficient the part of the variation
-    that the terms explain."""
+    that the terms explain. `added` are terms that the aircraft has and the model file does not, by the name of the
+    parameter."""
     parameters, explained = {}, {}
     for coefficient, terms in TERMS[axes].items():
+        terms += tuple(name.split("_", 1)[1] for name in added or {} if name.split("_", 1)[0] == coefficient)
         a = np.column_stack([x[t][rows] for t in terms])
         y = coefficients[coefficient][rows]
         scale = np.abs(a).max(axis=0)

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use numpy::PyArray1;
-use phugoid::{EstimateOptions, Method, OfferTerms};
+use phugoid::{EstimateOptions, Method, StructureSearch};
 use phugoid_flight_data::record as flight;
 use phugoid_identification::estimation as results;
 use pyo3::exceptions::PyKeyError;
@@ -103,7 +103,7 @@ impl Estimation {
 
 /// Estimates the parameters of `model` from `record`.
 #[pyfunction]
-#[pyo3(signature = (record, model, method=None, change_detection=None, offer="reason", truth=BTreeMap::new(), further=Vec::new(),
+#[pyo3(signature = (record, model, method=None, change_detection=None, structure="offer", truth=BTreeMap::new(), further=Vec::new(),
                     predict=None, progress=None))]
 #[allow(clippy::too_many_arguments)] // one per keyword of the Python function
 pub(crate) fn estimate(
@@ -112,7 +112,7 @@ pub(crate) fn estimate(
     model: &Model,
     method: Option<&str>,
     change_detection: Option<bool>,
-    offer: &str,
+    structure: &str,
     truth: BTreeMap<String, f64>,
     further: Vec<Record>,
     predict: Option<Record>,
@@ -123,7 +123,7 @@ pub(crate) fn estimate(
         method: method.map(str::parse::<Method>).transpose().map_err(raise)?,
         change_detection,
         truth,
-        offer: offer_terms(offer)?,
+        structure: structure_search(structure)?,
         further: further.iter().map(whole).collect(),
         predict: predict.as_ref().map(whole),
         ..EstimateOptions::default()
@@ -147,12 +147,12 @@ pub(crate) fn estimate(
     }
 }
 
-fn offer_terms(word: &str) -> PyResult<OfferTerms> {
+fn structure_search(word: &str) -> PyResult<StructureSearch> {
     match word {
-        "reason" => Ok(OfferTerms::WithReason),
-        "always" => Ok(OfferTerms::Always),
-        "never" => Ok(OfferTerms::Never),
-        other => Err(raise(format!("offer = '{other}': expected 'reason', 'always' or 'never'"))),
+        "offer" => Ok(StructureSearch::Offer),
+        "never" => Ok(StructureSearch::Never),
+        "auto" => Ok(StructureSearch::Auto),
+        other => Err(raise(format!("structure = '{other}': expected 'offer', 'never' or 'auto'"))),
     }
 }
 

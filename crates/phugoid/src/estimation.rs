@@ -9,11 +9,12 @@ use crate::Error;
 
 /// Estimates the parameters of a model from a flight.
 ///
-/// The default options take the estimator and the change detection that the model file names, and try no terms that the
-/// model lacks ([`OfferTerms::Never`](crate::OfferTerms::Never)). `phugoid estimate` and Python's `estimate` try them
-/// where the flight gives a reason ([`OfferTerms::WithReason`](crate::OfferTerms::WithReason)), which may take several
-/// times as long. The estimates are the same in all cases: an offer is a remark beside the result
-/// ([`Estimation::offer`]).
+/// The default options take the estimator and the change detection that the model file names, and do not look for terms
+/// that the model lacks ([`StructureSearch::Never`](crate::StructureSearch::Never)). `phugoid estimate` and Python's
+/// `estimate` look for them and leave the estimates as they are ([`StructureSearch::Offer`](crate::StructureSearch::Offer)):
+/// an offer is a remark beside the result ([`Estimation::offer`]). With
+/// [`StructureSearch::Auto`](crate::StructureSearch::Auto) the estimates are those of the model with the missing terms,
+/// which [`with_offered`](crate::with_offered) gives.
 ///
 /// Derivatives are per radian, biases in the SI unit of their sensor; a bound is two standard errors, corrected for the
 /// correlation of the residuals from sample to sample. Values that are NaN in the record count as not measured. It may

@@ -18,7 +18,7 @@ pub use phugoid_flight_dynamics::built_in::{AircraftName, BuiltInAircraft};
 pub use phugoid_flight_dynamics::f16::{F16, F16Options, F16Tables};
 pub use phugoid_flight_dynamics::trim::{Trim, TrimCondition};
 pub use phugoid_identification::compatibility::{Compatibility, CompatibilityOptions};
-pub use phugoid_identification::estimate::{EstimateError, EstimateOptions, Method, OfferTerms};
+pub use phugoid_identification::estimate::{EstimateError, EstimateOptions, Method, StructureSearch, with_offered};
 pub use phugoid_identification::estimation::{
     Estimation, EstimationStatus, EventKind, FinalStatus, ParameterResult, Phase, Readiness, ReasonCode, VerdictReason,
 };

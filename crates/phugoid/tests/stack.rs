@@ -1,7 +1,7 @@
 //! The stack that estimations and sessions take of the thread that calls them. If it overflows, the process ends.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // tests may
 
-use phugoid::{EstimateOptions, Method, Model, OfferTerms, Record, Scenario, Session, estimate, simulate};
+use phugoid::{EstimateOptions, Method, Model, Record, Scenario, Session, StructureSearch, estimate, simulate};
 
 /// Runs `work` on a thread with 512 KiB, which is what a further thread has on macOS and half of a first thread on Windows.
 fn on_a_small_thread<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> T {
@@ -51,7 +51,7 @@ fn the_largest_room_of_the_longitudinal_motion_runs_on_a_small_thread_with_an_of
     let model = Model::parse("f16", &text).unwrap();
     let record = flown("f16-damage", "12 s");
     let (parameters, live, tried) = on_a_small_thread(move || {
-        let options = EstimateOptions { offer: OfferTerms::Always, ..EstimateOptions::default() };
+        let options = EstimateOptions { structure: StructureSearch::Offer, ..EstimateOptions::default() };
         let whole = estimate(&record, &model, &options).unwrap();
         (whole.parameters.len(), live(&record, &model, &options).len(), whole.offer.is_some())
     });

@@ -343,17 +343,26 @@ class Estimation:
         return polars.DataFrame(self._table())
 
 
+def _structure(structure: Optional[str], offer: Optional[str]) -> str:
+    """The word for what is done about missing terms, from it or its former spelling."""
+    if structure is not None:
+        return structure
+    former = {"reason": "offer", "always": "offer"}
+    return "offer" if offer is None else former.get(offer, offer)
+
+
 def estimate(
     record: Record,
     model: Model,
     *,
     method: Optional[str] = None,
     change_detection: Optional[bool] = None,
-    offer: str = "reason",
+    structure: Optional[str] = None,
     truth: Optional[Mapping[str, float]] = None,
     further: Iterable[Record] = (),
     predict: Optional[Record] = None,
     progress: Progress = None,
+    offer: Optional[str] = None,
 ) -> Estimation:
     """Estimates the parameters of ``model`` from ``record``. Other Python threads can run during the estimation.
 
@@ -363,10 +372,10 @@ def estimate(
     ``further`` records together with the first one, and tests the result on the record ``predict``. ``progress`` is
     True for a bar, or a function that is called with the fraction done, from 0 to 1.
 
-    ``offer`` says when terms that the model lacks are tried beside a causal method: ``"reason"`` (where residuals,
-    wandering parameters or adopted changes give a reason), ``"always"`` or ``"never"``. The default is ``"reason"``, as
-    for ``phugoid estimate`` on the command line; the default of the Rust library is ``Never``, because an offer may
-    take several times as long as the estimation. The estimates themselves are the same in all three cases.
+    ``structure`` says what is done about terms that the equations of motion ask for and the model lacks: ``"offer"`` (they
+    are looked for and offered; the estimates stay those of the model), ``"never"``, or ``"auto"`` (the estimates are those
+    of the model with the missing terms). The default is that of ``phugoid estimate`` on the command line; that of the Rust
+    library is ``Never``. ``offer`` is the former spelling: ``"reason"`` and ``"always"`` stand for ``"offer"``.
 
     :raises PhugoidError: if a channel that the model needs is missing, or the record and the options do not fit the
         model.
@@ -377,7 +386,7 @@ def estimate(
             model,
             method,
             change_detection,
-            offer,
+            _structure(structure, offer),
             dict(truth or {}),
             [further_record._native for further_record in further],
             predict._native if predict is not None else None,

@@ -93,7 +93,7 @@ def estimate(
     model: Model,
     method: Optional[str] = ...,
     change_detection: Optional[bool] = ...,
-    offer: str = ...,
+    structure: str = ...,
     truth: dict[str, float] = ...,
     further: list[Record] = ...,
     predict: Optional[Record] = ...,

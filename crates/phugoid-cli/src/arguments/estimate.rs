@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
+use phugoid_identification::estimate::StructureSearch;
 use phugoid_identification::method::Method;
 use phugoid_simulation::quantity::Time;
 
@@ -49,12 +50,15 @@ pub(crate) struct Estimate {
     /// Look for sudden changes even where the model file says not to
     #[arg(long, conflicts_with = "no_change_detection")]
     pub(crate) change_detection: bool,
-    /// Never try terms that the model file lacks. Without --offer and --no-offer they are tried when residuals,
-    /// wandering parameters or adopted changes give a reason; the estimates themselves are the same in all three cases
-    #[arg(long)]
+    /// What to do about terms that the equations of motion ask for and the model file lacks: offer them with their effect
+    /// on every parameter [default], never look for them, or estimate with them (auto)
+    #[arg(long, value_enum)]
+    pub(crate) structure: Option<Structure>,
+    /// The former spelling of --structure never
+    #[arg(long, hide = true, conflicts_with = "structure")]
     pub(crate) no_offer: bool,
-    /// Always try terms that the model file lacks, even when nothing gives a reason
-    #[arg(long, conflicts_with = "no_offer")]
+    /// The former spelling of --structure offer
+    #[arg(long, hide = true, conflicts_with_all = ["no_offer", "structure"])]
     pub(crate) offer: bool,
     /// Correct the flight for these sensor errors first: a file that `phugoid compatibility` has written
     #[arg(long, value_name = "CORRECTIONS.json")]
@@ -118,6 +122,27 @@ pub(crate) enum AxesForm {
     Stability,
     /// CX, CZ; moments and rates about the body axes
     Body,
+}
+
+/// What to do about terms that the model file lacks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Structure {
+    /// Offer them; the estimate stays that of the model file
+    Offer,
+    /// Do not look for them
+    Never,
+    /// Estimate with the terms that are found
+    Auto,
+}
+
+impl Structure {
+    pub(crate) fn search(self) -> StructureSearch {
+        match self {
+            Self::Offer => StructureSearch::Offer,
+            Self::Never => StructureSearch::Never,
+            Self::Auto => StructureSearch::Auto,
+        }
+    }
 }
 
 /// True values of a simulated flight, as the option `--truth` gives them.

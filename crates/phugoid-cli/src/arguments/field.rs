@@ -43,6 +43,10 @@ pub(crate) struct Field {
     /// this a value counts the less the further from the model it is, or is left out where it stands alone
     #[arg(long)]
     pub(crate) gaussian: bool,
+    /// Look for missing terms instead: with the models of the field, and with each of their terms taken out. Needs a field
+    /// made with --exact
+    #[arg(long, conflicts_with_all = ["faults", "no_monitor", "gaussian"])]
+    pub(crate) structure_study: bool,
     /// Leave out the health monitor
     #[arg(long)]
     pub(crate) no_monitor: bool,

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use phugoid::estimate_with_progress;
 use phugoid_flight_data::csv;
 use phugoid_flight_data::record::Record;
-use phugoid_identification::estimate::{EstimateOptions, OfferTerms};
+use phugoid_identification::estimate::{EstimateOptions, StructureSearch, with_offered};
 use phugoid_identification::estimation::{Estimation, EstimationStatus, UncertainQuantity};
 use phugoid_identification::inspect::segment;
 use phugoid_identification::manoeuvres::{Settings, find};
@@ -67,10 +67,10 @@ pub(crate) fn run(arguments: &arguments::Estimate) -> Result<EstimationStatus, F
         (_, true) => Some(false),
         _ => None,
     };
-    let offer = match (arguments.offer, arguments.no_offer) {
-        (true, _) => OfferTerms::Always,
-        (_, true) => OfferTerms::Never,
-        _ => OfferTerms::WithReason,
+    let structure = match (arguments.structure, arguments.no_offer) {
+        (Some(structure), _) => structure.search(),
+        (None, true) => StructureSearch::Never,
+        (None, false) => StructureSearch::Offer,
     };
     let options = EstimateOptions {
         method: arguments.method,
@@ -79,7 +79,7 @@ pub(crate) fn run(arguments: &arguments::Estimate) -> Result<EstimationStatus, F
         truth,
         further,
         predict,
-        offer,
+        structure,
         likelihood: if arguments.gaussian { Likelihood::Gaussian } else { Likelihood::Robust },
         ..EstimateOptions::default()
     };
@@ -87,6 +87,9 @@ pub(crate) fn run(arguments: &arguments::Estimate) -> Result<EstimationStatus, F
         let progress = Progress::new("estimating");
         estimate_with_progress(&record, &model, &options, &mut |done| progress.set(done))?
     };
+    // With terms taken in, the model is another one for all that follows.
+    let taken = estimation.offer.as_ref().filter(|offer| offer.taken);
+    let model = taken.and_then(|offer| with_offered(&model, offer)).unwrap_or(model);
     let yes = |yes: bool| if yes { "yes" } else { "no" }.to_owned();
     let mut settings = vec![("estimator".to_owned(), estimation.method.name().to_owned())];
     if estimation.batch.is_none() {

@@ -3,9 +3,10 @@
 use std::fmt::Write as _;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use phugoid_evaluation::field::structure::{FINDABLE, NOT_THERE, StructureStudy};
 use phugoid_evaluation::field::summary::{ChangeSummary, ConsistencySummary, GroupSummary, WatchSummary};
 use phugoid_evaluation::field::truth::Kind;
-use phugoid_evaluation::field::{FaultSummary, FieldOptions, FieldStudy, run as run_field};
+use phugoid_evaluation::field::{FaultSummary, FieldOptions, FieldStudy, run as run_field, run_structure};
 use phugoid_identification::method::Method;
 use phugoid_identification::options::Likelihood;
 
@@ -24,14 +25,61 @@ pub(crate) fn run(arguments: &arguments::Field) -> Result<(), Failure> {
         monitor: !arguments.no_monitor,
         likelihood: if arguments.gaussian { Likelihood::Gaussian } else { Likelihood::Robust },
     };
-    let study = {
-        let progress = Progress::new("estimating");
-        let ready = AtomicUsize::new(0);
-        let done = |all: usize| progress.set((1 + ready.fetch_add(1, Ordering::Relaxed)) as f64 / all as f64);
-        run_field(&arguments.folder, &options, &done).map_err(Failure::input)?
-    };
+    let progress = Progress::new("estimating");
+    let ready = AtomicUsize::new(0);
+    let done = |all: usize| progress.set((1 + ready.fetch_add(1, Ordering::Relaxed)) as f64 / all as f64);
     let delivery = &arguments.delivery;
+    if arguments.structure_study {
+        let study = run_structure(&arguments.folder, &options, &done).map_err(Failure::input)?;
+        drop(progress);
+        return deliver(&study, delivery.json, delivery.out.as_deref(), || structure(&study));
+    }
+    let study = run_field(&arguments.folder, &options, &done).map_err(Failure::input)?;
+    drop(progress);
     deliver(&study, delivery.json, delivery.out.as_deref(), || text(&study))
+}
+
+/// What was found of the missing terms.
+fn structure(study: &StructureStudy) -> String {
+    let mut table = Table::with_words(
+        &[
+            "missing",
+            "method",
+            "trials",
+            "findable",
+            "found",
+            "or alike",
+            "offered in",
+            "falsely",
+            "numbers",
+            "covered before",
+            "after",
+        ],
+        &[0, 1],
+    );
+    let percent = |part: f64| if part.is_nan() { "-".to_owned() } else { format!("{:.1} %", 100.0 * part) };
+    for s in &study.summaries {
+        table.row([
+            s.name.clone(),
+            s.method.to_string(),
+            s.trials.to_string(),
+            s.findable.to_string(),
+            s.found.to_string(),
+            s.found_alike.to_string(),
+            s.any.to_string(),
+            s.false_offers.to_string(),
+            s.numbers.to_string(),
+            percent(s.covered_before),
+            percent(s.covered_after),
+        ]);
+    }
+    format!(
+        "{}Findable: the term alone makes {:.0} % of its coefficient's motion. Alike: one that adds the same to the model.\n\
+         Falsely: a term that makes less than {:.0} %. Covered: of the other derivatives, in trials with an offer.\n",
+        table.render(),
+        100.0 * FINDABLE,
+        100.0 * NOT_THERE
+    )
 }
 
 fn text(study: &FieldStudy) -> String {

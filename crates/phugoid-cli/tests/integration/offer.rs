@@ -29,16 +29,16 @@ fn a_missing_term_is_offered_and_the_printed_lines_mend_the_model() {
     assert_eq!(first.code, Some(1), "{}", first.err);
     assert!(first.out.contains("REFUSED"), "{}", first.out);
     // The line of the coefficient and that of the parameter, to be copied.
-    let heading = "\nTerms that the residuals ask for\n";
+    let heading = "\nTerms that the equations of motion ask for\n";
     let (before, section) = first.out.split_once(heading).unwrap_or_else(|| panic!("{}", first.out));
-    assert!(before.contains("The residuals ask for alpha^2 in Cm: dCm_alpha2 = "), "{before}");
+    assert!(before.contains("equations of motion ask for alpha^2 in Cm (dCm_alpha2 = "), "{before}");
     let lines: Vec<&str> = section.lines().map(str::trim).collect();
     let after = |word: &str| lines[lines.iter().position(|l| *l == word).unwrap() + 1];
     assert_eq!(after("[coefficients]"), "Cm = [\"alpha\", \"q_hat\", \"elevator\", \"alpha^2\"]");
-    assert!(after("[parameters]").starts_with("dCm_alpha2 = { bounds = [-"), "{section}");
-    assert!(section.contains("left, asked for") || section.contains("asked for\n"), "{section}");
+    assert!(after("[parameters]").starts_with("dCm_alpha2 = { prior_std = "), "{section}");
+    assert!(section.contains("Taken in, they would move") && section.contains("dCL_alpha"), "{section}");
     let page = folder.read("phugoid-report/report.html");
-    assert!(page.contains("id=\"offer\"") && page.contains("dCm_alpha2 = { bounds = [-"));
+    assert!(page.contains("id=\"offer\"") && page.contains("dCm_alpha2 = { prior_std = "));
 
     let model = phugoid(&folder.0, &["estimate", "--show-model", "f16-damage-model"]).out;
     let old = model.lines().find(|l| l.starts_with("Cm = [")).unwrap();
@@ -51,26 +51,38 @@ fn a_missing_term_is_offered_and_the_printed_lines_mend_the_model() {
 }
 
 #[test]
-fn terms_are_tried_for_a_reason_on_request_or_not_at_all() {
+fn terms_are_offered_taken_or_not_looked_for() {
     let folder = Folder::new("offer-when");
     fly(&folder);
     phugoid(&folder.0, &["simulate", "f16-calm", "--out", "calm"]);
-    let offer = |record: &str, model: &str, more: &[&str]| {
+    let by = |record: &str, model: &str, more: &[&str]| {
         let estimate = ["estimate", record, "--model", model, "--no-report", "--json"];
-        phugoid(&folder.0, &[&estimate[..], more].concat()).json_of_any_result()["offer"].clone()
+        phugoid(&folder.0, &[&estimate[..], more].concat()).json_of_any_result()
     };
-    let damaged = |more: &[&str]| offer("flight/measured.csv", "f16-damage-model", more);
-    let calm = |more: &[&str]| offer("calm/measured.csv", "f16-model", more);
-    let best = &damaged(&[])["terms"][0];
-    assert_eq!((best["parameter"].as_str(), best["asked_for"].as_bool()), (Some("dCm_alpha2"), Some(true)));
-    assert!(damaged(&["--no-offer"]).is_null());
-    // Sees the whole record at once.
-    assert!(damaged(&["--method", "output-error", "--offer"]).is_null());
-    assert!(calm(&[]).is_null());
-    let forced = calm(&["--offer"]);
-    assert!(forced["terms"].as_array().unwrap().len() >= 4 && forced["reasons"].as_array().unwrap().is_empty());
-    assert!(forced["terms"].as_array().unwrap().iter().all(|t| t["asked_for"] == false), "{forced}");
-    // Least squares have no density of the innovations.
-    assert_eq!(calm(&["--offer", "--method", "rls"])["method"], "smpe");
-    assert_eq!(calm(&["--offer", "--method", "ekf"])["method"], "ekf");
+    let squared = |more: &[&str]| by("flight/measured.csv", "f16-damage-model", more);
+    let calm = |more: &[&str]| by("calm/measured.csv", "f16-model", more);
+    // By default, by both spellings, and beside a batch method.
+    for more in [&[][..], &["--structure", "offer"], &["--offer"], &["--method", "output-error"]] {
+        let found = squared(more);
+        let best = &found["offer"]["terms"][0];
+        assert_eq!(
+            (best["parameter"].as_str(), best["asked_for"].as_bool()),
+            (Some("dCm_alpha2"), Some(true)),
+            "{more:?}"
+        );
+        assert_eq!(found["offer"]["taken"], false);
+        assert!(found["parameters"].as_array().unwrap().iter().all(|p| p["name"] != "dCm_alpha2"));
+    }
+    for more in [["--structure", "never"].as_slice(), &["--no-offer"]] {
+        assert!(squared(more)["offer"].is_null());
+    }
+    let auto = squared(&["--structure", "auto", "--export", "csv=auto.csv"]);
+    assert_eq!(auto["offer"]["taken"], true);
+    assert!(auto["parameters"].as_array().unwrap().iter().any(|p| p["name"] == "dCm_alpha2"));
+    assert!(folder.read("auto.csv").contains("dCm_alpha2"));
+    // A right model lacks nothing, and nothing is taken in.
+    let right = calm(&["--structure", "auto"]);
+    assert_eq!(right["offer"]["taken"], false);
+    assert!(right["offer"]["tried"].as_u64().unwrap() >= 20);
+    assert!(right["offer"]["terms"].as_array().unwrap().iter().all(|t| t["asked_for"] == false), "{right}");
 }

@@ -24,6 +24,9 @@ pub enum FieldError {
     /// A model file of the field cannot be read.
     #[error("{0}")]
     Model(String),
+    /// What happened without instruments cannot be read.
+    #[error("{0}. Make the field with scripts/field/make.py --exact")]
+    NoExact(String),
     /// There is no flight.
     #[error("{folder}: no flight of the part `{split}`. Make the field with scripts/field/make.py, or name its folder")]
     Empty {

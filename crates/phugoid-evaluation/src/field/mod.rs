@@ -6,6 +6,7 @@
 pub mod corruption;
 mod error;
 pub mod standing;
+pub mod structure;
 pub mod summary;
 pub mod trial;
 pub mod truth;
@@ -21,6 +22,7 @@ use serde::Serialize;
 pub use error::FieldError;
 
 use corruption::{Corruption, Fault};
+use structure::StructureStudy;
 use summary::{ChangeSummary, ConsistencySummary, GroupSummary, WatchSummary};
 use trial::{Flight, RealChange, Trial};
 use truth::{Kind, Split, Truth};
@@ -84,16 +86,7 @@ type Task = (usize, Method, Option<Corruption>, bool);
 /// # Errors
 /// [`FieldError`]: the field cannot be read, or no flight is left to run. A flight that cannot be estimated is a result.
 pub fn run(folder: &Path, options: &FieldOptions, done: &(dyn Fn(usize) + Sync)) -> Result<FieldStudy, FieldError> {
-    let wanted = |truth: &Truth| {
-        let has =
-            |word: &String| [&truth.aircraft, &truth.group, &truth.flight].iter().any(|t| t.contains(word.as_str()));
-        options.only.is_empty() || options.only.iter().any(has)
-    };
-    let truths: Vec<Truth> = truth::find(folder, options.split)?.into_iter().filter(wanted).collect();
-    if truths.is_empty() {
-        return Err(FieldError::NoSuch(options.only.join(" or ")));
-    }
-    let flights: Vec<Flight> = truths.into_iter().map(open).collect::<Result<_, _>>()?;
+    let flights = flights(folder, options)?;
     let mut tasks: Vec<Task> = Vec::new();
     for (number, method) in options.methods.iter().enumerate() {
         // The monitor has a method of its own: once is enough.
@@ -113,6 +106,50 @@ pub fn run(folder: &Path, options: &FieldOptions, done: &(dyn Fn(usize) + Sync))
     };
     let trials = monte_carlo(tasks.len(), run, || done(tasks.len()))?;
     Ok(summarise(options, trials))
+}
+
+/// The flights that are asked for.
+fn flights(folder: &Path, options: &FieldOptions) -> Result<Vec<Flight>, FieldError> {
+    let wanted = |truth: &Truth| {
+        let has =
+            |word: &String| [&truth.aircraft, &truth.group, &truth.flight].iter().any(|t| t.contains(word.as_str()));
+        options.only.is_empty() || options.only.iter().any(has)
+    };
+    let truths: Vec<Truth> = truth::find(folder, options.split)?.into_iter().filter(wanted).collect();
+    if truths.is_empty() {
+        return Err(FieldError::NoSuch(options.only.join(" or ")));
+    }
+    truths.into_iter().map(open).collect()
+}
+
+/// Looks for missing terms on the healthy flights below `folder`: with the model of the field, and with each term taken out
+/// of it of which the flight has a true value. Of the options the faults, the monitor and the likelihood are not used.
+///
+/// # Errors
+/// [`FieldError`]: the field cannot be read, or was not made with what happened without instruments.
+pub fn run_structure(
+    folder: &Path,
+    options: &FieldOptions,
+    done: &(dyn Fn(usize) + Sync),
+) -> Result<StructureStudy, FieldError> {
+    let mut flights = flights(folder, options)?;
+    flights.retain(|f| f.truth.is_healthy());
+    let mut tasks: Vec<(usize, Method, Option<String>)> = Vec::new();
+    for method in &options.methods {
+        for (i, flight) in flights.iter().enumerate() {
+            tasks.push((i, *method, None));
+            // Nothing is taken out of a model that lacks a term already, or that stands beside such ones.
+            if flight.truth.missing.is_empty() && !flight.truth.flight.starts_with("st-") {
+                tasks.extend(structure::removable(flight).into_iter().map(|name| (i, *method, Some(name))));
+            }
+        }
+    }
+    let run = |k: usize| {
+        let (flight, method, removed) = &tasks[k];
+        structure::trial(&flights[*flight], *method, removed.as_deref())
+    };
+    let trials = monte_carlo(tasks.len(), run, || done(tasks.len()))?;
+    Ok(StructureStudy::new(trials, &options.methods))
 }
 
 /// Short flights of healthy aircraft: a long one adds nothing but time.

@@ -1,7 +1,7 @@
 //! One flight, one method: the path of `phugoid estimate`, and what came of it.
 
 use phugoid_flight_data::record::{Quantity, Record};
-use phugoid_identification::estimate::{EstimateOptions, OfferTerms, estimate};
+use phugoid_identification::estimate::{EstimateOptions, StructureSearch, estimate};
 use phugoid_identification::estimation::{ChangeOutcome, Estimation, EstimationStatus, EventKind, FinalStatus};
 use phugoid_identification::method::Method;
 use phugoid_identification::model_file::ModelFile;
@@ -231,9 +231,9 @@ impl Flight {
             },
         };
         trial.hours = record.time.first().zip(record.time.last()).map_or(0.0, |(a, b)| (b - a) / 3600.0);
-        // Trying terms changes no number and none of the words that take numbers back, and costs more than all else.
-        let offer = if corruption.is_some() { OfferTerms::Never } else { OfferTerms::WithReason };
-        let options = EstimateOptions { method: Some(method), offer, likelihood, ..EstimateOptions::default() };
+        // Looking for terms changes no number and none of the words that take numbers back.
+        let structure = StructureSearch::Never;
+        let options = EstimateOptions { method: Some(method), structure, likelihood, ..EstimateOptions::default() };
         match estimate(record, &model, &options, &mut |_| {}) {
             Err(error) => trial.word = refusal(&error),
             Ok(estimation) => {

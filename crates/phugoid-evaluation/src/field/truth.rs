@@ -102,6 +102,9 @@ pub struct Truth {
     pub record: String,
     /// True values before the change, or of the whole flight where nothing changes.
     pub truth: TrueParameters,
+    /// Terms that the aircraft has and the model file has not: coefficient and term, as a model file writes them.
+    #[serde(default)]
+    pub missing: Vec<(String, String)>,
     /// The change, where the aircraft changes in flight.
     #[serde(default)]
     pub change: Option<TrueChange>,

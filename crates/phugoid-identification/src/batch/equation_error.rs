@@ -197,7 +197,7 @@ where
 }
 
 /// The equations take the states as they were measured, and have no use for where an integration would start.
-fn nothing_integrated<M, I, const N: usize, const R: usize>(
+pub(super) fn nothing_integrated<M, I, const N: usize, const R: usize>(
     manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
 ) -> Vec<Vec<Stretch<N>>> {
     let stretch = |m: &Manoeuvre<'_, M, I, N, R>| Stretch { from: 0, to: m.time_s.len(), state: [0.0; N] };
@@ -278,7 +278,7 @@ where
 }
 
 /// The state whose equation stands in the place of this output, if the output measures a state.
-fn state_of<M, I, const N: usize, const R: usize>(
+pub(super) fn state_of<M, I, const N: usize, const R: usize>(
     manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
     output: usize,
 ) -> Option<usize>
@@ -290,7 +290,7 @@ where
 }
 
 /// Equations as rows: residual is left side minus right side, sensitivity the regressors.
-fn rows_of<M, I, const N: usize, const R: usize>(
+pub(super) fn rows_of<M, I, const N: usize, const R: usize>(
     manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
     measured: &[Measured<N, R>],
     layout: &Layout<N>,

@@ -35,8 +35,10 @@ pub(crate) mod response;
 mod result;
 mod start;
 mod summary;
+mod table;
 
 pub(crate) use equation_error::equations_at;
+pub(crate) use table::{APART, Equation as TableEquation, Grid, Table, tables};
 
 pub use bound::{Bounded, bound};
 pub use equation_error::{EquationErrorFit, EquationErrorSettings, equation_error};

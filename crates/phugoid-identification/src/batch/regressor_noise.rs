@@ -11,7 +11,7 @@ use super::result::{BatchFit, UnknownKind};
 use crate::preparation::noise::measure_noise;
 
 /// Pairs of regressions with added noise.
-const PAIRS: u64 = 2;
+pub(super) const PAIRS: u64 = 2;
 /// Relative error of a bias that comes from that of the noise level, which is measured from the record.
 const LEVEL_UNCERTAIN: f64 = 0.1;
 /// Part of a value that its bias cannot reach, however large the noise.
@@ -95,7 +95,7 @@ pub(crate) fn correct(fit: &mut BatchFit, bias: &[f64]) {
 }
 
 /// One or minus one, white over all places (SplitMix64: G. L. Steele et al., OOPSLA 2014).
-fn either_sign(place: [u64; 4]) -> f64 {
+pub(super) fn either_sign(place: [u64; 4]) -> f64 {
     let mut hash = 0_u64;
     for part in place {
         hash = hash.wrapping_add(part).wrapping_add(0x9e37_79b9_7f4a_7c15);

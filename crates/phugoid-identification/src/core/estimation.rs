@@ -300,8 +300,8 @@ pub struct Estimation {
     #[serde(default)]
     pub alpha_reference: f64,
     /// Terms that the model lacks, by the residuals; `None` where
-    /// [`EstimateOptions::offer`](super::options::EstimateOptions::offer) did not ask for them or gave no reason to
-    /// try.
+    /// [`EstimateOptions::structure`](super::options::EstimateOptions::structure) did not ask for them, or nothing
+    /// moved.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub offer: Option<Offer>,
     /// What the result as a whole is worth.
@@ -470,58 +470,116 @@ pub struct EffectiveDerivative {
     pub separable: bool,
 }
 
-/// The result of trying terms that the model does not have.
+/// The result of looking for terms that the model does not have.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Offer {
-    /// Why terms were tried, in words; empty where they were asked for without a reason.
-    pub reasons: Vec<String>,
-    /// The method with which the terms were tried.
-    pub method: Method,
-    /// Smallest gain with which a term counts as missing in the model, nats.
-    pub threshold: f64,
-    /// Changes that the detector adopts with the model as it is.
-    pub adopted_changes: usize,
-    /// The terms tried, the largest gain first.
+    /// Number of terms that were tried.
+    pub tried: usize,
+    /// From when on a term counts as missing.
+    pub criterion: OfferCriterion,
+    /// The residuals of the equations of motion with the model as it is, against the noise of the sensors.
+    pub levels: Vec<ResidualLevel>,
+    /// The terms that count as missing in the order in which they were found, then the others, the largest partial F
+    /// first.
     pub terms: Vec<OfferedTerm>,
+    /// What the missing terms do to the other parameters; empty if nothing counts as missing.
+    pub effects: Vec<TermEffect>,
+    /// The lines to put into the model file; empty if nothing counts as missing.
+    pub lines: Vec<ModelLine>,
+    /// True if the estimation has the missing terms in its model ([`StructureSearch::Auto`]).
+    ///
+    /// [`StructureSearch::Auto`]: super::options::StructureSearch::Auto
+    pub taken: bool,
+    /// Airspeed (m/s) that becomes the reference speed of the model where a missing term needs one and the file has
+    /// none.
+    pub reference_speed: f64,
 }
 
 impl Offer {
-    /// The missing term with the largest gain; `None` if no term counts as missing.
+    /// The terms that count as missing, in the order in which they were found.
+    pub fn missing(&self) -> impl Iterator<Item = &OfferedTerm> {
+        self.terms.iter().filter(|term| term.asked_for)
+    }
+
+    /// The missing term that was found first; `None` if no term counts as missing.
     pub fn best(&self) -> Option<&OfferedTerm> {
-        self.terms.iter().find(|term| term.asked_for)
+        self.missing().next()
     }
 }
 
-/// A term that the model does not have, and what adding it to the model would change.
+/// From when on a term counts as missing.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct OfferCriterion {
+    /// Smallest partial F.
+    pub partial_f: f64,
+    /// Smallest share of the coefficient's motion that only this term makes, 0 to 1.
+    pub share: f64,
+    /// Smallest part of the residual's squares beyond the noise of the sensors that it explains, 0 to 1.
+    pub excess: f64,
+}
+
+/// The residual of an equation of motion beside what the noise of the sensors makes of it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ResidualLevel {
+    /// The left side: `d(q)/dt`, or the name of a measured acceleration.
+    pub equation: String,
+    /// Standard deviation of the residual, SI.
+    pub residual_std: f64,
+    /// Standard deviation that the noise of the sensors makes, measured in the channels themselves, SI.
+    pub noise_std: f64,
+}
+
+/// A term that the model does not have.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct OfferedTerm {
     /// Symbol of the coefficient, e.g. `Cm`.
     pub coefficient: String,
     /// As a model file writes it, e.g. `alpha^2`.
     pub term: String,
+    /// A channel that the term needs under `inputs`; none for variables of the motion.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub input: Option<String>,
     /// Name of its parameter, e.g. `dCm_alpha2`.
     pub parameter: String,
-    /// Logarithm of how much more probable the flight is with the term than without, nats; both without change
-    /// detection.
-    pub gain: f64,
-    /// The same with change detection in both; none where the first gain was too small to look. This gain is small
-    /// where a change of the parameters explains the flight as well as the term does.
-    pub gain_with_changes: Option<f64>,
-    /// Estimate at the end of the record, per radian to the power of the term.
+    /// Value in a regression on the equations of motion, per radian to the power of the term.
     pub value: f64,
-    /// One-sigma error, corrected for the colour of the residuals.
+    /// One-sigma error of it, corrected for the colour of the residuals and for noise in the regressors.
     pub std_error: f64,
-    /// Changes that the detector still adopts with the term in the model; `None` where that was not tried.
-    pub adopted_changes: Option<usize>,
-    /// True if the term counts as missing: both gains reach the threshold, the estimate lies three standard errors from
-    /// zero, and fewer changes are adopted, if any were.
+    /// Partial F: the square of value over standard error.
+    pub partial_f: f64,
+    /// Share of the coefficient's motion that only this term makes, 0 to 1.
+    pub share: f64,
+    /// Part of the residual's squares beyond the noise of the sensors that it explains; none where there are none.
+    pub excess: Option<f64>,
+    /// True if the term counts as missing: all of [`OfferCriterion`] holds, and the method finds it in its own estimate
+    /// with this sign, three standard errors from zero.
     pub asked_for: bool,
-    /// Those of [`Offer::reasons`] that remain with this term in the model; empty where that was not tried.
-    pub remaining: Vec<String>,
-    /// The line to put under `[coefficients]`.
-    pub coefficient_line: String,
-    /// The line to put under `[parameters]`.
-    pub parameter_line: String,
+    /// One sigma of what is known of its parameter beforehand, as the line for the model file says it.
+    pub prior_std: f64,
+}
+
+/// What the missing terms do to a parameter, by the method of the estimation.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TermEffect {
+    /// Name of the parameter.
+    pub parameter: String,
+    /// Estimate without the missing terms; none for the parameter of a missing term.
+    pub before: Option<f64>,
+    /// Its corrected standard error.
+    pub before_std: Option<f64>,
+    /// Estimate with them.
+    pub after: f64,
+    /// Its corrected standard error.
+    pub after_std: f64,
+}
+
+/// A line for the model file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ModelLine {
+    /// The section that it belongs to; empty for the top of the file.
+    pub section: String,
+    /// The line.
+    pub line: String,
 }
 
 #[cfg(test)]

@@ -19,16 +19,17 @@ pub const fn capacity(axes: Axes) -> usize {
     }
 }
 
-/// When terms that the model lacks are tried (`estimation::Offer`): one run over the record per candidate.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum OfferTerms {
-    /// No further terms are tried. This is the default.
+/// What is done about terms that the model may lack (`estimation::Offer`).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum StructureSearch {
+    /// They are not looked for. This is the default.
     #[default]
     Never,
-    /// Terms are tried where changes were adopted, parameters wander, or residuals are coloured.
-    WithReason,
-    /// Terms are tried in every flight in which anything moved.
-    Always,
+    /// They are looked for, and offered beside the estimate, which stays that of the model file.
+    Offer,
+    /// They are looked for, and the estimate is that of the model with the missing terms.
+    Auto,
 }
 
 /// What a batch method takes the noise of the measurements for. Causal methods have a gate of their own and ignore it.
@@ -65,8 +66,8 @@ pub struct EstimateOptions {
     pub further: Vec<Record>,
     /// A record that is predicted with the estimated parameters; for batch methods only.
     pub predict: Option<Record>,
-    /// Whether terms that the model lacks are tried; batch methods ignore it.
-    pub offer: OfferTerms,
+    /// Whether terms that the model lacks are looked for, by any method.
+    pub structure: StructureSearch,
     /// What a batch method takes the noise of the measurements for.
     pub likelihood: Likelihood,
 }

@@ -184,6 +184,10 @@ fn linearised(
         if factors.len() < valued.term.factors().len() {
             notes.push(format!("{}: the plugin has no airspeed term; taken at the reference speed", valued.name));
         }
+        if !valued.term.bent().is_empty() {
+            notes.push(format!("{} = {}: the plugin has no such term; left out", valued.name, valued.value));
+            continue;
+        }
         let surface = |name: &str, value: ReferenceValue| identified.surface_reference(name, value);
         match factors.as_slice() {
             [] => linear.constant += valued.value,

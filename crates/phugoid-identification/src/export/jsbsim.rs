@@ -14,7 +14,7 @@
 use std::fmt::Write as _;
 
 use super::identified::{ExportError, Exported, Identified, Valued};
-use crate::core::term::{Coefficient, Variable};
+use crate::core::term::{Bend, Coefficient, Variable};
 use crate::model_file::RateSpeed;
 
 /// Metres in a foot, exactly.
@@ -127,6 +127,22 @@ fn product(identified: &Identified<'_>, valued: &Valued) -> Result<String, Expor
             for factor in &factors {
                 let _ = writeln!(text, "          {factor}");
             }
+        }
+    }
+    for bent in valued.term.bent() {
+        let factors = factor(identified, bent.variable)?;
+        let inside = match factors.as_slice() {
+            [one] => one.clone(),
+            several => format!("<product>{}</product>", several.concat()),
+        };
+        let bend = match bent.bend {
+            Bend::Magnitude => format!("<abs>{inside}</abs>"),
+            Bend::Above(from) => {
+                format!("<max><difference>{inside}<value>{from}</value></difference><value>0</value></max>")
+            }
+        };
+        for _ in 0..bent.power {
+            let _ = writeln!(text, "          {bend}");
         }
     }
     text.push_str("        </product>\n");

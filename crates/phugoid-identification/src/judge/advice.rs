@@ -5,14 +5,14 @@
 //! control surface is moved near the frequency of the mode that it excites, and one regressor is moved apart from the
 //! others.
 
-use crate::core::term::{Term, Variable};
+use crate::core::term::Variable;
 use crate::model_file::Role;
 
 /// What to fly so that a parameter that nothing has excited becomes known. `None` for offsets and sensor biases, which
 /// become known together with the other parameters.
 pub(crate) fn to_excite(role: &Role, extra_inputs: &[String]) -> Option<String> {
     let Role::Term(_, term) = role else { return None };
-    Some(match single(term) {
+    Some(match term.single() {
         None if term.is_constant() => "fly steadily a little longer, at more than one angle of attack".to_owned(),
         None => "fly larger amplitudes: a product of variables needs them far from zero together".to_owned(),
         Some(index) => match Variable::ALL.get(index) {
@@ -42,14 +42,15 @@ pub(crate) fn to_excite(role: &Role, extra_inputs: &[String]) -> Option<String> 
 pub(crate) fn to_separate(a: &Role, b: &Role) -> String {
     // The variable of a term that is no product; extra inputs count as controls.
     let variable = |role: &Role| match role {
-        Role::Term(_, term) => single(term),
+        Role::Term(_, term) => term.single(),
         Role::Offset(_) | Role::Bias(_) => None,
     };
     let is_constant = |role: &Role| match role {
         Role::Term(_, term) => term.is_constant(),
         Role::Offset(_) | Role::Bias(_) => true,
     };
-    let is_product = |role: &Role| matches!(role, Role::Term(_, term) if !term.is_constant() && single(term).is_none());
+    let is_product =
+        |role: &Role| matches!(role, Role::Term(_, term) if !term.is_constant() && term.single().is_none());
     let is_control = |variable: Option<usize>| {
         variable.is_some_and(|index| {
             matches!(Variable::ALL.get(index), None | Some(Variable::Elevator | Variable::Aileron | Variable::Rudder))
@@ -79,14 +80,6 @@ pub(crate) fn to_separate(a: &Role, b: &Role) -> String {
 const ALPHA_RATE: &str = "the rate of the angle of attack and the pitch rate go together in ordinary flight: estimate the \
                           sum of both derivatives, or fly steady turns and heaving beside pitching";
 
-/// The one variable of a term that is a variable itself.
-fn single(term: &Term) -> Option<usize> {
-    match term.factors() {
-        [(index, 1)] => Some(*index),
-        _ => None,
-    }
-}
-
 fn extra(index: usize, extra_inputs: &[String]) -> &str {
     extra_inputs.get(index - Variable::ALL.len()).map_or("the input", String::as_str)
 }
@@ -95,7 +88,7 @@ fn extra(index: usize, extra_inputs: &[String]) -> &str {
 mod tests {
     use super::*;
     use crate::core::output::Output;
-    use crate::core::term::Coefficient;
+    use crate::core::term::{Coefficient, Term};
 
     fn term(text: &str) -> Role {
         Role::Term(Coefficient::PitchingMoment, Term::parse(text, &["flap".to_owned()]).unwrap())

@@ -26,7 +26,7 @@ pub(crate) fn effective(
     let place = |coefficient: Coefficient, variable: Variable, parameters: &[ParameterResult]| {
         let name = file.estimated().find(|p| {
             matches!(&p.role, Role::Term(c, term)
-                if *c == coefficient && term.factors() == [(variable.index(), 1)])
+                if *c == coefficient && term.single() == Some(variable.index()))
         })?;
         parameters.iter().position(|p| p.name == name.name)
     };

@@ -248,14 +248,14 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 
 /// The variable that a term of first order belongs to; `None` for products and powers.
 fn argument(term: &Term) -> Option<Argument> {
-    match term.factors() {
-        [] => Some(Argument::Constant),
-        [(index, 1)] => Some(match Variable::ALL.get(*index) {
-            Some(variable) => Argument::Variable(*variable),
-            None => Argument::Extra(index - Variable::ALL.len()),
-        }),
-        _ => None,
+    if term.is_constant() {
+        return Some(Argument::Constant);
     }
+    let index = term.single()?;
+    Some(match Variable::ALL.get(index) {
+        Some(variable) => Argument::Variable(*variable),
+        None => Argument::Extra(index - Variable::ALL.len()),
+    })
 }
 
 /// Lift and drag into body axes, or back: the same matrix both ways, because it is its own inverse.

@@ -1,207 +1,401 @@
-//! Terms that the residuals ask for.
+//! Terms that the equations of motion ask for.
 //!
-//! A term that the aircraft has and the model lacks is taken up by the others: their values then really change with the
-//! flight condition, and a change detector finds changes that never happened. Here each candidate term is tried in a
-//! model of its own, and offered where the flight is so much more probable with it that chance does not explain it. The
-//! idea is that of modified stepwise regression (V. Klein, J. G. Batterson, P. C. Murphy, *Determination of Airplane
-//! Model Structure From Flight Data by Using Modified Stepwise Regression*, NASA TP-1916, 1981), with the likelihood of
-//! an estimator's innovations in place of the F statistic of a regression. docs/methods.md has the equations, and what
-//! was measured.
+//! A term that the aircraft has and the model lacks is taken up by the others: their values are then those of another
+//! aircraft, change with the flight condition, and a change detector finds changes that never happened. Here a library
+//! of candidates is tried on the equations of motion of the record, beside any method and in a fraction of a second
+//! ([`selection`]); what they ask for goes through the method itself, which has to find it too. docs/methods.md has the
+//! equations, and what was measured.
 
-mod amplitude;
 mod candidate;
+mod selection;
 
+use phugoid_flight_data::printable::toml_string;
 use phugoid_flight_data::record::Record;
+use phugoid_flight_data::statistics::{median, median_step};
 
+use crate::batch::{
+    BatchParameter, EquationErrorSettings, Grid, InitialState, Manoeuvre, Noise, OutputChannel, Structure, Table,
+    tables,
+};
 use crate::core::error::EstimateError;
-use crate::core::estimation::{Estimation, Event, EventKind, Offer, OfferedTerm};
-use crate::core::method::Method;
-use crate::core::options::{EstimateOptions, OfferTerms, capacity};
-use crate::judge::contradiction::colour;
-use crate::methods::{EveryRoom, Run, Task, run};
-use crate::model_file::ModelFile;
-use crate::preparation::prepare::prepare;
-use amplitude::Amplitudes;
-use candidate::{Candidate, candidates};
+use crate::core::estimation::{Estimation, ModelLine, Offer, OfferCriterion, OfferedTerm, ResidualLevel, TermEffect};
+use crate::core::options::{CAPACITY, Likelihood, capacity};
+use crate::core::output::Output;
+use crate::core::term::{Coefficient, EXTRA_INPUTS};
+use crate::methods::{EveryRoom, Task, whole_record};
+use crate::model_file::{Base, ModelFile, Parameter, Role};
+use crate::motion::Motion;
+use crate::preparation::noise::measure_noise;
+use crate::preparation::prepare::{Prepared, prepare};
+use candidate::{Candidate, candidates, round_up, with_terms};
+use selection::{Criterion, Regression, Trial};
 
-/// Nats that a term has to gain beyond the logarithm of the number of terms tried. If the model is right, the ratio of
-/// the predictive densities has a mean of one, so that it exceeds `K e^10` for any of `K` terms in at most one flight
-/// in 22 000 (Markov's inequality; J. Ville 1939). The limit is generous because no model is exactly right.
-const ENOUGH: f64 = 10.0;
+/// Spacing of the rows of the equations, s: the windows of the smoothing are 0.4 s long.
+const SPACING_S: f64 = 0.05;
+/// Most rows of a record: a longer one is thinned further.
+const MOST_ROWS: f64 = 20_000.0;
+/// Chance of a term that is not there, over all candidates of a flight, that the partial F is made for.
+const FALSE_OFFERS: f64 = 1e-3;
+/// Factor on that partial F: the equations of no flight are exactly right.
+const NOT_EXACT: f64 = 2.0;
+/// Smallest share of the coefficient's motion that only the term makes.
+const SHARE: f64 = 0.04;
+/// Smallest part of the squares beyond the sensors' noise that the term explains.
+const EXCESS: f64 = 0.1;
+/// Prior one sigma of a new parameter, in values that the regression finds.
+const PRIOR: f64 = 2.0;
+/// Standard errors that the method's own estimate of a missing term has to lie from zero.
+const CONFIRMED: f64 = 3.0;
+/// Most terms that are listed.
+const LISTED: usize = 10;
 
-/// Standard errors that a term's estimate has to lie from zero: the correction for coloured residuals is in these
-/// alone, and not in the densities.
-const FAR_FROM_ZERO: f64 = 3.0;
-
-/// Tries terms that the model lacks, if the estimation gives a reason to. The estimation itself is not changed.
+/// Looks for missing terms on the equations of motion. `None` where these cannot be computed. The estimation itself is
+/// not changed, and the offer is not confirmed yet.
 ///
 /// # Errors
 /// [`EstimateError`] as of the estimation itself.
-pub(crate) fn offer<M: EveryRoom<N, R>, const N: usize, const R: usize>(
+pub(crate) fn search<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     record: &Record,
     task: &Task<M, N, R>,
-    estimation: &Estimation,
-    own: &Run<R>,
-    progress: &mut dyn FnMut(f64),
 ) -> Result<Option<Offer>, EstimateError> {
-    let file = task.file;
-    let reasons = reasons(own, file);
-    let wanted = match task.options.offer {
-        OfferTerms::Never => false,
-        OfferTerms::WithReason => !reasons.is_empty(),
-        OfferTerms::Always => true,
-    };
-    if !wanted || task.method().is_batch() || !own.excited {
-        return Ok(None);
-    }
-    // The estimator must have place for one more column.
+    let Task { file, options, prepared, .. } = *task;
     if file.estimated().count() >= capacity(file.axes) {
         return Ok(None);
     }
-    let trials = Trials::<M, N, R>::new(record, task);
-    let wanted = candidates(file, &estimation.parameters, &Amplitudes::of(task, own));
-    let threshold = ENOUGH + (wanted.len().max(1) as f64).ln();
-    let steps = (wanted.len() + 2) as f64;
-    let steady = trials.run(file, false)?;
-    progress(1.0 / steps);
-    let changing = trials.run(file, true)?;
-    let mut terms = Vec::with_capacity(wanted.len());
-    for (done, candidate) in wanted.iter().enumerate() {
-        progress((done + 2) as f64 / steps);
-        terms.push(trials.try_term(candidate, [&steady, &changing], threshold)?);
+    let further = if task.method().is_batch() { options.further.as_slice() } else { &[] };
+    let records: Vec<&Record> = std::iter::once(record).chain(further).collect();
+    let speeds = channel_of(prepared, "true_airspeed");
+    let Some(speed) = median(&mut speeds.iter().copied().filter(|v| v.is_finite()).collect::<Vec<_>>()) else {
+        return Ok(None);
+    };
+    let speed = speed.round().max(1.0);
+    let alpha: Vec<f64> = channel_of(prepared, "alpha").iter().map(|a| a - prepared.reference.alpha).collect();
+    let mut list = candidates(file, record, &alpha);
+    // A further record without the channel cannot show the term.
+    list.retain(|c| {
+        let has = |r: &&Record| c.input.as_deref().is_none_or(|name| r.channel(name).is_some());
+        records.iter().all(has)
+    });
+    let Some((regression, list)) = regression::<M, N, R>(&records, file, list, speed)? else { return Ok(None) };
+    let own = own_parameters(file).count();
+    let criterion = Criterion {
+        // The quantile of a normal number, by its upper bound: P(|z| > t) < exp(-t^2/2).
+        partial_f: NOT_EXACT * 2.0 * (list.len().max(1) as f64 / FALSE_OFFERS).ln(),
+        share: SHARE,
+        excess: EXCESS,
+    };
+    let (found, first) = regression.select(&criterion);
+    let levels = regression
+        .levels(&(0..own).collect::<Vec<_>>())
+        .into_iter()
+        .map(|l| ResidualLevel { equation: l.equation, residual_std: l.residual_std, noise_std: l.noise_std })
+        .collect();
+    let mut terms: Vec<OfferedTerm> = Vec::new();
+    for (asked_for, trials) in [(true, &found), (false, &first)] {
+        for trial in trials {
+            let Some(candidate) = trial.column.checked_sub(own).and_then(|k| list.get(k)) else { continue };
+            let is_listed = trials.len() > LISTED && terms.len() >= LISTED && !asked_for;
+            if !is_listed && !found.iter().any(|f| !asked_for && f.column == trial.column) {
+                terms.extend(offered(file, candidate, trial, asked_for));
+            }
+        }
     }
-    terms
-        .sort_by(|a, b| (b.asked_for, b.gain).partial_cmp(&(a.asked_for, a.gain)).unwrap_or(std::cmp::Ordering::Equal));
-    progress(1.0);
-    let method = trials.options.method.unwrap_or_default();
-    Ok(Some(Offer { reasons, method, threshold, adopted_changes: adopted(&changing.events), terms }))
+    let criterion = OfferCriterion { partial_f: criterion.partial_f, share: criterion.share, excess: criterion.excess };
+    Ok(Some(Offer {
+        tried: list.len(),
+        criterion,
+        levels,
+        terms,
+        effects: Vec::new(),
+        lines: Vec::new(),
+        taken: false,
+        reference_speed: speed,
+    }))
 }
 
-/// Signs in an estimation that the model may lack a term.
-fn reasons<const R: usize>(run: &Run<R>, file: &ModelFile) -> Vec<String> {
-    let mut reasons = Vec::new();
-    let adopted = adopted(&run.events);
-    if adopted > 0 {
-        let times = if adopted == 1 { "once".to_owned() } else { format!("{adopted} times") };
-        reasons.push(format!("the parameters were found changed {times}"));
-    }
-    if run.events.iter().any(|e| e.kind == EventKind::Insensitive) {
-        reasons.push("the parameters wander without any change".to_owned());
-    }
-    let outputs = file.axes.outputs().iter().enumerate();
-    let is_coloured = |row: usize| colour(run.residuals.iter().map(|at| at[row])).is_some();
-    let coloured: Vec<&str> = outputs.filter(|(row, _)| is_coloured(*row)).map(|(_, o)| o.name()).collect();
-    if !coloured.is_empty() {
-        reasons.push(format!("the residuals of {} are coloured", coloured.join(", ")));
-    }
-    reasons
+fn offered(file: &ModelFile, candidate: &Candidate, trial: &Trial, asked_for: bool) -> Option<OfferedTerm> {
+    let inputs = candidate::with_input(&file.extra_inputs, candidate.input.as_deref());
+    let term = candidate.term(&inputs)?;
+    Some(OfferedTerm {
+        coefficient: candidate.coefficient.symbol().to_owned(),
+        term: term.text(&inputs),
+        input: candidate.input.clone(),
+        parameter: term.parameter_name(candidate.coefficient, file.base != Base::None, &inputs),
+        value: trial.value,
+        std_error: trial.std_error,
+        partial_f: trial.partial_f,
+        share: trial.share,
+        excess: Some(trial.excess).filter(|e| e.is_finite()),
+        asked_for,
+        prior_std: round_up(PRIOR * trial.value.abs()).unwrap_or(1.0),
+    })
 }
 
-fn adopted(events: &[Event]) -> usize {
-    events.iter().filter(|e| e.kind == EventKind::Adopted).count()
+/// The values of an output or known input by sample; empty if the motion has neither.
+fn channel_of<M: Motion<N, R>, const N: usize, const R: usize>(prepared: &Prepared<M, N, R>, name: &str) -> Vec<f64> {
+    let row = Output::from_name(name).and_then(|output| M::AXES.row(output));
+    let known = || prepared.known.iter().find(|s| s.name == name).map_or(Vec::new(), |s| s.values.clone());
+    row.map_or_else(known, |row| prepared.outputs.iter().map(|y| y[row]).collect())
 }
 
-/// The runs on one record that are compared.
-struct Trials<'a, M: EveryRoom<N, R>, const N: usize, const R: usize> {
-    record: &'a Record,
-    task: &'a Task<'a, M, N, R>,
-    /// The options of the task with EKF or SMPE as the method: the innovations of these have a density.
-    options: EstimateOptions,
+/// The estimated parameters that are terms or offsets.
+fn own_parameters(file: &ModelFile) -> impl Iterator<Item = &Parameter> {
+    file.estimated().filter(|p| !matches!(p.role, Role::Bias(_)))
 }
 
-impl<'a, M: EveryRoom<N, R>, const N: usize, const R: usize> Trials<'a, M, N, R> {
-    fn new(record: &'a Record, task: &'a Task<'a, M, N, R>) -> Self {
-        let method = if task.method() == Method::Ekf { Method::Ekf } else { Method::Smpe };
-        Self { record, task, options: EstimateOptions { method: Some(method), ..task.options.clone() } }
+/// The equations of motion of the records, with the terms of the model and the candidates that can be worked out; and
+/// these candidates.
+fn regression<M: EveryRoom<N, R>, const N: usize, const R: usize>(
+    records: &[&Record],
+    file: &ModelFile,
+    list: Vec<Candidate>,
+    speed: f64,
+) -> Result<Option<(Regression, Vec<Candidate>)>, EstimateError> {
+    let own: Vec<Coefficient> = own_parameters(file).filter_map(coefficient).collect();
+    let room = CAPACITY.saturating_sub(own.len());
+    let mut batches: Vec<Vec<Table>> = Vec::new();
+    let mut tried: Vec<Candidate> = Vec::new();
+    let mut window = 1;
+    let mut rest = list;
+    while !rest.is_empty() && room > 0 {
+        let mut inputs = file.extra_inputs.clone();
+        let (mut now, mut later) = (Vec::new(), Vec::new());
+        for candidate in rest {
+            let with = candidate::with_input(&inputs, candidate.input.as_deref());
+            if now.len() < room && with.len() <= EXTRA_INPUTS {
+                inputs = with;
+                now.push(candidate);
+            } else {
+                later.push(candidate);
+            }
+        }
+        if now.is_empty() {
+            break;
+        }
+        rest = later;
+        let Some((with, order)) = batch_model(file, &now, speed) else { continue };
+        let Some((found, of)) = batch::<M, N, R>(records, &with, &order)? else { return Ok(None) };
+        window = of;
+        batches.push(found);
+        tried.extend(now);
     }
+    let columns: Vec<usize> =
+        own.iter().copied().chain(tried.iter().map(|c| c.coefficient)).map(|c| c as usize).collect();
+    let rank = own.iter().map(|_| 0).chain(tried.iter().map(|c| c.rank)).collect();
+    let regression = Regression::new(batches, own.len(), columns, rank, window);
+    Ok(regression.map(|regression| (regression, tried)))
+}
 
-    fn run(&self, file: &ModelFile, change_detection: bool) -> Result<Run<R>, EstimateError> {
-        let prepared = prepare::<M, N, R>(self.record, file)?;
-        let options = EstimateOptions { change_detection: Some(change_detection), ..self.options.clone() };
-        let task = Task { prepared: &prepared, file, options: &options, noise: self.task.noise, health: None };
-        run(&task, &mut |_| ())
+fn coefficient(parameter: &Parameter) -> Option<Coefficient> {
+    match parameter.role {
+        Role::Term(coefficient, _) | Role::Offset(coefficient) => Some(coefficient),
+        Role::Bias(_) => None,
     }
+}
 
-    fn try_term(
-        &self,
-        candidate: &Candidate,
-        [steady, changing]: [&Run<R>; 2],
-        threshold: f64,
-    ) -> Result<OfferedTerm, EstimateError> {
-        let file = candidate.model(self.task.file);
-        let with = self.run(&file, false)?;
-        let gain = gain(&with, steady);
-        let with_changes = if gain >= threshold { Some(self.run(&file, true)?) } else { None };
-        let gain_with_changes = with_changes.as_ref().map(|with| self::gain(with, changing));
-        let adopted_changes = with_changes.as_ref().map(|with| adopted(&with.events));
-        // After a real change any further column gains something until it is adopted, and does not spare the adoption.
-        let before = adopted(&changing.events);
-        let spares_changes = adopted_changes.is_some_and(|after| before == 0 || after < before);
-        let name = &candidate.parameter.name;
-        let column = file.estimated().position(|p| p.name == *name).and_then(|column| with.columns.get(column));
-        let (value, std_error) = column.map_or((f64::NAN, f64::NAN), |c| (c.value, c.corrected_std_error));
-        Ok(OfferedTerm {
-            coefficient: candidate.coefficient.symbol().to_owned(),
-            term: candidate.term.text(&file.extra_inputs),
-            parameter: name.clone(),
-            gain,
-            gain_with_changes,
-            value,
-            std_error,
-            adopted_changes,
-            remaining: with_changes.as_ref().map(|with| reasons(with, &file)).unwrap_or_default(),
-            asked_for: gain_with_changes.is_some_and(|g| g >= threshold)
-                && value.abs() >= FAR_FROM_ZERO * std_error
-                && spares_changes,
-            coefficient_line: candidate.coefficient_line(self.task.file),
-            parameter_line: candidate.parameter_line(self.task.file),
+/// The model with candidates, without sensor biases, and the names of its parameters: those of the model, then the
+/// candidates.
+fn batch_model(file: &ModelFile, list: &[Candidate], speed: f64) -> Option<(ModelFile, Vec<String>)> {
+    let terms: Vec<(&Candidate, f64)> = list.iter().map(|c| (c, 1.0)).collect();
+    let mut with = with_terms(file, &terms, speed)?;
+    with.parameters.retain(|p| !matches!(p.role, Role::Bias(_)));
+    let own: Vec<String> = own_parameters(file).map(|p| p.name.clone()).collect();
+    let names = list.iter().map(|c| {
+        let term = c.term(&with.extra_inputs)?;
+        Some(term.parameter_name(c.coefficient, file.base != Base::None, &with.extra_inputs))
+    });
+    let order = own.into_iter().map(Some).chain(names).collect::<Option<Vec<_>>>()?;
+    Some((with, order))
+}
+
+/// The equations of the records by a model, as measured and with noise added, their columns in the order of the names
+/// given; and over how many rows their noise is correlated.
+fn batch<M: EveryRoom<N, R>, const N: usize, const R: usize>(
+    records: &[&Record],
+    file: &ModelFile,
+    order: &[String],
+) -> Result<Option<(Vec<Table>, usize)>, EstimateError> {
+    let prepared: Vec<Prepared<M, N, R>> =
+        records.iter().map(|record| prepare::<M, N, R>(record, file)).collect::<Result<_, _>>()?;
+    let names = M::AXES.outputs();
+    let structure = Structure::<N, R> {
+        parameters: file.estimated().map(|p| BatchParameter::free(p.name.as_str(), p.start)).collect(),
+        states: std::array::from_fn(|i| InitialState::free(names[i].name())),
+        outputs: std::array::from_fn(|i| OutputChannel::new(names[i].name(), Noise::Estimated)),
+        maximum_step_s: 1.0,
+        maximum_gap_s: f64::INFINITY,
+        likelihood: Likelihood::Gaussian,
+    };
+    let Some(step) = prepared.first().and_then(|p| median_step(&p.time)) else { return Ok(None) };
+    let settings = EquationErrorSettings::automatic(step);
+    let duration: f64 = prepared.iter().filter_map(|p| Some(p.time.last()? - p.time.first()?)).sum();
+    let spacing = SPACING_S.max(step).max(duration / MOST_ROWS);
+    // The grid begins where the record does: with an input that comes later it has the same rows.
+    let grids: Vec<Grid> = records.iter().map(|r| Grid::new(&r.time, spacing)).collect();
+    let manoeuvres: Vec<Manoeuvre<'_, M, M::KnownInput, N, R>> =
+        prepared.iter().map(|p| whole_record::<M, N, R>("the record", p)).collect();
+    let noise: Vec<[f64; R]> = prepared
+        .iter()
+        .map(|p| {
+            std::array::from_fn(|i| {
+                let values: Vec<f64> = p.outputs.iter().map(|y| y[i]).collect();
+                let given = file.noise[names[i].index()].unwrap_or(0.0);
+                // The steps of a recorder are no noise of their own beside that of the sensor.
+                measure_noise(&values).map_or(given, |n| if n.quantised { 0.0 } else { n.std })
+            })
         })
+        .collect();
+    let starts: Vec<f64> = file.estimated().map(|p| p.start).collect();
+    let Ok(mut found) = tables::<M, M::KnownInput, N, R>(&manoeuvres, &grids, &structure, &settings, &starts, &noise)
+    else {
+        // A state that is not measured: there are no equations.
+        return Ok(None);
+    };
+    let places: Vec<Option<usize>> = order.iter().map(|name| file.estimated().position(|p| p.name == *name)).collect();
+    for equation in found.iter_mut().flatten() {
+        let take = |place: &Option<usize>| place.and_then(|j| equation.regressors.get(j)).cloned().unwrap_or_default();
+        equation.regressors = places.iter().map(take).collect();
     }
+    let window = (4.0 * settings.half_window_s / spacing).ceil() as usize;
+    Ok(Some((found, window)))
 }
 
-/// Log density of the innovations with a term less that without it, nats, over the rows that both have.
-fn gain<const R: usize>(with: &Run<R>, without: &Run<R>) -> f64 {
-    let rows = with.log_density.iter().flatten().zip(without.log_density.iter().flatten());
-    rows.map(|(a, b)| a - b).filter(|difference| difference.is_finite()).sum()
+/// The model with the terms of an offer that count as missing, and what they need; `None` where there is no place for
+/// them.
+pub fn with_offered(file: &ModelFile, offer: &Offer) -> Option<ModelFile> {
+    let terms = offer.missing().map(|term| {
+        let coefficient = Coefficient::ALL.into_iter().find(|c| c.symbol() == term.coefficient)?;
+        let candidate = Candidate { coefficient, text: term.term.clone(), input: term.input.clone(), rank: 0 };
+        Some((candidate, term.prior_std))
+    });
+    let terms: Vec<(Candidate, f64)> = terms.collect::<Option<_>>()?;
+    let terms: Vec<(&Candidate, f64)> = terms.iter().map(|(c, prior)| (c, *prior)).collect();
+    let with = with_terms(file, &terms, offer.reference_speed)?;
+    (with.estimated().count() <= capacity(with.axes)).then_some(with)
 }
 
-/// The sentence of the verdict about the terms tried.
-pub(crate) fn sentence(offer: &Offer) -> String {
-    match offer.best() {
-        Some(best) => {
-            let rest = match best.remaining.as_slice() {
-                _ if offer.reasons.is_empty() => String::new(),
-                [] => format!(" It explains all that gave a reason to look ({}).", offer.reasons.join("; ")),
-                left => format!(
-                    " It is not the whole truth, or stands for something else: with it {} still.",
-                    left.join(", and ")
-                ),
-            };
-            format!(
-                "The residuals ask for {} in {}: {} = {} +- {} (one sigma), a gain of {:.0} nats where {:.1} are enough.{rest} \
-                 The lines for the model file stand with the terms that were tried.",
-                best.term,
-                best.coefficient,
-                best.parameter,
-                number(best.value),
-                number(best.std_error),
-                best.gain,
-                offer.threshold,
-            )
-        }
-        None if offer.terms.is_empty() => {
-            "No product of the model's variables is left to be tried as a missing term.".to_owned()
-        }
-        None => format!(
-            "None of the {} products that were tried as a missing term ({}) explains the residuals.",
-            offer.terms.len(),
-            offer.terms.iter().map(|t| format!("{} in {}", t.term, t.coefficient)).collect::<Vec<_>>().join(", ")
-        ),
+/// Leaves only those terms of an offer that the method finds too, by its estimation with them: with the sign of the
+/// regression, and three standard errors from zero (of a method that gives any). True if all were left.
+pub(crate) fn confirm(offer: &mut Offer, with: &Estimation) -> bool {
+    let mut all = true;
+    for term in offer.terms.iter_mut().filter(|t| t.asked_for) {
+        term.asked_for = with.parameter(&term.parameter).is_some_and(|found| {
+            let random = (found.corrected_std_error.powi(2) - found.systematic_std.powi(2)).max(0.0).sqrt();
+            let far = !random.is_finite() || found.value.abs() >= CONFIRMED * random;
+            found.value * term.value > 0.0 && far
+        });
+        all &= term.asked_for;
     }
+    all
+}
+
+/// Writes into an offer what its terms do to the estimates, and the lines for the model file.
+pub(crate) fn complete(offer: &mut Offer, file: &ModelFile, with: &ModelFile, before: &Estimation, after: &Estimation) {
+    let is_bias = |name: &str| with.parameters.iter().any(|p| p.name == name && matches!(p.role, Role::Bias(_)));
+    let effect = |found: &crate::core::estimation::ParameterResult| {
+        let former = before.parameter(&found.name);
+        TermEffect {
+            parameter: found.name.clone(),
+            before: former.map(|p| p.value),
+            before_std: former.map(|p| p.corrected_std_error),
+            after: found.value,
+            after_std: found.corrected_std_error,
+        }
+    };
+    offer.effects = after.parameters.iter().filter(|p| !is_bias(&p.name)).map(effect).collect();
+    offer.lines = lines(offer, file, with);
+}
+
+fn lines(offer: &Offer, file: &ModelFile, with: &ModelFile) -> Vec<ModelLine> {
+    let line = |section: &str, line: String| ModelLine { section: section.to_owned(), line };
+    let mut lines = Vec::new();
+    if with.extra_inputs != file.extra_inputs {
+        let names: Vec<String> = with.extra_inputs.iter().map(|name| toml_string(name)).collect();
+        lines.push(line("", format!("inputs = [{}]", names.join(", "))));
+    }
+    if let (Some(speed), None) = (with.aircraft.reference_speed, file.aircraft.reference_speed) {
+        lines.push(line("aircraft", format!("reference_speed = \"{speed} m/s\"")));
+    }
+    for coefficient in Coefficient::ALL {
+        if offer.missing().any(|t| t.coefficient == coefficient.symbol()) {
+            let words = with.parameters.iter().filter_map(|p| match &p.role {
+                Role::Term(c, term) if *c == coefficient => Some(toml_string(&term.text(&with.extra_inputs))),
+                _ => None,
+            });
+            let words: Vec<String> = words.collect();
+            lines.push(line("coefficients", format!("{} = [{}]", coefficient.symbol(), words.join(", "))));
+        }
+    }
+    let start = if file.base == Base::None { "start = 0, " } else { "" };
+    for term in offer.missing() {
+        let name = &term.parameter;
+        let is_bare = name.bytes().all(|byte| byte.is_ascii_alphanumeric() || matches!(byte, b'_' | b'-'));
+        let key = if is_bare { name.clone() } else { toml_string(name) };
+        lines.push(line("parameters", format!("{key} = {{ {start}prior_std = {} }}", term.prior_std)));
+    }
+    lines
+}
+
+/// The sentence of the verdict about the missing terms; none if there are none.
+pub(crate) fn sentence(offer: &Offer) -> Option<String> {
+    let words = |t: &OfferedTerm| {
+        let effect = offer.effects.iter().find(|e| e.parameter == t.parameter);
+        let (value, std) = effect.map_or((t.value, t.std_error), |e| (e.after, e.after_std));
+        format!(
+            "{} in {} ({} = {} +- {}, one sigma; partial F {:.0} where {:.0} are enough, {:.0} % of the coefficient's motion)",
+            t.term,
+            t.coefficient,
+            t.parameter,
+            number(value),
+            number(std),
+            t.partial_f,
+            offer.criterion.partial_f,
+            100.0 * t.share
+        )
+    };
+    let missing: Vec<String> = offer.missing().map(words).collect();
+    if missing.is_empty() {
+        return None;
+    }
+    let moved = offer
+        .effects
+        .iter()
+        .filter_map(|e| {
+            let (before, std) = e.before.zip(e.before_std)?;
+            let sigmas = (e.after - before).abs() / std;
+            (sigmas > 2.0).then(|| format!("{} {} -> {}", e.parameter, number(before), number(e.after)))
+        })
+        .collect::<Vec<_>>();
+    let moves = if moved.is_empty() {
+        "No other parameter moves by more than two of its standard errors.".to_owned()
+    } else {
+        format!("With it move {}.", moved.join(", "))
+    };
+    let missing = missing.join(", and for ");
+    Some(if offer.taken {
+        format!("The equations of motion ask for {missing}. The estimates are those of the model with that. {moves}")
+    } else {
+        format!(
+            "The equations of motion ask for {missing}. {moves} The lines for the model file stand with the terms that were \
+             tried; --structure auto takes them in."
+        )
+    })
 }
 
 /// The number with four significant digits, as it stands in a model file.
 fn number(value: f64) -> String {
     let exponent = if value == 0.0 || !value.is_finite() { 0 } else { value.abs().log10().floor() as i32 };
     format!("{value:.*}", (3 - exponent).clamp(0, 9) as usize)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_have_four_digits() {
+        assert_eq!(number(-0.012_345), "-0.01235");
+        assert_eq!(number(123.456), "123.5");
+        assert_eq!(number(0.0), "0.000");
+    }
 }

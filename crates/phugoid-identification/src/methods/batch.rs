@@ -89,7 +89,7 @@ fn prepare_all<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
     records.iter().map(|record| prepare(record, task.file)).collect()
 }
 
-pub(super) fn manoeuvre<'a, M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
+pub(crate) fn manoeuvre<'a, M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
     name: &'a str,
     prepared: &'a Prepared<M, N, R>,
 ) -> Manoeuvre<'a, M, M::KnownInput, N, R> {

@@ -157,7 +157,7 @@ fn change_detection(top: &Section, former: bool) -> Result<(bool, Vec<String>), 
 
 fn check_reference_speed(top: &Section, model: &ModelFile) -> Result<(), ModelFileError> {
     let uses_v_hat = model.parameters.iter().any(|p| match &p.role {
-        Role::Term(_, term) => term.factors().iter().any(|(i, _)| *i == Variable::Airspeed.index()),
+        Role::Term(_, term) => term.powers().any(|(i, _)| i == Variable::Airspeed.index()),
         _ => false,
     });
     let needs_trim = model.aircraft.thrust == Thrust::Trim

@@ -177,9 +177,9 @@ impl Uncertainty {
         // By dynamic pressure.
         let mut airspeed = 2.0;
         let (mut flow_angle, mut surface) = (0.0, 0.0);
-        for (factor, power) in term.factors() {
-            let power = f64::from(*power);
-            match Variable::ALL.get(*factor) {
+        for (factor, power) in term.powers() {
+            let power = f64::from(power);
+            match Variable::ALL.get(factor) {
                 Some(Variable::Alpha | Variable::Beta) => flow_angle += power,
                 Some(Variable::AlphaRate) => {
                     flow_angle += power;

@@ -4,11 +4,12 @@ use phugoid_flight_data::record::Record;
 
 use crate::core::axes::Axes;
 pub use crate::core::error::EstimateError;
-use crate::core::estimation::Estimation;
+use crate::core::estimation::{Estimation, Offer};
 use crate::core::health::HealthOptions;
-pub use crate::core::options::{CAPACITY, EstimateOptions, Method, OfferTerms, capacity};
+pub use crate::core::options::{CAPACITY, EstimateOptions, Method, StructureSearch, capacity};
 use crate::core::stack::on_a_large_stack;
-use crate::judge::offer::{offer, sentence};
+pub use crate::judge::offer::with_offered;
+use crate::judge::offer::{complete, confirm, search, sentence};
 use crate::judge::summary::summarise;
 use crate::methods::{EveryRoom, HealthRun, Task, run};
 use crate::model_file::ModelFile;
@@ -80,7 +81,7 @@ pub(crate) fn pipeline(
     }
 }
 
-/// The pipeline of one motion.
+/// The pipeline of one motion: the estimate, and what it says of terms that the model lacks.
 fn pipeline_of<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     record: &Record,
     model: &ModelFile,
@@ -88,19 +89,59 @@ fn pipeline_of<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     health: Option<&HealthOptions>,
     progress: &mut dyn FnMut(f64),
 ) -> Result<(Estimation, Option<HealthRun>), EstimateError> {
+    if options.structure == StructureSearch::Never {
+        let (estimation, watched, _) = once::<M, N, R>(record, model, options, health, progress)?;
+        return Ok((estimation, watched));
+    }
+    // Terms are tried in a second half.
+    let (mut estimation, mut watched, offer) =
+        once::<M, N, R>(record, model, options, health, &mut |done| progress(0.5 * done))?;
+    let Some(mut offer) = offer else { return Ok((estimation, watched)) };
+    // The method has to find the terms too; those that it does not find are left out, and the others tried again.
+    while offer.best().is_some() {
+        let with = with_offered(model, &offer);
+        let mut run = |with: &ModelFile| {
+            let options = EstimateOptions { structure: StructureSearch::Never, ..options.clone() };
+            once::<M, N, R>(record, with, &options, health, &mut |done| progress(0.5 + 0.5 * done))
+        };
+        let Some((with, Ok((after, watched_with, _)))) = with.as_ref().map(|with| (with, run(with))) else {
+            // Without place for them, or where the method fails with them, nothing can be said of them.
+            offer.terms.iter_mut().for_each(|term| term.asked_for = false);
+            break;
+        };
+        if confirm(&mut offer, &after) {
+            complete(&mut offer, model, with, &estimation, &after);
+            if options.structure == StructureSearch::Auto {
+                offer.taken = true;
+                (estimation, watched) = (after, watched_with);
+            }
+            break;
+        }
+    }
+    estimation.verdict.extend(sentence(&offer));
+    estimation.offer = Some(offer);
+    progress(1.0);
+    Ok((estimation, watched))
+}
+
+type Once = (Estimation, Option<HealthRun>, Option<Offer>);
+
+/// One estimation, and the terms that the equations of motion ask for, not confirmed yet, if they are to be looked for.
+fn once<M: EveryRoom<N, R>, const N: usize, const R: usize>(
+    record: &Record,
+    model: &ModelFile,
+    options: &EstimateOptions,
+    health: Option<&HealthOptions>,
+    progress: &mut dyn FnMut(f64),
+) -> Result<Once, EstimateError> {
     let prepared: Prepared<M, N, R> = prepare(record, model)?;
     let doubts = doubts(record, model)?;
     let noise = noise_levels(&prepared, model)?;
     let task = Task { prepared: &prepared, file: model, options, noise: &noise, health };
-    // Terms are tried in a second half.
-    let share = if options.offer == OfferTerms::Never { 1.0 } else { 0.5 };
-    let mut run = run(&task, &mut |done| progress(share * done))?;
+    let mut run = run(&task, progress)?;
     let watched = run.health.take();
-    let mut estimation = summarise(record, &task, &run, &doubts);
-    if options.offer != OfferTerms::Never {
-        estimation.offer = offer(record, &task, &estimation, &run, &mut |done| progress(0.5 + 0.5 * done))?;
-        estimation.verdict.extend(estimation.offer.as_ref().map(sentence));
-        progress(1.0);
-    }
-    Ok((estimation, watched))
+    let estimation = summarise(record, &task, &run, &doubts);
+    let is_wanted = options.structure != StructureSearch::Never && run.excited;
+    let offer = if is_wanted { search(record, &task)? } else { None };
+    Ok((estimation, watched, offer))
 }

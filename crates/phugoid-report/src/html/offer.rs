@@ -1,24 +1,35 @@
-//! The missing terms that were tried because the residuals gave a reason.
+//! The missing terms that the equations of motion ask for.
 
 use std::fmt::Write as _;
 
-use phugoid_identification::estimation::{Estimation, Offer};
+use phugoid_identification::estimation::{Estimation, ModelLine, Offer};
 
 use super::page::{END_OF_TABLE, table};
 use crate::escape::escape;
 use crate::ticks::{fixed, significant};
 
-/// The table of the terms that were tried, and the lines for the model file if one of them is asked for; empty if
-/// nothing was tried.
+/// The table of the terms that were tried, and, if one counts as missing, what it does to the parameters and the lines
+/// for the model file; empty if nothing was tried.
 pub(super) fn offer(estimation: &Estimation) -> String {
     let Some(offer) = &estimation.offer else { return String::new() };
+    let criterion = &offer.criterion;
+    let levels = offer.levels.iter().map(|level| {
+        format!(
+            "{} {} and {}",
+            escape(&level.equation),
+            significant(level.residual_std, 3),
+            significant(level.noise_std, 3)
+        )
+    });
     let mut out = format!(
-        "<p>Tried one at a time with {}{}. A term is asked for if it gains {} nats of log likelihood, without \
-         change detection and with it, lies three standard errors from zero, and leaves fewer adopted changes where there \
-         were any.</p>\n",
-        escape(offer.method.name()),
-        escape(&because(offer)),
-        fixed(offer.threshold, 1)
+        "<p>Tried on the equations of motion: {} terms. One counts as missing from a partial F of {} on, if it alone makes \
+         {} % of its coefficient's motion and explains {} % of what the noise of the sensors does not, and if the method \
+         finds it too. Residuals, and what of them is noise of the sensors (one sigma, SI): {}.</p>\n",
+        offer.tried,
+        fixed(criterion.partial_f, 0),
+        fixed(100.0 * criterion.share, 0),
+        fixed(100.0 * criterion.excess, 0),
+        levels.collect::<Vec<_>>().join(", ")
     );
     if offer.terms.is_empty() {
         return out + "<p>There was none left to try.</p>\n";
@@ -26,15 +37,15 @@ pub(super) fn offer(estimation: &Estimation) -> String {
     out.push_str(&table(&[
         ("", "Parameter"),
         ("", "Term"),
-        ("n", "Gain<br>(nats)"),
-        ("n", "With change<br>detection"),
-        ("n", "Estimate"),
+        ("n", "Partial F"),
+        ("n", "Share<br>(%)"),
+        ("n", "Explains<br>(%)"),
+        ("n", "In a<br>regression"),
         ("n", "Standard<br>error"),
-        ("n", "Changes<br>left"),
-        ("", "Asked for"),
+        ("", "Missing"),
     ]));
+    let dash = || "\u{2013}".to_owned();
     for term in &offer.terms {
-        let dash = || "\u{2013}".to_owned();
         let (class, word) = if term.asked_for { (" bad", "yes") } else { ("", "no") };
         let _ = writeln!(
             out,
@@ -42,27 +53,70 @@ pub(super) fn offer(estimation: &Estimation) -> String {
              <td class=\"n\">{}</td><td class=\"n\">{}</td><td><span class=\"status{class}\">{word}</span></td></tr>",
             escape(&term.parameter),
             escape(&term.term),
-            fixed(term.gain, 1),
-            term.gain_with_changes.map_or_else(dash, |gain| fixed(gain, 1)),
+            fixed(term.partial_f, 1),
+            fixed(100.0 * term.share, 1),
+            term.excess.map_or_else(dash, |excess| fixed(100.0 * excess, 1)),
             significant(term.value, 4),
             significant(term.std_error, 3),
-            term.adopted_changes.map_or_else(dash, |left| format!("{left} of {}", offer.adopted_changes)),
         );
     }
     out.push_str(END_OF_TABLE);
-    if let Some(best) = offer.best() {
-        let _ = writeln!(
-            out,
-            "<p>Nothing was changed. To take {} in, write into the model file</p>\n<div class=\"scroll\"><pre>[coefficients]\n{}\n\n[parameters]\n{}</pre></div>",
-            escape(&best.term),
-            escape(&best.coefficient_line),
-            escape(&best.parameter_line)
-        );
+    if offer.best().is_some() {
+        out.push_str(&effects(offer));
     }
     out
 }
 
-/// The reasons for trying terms as a clause; empty if there were none.
-fn because(offer: &Offer) -> String {
-    if offer.reasons.is_empty() { String::new() } else { format!(", because {}", offer.reasons.join(", and ")) }
+/// What the missing terms do to the parameters, and the lines for the model file.
+fn effects(offer: &Offer) -> String {
+    let mut out = format!(
+        "<p>{}</p>\n{}",
+        if offer.taken { "What was taken in moved:" } else { "Taken in, the missing terms would move:" },
+        table(&[
+            ("", "Parameter"),
+            ("n", "Without"),
+            ("n", "Standard<br>error"),
+            ("n", "With"),
+            ("n", "Standard<br>error"),
+        ])
+    );
+    for effect in &offer.effects {
+        let or_dash =
+            |value: Option<f64>, digits| value.map_or_else(|| "\u{2013}".to_owned(), |v| significant(v, digits));
+        let _ = writeln!(
+            out,
+            "<tr><th scope=\"row\">{}</th><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td>\
+             <td class=\"n\">{}</td></tr>",
+            escape(&effect.parameter),
+            or_dash(effect.before, 4),
+            or_dash(effect.before_std, 3),
+            significant(effect.after, 4),
+            significant(effect.after_std, 3),
+        );
+    }
+    out.push_str(END_OF_TABLE);
+    let begin = if offer.taken {
+        "The estimates are those of the model with these terms. To keep them, write into the model file"
+    } else {
+        "Nothing was changed. To take them in, write into the model file"
+    };
+    let _ = writeln!(out, "<p>{begin}</p>\n<div class=\"scroll\"><pre>{}</pre></div>", escape(&lines(&offer.lines)));
+    out
+}
+
+/// The lines for the model file under the headings of their sections.
+fn lines(lines: &[ModelLine]) -> String {
+    let mut parts: Vec<String> = Vec::new();
+    let mut section: Option<&str> = None;
+    for line in lines {
+        match parts.last_mut() {
+            Some(part) if section == Some(line.section.as_str()) => {
+                let _ = write!(part, "\n{}", line.line);
+            }
+            _ if line.section.is_empty() => parts.push(line.line.clone()),
+            _ => parts.push(format!("[{}]\n{}", line.section, line.line)),
+        }
+        section = Some(&line.section);
+    }
+    parts.join("\n\n")
 }

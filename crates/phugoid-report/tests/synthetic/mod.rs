@@ -2,8 +2,9 @@
 
 use phugoid_flight_data::quality::{ChannelQuality, Finding, QualityReport, Severity};
 use phugoid_identification::estimation::{
-    Estimation, EstimationStatus, Event, EventKind, FinalStatus, History, Offer, OfferedTerm, ParameterHistory,
-    ParameterReadiness, ParameterResult, Phase, Readiness, Signal,
+    Estimation, EstimationStatus, Event, EventKind, FinalStatus, History, ModelLine, Offer, OfferCriterion,
+    OfferedTerm, ParameterHistory, ParameterReadiness, ParameterResult, Phase, Readiness, ResidualLevel, Signal,
+    TermEffect,
 };
 use phugoid_identification::method::Method;
 
@@ -112,31 +113,42 @@ const OUTPUTS: [(&str, &str, f64); 6] = [
     ("az", "m/s^2", 0.08),
 ];
 
-/// One term that is asked for and one whose second gain was not looked at; quotes and an asterisk in the text.
+/// One term that is missing and one that is not; quotes and an asterisk in the text.
 fn offer() -> Offer {
-    let term = |term: &str, parameter: &str, gain, more: Option<f64>| OfferedTerm {
+    let term = |term: &str, parameter: &str, partial_f, excess: Option<f64>| OfferedTerm {
         coefficient: "Cm".to_owned(),
         term: term.to_owned(),
+        input: None,
         parameter: parameter.to_owned(),
-        gain,
-        gain_with_changes: more,
         value: 0.4987,
         std_error: 0.0123,
-        adopted_changes: more.map(|_| 0),
-        remaining: Vec::new(),
-        asked_for: more.is_some(),
-        coefficient_line: format!("Cm = [\"alpha\", \"{term}\"]"),
-        parameter_line: format!("{parameter} = {{ bounds = [-4, 4] }}"),
+        partial_f,
+        share: 0.123,
+        excess,
+        asked_for: excess.is_some(),
+        prior_std: 1.0,
     };
+    let effect = |parameter: &str, before: Option<f64>, after: f64| TermEffect {
+        parameter: parameter.to_owned(),
+        before,
+        before_std: before.map(|_| 0.004),
+        after,
+        after_std: 0.003,
+    };
+    let line = |section: &str, line: &str| ModelLine { section: section.to_owned(), line: line.to_owned() };
     Offer {
-        reasons: vec!["the parameters were found changed 3 times".to_owned()],
-        method: Method::Smpe,
-        threshold: 11.6,
-        adopted_changes: 3,
-        terms: vec![
-            term("alpha^2", "dCm_alpha2", 3210.5, Some(180.25)),
-            term("alpha*q_hat", "dCm_alpha_q", -3.5, None),
+        tried: 37,
+        criterion: OfferCriterion { partial_f: 42.1, share: 0.02, excess: 0.1 },
+        levels: vec![ResidualLevel { equation: "d(q)/dt".to_owned(), residual_std: 0.031, noise_std: 0.012 }],
+        terms: vec![term("alpha^2", "dCm_alpha2", 1644.0, Some(0.83)), term("alpha*q_hat", "dCm_alpha_q", 3.5, None)],
+        effects: vec![effect("dCm_alpha", Some(-0.213), -0.198), effect("dCm_alpha2", None, 0.4987)],
+        lines: vec![
+            line("", "inputs = [\"beta\"]"),
+            line("coefficients", "Cm = [\"alpha\", \"alpha^2\"]"),
+            line("parameters", "dCm_alpha2 = { prior_std = 1 }"),
         ],
+        taken: false,
+        reference_speed: 205.0,
     }
 }
 

@@ -112,20 +112,13 @@ fn derivative(
     flown: &Flown,
 ) -> Option<Derivative> {
     let linear = |term: &Term| match variable {
-        Some(variable) => term.factors() == [(variable.index(), 1)],
+        Some(variable) => term.single() == Some(variable.index()),
         None => term.is_constant(),
     };
     let slope = |term: &Term| -> f64 {
-        let power = |(index, power): &(usize, i32)| flown.variables[*index].powi(*power);
         match variable {
-            None => term.factors().iter().map(power).product(),
-            Some(variable) => {
-                let Some((_, own)) = term.factors().iter().find(|(index, _)| *index == variable.index()) else {
-                    return 0.0;
-                };
-                let rest = term.factors().iter().filter(|(index, _)| *index != variable.index()).map(power);
-                f64::from(*own) * flown.variables[variable.index()].powi(own - 1) * rest.product::<f64>()
-            }
+            None => term.value(&flown.variables),
+            Some(variable) => term.slope(variable.index(), &flown.variables),
         }
     };
     let first = pieces.iter().find(|p| linear(&p.term))?;

@@ -32,10 +32,11 @@ const OFFSET_STD: [(Coefficient, f64); 6] = [
 /// Refuses a flight variable that the motion cannot evaluate.
 fn check_variables(term: &Term, axes: Axes) -> Result<(), String> {
     let rate = Variable::AlphaRate;
-    if term.factors().iter().any(|(index, power)| *index == rate.index() && *power > 1) {
+    let of_rate = |factors: &[(usize, i32)]| factors.iter().any(|(index, power)| *index == rate.index() && *power > 1);
+    if of_rate(term.factors()) || term.bent().iter().any(|bent| bent.variable == rate.index()) {
         return Err(format!("`{}` enters to the first power only: the motion depends on it in turn", rate.name()));
     }
-    let variables = term.factors().iter().filter_map(|(index, _)| Variable::ALL.get(*index));
+    let variables = term.powers().filter_map(|(index, _)| Variable::ALL.get(index));
     let Some(foreign) = variables.into_iter().find(|v| !axes.variables().contains(v)) else { return Ok(()) };
     let name = foreign.name();
     Err(if *foreign == Variable::AlphaRate {

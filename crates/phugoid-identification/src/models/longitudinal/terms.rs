@@ -39,9 +39,9 @@ const PRODUCT: usize = usize::MAX;
 impl QuickTerm {
     /// Of a term in the [`short`] order.
     pub(super) fn new(coefficient: Coefficient, term: &Term) -> Self {
-        let variable = match term.factors() {
-            [] => ONE,
-            [(index, 1)] if *index < FACTORS => *index,
+        let variable = match term.single() {
+            None if term.is_constant() => ONE,
+            Some(index) if index < FACTORS => index,
             _ => PRODUCT,
         };
         Self { coefficient: coefficient as usize, variable, term: term.clone() }
@@ -68,6 +68,17 @@ impl QuickTerm {
                 }
                 product *= value;
             }
+        }
+        for bent in self.term.bent() {
+            let variable = bent.variable;
+            let (Some(&x), Some(&slope)) = (variables.value.get(variable), variables.gradient.get(variable)) else {
+                return (0.0, [0.0; 3]);
+            };
+            let [value, along] = bent.value_and_slope(x);
+            for (g, s) in gradient.iter_mut().zip(slope) {
+                *g = *g * value + product * along * s;
+            }
+            product *= value;
         }
         (product, gradient)
     }
