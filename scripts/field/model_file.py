@@ -28,7 +28,7 @@ def write(path, sim, spec, axes: str) -> None:
         f'iyy = "{inertia["iyy"]:.6g} kg*m^2"',
     ]
     if axes != "longitudinal":
-        lines += [f'{k} = "{inertia[k]:.6g} kg*m^2"' for k in ("ixx", "izz", "ixz")]
+        lines += [f'{k} = "{inertia[k] + 0.0:.6g} kg*m^2"' for k in ("ixx", "izz", "ixz")]
     lines += [
         f'wing_area = "{sim.wing_area:.6g} m^2"',
         f'mean_chord = "{sim.chord:.6g} m"',

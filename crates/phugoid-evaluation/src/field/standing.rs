@@ -62,7 +62,7 @@ pub fn refusal(error: &EstimateError) -> Word {
         EstimateError::Units { .. } => "units",
         EstimateError::Noise(_) => "noise",
         EstimateError::NoExcitation { .. } => "no excitation",
-        EstimateError::Batch(_) => "no fit",
+        EstimateError::Batch(_) | EstimateError::LacksTerms { .. } => "no fit",
         _ => "other",
     })
 }

@@ -110,6 +110,17 @@ pub enum EstimateError {
     /// A batch method found no estimate; the inner error says why.
     #[error(transparent)]
     Batch(#[from] BatchError),
+    /// A batch method found no estimate with the model's terms, and one with terms that the equations of motion ask for.
+    #[error(
+        "{error}\nThe equations of motion ask for {terms}, which the model lacks, and with that there is an estimate: add the \
+         term to the model file, or let it be taken in (--structure auto)"
+    )]
+    LacksTerms {
+        /// Why there is no estimate without them.
+        error: BatchError,
+        /// The terms and their coefficients, in words.
+        terms: String,
+    },
     /// More parameters than the estimator has room for.
     #[error(
         "the model has {wanted} parameters, sensor biases included; this build has room for {capacity}. Fix some \

@@ -289,11 +289,18 @@ pub(crate) fn confirm(offer: &mut Offer, with: &Estimation) -> bool {
     all
 }
 
-/// Writes into an offer what its terms do to the estimates, and the lines for the model file.
-pub(crate) fn complete(offer: &mut Offer, file: &ModelFile, with: &ModelFile, before: &Estimation, after: &Estimation) {
+/// Writes into an offer what its terms do to the estimates, and the lines for the model file. `before` is none where the
+/// method found no estimate without them.
+pub(crate) fn complete(
+    offer: &mut Offer,
+    file: &ModelFile,
+    with: &ModelFile,
+    before: Option<&Estimation>,
+    after: &Estimation,
+) {
     let is_bias = |name: &str| with.parameters.iter().any(|p| p.name == name && matches!(p.role, Role::Bias(_)));
     let effect = |found: &crate::core::estimation::ParameterResult| {
-        let former = before.parameter(&found.name);
+        let former = before.and_then(|before| before.parameter(&found.name));
         TermEffect {
             parameter: found.name.clone(),
             before: former.map(|p| p.value),
@@ -334,6 +341,12 @@ fn lines(offer: &Offer, file: &ModelFile, with: &ModelFile) -> Vec<ModelLine> {
         lines.push(line("parameters", format!("{key} = {{ {start}prior_std = {} }}", term.prior_std)));
     }
     lines
+}
+
+/// The missing terms and their coefficients, in words.
+pub(crate) fn missing_in_words(offer: &Offer) -> String {
+    let words: Vec<String> = offer.missing().map(|t| format!("{} in {}", t.term, t.coefficient)).collect();
+    words.join(", and for ")
 }
 
 /// The sentence of the verdict about the missing terms; none if there are none.

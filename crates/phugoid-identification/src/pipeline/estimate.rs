@@ -2,6 +2,7 @@
 
 use phugoid_flight_data::record::Record;
 
+use crate::batch::BatchError;
 use crate::core::axes::Axes;
 pub use crate::core::error::EstimateError;
 use crate::core::estimation::{Estimation, Offer};
@@ -9,7 +10,7 @@ use crate::core::health::HealthOptions;
 pub use crate::core::options::{CAPACITY, EstimateOptions, Method, StructureSearch, capacity};
 use crate::core::stack::on_a_large_stack;
 pub use crate::judge::offer::with_offered;
-use crate::judge::offer::{complete, confirm, search, sentence};
+use crate::judge::offer::{complete, confirm, missing_in_words, search, sentence};
 use crate::judge::summary::summarise;
 use crate::methods::{EveryRoom, HealthRun, Task, run};
 use crate::model_file::ModelFile;
@@ -90,43 +91,77 @@ fn pipeline_of<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     progress: &mut dyn FnMut(f64),
 ) -> Result<(Estimation, Option<HealthRun>), EstimateError> {
     if options.structure == StructureSearch::Never {
-        let (estimation, watched, _) = once::<M, N, R>(record, model, options, health, progress)?;
-        return Ok((estimation, watched));
+        return once::<M, N, R>(record, model, options, health, progress).map(|once| (once.estimation, once.watched));
     }
     // Terms are tried in a second half.
-    let (mut estimation, mut watched, offer) =
-        once::<M, N, R>(record, model, options, health, &mut |done| progress(0.5 * done))?;
-    let Some(mut offer) = offer else { return Ok((estimation, watched)) };
-    // The method has to find the terms too; those that it does not find are left out, and the others tried again.
-    while offer.best().is_some() {
-        let with = with_offered(model, &offer);
-        let mut run = |with: &ModelFile| {
-            let options = EstimateOptions { structure: StructureSearch::Never, ..options.clone() };
-            once::<M, N, R>(record, with, &options, health, &mut |done| progress(0.5 + 0.5 * done))
-        };
-        let Some((with, Ok((after, watched_with, _)))) = with.as_ref().map(|with| (with, run(with))) else {
-            // Without place for them, or where the method fails with them, nothing can be said of them.
-            offer.terms.iter_mut().for_each(|term| term.asked_for = false);
-            break;
-        };
-        if confirm(&mut offer, &after) {
-            complete(&mut offer, model, with, &estimation, &after);
-            if options.structure == StructureSearch::Auto {
-                offer.taken = true;
-                (estimation, watched) = (after, watched_with);
-            }
-            break;
+    let first = once::<M, N, R>(record, model, options, health, &mut |done| progress(0.5 * done));
+    let (first, mut offer) = match first {
+        Ok(mut first) => {
+            let offer = first.offer.take();
+            (Ok(first), offer)
         }
+        // A search that does not end may lack a term: the equations of motion need no search.
+        Err(EstimateError::Batch(error @ BatchError::NotConverged { .. })) => {
+            (Err(error), asked_for::<M, N, R>(record, model, options)?)
+        }
+        Err(error) => return Err(error),
+    };
+    let mut run = |with: &ModelFile| {
+        let options = EstimateOptions { structure: StructureSearch::Never, ..options.clone() };
+        once::<M, N, R>(record, with, &options, health, &mut |done| progress(0.5 + 0.5 * done))
+    };
+    let before = first.as_ref().ok().map(|first| &first.estimation);
+    let confirmed = offer.as_mut().and_then(|offer| confirmed(offer, model, before, &mut run));
+    let taken = options.structure == StructureSearch::Auto && confirmed.is_some();
+    let mut chosen = match (first, confirmed) {
+        (_, Some(with)) if taken => with,
+        (Ok(first), _) => first,
+        (Err(error), None) => return Err(EstimateError::Batch(error)),
+        (Err(error), Some(_)) => {
+            let terms = offer.as_ref().map(missing_in_words).unwrap_or_default();
+            return Err(EstimateError::LacksTerms { error, terms });
+        }
+    };
+    if let Some(mut offer) = offer {
+        offer.taken = taken;
+        chosen.estimation.verdict.extend(sentence(&offer));
+        chosen.estimation.offer = Some(offer);
     }
-    estimation.verdict.extend(sentence(&offer));
-    estimation.offer = Some(offer);
     progress(1.0);
-    Ok((estimation, watched))
+    Ok((chosen.estimation, chosen.watched))
 }
 
-type Once = (Estimation, Option<HealthRun>, Option<Offer>);
+/// Runs the method with the terms of an offer, until it finds all that are left: those that it does not find are left
+/// out, and the others tried again. The run with them; `None` if none is left.
+fn confirmed(
+    offer: &mut Offer,
+    model: &ModelFile,
+    before: Option<&Estimation>,
+    run: &mut dyn FnMut(&ModelFile) -> Result<Once, EstimateError>,
+) -> Option<Once> {
+    while offer.best().is_some() {
+        let with = with_offered(model, offer);
+        let Some((with, Ok(after))) = with.as_ref().map(|with| (with, run(with))) else {
+            // Without place for them, or where the method fails with them, nothing can be said of them.
+            offer.terms.iter_mut().for_each(|term| term.asked_for = false);
+            return None;
+        };
+        if confirm(offer, &after.estimation) {
+            complete(offer, model, with, before, &after.estimation);
+            return Some(after);
+        }
+    }
+    None
+}
 
-/// One estimation, and the terms that the equations of motion ask for, not confirmed yet, if they are to be looked for.
+/// One run of a method.
+struct Once {
+    estimation: Estimation,
+    watched: Option<HealthRun>,
+    /// The terms that the equations of motion ask for, not confirmed yet, if they are to be looked for.
+    offer: Option<Offer>,
+}
+
 fn once<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     record: &Record,
     model: &ModelFile,
@@ -143,5 +178,16 @@ fn once<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     let estimation = summarise(record, &task, &run, &doubts);
     let is_wanted = options.structure != StructureSearch::Never && run.excited;
     let offer = if is_wanted { search(record, &task)? } else { None };
-    Ok((estimation, watched, offer))
+    Ok(Once { estimation, watched, offer })
+}
+
+/// The terms that the equations of motion ask for, where the method itself gave nothing.
+fn asked_for<M: EveryRoom<N, R>, const N: usize, const R: usize>(
+    record: &Record,
+    model: &ModelFile,
+    options: &EstimateOptions,
+) -> Result<Option<Offer>, EstimateError> {
+    let prepared: Prepared<M, N, R> = prepare(record, model)?;
+    let noise = noise_levels(&prepared, model)?;
+    search(record, &Task { prepared: &prepared, file: model, options, noise: &noise, health: None })
 }

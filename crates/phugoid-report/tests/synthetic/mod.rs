@@ -321,6 +321,7 @@ pub(crate) fn estimation(case: &Case) -> Estimation {
             ],
         },
         noise: OUTPUTS.map(|(n, u, s)| Signal { values: vec![s], ..signal(n, u) }).to_vec(),
+        consistency: Vec::new(),
         batch: None,
         history: History {
             inputs: vec![Signal {
