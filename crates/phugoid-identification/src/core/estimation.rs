@@ -409,10 +409,26 @@ pub struct BatchReport {
     pub manoeuvres: Vec<(String, Vec<OutputFit>)>,
     /// Equations with their terms, from equation error.
     pub equations: Vec<Equation>,
+    /// The parameters by equation error, which output error and filter error begin with: another answer to the same
+    /// question. Empty by equation error itself, and where that gives none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub by_equation_error: Vec<OtherValue>,
     /// The prediction of another record with these parameters; `None` where none was given.
     pub prediction: Option<Prediction>,
     /// Warnings about the result in sentences; read them before you use the numbers.
     pub notes: Vec<String>,
+}
+
+/// A parameter by another method, in the parameter's own unit.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct OtherValue {
+    /// Name of the parameter.
+    pub name: String,
+    /// Its value.
+    pub value: f64,
+    /// One sigma, corrected for the colour of the residuals, without what the model file declares of systematic errors:
+    /// those are the same for both methods.
+    pub std_error: f64,
 }
 
 /// The prediction of a record that was not used for the estimation: simulated with their values held, only the initial

@@ -6,6 +6,7 @@ pub mod error;
 pub mod estimation;
 pub mod health;
 pub mod method;
+pub(crate) mod number;
 pub mod options;
 pub mod output;
 pub(crate) mod soundness;

@@ -83,6 +83,8 @@ pub enum ReasonCode {
     ChangeInDoubt,
     /// A term of the model is not the same before and after some time of the flight.
     NotConstant,
+    /// Equation error gives another value than the batch method.
+    MethodsDisagree,
     /// A reason that this version does not know.
     #[serde(other)]
     Other,
@@ -111,6 +113,7 @@ impl ReasonCode {
             Self::AtLimit => "at-limit",
             Self::ChangeInDoubt => "change-in-doubt",
             Self::NotConstant => "not-constant",
+            Self::MethodsDisagree => "methods-disagree",
             Self::Other => "other",
         }
     }
@@ -137,6 +140,7 @@ impl ReasonCode {
             Self::AtLimit => "a parameter lies at its limit",
             Self::ChangeInDoubt => "a change is suspected at the end",
             Self::NotConstant => "the aircraft changes during the flight",
+            Self::MethodsDisagree => "another method gives another value",
             Self::Other => "see the reasons",
         }
     }
@@ -248,6 +252,7 @@ mod tests {
             ReasonCode::AtLimit,
             ReasonCode::ChangeInDoubt,
             ReasonCode::NotConstant,
+            ReasonCode::MethodsDisagree,
         ] {
             assert_eq!(serde_json::to_string(&code).unwrap(), format!("\"{code}\""));
         }

@@ -10,6 +10,7 @@
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 use crate::core::estimation::{EstimationStatus, ReasonCode, VerdictReason};
+use crate::core::number::significant;
 use crate::judge::equations::{BLOCK_S, ByBlock, Equations};
 
 /// Blocks that are left out together: residuals further apart than that are hardly related.
@@ -60,7 +61,8 @@ pub(super) fn reason(equations: &Equations) -> Option<VerdictReason> {
     let first = found.first()?;
     let name = |change: &Change| equations.columns[change.column].name.clone();
     let said = |change: &Change| {
-        format!("{} {:.3} before {:.0} s and {:.3} after", name(change), change.before, change.time_s, change.after)
+        let [before, after] = [change.before, change.after].map(|value| significant(value, 3));
+        format!("{} {before} before {:.0} s and {after} after", name(change), change.time_s)
     };
     let all: Vec<String> = found.iter().map(said).collect();
     Some(VerdictReason {

@@ -156,6 +156,7 @@ mod tests {
             unknowns: Vec::new(),
             manoeuvres: vec![("the record".to_owned(), fits)],
             equations: Vec::new(),
+            by_equation_error: Vec::new(),
             prediction: None,
             notes: Vec::new(),
         }

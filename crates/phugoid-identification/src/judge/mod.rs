@@ -1,6 +1,7 @@
 //! The judgement of a run: results with verdicts and advice, terms that the model lacks, derivatives in other axes.
 
 mod advice;
+mod agreement;
 mod attitude;
 mod constancy;
 mod contradiction;

@@ -19,6 +19,7 @@ use crate::batch::{
 };
 use crate::core::error::EstimateError;
 use crate::core::estimation::{Estimation, ModelLine, Offer, OfferCriterion, OfferedTerm, ResidualLevel, TermEffect};
+use crate::core::number::significant;
 use crate::core::options::{CAPACITY, Likelihood, capacity};
 use crate::core::output::Output;
 use crate::core::term::{Coefficient, EXTRA_INPUTS};
@@ -26,7 +27,8 @@ use crate::methods::{EveryRoom, Task, whole_record};
 use crate::model_file::{Base, ModelFile, Parameter, Role};
 use crate::motion::Motion;
 use crate::preparation::noise::measure_noise;
-use crate::preparation::prepare::{Prepared, prepare};
+use crate::preparation::prepare::prepare;
+use crate::preparation::prepared::Prepared;
 use candidate::{Candidate, candidates, round_up, with_terms};
 use selection::{Criterion, Regression, Trial};
 
@@ -46,6 +48,8 @@ const EXCESS: f64 = 0.1;
 const PRIOR: f64 = 2.0;
 /// Standard errors that the method's own estimate of a missing term has to lie from zero.
 const CONFIRMED: f64 = 3.0;
+/// Significant digits of a number in a sentence.
+const DIGITS: i32 = 4;
 /// Most terms that are listed.
 const LISTED: usize = 10;
 
@@ -359,8 +363,8 @@ pub(crate) fn sentence(offer: &Offer) -> Option<String> {
             t.term,
             t.coefficient,
             t.parameter,
-            number(value),
-            number(std),
+            significant(value, DIGITS),
+            significant(std, DIGITS),
             t.partial_f,
             offer.criterion.partial_f,
             100.0 * t.share
@@ -376,7 +380,8 @@ pub(crate) fn sentence(offer: &Offer) -> Option<String> {
         .filter_map(|e| {
             let (before, std) = e.before.zip(e.before_std)?;
             let sigmas = (e.after - before).abs() / std;
-            (sigmas > 2.0).then(|| format!("{} {} -> {}", e.parameter, number(before), number(e.after)))
+            (sigmas > 2.0)
+                .then(|| format!("{} {} -> {}", e.parameter, significant(before, DIGITS), significant(e.after, DIGITS)))
         })
         .collect::<Vec<_>>();
     let moves = if moved.is_empty() {
@@ -393,22 +398,4 @@ pub(crate) fn sentence(offer: &Offer) -> Option<String> {
              tried; --structure auto takes them in."
         )
     })
-}
-
-/// The number with four significant digits, as it stands in a model file.
-fn number(value: f64) -> String {
-    let exponent = if value == 0.0 || !value.is_finite() { 0 } else { value.abs().log10().floor() as i32 };
-    format!("{value:.*}", (3 - exponent).clamp(0, 9) as usize)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_have_four_digits() {
-        assert_eq!(number(-0.012_345), "-0.01235");
-        assert_eq!(number(123.456), "123.5");
-        assert_eq!(number(0.0), "0.000");
-    }
 }

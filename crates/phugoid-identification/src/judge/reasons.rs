@@ -12,7 +12,7 @@ use crate::core::estimation::{
 };
 use crate::judge::contradiction::{self, Unsettled};
 use crate::judge::equations::Equations;
-use crate::judge::{attitude, constancy, explained, fit, input_noise, integrity, physics};
+use crate::judge::{agreement, attitude, constancy, explained, fit, input_noise, integrity, physics};
 use crate::methods::{Run, Task};
 use crate::model_file::{ModelFile, Role};
 use crate::motion::Motion;
@@ -38,6 +38,8 @@ pub(crate) fn reasons<M: Motion<N, R>, const N: usize, const R: usize>(
         found.extend(run.batch.iter().flat_map(|report| fit::reasons(task.method(), task.file, history, report)));
         // Causal methods look for changes themselves.
         found.extend(run.batch.as_ref().and(equations).and_then(constancy::reason));
+        let method = task.method();
+        found.extend(run.batch.as_ref().and_then(|report| agreement::reason(method, parameters, report)));
         found.extend(run.noise.and_then(|_| explained::reason(history)));
         found.extend(run.noise.and_then(|learnt| {
             let outputs = M::AXES.outputs().iter().zip(task.noise).zip(learnt.std);

@@ -9,16 +9,17 @@ use super::settings::{sample_time, shared_settings};
 use super::task::{ColumnRun, Run, Task};
 use crate::batch::{
     self, BatchError, BatchFit, BatchParameter, Bias, Equation, EquationErrorSettings, InitialState, Manoeuvre,
-    ManoeuvreFit, Noise, OptimiserSettings, OutputChannel, ProcessNoise, Structure, UnknownKind,
+    ManoeuvreFit, Noise, OptimiserSettings, OutputChannel, ProcessNoise, Structure, Unknown, UnknownKind,
 };
 use crate::core::error::EstimateError;
-use crate::core::estimation::{BatchReport, Prediction, Signal};
+use crate::core::estimation::{BatchReport, OtherValue, Prediction, Signal};
 use crate::core::method::Method;
 use crate::core::options::CAPACITY;
 use crate::model_file::{Parameter, Role};
 use crate::motion::MotionModel;
 use crate::preparation::excitation::Excitation;
-use crate::preparation::prepare::{Prepared, prepare};
+use crate::preparation::prepare::prepare;
+use crate::preparation::prepared::Prepared;
 
 /// One sigma over what was known beforehand below which a parameter counts as known, and the observability below which
 /// it counts as not excited: the same as for the causal methods.
@@ -53,7 +54,7 @@ pub(super) fn run_batch<M: MotionModel<N, R, CAPACITY>, const N: usize, const R:
             )
             .collect();
     let structure = structure::<M, N, R>(task)?;
-    let (fit, equations) = solve::<M, N, R>(task, &manoeuvres, &structure)?;
+    let Solved { fit, equations, by_equation_error } = solve::<M, N, R>(task, &manoeuvres, &structure)?;
     let prediction = match &options.predict {
         Some(record) => Some(predict::<M, N, R>(task, record, &structure, &fit)?),
         None => None,
@@ -76,7 +77,7 @@ pub(super) fn run_batch<M: MotionModel<N, R, CAPACITY>, const N: usize, const R:
         noise: None,
         excited: true,
         health: None,
-        batch: Some(report(&fit, equations, prediction)),
+        batch: Some(BatchReport { by_equation_error, ..report(&fit, equations, prediction) }),
     };
     progress(1.0);
     Ok(run)
@@ -149,7 +150,13 @@ pub(super) fn structure<M: MotionModel<N, R, CAPACITY>, const N: usize, const R:
     })
 }
 
-type Solved = (BatchFit, Vec<Equation>);
+struct Solved {
+    fit: BatchFit,
+    /// Of equation error.
+    equations: Vec<Equation>,
+    /// Of the other methods.
+    by_equation_error: Vec<OtherValue>,
+}
 
 fn solve<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
     task: &Task<M, N, R>,
@@ -175,11 +182,13 @@ fn solve<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
     };
     if task.method() == Method::EquationError {
         let found = equations(structure)?;
-        return Ok((found.fit, found.equations));
+        return Ok(Solved { fit: found.fit, equations: found.equations, by_equation_error: Vec::new() });
     }
     // The values of the model file may lie beyond another minimum than the best one; those of the regression need no
     // start themselves and are biased by noise only.
-    let nearer = equations(structure).ok().map(|found| {
+    let regressed = equations(structure).ok();
+    let by_equation_error = regressed.as_ref().map_or(Vec::new(), |found| others(&found.fit));
+    let nearer = regressed.map(|found| {
         let mut nearer = structure.clone();
         for (parameter, value) in nearer.parameters.iter_mut().zip(&found.fit.parameters) {
             parameter.start = value.clamp(parameter.lower, parameter.upper);
@@ -208,7 +217,13 @@ fn solve<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
             }
         },
     };
-    Ok((fit, Vec::new()))
+    Ok(Solved { fit, equations: Vec::new(), by_equation_error })
+}
+
+fn others(fit: &BatchFit) -> Vec<OtherValue> {
+    let parameters = fit.unknowns.iter().filter(|u| matches!(u.kind, UnknownKind::Parameter { .. }) && !u.at_limit);
+    let other = |u: &Unknown| OtherValue { name: u.name.clone(), value: u.value, std_error: u.corrected_std_error };
+    parameters.map(other).collect()
 }
 
 /// Difference of two costs, in units of the logarithm of the likelihood, from which two minima are not the same one: the
@@ -357,6 +372,7 @@ fn report(fit: &BatchFit, equations: Vec<Equation>, prediction: Option<Predictio
         unknowns: fit.unknowns.iter().filter(|u| is_additional(u.kind)).cloned().collect(),
         manoeuvres: fit.manoeuvres.iter().map(|m| (m.name.clone(), m.outputs.clone())).collect(),
         equations,
+        by_equation_error: Vec::new(),
         prediction,
         notes: fit.notes.clone(),
     }

@@ -18,7 +18,8 @@ use crate::models::longitudinal::LongitudinalModel;
 use crate::models::six::SixModel;
 use crate::motion::MotionModel;
 use crate::preparation::checks::{doubts, noise_levels};
-use crate::preparation::prepare::{Prepared, prepare};
+use crate::preparation::prepare::prepare;
+use crate::preparation::prepared::Prepared;
 
 /// How well one parameter of a model can be estimated.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

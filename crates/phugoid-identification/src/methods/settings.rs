@@ -15,7 +15,7 @@ use crate::core::output::Output;
 use crate::model_file::{Base, LIGHT_TURBULENCE, ModelFile, Parameter, Role};
 use crate::motion::Motion;
 use crate::preparation::noise::NoiseLevel;
-use crate::preparation::prepare::Prepared;
+use crate::preparation::prepared::Prepared;
 
 /// The level of a residual where learning begins, over the white noise of its channel. On real flights it ended at 0.5
 /// to 260 times that, at 12 in the middle, and it falls faster than it rises.

@@ -12,7 +12,7 @@ use crate::core::options::EstimateOptions;
 use crate::model_file::ModelFile;
 use crate::motion::Motion;
 use crate::preparation::noise::NoiseLevel;
-use crate::preparation::prepare::Prepared;
+use crate::preparation::prepared::Prepared;
 
 /// The result of one run, by sample and by column.
 #[derive(Debug)]

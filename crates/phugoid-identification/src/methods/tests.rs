@@ -13,7 +13,8 @@ use crate::model_file::ModelFile;
 use crate::models::longitudinal::{LongitudinalModel, OUTPUTS, STATES};
 use crate::motion::Motion;
 use crate::preparation::noise::NoiseLevel;
-use crate::preparation::prepare::{Prepared, prepare};
+use crate::preparation::prepare::prepare;
+use crate::preparation::prepared::Prepared;
 use phugoid_estimators::settings::NoiseAdaptation;
 
 #[path = "../../tests/common/mod.rs"]

@@ -18,7 +18,8 @@ use crate::models::lateral::LateralModel;
 use crate::models::longitudinal::LongitudinalModel;
 use crate::models::six::SixModel;
 use crate::preparation::checks::{doubts, noise_levels};
-use crate::preparation::prepare::{Prepared, prepare};
+use crate::preparation::prepare::prepare;
+use crate::preparation::prepared::Prepared;
 
 /// Estimates the parameters of `model` from `record`, sample by sample as an on-board computer would: no estimate uses
 /// a later sample. It may be called on any thread: models of the lateral motion, whose estimators need 3 MB of stack,

@@ -4,7 +4,7 @@ use phugoid_flight_data::plausibility::{self, Certainty, Doubt};
 use phugoid_flight_data::record::Record;
 
 use super::noise::{NoiseLevel, measure_noise};
-use super::prepare::Prepared;
+use super::prepared::Prepared;
 use crate::core::error::EstimateError;
 use crate::model_file::ModelFile;
 use crate::motion::Motion;

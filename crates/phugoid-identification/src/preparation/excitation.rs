@@ -12,7 +12,7 @@ use crate::core::axes::{Axes, Group};
 use crate::core::output::Output;
 use crate::motion::Motion;
 use crate::preparation::noise::{NoiseLevel, measure_noise};
-use crate::preparation::prepare::Prepared;
+use crate::preparation::prepared::Prepared;
 
 /// A departure this many sigmas from the first window counts as motion.
 const SIGMAS: f64 = 6.0;

@@ -7,6 +7,7 @@ pub mod front_end;
 pub(crate) mod intake;
 pub mod noise;
 pub mod prepare;
+pub(crate) mod prepared;
 pub(crate) mod resample;
 pub(crate) mod surface;
 pub(crate) mod timing;

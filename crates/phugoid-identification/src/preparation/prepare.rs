@@ -14,52 +14,11 @@ use crate::model_file::{AirDensity, Base, InputHold, ModelFile, Reference, Refer
 use crate::models::longitudinal::{Database, LongitudinalModel};
 use crate::motion::{Motion, ReferencePoint};
 use crate::preparation::intake::{KnownInput, Origin, known_inputs, model_input};
+pub use crate::preparation::prepared::Prepared;
 use crate::preparation::surface::{self, SurfaceNoise};
 use crate::preparation::timing::timing;
 use crate::preparation::trim::{LevelTrim, TrimCondition, level_trim};
 use crate::preparation::windows::delay::earlier;
-
-/// Everything the estimator needs of one record.
-#[derive(Clone, Debug)]
-pub struct Prepared<M: Motion<N, R>, const N: usize, const R: usize> {
-    /// The model, built with the constants of the file and the reference point.
-    pub model: M,
-    /// Times of the samples used, s.
-    pub time: Vec<f64>,
-    /// Known input of the model at each sample.
-    pub inputs: Vec<M::KnownInput>,
-    /// Measured outputs per sample; NaN where missing.
-    pub outputs: Vec<[f64; R]>,
-    /// The known inputs by name: [`Axes::known_channels`], then air, mass and inertia, then the extra inputs.
-    pub known: Vec<Signal>,
-    /// Where they come from, in the same order.
-    pub(crate) origins: Vec<Origin>,
-    /// How the surfaces and further inputs move between two samples: never `Auto`.
-    pub hold: InputHold,
-    /// The surfaces that were recorded late (positive) or early and were moved, by name, and by how much, s.
-    pub moved_s: Vec<(String, f64)>,
-    /// The noise of the surfaces that have some, by name.
-    pub(crate) surface_noise: Vec<(String, SurfaceNoise)>,
-    /// The reference point: the values at which the terms are zero.
-    pub reference: ReferencePoint,
-    /// Index in the record of the first sample used.
-    pub first: usize,
-    /// Sentences about what was assumed, held or left out.
-    pub notes: Vec<String>,
-}
-
-impl<M: Motion<N, R>, const N: usize, const R: usize> Prepared<M, N, R> {
-    /// Samples at the start of the record that noise levels are measured from: two seconds, at least 40 samples.
-    pub fn noise_samples(&self) -> usize {
-        let start = self.time.first().copied().unwrap_or(0.0);
-        self.time.iter().take_while(|t| **t - start <= 2.0).count().max(40).min(self.time.len())
-    }
-
-    /// The positions of the control surfaces, rad, by sample.
-    pub(crate) fn surfaces(&self) -> impl Iterator<Item = &Signal> {
-        self.known.iter().filter(|signal| Axes::SURFACES.contains(&signal.name.as_str()))
-    }
-}
 
 /// Says how often a surface moved while it was not sampled. The model takes it to move at the later sample, or evenly;
 /// a step that came earlier biases the moment derivatives by more than their bounds.

@@ -7,7 +7,7 @@
 
 use crate::model_file::{InputHold, ModelFile};
 use crate::motion::Motion;
-use crate::preparation::prepare::Prepared;
+use crate::preparation::prepared::Prepared;
 use crate::preparation::windows::SIGNIFICANT;
 use crate::preparation::windows::delay::{Delay, SurfaceDelay, surfaces};
 

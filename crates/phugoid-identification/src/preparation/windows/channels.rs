@@ -4,7 +4,7 @@ use phugoid_flight_data::statistics::{median, median_step};
 
 use crate::model_file::ModelFile;
 use crate::motion::Motion;
-use crate::preparation::prepare::Prepared;
+use crate::preparation::prepared::Prepared;
 
 /// Jumps of this many median steps to both neighbours make a sample an outlier.
 const STANDS_OUT: f64 = 8.0;

@@ -20,7 +20,7 @@ use super::regression::{Factors, factors, integral};
 use super::{GUSTS, SIGNIFICANT};
 use crate::model_file::ModelFile;
 use crate::motion::Motion;
-use crate::preparation::prepare::Prepared;
+use crate::preparation::prepared::Prepared;
 use crate::preparation::resample::at_times;
 
 /// Channels of the moments that the surfaces make.
