@@ -56,7 +56,8 @@ pub(crate) struct Estimate {
     /// Always try terms that the model file lacks, even when nothing gives a reason
     #[arg(long, conflicts_with = "no_offer")]
     pub(crate) offer: bool,
-    /// Correct the flight for these sensor errors first: a file that `phugoid compatibility` has written
+    /// Correct the flight, and those of --with, for these sensor errors first: a file that `phugoid compatibility` has
+    /// written. Its errors become part of the bounds, at the price of one more run for each corrected error
     #[arg(long, value_name = "CORRECTIONS.json")]
     pub(crate) correct: Option<PathBuf>,
     /// Begin at this time of the record, for example 12s
