@@ -257,8 +257,10 @@ impl Kinematics {
             + theta[place::UPWASH_ALPHA] * lift;
         let scale = 1.0 + theta[place::SCALE_ALPHA];
         out.outputs[1] = scale * alpha + theta[place::BIAS_ALPHA];
-        for (i, by) in [(0, -air[2] / plane2), (2, air[0] / plane2)] {
-            let by = scale * by;
+        let by_speed =
+            rate(1, &input) * theta[place::VANE_ALPHA] / speed2 - 2.0 * theta[place::UPWASH_ALPHA] * lift / speed;
+        for (i, by) in [-air[2] / plane2, 0.0, air[0] / plane2].into_iter().enumerate() {
+            let by = scale * (by + by_speed * air[i] / speed);
             out.by_state[1][i] = by;
             out.by_state[1][BODY + i] = by;
             out.by_parameter[1][place::DELAY_ALPHA] -= by * slope[i];
@@ -277,7 +279,8 @@ impl Kinematics {
         let scale = 1.0 + theta[place::SCALE_BETA];
         out.outputs[2] = scale * beta + theta[place::BIAS_BETA];
         for i in 0..3 {
-            let by = scale * if i == 1 { plane / speed2 } else { -air[1] * air[i] / (plane * speed2) };
+            let angle = if i == 1 { plane / speed2 } else { -air[1] * air[i] / (plane * speed2) };
+            let by = scale * (angle - rate(2, &input) * theta[place::VANE_BETA] * air[i] / (speed2 * speed));
             out.by_state[2][i] = by;
             out.by_state[2][BODY + i] = by;
             out.by_parameter[2][place::DELAY_BETA] -= by * slope[i];
