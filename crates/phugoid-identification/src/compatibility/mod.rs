@@ -29,6 +29,7 @@ use crate::batch::OutputFit;
 use crate::core::error::EstimateError;
 pub use corrected::estimate_corrected;
 pub use correction::{ChannelCorrection, CorrectionUncertainty, Corrections};
+use filter::Levels;
 use kinematics::{PARAMETERS, place};
 pub use reconstruction::Reconstructed;
 use signals::Flight;
@@ -216,7 +217,7 @@ pub fn compatibility(record: &Record, options: &CompatibilityOptions) -> Result<
         fixed[place::VANE_BETA] = options.vanes_x[1];
     }
     let (solution, refused) = possible_solution(&flights, columns(&flights, options), fixed)?;
-    let errors = errors(&solution, &refused);
+    let errors = errors(&solution, &refused, is_gusty(&flights, &solution));
     notes.extend(confused(&solution));
     let (reconstructed, fit) = reconstruction::reconstruct(&flights[0], 0, &solution);
     let first = &flights[0];
@@ -278,6 +279,10 @@ fn columns(flights: &[Flight], options: &CompatibilityOptions) -> Vec<Column> {
     columns
 }
 
+/// By how much twice the negative logarithm of a likelihood may lie above that of another minimum: searches end within
+/// that of theirs.
+const WORSE: f64 = 1.0;
+
 /// An unknown without an estimate, and why.
 struct Refused {
     place: usize,
@@ -291,16 +296,51 @@ fn possible_solution(
     fixed: [f64; PARAMETERS],
 ) -> Result<(Solution, Vec<Refused>), EstimateError> {
     let mut refused = Vec::new();
+    // Scales and delays of the air data and gusts explain each other, and with both to be found at once a search may end
+    // where a scale of a fifth and gusts that are not there make up for one another: all else comes first.
+    let late = |column: &Column| goes_with_gusts(column.place);
+    let early: Vec<Column> = columns.iter().filter(|column| !late(column)).cloned().collect();
+    let mut plain = None;
     let mut from = None;
+    if early.len() < columns.len() {
+        let solution = solve(flights, early, fixed, None)?;
+        from = Some(beginning(&columns, &solution));
+        plain = Some(solution);
+    }
     loop {
         let solution = solve(flights, columns.clone(), fixed, from.take())?;
+        if let Some(plain) = plain.as_ref().filter(|plain: &&Solution| solution.cost > plain.cost + WORSE) {
+            // The search has gone past the better minimum, in which the scale that is furthest off is zero.
+            let far = |i: &usize| (solution.values[*i] / solution.columns[*i].prior_std).abs();
+            let scales = (0..solution.columns.len()).filter(|i| late(&solution.columns[*i]));
+            if let Some(worst) = scales.max_by(|a, b| far(a).total_cmp(&far(b))) {
+                let place = solution.columns[worst].place;
+                refused.push(Refused {
+                    place,
+                    reason: format!(
+                        "the search for it ends at {:.3}, where the flight is less likely than with none: gusts pass for \
+                         an error of `{}`",
+                        solution.values[worst], UNKNOWNS[place].channel
+                    ),
+                });
+                columns.remove(worst);
+                from = Some(beginning(&columns, plain));
+                continue;
+            }
+        }
         let excess = |i: &usize| {
             let [least, most] = UNKNOWNS[solution.columns[*i].place].possible;
             let value = solution.values[*i];
             (value - most).max(least - value) / (most - least)
         };
         let Some(worst) = impossible(&solution).into_iter().max_by(|a, b| excess(a).total_cmp(&excess(b))) else {
-            let Some((worst, length)) = solution.open else { return Ok((solution, refused)) };
+            let Some((worst, length)) = solution.open else {
+                let mut solution = solution;
+                if let Some(plain) = &plain {
+                    by_likelihood(&mut solution, plain.cost, &late);
+                }
+                return Ok((solution, refused));
+            };
             let spec = &UNKNOWNS[solution.columns[worst].place];
             if spec.group.is_none() {
                 return Err(EstimateError::Model(format!(
@@ -336,12 +376,51 @@ fn possible_solution(
     }
 }
 
+/// Scales and delays of the air data: what a gust does to the forces on the aircraft resembles what these errors do.
+fn goes_with_gusts(place: usize) -> bool {
+    UNKNOWNS[place].group == Some(Group::AirDataScales) || (place::DELAY_SPEED..place::DELAY_ATTITUDE).contains(&place)
+}
+
+/// Whether the gusts of a flight are larger than the noise of a sensor that sees them.
+fn is_gusty(flights: &[Flight], solution: &Solution) -> bool {
+    flights.iter().zip(&solution.levels).any(|(flight, levels)| {
+        // Airspeed sees the gusts along x, alpha those along z, beta those along y.
+        [(0, 0, 1.0), (1, 2, flight.speed), (2, 1, flight.speed)].into_iter().any(|(output, axis, speed)| {
+            let seen = flight.active.contains(&(kinematics::BODY + axis));
+            seen && levels.outputs[output].is_some_and(|noise| levels.gusts[axis] > noise * speed)
+        })
+    })
+}
+
+/// The values and levels of a solution without some of the columns, with zero for those.
+fn beginning(columns: &[Column], plain: &Solution) -> (Vec<f64>, Vec<Levels>) {
+    let value = |c: &Column| {
+        plain.columns.iter().position(|p| (p.place, p.flight) == (c.place, c.flight)).map_or(0.0, |i| plain.values[i])
+    };
+    (columns.iter().map(value).collect(), plain.levels.clone())
+}
+
+/// Widens the bounds of the columns that a solution with the cost `without` lacks, where their values say more than the
+/// likelihood: an unknown that is `z` standard errors from zero makes the flight more likely by `exp(z^2/2)`, together
+/// with the others at least. Where it does not, the parabola that its bound is made of is not the likelihood.
+fn by_likelihood(solution: &mut Solution, without: f64, late: &dyn Fn(&Column) -> bool) {
+    let gained = (without - solution.cost).max(1.0);
+    for i in (0..solution.columns.len()).filter(|i| late(&solution.columns[*i])) {
+        let squared = solution.values[i].powi(2) / solution.corrected[(i, i)];
+        if squared > gained {
+            let factor = (squared / gained).sqrt();
+            solution.corrected.row_mut(i).scale_mut(factor);
+            solution.corrected.column_mut(i).scale_mut(factor);
+        }
+    }
+}
+
 fn without(values: &[f64], index: usize) -> Vec<f64> {
     values.iter().enumerate().filter(|(i, _)| *i != index).map(|(_, value)| *value).collect()
 }
 
 /// The estimates with their verdicts, in the order of the parameters; those of gravity are none of a sensor.
-fn errors(solution: &Solution, refused: &[Refused]) -> Vec<SensorError> {
+fn errors(solution: &Solution, refused: &[Refused], is_gusty: bool) -> Vec<SensorError> {
     let gains = offer::held_out_gains(solution);
     let mut errors: Vec<(usize, SensorError)> = Vec::new();
     for (i, column) in solution.columns.iter().enumerate() {
@@ -366,6 +445,11 @@ fn errors(solution: &Solution, refused: &[Refused]) -> Vec<SensorError> {
             SensorVerdict::Significant if significance < OFFERED => {
                 Some(format!("no correction is offered below {OFFERED} standard errors"))
             }
+            SensorVerdict::Significant if is_gusty && goes_with_gusts(column.place) => Some(
+                "no correction is offered: the gusts of this flight are larger than the noise of the sensors, and what they \
+                 do to the forces resembles a scale or a delay of the air data. Fly in calm air"
+                    .to_owned(),
+            ),
             SensorVerdict::Significant if gain.is_nan() => {
                 Some("no correction is offered: the flight is too short to hold a part of it out".to_owned())
             }

@@ -32,6 +32,8 @@ pub(super) struct Solution {
     pub(super) corrected: DMatrix<f64>,
     /// Information and score of each block of time, in the order of the columns.
     pub(super) blocks: Vec<(DMatrix<f64>, DVector<f64>)>,
+    /// Twice the negative logarithm of the likelihood, with the priors.
+    pub(super) cost: f64,
     /// The unknown that is furthest from where the next step would put it, and by how many of its claimed errors, if
     /// the search for it did not end.
     pub(super) open: Option<(usize, f64)>,
@@ -261,6 +263,7 @@ pub(super) fn solve(
         covariance,
         corrected,
         blocks,
+        cost: point.cost,
         open,
         fixed,
     })
