@@ -18,7 +18,7 @@ pub(crate) fn inspect(py: Python<'_>, record: &Record, model: Option<&Model>) ->
 }
 
 /// The errors of the sensors from the kinematics alone: a JSON document with the names of `phugoid compatibility
-/// --json`, and the record without the significant ones.
+/// --json`, and the record without those that are offered as corrections.
 #[pyfunction]
 #[pyo3(signature = (record, groups=None, vanes_x_m=[0.0, 0.0], gravity_m_s2=None))]
 pub(crate) fn compatibility(
@@ -32,10 +32,11 @@ pub(crate) fn compatibility(
     let options = CompatibilityOptions {
         groups: match groups {
             Some(words) => words.iter().map(|word| group(word)).collect::<PyResult<_>>()?,
-            None => standard.groups,
+            None => standard.groups.clone(),
         },
         vanes_x: vanes_x_m,
-        gravity: gravity_m_s2.unwrap_or(standard.gravity),
+        gravity: gravity_m_s2,
+        ..standard
     };
     let found = py.detach(|| phugoid::compatibility(&record.inner, &options)).map_err(raise)?;
     let corrected = found.corrections.apply(&record.inner);

@@ -41,7 +41,7 @@ pub fn inspect(record: &Record, model: Option<&ModelFile>) -> Inspection {
 /// System Identification*, chapter 10).
 ///
 /// It needs the channels `true_airspeed`, `theta`, `q`, `ax` and `az`, and also uses `alpha` and the lateral channels
-/// if the record has them. [`Compatibility::corrections`] removes the significant errors from a record.
+/// if the record has them. [`Compatibility::corrections`] removes the errors that are offered as corrections from a record.
 ///
 /// ```
 /// use phugoid::{CompatibilityOptions, Record, compatibility};

@@ -470,13 +470,18 @@ def inspect(record: Record, model: Optional[Model] = None) -> dict[str, Any]:
     return document
 
 
+def _number(value: Optional[float]) -> float:
+    """NaN where the document has none: an unknown that was refused."""
+    return float("nan") if value is None else value
+
+
 class Compatibility:
     """Estimated sensor errors. ``found["bias_q"]`` is the value and its standard error (one sigma), in the SI unit of
-    the sensor."""
+    the sensor; both are NaN where the estimate is refused."""
 
     def __init__(self, document: dict[str, Any], corrected: Record) -> None:
         self._document = document
-        #: The record, corrected for the errors that are significant.
+        #: The record, corrected for the errors that are offered as corrections (``offered``).
         self.corrected = corrected
 
     @property
@@ -492,7 +497,7 @@ class Compatibility:
     def __getitem__(self, name: str) -> tuple[float, float]:
         for error in self._document["errors"]:
             if error["name"] == name:
-                return error["value"], error["std_error"]
+                return _number(error["value"]), _number(error["std_error"])
         raise KeyError(f"no error `{name}` was estimated; there are {', '.join(self.names)}")
 
     def to_dict(self) -> dict[str, Any]:
@@ -501,7 +506,7 @@ class Compatibility:
 
     def __repr__(self) -> str:
         lines = "".join(
-            f"\n  {e['name']:<18} {e['value']:>12.5g} +- {2 * e['std_error']:.2g} {e['unit']}  {e['verdict']}"
+            f"\n  {e['name']:<18} {_number(e['value']):>12.5g} +- {2 * _number(e['std_error']):.2g} {e['unit']}  {e['verdict']}"
             for e in self._document["errors"]
         )
         return f"<Compatibility of '{self._document['source']}'{lines}>"
@@ -516,9 +521,10 @@ def compatibility(
 ) -> Compatibility:
     """Checks the sensors against the kinematics of a rigid body, and estimates their errors without any aerodynamics.
 
-    Biases are always estimated; ``groups`` names what else: ``air-data-scales`` and ``delays`` if not given,
-    ``inertial-scales``, ``vane-positions``, ``accelerometer-position``, ``wind``. ``vanes_x_m`` is how far the vanes of
-    alpha and beta are ahead of the centre of gravity.
+    Biases are always estimated; ``groups`` names what else: ``air-data-scales``, ``attitude-scales`` and ``delays`` if
+    not given, ``inertial-scales``, ``vane-positions``, ``accelerometer-position``, ``upwash``, ``wind``. ``vanes_x_m``
+    is how far the vanes of alpha and beta are ahead of the centre of gravity. Without ``gravity_m_s2`` gravity follows
+    from the latitude and altitude of the record, and is uncertain for what is not known.
     """
     wanted = None if groups is None else list(groups)
     text, corrected = _phugoid.compatibility(record._native, wanted, list(vanes_x_m), gravity_m_s2)

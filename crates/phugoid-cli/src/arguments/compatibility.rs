@@ -10,22 +10,28 @@ use super::reading::Reading;
 
 /// Checks a flight for kinematic consistency and estimates the errors of its sensors
 ///
-/// Airspeed, flow angles, attitude and altitude are reconstructed from the accelerometers and rate gyroscopes by
-/// kinematics alone, without an aerodynamic model. The differences from the measured signals give biases, scale
-/// factors, delays and wind, each with its standard error; a value that the manoeuvre does not determine is marked. The
-/// command writes the corrected record, the corrections, and a page with figures.
+/// Airspeed, flow angles, attitude and altitude are predicted from the accelerometers and rate gyroscopes by kinematics
+/// alone, without an aerodynamic model. The differences from the measured signals give biases, scale factors, delays and
+/// wind, each with its standard error; a value that the manoeuvre does not determine is marked. An error is corrected if
+/// it is beyond three sigma and makes samples more likely that it was not fitted to. The command writes the corrected
+/// record, the corrections, and a page with figures.
 #[derive(Debug, Args)]
 #[command(after_help = examples_and_exit_codes(
     "  phugoid compatibility flight.csv
   phugoid compatibility flight.csv --model jet.toml --elevator-skew
   phugoid compatibility flight.csv --alpha-vane 4.2m --estimate inertial-scales
+  phugoid compatibility first.csv --with second.csv --with third.csv
   phugoid estimate flight.csv --model jet.toml --correct phugoid-compatibility/corrections.json"
 ))]
 pub(crate) struct Compatibility {
     /// The flight, a CSV file with units in its headers
     #[arg(value_name = "FLIGHT.csv")]
     pub(crate) flight: PathBuf,
-    /// Model file, or the name of a built-in one; only its column names and its acceleration of gravity are used
+    /// A further flight of the same installation: the errors of the sensors are the same in all; may be repeated
+    #[arg(long, value_name = "FLIGHT.csv")]
+    pub(crate) with: Vec<PathBuf>,
+    /// Model file, or the name of a built-in one; only its column names are used, and its acceleration of gravity where
+    /// that is not 9.80665 m/s^2
     #[arg(long, value_name = "AIRCRAFT.toml")]
     pub(crate) model: Option<String>,
     /// Also estimate the delay of the elevator relative to all other channels, with the aerodynamic model of --model
@@ -62,4 +68,6 @@ pub(crate) enum SensorGroup {
     VanePositions,
     /// Position of the accelerometers relative to the centre of gravity
     AccelerometerPosition,
+    /// Upwash at the angle-of-attack vane, in proportion to lift
+    Upwash,
 }

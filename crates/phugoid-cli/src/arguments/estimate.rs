@@ -60,7 +60,8 @@ pub(crate) struct Estimate {
     /// The former spelling of --structure offer
     #[arg(long, hide = true, conflicts_with_all = ["no_offer", "structure"])]
     pub(crate) offer: bool,
-    /// Correct the flight for these sensor errors first: a file that `phugoid compatibility` has written
+    /// Correct the flight, and those of --with, for these sensor errors first: a file that `phugoid compatibility` has
+    /// written. Its errors become part of the bounds, at the price of one more run for each corrected error
     #[arg(long, value_name = "CORRECTIONS.json")]
     pub(crate) correct: Option<PathBuf>,
     /// Begin at this time of the record, for example 12s

@@ -36,28 +36,31 @@ struct Document<'a> {
 pub(crate) fn run(arguments: &arguments::Compatibility) -> Result<(), Failure> {
     let model = arguments.model.as_deref().map(super::estimate::model).transpose()?;
     let memory = arguments.reading.max_memory;
-    let record = {
+    let read = |flight: &PathBuf| match &model {
+        Some(model) => model.open_record_within(flight, memory).map_err(Failure::input),
+        None => read_path(flight, &ReadOptions::default().with_max_memory(memory)).map_err(Failure::input),
+    };
+    let (record, further) = {
         let _progress = Progress::spinner("reading");
-        match &model {
-            Some(model) => model.open_record_within(&arguments.flight, memory),
-            None => read_path(&arguments.flight, &ReadOptions::default().with_max_memory(memory)),
-        }
-        .map_err(Failure::input)?
+        (read(&arguments.flight)?, arguments.with.iter().map(read).collect::<Result<Vec<_>, _>>()?)
     };
     let mut groups = CompatibilityOptions::default().groups;
     groups.extend(arguments.estimate.iter().map(|name| match name {
         arguments::SensorGroup::InertialScales => Group::InertialScales,
         arguments::SensorGroup::VanePositions => Group::VanePositions,
         arguments::SensorGroup::AccelerometerPosition => Group::AccelerometerPosition,
+        arguments::SensorGroup::Upwash => Group::Upwash,
     }));
     if ["north", "east", "psi", "altitude"].iter().all(|name| record.channel(name).is_some()) {
         groups.push(Group::Wind);
     }
-    let standard = CompatibilityOptions::default();
+    // The value that a model file has without saying so is none for the place of this flight.
+    let standard = 9.80665;
     let options = CompatibilityOptions {
         groups,
         vanes_x: [arguments.alpha_vane.map_or(0.0, |x| x.si()), arguments.beta_vane.map_or(0.0, |x| x.si())],
-        gravity: model.as_ref().map_or(standard.gravity, |m| m.aircraft.gravity),
+        gravity: model.as_ref().map(|m| m.aircraft.gravity).filter(|g| *g != standard),
+        further,
     };
     let progress = Progress::spinner("reconstructing");
     let mut result = compatibility(&record, &options)?;
@@ -70,7 +73,7 @@ pub(crate) fn run(arguments: &arguments::Compatibility) -> Result<(), Failure> {
         _ => None,
     };
     if let Some(skew) = skew.as_ref().filter(|s| s.delay_s.abs() > 2.0 * s.std_error_s) {
-        result.corrections.channels.entry("elevator".to_owned()).or_default().delay_s = skew.delay_s;
+        result.corrections.add_skew(skew);
     }
     let mut corrected = result.corrections.apply(&record);
     if record.channel("alpha").is_none()
@@ -136,7 +139,8 @@ fn table(result: &Compatibility) -> Table {
             Cell::from(unit),
             Cell::from(100.0 * e.std_error / e.prior_std),
             Cell::from(if e.verdict == SensorVerdict::NotIdentifiable { f64::NAN } else { e.significance }),
-            Cell::from(e.verdict.words()),
+            Cell::from(e.held_out_gain),
+            Cell::from(if e.offered { "significant, corrected" } else { e.verdict.words() }),
         ]
     });
     Table {
@@ -148,6 +152,7 @@ fn table(result: &Compatibility) -> Table {
             Column::new("Unit", ""),
             Column::new("Sigma/prior", "%"),
             Column::new("Significance", ""),
+            Column::new("Held-out gain", "nats"),
             Column::new("Verdict", ""),
         ],
         rows: rows.collect(),
@@ -164,7 +169,7 @@ fn text(document: &Document) -> String {
             |c| if c.unit.is_empty() { c.name.to_lowercase() } else { format!("{} {}", c.name.to_lowercase(), c.unit) },
         )
         .collect();
-    let mut out = output::Table::with_words(&names.iter().map(String::as_str).collect::<Vec<_>>(), &[0, 3, 6]);
+    let mut out = output::Table::with_words(&names.iter().map(String::as_str).collect::<Vec<_>>(), &[0, 3, 7]);
     for row in &table.rows {
         out.row(row.iter().map(|cell| match cell {
             Cell::Number(value) => significant(*value, 3),
@@ -175,15 +180,31 @@ fn text(document: &Document) -> String {
     if let Some(skew) = document.elevator_skew {
         let _ = writeln!(text, "\n{}", skew_words(skew));
     }
+    super::result::paragraph(&mut text, "Not corrected", reasons(result));
+    super::result::paragraph(&mut text, "Air and place", [air(result)].into_iter());
     super::result::paragraph(&mut text, "Notes", result.notes.iter().cloned());
     let _ = writeln!(
         text,
-        "\nSignificant errors are taken out of {}\nTo take them out of other flights: phugoid estimate FLIGHT.csv --correct {}\nReport: {}",
+        "\nThe corrected errors are taken out of {}\nTo take them out of other flights: phugoid estimate FLIGHT.csv --correct {}\nReport: {}",
         document.corrected_csv.display(),
         document.corrections_json.display(),
         document.report.display()
     );
     text
+}
+
+/// Why errors are refused, or significant and yet not corrected.
+fn reasons(result: &Compatibility) -> impl Iterator<Item = String> + '_ {
+    result.errors.iter().filter_map(|e| e.reason.as_ref().map(|reason| format!("{}: {reason}", e.name)))
+}
+
+fn air(result: &Compatibility) -> String {
+    let [gravity, sigma] = result.gravity;
+    let [along, across, vertical] = result.gusts.map(|g| significant(g, 2));
+    format!(
+        "Gravity {gravity:.4} m/s^2, sigma {}. Gusts along body x, y, z: {along}, {across}, {vertical} m/s (one sigma).",
+        significant(sigma, 2)
+    )
 }
 
 fn skew_words(skew: &InputSkew) -> String {
@@ -227,7 +248,7 @@ fn charts(record: &Record, result: &Compatibility) -> Vec<Chart> {
     vec![Chart {
         name: "reconstruction".to_owned(),
         title: "Measured and reconstructed motion".to_owned(),
-        caption: "What the inertial sensors give by kinematics alone, freed from the estimated errors, beside what was measured. \
+        caption: "What all sensors give together by kinematics alone, freed from the estimated errors, beside what was measured. \
                   Where the two part, the sensor has an error."
             .to_owned(),
         x: Axis::new("Time", "s"),
@@ -265,14 +286,21 @@ fn page(
         title: "Data compatibility".to_owned(),
         by: "Checked by Phugoid".to_owned(),
         notes: vec![format!(
-            "Measured = (1 + scale) true + bias, of accelerometers and gyroscopes true = (1 - scale) measured - bias. To take the \
-             significant errors out of a flight: `phugoid estimate FLIGHT.csv --correct {}`.",
+            "Measured = (1 + scale) true + bias, of accelerometers and gyroscopes true = (1 - scale) measured - bias. An error is \
+             corrected if it is beyond three sigma and makes samples more likely that it was not fitted to (held-out gain). To \
+             take these errors out of a flight: `phugoid estimate FLIGHT.csv --correct {}`.",
             arguments.out.join("corrections.json").display()
         )],
         facts: vec![("Record".to_owned(), result.source.clone())],
         sections: vec![
             StudySection {
-                paragraphs: skew.map(skew_words).into_iter().chain(result.notes.iter().cloned()).collect(),
+                paragraphs: skew
+                    .map(skew_words)
+                    .into_iter()
+                    .chain([air(result)])
+                    .chain(reasons(result))
+                    .chain(result.notes.iter().cloned())
+                    .collect(),
                 tables: vec![table(result), fit],
                 ..section("errors", "Errors of the sensors")
             },

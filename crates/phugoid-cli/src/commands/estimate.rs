@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use phugoid::estimate_with_progress;
 use phugoid_flight_data::csv;
 use phugoid_flight_data::record::Record;
+use phugoid_identification::compatibility::estimate_corrected;
 use phugoid_identification::estimate::{EstimateOptions, StructureSearch, with_offered};
 use phugoid_identification::estimation::{Estimation, EstimationStatus, UncertainQuantity};
 use phugoid_identification::inspect::segment;
@@ -52,10 +53,7 @@ pub(crate) fn run(arguments: &arguments::Estimate) -> Result<EstimationStatus, F
     };
     // Times of convergence count from the start of the whole record.
     let start_s = record.time.first().copied();
-    let record = match &arguments.correct {
-        Some(file) => super::compatibility::corrections(file)?.apply(&record),
-        None => record,
-    };
+    let corrections = arguments.correct.as_deref().map(super::compatibility::corrections).transpose()?;
     let (record, segments) = if arguments.segment.is_empty() {
         (between(record, arguments.from.map(|t| t.si()), arguments.to.map(|t| t.si()))?, Vec::new())
     } else {
@@ -85,7 +83,13 @@ pub(crate) fn run(arguments: &arguments::Estimate) -> Result<EstimationStatus, F
     };
     let estimation = {
         let progress = Progress::new("estimating");
-        estimate_with_progress(&record, &model, &options, &mut |done| progress.set(done))?
+        let mut done = |done| progress.set(done);
+        match &corrections {
+            Some(corrections) => {
+                estimate_corrected(&record, corrections, &model, &options, &mut done).map_err(phugoid::Error::from)?
+            }
+            None => estimate_with_progress(&record, &model, &options, &mut done)?,
+        }
     };
     // With terms taken in, the model is another one for all that follows.
     let taken = estimation.offer.as_ref().filter(|offer| offer.taken);

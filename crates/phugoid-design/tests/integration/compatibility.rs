@@ -69,7 +69,7 @@ fn biases_of_all_sensors_come_back_within_their_bounds() {
     let (_, flight) = three_axes(SENSORS);
     let options = CompatibilityOptions {
         groups: vec![Group::AirDataScales],
-        gravity: GRAVITY,
+        gravity: Some(GRAVITY),
         ..CompatibilityOptions::default()
     };
     let result = compatibility(&flight.measured, &options).unwrap();
@@ -127,7 +127,8 @@ fn delays_scales_and_vane_positions_come_back() {
     let options = CompatibilityOptions {
         vanes_x: [4.0, 0.0],
         groups: vec![Group::AirDataScales, Group::Delays],
-        gravity: GRAVITY,
+        gravity: Some(GRAVITY),
+        ..CompatibilityOptions::default()
     };
     let result = compatibility(&record, &options).unwrap();
     check(&result, "scale_alpha", 0.08);
@@ -144,6 +145,71 @@ fn delays_scales_and_vane_positions_come_back() {
     assert!(rms < 0.12_f64.to_radians(), "{}", rms.to_degrees());
 }
 
+/// No vane is late by 0.8 s: there is no number for it, but a reason, and nothing is corrected by it.
+#[test]
+fn an_impossible_delay_is_refused() {
+    let sensors = SENSORS.replace(
+        "alpha = { noise = \"0.1 deg\", bias = \"0.3 deg\" }",
+        "alpha = { noise = \"0.1 deg\", delay = \"800 ms\" }",
+    );
+    let (_, flight) = three_axes(&sensors);
+    let options = CompatibilityOptions { gravity: Some(GRAVITY), ..CompatibilityOptions::default() };
+    let result = compatibility(&flight.measured, &options).unwrap();
+    let refused: Vec<_> = result.errors.iter().filter(|e| e.verdict == SensorVerdict::Refused).collect();
+    assert!(refused.iter().any(|e| e.name.ends_with("_alpha")), "{refused:?}");
+    for e in refused {
+        assert!(e.value.is_nan() && !e.offered && e.reason.is_some(), "{e:?}");
+    }
+    for (channel, c) in &result.corrections.channels {
+        assert!((-0.05..=0.5).contains(&c.delay_s), "{channel}: {c:?}");
+    }
+}
+
+/// Scale factors of bank and pitch attitude, five seconds without rows, outliers: the motion begins anew after the gap.
+#[test]
+fn attitude_scales_come_back_beside_a_gap_and_outliers() {
+    let (_, flight) = three_axes(SENSORS);
+    let mut record = flight.measured.clone();
+    for (name, scale) in [("phi", 0.03), ("theta", -0.03)] {
+        channel(&mut record, name).iter_mut().for_each(|v| *v *= 1.0 + scale);
+    }
+    for k in (50..record.len()).step_by(200) {
+        channel(&mut record, "alpha")[k] += 0.2;
+        channel(&mut record, "q")[k + 17] += 0.5;
+    }
+    let keep = |k: usize| !(12.0..17.0).contains(&flight.measured.time[k]);
+    for channel in &mut record.channels {
+        channel.values = (0..channel.values.len()).filter(|k| keep(*k)).map(|k| channel.values[k]).collect();
+    }
+    record.time = (0..record.time.len()).filter(|k| keep(*k)).map(|k| record.time[k]).collect();
+    let options = CompatibilityOptions { gravity: Some(GRAVITY), ..CompatibilityOptions::default() };
+    let result = compatibility(&record, &options).unwrap();
+    for (name, truth) in [("scale_phi", 0.03), ("scale_theta", -0.03), ("scale_alpha", 0.0), ("delay_alpha", 0.0)] {
+        check(&result, name, truth);
+    }
+    let phi = result.error("scale_phi").unwrap();
+    assert!(phi.offered && phi.held_out_gain > 0.0, "{phi:?}");
+    let corrected = result.corrections.apply(&record).channel("phi").unwrap().values[100];
+    let spoilt = record.channel("phi").unwrap().values[100];
+    assert!((spoilt / corrected - 1.0 - phi.value).abs() < 0.01 || result.error("bias_phi").unwrap().offered);
+}
+
+/// Two flights together know the sensors better than one does.
+#[test]
+fn two_flights_tell_more_than_one() {
+    let (_, flight) = three_axes(SENSORS);
+    let half = |from: f64, to: f64| flight.measured.between(from, to).unwrap();
+    let options = CompatibilityOptions { gravity: Some(GRAVITY), ..CompatibilityOptions::default() };
+    let one = compatibility(&half(0.0, 15.0), &options).unwrap();
+    let both = compatibility(&half(0.0, 15.0), &CompatibilityOptions { further: vec![half(15.0, 30.0)], ..options });
+    let both = both.unwrap();
+    for (name, truth) in [("bias_q", -0.05_f64.to_radians()), ("bias_beta", -0.4_f64.to_radians())] {
+        check(&both, name, truth);
+        let (alone, together) = (one.error(name).unwrap().std_error, both.error(name).unwrap().std_error);
+        assert!(together < 0.9 * alone, "{name}: {alone} {together}");
+    }
+}
+
 /// Positions over ground tell the wind.
 #[test]
 fn wind_comes_back_from_positions() {
@@ -158,7 +224,7 @@ fn wind_comes_back_from_positions() {
         record.channels.push(Channel { name: name.to_owned(), quantity: Quantity::Length, values });
     }
     let options =
-        CompatibilityOptions { groups: vec![Group::Wind], gravity: GRAVITY, ..CompatibilityOptions::default() };
+        CompatibilityOptions { groups: vec![Group::Wind], gravity: Some(GRAVITY), ..CompatibilityOptions::default() };
     let result = compatibility(&record, &options).unwrap();
     check(&result, "wind_north", 8.0);
     check(&result, "wind_east", -5.0);
@@ -171,7 +237,7 @@ fn what_cannot_be_told_is_called_so() {
     let mut scenario = built_in("f16-calm").unwrap().unwrap();
     scenario.sensors.altitude.noise = "1 m".parse().unwrap();
     let flight = fly(&scenario).unwrap();
-    let options = CompatibilityOptions { gravity: GRAVITY, ..CompatibilityOptions::default() };
+    let options = CompatibilityOptions { gravity: Some(GRAVITY), ..CompatibilityOptions::default() };
     let result = compatibility(&flight.measured, &options).unwrap();
     let scale = result.error("scale_true_airspeed").unwrap();
     assert!(scale.std_error > 0.001, "{}", scale.std_error);
@@ -193,7 +259,8 @@ fn angle_of_attack_without_a_vane() {
     let (_, flight) = three_axes(SENSORS);
     let mut record = flight.measured.clone();
     record.channels.retain(|c| c.name != "alpha");
-    let options = CompatibilityOptions { groups: Vec::new(), gravity: GRAVITY, ..CompatibilityOptions::default() };
+    let options =
+        CompatibilityOptions { groups: Vec::new(), gravity: Some(GRAVITY), ..CompatibilityOptions::default() };
     let result = compatibility(&record, &options).unwrap();
     let alpha = result.channel("alpha").unwrap();
     let truth = &flight.truth.channel("alpha").unwrap().values;
@@ -255,7 +322,7 @@ fn an_elevator_skew_is_found_and_its_bias_removed() {
 #[test]
 fn biases_that_are_not_there_are_not_found() {
     let scenario = built_in("f16-six").unwrap().unwrap();
-    let options = CompatibilityOptions { gravity: GRAVITY, ..CompatibilityOptions::default() };
+    let options = CompatibilityOptions { gravity: Some(GRAVITY), ..CompatibilityOptions::default() };
     let run = |run: usize| {
         let measured = fly(&Scenario { seed: run as u64, ..scenario.clone() }).unwrap().measured;
         Ok::<_, std::convert::Infallible>(compatibility(&measured, &options).unwrap())

@@ -9,6 +9,7 @@ mod shared_data;
 mod accuracy;
 mod arena;
 mod batch;
+mod compatibility_field;
 mod cramer_rao_f16;
 mod detection;
 mod input_timing;

@@ -5,7 +5,9 @@ use std::collections::BTreeMap;
 use phugoid_flight_data::record::Record;
 use serde::{Deserialize, Serialize};
 
-use super::differentiated;
+use super::solve::Solution;
+use super::unknowns::UNKNOWNS;
+use super::{CompatibilityOptions, Group, InputSkew, SensorError, differentiated};
 
 /// Errors of one channel: measured = (1 + scale) true(one delay ago) + bias.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -38,9 +40,117 @@ pub struct Corrections {
     /// Position of the accelerometers below the centre of gravity, m.
     #[serde(default)]
     pub accelerometer_z: f64,
+    /// Upwash at the vane of the angle of attack: the vane shows `upwash_alpha (-az) / V^2` too much, m.
+    #[serde(default)]
+    pub upwash_alpha: f64,
+    /// How well these corrections are known; none where nobody said.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub uncertainty: Option<CorrectionUncertainty>,
 }
 
+/// The estimates that corrections were made of, with the covariance of their errors.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CorrectionUncertainty {
+    /// Names of the unknowns, e.g. `bias_alpha` or `delay_attitude`.
+    pub names: Vec<String>,
+    /// Their estimates, SI.
+    pub values: Vec<f64>,
+    /// Covariance of their errors, row and column in the order of the names.
+    pub covariance: Vec<Vec<f64>>,
+}
+
+/// Channels that can have corrections of their own.
+const CHANNELS: [&str; 12] = ["ax", "ay", "az", "p", "q", "r", "true_airspeed", "alpha", "beta", "phi", "theta", "psi"];
+
 impl Corrections {
+    /// The errors that are offered as corrections, and known vane positions.
+    pub(super) fn of(errors: &[SensorError], solution: &Solution, options: &CompatibilityOptions) -> Self {
+        let offered: Vec<&SensorError> = errors.iter().filter(|e| e.offered).collect();
+        let mut corrections = Self::default();
+        if !options.groups.contains(&Group::VanePositions) {
+            (corrections.vane_alpha_x, corrections.vane_beta_x) = (options.vanes_x[0], options.vanes_x[1]);
+        }
+        let values: Vec<(&str, f64)> = offered.iter().map(|e| (e.name.as_str(), e.value)).collect();
+        corrections.set(&values);
+        if !offered.is_empty() {
+            let column =
+                |name: &str| solution.columns.iter().position(|c| UNKNOWNS[c.place].name == name && c.flight.is_none());
+            let columns: Vec<Option<usize>> = offered.iter().map(|e| column(&e.name)).collect();
+            let entry = |a: &Option<usize>, b: &Option<usize>| match (a, b) {
+                (Some(a), Some(b)) => solution.corrected[(*a, *b)],
+                _ => 0.0,
+            };
+            corrections.uncertainty = Some(CorrectionUncertainty {
+                names: offered.iter().map(|e| e.name.clone()).collect(),
+                values: offered.iter().map(|e| e.value).collect(),
+                covariance: columns.iter().map(|a| columns.iter().map(|b| entry(a, b)).collect()).collect(),
+            });
+        }
+        corrections
+    }
+
+    /// Adds the delay of an input channel, with its error, which has nothing to do with the others.
+    pub fn add_skew(&mut self, skew: &InputSkew) {
+        self.channels.entry(skew.channel.clone()).or_default().delay_s = skew.delay_s;
+        let known = self.uncertainty.get_or_insert_default();
+        known.names.push(format!("delay_{}", skew.channel));
+        known.values.push(skew.delay_s);
+        for row in &mut known.covariance {
+            row.push(0.0);
+        }
+        let mut row = vec![0.0; known.names.len()];
+        if let Some(last) = row.last_mut() {
+            *last = skew.std_error_s * skew.std_error_s;
+        }
+        known.covariance.push(row);
+    }
+
+    /// Puts estimates of unknowns into the fields that they belong to; channels without any stay as they are.
+    pub(super) fn set(&mut self, values: &[(&str, f64)]) {
+        let value = |name: &str| values.iter().find(|(n, _)| *n == name).map(|(_, v)| *v);
+        for (name, field) in [
+            ("vane_alpha_x", &mut self.vane_alpha_x),
+            ("vane_beta_x", &mut self.vane_beta_x),
+            ("accelerometer_x", &mut self.accelerometer_x),
+            ("accelerometer_z", &mut self.accelerometer_z),
+            ("upwash_alpha", &mut self.upwash_alpha),
+        ] {
+            if let Some(value) = value(name) {
+                *field = value;
+            }
+        }
+        let mut channels: Vec<&str> = CHANNELS.to_vec();
+        // The delay of a surface is found by itself.
+        channels.extend(
+            values
+                .iter()
+                .filter_map(|(name, _)| name.strip_prefix("delay_"))
+                .filter(|c| !CHANNELS.contains(c) && *c != "attitude"),
+        );
+        for channel in channels {
+            let delay = match channel {
+                "phi" | "theta" | "psi" => "delay_attitude".to_owned(),
+                other => format!("delay_{other}"),
+            };
+            let (bias, scale) = (value(&format!("bias_{channel}")), value(&format!("scale_{channel}")));
+            let delay = value(&delay);
+            if bias.is_none() && scale.is_none() && delay.is_none() {
+                continue;
+            }
+            let mut c = ChannelCorrection {
+                bias: bias.unwrap_or(0.0),
+                scale: scale.unwrap_or(0.0),
+                delay_s: delay.unwrap_or(0.0),
+            };
+            if ["ax", "ay", "az", "p", "q", "r"].contains(&channel) {
+                // True = (1 - scale) measured - bias there: the same in this form.
+                (c.bias, c.scale) = (c.bias / (1.0 - c.scale), 1.0 / (1.0 - c.scale) - 1.0);
+            }
+            self.channels.insert(channel.to_owned(), c);
+        }
+    }
+
     /// The record as perfect sensors at the centre of gravity would have written it, as far as these corrections say.
     /// Channels that they do not name stay as they are. Late channels are moved along a straight line between samples;
     /// where that needs a sample beyond the end, the value is missing.
@@ -74,6 +184,13 @@ impl Corrections {
                         _ => 0.0,
                     };
                 }
+            }
+        }
+        if let (Some(speed), Some(az)) = (&speed, get(&corrected, "az").filter(|_| self.upwash_alpha != 0.0))
+            && let Some(alpha) = corrected.channels.iter_mut().find(|c| c.name == "alpha")
+        {
+            for (k, value) in alpha.values.iter_mut().enumerate() {
+                *value += self.upwash_alpha * az[k] / (speed[k] * speed[k]);
             }
         }
         if let Some(speed) = speed {

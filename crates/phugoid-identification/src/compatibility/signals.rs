@@ -1,122 +1,256 @@
-//! From a record to the inputs and outputs of the kinematics.
+//! From a record to what the filter over the kinematics takes.
 
+use phugoid_estimators::noise::third_difference_std;
 use phugoid_flight_data::record::Record;
 use phugoid_flight_data::statistics::median;
 
-use super::kinematics::{Inertial, OUTPUTS, STATES};
-use crate::batch::Noise;
+use super::filter::Levels;
+use super::gravity::Gravity;
+use super::kinematics::{BODY, Inertial, OUTPUTS, SENSORS, STATES};
 use crate::core::error::EstimateError;
+use crate::preparation::noise::{measure_noise, without_outliers};
 use crate::preparation::prepare::channel;
 
 /// Channels of the outputs, in their order.
 pub(super) const OUTPUT_CHANNELS: [&str; OUTPUTS] =
     ["true_airspeed", "alpha", "beta", "phi", "theta", "psi", "north", "east", "altitude"];
 
-/// Inertial channels in the order of the inputs.
-const FORCES: [&str; 3] = ["ax", "ay", "az"];
-const RATES: [&str; 3] = ["p", "q", "r"];
+/// Inertial channels: accelerometers, then gyroscopes.
+const INERTIAL: [&str; SENSORS] = ["ax", "ay", "az", "p", "q", "r"];
 
-/// The record as the kinematic model needs it: inertial inputs, measured outputs, and the start of the search.
-pub(super) struct Signals {
+/// Samples that are closer together are averaged in groups of up to this length, s: sensor errors show in motions of a
+/// few hertz at most, and the work goes with the number of samples.
+const GROUP_S: f64 = 0.0201;
+
+/// Without samples, or without a value of an inertial sensor, for longer than this, s, the motion begins anew.
+const GAP_S: f64 = 0.25;
+
+/// One record as the filter needs it.
+pub(super) struct Flight {
     pub(super) time: Vec<f64>,
     pub(super) inputs: Vec<Inertial>,
+    /// NaN where nothing was measured, and for outputs that are not used.
     pub(super) outputs: Vec<[f64; OUTPUTS]>,
-    /// Where the search for the initial state starts.
-    pub(super) start: [f64; STATES],
+    /// True where the motion begins: at the first sample, and after gaps.
+    pub(super) fresh: Vec<bool>,
+    /// The states that move; the others stay what they are at the beginning.
+    pub(super) active: Vec<usize>,
     /// Channels that the record has values of.
     pub(super) present: Vec<String>,
-    /// True if there is any lateral motion to reconstruct.
-    pub(super) lateral: bool,
+    /// Noise of the inertial sensors, one sigma of a sample.
+    pub(super) inertial_noise: [f64; SENSORS],
+    /// Noise levels to start from.
+    pub(super) levels: Levels,
+    /// Median airspeed, m/s.
+    pub(super) speed: f64,
+    pub(super) gravity: Gravity,
     pub(super) notes: Vec<String>,
+    /// Times of the record itself, s.
+    pub(super) record_time: Vec<f64>,
 }
 
-/// Collects the signals of a record. Gaps of the inertial channels are bridged by straight lines.
-pub(super) fn signals(record: &Record) -> Result<Signals, EstimateError> {
-    for name in ["true_airspeed", "theta", "q", "ax", "az"] {
-        let values = channel(record, name)?;
-        if !values.iter().any(|v| v.is_finite()) {
-            return Err(EstimateError::EmptyChannel(name.to_owned()));
+impl Flight {
+    pub(super) fn has(&self, name: &str) -> bool {
+        self.present.iter().any(|p| p == name)
+    }
+
+    /// From sample to sample, the root mean square change of a gust of 1 m/s with this scale length (m), over that of the
+    /// specific force along the same axis, s.
+    pub(super) fn gust_over_force(&self, axis: usize, length: f64) -> f64 {
+        let (mut gust, mut force) = (0.0, 0.0);
+        for k in (1..self.time.len()).filter(|k| !self.fresh[*k]) {
+            let part = (self.time[k] - self.time[k - 1]) * self.speed / length;
+            gust += if axis == 0 { 2.0 * part } else { 3.0 * part };
+            force += (self.inputs[k].force[axis] - self.inputs[k - 1].force[axis]).powi(2);
         }
+        // The noise of the accelerometer goes with nothing.
+        let intervals = self.fresh.iter().filter(|fresh| !**fresh).count() as f64;
+        let noise = 2.0 * intervals * self.inertial_noise[axis].powi(2);
+        let moved = (force - noise).max(0.1 * force);
+        if moved > 0.0 { (gust / moved).sqrt() } else { 0.0 }
     }
-    let samples = record.time.len();
-    if samples < 20 {
-        return Err(EstimateError::TooShort { samples });
-    }
-    let mut notes = Vec::new();
-    let present: Vec<String> = record
-        .channels
-        .iter()
-        .filter(|c| c.values.len() == samples && c.values.iter().any(|v| v.is_finite()))
-        .map(|c| c.name.clone())
-        .collect();
-    let mut inertial = |name: &str| -> Vec<f64> {
-        let Ok(values) = channel(record, name) else {
-            notes.push(format!("there is no channel `{name}`: it is taken for zero"));
-            return vec![0.0; samples];
+
+    /// Collects the signals of a record. Missing values of inertial channels are bridged by straight lines.
+    pub(super) fn of(record: &Record, gravity: Option<f64>) -> Result<Self, EstimateError> {
+        for name in ["true_airspeed", "theta", "q", "ax", "az"] {
+            let values = channel(record, name)?;
+            if !values.iter().any(|v| v.is_finite()) {
+                return Err(EstimateError::EmptyChannel(name.to_owned()));
+            }
+        }
+        let samples = record.time.len();
+        if samples < 20 {
+            return Err(EstimateError::TooShort { samples });
+        }
+        let mut notes = Vec::new();
+        let present: Vec<String> = record
+            .channels
+            .iter()
+            .filter(|c| c.values.len() == samples && c.values.iter().any(|v| v.is_finite()))
+            .map(|c| c.name.clone())
+            .collect();
+        let has = |name: &str| present.iter().any(|p| p == name);
+        let mut missing = vec![false; samples];
+        let mut inertial_noise = [0.0; SENSORS];
+        let mut inertial: Vec<Vec<f64>> = Vec::with_capacity(SENSORS);
+        for (sensor, name) in INERTIAL.into_iter().enumerate() {
+            let Some(values) = channel(record, name).ok().filter(|_| has(name)) else {
+                notes.push(format!("there is no channel `{name}`: it is taken for zero"));
+                inertial.push(vec![0.0; samples]);
+                continue;
+            };
+            let noise = measure_noise(values).map_or(0.0, |n| n.std);
+            inertial_noise[sensor] = noise;
+            let clean = without_outliers(values, noise);
+            let outliers = clean.iter().zip(values).filter(|(c, v)| c.is_nan() && v.is_finite()).count();
+            let (filled, bridged) = bridged(&record.time, &clean);
+            if bridged > 0 {
+                let stand_out = if outliers > 0 { format!(", {outliers} of them outliers") } else { String::new() };
+                notes.push(format!("`{name}` has no value in {bridged} samples{stand_out}: straight lines there"));
+            }
+            for (m, c) in missing.iter_mut().zip(&clean) {
+                *m |= c.is_nan();
+            }
+            inertial.push(filled);
+        }
+        let measured: [Vec<f64>; OUTPUTS] = OUTPUT_CHANNELS.map(|name| match channel(record, name) {
+            Ok(values) if name == "psi" || name == "phi" => unwrapped(values),
+            Ok(values) => values.to_vec(),
+            Err(_) => vec![f64::NAN; samples],
+        });
+        // A lateral motion is followed where all of it was recorded.
+        let rolls = has("phi") && has("p") && has("r");
+        let slips = rolls && has("beta") && has("ay");
+        let used: [bool; OUTPUTS] = std::array::from_fn(|i| match OUTPUT_CHANNELS[i] {
+            "beta" => slips,
+            "phi" => rolls,
+            // Over ground the heading is needed.
+            "psi" => has("psi") && rolls,
+            "north" | "east" => has("north") && has("east") && has("psi") && rolls,
+            name => has(name),
+        });
+        if has("beta") && !slips {
+            notes.push("the sideslip is not checked: that needs phi, p, r and ay as well".to_owned());
+        }
+        if !has("alpha") {
+            notes.push(
+                "there is no angle of attack: it is reconstructed from airspeed, attitude and accelerations".to_owned(),
+            );
+        }
+        let step = record.sample_time_s();
+        let group = if step > 0.0 { ((GROUP_S / step) as usize).clamp(1, samples / 20) } else { 1 };
+        let levels = Levels::start(std::array::from_fn(|i| {
+            let mut scratch = vec![0.0; samples];
+            let noise = third_difference_std(&measured[i], &mut scratch).unwrap_or(0.0);
+            used[i].then(|| (noise / (group as f64).sqrt()).max(LEAST_NOISE[i]))
+        }));
+        let accelerations: Vec<Vec<f64>> =
+            inertial[3..].iter().map(|rate| differentiated(&record.time, rate)).collect();
+        // Groups of samples that follow each other without a gap.
+        let mut flight = Self {
+            time: Vec::new(),
+            inputs: Vec::new(),
+            outputs: Vec::new(),
+            fresh: Vec::new(),
+            active: Vec::new(),
+            inertial_noise: std::array::from_fn(|i| {
+                (inertial_noise[i] / (group as f64).sqrt()).max(LEAST_INERTIAL[i / 3])
+            }),
+            levels,
+            speed: 0.0,
+            gravity: Gravity { value: 9.80665, std: 0.0 },
+            notes,
+            present: Vec::new(),
+            record_time: record.time.clone(),
         };
-        let (filled, bridged) = bridged(&record.time, values);
-        if bridged > 0 {
-            notes.push(format!("`{name}` is missing in {bridged} samples: bridged by straight lines"));
+        let gap = GAP_S.max(6.0 * step);
+        let (mut k, mut last) = (0, f64::NEG_INFINITY);
+        while k < samples {
+            if missing[k] && longest(&missing[k..], &record.time[k..]) > gap {
+                k += missing[k..].iter().take_while(|m| **m).count();
+                continue;
+            }
+            let whole = (1..group)
+                .take_while(|i| record.time.get(k + i).is_some_and(|t| t - record.time[k] < 1.5 * group as f64 * step));
+            let count = 1 + whole.count();
+            let mean = |values: &[f64]| values[k..k + count].iter().sum::<f64>() / count as f64;
+            let time = mean(&record.time);
+            flight.fresh.push(record.time[k] - last > gap);
+            last = record.time[k + count - 1];
+            flight.time.push(time);
+            flight.inputs.push(Inertial {
+                force: std::array::from_fn(|i| mean(&inertial[i])),
+                rate: std::array::from_fn(|i| mean(&inertial[3 + i])),
+                acceleration: std::array::from_fn(|i| mean(&accelerations[i])),
+            });
+            flight.outputs.push(std::array::from_fn(|i| if used[i] { mean(&measured[i]) } else { f64::NAN }));
+            k += count;
         }
-        filled
-    };
-    let forces = FORCES.map(&mut inertial);
-    let rates = RATES.map(&mut inertial);
-    let accelerations = rates.each_ref().map(|rate| differentiated(&record.time, rate));
-    let inputs = (0..samples)
-        .map(|k| Inertial {
-            force: std::array::from_fn(|i| forces[i][k]),
-            rate: std::array::from_fn(|i| rates[i][k]),
-            acceleration: std::array::from_fn(|i| accelerations[i][k]),
-        })
-        .collect();
-    let measured = OUTPUT_CHANNELS.map(|name| match channel(record, name) {
-        Ok(values) if name == "psi" || name == "phi" => unwrapped(values),
-        Ok(values) => values.to_vec(),
-        Err(_) => vec![f64::NAN; samples],
-    });
-    let outputs = (0..samples).map(|k| std::array::from_fn(|i| measured[i][k])).collect();
-    let first =
-        |i: usize| median(&mut measured[i].iter().copied().filter(|v| v.is_finite()).take(5).collect::<Vec<f64>>());
-    let has = |name: &str| present.iter().any(|p| p == name);
-    let or_zero = |i: usize| first(i).unwrap_or(0.0);
-    let (speed, pitch, beta) = (or_zero(0), or_zero(4), or_zero(2));
-    // Without a vane the path is taken for level at first: the fit moves it.
-    let alpha = first(1).unwrap_or(pitch);
-    if !has("alpha") {
-        notes.push(
-            "there is no angle of attack: it is reconstructed from airspeed, attitude and accelerations".to_owned(),
-        );
+        if flight.time.len() < 20 {
+            return Err(EstimateError::TooShort { samples: flight.time.len() });
+        }
+        let mut speeds: Vec<f64> = measured[0].iter().copied().filter(|v| v.is_finite()).collect();
+        flight.speed = median(&mut speeds).unwrap_or(0.0);
+        if flight.speed.is_nan() || flight.speed < 1.0 {
+            return Err(EstimateError::Model(format!(
+                "data compatibility: the aircraft does not fly: the median airspeed is {:.2} m/s",
+                flight.speed
+            )));
+        }
+        flight.gravity = Gravity::of(record, flight.speed, gravity);
+        flight.active = (0..STATES)
+            .filter(|state| match *state {
+                0 | 2 | 4 | BODY => true,
+                1 | 10 => slips,
+                3 => rolls,
+                11 | 13 => used[1],
+                12 => slips,
+                14 => !rolls,
+                other => used[other],
+            })
+            .collect();
+        flight.present = present;
+        Ok(flight)
     }
-    let start = [
-        speed * alpha.cos() * beta.cos(),
-        speed * beta.sin(),
-        speed * alpha.sin() * beta.cos(),
-        or_zero(3),
-        pitch,
-        or_zero(5),
-        or_zero(6),
-        or_zero(7),
-        or_zero(8),
-    ];
-    let lateral = has("beta") && (has("ay") || has("p") || has("r"));
-    Ok(Signals { time: record.time.clone(), inputs, outputs, start, present, lateral, notes })
-}
 
-/// Smallest standard deviation of the noise that is accepted for each output, m/s, rad and m: noise of the inertial
-/// sensors, which is integrated and not modelled, leaves that much.
-const LEAST_NOISE: [f64; OUTPUTS] = [0.02, 2e-4, 2e-4, 2e-4, 2e-4, 2e-4, 0.3, 0.3, 0.3];
-
-/// Noise of an output: estimated with the unknowns, unless the channel is cleaner than a sensor can be (a simulation, a
-/// filtered signal, a constant channel): an estimated noise would then give it all the weight.
-pub(super) fn noise(outputs: &[[f64; OUTPUTS]], output: usize) -> Noise {
-    let values: Vec<f64> = outputs.iter().map(|y| y[output]).collect();
-    let mut scratch = vec![0.0; values.len()];
-    match phugoid_estimators::noise::third_difference_std(&values, &mut scratch) {
-        Some(std) if std < LEAST_NOISE[output] => Noise::Known(LEAST_NOISE[output]),
-        _ => Noise::Estimated,
+    /// The state at a beginning, from the next few values of each output.
+    pub(super) fn beginning(&self, at: usize) -> [f64; STATES] {
+        let first = |i: usize| {
+            let values = self.outputs[at..].iter().map(|y| y[i]).filter(|v| v.is_finite());
+            median(&mut values.take(5).collect::<Vec<f64>>())
+        };
+        let or_zero = |i: usize| first(i).unwrap_or(0.0);
+        let (speed, pitch, beta) = (first(0).unwrap_or(self.speed), or_zero(4), or_zero(2));
+        // Without a vane the path is taken for level at first: the filter moves it.
+        let alpha = first(1).unwrap_or(pitch);
+        let mut state = [0.0; STATES];
+        state[..BODY].copy_from_slice(&[
+            speed * alpha.cos() * beta.cos(),
+            speed * beta.sin(),
+            speed * alpha.sin() * beta.cos(),
+            or_zero(3),
+            pitch,
+            or_zero(5),
+            or_zero(6),
+            or_zero(7),
+            or_zero(8),
+        ]);
+        state
     }
 }
+
+/// How long the values at the beginning are missing, s.
+fn longest(missing: &[bool], time: &[f64]) -> f64 {
+    let count = missing.iter().take_while(|m| **m).count();
+    let end = time.get(count).or(time.last());
+    end.zip(time.first()).map_or(0.0, |(end, start)| end - start)
+}
+
+/// Smallest standard deviation of the noise that is accepted for each output, m/s, rad and m: a channel that is cleaner
+/// than a sensor can be (a simulation, a filtered signal) must not get all the weight.
+pub(super) const LEAST_NOISE: [f64; OUTPUTS] = [0.02, 2e-4, 2e-4, 2e-4, 2e-4, 2e-4, 0.3, 0.3, 0.3];
+/// The same for accelerometers, m/s^2, and gyroscopes, rad/s: what straight lines between samples leave.
+const LEAST_INERTIAL: [f64; 2] = [2e-3, 2e-5];
 
 /// Missing values on a straight line between their neighbours (at the ends: the neighbour), and how many.
 fn bridged(time: &[f64], values: &[f64]) -> (Vec<f64>, usize) {

@@ -142,6 +142,10 @@ pub struct ParameterResult {
     /// that moves this parameter.
     #[serde(default)]
     pub systematic_parts: Vec<SystematicPart>,
+    /// The part of it that comes from the errors of corrections of the sensors, one sigma; 0 where the record was not
+    /// corrected, or the corrections say nothing of their errors.
+    #[serde(default)]
+    pub correction_std: f64,
     /// Lower bound at about 95 %: `value - 2 corrected_std_error`.
     pub lower: f64,
     /// Upper bound at about 95 %: `value + 2 corrected_std_error`.
@@ -464,7 +468,7 @@ impl ParameterResult {
     /// The part of [`corrected_std_error`](Self::corrected_std_error) that a longer or livelier flight makes smaller,
     /// one sigma in the parameter's unit: what noise and turbulence leave open (GUM: type A). NaN stays NaN.
     pub fn random_std(&self) -> f64 {
-        let (whole, systematic) = (self.corrected_std_error, self.systematic_std);
+        let (whole, systematic) = (self.corrected_std_error, self.systematic_std.hypot(self.correction_std));
         ((whole - systematic) * (whole + systematic)).max(0.0).sqrt()
     }
 }

@@ -77,6 +77,7 @@ mod tests {
             std_error: random,
             corrected_std_error: random.hypot(systematic),
             systematic_std: systematic,
+            correction_std: 0.0,
             systematic_parts: Vec::new(),
             lower: 0.0,
             upper: 2.0,

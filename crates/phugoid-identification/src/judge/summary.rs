@@ -163,6 +163,7 @@ fn result(
         corrected_std_error: 0.0,
         systematic_std: 0.0,
         systematic_parts: Vec::new(),
+        correction_std: 0.0,
         lower: parameter.start,
         upper: parameter.start,
         status: FinalStatus::Fixed,

@@ -231,6 +231,7 @@ pub(crate) fn estimation(case: &Case) -> Estimation {
             corrected_std_error: sigma,
             systematic_std: 0.0,
             systematic_parts: Vec::new(),
+            correction_std: 0.0,
             lower: last - 2.0 * sigma,
             upper: last + 2.0 * sigma,
             status: if excited { FinalStatus::Converged } else { FinalStatus::NotExcited },
