@@ -20,13 +20,14 @@ pub(crate) fn inspect(py: Python<'_>, record: &Record, model: Option<&Model>) ->
 /// The errors of the sensors from the kinematics alone: a JSON document with the names of `phugoid compatibility
 /// --json`, and the record without those that are offered as corrections.
 #[pyfunction]
-#[pyo3(signature = (record, groups=None, vanes_x_m=[0.0, 0.0], gravity_m_s2=None))]
+#[pyo3(signature = (record, groups=None, vanes_x_m=[0.0, 0.0], gravity_m_s2=None, flat_earth=false))]
 pub(crate) fn compatibility(
     py: Python<'_>,
     record: &Record,
     groups: Option<Vec<String>>,
     vanes_x_m: [f64; 2],
     gravity_m_s2: Option<f64>,
+    flat_earth: bool,
 ) -> PyResult<(String, Record)> {
     let standard = CompatibilityOptions::default();
     let options = CompatibilityOptions {
@@ -36,6 +37,7 @@ pub(crate) fn compatibility(
         },
         vanes_x: vanes_x_m,
         gravity: gravity_m_s2,
+        flat_earth,
         ..standard
     };
     let found = py.detach(|| phugoid::compatibility(&record.inner, &options)).map_err(raise)?;

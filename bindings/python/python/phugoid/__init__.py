@@ -518,16 +518,18 @@ def compatibility(
     groups: Optional[Iterable[str]] = None,
     vanes_x_m: Sequence[float] = (0.0, 0.0),
     gravity_m_s2: Optional[float] = None,
+    flat_earth: bool = False,
 ) -> Compatibility:
     """Checks the sensors against the kinematics of a rigid body, and estimates their errors without any aerodynamics.
 
     Biases are always estimated; ``groups`` names what else: ``air-data-scales``, ``attitude-scales`` and ``delays`` if
     not given, ``inertial-scales``, ``vane-positions``, ``accelerometer-position``, ``upwash``, ``wind``. ``vanes_x_m``
     is how far the vanes of alpha and beta are ahead of the centre of gravity. Without ``gravity_m_s2`` gravity follows
-    from the latitude and altitude of the record, and is uncertain for what is not known.
+    from the latitude and altitude of the record, and is uncertain for what is not known. ``flat_earth`` is for flights of
+    a simulator whose Earth is flat, as that of this package is.
     """
     wanted = None if groups is None else list(groups)
-    text, corrected = _phugoid.compatibility(record._native, wanted, list(vanes_x_m), gravity_m_s2)
+    text, corrected = _phugoid.compatibility(record._native, wanted, list(vanes_x_m), gravity_m_s2, flat_earth)
     return Compatibility(json.loads(text), Record(corrected))
 
 

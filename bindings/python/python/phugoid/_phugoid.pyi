@@ -86,7 +86,11 @@ class Session:
 
 def inspect(record: Record, model: Optional[Model] = ...) -> str: ...
 def compatibility(
-    record: Record, groups: Optional[list[str]] = ..., vanes_x_m: list[float] = ..., gravity_m_s2: Optional[float] = ...
+    record: Record,
+    groups: Optional[list[str]] = ...,
+    vanes_x_m: list[float] = ...,
+    gravity_m_s2: Optional[float] = ...,
+    flat_earth: bool = ...,
 ) -> tuple[str, Record]: ...
 def estimate(
     record: Record,

@@ -37,6 +37,10 @@ pub(crate) struct Compatibility {
     /// Also estimate the delay of the elevator relative to all other channels, with the aerodynamic model of --model
     #[arg(long, requires = "model")]
     pub(crate) elevator_skew: bool,
+    /// The flight comes from a simulator over a flat Earth, as `phugoid simulate` is: straight flight does not turn with
+    /// the horizon
+    #[arg(long)]
+    pub(crate) flat_earth: bool,
     /// Distance of the angle-of-attack vane ahead of the centre of gravity, for example 4.2m
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
     pub(crate) alpha_vane: Option<Length>,

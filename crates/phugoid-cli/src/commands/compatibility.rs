@@ -60,6 +60,7 @@ pub(crate) fn run(arguments: &arguments::Compatibility) -> Result<(), Failure> {
         groups,
         vanes_x: [arguments.alpha_vane.map_or(0.0, |x| x.si()), arguments.beta_vane.map_or(0.0, |x| x.si())],
         gravity: model.as_ref().map(|m| m.aircraft.gravity).filter(|g| *g != standard),
+        flat_earth: arguments.flat_earth,
         further,
     };
     let progress = Progress::spinner("reconstructing");

@@ -70,6 +70,7 @@ fn biases_of_all_sensors_come_back_within_their_bounds() {
     let options = CompatibilityOptions {
         groups: vec![Group::AirDataScales],
         gravity: Some(GRAVITY),
+        flat_earth: true,
         ..CompatibilityOptions::default()
     };
     let result = compatibility(&flight.measured, &options).unwrap();
@@ -128,6 +129,7 @@ fn delays_scales_and_vane_positions_come_back() {
         vanes_x: [4.0, 0.0],
         groups: vec![Group::AirDataScales, Group::Delays],
         gravity: Some(GRAVITY),
+        flat_earth: true,
         ..CompatibilityOptions::default()
     };
     let result = compatibility(&record, &options).unwrap();
@@ -153,7 +155,7 @@ fn an_impossible_delay_is_refused() {
         "alpha = { noise = \"0.1 deg\", delay = \"800 ms\" }",
     );
     let (_, flight) = three_axes(&sensors);
-    let options = CompatibilityOptions { gravity: Some(GRAVITY), ..CompatibilityOptions::default() };
+    let options = CompatibilityOptions { gravity: Some(GRAVITY), flat_earth: true, ..CompatibilityOptions::default() };
     let result = compatibility(&flight.measured, &options).unwrap();
     let refused: Vec<_> = result.errors.iter().filter(|e| e.verdict == SensorVerdict::Refused).collect();
     assert!(refused.iter().any(|e| e.name.ends_with("_alpha")), "{refused:?}");
@@ -182,7 +184,7 @@ fn attitude_scales_come_back_beside_a_gap_and_outliers() {
         channel.values = (0..channel.values.len()).filter(|k| keep(*k)).map(|k| channel.values[k]).collect();
     }
     record.time = (0..record.time.len()).filter(|k| keep(*k)).map(|k| record.time[k]).collect();
-    let options = CompatibilityOptions { gravity: Some(GRAVITY), ..CompatibilityOptions::default() };
+    let options = CompatibilityOptions { gravity: Some(GRAVITY), flat_earth: true, ..CompatibilityOptions::default() };
     let result = compatibility(&record, &options).unwrap();
     for (name, truth) in [("scale_phi", 0.03), ("scale_theta", -0.03), ("scale_alpha", 0.0), ("delay_alpha", 0.0)] {
         check(&result, name, truth);
@@ -199,7 +201,7 @@ fn attitude_scales_come_back_beside_a_gap_and_outliers() {
 fn two_flights_tell_more_than_one() {
     let (_, flight) = three_axes(SENSORS);
     let half = |from: f64, to: f64| flight.measured.between(from, to).unwrap();
-    let options = CompatibilityOptions { gravity: Some(GRAVITY), ..CompatibilityOptions::default() };
+    let options = CompatibilityOptions { gravity: Some(GRAVITY), flat_earth: true, ..CompatibilityOptions::default() };
     let one = compatibility(&half(0.0, 15.0), &options).unwrap();
     let both = compatibility(&half(0.0, 15.0), &CompatibilityOptions { further: vec![half(15.0, 30.0)], ..options });
     let both = both.unwrap();
@@ -223,8 +225,12 @@ fn wind_comes_back_from_positions() {
         let values = truth.iter().zip(&record.time).map(|(x, t)| x + wind * t + noise()).collect();
         record.channels.push(Channel { name: name.to_owned(), quantity: Quantity::Length, values });
     }
-    let options =
-        CompatibilityOptions { groups: vec![Group::Wind], gravity: Some(GRAVITY), ..CompatibilityOptions::default() };
+    let options = CompatibilityOptions {
+        groups: vec![Group::Wind],
+        gravity: Some(GRAVITY),
+        flat_earth: true,
+        ..CompatibilityOptions::default()
+    };
     let result = compatibility(&record, &options).unwrap();
     check(&result, "wind_north", 8.0);
     check(&result, "wind_east", -5.0);
@@ -237,7 +243,7 @@ fn what_cannot_be_told_is_called_so() {
     let mut scenario = built_in("f16-calm").unwrap().unwrap();
     scenario.sensors.altitude.noise = "1 m".parse().unwrap();
     let flight = fly(&scenario).unwrap();
-    let options = CompatibilityOptions { gravity: Some(GRAVITY), ..CompatibilityOptions::default() };
+    let options = CompatibilityOptions { gravity: Some(GRAVITY), flat_earth: true, ..CompatibilityOptions::default() };
     let result = compatibility(&flight.measured, &options).unwrap();
     let scale = result.error("scale_true_airspeed").unwrap();
     assert!(scale.std_error > 0.001, "{}", scale.std_error);
@@ -259,8 +265,12 @@ fn angle_of_attack_without_a_vane() {
     let (_, flight) = three_axes(SENSORS);
     let mut record = flight.measured.clone();
     record.channels.retain(|c| c.name != "alpha");
-    let options =
-        CompatibilityOptions { groups: Vec::new(), gravity: Some(GRAVITY), ..CompatibilityOptions::default() };
+    let options = CompatibilityOptions {
+        groups: Vec::new(),
+        gravity: Some(GRAVITY),
+        flat_earth: true,
+        ..CompatibilityOptions::default()
+    };
     let result = compatibility(&record, &options).unwrap();
     let alpha = result.channel("alpha").unwrap();
     let truth = &flight.truth.channel("alpha").unwrap().values;
@@ -322,7 +332,7 @@ fn an_elevator_skew_is_found_and_its_bias_removed() {
 #[test]
 fn biases_that_are_not_there_are_not_found() {
     let scenario = built_in("f16-six").unwrap().unwrap();
-    let options = CompatibilityOptions { gravity: Some(GRAVITY), ..CompatibilityOptions::default() };
+    let options = CompatibilityOptions { gravity: Some(GRAVITY), flat_earth: true, ..CompatibilityOptions::default() };
     let run = |run: usize| {
         let measured = fly(&Scenario { seed: run as u64, ..scenario.clone() }).unwrap().measured;
         Ok::<_, std::convert::Infallible>(compatibility(&measured, &options).unwrap())

@@ -247,7 +247,7 @@ pub(super) fn run(
     columns: &[usize],
     with_course: bool,
 ) -> Run {
-    let kinematics = Kinematics { gravity: flight.gravity.value };
+    let kinematics = Kinematics { gravity: flight.gravity.value, curvature: flight.curvature };
     let (m, active) = (columns.len(), &flight.active);
     let mut result =
         Run { cost: 0.0, steps: Vec::with_capacity(flight.time.len()), blocks: Vec::new(), course: Vec::new() };

@@ -56,8 +56,8 @@ pub(super) mod place {
 /// The unknowns that move the states; the others only change what is shown of them.
 const MOVING: [usize; 18] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 27, 28, 29, 30, 31, 35];
 
-/// Radius of the Earth, m.
-const EARTH_RADIUS: f64 = 6.371e6;
+/// Curvature of the Earth, 1/m.
+pub(super) const CURVATURE: f64 = 1.0 / 6.371e6;
 
 /// What the inertial sensors measured.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -103,6 +103,8 @@ impl Inertial {
 pub(super) struct Kinematics {
     /// Acceleration of gravity at the place, m/s^2, positive.
     pub(super) gravity: f64,
+    /// Curvature of the Earth, 1/m: zero over a flat one.
+    pub(super) curvature: f64,
 }
 
 /// One step of the motion with its derivatives.
@@ -152,7 +154,7 @@ impl Kinematics {
             p * w - r * u + g_cos * sin_phi + force[1],
             q * u - p * v + g_cos * (cos_phi - bank) + force[2],
             p + turn * sin_theta,
-            q * cos_phi - r * sin_phi + along / EARTH_RADIUS - bank * 2.0 * gravity / along,
+            q * cos_phi - r * sin_phi + along * self.curvature - bank * 2.0 * gravity / along,
             turn,
             along * cos_psi - across * sin_psi + theta[wind],
             along * sin_psi + across * cos_psi + theta[wind + 1],
@@ -332,7 +334,7 @@ mod tests {
     /// The derivatives of a step are those of the step: central differences of one part in a million.
     #[test]
     fn a_step_has_its_derivatives() {
-        let kinematics = Kinematics { gravity: 9.8 };
+        let kinematics = Kinematics { gravity: 9.8, curvature: CURVATURE };
         let (from, to, theta) = (inertial(0.0), inertial(0.04), unknowns());
         let moved = kinematics.step(&STATE, &theta, &from, &to, 0.04);
         for j in 0..STATES + PARAMETERS {
@@ -357,7 +359,7 @@ mod tests {
     /// Derivatives of the outputs; by the state they leave out the way back of a delay, and are compared without one.
     #[test]
     fn outputs_have_their_derivatives() {
-        let kinematics = Kinematics { gravity: 9.8 };
+        let kinematics = Kinematics { gravity: 9.8, curvature: CURVATURE };
         let before = |delay: f64| inertial(-delay);
         let theta = unknowns();
         let mut prompt = theta;

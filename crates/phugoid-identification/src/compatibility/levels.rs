@@ -63,7 +63,8 @@ impl Level {
             }
             // From calm (1 cm/s) to severe turbulence (several m/s).
             Self::Gust(_) => Prior { middle: 0.2_f64.ln(), std: 2.0, least: 0.01_f64.ln() },
-            Self::Inertial(_) => Prior { middle: 0.0, std: 0.5, least: -1.0 },
+            // Third differences measure white noise well, and slower noise is more: less than measured it is not.
+            Self::Inertial(_) => Prior { middle: 0.0, std: 0.5, least: -0.1 },
             Self::Length => Prior { middle: GUST_LENGTH_M.ln(), std: 0.5, least: 3.0 },
             // Nine degrees are 0.012.
             Self::Bank => Prior { middle: 0.003_f64.ln(), std: 1.5, least: 1e-5_f64.ln() },

@@ -49,6 +49,9 @@ pub struct CompatibilityOptions {
     /// Acceleration of gravity at the place of the flight, m/s^2, positive, where it is known to 0.001 m/s^2. `None`:
     /// from the latitude and altitude of the record, as far as it has them, and uncertain for what is not known.
     pub gravity: Option<f64>,
+    /// Whether the flight comes from a simulator over a flat Earth that does not turn. Over the round one an aircraft that
+    /// flies straight on turns with the horizon, by `V/R`: 0.0018 degrees per second at 200 m/s.
+    pub flat_earth: bool,
     /// Further records of the same installation: the errors of the sensors are the same in all, while gravity, wind and
     /// the levels of noise and turbulence belong to each.
     pub further: Vec<Record>,
@@ -62,6 +65,7 @@ impl Default for CompatibilityOptions {
             groups: vec![Group::AirDataScales, Group::AttitudeScales, Group::Delays],
             vanes_x: [0.0; 2],
             gravity: None,
+            flat_earth: false,
             further: Vec::new(),
         }
     }
@@ -205,8 +209,9 @@ const EARTH_RATE: f64 = 7.3e-5;
 /// [`EstimateError`]: a missing channel, too few samples, or no minimum.
 pub fn compatibility(record: &Record, options: &CompatibilityOptions) -> Result<Compatibility, EstimateError> {
     let records = std::iter::once(record).chain(&options.further);
-    let mut flights =
-        records.map(|record| Flight::of(record, options.gravity)).collect::<Result<Vec<Flight>, EstimateError>>()?;
+    let mut flights = records
+        .map(|record| Flight::of(record, options.gravity, options.flat_earth))
+        .collect::<Result<Vec<Flight>, EstimateError>>()?;
     let mut notes = std::mem::take(&mut flights[0].notes);
     for (flight, record) in flights.iter_mut().zip(std::iter::once(record).chain(&options.further)).skip(1) {
         notes.extend(flight.notes.drain(..).map(|note| format!("{}: {note}", record.source)));
@@ -408,9 +413,10 @@ fn by_likelihood(solution: &mut Solution, without: f64, late: &dyn Fn(&Column) -
     for i in (0..solution.columns.len()).filter(|i| late(&solution.columns[*i])) {
         let squared = solution.values[i].powi(2) / solution.corrected[(i, i)];
         if squared > gained {
-            let factor = (squared / gained).sqrt();
-            solution.corrected.row_mut(i).scale_mut(factor);
-            solution.corrected.column_mut(i).scale_mut(factor);
+            // What goes with it is as uncertain in that direction.
+            let with = solution.corrected.column(i).into_owned();
+            let more = (squared / gained - 1.0) / with[i];
+            solution.corrected += &with * with.transpose() * more;
         }
     }
 }

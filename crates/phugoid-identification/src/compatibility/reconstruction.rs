@@ -85,7 +85,8 @@ fn smoothed(flight: &Flight, run: &Run, columns: usize) -> Vec<Smoothed> {
 fn truth(x: &State) -> ([f64; OUTPUTS], [[f64; STATES]; OUTPUTS]) {
     let none = [0.0; super::kinematics::PARAMETERS];
     // Without errors and delays the sensors show the truth, whatever the inertial signals are.
-    let shown = Kinematics { gravity: 9.80665 }.shown(x, &none, &|_| super::kinematics::Inertial::default());
+    let shown =
+        Kinematics { gravity: 9.80665, curvature: 0.0 }.shown(x, &none, &|_| super::kinematics::Inertial::default());
     (shown.outputs, shown.by_state)
 }
 
@@ -99,7 +100,7 @@ pub(super) fn reconstruct(flight: &Flight, index: usize, solution: &Solution) ->
     let m = own.len();
     let covariance = DMatrix::from_fn(m, m, |i, j| solution.corrected[(own[i], own[j])]);
     let points = smoothed(flight, &run, m);
-    let kinematics = Kinematics { gravity: flight.gravity.value };
+    let kinematics = Kinematics { gravity: flight.gravity.value, curvature: flight.curvature };
     let mut values: Vec<[f64; OUTPUTS]> = Vec::with_capacity(points.len());
     let mut stds: Vec<[f64; OUTPUTS]> = Vec::with_capacity(points.len());
     let mut modelled: [Vec<f64>; OUTPUTS] = Default::default();

@@ -6,7 +6,7 @@ use phugoid_flight_data::statistics::median;
 
 use super::filter::Levels;
 use super::gravity::Gravity;
-use super::kinematics::{BODY, Inertial, OUTPUTS, SENSORS, STATES};
+use super::kinematics::{BODY, CURVATURE, Inertial, OUTPUTS, SENSORS, STATES};
 use crate::core::error::EstimateError;
 use crate::preparation::noise::{measure_noise, without_outliers};
 use crate::preparation::prepare::channel;
@@ -44,6 +44,8 @@ pub(super) struct Flight {
     /// Median airspeed, m/s.
     pub(super) speed: f64,
     pub(super) gravity: Gravity,
+    /// Curvature of the Earth, 1/m.
+    pub(super) curvature: f64,
     pub(super) notes: Vec<String>,
     /// Times of the record itself, s.
     pub(super) record_time: Vec<f64>,
@@ -71,7 +73,7 @@ impl Flight {
     }
 
     /// Collects the signals of a record. Missing values of inertial channels are bridged by straight lines.
-    pub(super) fn of(record: &Record, gravity: Option<f64>) -> Result<Self, EstimateError> {
+    pub(super) fn of(record: &Record, gravity: Option<f64>, flat_earth: bool) -> Result<Self, EstimateError> {
         for name in ["true_airspeed", "theta", "q", "ax", "az"] {
             let values = channel(record, name)?;
             if !values.iter().any(|v| v.is_finite()) {
@@ -159,6 +161,7 @@ impl Flight {
             levels,
             speed: 0.0,
             gravity: Gravity { value: 9.80665, std: 0.0 },
+            curvature: if flat_earth { 0.0 } else { CURVATURE },
             notes,
             present: Vec::new(),
             record_time: record.time.clone(),
