@@ -7,6 +7,7 @@ use numpy::PyArray1;
 use phugoid::{EstimateOptions, Method, StructureSearch};
 use phugoid_flight_data::record as flight;
 use phugoid_identification::estimation as results;
+use phugoid_identification::options::Likelihood;
 use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
 
@@ -104,7 +105,7 @@ impl Estimation {
 /// Estimates the parameters of `model` from `record`.
 #[pyfunction]
 #[pyo3(signature = (record, model, method=None, change_detection=None, structure="offer", truth=BTreeMap::new(), further=Vec::new(),
-                    predict=None, progress=None))]
+                    predict=None, progress=None, likelihood="robust"))]
 #[allow(clippy::too_many_arguments)] // one per keyword of the Python function
 pub(crate) fn estimate(
     py: Python<'_>,
@@ -117,6 +118,7 @@ pub(crate) fn estimate(
     further: Vec<Record>,
     predict: Option<Record>,
     progress: Option<Py<PyAny>>,
+    likelihood: &str,
 ) -> PyResult<Estimation> {
     let whole = |record: &Record| (*record.inner).clone();
     let options = EstimateOptions {
@@ -126,6 +128,11 @@ pub(crate) fn estimate(
         structure: structure_search(structure)?,
         further: further.iter().map(whole).collect(),
         predict: predict.as_ref().map(whole),
+        likelihood: match likelihood {
+            "robust" => Likelihood::Robust,
+            "gaussian" => Likelihood::Gaussian,
+            other => return Err(raise(format!("likelihood = '{other}': expected 'robust' or 'gaussian'"))),
+        },
         ..EstimateOptions::default()
     };
     // A failure of the callback must not be lost; it is raised when the estimation is done.

@@ -35,6 +35,15 @@ def test_the_truth_lies_within_four_sigma(flight, result):
         result["Cm_alpha"]
 
 
+def test_the_likelihood_is_chosen_by_its_word(flight, model):
+    by = {word: phugoid.estimate(flight[0], model, method="output-error", likelihood=word) for word in ("robust", "gaussian")}
+    # Of Gaussian noise one value in 370 is beyond three sigmas: nearly the same, and not quite.
+    difference = np.abs(by["robust"].values - by["gaussian"].values) / by["robust"].std_errors
+    assert 0 < difference.max() < 0.5
+    with pytest.raises(phugoid.PhugoidError, match="'robust' or 'gaussian'"):
+        phugoid.estimate(flight[0], model, likelihood="student")
+
+
 def test_sample_by_sample_gives_the_same_bits(flight, model, result):
     measured = flight[0]
     session = phugoid.Session(model)

@@ -362,6 +362,7 @@ def estimate(
     further: Iterable[Record] = (),
     predict: Optional[Record] = None,
     progress: Progress = None,
+    likelihood: str = "robust",
     offer: Optional[str] = None,
 ) -> Estimation:
     """Estimates the parameters of ``model`` from ``record``. Other Python threads can run during the estimation.
@@ -375,7 +376,9 @@ def estimate(
     ``structure`` says what is done about terms that the equations of motion ask for and the model lacks: ``"offer"`` (they
     are looked for and offered; the estimates stay those of the model), ``"never"``, or ``"auto"`` (the estimates are those
     of the model with the missing terms). The default is that of ``phugoid estimate`` on the command line; that of the Rust
-    library is ``Never``. ``offer`` is the former spelling: ``"reason"`` and ``"always"`` stand for ``"offer"``.
+    library is ``Never``. ``likelihood`` is what a batch method takes the noise for: ``"robust"`` counts a value the less the
+    further from the model it is, or leaves it out where it stands alone; ``"gaussian"`` counts every value with its square.
+    ``offer`` is the former spelling: ``"reason"`` and ``"always"`` stand for ``"offer"``.
 
     :raises PhugoidError: if a channel that the model needs is missing, or the record and the options do not fit the
         model.
@@ -391,6 +394,7 @@ def estimate(
             [further_record._native for further_record in further],
             predict._native if predict is not None else None,
             report,
+            likelihood,
         )
     return Estimation(native)
 
