@@ -85,12 +85,12 @@ pub(super) fn prior_cost(flight: &Flight, levels: &Levels) -> f64 {
 /// a logarithm comes with them.
 ///
 /// At the beginning the errors of the sensors are not known yet and must not pass for noise of the inertial ones, whose
-/// levels were measured: these are left alone until then.
+/// levels were measured, nor a constant error of a gyroscope for a bank: these are left alone until then.
 pub(super) fn improved(flight: &Flight, steps: &[Step], levels: &Levels, beginning: bool) -> (Levels, f64) {
     const CHANGE: f64 = 0.05;
     const NOTHING: f64 = 0.3;
     let mut all = Level::all(flight);
-    all.retain(|level| !(beginning && matches!(level, Level::Inertial(_) | Level::Length)));
+    all.retain(|level| !(beginning && matches!(level, Level::Inertial(_) | Level::Length | Level::Bank)));
     let base = replay(flight, steps, levels);
     let cost = base.cost + prior_cost(flight, levels);
     let varied: Vec<Replay> = all

@@ -92,7 +92,7 @@ pub struct SensorError {
     /// Whether the data show this error.
     pub verdict: SensorVerdict,
     /// By how much this error makes samples more likely to which it was not fitted, in natural logarithms of the
-    /// likelihood (nats): positive where it helps. NaN where it is refused, or the flight is shorter than twelve seconds.
+    /// likelihood (nats): positive where it helps. NaN where it is refused, or the flight is shorter than six seconds.
     #[serde(default = "nan", deserialize_with = "number_or_null")]
     pub held_out_gain: f64,
     /// True if the error is among the corrections that are offered.
