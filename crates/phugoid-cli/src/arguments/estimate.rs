@@ -51,7 +51,7 @@ pub(crate) struct Estimate {
     #[arg(long, conflicts_with = "no_change_detection")]
     pub(crate) change_detection: bool,
     /// What to do about terms that the equations of motion ask for and the model file lacks: offer them with their effect
-    /// on every parameter [default], never look for them, or estimate with them (auto)
+    /// on every parameter (the default), never look for them, or estimate with them (auto)
     #[arg(long, value_enum)]
     pub(crate) structure: Option<Structure>,
     /// The former spelling of --structure never
