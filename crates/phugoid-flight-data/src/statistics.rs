@@ -54,6 +54,20 @@ pub fn quantile(values: &mut [f64], fraction: f64, rank: Rank) -> Option<f64> {
     nth(values, index.min(last))
 }
 
+/// One sigma of a normal distribution with the same median of the absolute values, in the unit of the values: outliers
+/// hardly count. Take the middle away first where it is not zero. Values that are not finite are left out; `None` without
+/// any other. (P. J. Huber, *Robust Statistics*, 1981: the median absolute deviation of a normal variable is 0.6745 sigma.)
+///
+/// ```
+/// use phugoid_flight_data::statistics::robust_std;
+/// assert_eq!(robust_std([1.0, -1.0, 1.0, f64::NAN, -500.0].into_iter()), Some(1.4826));
+/// assert_eq!(robust_std([].into_iter()), None);
+/// ```
+pub fn robust_std(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let mut sizes: Vec<f64> = values.map(f64::abs).filter(|v| v.is_finite()).collect();
+    median(&mut sizes).map(|m| 1.4826 * m)
+}
+
 /// The median of the finite steps from one time to the next, in the unit of the times; `None` if there is no finite
 /// step.
 ///

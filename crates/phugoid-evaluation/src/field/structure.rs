@@ -6,6 +6,7 @@
 
 use nalgebra::{DMatrix, DVector};
 use phugoid_flight_data::record::Record;
+use phugoid_flight_data::statistics::median;
 use phugoid_identification::estimate::{EstimateOptions, StructureSearch, estimate};
 use phugoid_identification::estimation::{Estimation, EstimationStatus, FinalStatus};
 use phugoid_identification::method::Method;
@@ -264,11 +265,7 @@ impl Exact {
             values.ok_or_else(|| FieldError::NoExact(format!("{}: there is no channel {name}", path.display())))
         };
         let speed = of("true_airspeed")?;
-        let reference = {
-            let mut sorted = speed.to_vec();
-            sorted.sort_by(f64::total_cmp);
-            sorted.get(sorted.len() / 2).copied().unwrap_or(1.0)
-        };
+        let reference = median(&mut speed.to_vec()).unwrap_or(1.0);
         let half_chord = 0.5 * model.aircraft.mean_chord;
         let half_span = 0.5 * model.aircraft.wing_span.unwrap_or(0.0);
         let mut factors = vec![[0.0; FACTORS]; speed.len()];
@@ -311,7 +308,7 @@ impl Exact {
     /// What a further term adds to a coefficient beside those of the model: its value times the part of its regressor
     /// that they leave, by sample.
     fn added(&self, model: &ModelFile, coefficient: Coefficient, term: &Term) -> Option<DVector<f64>> {
-        let terms: Vec<DVector<f64>> = terms_of(model, coefficient).map(|t| self.column(t)).collect();
+        let terms: Vec<DVector<f64>> = model.terms(coefficient).map(|t| self.column(t)).collect();
         let own = self.column(term);
         let left = &own - self.explained(&terms, &own)?;
         let y = DVector::from_column_slice(&self.coefficients[coefficient as usize]);
@@ -343,7 +340,7 @@ impl Exact {
     /// Share of the motion of each coefficient of the model that its terms explain, the smallest.
     fn least_explained(&self, model: &ModelFile) -> f64 {
         let of = |coefficient: Coefficient| {
-            let terms: Vec<DVector<f64>> = terms_of(model, coefficient).map(|t| self.column(t)).collect();
+            let terms: Vec<DVector<f64>> = model.terms(coefficient).map(|t| self.column(t)).collect();
             let y = DVector::from_column_slice(&self.coefficients[coefficient as usize]);
             let rest = std(&(&y - self.explained(&terms, &y)?));
             (!terms.is_empty()).then(|| 1.0 - (rest / std(&y)).powi(2))
@@ -355,17 +352,6 @@ impl Exact {
 fn std(values: &DVector<f64>) -> f64 {
     let mean = values.mean();
     (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / values.len().max(1) as f64).sqrt()
-}
-
-fn terms_of(model: &ModelFile, coefficient: Coefficient) -> impl Iterator<Item = &Term> {
-    model.parameters.iter().filter_map(move |p| match &p.role {
-        Role::Term(c, term) if *c == coefficient => Some(term),
-        _ => None,
-    })
-}
-
-fn coefficient_of(symbol: &str) -> Option<Coefficient> {
-    Coefficient::ALL.into_iter().find(|c| c.symbol() == symbol)
 }
 
 /// The term with extra inputs of other axes read as the variables that they are.
@@ -398,7 +384,7 @@ pub(super) fn trial(flight: &Flight, method: Method, removed: Option<&str>) -> R
         });
         model.parameters.retain(|p| p.name != removed);
     }
-    let missing_term = missing.as_ref().and_then(|(c, t)| Some((coefficient_of(c)?, parse(t)?)));
+    let missing_term = missing.as_ref().and_then(|(c, t)| Some((Coefficient::from_symbol(c)?, parse(t)?)));
     let missing_added = missing_term.as_ref().and_then(|(c, t)| exact.added(&model, *c, t));
     let mut trial = StructureTrial {
         aircraft: truth.aircraft.clone(),
@@ -422,7 +408,7 @@ pub(super) fn trial(flight: &Flight, method: Method, removed: Option<&str>) -> R
     if let Some(offer) = &estimation.offer {
         trial.levels = offer.levels.iter().map(|l| (l.equation.clone(), l.residual_std / l.noise_std)).collect();
         for term in &offer.terms {
-            let Some((c, t)) = coefficient_of(&term.coefficient).zip(parse(&term.term)) else { continue };
+            let Some((c, t)) = Coefficient::from_symbol(&term.coefficient).zip(parse(&term.term)) else { continue };
             let like_missing = match (&missing_term, &missing_added, exact.added(&model, c, &t)) {
                 (Some((own, _)), Some(a), Some(b)) if *own == c => a.dot(&b) / (a.norm() * b.norm()),
                 _ => 0.0,
@@ -451,7 +437,7 @@ fn natural(exact: &Exact, model: &ModelFile, offers: &[Judged]) -> Vec<Natural> 
     let mut found = Vec::new();
     for (coefficient, text) in NATURAL {
         let Some(term) = parse(text) else { continue };
-        if terms_of(model, coefficient).next().is_none() || terms_of(model, coefficient).any(|t| *t == term) {
+        if model.terms(coefficient).next().is_none() || model.terms(coefficient).any(|t| *t == term) {
             continue;
         }
         let share = exact.share(model, coefficient, &term);

@@ -182,12 +182,7 @@ where
     M: Model<N, R, CAPACITY, Input = I>,
     I: Input,
 {
-    let mut held = structure.clone();
-    held.states.iter_mut().for_each(|s| s.free = false);
-    held.outputs.iter_mut().for_each(|channel| channel.bias = Bias::None);
-    for (parameter, value) in held.parameters.iter_mut().zip(parameters) {
-        parameter.start = *value;
-    }
+    let held = structure.held_at(parameters);
     let manoeuvres = std::slice::from_ref(manoeuvre);
     let (half, smooth) = (settings.half_window_s, settings.smooth_regressors);
     let measured = [Measured::of(manoeuvre, &held, half, smooth, Outliers::LeftOut)?];

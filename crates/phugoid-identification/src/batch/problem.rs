@@ -142,6 +142,17 @@ impl<const N: usize, const R: usize> Structure<N, R> {
         std::array::from_fn(|i| manoeuvres.iter().any(|m| m.outputs.iter().any(|y| y[i].is_finite())))
     }
 
+    /// With these parameters to start from, and nothing unknown beside them: no initial state, and no bias.
+    pub(crate) fn held_at(&self, parameters: &[f64]) -> Self {
+        let mut held = self.clone();
+        held.states.iter_mut().for_each(|s| s.free = false);
+        held.outputs.iter_mut().for_each(|channel| channel.bias = Bias::None);
+        for (parameter, value) in held.parameters.iter_mut().zip(parameters) {
+            parameter.start = *value;
+        }
+        held
+    }
+
     /// Refuses arguments that contradict each other or are out of range, and names them.
     pub(crate) fn check<M, I>(
         &self,

@@ -11,7 +11,7 @@ use super::equation_error::{EquationErrorSettings, nothing_integrated, rows_of, 
 use super::error::BatchError;
 use super::layout::Layout;
 use super::measured::{Measured, Outliers};
-use super::problem::{Bias, Manoeuvre, Structure};
+use super::problem::{Manoeuvre, Structure};
 use super::regressor_noise::{PAIRS, either_sign};
 use crate::core::options::CAPACITY;
 
@@ -92,12 +92,7 @@ where
     M: Model<N, R, CAPACITY, Input = I>,
     I: Input,
 {
-    let mut held = structure.clone();
-    held.states.iter_mut().for_each(|s| s.free = false);
-    held.outputs.iter_mut().for_each(|channel| channel.bias = Bias::None);
-    for (parameter, value) in held.parameters.iter_mut().zip(parameters) {
-        parameter.start = *value;
-    }
+    let held = structure.held_at(parameters);
     let columns = held.parameters.len();
     let rows = grids.iter().map(Grid::rows).sum();
     let copies = 1 + 2 * PAIRS as usize;

@@ -313,7 +313,7 @@ fn possible_solution(
         plain = Some(solution);
     }
     loop {
-        let solution = solve(flights, columns.clone(), fixed, from.take())?;
+        let mut solution = solve(flights, columns.clone(), fixed, from.take())?;
         if let Some(plain) = plain.as_ref().filter(|plain: &&Solution| solution.cost > plain.cost + WORSE) {
             // The search has gone past the better minimum, in which the scale that is furthest off is zero.
             let far = |i: &usize| (solution.values[*i] / solution.columns[*i].prior_std).abs();
@@ -340,9 +340,8 @@ fn possible_solution(
         };
         let Some(worst) = impossible(&solution).into_iter().max_by(|a, b| excess(a).total_cmp(&excess(b))) else {
             let Some((worst, length)) = solution.open else {
-                let mut solution = solution;
                 if let Some(plain) = &plain {
-                    by_likelihood(&mut solution, plain.cost, &late);
+                    by_likelihood(&mut solution, plain.cost);
                 }
                 return Ok((solution, refused));
             };
@@ -408,9 +407,12 @@ fn beginning(columns: &[Column], plain: &Solution) -> (Vec<f64>, Vec<Levels>) {
 /// Widens the bounds of the columns that a solution with the cost `without` lacks, where their values say more than the
 /// likelihood: an unknown that is `z` standard errors from zero makes the flight more likely by `exp(z^2/2)`, together
 /// with the others at least. Where it does not, the parabola that its bound is made of is not the likelihood.
-fn by_likelihood(solution: &mut Solution, without: f64, late: &dyn Fn(&Column) -> bool) {
+fn by_likelihood(solution: &mut Solution, without: f64) {
     let gained = (without - solution.cost).max(1.0);
-    for i in (0..solution.columns.len()).filter(|i| late(&solution.columns[*i])) {
+    for i in 0..solution.columns.len() {
+        if !goes_with_gusts(solution.columns[i].place) {
+            continue;
+        }
         let squared = solution.values[i].powi(2) / solution.corrected[(i, i)];
         if squared > gained {
             // What goes with it is as uncertain in that direction.

@@ -55,6 +55,17 @@ impl Coefficient {
             Self::YawingMoment => "Cn",
         }
     }
+
+    /// The coefficient with this symbol; `None` if there is none.
+    ///
+    /// ```
+    /// use phugoid_identification::term::Coefficient;
+    /// assert_eq!(Coefficient::from_symbol("Cm"), Some(Coefficient::PitchingMoment));
+    /// assert_eq!(Coefficient::from_symbol("cm"), None);
+    /// ```
+    pub fn from_symbol(symbol: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|c| c.symbol() == symbol)
+    }
 }
 
 /// A flight variable of the terms; its number is its position in a factor array, before the extra inputs.

@@ -13,7 +13,7 @@ use crate::core::method::Method;
 use crate::core::number::significant;
 
 /// Standard errors that two methods may be apart. Of 189 flights of JSBSim without a change (output error, docs/field.md)
-/// eight are further apart, and in four of these a number is off by more than four of the errors that output error claims.
+/// eight are further apart, and in five of these a number is off by more than four of the errors that output error claims.
 const APART: f64 = 5.0;
 
 /// A parameter that counts as converged, by both methods.

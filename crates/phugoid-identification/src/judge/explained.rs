@@ -5,7 +5,7 @@
 
 use crate::core::estimation::{EstimationStatus, History, ReasonCode, Signal, VerdictReason};
 use crate::preparation::noise::measure_noise;
-use phugoid_flight_data::statistics::median;
+use phugoid_flight_data::statistics::{median, robust_std};
 
 /// Share of an output's motion that the residual may have.
 const UNEXPLAINED: f64 = 0.5;
@@ -16,12 +16,6 @@ const FORWARD_UNEXPLAINED: f64 = 2.0;
 const NOISE: f64 = 4.0;
 /// Outputs that the coefficients make directly; the others are states, which a filter follows whatever the model.
 const FORCES: [&str; 3] = ["ax", "ay", "az"];
-
-/// Standard deviation of a value, from the median of its size: outliers do not count.
-fn robust_std(values: impl Iterator<Item = f64>) -> Option<f64> {
-    let mut sizes: Vec<f64> = values.map(f64::abs).filter(|v| v.is_finite()).collect();
-    median(&mut sizes).map(|m| 1.4826 * m)
-}
 
 /// The residual and the motion of an output, one sigma each, about the median.
 fn sizes(measured: &Signal, predicted: &Signal) -> Option<(f64, f64)> {

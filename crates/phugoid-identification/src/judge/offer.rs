@@ -268,7 +268,7 @@ fn batch<M: EveryRoom<N, R>, const N: usize, const R: usize>(
 /// them.
 pub fn with_offered(file: &ModelFile, offer: &Offer) -> Option<ModelFile> {
     let terms = offer.missing().map(|term| {
-        let coefficient = Coefficient::ALL.into_iter().find(|c| c.symbol() == term.coefficient)?;
+        let coefficient = Coefficient::from_symbol(&term.coefficient)?;
         let candidate = Candidate { coefficient, text: term.term.clone(), input: term.input.clone(), rank: 0 };
         Some((candidate, term.prior_std))
     });

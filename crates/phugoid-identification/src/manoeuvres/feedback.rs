@@ -17,7 +17,7 @@
 //! frequency explain any third.
 
 use nalgebra::{DMatrix, DVector};
-use phugoid_flight_data::statistics::{median, median_step};
+use phugoid_flight_data::statistics::{median_step, robust_std};
 
 use super::activity::medians;
 use super::record::{Sampled, Signals};
@@ -98,7 +98,7 @@ fn without_loop(signals: &Signals<'_>, surface: &str, recorded: &Sampled) -> Opt
     }
     let target = DVector::from_iterator(rows.len(), rows.iter().map(|&k| position[k] - position[k - over]));
     let (gains, left) = robust(&regressors, &target)?;
-    let before = robust_sigma(target.iter().copied());
+    let before = robust_std(target.iter().copied()).unwrap_or(0.0);
     let noise = recorded.noise.max(SMALLEST) * std::f64::consts::SQRT_2;
     if left > HELPS * before || left > (NOISE * noise).max(PART * before) {
         return None;
@@ -128,11 +128,6 @@ fn is_tone(position: &[f64], lag: usize) -> bool {
     xc < 0.0 && cc * xx - xc * xc < TONE_LEAVES * cc * xx
 }
 
-/// One sigma of a normal distribution with the same median of the absolute values.
-fn robust_sigma(values: impl Iterator<Item = f64>) -> f64 {
-    1.4826 * median(&mut values.map(f64::abs).collect::<Vec<f64>>()).unwrap_or(0.0)
-}
-
 /// The gains and the robust sigma of what they leave. `None` if the regressors do not move.
 fn robust(regressors: &DMatrix<f64>, target: &DVector<f64>) -> Option<(DVector<f64>, f64)> {
     // In units of their own size, with a little of a prior on zero: neighbours in time are nearly equal.
@@ -145,7 +140,7 @@ fn robust(regressors: &DMatrix<f64>, target: &DVector<f64>) -> Option<(DVector<f
     // From no loop at all: all that moves together with the aircraft, such as its own answers, stands out of it.
     let weigh =
         |residuals: &DVector<f64>, sigma: f64| residuals.map(|r| 1.0 / (1.0 + (r / (HALF_WEIGHT * sigma)).powi(2)));
-    let mut left = robust_sigma(target.iter().copied()).max(1e-9);
+    let mut left = robust_std(target.iter().copied()).unwrap_or(0.0).max(1e-9);
     let mut weights = weigh(target, left);
     let mut gains = DVector::zeros(scale.len());
     for _ in 0..MOST_ROUNDS {
@@ -156,7 +151,7 @@ fn robust(regressors: &DMatrix<f64>, target: &DVector<f64>) -> Option<(DVector<f
         (0..normal.nrows()).for_each(|i| normal[(i, i)] += ridge);
         gains = normal.cholesky()?.solve(&(weighted.transpose() * target));
         let residuals = target - &scaled * &gains;
-        let now = robust_sigma(residuals.iter().copied()).max(1e-9);
+        let now = robust_std(residuals.iter().copied()).unwrap_or(0.0).max(1e-9);
         weights = weigh(&residuals, now);
         let settled = (now - left).abs() < SETTLED * now;
         left = now;

@@ -5,11 +5,12 @@ use std::collections::BTreeMap;
 use phugoid_flight_data::table::ColumnMapping;
 
 use super::aircraft::{AirDensity, AircraftData, Base, RateSpeed, Reference, Source, Thrust};
-use super::parameter::{Expectation, Parameter};
+use super::parameter::{Expectation, Parameter, Role};
 use super::settings::{EstimatorTuning, InputHold, ProcessNoise};
 use super::uncertainty::Uncertainty;
 use crate::core::axes::Axes;
 use crate::core::output::{CHANNELS, Output};
+use crate::core::term::{Coefficient, Term};
 
 /// A model file that has been read and checked.
 #[derive(Clone, Debug, PartialEq)]
@@ -59,6 +60,14 @@ pub struct ModelFile {
 }
 
 impl ModelFile {
+    /// The terms of a coefficient, estimated or known, in the order of the file; offsets are none.
+    pub fn terms(&self, coefficient: Coefficient) -> impl Iterator<Item = &Term> {
+        self.parameters.iter().filter_map(move |p| match &p.role {
+            Role::Term(of, term) if *of == coefficient => Some(term),
+            _ => None,
+        })
+    }
+
     /// Canonical names of the channels that the estimation reads.
     pub fn channels_used(&self) -> Vec<&str> {
         let mut used: Vec<&str> = self.axes.known_channels().to_vec();

@@ -8,7 +8,7 @@
 //! with the wings level. The mean of the accelerations along the vertical has to agree with the change of the vertical
 //! speed.
 
-use phugoid_flight_data::statistics::median;
+use phugoid_flight_data::statistics::{median, robust_std};
 
 use super::{Finding, delay, is_off};
 use crate::preparation::windows::GUSTS;
@@ -114,7 +114,7 @@ fn vertical_excess(channels: &Channels, gravity: f64) -> Option<(f64, f64)> {
     let shown = middle(&climbs[n - ends..])? - middle(&climbs[..ends])?;
     // Vertical gusts and the noise of the flow angle at both ends.
     let centre = middle(&climbs)?;
-    let spread = 1.4826 * middle(&climbs.iter().map(|c| (c - centre).abs()).collect::<Vec<f64>>())?;
+    let spread = robust_std(climbs.iter().map(|c| c - centre))?;
     let duration = time[n - 1] - time[0];
     Some(((claimed - shown) / duration, spread.max(0.5) / duration))
 }

@@ -45,7 +45,7 @@ impl Candidate {
 pub(super) fn candidates(file: &ModelFile, record: &Record, alpha: &[f64]) -> Vec<Candidate> {
     let mut list = Vec::new();
     for coefficient in Coefficient::ALL {
-        if !file.axes.coefficients().contains(&coefficient) || terms_of(file, coefficient).next().is_none() {
+        if !file.axes.coefficients().contains(&coefficient) || file.terms(coefficient).next().is_none() {
             continue;
         }
         let mut library = Library { file, record, coefficient, list: Vec::new() };
@@ -152,7 +152,7 @@ impl Library<'_> {
     fn add(&mut self, rank: u8, text: String, input: Option<&str>) {
         let inputs = with_input(&self.file.extra_inputs, input);
         let Ok(term) = Term::parse(&text, &inputs) else { return };
-        let is_there = terms_of(self.file, self.coefficient).any(|t| *t == term);
+        let is_there = self.file.terms(self.coefficient).any(|t| *t == term);
         if !is_there {
             self.list.push(Candidate { coefficient: self.coefficient, text, input: input.map(str::to_owned), rank });
         }
@@ -180,14 +180,6 @@ fn bends(alpha: &[f64]) -> Vec<f64> {
 pub(super) fn with_input(inputs: &[String], more: Option<&str>) -> Vec<String> {
     let more = more.filter(|name| !inputs.iter().any(|n| n == name));
     inputs.iter().cloned().chain(more.map(str::to_owned)).collect()
-}
-
-/// The terms of a coefficient, estimated or known.
-fn terms_of(file: &ModelFile, coefficient: Coefficient) -> impl Iterator<Item = &Term> {
-    file.parameters.iter().filter_map(move |p| match &p.role {
-        Role::Term(c, term) if *c == coefficient => Some(term),
-        _ => None,
-    })
 }
 
 /// The model with further terms, each last of its coefficient's, and what they need. `None` where they need more inputs

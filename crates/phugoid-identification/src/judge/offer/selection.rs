@@ -360,21 +360,18 @@ impl Regression {
     /// Whether other values of the parameters from some time on explain much more than a candidate does: what a change
     /// of the aircraft leaves in the residuals resembles many terms a little.
     fn is_change(&self, set: &[usize], trial: &Trial) -> bool {
-        let concerned: Vec<&Columns> =
-            self.equations.iter().filter(|e| !e.copies[0].columns[trial.column].is_empty()).collect();
         let Some((weights, _)) = self.weighted(set) else { return false };
-        let weight = |e: &Columns| {
-            let place = self.equations.iter().position(|other| std::ptr::eq(other, e));
-            place.and_then(|p| weights.get(p)).copied().unwrap_or(0.0)
-        };
+        let all = self.equations.iter().zip(weights);
+        let concerned: Vec<(&Columns, f64)> =
+            all.filter(|(e, _)| !e.copies[0].columns[trial.column].is_empty()).collect();
         let n = set.len();
         // Sums of squares and products of the set and the left side, up to the end of each block.
-        let rows = concerned.iter().map(|e| e.used.len()).max().unwrap_or(0);
+        let rows = concerned.iter().map(|(e, _)| e.used.len()).max().unwrap_or(0);
         let mut sums: Vec<DMatrix<f64>> = Vec::with_capacity(rows / BLOCK + 1);
         let mut sum = DMatrix::<f64>::zeros(n + 1, n + 1);
         let mut row = DVector::<f64>::zeros(n + 1);
         for k in 0..rows {
-            for equation in &concerned {
+            for (equation, weight) in &concerned {
                 if equation.used.get(k) != Some(&true) {
                     continue;
                 }
@@ -383,7 +380,7 @@ impl Regression {
                     *place = copy.columns[*j].get(k).copied().unwrap_or(0.0);
                 }
                 row[n] = copy.left[k];
-                sum.ger(weight(equation), &row, &row, 1.0);
+                sum.ger(*weight, &row, &row, 1.0);
             }
             if (k + 1) % BLOCK == 0 {
                 sums.push(sum.clone());
@@ -395,7 +392,7 @@ impl Regression {
         let left = |before: &DMatrix<f64>| Some(squares(before)? + squares(&(&sum - before))?);
         let least = sums.iter().filter_map(left).fold(whole, f64::min);
         let used = (0..n).filter(|j| sum[(*j, *j)] > 0.0).count() as f64;
-        let count: f64 = concerned.iter().map(|e| e.count).sum();
+        let count: f64 = concerned.iter().map(|(e, _)| e.count).sum();
         // What as many needless parameters would explain (G. Schwarz, Annals of Statistics 6, 1978).
         let by_change = whole - least - used * count.max(1.0).ln();
         by_change > MUCH_MORE * trial.drop * trial.colour

@@ -67,7 +67,7 @@ pub(super) fn parameters(
     // Name, role, dimension and where it was asked for, in the order of the file.
     let mut wanted = Vec::new();
     for (symbol, _) in coefficients.keys() {
-        let Some(coefficient) = Coefficient::ALL.into_iter().find(|c| c.symbol() == symbol) else { continue };
+        let Some(coefficient) = Coefficient::from_symbol(symbol) else { continue };
         if !axes.coefficients().contains(&coefficient) {
             let message = format!("`{symbol}` is no coefficient of the {} motion: {}", axes.name(), other_axes(axes));
             return Err(coefficients.error(symbol, message));

@@ -83,6 +83,7 @@ impl<const C: usize> Causes<'_, C> {
     /// The delay, if the equation explains the motion. `tries` longer ones too.
     pub(crate) fn delay(mut self, tries: bool) -> Option<Delay> {
         let mut best = (0.0, self.factors(0.0)?);
+        let without = best.1.unexplained_without_last;
         if tries && best.1.unexplained > TRY_LONGER {
             let most = LEAVES * best.1.unexplained;
             for step in (-TRIED..=TRIED).filter(|step| *step != 0) {
@@ -93,7 +94,6 @@ impl<const C: usize> Causes<'_, C> {
                 }
             }
         }
-        let without = self.factors(0.0)?.unexplained_without_last;
         let (mut tried_s, mut found) = best;
         let (mut more, mut std) = found.ratio(C - 1, self.late)?;
         // Steps of a surface are sharp: what is left of the delay is found about the delay found so far.
