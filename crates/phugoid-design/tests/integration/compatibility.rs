@@ -105,6 +105,15 @@ fn biases_of_all_sensors_come_back_within_their_bounds() {
     for ((value, std), truth) in alpha.values.iter().zip(&alpha.std_error).zip(truth) {
         assert!((value - truth).abs() < 4.0 * std && *std > 0.0, "{value} +- {std}, truth {truth}");
     }
+    // No reconstruction knows less than one sample of its own sensor does, whose errors it knows.
+    for (name, noise) in [("true_airspeed", 0.3048), ("alpha", 0.1 * degree), ("beta", 0.1 * degree)] {
+        let sensor = |kind: &str| result.error(&format!("{kind}_{name}")).map_or(0.0, |e| e.std_error);
+        let channel = result.channel(name).unwrap();
+        for (value, std) in channel.values.iter().zip(&channel.std_error) {
+            let alone = noise.hypot(sensor("bias")).hypot(sensor("scale") * value);
+            assert!(*std < alone, "{name}: {std}, by the sensor alone {alone}");
+        }
+    }
 }
 
 fn channel<'a>(record: &'a mut Record, name: &str) -> &'a mut Vec<f64> {

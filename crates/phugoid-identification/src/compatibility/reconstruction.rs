@@ -98,7 +98,10 @@ pub(super) fn reconstruct(flight: &Flight, index: usize, solution: &Solution) ->
     let theta = solution.theta(index);
     let run = run(flight, &theta, &solution.levels[index], &places, true);
     let m = own.len();
-    let covariance = DMatrix::from_fn(m, m, |i, j| solution.corrected[(own[i], own[j])]);
+    // What flights of the same record say against each other may widen an unknown beyond what is possible for a sensor.
+    let possible = |i: usize| (solution.columns[i].prior_std / solution.corrected[(i, i)].sqrt()).min(1.0);
+    let covariance =
+        DMatrix::from_fn(m, m, |i, j| solution.corrected[(own[i], own[j])] * possible(own[i]) * possible(own[j]));
     let points = smoothed(flight, &run, m);
     let kinematics = Kinematics { gravity: flight.gravity.value, curvature: flight.curvature };
     let mut values: Vec<[f64; OUTPUTS]> = Vec::with_capacity(points.len());

@@ -281,11 +281,17 @@ fn for_colour(columns: &[Column], covariance: &DMatrix<f64>, blocks: &[(DMatrix<
         scatter += g * g.transpose();
     }
     let sandwich = covariance * scatter * covariance;
-    let widening: Vec<f64> = (0..count).map(|i| (sandwich[(i, i)] / covariance[(i, i)]).max(1.0).sqrt()).collect();
+    // What is considered only has no place here: `of_considered` gives it one.
+    let widening = |i: usize| match columns[i].considered {
+        true => 0.0,
+        false => (sandwich[(i, i)] / covariance[(i, i)]).max(1.0).sqrt(),
+    };
+    let widening: Vec<f64> = (0..count).map(widening).collect();
     DMatrix::from_fn(count, count, |i, j| covariance[(i, j)] * widening[i] * widening[j])
 }
 
-/// What the considered columns add: `C M_c s^2 M_c^T C`, with the sigma `s` of each.
+/// What the considered columns add: `C M_c s^2 M_c^T C`, with the sigma `s` of each; and `s^2` in their own places in
+/// place of their priors, with the correlation that this gives with the others.
 ///
 /// A gust changes the forces on the aircraft at once, so that the accelerometers are no input that knows nothing of the
 /// gust: what they showed since the vane last told the gust goes with the gust, and the scale and the delay of a vane
@@ -312,7 +318,9 @@ fn of_considered(
         for j in (0..count).filter(|j| problem.columns[*j].considered) {
             direct[j] = 0.0;
         }
-        let effect = covariance * direct * sigma;
+        let mut effect = covariance * direct * sigma;
+        // The unknowns move so as to explain what the considered one, held at zero, does not.
+        effect[i] = -sigma;
         added += &effect * effect.transpose();
     }
     added
