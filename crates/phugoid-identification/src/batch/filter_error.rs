@@ -36,6 +36,8 @@ const LOG_VARIANCE_SD: f64 = 4.605_170_186;
 const LOG_VARIANCE_RANGE: f64 = 18.0;
 /// Step of the differences over the standard error that an unknown would have if all others were known.
 const DIFFERENCE: f64 = 1e-3;
+/// Most steps that the search learns the curvature of the cost from.
+const SECANTS: usize = 12;
 /// First relative step, as long as that is not known.
 const FIRST_DIFFERENCE: f64 = 1e-5;
 
@@ -128,7 +130,10 @@ where
         _ => FIRST_DIFFERENCE,
     };
     let steps = RefCell::new(layout.places.iter().map(first_step).collect::<Vec<f64>>());
-    let evaluate = |unknowns: &[f64], below: f64| -> Result<Option<Evaluation<Filtered<R>>>, BatchError> {
+    let searched_first =
+        |j: usize| matches!(layout.places[j].kind, UnknownKind::Noise { .. } | UnknownKind::ProcessNoise { .. });
+    // With the variances alone, an evaluation costs a third.
+    let evaluate = |unknowns: &[f64], below: f64, all: bool| -> Result<Option<Evaluation<Filtered<R>>>, BatchError> {
         let centre = (0..manoeuvres.len()).map(|m| run(m, unknowns)).collect::<Result<Vec<_>, _>>()?;
         let cost: f64 = centre.iter().map(Innovations::cost).sum();
         let mut evaluation = Evaluation::of_priors(&layout.places, unknowns);
@@ -139,7 +144,8 @@ where
         let priors = evaluation.information.diagonal();
         let mut rows = Vec::with_capacity(centre.len());
         for (index, innovations) in centre.into_iter().enumerate() {
-            let columns = layout.columns(index);
+            let mut columns = layout.columns(index);
+            columns.retain(|j| all || searched_first(*j));
             let (mean, spread) = differences(innovations, columns, &steps.borrow(), unknowns, |z| run(index, z))?;
             evaluation.add(&mean);
             evaluation.add(&spread);
@@ -147,22 +153,26 @@ where
         }
         for (j, step) in steps.borrow_mut().iter_mut().enumerate() {
             let information = evaluation.information[(j, j)] - priors[j];
-            let parameter =
-                !matches!(layout.places[j].kind, UnknownKind::Noise { .. } | UnknownKind::ProcessNoise { .. });
-            if parameter && information > 0.0 {
+            if !searched_first(j) && information > 0.0 {
                 *step = DIFFERENCE / information.sqrt();
             }
         }
         Ok(Some(evaluation.with(cost, Filtered { rows })))
     };
-    let start = layout.start();
+    // The densities of the process noise may be decades away, and then each step changes them by a factor of e only.
+    let diverged = || BatchError::Diverged { manoeuvre: manoeuvres[0].name.to_owned(), time_s: 0.0 };
+    let mut start = layout.start();
+    if layout.places.iter().enumerate().any(|(j, _)| searched_first(j)) {
+        let first = evaluate(&start, f64::INFINITY, false)?.ok_or_else(diverged)?;
+        let rough = OptimiserSettings { step_tolerance: 1.0, acceptable_step: f64::INFINITY, ..*settings };
+        let search = |unknowns: &[f64], below: f64| evaluate(unknowns, below, false).ok().flatten();
+        start = minimise(&layout.places, start, first, &rough, SECANTS, search)?.unknowns;
+    }
     // Twice: the second time with steps that suit the information.
-    evaluate(&start, f64::INFINITY)?;
-    let Some(first) = evaluate(&start, f64::INFINITY)? else {
-        return Err(BatchError::Diverged { manoeuvre: manoeuvres[0].name.to_owned(), time_s: 0.0 });
-    };
-    let minimum =
-        minimise(&layout.places, start, first, settings, |unknowns, below| evaluate(unknowns, below).ok().flatten())?;
+    evaluate(&start, f64::INFINITY, true)?;
+    let first = evaluate(&start, f64::INFINITY, true)?.ok_or_else(diverged)?;
+    let search = |unknowns: &[f64], below: f64| evaluate(unknowns, below, true).ok().flatten();
+    let minimum = minimise(&layout.places, start, first, settings, SECANTS, search)?;
     let found = tuning(0, &minimum.unknowns);
     let noise_std = std::array::from_fn(|i| if used[i] { found.noise[i].sqrt() } else { f64::NAN });
     let mut fit = summarise(&Summary {

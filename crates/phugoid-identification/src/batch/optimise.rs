@@ -1,5 +1,7 @@
 //! Gauss-Newton with a Levenberg-Marquardt safeguard, inside bounds.
 
+use std::collections::VecDeque;
+
 use nalgebra::{DMatrix, DVector};
 
 use super::error::BatchError;
@@ -13,8 +15,8 @@ use super::result::Iteration;
 pub struct OptimiserSettings {
     /// Largest number of accepted steps.
     pub maximum_iterations: usize,
-    /// The minimum is reached when the next Gauss-Newton step is shorter than this many standard errors
-    /// (`sqrt(g^T M^-1 g)`): every unknown is then closer than that fraction of its own standard error to the optimum.
+    /// The minimum is reached when the next step `d` is shorter than this many standard errors (`sqrt(d^T M d)`, with
+    /// the information `M`): every unknown is then closer than that fraction of its own standard error to the optimum.
     pub step_tolerance: f64,
     /// A search that comes no nearer is accepted, and says so, where the next step is at most this many standard errors
     /// long; a longer one is an error ([`BatchError::NotConverged`]).
@@ -49,28 +51,87 @@ pub(crate) struct Minimum<T> {
     pub(crate) short_of: Option<f64>,
 }
 
+/// What the last steps near the minimum told of the curvature of the cost: each step with the change of the gradient.
+///
+/// The Fisher information is the curvature on average over the noise. On one flight, the more so where the model lacks
+/// something, the curvature differs from it, and the search then creeps: each step leaves nine tenths of the way, or
+/// turns back. The last steps in a formula for quasi-Newton methods (Broyden, Fletcher, Goldfarb and Shanno, on the
+/// information of the point as the first matrix, as Nocedal, Mathematics of Computation 35, 1980, does it; Powell's
+/// damping keeps it positive definite) show it, and with it how far away the minimum really is.
+#[derive(Default)]
+struct Secants {
+    /// Step and change of the gradient, the oldest first.
+    pairs: VecDeque<[DVector<f64>; 2]>,
+}
+
+/// Longest step that is remembered, in standard errors: over a longer one the curvature is not that of the minimum.
+const NEAR: f64 = 3.0;
+/// Least part of the curvature along a step that Powell's damping leaves (Nocedal & Wright, Numerical Optimization,
+/// procedure 18.2).
+const LEAST_CURVATURE: f64 = 0.2;
+
+impl Secants {
+    /// Keeps the last `most` steps.
+    fn remember(&mut self, most: usize, step: DVector<f64>, change: DVector<f64>, information: &DMatrix<f64>) {
+        let length = step.dot(&(information * &step)).sqrt();
+        if length > 0.0 && length <= NEAR {
+            self.pairs.push_back([step, change]);
+        }
+        if self.pairs.len() > most {
+            self.pairs.pop_front();
+        }
+    }
+
+    /// The curvature at a point with this information.
+    fn curvature(&self, information: &DMatrix<f64>) -> DMatrix<f64> {
+        let mut curvature = information.clone();
+        for [step, change] in &self.pairs {
+            let along = &curvature * step;
+            let expected = step.dot(&along);
+            if expected.is_nan() || expected <= 0.0 {
+                continue;
+            }
+            let found = step.dot(change);
+            let change = match found < LEAST_CURVATURE * expected {
+                true => {
+                    let part = (1.0 - LEAST_CURVATURE) * expected / (expected - found);
+                    part * change + (1.0 - part) * &along
+                }
+                false => change.clone(),
+            };
+            curvature += &change * change.transpose() / step.dot(&change) - &along * along.transpose() / expected;
+        }
+        curvature
+    }
+}
+
 /// Searches the minimum of a negative log-likelihood.
 ///
-/// Each step solves `(M + lambda diag M) d = -g` with the Fisher information `M`: Gauss-Newton while that lowers the
-/// cost (`lambda = 0`), Levenberg-Marquardt with growing damping where it does not or where `M` is singular. A step is
-/// cut at the bounds; an unknown on a bound that the gradient presses against is left out of the step. `evaluate` gives
-/// none where the model has no finite answer, and may where the cost is not below its second argument.
+/// Each step solves `(B + lambda diag B) d = -g`, where `B` is the Fisher information `M`, and near the minimum what the
+/// last steps have shown of the curvature: Gauss-Newton while that lowers the cost (`lambda = 0`), Levenberg-Marquardt
+/// with growing damping where it does not or where `M` is singular. A step is cut at the bounds; an unknown on a bound
+/// that the gradient presses against is left out of the step. `evaluate` gives none where the model has no finite
+/// answer, and may where the cost is not below its second argument. `learn_from` is the most steps of which the
+/// curvature is learnt; 0 takes the information for it.
 pub(crate) fn minimise<T>(
     places: &[Place],
     start: Vec<f64>,
     first: Evaluation<T>,
     settings: &OptimiserSettings,
+    learn_from: usize,
     mut evaluate: impl FnMut(&[f64], f64) -> Option<Evaluation<T>>,
 ) -> Result<Minimum<T>, BatchError> {
     let (mut unknowns, mut here) = (start, first);
     let mut damping = 0.0;
     let mut used = 0.0;
     let mut iterations = Vec::new();
+    let mut secants = Secants::default();
     loop {
         let at_limit = limits(places, &unknowns, &here.descent);
-        let newton = solve(&here.information, &here.descent, 0.0, &at_limit);
+        let mut curvature = secants.curvature(&here.information);
+        let mut newton = solve(&curvature, &here.descent, 0.0, &at_limit);
         let next_step = match &newton {
-            Some(step) => step.dot(&here.descent).max(0.0).sqrt(),
+            Some(step) => step.dot(&(&here.information * step)).max(0.0).sqrt(),
             None => f64::INFINITY,
         };
         iterations.push(Iteration { cost: here.cost, damping: used, next_step });
@@ -93,11 +154,8 @@ pub(crate) fn minimise<T>(
         }
         let mut accepted = None;
         for _ in 0..ATTEMPTS {
-            let step = if damping == 0.0 {
-                newton.clone()
-            } else {
-                solve(&here.information, &here.descent, damping, &at_limit)
-            };
+            let step =
+                if damping == 0.0 { newton.clone() } else { solve(&curvature, &here.descent, damping, &at_limit) };
             if let Some(step) = step {
                 let trial = inside(places, &unknowns, &step);
                 if let Some(there) = evaluate(&trial, here.cost).filter(|e| e.cost < here.cost && is_finite(e)) {
@@ -108,6 +166,13 @@ pub(crate) fn minimise<T>(
                 if step.dot(&here.descent).abs() < ROUNDING * here.cost.abs().max(1.0) {
                     break;
                 }
+            }
+            if !secants.pairs.is_empty() {
+                // What was learnt on the way does not hold here.
+                secants = Secants::default();
+                curvature = here.information.clone();
+                newton = solve(&curvature, &here.descent, 0.0, &at_limit);
+                continue;
             }
             damping = (damping * DAMPING_FACTOR).max(FIRST_DAMPING);
         }
@@ -127,6 +192,8 @@ pub(crate) fn minimise<T>(
         // Where the information is singular the cost may fall by ever smaller amounts: stop when it no longer falls
         // visibly.
         let stands = next_step.is_infinite() && here.cost - there.cost < ROUNDING * here.cost.abs().max(1.0);
+        let step = DVector::from_iterator(trial.len(), trial.iter().zip(&unknowns).map(|(to, from)| to - from));
+        secants.remember(learn_from, step, &here.descent - &there.descent, &there.information);
         (unknowns, here) = (trial, there);
         if stands {
             let at_limit = limits(places, &unknowns, &here.descent);

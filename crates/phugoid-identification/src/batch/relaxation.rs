@@ -36,7 +36,9 @@ pub(crate) fn fit<const R: usize>(
         Ok(evaluation.with(cost, Fitted { rows, noise_std }))
     };
     let first = evaluate(&start)?;
-    minimise(places, start, first, settings, |unknowns, _| evaluate(unknowns).ok())
+    // Gauss-Newton with exact sensitivities needs no help here, and what a free simulation of an unstable model shows of
+    // the curvature leads the search into minima where one output alone is followed.
+    minimise(places, start, first, settings, 0, |unknowns, _| evaluate(unknowns).ok())
 }
 
 /// Smallest standard deviation of the noise that is accepted for each output: without it, exact data of an exact model
