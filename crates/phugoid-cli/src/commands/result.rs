@@ -7,7 +7,7 @@ use phugoid_flight_data::quality::{QualityReport, Severity};
 use phugoid_identification::batch::OutputFit;
 use phugoid_identification::estimation::{
     BatchReport, EffectiveDerivative, Estimation, EstimationStatus, Event, FinalStatus, History, Offer,
-    ParameterResult, Readiness, Signal, VerdictReason, headline,
+    ParameterResult, PredictionInterval, Readiness, Signal, VerdictReason, headline,
 };
 use serde::Serialize;
 
@@ -165,8 +165,21 @@ fn batch(report: &BatchReport) -> String {
     }
     if let Some(prediction) = &report.prediction {
         let _ = write!(text, "\nPrediction of {}, parameters held\n{}", prediction.source, fit(&prediction.fit));
+        text.push_str(&intervals(&prediction.intervals));
     }
     text
+}
+
+/// The prediction intervals; empty where the method gives none.
+fn intervals(intervals: &[PredictionInterval]) -> String {
+    if intervals.is_empty() {
+        return String::new();
+    }
+    let mut table = Table::new(&["prediction interval of", "median sigma", "measured within 2 sigma %"]);
+    for i in intervals {
+        table.row(vec![i.name.clone(), significant(i.median_std(), 3), format!("{:.1}", 100.0 * i.within)]);
+    }
+    format!("\n{}", table.render())
 }
 
 fn fit(fits: &[OutputFit]) -> String {

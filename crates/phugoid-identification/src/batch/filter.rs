@@ -125,7 +125,7 @@ fn joseph<const N: usize>(p: &[[f64; N]; N], gain: &[f64; N], h: &[f64; N], nois
 }
 
 /// Covariance of the state after one step with the transition matrix `A`, without process noise: `A P A^T`.
-fn predicted_covariance<const N: usize>(p: &[[f64; N]; N], a: &[[f64; N]; N]) -> [[f64; N]; N] {
+pub(super) fn predicted_covariance<const N: usize>(p: &[[f64; N]; N], a: &[[f64; N]; N]) -> [[f64; N]; N] {
     let half: [[f64; N]; N] = std::array::from_fn(|i| std::array::from_fn(|j| (0..N).map(|l| a[i][l] * p[l][j]).sum()));
     std::array::from_fn(|i| std::array::from_fn(|j| (0..N).map(|l| half[i][l] * a[j][l]).sum()))
 }

@@ -47,7 +47,7 @@ pub use filter_error::{ProcessNoise, filter_error};
 pub use fit::OutputFit;
 pub use optimise::OptimiserSettings;
 pub use output_error::output_error;
-pub use prediction::predict;
+pub use prediction::{predict, prediction_intervals};
 pub use problem::{BatchParameter, Bias, InitialState, Manoeuvre, Noise, OutputChannel, Structure};
 pub use regression::{Equation, Term};
 pub use result::{BatchFit, Iteration, ManoeuvreFit, Unknown, UnknownKind};

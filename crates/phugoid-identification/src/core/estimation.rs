@@ -5,6 +5,7 @@ use std::fmt;
 use phugoid_flight_data::channels::by_name;
 use phugoid_flight_data::quality::QualityReport;
 use phugoid_flight_data::record::{Channel, Quantity, Record};
+use phugoid_flight_data::statistics::median;
 use serde::{Deserialize, Serialize};
 
 pub use phugoid_estimators::verdict::Readiness;
@@ -449,6 +450,32 @@ pub struct Prediction {
     pub measured: Vec<Signal>,
     /// Outputs of the simulation with the estimated parameters, SI.
     pub predicted: Vec<Signal>,
+    /// How far measured values may lie from the predicted ones, in the order of `measured`
+    /// ([`prediction_intervals`](crate::batch::prediction_intervals)). Empty for equation error, which knows no noise of
+    /// the outputs.
+    #[serde(default)]
+    pub intervals: Vec<PredictionInterval>,
+}
+
+/// The prediction interval of one output.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PredictionInterval {
+    /// Canonical name of the output, e.g. `alpha`.
+    pub name: String,
+    /// One sigma of measured minus predicted, one value per time of the prediction, in the unit of the output; NaN where
+    /// nothing was simulated.
+    pub std_error: Vec<f64>,
+    /// Part of the measured values that lies within two sigma, 0 to 1: about 0.95 if the model and the bounds of its
+    /// parameters are right. NaN without a measured value.
+    pub within: f64,
+}
+
+impl PredictionInterval {
+    /// Median over time of one sigma, in the unit of the output; NaN where nothing was simulated.
+    pub fn median_std(&self) -> f64 {
+        let mut finite: Vec<f64> = self.std_error.iter().copied().filter(|s| s.is_finite()).collect();
+        median(&mut finite).unwrap_or(f64::NAN)
+    }
 }
 
 impl Estimation {

@@ -219,6 +219,7 @@ mod tests {
                 time_s: Vec::new(),
                 measured: vec![signal("q", measured)],
                 predicted: vec![signal("q", values)],
+                intervals: Vec::new(),
             };
             unstable(&prediction)
         };

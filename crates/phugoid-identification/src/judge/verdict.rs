@@ -15,6 +15,11 @@ use crate::motion::Motion;
 /// Theil's coefficient up to which a prediction counts as good (Jategaonkar, Flight Vehicle System Identification, ch.
 /// 11).
 const GOOD_PREDICTION: f64 = 0.3;
+
+/// Fewest of the measured values that lie in their prediction intervals where the bounds hold: 95 % are expected, and
+/// errors that stay the same for a second leave only some tens of independent ones in a record, of which 85 % or more lie
+/// within in 99 of 100 cases.
+const LEAST_WITHIN: f64 = 0.85;
 /// Correlation from which two parameters are said to be indistinguishable.
 const INDISTINGUISHABLE: f64 = 0.99;
 /// Correlation from which two parameters are said to depend on each other.
@@ -117,6 +122,16 @@ fn batch(report: &BatchReport, sentences: &mut Vec<String>) {
             "The estimate {verdict} {}: Theil's coefficient is at most {:.3} ({}), and up to {GOOD_PREDICTION} counts as good.",
             prediction.source, worst.theil, worst.name
         ));
+        let narrow = prediction.intervals.iter().filter(|i| i.within < LEAST_WITHIN);
+        if let Some(narrowest) = narrow.min_by(|a, b| a.within.total_cmp(&b.within)) {
+            sentences.push(format!(
+                "The bounds do not hold for {}: {:.0} % of {} lie within two sigma of the prediction, and 95 % are \
+                 expected. Turbulence, another condition of flight or an effect that the model lacks does that.",
+                prediction.source,
+                100.0 * narrowest.within,
+                narrowest.name
+            ));
+        }
     }
 }
 

@@ -12,7 +12,7 @@ use crate::batch::{
     ManoeuvreFit, Noise, OptimiserSettings, OutputChannel, ProcessNoise, Structure, Unknown, UnknownKind,
 };
 use crate::core::error::EstimateError;
-use crate::core::estimation::{BatchReport, OtherValue, Prediction, Signal};
+use crate::core::estimation::{BatchReport, OtherValue, Prediction, PredictionInterval, Signal};
 use crate::core::method::Method;
 use crate::core::options::CAPACITY;
 use crate::model_file::{Parameter, Role};
@@ -250,6 +250,11 @@ fn predict<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
     }
     let search = OptimiserSettings::default();
     let predicted = batch::predict::<M, M::KnownInput, N, R>(&manoeuvre, &held, &fit.parameters, &search)?;
+    // Equation error knows the noise of its equations, and none of the outputs.
+    let sigmas = match task.method() {
+        Method::EquationError => None,
+        _ => Some(batch::prediction_intervals::<M, M::KnownInput, N, R>(&manoeuvre, &held, fit, &predicted)?),
+    };
     let Some(ManoeuvreFit { fitted, outputs, .. }) = predicted.manoeuvres.into_iter().next() else {
         return Err(EstimateError::Model("the prediction gave no fit".to_owned()));
     };
@@ -263,7 +268,21 @@ fn predict<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
         };
         measured.clone().map(signal).collect()
     };
+    let interval = |sigmas: &[[f64; R]], row: usize, name: &str| {
+        let std_error: Vec<f64> = sigmas.iter().map(|s| s[row]).collect();
+        let away =
+            prepared.outputs.iter().zip(&fitted).zip(&std_error).map(|((y, z), s)| ((y[row] - z[row]) / s).abs());
+        let (count, within) = away
+            .filter(|away| away.is_finite())
+            .fold((0.0, 0.0), |(count, within), away| (count + 1.0, within + f64::from(away <= 2.0)));
+        PredictionInterval { name: name.to_owned(), std_error, within: within / count }
+    };
+    let intervals = sigmas
+        .as_ref()
+        .and_then(|all| all.first())
+        .map_or(Vec::new(), |sigmas| measured.clone().map(|(row, o)| interval(sigmas, row, o.name())).collect());
     Ok(Prediction {
+        intervals,
         source: record.source.clone(),
         fit: outputs,
         measured: signals(&|k, row| prepared.outputs[k][row]),

@@ -60,8 +60,55 @@ fn further_records_sharpen_the_bounds_and_a_prediction_is_judged() {
     assert_eq!(prediction.time_s.len(), 500);
     assert!(prediction.fit.iter().all(|f| f.theil < 0.3 && f.white), "{:?}", prediction.fit);
     assert!(together.verdict.iter().any(|s| s.contains("The estimate predicts")), "{:?}", together.verdict);
+    assert!(!together.verdict.iter().any(|s| s.contains("The bounds do not hold")), "{:?}", together.verdict);
+    assert!(prediction.intervals.iter().all(|i| (0.9..=0.99).contains(&i.within)), "{:?}", prediction.intervals);
     let json = serde_json::to_value(&together).unwrap();
     assert!(json["batch"]["prediction"]["fit"][0]["theil"].is_f64(), "{json}");
+}
+
+/// Parameters from a weak and short manoeuvre predict a strong one: the intervals are several times the noise, and hold.
+#[test]
+fn prediction_intervals_hold_what_is_measured() {
+    for method in [Method::OutputError, Method::FilterError] {
+        let (mut count, mut within, mut widest) = (0.0, 0.0, 0.0_f64);
+        for seed in 0..10 {
+            let options = EstimateOptions {
+                method: Some(method),
+                predict: Some(fly(10.0, 0.05, 100 + seed)),
+                ..EstimateOptions::default()
+            };
+            let found = estimate(&fly(5.0, 0.0015, 200 + seed), &model(), &options, &mut |_| {}).unwrap();
+            let prediction = found.batch.as_ref().and_then(|b| b.prediction.as_ref()).unwrap();
+            assert_eq!(prediction.intervals.len(), prediction.measured.len());
+            for (i, fit) in prediction.intervals.iter().zip(&prediction.fit) {
+                assert_eq!((i.name.as_str(), i.std_error.len()), (fit.name.as_str(), prediction.time_s.len()));
+                let noise = i.std_error.iter().fold(f64::INFINITY, |a, b| a.min(*b));
+                let largest = i.std_error.iter().fold(0.0_f64, |a, b| a.max(*b));
+                widest = widest.max(largest / noise);
+                count += 1.0;
+                within += i.within;
+            }
+        }
+        println!("{method}: {:.3} within two sigma; widest {widest:.1} times the noise", within / count);
+        // The error of the parameters is the same all along a record, so that there are ten independent ones.
+        assert!((0.9..=0.995).contains(&(within / count)), "{method}: {}", within / count);
+        assert!(widest > 3.0, "{method}: {widest}");
+    }
+}
+
+/// A surface that moves a quarter more than it did in the estimation: the bounds do not hold, and the result says so.
+#[test]
+fn a_prediction_that_leaves_its_intervals_is_said() {
+    let mut other = fly(10.0, 0.02, 40);
+    let elevator = other.channels.iter_mut().find(|c| c.name == "elevator").unwrap();
+    let trim = elevator.values[0];
+    elevator.values.iter_mut().for_each(|v| *v = trim + 0.8 * (*v - trim));
+    let found = run(Method::OutputError, EstimateOptions { predict: Some(other), ..EstimateOptions::default() });
+    let said = found.verdict.iter().any(|s| s.contains("The bounds do not hold for simulated"));
+    assert!(said, "{:?}", found.verdict);
+    let found = run(Method::EquationError, EstimateOptions { predict: Some(fly(5.0, 0.02, 41)), ..Default::default() });
+    let prediction = found.batch.as_ref().and_then(|b| b.prediction.as_ref()).unwrap();
+    assert!(prediction.intervals.is_empty(), "equation error knows no noise of the outputs");
 }
 
 #[test]

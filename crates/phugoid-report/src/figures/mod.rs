@@ -19,7 +19,7 @@ pub use signals::{TimeHistoryPanel, time_histories};
 
 /// All figures of an estimation, each with a short name that serves as file name and anchor: `inputs`, `outputs`,
 /// `parameters-1`, ..., `nuisance-1`, ..., `correlation`, `parameter-planes`, `surfaces-1`, ..., `residuals`,
-/// `autocorrelation`. Figures for which the estimation has no data are left out, such as surfaces of an estimator
+/// `autocorrelation`, `prediction`. Figures for which the estimation has no data are left out, such as surfaces of an estimator
 /// without surfaces.
 ///
 /// ```
@@ -43,5 +43,6 @@ pub fn figures(estimation: &Estimation) -> Vec<(String, Figure)> {
     figures.extend(surfaces::figures(&context));
     figures.extend(residuals::series(&context));
     figures.extend(residuals::autocorrelations(&context));
+    figures.extend(signals::prediction(&context));
     figures
 }

@@ -1,4 +1,4 @@
-//! Signals against time: inputs, measured and predicted outputs, and histories of any kind.
+//! Signals against time: inputs, measured and predicted outputs, a predicted record, and histories of any kind.
 
 use std::sync::Arc;
 
@@ -39,6 +39,41 @@ pub(super) fn outputs(context: &Context) -> Option<(String, Figure)> {
         figure.panels.push(Panel::plot(axis, series));
     }
     (!history.measured.is_empty()).then(|| ("outputs".to_owned(), figure))
+}
+
+/// The outputs of a record that was predicted, with their prediction intervals; `None` without a prediction.
+pub(super) fn prediction(context: &Context) -> Option<(String, Figure)> {
+    let prediction = context.estimation.batch.as_ref()?.prediction.as_ref()?;
+    let time: Arc<[f64]> = Arc::from(prediction.time_s.as_slice());
+    let mut figure = Figure {
+        title: format!("Prediction of {}", prediction.source),
+        caption:
+            "Dots: measurements, which the estimate has not seen. Line: simulated with the estimated parameters; only \
+                  the initial state and the sensor biases are fitted. Band: where 95 % of the measurements lie if the \
+                  model and the bounds of its parameters are right."
+                .to_owned(),
+        x: Axis::new("Time", "s"),
+        columns: 1,
+        events: Vec::new(),
+        panels: Vec::new(),
+    };
+    for (measured, predicted) in prediction.measured.iter().zip(&prediction.predicted) {
+        let (axis, unit) = display_axis(signal_label(&measured.name), &measured.unit);
+        let mut series = Vec::new();
+        if let Some(interval) = prediction.intervals.iter().find(|i| i.name == measured.name) {
+            let edge = |sign: f64| -> Vec<f64> {
+                predicted.values.iter().zip(&interval.std_error).map(|(v, s)| v + sign * 2.0 * s).collect()
+            };
+            let (lower, upper) = (scaled(&edge(-1.0), &unit), scaled(&edge(1.0), &unit));
+            series.push(Series::new("±2σ of a measurement", Colour::Sky, &time, SeriesKind::Band { lower, upper }));
+        }
+        let dots = SeriesKind::Points(scaled(&measured.values, &unit));
+        series.push(Series::new("measured", Colour::Ink, &time, dots));
+        let line = SeriesKind::Line(scaled(&predicted.values, &unit));
+        series.push(Series::new("predicted", Colour::Vermillion, &time, line));
+        figure.panels.push(Panel::plot(axis, series));
+    }
+    (!figure.panels.is_empty()).then(|| ("prediction".to_owned(), figure))
 }
 
 /// One panel of the figure that [`time_histories`] makes.

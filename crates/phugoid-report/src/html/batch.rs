@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use phugoid_identification::batch::{Equation, OutputFit};
-use phugoid_identification::estimation::{BatchReport, Estimation};
+use phugoid_identification::estimation::{BatchReport, Estimation, PredictionInterval};
 
 use super::page::{END_OF_TABLE, table};
 use super::tables::number_cells;
@@ -28,6 +28,7 @@ pub(super) fn batch(estimation: &Estimation) -> String {
             "<p>Simulated with the parameters held; only the initial state and the sensor biases are fitted.</p>\n",
         );
         out.push_str(&fit(&prediction.fit));
+        out.push_str(&intervals(&prediction.intervals));
     }
     out.push_str(
         "<p class=\"note\">R² is the share of the output's squares about its mean that the model explains. Theil's \
@@ -68,6 +69,19 @@ fn fit(fits: &[OutputFit]) -> String {
         format!("<tr><th scope=\"row\">{}</th>{}<td>{white}</td></tr>\n", escape(&f.name), number_cells(&cells))
     };
     rows(&heads, fits.iter().map(row).collect())
+}
+
+/// The table of the prediction intervals; empty where the method gives none.
+fn intervals(intervals: &[PredictionInterval]) -> String {
+    if intervals.is_empty() {
+        return String::new();
+    }
+    let heads = [("", "Prediction interval of"), ("n", "Median σ (SI)"), ("n", "Measured within ±2σ (%)")];
+    let row = |i: &PredictionInterval| {
+        let cells = [significant(i.median_std(), 3), fixed(100.0 * i.within, 1)];
+        format!("<tr><th scope=\"row\">{}</th>{}</tr>\n", escape(&i.name), number_cells(&cells))
+    };
+    rows(&heads, intervals.iter().map(row).collect())
 }
 
 /// The terms of a regression equation.
