@@ -10,12 +10,18 @@ use crate::core::estimation::{
     ChangeOutcome, EstimationStatus, EventKind, FinalStatus, History, ParameterResult, ReasonCode, Signal,
     VerdictReason,
 };
+use crate::core::method::Method;
 use crate::judge::contradiction::{self, Unsettled};
 use crate::judge::equations::Equations;
 use crate::judge::{agreement, attitude, constancy, explained, fit, input_noise, integrity, physics};
 use crate::methods::{Run, Task};
 use crate::model_file::{ModelFile, Role};
 use crate::motion::Motion;
+
+/// What output error has to add where residuals or equations speak against the model: its free simulation knows no
+/// disturbance, and on foreign flights filter error answered where it was refused.
+const WITHOUT_PROCESS_NOISE: &str = "Turbulence and what the model lacks do this to output error too: compare with \
+                                     filter-error, which allows for both.";
 
 /// The reasons why a result is not sound, the severest first.
 #[allow(clippy::too_many_arguments)] // what a verdict rests on
@@ -34,7 +40,13 @@ pub(crate) fn reasons<M: Motion<N, R>, const N: usize, const R: usize>(
         found.extend(diverged(run));
         let learnt = learnt_groups(task.file, parameters);
         let unsettled_s = unsettled_stretches(run, &history.time_s);
-        found.extend(contradiction::reasons(&history.time_s, &history.residuals, equations, &unsettled_s, &learnt));
+        let against = contradiction::reasons(&history.time_s, &history.residuals, equations, &unsettled_s, &learnt);
+        found.extend(against.into_iter().map(|reason| match task.method() {
+            Method::OutputError => {
+                VerdictReason { sentence: format!("{} {WITHOUT_PROCESS_NOISE}", reason.sentence), ..reason }
+            }
+            _ => reason,
+        }));
         found.extend(run.batch.iter().flat_map(|report| fit::reasons(task.method(), task.file, history, report)));
         // Causal methods look for changes themselves.
         found.extend(run.batch.as_ref().and(equations).and_then(constancy::reason));

@@ -6,7 +6,7 @@ use crate::common;
 use common::f16::{TRUTH, channel, fly, model, unbiased};
 use phugoid_flight_data::record::{Quantity, Record};
 use phugoid_identification::axes::Axes;
-use phugoid_identification::estimate::{EstimateError, EstimateOptions, capacity, estimate};
+use phugoid_identification::estimate::{EstimateError, EstimateOptions, Method, capacity, estimate};
 use phugoid_identification::estimation::Estimation;
 use phugoid_identification::model_file::ModelFile;
 use proptest::prelude::*;
@@ -144,6 +144,17 @@ fn twenty_sigma_outliers_do_not_matter_and_are_counted() {
     let estimation = run(&record, &model()).unwrap();
     assert_good(&estimation);
     assert!(said(&estimation, &["samples of alpha", "outliers"]), "{:?}", estimation.verdict);
+}
+
+/// A second of wrong accelerations: output error, which knows no disturbance, names the method that does.
+#[test]
+fn output_error_names_the_method_that_allows_for_disturbances() {
+    let mut record = fly(15.0, AMPLITUDE, 3);
+    values(&mut record, "az")[300..380].iter_mut().for_each(|v| *v += 10.0);
+    let options = EstimateOptions { method: Some(Method::OutputError), ..EstimateOptions::default() };
+    let found = estimate(&record, &model(), &options, &mut |_| {}).unwrap();
+    let said = found.reasons.iter().find(|r| r.sentence.contains("more than six sigmas away")).unwrap();
+    assert!(said.sentence.contains("az") && said.sentence.contains("filter-error"), "{}", said.sentence);
 }
 
 #[test]
