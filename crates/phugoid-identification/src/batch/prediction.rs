@@ -2,7 +2,7 @@
 
 use crate::core::options::CAPACITY;
 use nalgebra::{DMatrix, DVector};
-use phugoid_estimators::discretization::{IntervalInput, Part, step, sub_steps};
+use phugoid_estimators::discretization::step;
 use phugoid_estimators::{Input, LinearizedOutputs, Model};
 
 use super::error::BatchError;
@@ -191,15 +191,13 @@ where
             if k + 1 == stretch.to {
                 break;
             }
-            let interval_s = manoeuvre.time_s[k + 1] - manoeuvre.time_s[k];
-            let input = IntervalInput { from: manoeuvre.inputs[k], to: manoeuvre.inputs[k + 1], hold: manoeuvre.hold };
-            let steps = sub_steps(interval_s, maximum_step_s);
-            for part in 0..steps {
-                let part = Part { from: part as f64 / steps as f64, to: (part + 1) as f64 / steps as f64 };
+            let (input, interval_s, parts) = manoeuvre.interval(k, maximum_step_s);
+            let steps = parts.len() as f64;
+            for part in parts {
                 x = step(model, &x, parameters, &input, interval_s, part, 0, &mut unused, &mut transition);
                 covariance = predicted_covariance(&covariance, &transition);
                 for l in 0..N {
-                    covariance[l][l] += density[l] * interval_s / steps as f64;
+                    covariance[l][l] += density[l] * interval_s / steps;
                 }
             }
         }

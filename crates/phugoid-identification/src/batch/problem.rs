@@ -1,7 +1,8 @@
 //! The arguments of a batch method: the manoeuvres, and which parameters, biases, noise levels and initial states are
 //! unknown.
 
-use phugoid_estimators::discretization::InputHold;
+use phugoid_estimators::Input;
+use phugoid_estimators::discretization::{InputHold, IntervalInput, Part, sub_steps};
 
 use super::error::BatchError;
 use crate::core::options::Likelihood;
@@ -36,6 +37,22 @@ impl<M, I, const N: usize, const R: usize> Clone for Manoeuvre<'_, M, I, N, R> {
     }
 }
 impl<M, I, const N: usize, const R: usize> Copy for Manoeuvre<'_, M, I, N, R> {}
+
+impl<M, I: Input, const N: usize, const R: usize> Manoeuvre<'_, M, I, N, R> {
+    /// The input from a sample to the next one, the time between them, s, and the parts in which it is integrated, none
+    /// longer than `maximum_step_s`.
+    pub(super) fn interval(
+        &self,
+        sample: usize,
+        maximum_step_s: f64,
+    ) -> (IntervalInput<I>, f64, impl ExactSizeIterator<Item = Part> + use<M, I, N, R>) {
+        let interval_s = self.time_s[sample + 1] - self.time_s[sample];
+        let input = IntervalInput { from: self.inputs[sample], to: self.inputs[sample + 1], hold: self.hold };
+        let steps = sub_steps(interval_s, maximum_step_s);
+        let part = move |k: usize| Part { from: k as f64 / steps as f64, to: (k + 1) as f64 / steps as f64 };
+        (input, interval_s, (0..steps).map(part))
+    }
+}
 
 /// One parameter of the model: where the search starts, its prior and its bounds.
 #[derive(Clone, Debug, PartialEq)]

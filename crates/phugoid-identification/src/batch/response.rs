@@ -1,7 +1,7 @@
 //! The outputs of a free simulation with their exact derivatives with respect to all unknowns.
 
 use crate::core::options::CAPACITY;
-use phugoid_estimators::discretization::{IntervalInput, Part, step, sub_steps};
+use phugoid_estimators::discretization::step;
 use phugoid_estimators::{Input, LinearizedOutputs, Model};
 
 use super::layout::Layout;
@@ -125,11 +125,8 @@ where
             if k + 1 == stretch.to {
                 break;
             }
-            let interval_s = manoeuvre.time_s[k + 1] - manoeuvre.time_s[k];
-            let input = IntervalInput { from: manoeuvre.inputs[k], to: manoeuvre.inputs[k + 1], hold: manoeuvre.hold };
-            let steps = sub_steps(interval_s, maximum_step_s);
-            for part in 0..steps {
-                let part = Part { from: part as f64 / steps as f64, to: (part + 1) as f64 / steps as f64 };
+            let (input, interval_s, parts) = manoeuvre.interval(k, maximum_step_s);
+            for part in parts {
                 let count = model.parameter_count();
                 x = step(model, &x, &theta, &input, interval_s, part, count, &mut by_parameter, &mut transition);
                 by_initial = product(&transition, &by_initial);
