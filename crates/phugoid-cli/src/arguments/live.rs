@@ -9,6 +9,7 @@ use phugoid_live::source::{SenderSpec, SourceSpec};
 
 use super::help::examples_and_exit_codes;
 use super::method::method;
+use super::reading::Reading;
 
 /// Estimates while the aircraft flies, from telemetry, or replays a recorded flight in the same way
 #[derive(Debug, Args)]
@@ -30,6 +31,8 @@ pub(crate) struct Live {
     /// Speed of the replay: a factor of real time, or `max` for as fast as the computer can
     #[arg(long, value_name = "FACTOR|max", default_value = "1", value_parser = speed, requires = "replay")]
     pub(crate) speed: Speed,
+    #[command(flatten)]
+    pub(crate) reading: Reading,
     /// The aircraft: a model file, or the name of a built-in one. A recording of `phugoid live` contains its model
     #[arg(long, value_name = "AIRCRAFT.toml", required_unless_present = "replay")]
     pub(crate) model: Option<String>,

@@ -49,6 +49,7 @@ fn a_flight_that_needs_more_memory_than_it_may_take_is_told_so() {
         &["monitor", "flight.csv", "--model", "f16"],
         &["compatibility", "flight.csv"],
         &["compatibility", "flight.csv", "--model", "f16"],
+        &["live", "--replay", "flight.csv", "--model", "f16", "--speed", "max"],
     ] {
         let run = phugoid(&folder.0, &[command, &["--max-memory", "100kB"]].concat());
         let message = run.fails(3);
