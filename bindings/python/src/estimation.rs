@@ -7,7 +7,7 @@ use numpy::PyArray1;
 use phugoid::{EstimateOptions, Method, StructureSearch};
 use phugoid_flight_data::record as flight;
 use phugoid_identification::estimation as results;
-use phugoid_identification::options::Likelihood;
+use phugoid_identification::options::{FlowAngles, Likelihood};
 use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
 
@@ -105,7 +105,7 @@ impl Estimation {
 /// Estimates the parameters of `model` from `record`.
 #[pyfunction]
 #[pyo3(signature = (record, model, method=None, change_detection=None, structure="offer", truth=BTreeMap::new(), further=Vec::new(),
-                    predict=None, progress=None, likelihood="robust"))]
+                    predict=None, progress=None, likelihood="robust", flow_angles="auto"))]
 #[allow(clippy::too_many_arguments)] // one per keyword of the Python function
 pub(crate) fn estimate(
     py: Python<'_>,
@@ -119,6 +119,7 @@ pub(crate) fn estimate(
     predict: Option<Record>,
     progress: Option<Py<PyAny>>,
     likelihood: &str,
+    flow_angles: &str,
 ) -> PyResult<Estimation> {
     let whole = |record: &Record| (*record.inner).clone();
     let options = EstimateOptions {
@@ -132,6 +133,14 @@ pub(crate) fn estimate(
             "robust" => Likelihood::Robust,
             "gaussian" => Likelihood::Gaussian,
             other => return Err(raise(format!("likelihood = '{other}': expected 'robust' or 'gaussian'"))),
+        },
+        flow_angles: match flow_angles {
+            "auto" => FlowAngles::Auto,
+            "simulated" => FlowAngles::Simulated,
+            "measured" => FlowAngles::Measured,
+            other => {
+                return Err(raise(format!("flow_angles = '{other}': expected 'auto', 'simulated' or 'measured'")));
+            }
         },
         ..EstimateOptions::default()
     };

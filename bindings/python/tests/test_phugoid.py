@@ -44,6 +44,19 @@ def test_the_likelihood_is_chosen_by_its_word(flight, model):
         phugoid.estimate(flight[0], model, likelihood="student")
 
 
+def test_the_flow_angles_are_chosen_by_their_word(flight, model):
+    by = {
+        word: phugoid.estimate(flight[0], model, method="output-error", flow_angles=word)
+        for word in ("auto", "simulated", "measured")
+    }
+    # In calm air they are simulated, and the measured ones are another estimate of the same.
+    assert (by["auto"].values == by["simulated"].values).all()
+    difference = np.abs(by["measured"].values - by["simulated"].values)
+    assert 0 < difference.max() and (difference < 4 * (by["measured"].std_errors + by["simulated"].std_errors)).all()
+    with pytest.raises(phugoid.PhugoidError, match="'auto', 'simulated' or 'measured'"):
+        phugoid.estimate(flight[0], model, flow_angles="vane")
+
+
 def test_sample_by_sample_gives_the_same_bits(flight, model, result):
     measured = flight[0]
     session = phugoid.Session(model)

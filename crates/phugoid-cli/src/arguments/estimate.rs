@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use phugoid_identification::estimate::StructureSearch;
 use phugoid_identification::method::Method;
+use phugoid_identification::options::FlowAngles;
 use phugoid_simulation::quantity::Time;
 
 use super::help::examples_and_exit_codes;
@@ -42,6 +43,10 @@ pub(crate) struct Estimate {
     /// this a value counts the less the further from the model it is, or is left out where it stands alone
     #[arg(long)]
     pub(crate) gaussian: bool,
+    /// Where output error has the angles of attack and sideslip from. A simulation knows nothing of gusts: in turbulence
+    /// its angles are not those that made the forces
+    #[arg(long, value_enum, value_name = "SOURCE", default_value_t)]
+    pub(crate) flow_angles: FlowAngleSource,
     #[command(flatten)]
     pub(crate) reading: Reading,
     /// Do not look for sudden changes of the coefficients
@@ -123,6 +128,28 @@ pub(crate) enum AxesForm {
     Stability,
     /// CX, CZ; moments and rates about the body axes
     Body,
+}
+
+/// Where output error has the flow angles from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum FlowAngleSource {
+    /// Sideslip of the lateral-directional motion as measured where the air is not calm, which is said; else simulated
+    #[default]
+    Auto,
+    /// From the simulation, and fitted to the vanes: the best estimate in calm air
+    Simulated,
+    /// As the vanes have measured them, and not fitted
+    Measured,
+}
+
+impl From<FlowAngleSource> for FlowAngles {
+    fn from(source: FlowAngleSource) -> Self {
+        match source {
+            FlowAngleSource::Auto => Self::Auto,
+            FlowAngleSource::Simulated => Self::Simulated,
+            FlowAngleSource::Measured => Self::Measured,
+        }
+    }
 }
 
 /// What to do about terms that the model file lacks.

@@ -7,6 +7,7 @@ use phugoid_evaluation::field::truth::Split;
 use phugoid_identification::method::Method;
 
 use super::delivery::Delivery;
+use super::estimate::FlowAngleSource;
 use super::help::examples_and_exit_codes;
 use super::method::method;
 
@@ -43,6 +44,9 @@ pub(crate) struct Field {
     /// this a value counts the less the further from the model it is, or is left out where it stands alone
     #[arg(long)]
     pub(crate) gaussian: bool,
+    /// Where output error has the angles of attack and sideslip from
+    #[arg(long, value_enum, value_name = "SOURCE", default_value_t)]
+    pub(crate) flow_angles: FlowAngleSource,
     /// Look for missing terms instead: with the models of the field, and with each of their terms taken out. Needs a field
     /// made with --exact
     #[arg(long, conflicts_with_all = ["faults", "no_monitor", "gaussian"])]

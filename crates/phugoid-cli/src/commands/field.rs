@@ -24,6 +24,7 @@ pub(crate) fn run(arguments: &arguments::Field) -> Result<(), Failure> {
         faults: arguments.faults as usize,
         monitor: !arguments.no_monitor,
         likelihood: if arguments.gaussian { Likelihood::Gaussian } else { Likelihood::Robust },
+        flow_angles: arguments.flow_angles.into(),
     };
     let progress = Progress::new("estimating");
     let ready = AtomicUsize::new(0);

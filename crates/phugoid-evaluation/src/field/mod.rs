@@ -14,9 +14,10 @@ pub mod watch;
 
 use std::path::{Path, PathBuf};
 
+use phugoid_identification::estimate::EstimateOptions;
 use phugoid_identification::method::Method;
 use phugoid_identification::model_file::ModelFile;
-use phugoid_identification::options::Likelihood;
+use phugoid_identification::options::{FlowAngles, Likelihood};
 use serde::Serialize;
 
 pub use error::FieldError;
@@ -44,6 +45,8 @@ pub struct FieldOptions {
     pub monitor: bool,
     /// What batch methods take the noise of the measurements for.
     pub likelihood: Likelihood,
+    /// Where output error has the flow angles from.
+    pub flow_angles: FlowAngles,
 }
 
 /// The result: every trial, and what they come to.
@@ -102,7 +105,13 @@ pub fn run(folder: &Path, options: &FieldOptions, done: &(dyn Fn(usize) + Sync))
     }
     let run = |k: usize| -> Result<Trial, FieldError> {
         let (flight, method, corruption, watched) = tasks[k];
-        Ok(flights[flight].trial(method, options.likelihood, corruption, watched))
+        let options = EstimateOptions {
+            method: Some(method),
+            likelihood: options.likelihood,
+            flow_angles: options.flow_angles,
+            ..EstimateOptions::default()
+        };
+        Ok(flights[flight].trial(&options, corruption, watched))
     };
     let trials = monte_carlo(tasks.len(), run, || done(tasks.len()))?;
     Ok(summarise(options, trials))
@@ -123,7 +132,7 @@ fn flights(folder: &Path, options: &FieldOptions) -> Result<Vec<Flight>, FieldEr
 }
 
 /// Looks for missing terms on the healthy flights below `folder`: with the model of the field, and with each term taken out
-/// of it of which the flight has a true value. Of the options the faults, the monitor and the likelihood are not used.
+/// of it of which the flight has a true value. Of the options the faults, the monitor and what concerns batch methods are not used.
 ///
 /// # Errors
 /// [`FieldError`]: the field cannot be read, or was not made with what happened without instruments.

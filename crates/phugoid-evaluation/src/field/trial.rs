@@ -5,7 +5,6 @@ use phugoid_identification::estimate::{EstimateOptions, StructureSearch, estimat
 use phugoid_identification::estimation::{ChangeOutcome, Estimation, EstimationStatus, EventKind, FinalStatus};
 use phugoid_identification::method::Method;
 use phugoid_identification::model_file::ModelFile;
-use phugoid_identification::options::Likelihood;
 use serde::Serialize;
 
 use super::corruption::Corruption;
@@ -188,14 +187,8 @@ pub(super) struct Flight {
 }
 
 impl Flight {
-    /// Runs `method` on the flight, with an error if one is given, and the health monitor beside it if `watched`.
-    pub(super) fn trial(
-        &self,
-        method: Method,
-        likelihood: Likelihood,
-        corruption: Option<Corruption>,
-        watched: bool,
-    ) -> Trial {
+    /// Runs the method of the options on the flight, with an error if one is given, and the health monitor beside it if `watched`.
+    pub(super) fn trial(&self, options: &EstimateOptions, corruption: Option<Corruption>, watched: bool) -> Trial {
         let truth = &self.truth;
         let mut trial = Trial {
             aircraft: truth.aircraft.clone(),
@@ -204,7 +197,7 @@ impl Flight {
             axes: truth.axes.clone(),
             kind: if corruption.is_some() { Kind::Faulty } else { truth.kind },
             hours: 0.0,
-            method,
+            method: options.method.unwrap_or_default(),
             corruption,
             word: Word::refused("unreadable"),
             parameters: Vec::new(),
@@ -232,8 +225,7 @@ impl Flight {
         };
         trial.hours = record.time.first().zip(record.time.last()).map_or(0.0, |(a, b)| (b - a) / 3600.0);
         // Looking for terms changes no number and none of the words that take numbers back.
-        let structure = StructureSearch::Never;
-        let options = EstimateOptions { method: Some(method), structure, likelihood, ..EstimateOptions::default() };
+        let options = EstimateOptions { structure: StructureSearch::Never, ..options.clone() };
         match estimate(record, &model, &options, &mut |_| {}) {
             Err(error) => trial.word = refusal(&error),
             Ok(estimation) => {

@@ -21,6 +21,7 @@ use phugoid_identification::compatibility::{
     Compatibility, CompatibilityOptions, Corrections, SensorVerdict, compatibility, estimate_corrected,
 };
 use phugoid_identification::estimate::EstimateOptions;
+use phugoid_identification::estimation::EstimationStatus;
 use phugoid_identification::method::Method;
 use phugoid_identification::model_file::ModelFile;
 use rand::{RngExt, SeedableRng};
@@ -29,6 +30,8 @@ use rand_pcg::Pcg64Mcg;
 
 /// A flight of the field, its first thirty seconds.
 struct Flight {
+    /// Seed of the errors that are put in.
+    seed: u64,
     truth: Truth,
     model: ModelFile,
     record: Record,
@@ -40,19 +43,24 @@ fn flights() -> Vec<Flight> {
         Ok("look-once") => Split::LookOnce,
         _ => Split::Develop,
     };
-    let only = std::env::var("PHUGOID_FIELD_ONLY").unwrap_or_default();
     find(&folder, split)
         .unwrap()
         .into_iter()
-        .filter(|truth| format!("{}/{}", truth.aircraft, truth.flight).contains(&only))
         .map(|truth| {
             let model = ModelFile::find(&truth.folder.join(&truth.model).to_string_lossy()).unwrap();
             let record = model.open_record(truth.folder.join(&truth.record)).unwrap();
             let start = record.time[0];
             let record = record.between(start, start + 30.0).unwrap();
-            Flight { truth, model, record }
+            Flight { seed: 0, truth, model, record }
         })
         .collect()
+}
+
+/// The flights of a study with their seeds; `PHUGOID_FIELD_ONLY` takes some of them, with the same errors as among all.
+fn chosen(wanted: impl Fn(&Flight) -> bool) -> Vec<Flight> {
+    let only = std::env::var("PHUGOID_FIELD_ONLY").unwrap_or_default();
+    let seeded = flights().into_iter().filter(wanted).zip(1000..).map(|(flight, seed)| Flight { seed, ..flight });
+    seeded.filter(|flight| name(&flight.truth).contains(&only)).collect()
 }
 
 fn name(truth: &Truth) -> String {
@@ -88,7 +96,7 @@ impl Counts {
 #[test]
 #[ignore = "needs the field"]
 fn healthy_records_are_left_alone() {
-    let flights = flights();
+    let flights = chosen(|_| true);
     let run = |k: usize| {
         let begin = Instant::now();
         let result = compatibility(&flights[k].record, &CompatibilityOptions::default());
@@ -214,9 +222,9 @@ fn delayed(time: &[f64], values: &[f64], delay: f64) -> Vec<f64> {
 #[test]
 #[ignore = "needs the field"]
 fn errors_put_in_are_found() {
-    let flights: Vec<Flight> = flights().into_iter().filter(|f| f.truth.kind == Kind::Sound).collect();
+    let flights = chosen(|f| f.truth.kind == Kind::Sound);
     let run = |k: usize| {
-        let mut random = Pcg64Mcg::seed_from_u64(1000 + k as u64);
+        let mut random = Pcg64Mcg::seed_from_u64(flights[k].seed);
         let mut record = flights[k].record.clone();
         let errors = spoil(&mut record, &mut random, None);
         Ok::<_, std::convert::Infallible>((errors, compatibility(&record, &CompatibilityOptions::default())))
@@ -279,12 +287,13 @@ fn method() -> Method {
     std::env::var("PHUGOID_FIELD_METHOD").map_or(Method::EquationError, |name| name.parse().unwrap())
 }
 
-/// Median relative error of the derivatives that count, and how many of them lie within two claimed sigmas.
+/// Median relative error of the derivatives that count, how many of them lie within two claimed sigmas, and what the
+/// result says of itself.
 fn estimated(
     flight: &Flight,
     record: &Record,
     corrections: &Corrections,
-) -> Result<(f64, [usize; 2]), phugoid_identification::error::EstimateError> {
+) -> Result<(f64, [usize; 2], EstimationStatus), phugoid_identification::error::EstimateError> {
     let options = EstimateOptions { method: Some(method()), ..EstimateOptions::default() };
     let estimation = estimate_corrected(record, corrections, &flight.model, &options, &mut |_| ())?;
     let mut errors = Vec::new();
@@ -297,7 +306,7 @@ fn estimated(
         covered[1] += usize::from(error <= 2.0 * found.corrected_std_error);
     }
     errors.sort_by(f64::total_cmp);
-    Ok((errors.get(errors.len() / 2).copied().unwrap_or(f64::NAN), covered))
+    Ok((errors.get(errors.len() / 2).copied().unwrap_or(f64::NAN), covered, estimation.status))
 }
 
 /// A batch method on healthy flights and on flights with errors of all sensors, with the offered corrections and without.
@@ -305,13 +314,12 @@ fn estimated(
 #[ignore = "needs the field"]
 fn corrections_do_not_worsen_an_estimate() {
     // Damage changes the aircraft within the thirty seconds: no estimate of one set of parameters is right then.
-    let flights: Vec<Flight> =
-        flights().into_iter().filter(|f| f.truth.kind == Kind::Sound && f.truth.is_healthy()).collect();
+    let flights = chosen(|f| f.truth.kind == Kind::Sound && f.truth.is_healthy());
     for spoilt in [false, true] {
         let run = |k: usize| {
             let mut record = flights[k].record.clone();
             if spoilt {
-                spoil(&mut record, &mut Pcg64Mcg::seed_from_u64(1000 + k as u64), None);
+                spoil(&mut record, &mut Pcg64Mcg::seed_from_u64(flights[k].seed), None);
             }
             let Ok(found) = compatibility(&record, &CompatibilityOptions::default()) else { return Ok(None) };
             let none = Corrections::default();
@@ -324,7 +332,7 @@ fn corrections_do_not_worsen_an_estimate() {
         let (mut corrected, mut better, mut worse) = (0, 0, 0);
         let (mut before_all, mut after_all, mut covered) = (Vec::new(), Vec::new(), [[0; 2]; 2]);
         for (flight, result) in flights.iter().zip(&results) {
-            let Some((count, ((before, cb), (after, ca)))) = result else { continue };
+            let Some((count, ((before, cb, was), (after, ca, is)))) = result else { continue };
             for i in 0..2 {
                 covered[0][i] += cb[i];
                 covered[1][i] += ca[i];
@@ -338,7 +346,13 @@ fn corrections_do_not_worsen_an_estimate() {
             better += usize::from(*after < before - 0.001);
             worse += usize::from(*after > before + 0.001);
             if *after > before + 0.01 {
-                println!("{}: {before:.4} -> {after:.4} with {count} corrections", name(&flight.truth));
+                println!(
+                    "{}: {before:.4} -> {after:.4}, covered {} of {} -> {}, {was:?} -> {is:?} with {count} corrections",
+                    name(&flight.truth),
+                    cb[1],
+                    cb[0],
+                    ca[1],
+                );
             }
         }
         before_all.sort_by(f64::total_cmp);

@@ -84,6 +84,12 @@ where
         let (name, density) = (&structure.states[i].name, process_noise.density[i]);
         return Err(BatchError::BadInput(format!("the process noise of {name} is {density}: it must not be negative")));
     }
+    if let Some(state) = structure.states.iter().find(|state| state.measured) {
+        return Err(BatchError::BadInput(format!(
+            "filter error cannot take the state {} as measured: its process noise is what allows for gusts",
+            state.name
+        )));
+    }
     let (outputs, left_out) = match structure.likelihood {
         Likelihood::Gaussian => (manoeuvres.iter().map(|m| m.outputs.to_vec()).collect(), [0; R]),
         Likelihood::Robust => clean(manoeuvres),

@@ -1,5 +1,6 @@
 //! The order of the unknowns in the vector that the search moves.
 
+use super::followed::Followed;
 use super::problem::{Bias, Manoeuvre, Structure};
 use super::result::UnknownKind;
 use super::start::Stretch;
@@ -25,6 +26,8 @@ pub(crate) struct Layout<const N: usize> {
     parameters: [f64; CAPACITY],
     /// What is integrated, with the initial states where they are held or start, by manoeuvre.
     stretches: Vec<Vec<Stretch<N>>>,
+    /// What states follow in place of being integrated, by manoeuvre; empty where all are integrated.
+    followed: Vec<Followed<N>>,
 }
 
 impl<const N: usize> Layout<N> {
@@ -81,7 +84,17 @@ impl<const N: usize> Layout<N> {
                 }
             }
         }
-        Self { places, parameters, stretches }
+        Self { places, parameters, stretches, followed: Vec::new() }
+    }
+
+    /// The same with states that follow what was measured, one entry per manoeuvre.
+    pub(crate) fn following(self, followed: Vec<Followed<N>>) -> Self {
+        Self { followed, ..self }
+    }
+
+    /// What states of a manoeuvre follow in place of being integrated; none where all are integrated.
+    pub(crate) fn followed(&self, manoeuvre: usize) -> Option<&Followed<N>> {
+        self.followed.get(manoeuvre)
     }
 
     pub(crate) fn start(&self) -> Vec<f64> {

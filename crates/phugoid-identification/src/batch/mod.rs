@@ -19,6 +19,7 @@ mod error;
 mod filter;
 mod filter_error;
 mod fit;
+mod followed;
 mod information;
 mod layout;
 mod likelihood;

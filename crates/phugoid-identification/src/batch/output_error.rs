@@ -4,6 +4,7 @@ use crate::core::options::CAPACITY;
 use phugoid_estimators::{Input, Model};
 
 use super::error::BatchError;
+use super::followed::Followed;
 use super::layout::Layout;
 use super::loss::Loss;
 use super::optimise::OptimiserSettings;
@@ -26,7 +27,7 @@ use super::summary::{Summary, summarise};
 /// heavy tails for the robust one, which counts a residual beyond three sigmas the less the further away it is. The noise variances `r_i` are
 /// given, or at their own optimum for any given parameters (`r_i = sum_k e_i(k)^2 / N_i` of the Gaussian one; the
 /// relaxation of Klein & Morelli, section 6.1.1, and Jategaonkar, section 4.3; noise of different outputs is taken for
-/// independent). Gauss-Newton with exact output sensitivities, safeguarded by Levenberg-Marquardt; it ends when the
+/// independent). A state that is [measured](super::InitialState::measured) is not integrated, and its output not fitted. Gauss-Newton with exact output sensitivities, safeguarded by Levenberg-Marquardt; it ends when the
 /// next step is shorter than [`OptimiserSettings::step_tolerance`] standard errors.
 ///
 /// ```
@@ -105,7 +106,9 @@ where
     I: Input,
 {
     structure.check(manoeuvres, |m: &M| m.parameter_count().min(CAPACITY))?;
-    let layout: Layout<N> = Layout::new(structure, manoeuvres, stretches(manoeuvres, structure)?);
+    let followed: Vec<Followed<N>> =
+        manoeuvres.iter().filter_map(|m| Followed::of(m, structure).transpose()).collect::<Result<_, _>>()?;
+    let layout: Layout<N> = Layout::new(structure, manoeuvres, stretches(manoeuvres, structure)?).following(followed);
     let simulate = |unknowns: &[f64]| -> Result<Vec<Rows<R>>, BatchError> {
         let run = |(index, m): (usize, &Manoeuvre<'_, M, I, N, R>)| {
             response(m, index, &layout, unknowns, structure.maximum_step_s)

@@ -125,12 +125,22 @@ pub struct InitialState {
     pub name: String,
     /// Estimated for each manoeuvre; otherwise held where it starts.
     pub free: bool,
+    /// The state is not integrated: at every sample it is where the output that measures it is the measured value, and
+    /// that output is not fitted; residuals of outputs that measure no state are smoothed over 0.4 s. For the flow angles
+    /// in turbulence, which a simulation without gusts does not have. Output error does so; filter error refuses it, and
+    /// equation error takes all states as measured.
+    pub measured: bool,
 }
 
 impl InitialState {
     /// A state whose initial value is estimated.
     pub fn free(name: impl Into<String>) -> Self {
-        Self { name: name.into(), free: true }
+        Self { name: name.into(), free: true, measured: false }
+    }
+
+    /// A state that is taken as measured in place of being integrated.
+    pub fn measured(name: impl Into<String>) -> Self {
+        Self { name: name.into(), free: false, measured: true }
     }
 }
 

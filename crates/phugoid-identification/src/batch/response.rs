@@ -16,7 +16,7 @@ pub(crate) struct Rows<const R: usize> {
     pub(crate) columns: Vec<usize>,
     /// Model outputs with their biases, by sample; NaN outside of the stretches that are integrated.
     pub(crate) outputs: Vec<[f64; R]>,
-    /// Measured minus modelled, by sample; NaN where nothing was measured.
+    /// Measured minus modelled, by sample; NaN where nothing was measured, and for an output that a state follows.
     pub(crate) residuals: Vec<[f64; R]>,
     /// Derivatives of the modelled outputs: sample by sample, output by output, one value per column.
     pub(crate) sensitivities: Vec<f64>,
@@ -85,12 +85,18 @@ where
         growth: 1.0,
     };
     let spread = spreads(manoeuvre);
+    let followed = layout.followed(index);
+    let is_fitted = |output: usize| followed.is_none_or(|f| !f.is_followed(output));
 
     for (n, stretch) in layout.stretches(index, unknowns).into_iter().enumerate() {
         let mut x = stretch.state;
         let mut by_parameter = [[0.0; CAPACITY]; N];
         let mut by_initial: [[f64; N]; N] = identity();
         for k in stretch.from..stretch.to {
+            if let Some(followed) = followed {
+                let at = (model, &theta, &manoeuvre.inputs[k]);
+                followed.apply(k, at, &mut x, &mut by_parameter, &mut by_initial, &mut lin);
+            }
             model.linearized_outputs(&x, &theta, &manoeuvre.inputs[k], &mut lin);
             for i in 0..R {
                 let h = &lin.state_jacobian[i];
@@ -121,7 +127,7 @@ where
                 return Err(manoeuvre.time_s[k] - manoeuvre.time_s[0]);
             }
             rows.outputs[k] = outputs;
-            rows.residuals[k] = std::array::from_fn(|i| measured[i] - outputs[i]);
+            rows.residuals[k] = std::array::from_fn(|i| if is_fitted(i) { measured[i] - outputs[i] } else { f64::NAN });
             if k + 1 == stretch.to {
                 break;
             }
@@ -138,6 +144,9 @@ where
                 }
             }
         }
+    }
+    if let Some(followed) = followed {
+        followed.smooth(&mut rows);
     }
     Ok(rows)
 }

@@ -109,7 +109,9 @@ fn manoeuvre_fit<T, M, I, const N: usize, const R: usize>(
     rows: &Rows<R>,
 ) -> ManoeuvreFit {
     let unknowns = &s.minimum.unknowns;
-    let outputs = s.structure.outputs.iter().enumerate().filter_map(|(i, channel)| {
+    // What a state follows is not fitted, and has no residuals.
+    let fitted = |i: &usize| rows.residuals.iter().any(|e| e[*i].is_finite());
+    let outputs = s.structure.outputs.iter().enumerate().filter(|(i, _)| fitted(i)).filter_map(|(i, channel)| {
         let measured: Vec<f64> = manoeuvre.outputs.iter().map(|y| y[i]).collect();
         let fitted: Vec<f64> = rows.outputs.iter().map(|y| y[i]).collect();
         OutputFit::of(&channel.name, &measured, &fitted)

@@ -453,11 +453,22 @@ fn errors(solution: &Solution, refused: &[Refused], is_gusty: bool) -> Vec<Senso
             SensorVerdict::Significant if significance < OFFERED => {
                 Some(format!("no correction is offered below {OFFERED} standard errors"))
             }
-            SensorVerdict::Significant if is_gusty && goes_with_gusts(column.place) => Some(
-                "no correction is offered: the gusts of this flight are larger than the noise of the sensors, and what they \
-                 do to the forces resembles a scale or a delay of the air data. Fly in calm air"
-                    .to_owned(),
-            ),
+            // Where the speed hardly changes its bias is its scale.
+            SensorVerdict::Significant
+                if is_gusty && (goes_with_gusts(column.place) || column.place == place::BIAS_SPEED) =>
+            {
+                Some(
+                    "no correction is offered: the gusts of this flight are larger than the noise of the sensors, and \
+                     what they do to the forces resembles an error of the air data. Fly in calm air"
+                        .to_owned(),
+                )
+            }
+            SensorVerdict::Significant if refused.iter().any(|r| UNKNOWNS[r.place].channel == spec.channel) => {
+                Some(format!(
+                    "no correction is offered: another error of `{}` was refused, whose effect this one takes over",
+                    spec.channel
+                ))
+            }
             SensorVerdict::Significant if gain.is_nan() => {
                 Some("no correction is offered: the flight is too short to hold a part of it out".to_owned())
             }

@@ -45,6 +45,20 @@ pub enum Likelihood {
     Gaussian,
 }
 
+/// Where output error has the flow angles from: the angle of attack, and the angle of sideslip.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum FlowAngles {
+    /// The angle of sideslip of the lateral-directional motion as measured where the air is not calm (the residuals of the
+    /// simulated one are more than 1.3 times the noise of its vane), which is said; simulated otherwise. This is the default.
+    #[default]
+    Auto,
+    /// Simulated: the maximum-likelihood estimate in calm air. Gusts bend it.
+    Simulated,
+    /// As measured and smoothed: the forces and moments then know of the gusts, and the angles themselves are not fitted.
+    Measured,
+}
+
 /// Settings of one estimation beside those of the model file. The default changes nothing of the model file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct EstimateOptions {
@@ -70,4 +84,6 @@ pub struct EstimateOptions {
     pub structure: StructureSearch,
     /// What a batch method takes the noise of the measurements for.
     pub likelihood: Likelihood,
+    /// Where output error has the flow angles from. Other methods ignore it.
+    pub flow_angles: FlowAngles,
 }
