@@ -465,7 +465,7 @@ mod tests {
     /// by more than one spacing, those between are the sparser the older they are, and their evidence is handed on.
     #[test]
     fn hypotheses_are_thinned_and_stay_in_order() {
-        let (horizon_s, frames) = (2.0, if cfg!(miri) { 70 } else { 400 });
+        let (horizon_s, frames) = (2.0, if cfg!(miri) { 52 } else { 400 });
         let (mut starts, mut most) = (starts(), 0);
         for k in 0..frames {
             let time_s = 0.02 * f64::from(k);
