@@ -72,7 +72,10 @@ impl<const P: usize> Places<P> {
 
 #[cfg(test)]
 mod tests {
+    extern crate std;
+
     use super::{Places, at, limited, unit};
+    use std::vec::Vec;
 
     #[test]
     fn limits_as_clamp_does_and_never_panics() {
@@ -84,6 +87,68 @@ mod tests {
         assert!(limited(f64::NAN, 0.0, 1.0).is_nan());
         assert_eq!(limited(3.0, f64::NAN, f64::NAN), 3.0);
         assert_eq!(limited(3.0, 2.0, 1.0), 1.0);
+    }
+
+    /// Every combination of values that are special to a comparison, limits in the wrong order too.
+    #[test]
+    fn every_special_value_is_limited_as_clamp_limits_it() {
+        let tiny = f64::from_bits(1);
+        let values =
+            [f64::NEG_INFINITY, f64::MIN, -1.0, -tiny, -0.0, 0.0, tiny, 1.0, f64::MAX, f64::INFINITY, f64::NAN];
+        for value in values {
+            for low in values {
+                for high in values {
+                    let found = limited(value, low, high);
+                    if low <= high {
+                        let expected = value.clamp(low, high);
+                        assert!(found.to_bits() == expected.to_bits() || (found.is_nan() && expected.is_nan()));
+                    } else if low > high && !value.is_nan() {
+                        assert_eq!(found, if value < low || value > high { high } else { value });
+                    }
+                }
+            }
+        }
+    }
+
+    /// Every list of up to five columns in every room of up to four, against a plain list.
+    fn lists_agree<const P: usize>() {
+        const LENGTH: u32 = if cfg!(miri) { 3 } else { 5 };
+        const COLUMNS: usize = 6;
+        for list in 0..COLUMNS.pow(LENGTH) {
+            let (mut places, mut plain) = (Places::<P>::NONE, Vec::new());
+            for k in 0..LENGTH {
+                let column = list / COLUMNS.pow(k) % COLUMNS;
+                places.push(column);
+                if column < P && plain.len() < P {
+                    plain.push(column);
+                }
+                assert_eq!((places.len(), places.as_slice()), (plain.len(), plain.as_slice()));
+                for (place, column) in plain.iter().enumerate() {
+                    assert_eq!(places.column(place), *column);
+                }
+                // Beyond the list: whatever it is, an index into a room of `P`.
+                for place in plain.len()..P + 2 {
+                    assert!(P == 0 || places.column(place) < P);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn every_short_list_in_every_small_room_agrees_with_a_plain_one() {
+        lists_agree::<0>();
+        lists_agree::<1>();
+        lists_agree::<2>();
+        lists_agree::<3>();
+        lists_agree::<4>();
+        let values = [1.0, 2.0, 3.0];
+        for length in 0..=3 {
+            for place in (0..5).chain([usize::MAX]) {
+                let expected = if place < length { values[place] } else { 0.0 };
+                assert_eq!(at(&values[..length], place), expected);
+                assert_eq!(unit::<3>(place), core::array::from_fn(|i| if i == place { 1.0 } else { 0.0 }));
+            }
+        }
     }
 
     #[test]

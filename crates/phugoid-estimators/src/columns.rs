@@ -87,3 +87,54 @@ impl<const R: usize, const P: usize> Columns<R, P> {
         output.and_then(|output| self.bias(output))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::Columns;
+    use crate::settings::{EstimatorSettings, ParameterPrior};
+
+    const OUTPUTS: usize = 3;
+
+    /// Every number of parameters and every choice of biases that the settings accept: the biases follow the parameters
+    /// in the order of the outputs, and nothing lies beyond the room.
+    fn layouts<const P: usize>() {
+        for parameters in 0..=P {
+            for biased in 0..1_u32 << OUTPUTS {
+                let priors = [ParameterPrior::bounded(5.0, 1.0, 9.0); P];
+                let mut settings =
+                    EstimatorSettings::<1, OUTPUTS, P>::automatic(&priors[..parameters], [0.1; OUTPUTS], 0.01).unwrap();
+                let is_biased = |output: usize| biased >> output & 1 == 1;
+                settings.bias_std =
+                    core::array::from_fn(|output| if is_biased(output) { 0.5 + output as f64 } else { 0.0 });
+                let columns = Columns::new(&settings, parameters);
+                assert_eq!(columns.own(), parameters);
+                let mut next = parameters;
+                for output in 0..OUTPUTS {
+                    let has_room = is_biased(output) && next < P;
+                    assert_eq!(columns.bias(output), has_room.then_some(next));
+                    assert_eq!(columns.bias_of(Some(output)), columns.bias(output));
+                    if has_room {
+                        assert_eq!(columns.std[next], 0.5 + output as f64);
+                        assert_eq!(
+                            (columns.clip_low[next], columns.clip_high[next]),
+                            (f64::NEG_INFINITY, f64::INFINITY)
+                        );
+                        next += 1;
+                    }
+                }
+                assert_eq!(columns.count(), next);
+                assert!(columns.std[next..].iter().all(|std| *std == 0.0));
+                assert!(columns.std[..parameters].iter().all(|std| *std == 2.0));
+                assert_eq!((columns.bias(OUTPUTS), columns.bias_of(None)), (None, None));
+            }
+        }
+    }
+
+    #[test]
+    fn every_layout_lies_within_its_room() {
+        layouts::<1>();
+        layouts::<2>();
+        layouts::<3>();
+        layouts::<5>();
+    }
+}

@@ -1,12 +1,20 @@
 //! Files that are there whole or not at all.
 //!
 //! A result is written to a temporary file in the folder of its target, and takes the name of the target only once all
-//! of it is on the disk. Whoever stops in between, by an error or by a kill, leaves the target as it was.
+//! of it is on the disk. Whoever stops in between, by an error or by a kill, leaves the target as it was. A kill also
+//! leaves the temporary file: [`remove_abandoned`] finds and removes it.
 
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Duration;
+
+/// What the names of temporary files begin and end with; between them stand the number of the process and a count.
+const BEGINNING: &str = ".phugoid-";
+const ENDING: &str = ".part";
+/// A temporary file that was written to more recently is never taken for abandoned.
+const AT_REST: Duration = Duration::from_secs(60);
 
 /// A file that is being written. Without [`OutputFile::finish`] nothing of it stays.
 ///
@@ -104,14 +112,52 @@ fn temporary(folder: &Path) -> io::Result<(File, PathBuf)> {
     static NUMBER: AtomicU64 = AtomicU64::new(0);
     loop {
         let number = NUMBER.fetch_add(1, Ordering::Relaxed);
-        let path = folder.join(format!(".phugoid-{}-{number}.part", std::process::id()));
+        let path = folder.join(format!("{BEGINNING}{}-{number}{ENDING}", std::process::id()));
         match OpenOptions::new().write(true).create_new(true).open(&path) {
-            Ok(file) => return Ok((file, path)),
+            Ok(file) => {
+                // Tells others that somebody writes it, until the file is closed or the program ends, however that
+                // happens. Where a file system has no locks, what is left is never removed: see `is_abandoned`.
+                let _ = file.try_lock();
+                return Ok((file, path));
+            }
             // Left by a program that was killed and had the same number.
             Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
             Err(error) => return Err(error),
         }
     }
+}
+
+/// Removes the temporary files in a folder that killed programs have left, and gives their paths. They hold a part of a
+/// result that never was one; what it was made from is not touched.
+///
+/// A file that another program writes at this moment stays, also if it runs on another machine: it holds a lock of the
+/// file. So do files that were changed within the last minute, those on a file system without locks, and links. What
+/// cannot be read or removed is left where it is.
+pub fn remove_abandoned(folder: &Path) -> Vec<PathBuf> {
+    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+    let paths = entries.filter(|entry| entry.file_name().to_str().is_some_and(is_temporary)).map(|entry| entry.path());
+    let mut removed: Vec<PathBuf> = paths.filter(|path| is_abandoned(path) && fs::remove_file(path).is_ok()).collect();
+    removed.sort();
+    removed
+}
+
+/// Whether a file name is one of [`temporary`].
+fn is_temporary(name: &str) -> bool {
+    let numbers = name.strip_prefix(BEGINNING).and_then(|rest| rest.strip_suffix(ENDING));
+    let is_number = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
+    numbers
+        .and_then(|numbers| numbers.split_once('-'))
+        .is_some_and(|(process, count)| is_number(process) && is_number(count))
+}
+
+/// Whether nobody writes a temporary file any more.
+fn is_abandoned(path: &Path) -> bool {
+    let of_file = |file: &fs::Metadata| {
+        let changed = file.modified().ok().and_then(|changed| changed.elapsed().ok());
+        file.is_file() && changed.is_some_and(|since| since >= AT_REST)
+    };
+    fs::symlink_metadata(path).is_ok_and(|file| of_file(&file))
+        && OpenOptions::new().write(true).open(path).is_ok_and(|file| file.try_lock().is_ok())
 }
 
 /// Writes a whole file, as [`OutputFile`] does.
@@ -170,6 +216,39 @@ mod tests {
         assert!(write(&folder.0.join("d"), "x").is_err());
         assert!(write(&folder.0.join("none/a.txt"), "x").is_err());
         assert_eq!(folder.names(), ["a.txt", "d"]);
+    }
+
+    /// Sets the time at which a file was changed last.
+    fn age(path: &Path, seconds: u64) {
+        let file = OpenOptions::new().write(true).open(path).unwrap();
+        file.set_modified(std::time::SystemTime::now() - Duration::from_secs(seconds)).unwrap();
+    }
+
+    #[test]
+    fn what_a_killed_program_has_left_is_removed_and_nothing_else() {
+        let folder = Folder::new("abandoned");
+        let others =
+            [".phugoid-1-2.part.txt", ".phugoid-1.part", ".phugoid-a-2.part", "phugoid-1-2.part", ".phugoid-1-.part"];
+        for name in [".phugoid-1-0.part", ".phugoid-99-7.part", ".phugoid-5-5.part"].iter().chain(&others) {
+            fs::write(folder.0.join(name), "half").unwrap();
+            age(&folder.0.join(name), 3600);
+        }
+        // Changed just now: perhaps its writer has not locked it yet.
+        age(&folder.0.join(".phugoid-5-5.part"), 10);
+        fs::create_dir(folder.0.join(".phugoid-6-6.part")).unwrap();
+        // Somebody writes this one, however long ago the last byte came.
+        let mut writing = OutputFile::create(&folder.0.join("result.txt")).unwrap();
+        let temporary = writing.renamed.as_ref().unwrap().0.clone();
+        age(&temporary, 3600);
+        let expected = [".phugoid-1-0.part", ".phugoid-99-7.part"].map(|name| folder.0.join(name));
+        assert_eq!(remove_abandoned(&folder.0), expected);
+        writing.write_all(b"whole").unwrap();
+        writing.finish().unwrap();
+        let mut left: Vec<&str> = others.to_vec();
+        left.extend([".phugoid-5-5.part", ".phugoid-6-6.part", "result.txt"]);
+        left.sort_unstable();
+        assert_eq!(folder.names(), left);
+        assert!(remove_abandoned(&folder.0).is_empty() && remove_abandoned(&folder.0.join("none")).is_empty());
     }
 
     #[cfg(unix)]

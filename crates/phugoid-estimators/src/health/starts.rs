@@ -419,3 +419,95 @@ impl<const N: usize, const P: usize> Starts<N, P> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+
+    use super::{Row, STARTS, Starts};
+    use crate::health::settings::MonitorSettings;
+    use std::vec::Vec;
+
+    fn starts() -> Starts<1, 2> {
+        Starts::new(2, 1, [0.5, 0.5], &MonitorSettings::default())
+    }
+
+    fn observe(starts: &mut Starts<1, 2>, innovation: f64) {
+        starts.predict(&[[0.9]], &[[0.02, 0.0]]);
+        starts.observe(&Row {
+            by_state: &[1.0],
+            by_failure: &[0.0, 0.3],
+            by_nuisance: &[0.1, 0.0],
+            inverse_root: 2.0,
+            inverse_nn: 0.8,
+            innovation,
+            weight: 1.0,
+            gains: Some(([0.2], [0.05, 0.0])),
+        });
+    }
+
+    /// The order is one of all slots, each once, and those in use are in the order of time.
+    fn check(starts: &Starts<1, 2>) {
+        let mut slots = starts.order;
+        slots.sort_unstable();
+        assert!(slots.iter().enumerate().all(|(i, slot)| i == *slot), "{slots:?}");
+        assert!(starts.count <= STARTS);
+        let times: Vec<f64> = starts.iter().map(|start| start.time_s).collect();
+        assert_eq!(times.len(), starts.count);
+        assert!(times.windows(2).all(|pair| pair[0] < pair[1]), "{times:?}");
+        for (place, time) in times.iter().enumerate() {
+            assert_eq!(starts.get(place).map(|start| start.time_s), Some(*time));
+        }
+        assert!(starts.get(times.len()).is_none());
+    }
+
+    /// Far more hypotheses than there is room for: the newest is always there, the oldest is not older than the horizon
+    /// by more than one spacing, those between are the sparser the older they are, and their evidence is handed on.
+    #[test]
+    fn hypotheses_are_thinned_and_stay_in_order() {
+        let (horizon_s, frames) = (2.0, if cfg!(miri) { 52 } else { 400 });
+        let (mut starts, mut most) = (starts(), 0);
+        for k in 0..frames {
+            let time_s = 0.02 * f64::from(k);
+            starts.open(time_s, horizon_s);
+            observe(&mut starts, if k % 3 == 0 { 0.5 } else { -0.2 });
+            check(&starts);
+            assert_eq!(starts.iter().next_back().map(|start| start.time_s), Some(time_s));
+            let oldest = starts.iter().next().map(|start| start.time_s);
+            assert!(oldest.is_some_and(|oldest| oldest >= time_s - horizon_s - 1e-9), "{oldest:?} {time_s}");
+            most = most.max(starts.count);
+        }
+        assert_eq!(most, STARTS);
+        let times: Vec<f64> = starts.iter().map(|start| start.time_s).collect();
+        let last = times.len() - 1;
+        let (oldest, newest) = (times[1] - times[0], times[last] - times[last - 1]);
+        assert!(oldest > newest, "{times:?}");
+        assert!(starts.iter().all(|start| start.log_weight.is_finite() && starts.whole(start).is_finite()));
+        starts.recentre();
+        starts.forget_state();
+        starts.clear();
+        check(&starts);
+        assert_eq!(starts.count, 0);
+        // Too soon after the last one none is opened.
+        starts.open(1.0, horizon_s);
+        starts.open(1.01, horizon_s);
+        assert_eq!(starts.count, 1);
+        check(&starts);
+    }
+
+    /// Any hypothesis may be removed, the others stay as they were.
+    #[test]
+    fn any_hypothesis_may_be_removed() {
+        for place in 0..6 {
+            let mut starts = starts();
+            (0..5).for_each(|k| starts.open(f64::from(k), 100.0));
+            let mut times: Vec<f64> = starts.iter().map(|start| start.time_s).collect();
+            starts.remove(place);
+            if place < times.len() {
+                times.remove(place);
+            }
+            check(&starts);
+            assert_eq!(starts.iter().map(|start| start.time_s).collect::<Vec<_>>(), times);
+        }
+    }
+}

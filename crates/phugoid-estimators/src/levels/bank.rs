@@ -423,3 +423,103 @@ fn exponential(x: f64) -> f64 {
     let (even, odd) = (1.0 + x * x / 12.0, 0.5 * x);
     (even + odd) / (even - odd)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Bank, Frame};
+    use crate::settings::{NoiseLearning, SHADOWS};
+
+    /// Two states and three outputs: the first and the last see a state each, the second sees both.
+    fn frame(residual: [f64; 3]) -> Frame<2, 3> {
+        let mut frame = Frame::EMPTY;
+        frame.begin(0.0);
+        for (output, h) in [[1.0, 0.0], [0.5, -2.0], [0.0, 1.0]].iter().enumerate() {
+            frame.see(output, h, residual[output], 1.0, 1.0, 0.0);
+        }
+        frame
+    }
+
+    fn bank(noise_std: [f64; 3]) -> Bank<2, 3> {
+        let mut bank = Bank::new(&noise_std, &NoiseLearning::from_white([0.0; 3]), None, [1.0, 4.0]);
+        bank.start_state(&[0.3, 0.2]);
+        bank
+    }
+
+    /// Every shadow is a Kalman filter for the state: after a frame its covariance is the inverse of the sum of what the
+    /// rows tell, computed here from the matrix that has them all at once. The levels of a frame whose innovations are
+    /// as large as they should be stay what they are, nearly.
+    #[test]
+    fn every_shadow_is_a_kalman_filter_of_its_own_noise() {
+        let std = [0.2, 0.3, 0.5];
+        let mut bank = bank(std);
+        assert!(bank.take(&frame([0.01, -0.02, 0.03]), 0.1, true, 5.0, &[false; 3], || unreachable!()));
+        for (m, shadow) in bank.shadows.iter().enumerate() {
+            let scale = NoiseLearning::<3>::from_white([0.0; 3]).scales[m];
+            let before = [0.3 + 0.1 * scale, 0.2 + 0.4 * scale];
+            let mut information = [[1.0 / before[0], 0.0], [0.0, 1.0 / before[1]]];
+            for (h, std) in [[1.0, 0.0], [0.5, -2.0], [0.0, 1.0]].iter().zip(std) {
+                for k in 0..2 {
+                    for l in 0..2 {
+                        information[k][l] += h[k] * h[l] / (std * std);
+                    }
+                }
+            }
+            let [[a, b], [_, d]] = information;
+            let determinant = a * d - b * b;
+            for (found, expected) in
+                [(shadow.covariance[0][0], d), (shadow.covariance[0][1], -b), (shadow.covariance[1][1], a)]
+            {
+                assert!((found * determinant / expected - 1.0).abs() < 1e-12, "{m}: {found}");
+            }
+            // The levels are held.
+            assert_eq!(shadow.variance, std.map(|std| std * std));
+        }
+    }
+
+    /// An output that is missing or not used is as if it were not there, wherever it stands among the others.
+    #[test]
+    fn a_missing_output_is_as_if_it_were_not_there() {
+        for missing in 0..3 {
+            let mut residual = [0.3, -0.2, 0.6];
+            let mut std = [0.2, 0.3, 0.5];
+            let mut unused = std;
+            unused[missing] = f64::NAN;
+            let mut not_used = bank(unused);
+            not_used.take(&frame(residual), 0.1, false, 5.0, &[false; 3], || unreachable!());
+            residual[missing] = f64::NAN;
+            let mut not_measured = bank(std);
+            not_measured.take(&frame(residual), 0.1, false, 5.0, &[false; 3], || unreachable!());
+            std[missing] = 0.0;
+            for (one, other) in not_used.shadows.iter().zip(&not_measured.shadows) {
+                assert_eq!(
+                    (one.covariance, one.offset, one.evidence),
+                    (other.covariance, other.offset, other.evidence)
+                );
+                for output in (0..3).filter(|output| *output != missing) {
+                    assert_eq!(one.variance[output], other.variance[output]);
+                    assert!(one.variance[output] != std[output] * std[output]);
+                }
+            }
+            // It is forgotten what was known of it, and nothing is learnt.
+            assert!(not_measured.shadows.iter().all(|shadow| shadow.information[missing] == super::LEAST_INFORMATION));
+        }
+    }
+
+    /// What was learnt comes back where it was: each shadow its own.
+    #[test]
+    fn what_was_learnt_goes_back_to_its_shadow() {
+        let mut taught = bank([0.2, 0.3, 0.5]);
+        for k in 0..5 {
+            taught.take(&frame([0.3, -0.2, 0.1 * f64::from(k)]), 0.1, false, 5.0, &[false; 3], || unreachable!());
+        }
+        let learnt = taught.learnt();
+        let mut fresh = bank([0.2, 0.3, 0.5]);
+        fresh.go_back(&learnt);
+        for m in 0..SHADOWS {
+            assert_eq!(fresh.shadows[m].variance, taught.shadows[m].variance);
+            assert_eq!(fresh.shadows[m].evidence, taught.shadows[m].evidence);
+        }
+        assert!((1..SHADOWS).all(|m| taught.shadows[m].variance != taught.shadows[0].variance));
+        assert_eq!(fresh.weighted(), taught.weighted());
+    }
+}

@@ -91,3 +91,53 @@ impl<const N: usize, const P: usize> Kreisselmeier<N, P> {
         (self.z[state], self.upsilon[state])
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Kreisselmeier, Rates};
+
+    /// The row of a state holds its own rates and the columns in use, whatever the others are: each column is what it is
+    /// when it stands alone, no column beyond those in use is touched, and a state that is not measured only forgets.
+    #[test]
+    fn every_column_is_what_it_is_alone() {
+        let rates = |t: f64| Rates::<2, 5> {
+            known: [0.3 - t, 1.0 + 0.2 * t],
+            regressors: core::array::from_fn(|i| core::array::from_fn(|j| 1.0 + i as f64 - j as f64 * t)),
+        };
+        let state = |t: f64| [t.sin(), if t > 0.25 { f64::NAN } else { t.cos() }];
+        let run = |own: usize, only: Option<usize>| {
+            let mut filter = Kreisselmeier::<2, 5>::new(2.0);
+            for k in 0..6 {
+                let times = [0.1 * f64::from(k), 0.1 * f64::from(k + 1)];
+                let mut rates = times.map(rates);
+                if let Some(only) = only {
+                    for row in rates.iter_mut().flat_map(|rates| &mut rates.regressors) {
+                        row[0] = row[only];
+                    }
+                }
+                filter.advance(0.1, own, [&state(times[0]), &state(times[1])], [&rates[0], &rates[1]]);
+            }
+            filter
+        };
+        for own in 0..=5 {
+            let together = run(own, None);
+            for i in 0..2 {
+                let (z, columns) = together.of_state(i);
+                assert!(columns[own..].iter().all(|column| *column == 0.0));
+                for (j, column) in columns[..own].iter().enumerate() {
+                    let alone = run(1, Some(j)).of_state(i);
+                    assert_eq!((z, *column), (alone.0, alone.1[0]));
+                    assert!(*column != 0.0);
+                }
+            }
+        }
+        // Two intervals of 0.1 s were measured; over the other four 0.1 s are forgotten at 2 per second.
+        let mut measured = Kreisselmeier::<2, 5>::new(2.0);
+        for k in 0..2 {
+            let times = [0.1 * f64::from(k), 0.1 * f64::from(k + 1)];
+            measured.advance(0.1, 5, [&state(times[0]), &state(times[1])], [&rates(times[0]), &rates(times[1])]);
+        }
+        let expected = measured.of_state(1).0 * libm::exp(-0.8);
+        assert!((run(5, None).of_state(1).0 - expected).abs() < 1e-14);
+    }
+}

@@ -22,11 +22,11 @@ pub(super) struct Snapshot<S, const R: usize> {
     pub(super) frame: u64,
 }
 
-/// Frames and snapshots, the frames numbered from one.
-pub(crate) struct History<I, S, const R: usize> {
-    frames: [Option<Sample<I, R>>; FRAMES],
+/// Frames and snapshots, the frames numbered from one. `F` of them are kept: tests try small rooms.
+pub(crate) struct History<I, S, const R: usize, const F: usize = FRAMES> {
+    frames: [Option<Sample<I, R>>; F],
     /// How well the running estimate has predicted them.
-    merits: [Merit; FRAMES],
+    merits: [Merit; F],
     /// Number of the newest frame.
     newest: u64,
     /// Of the oldest frame that belongs to the present run of the state.
@@ -35,23 +35,16 @@ pub(crate) struct History<I, S, const R: usize> {
     spacing: u64,
 }
 
-/// Where the frame of a number is kept.
-fn place(number: u64) -> usize {
-    (number % FRAMES as u64) as usize
-}
+impl<I: Copy, S: Copy, const R: usize, const F: usize> History<I, S, R, F> {
+    /// Where the frame of a number is kept.
+    fn place(number: u64) -> usize {
+        (number % F as u64) as usize
+    }
 
-impl<I: Copy, S: Copy, const R: usize> History<I, S, R> {
     /// `window` is the length of the detector's window in frames.
     pub(crate) fn new(window: usize) -> Self {
         let spacing = (window as u64 * 3 / 4).clamp(1, SPACING);
-        Self {
-            frames: [None; FRAMES],
-            merits: [Merit::NONE; FRAMES],
-            newest: 0,
-            first: 1,
-            snapshots: [None; SNAPSHOTS],
-            spacing,
-        }
+        Self { frames: [None; F], merits: [Merit::NONE; F], newest: 0, first: 1, snapshots: [None; SNAPSHOTS], spacing }
     }
 
     /// Number of the newest frame.
@@ -61,24 +54,24 @@ impl<I: Copy, S: Copy, const R: usize> History<I, S, R> {
 
     /// A frame, if it is still there.
     pub(crate) fn frame(&self, number: u64) -> Option<&Sample<I, R>> {
-        let kept = number >= self.first && number <= self.newest && self.newest - number < FRAMES as u64;
-        if kept { self.frames[place(number)].as_ref() } else { None }
+        let kept = number >= self.first && number <= self.newest && self.newest - number < F as u64;
+        if kept { self.frames[Self::place(number)].as_ref() } else { None }
     }
 
     /// Keeps the next frame in place of the oldest one.
     pub(crate) fn push(&mut self, sample: &Sample<I, R>) {
         self.newest += 1;
-        self.frames[place(self.newest)] = Some(*sample);
+        self.frames[Self::place(self.newest)] = Some(*sample);
     }
 
     /// Notes how well the newest frame was predicted.
     pub(crate) fn judge(&mut self, merit: Merit) {
-        self.merits[place(self.newest)] = merit;
+        self.merits[Self::place(self.newest)] = merit;
     }
 
     /// How well a frame that is still there was predicted when it was new.
     pub(crate) fn merit(&self, number: u64) -> &Merit {
-        &self.merits[place(number)]
+        &self.merits[Self::place(number)]
     }
 
     /// Takes a snapshot after the newest frame if one is due; the oldest one goes.
@@ -96,9 +89,8 @@ impl<I: Copy, S: Copy, const R: usize> History<I, S, R> {
     /// The newest snapshot before a frame from which everything since is still there; the oldest such one if all are
     /// later than that.
     pub(super) fn before(&self, frame: u64) -> Option<&Snapshot<S, R>> {
-        let complete = |snapshot: &&Snapshot<S, R>| {
-            snapshot.frame >= self.first && self.newest - snapshot.frame < FRAMES as u64 - 1
-        };
+        let complete =
+            |snapshot: &&Snapshot<S, R>| snapshot.frame >= self.first && self.newest - snapshot.frame < F as u64 - 1;
         let usable = || self.snapshots.iter().flatten().filter(complete);
         let earlier = usable().filter(|snapshot| snapshot.frame < frame).max_by_key(|snapshot| snapshot.frame);
         earlier.or_else(|| usable().min_by_key(|snapshot| snapshot.frame))
@@ -118,8 +110,12 @@ impl<I: Copy, S: Copy, const R: usize> History<I, S, R> {
 
 #[cfg(test)]
 mod tests {
+    extern crate std;
+
     use super::{FRAMES, History};
     use crate::model::Sample;
+    use crate::supervisor::faults::Merit;
+    use std::vec::Vec;
 
     fn at(number: u64) -> Sample<(), 1> {
         Sample { time_s: number as f64, input: (), outputs: [0.0] }
@@ -155,6 +151,87 @@ mod tests {
         // Too long ago: from the oldest one on.
         assert_eq!(found(300), Some((376, 376)));
         assert!(flown(0).before(1).is_none());
+    }
+
+    /// What a history of room `F` and its model, plain lists that forget nothing they should keep, are told.
+    #[derive(Clone, Copy)]
+    enum Step {
+        /// A frame and, if one is due, a snapshot.
+        Fly,
+        /// A frame alone, as while a challenger is followed.
+        Push,
+        Forget,
+        Clear,
+    }
+
+    const STEPS: [Step; 4] = [Step::Fly, Step::Push, Step::Forget, Step::Clear];
+    /// Length of the sequences that are tried, all of them.
+    const LENGTH: u32 = if cfg!(miri) { 4 } else { 8 };
+
+    /// Every sequence of steps, against plain lists: each frame that is kept is the one of its number, and each snapshot
+    /// that is handed out has all frames since, and the one before it.
+    fn agrees_with_plain_lists<const F: usize>(window: usize) {
+        for sequence in 0..STEPS.len().pow(LENGTH) {
+            let mut history = History::<(), u64, 1, F>::new(window);
+            let (mut newest, mut first, mut snapshots) = (0, 1, Vec::new());
+            for step in 0..LENGTH {
+                match STEPS[sequence / STEPS.len().pow(step) % STEPS.len()] {
+                    what @ (Step::Fly | Step::Push) => {
+                        newest += 1;
+                        history.push(&at(newest));
+                        history.judge(Merit::NONE);
+                        if matches!(what, Step::Fly) {
+                            history.note(&newest, || None);
+                            let due = |last: &u64| newest >= *last + (window as u64 * 3 / 4).clamp(1, 75);
+                            if snapshots.last().is_none_or(due) {
+                                snapshots.push(newest);
+                            }
+                        }
+                    }
+                    Step::Forget => {
+                        history.forget_snapshots();
+                        snapshots.clear();
+                    }
+                    Step::Clear => {
+                        history.clear();
+                        snapshots.clear();
+                        first = newest + 1;
+                    }
+                }
+                assert_eq!(history.newest(), newest);
+                let in_room = |number: u64| (newest + 1).saturating_sub(F as u64) <= number && number <= newest;
+                for number in 0..newest + 2 {
+                    let kept = in_room(number) && number >= first;
+                    assert_eq!(history.frame(number).map(|frame| frame.time_s), kept.then_some(number as f64));
+                    if kept {
+                        // No merit beyond the room.
+                        let _ = history.merit(number);
+                    }
+                }
+                let two = &snapshots[snapshots.len().saturating_sub(2)..];
+                let usable: Vec<u64> = two
+                    .iter()
+                    .copied()
+                    .filter(|frame| in_room(frame - 1) || (*frame == 1 && newest < F as u64 - 1))
+                    .collect();
+                for frame in 0..newest + 2 {
+                    let earlier = usable.iter().copied().filter(|snapshot| *snapshot < frame).max();
+                    let found = history.before(frame);
+                    assert_eq!(found.map(|snapshot| snapshot.frame), earlier.or(usable.iter().copied().min()));
+                    assert!(found.is_none_or(|snapshot| snapshot.slot == snapshot.frame));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn every_short_flight_in_every_small_room_agrees_with_plain_lists() {
+        for window in [0, 3] {
+            agrees_with_plain_lists::<1>(window);
+            agrees_with_plain_lists::<2>(window);
+            agrees_with_plain_lists::<3>(window);
+            agrees_with_plain_lists::<4>(window);
+        }
     }
 
     #[test]

@@ -107,8 +107,8 @@ pub enum NameProblem {
     Twice,
     /// The name cannot be a header of a column.
     #[error(
-        "is empty, begins or ends with a blank, holds a quote, a line end or another control character, or begins like a \
-         formula (=, +, -, @)"
+        "is empty, begins or ends with a blank, holds a line end or another control character, or begins like a formula \
+         (=, +, -, @)"
     )]
     Unwritable,
     /// No header with this name would be read back as this channel.

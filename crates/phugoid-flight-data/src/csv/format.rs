@@ -10,6 +10,10 @@ pub(super) enum Delimiter {
     Blanks,
 }
 
+/// What cells may be separated by; the first ones are preferred.
+pub(super) const DELIMITERS: [Delimiter; 5] =
+    [Delimiter::Byte(b','), Delimiter::Byte(b';'), Delimiter::Byte(b'\t'), Delimiter::Byte(b'|'), Delimiter::Blanks];
+
 /// The layout of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Format {
@@ -117,15 +121,8 @@ pub(super) fn sniff(sample: &[u8], complete: bool, wanted: Option<char>) -> Form
 /// The delimiter with which most of the first rows have as many cells as the header; of equally good ones, that with
 /// more cells.
 fn best_delimiter(rows: &[&str], with: impl Fn(Delimiter) -> Format) -> Delimiter {
-    let candidates = [
-        Delimiter::Byte(b','),
-        Delimiter::Byte(b';'),
-        Delimiter::Byte(b'\t'),
-        Delimiter::Byte(b'|'),
-        Delimiter::Blanks,
-    ];
     let mut best = (Delimiter::Byte(b','), 0, 1);
-    for candidate in candidates {
+    for candidate in DELIMITERS {
         let counts: Vec<usize> = rows.iter().map(|row| with(candidate).owned_cells(row).len()).collect();
         let Some((&header, below)) = counts.split_first() else { continue };
         let agreeing = 1 + below.iter().filter(|&&count| count == header).count();

@@ -3,6 +3,7 @@
 use super::cells::{self, Cell};
 use super::format::{self, Format};
 use super::{CsvOptions, ReadError};
+use crate::channels;
 use crate::quality::QualityReport;
 use crate::table::columns::{self, Head, Plan};
 use crate::table::{TableError, TableOptions};
@@ -94,12 +95,26 @@ pub enum BadRow {
 
 impl RowReader {
     /// Interprets the header line. The first rows (`rows`, may be empty) help to find the layout: what separates cells,
-    /// and whether there are decimal commas.
+    /// and whether there are decimal commas. Of a header alone the cells are taken that give the most known channels.
     ///
     /// # Errors
     /// [`ReadError`]: as [`StreamColumns::new`], and [`ReadError::NoHeader`] if the header holds numbers.
     pub fn new(source: &str, header: &str, rows: &str, options: &CsvOptions) -> Result<Self, ReadError> {
         let format = format::sniff(format!("{header}\n{rows}").as_bytes(), true, options.delimiter);
+        let found = Self::with_format(source, header, format, options);
+        if options.delimiter.is_some() || !rows.trim().is_empty() {
+            return found;
+        }
+        // A name may hold blanks, commas and semicolons, and no row tells yet which of them separate cells.
+        let known = |reader: &Self| reader.columns.channels().filter(|name| channels::by_name(name).is_some()).count();
+        let others = format::DELIMITERS.into_iter().filter(|delimiter| *delimiter != format.delimiter);
+        let others = others
+            .filter_map(|delimiter| Self::with_format(source, header, Format { delimiter, ..format }, options).ok());
+        let score = |reader: &Result<Self, ReadError>| reader.as_ref().ok().map(known);
+        others.map(Ok).fold(found, |best, other| if score(&other) > score(&best) { other } else { best })
+    }
+
+    fn with_format(source: &str, header: &str, format: Format, options: &CsvOptions) -> Result<Self, ReadError> {
         let mut scratch = ::csv::StringRecord::new();
         let header = header.trim_start_matches('\u{feff}').trim_start_matches('#').trim();
         let cells = format.cells(header, &mut scratch);
@@ -162,6 +177,23 @@ mod tests {
             }
         }
         assert!(reader.columns().quality().findings.iter().any(|finding| finding.place.contains("'q'")));
+    }
+
+    /// Before the first row only the channels tell what separates the cells: none of these names is divided.
+    #[test]
+    fn a_header_alone_is_cut_where_it_gives_channels() {
+        for (header, channels) in [
+            ("time_s, alpha [deg], body q", &["alpha", "body q"][..]),
+            ("time_s,left elevator position [deg]", &["left elevator position"]),
+            ("time_s;Alpha, deg;q_deg_s", &["alpha", "q"]),
+            ("time_s,a;b;c,alpha_deg", &["a;b;c", "alpha"]),
+            ("\"time_s\",\"the \"\"true\"\" one, or not\",\"alpha_deg\"", &["the \"true\" one, or not", "alpha"]),
+            ("time_s alpha_deg q_deg_s", &["alpha", "q"]),
+        ] {
+            let reader = RowReader::new("stream", header, "", &CsvOptions::default());
+            let reader = reader.unwrap_or_else(|error| panic!("{header}: {error}"));
+            assert_eq!(reader.columns().channels().collect::<Vec<_>>(), channels, "{header}");
+        }
     }
 
     #[test]

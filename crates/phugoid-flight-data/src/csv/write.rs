@@ -53,7 +53,7 @@ pub(crate) fn headers(record: &Record, target: &str) -> Result<Vec<String>, Writ
             return Err(name(NameProblem::Twice));
         }
         let is_writable = |name: &str| {
-            let is_shown = !name.contains(|c| c == '"' || printable::is_command(c));
+            let is_shown = !name.contains(printable::is_command);
             !name.is_empty() && name.trim() == name && is_shown && !printable::is_formula(name)
         };
         if !is_writable(&channel.name) {

@@ -63,6 +63,16 @@ impl DiskFile for File {
     }
 }
 
+/// What became of the oldest part when another one began.
+pub(super) enum Oldest {
+    /// There is room for it.
+    Stays,
+    /// It was removed.
+    Removed(PathBuf),
+    /// It should have been removed, and the system does not allow it.
+    Refuses(PathBuf, io::Error),
+}
+
 /// The file that is being written, and those before it.
 pub(super) struct Parts {
     disk: Box<dyn Disk>,
@@ -109,6 +119,11 @@ impl Parts {
         })
     }
 
+    /// Size from which on another part begins, bytes, if the recording is limited.
+    pub(super) fn part_bytes(&self) -> Option<u64> {
+        self.part_bytes
+    }
+
     /// Notes what a later part has to begin with.
     pub(super) fn note(&mut self, arrival: &Arrival) {
         match &arrival.content {
@@ -146,10 +161,10 @@ impl Parts {
     }
 
     /// Begins another part if this one is large enough, with the stamps of the last arrival. Gives the bytes that were
-    /// written beside those of the caller, and the file that was removed.
-    pub(super) fn rotate(&mut self, stamps: [u64; 2]) -> io::Result<(u64, Option<PathBuf>)> {
+    /// written beside those of the caller, and what became of the oldest part.
+    pub(super) fn rotate(&mut self, stamps: [u64; 2]) -> io::Result<(u64, Oldest)> {
         if self.part_bytes.is_none_or(|most| self.length < most) {
-            return Ok((0, None));
+            return Ok((0, Oldest::Stays));
         }
         let mut end = Vec::new();
         append(&mut end, BlockKind::End, stamps, 0, &[]);
@@ -180,11 +195,27 @@ impl Parts {
         self.number += 1;
         self.kept.push_back(path);
         synced?;
-        let old = if self.kept.len() as u64 > PARTS { self.kept.pop_front() } else { None };
-        if let Some(old) = &old {
-            self.disk.remove(old)?;
+        Ok(((end.len() + start.len()) as u64, self.remove_oldest()))
+    }
+
+    /// Removes the oldest part if there are too many. That it cannot be removed is no reason to write nothing more: it
+    /// is tried again with the next part.
+    fn remove_oldest(&mut self) -> Oldest {
+        let mut oldest = Oldest::Stays;
+        while self.kept.len() as u64 > PARTS
+            && let Some(path) = self.kept.pop_front()
+        {
+            match self.disk.remove(&path) {
+                Ok(()) => oldest = Oldest::Removed(path),
+                // Somebody has removed or moved it.
+                Err(error) if error.kind() == io::ErrorKind::NotFound => {}
+                Err(error) => {
+                    self.kept.push_front(path.clone());
+                    return Oldest::Refuses(path, error);
+                }
+            }
         }
-        Ok(((end.len() + start.len()) as u64, old))
+        oldest
     }
 
     /// The present file for the thread that puts it on the disk.

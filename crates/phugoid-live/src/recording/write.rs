@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 
 use super::block::{Block, BlockKind, append};
 use super::header::Header;
-use super::parts::{Disk, FileSystem, Parts};
+use super::parts::{Disk, FileSystem, Oldest, Parts};
 use crate::arrival::Arrival;
 use crate::budget::Budget;
 
@@ -63,10 +63,21 @@ impl Recorded {
     }
 }
 
+/// What waits for the recorder's thread, in the order of the file.
+enum Entry {
+    Arrival(Arrival),
+    /// So many arrivals are missing here.
+    Gap(u64),
+}
+
 /// Writes a recording while it is received. [`write_whole`] writes one at once.
 pub struct Recorder {
-    queue: Option<Sender<Arrival>>,
+    queue: Option<Sender<Entry>>,
     budget: Arc<Budget>,
+    /// Arrivals that were dropped since the last one that was not.
+    missing: AtomicU64,
+    /// Nothing further comes.
+    ending: Arc<AtomicBool>,
     thread: Option<JoinHandle<io::Result<()>>>,
     recorded: Recorded,
 }
@@ -106,20 +117,43 @@ impl Recorder {
         // What waits is bounded in bytes.
         let (queue, arrivals) = mpsc::channel();
         let (shared, returned) = (recorded.clone(), Arc::clone(&budget));
-        let writing = Writing { parts, recorded: shared, budget: returned, said_dropped: 0, failing: None };
+        let ending = Arc::new(AtomicBool::new(false));
+        let writing = Writing {
+            parts,
+            recorded: shared,
+            budget: returned,
+            ending: Arc::clone(&ending),
+            said_dropped: 0,
+            failing: None,
+        };
         let thread = std::thread::Builder::new().name("recorder".to_owned()).spawn(move || writing.run(&arrivals))?;
-        Ok(Self { queue: Some(queue), budget, thread: Some(thread), recorded })
+        Ok(Self { queue: Some(queue), budget, missing: AtomicU64::new(0), ending, thread: Some(thread), recorded })
     }
 
     /// Hands over an arrival. This never waits: if the disk is too far behind, the arrival is dropped and counted.
     pub fn record(&self, arrival: Arrival) {
         let bytes = arrival.size();
         let Some(queue) = &self.queue else { return };
-        if !self.budget.try_take(bytes) {
-            self.recorded.dropped.fetch_add(1, Ordering::Relaxed);
-        } else if queue.send(arrival).is_err() {
+        let taken = self.budget.try_take(bytes);
+        if taken {
+            self.send_gap(queue);
+        }
+        if taken && queue.send(Entry::Arrival(arrival)).is_ok() {
+            return;
+        }
+        if taken {
             self.budget.give_back(bytes);
-            self.recorded.dropped.fetch_add(1, Ordering::Relaxed);
+        }
+        self.missing.fetch_add(1, Ordering::Relaxed);
+        self.recorded.dropped.fetch_add(1, Ordering::Relaxed);
+    }
+
+    /// Notes where arrivals are missing: behind what waits, before what comes next.
+    fn send_gap(&self, queue: &Sender<Entry>) {
+        let missing = self.missing.swap(0, Ordering::Relaxed);
+        if missing > 0 {
+            // If the thread is gone, there is no file to note it in; the arrivals are counted.
+            let _ = queue.send(Entry::Gap(missing));
         }
     }
 
@@ -131,9 +165,13 @@ impl Recorder {
     /// Writes the arrivals that still wait and the end, and puts everything on the disk.
     ///
     /// # Errors
-    /// What the operating system said when writing failed, also in a last attempt now.
+    /// What the operating system said when writing failed, also in a last attempt now, with the number of packets that
+    /// are missing in the recording by that.
     pub fn finish(mut self) -> io::Result<()> {
-        self.queue = None;
+        if let Some(queue) = self.queue.take() {
+            self.send_gap(&queue);
+        }
+        self.ending.store(true, Ordering::Relaxed);
         match self.thread.take().map(JoinHandle::join) {
             Some(Ok(result)) => result,
             Some(Err(_)) => Err(io::Error::other("the recorder has stopped")),
@@ -181,15 +219,52 @@ struct Writing {
     parts: Parts,
     recorded: Recorded,
     budget: Arc<Budget>,
-    /// Arrivals that were dropped and have been noted in the file.
+    /// Nothing further comes: what a full disk does not take now, it never takes.
+    ending: Arc<AtomicBool>,
+    /// Arrivals that were dropped and have been told of.
     said_dropped: u64,
     /// Since when nothing can be written.
     failing: Option<Instant>,
 }
 
+/// Blocks that are not in the file yet.
+#[derive(Default)]
+struct Pending {
+    blocks: Vec<u8>,
+    /// Number of the arrivals in them.
+    arrivals: u64,
+    /// Bytes that these arrivals took in the queue.
+    taken: usize,
+    /// Stamps of the last arrival.
+    stamps: [u64; 2],
+}
+
+impl Pending {
+    /// Takes entries of the queue until there is enough to write. True if it is empty and nothing further comes.
+    fn fill(&mut self, entries: &Receiver<Entry>, parts: &mut Parts, at_once: usize) -> bool {
+        while self.blocks.len() < at_once {
+            match entries.try_recv() {
+                Ok(Entry::Arrival(arrival)) => {
+                    self.arrivals += 1;
+                    self.taken += arrival.size();
+                    self.stamps = [arrival.arrival_ns, arrival.wall_ns];
+                    parts.note(&arrival);
+                    append_arrival(&mut self.blocks, &arrival);
+                }
+                Ok(Entry::Gap(missing)) => {
+                    append(&mut self.blocks, BlockKind::Gap, self.stamps, 0, &missing.to_le_bytes());
+                }
+                Err(TryRecvError::Empty) => return false,
+                Err(TryRecvError::Disconnected) => return true,
+            }
+        }
+        false
+    }
+}
+
 impl Writing {
     /// Writes arrivals until their sender is gone, then the end.
-    fn run(mut self, arrivals: &Receiver<Arrival>) -> io::Result<()> {
+    fn run(mut self, entries: &Receiver<Entry>) -> io::Result<()> {
         // Putting data on the disk may take long, so another thread does it.
         let (sync, wanted) = mpsc::sync_channel::<File>(1);
         let syncing = std::thread::Builder::new().name("recorder-sync".to_owned()).spawn(move || {
@@ -199,41 +274,36 @@ impl Writing {
             }
         })?;
         let mut synced = Instant::now();
-        // Blocks that are not in the file yet, the bytes that their arrivals took in the queue, and the last stamps.
-        let (mut blocks, mut taken, mut stamps) = (Vec::new(), 0, [0, 0]);
+        let mut pending = Pending::default();
+        // A part ends with the write that makes it long enough, and may not be much longer than it should be.
+        let of_part = self.parts.part_bytes().map_or(AT_ONCE, |most| usize::try_from(most / 16).unwrap_or(AT_ONCE));
+        let at_once = of_part.clamp(1, AT_ONCE);
         let result = loop {
             // The thread sleeps most of the time, because waking up for every arrival would cost more than writing.
             std::thread::sleep(if self.failing.is_some() { TRY_AGAIN } else { WRITE_WITHIN / 2 });
-            let (mut ended, mut more) = (false, true);
-            while more {
-                while blocks.len() < AT_ONCE {
-                    match arrivals.try_recv() {
-                        Ok(arrival) => {
-                            taken += arrival.size();
-                            stamps = [arrival.arrival_ns, arrival.wall_ns];
-                            self.parts.note(&arrival);
-                            append_arrival(&mut blocks, &arrival);
-                        }
-                        Err(TryRecvError::Empty) => break,
-                        Err(TryRecvError::Disconnected) => {
-                            ended = true;
-                            break;
-                        }
-                    }
+            // Asked before the attempt: after it the disk has had its last chance.
+            let is_last = self.ending.load(Ordering::Relaxed);
+            let written = loop {
+                let ended = pending.fill(entries, &mut self.parts, at_once);
+                let more = pending.blocks.len() >= at_once;
+                match self.attempt(&mut pending) {
+                    Ok(()) if more => {}
+                    Ok(()) => break Ok(ended),
+                    Err(error) => break Err(error),
                 }
-                more = blocks.len() >= AT_ONCE;
-                if !self.attempt(&mut blocks, &mut taken, stamps, ended && !more) {
-                    break;
+            };
+            match written {
+                Ok(true) => break self.parts.end(),
+                Err(error) if is_last => {
+                    // However much waits: a disk that stays full would never take it.
+                    let waiting = entries.try_iter().filter(|entry| matches!(entry, Entry::Arrival(_))).count();
+                    let lost = pending.arrivals + waiting as u64;
+                    break Err(io::Error::new(
+                        error.kind(),
+                        format!("{error}; of what was received last {} could not be written", packets(lost)),
+                    ));
                 }
-            }
-            if ended && (self.failing.is_some() || !more) {
-                break match self.failing {
-                    None => self.parts.end(),
-                    Some(_) => Err(io::Error::other(format!(
-                        "{} bytes that were received last could not be written",
-                        blocks.len()
-                    ))),
-                };
+                Ok(false) | Err(_) => {}
             }
             if synced.elapsed() >= SYNC_INTERVAL {
                 // A full queue means that the other thread is still at work.
@@ -246,13 +316,13 @@ impl Writing {
         result
     }
 
-    /// Tries to write what waits, and says when that stops or begins to succeed. False if it did not succeed.
-    fn attempt(&mut self, blocks: &mut Vec<u8>, taken: &mut usize, stamps: [u64; 2], is_last: bool) -> bool {
-        let written = self.parts.rotate(stamps).and_then(|rotated| {
-            self.parts.write(blocks)?;
+    /// Tries to write what waits, and says when that stops or begins to succeed.
+    fn attempt(&mut self, pending: &mut Pending) -> io::Result<()> {
+        let written = self.parts.rotate(pending.stamps).and_then(|rotated| {
+            self.parts.write(&pending.blocks)?;
             Ok(rotated)
         });
-        let (further, removed) = match written {
+        let (further, oldest) = match written {
             Ok(rotated) => rotated,
             Err(error) => {
                 if self.failing.is_none() {
@@ -262,22 +332,24 @@ impl Writing {
                         "the recording cannot be written ({error}): it is tried again, and what comes waits meanwhile"
                     ));
                 }
-                return false;
+                return Err(error);
             }
         };
-        self.recorded.bytes.fetch_add(blocks.len() as u64 + further, Ordering::Relaxed);
-        self.budget.give_back(std::mem::take(taken));
-        blocks.clear();
-        if let Some(removed) = removed {
-            self.recorded.say(format!("the recording has reached its limit: {} was removed", removed.display()));
+        self.recorded.bytes.fetch_add(pending.blocks.len() as u64 + further, Ordering::Relaxed);
+        self.budget.give_back(std::mem::take(&mut pending.taken));
+        pending.blocks.clear();
+        pending.arrivals = 0;
+        match oldest {
+            Oldest::Stays => {}
+            Oldest::Removed(path) => {
+                self.recorded.say(format!("the recording has reached its limit: {} was removed", path.display()));
+            }
+            Oldest::Refuses(path, error) => self
+                .recorded
+                .say(format!("the recording is larger than its limit: {} cannot be removed ({error})", path.display())),
         }
         let dropped = self.recorded.dropped();
-        let lost = dropped - self.said_dropped;
-        if lost > 0 {
-            // Behind what waited, where the arrivals are missing.
-            append(blocks, BlockKind::Gap, stamps, 0, &lost.to_le_bytes());
-            self.said_dropped = dropped;
-        }
+        let lost = dropped - std::mem::replace(&mut self.said_dropped, dropped);
         if let Some(since) = self.failing.take() {
             self.recorded.failing.store(false, Ordering::Relaxed);
             let seconds = since.elapsed().as_secs_f64();
@@ -285,18 +357,18 @@ impl Writing {
         } else if lost > 0 {
             self.recorded.say(format!("the disk is too slow for the recording; {}", lost_words(lost)));
         }
-        if is_last && !blocks.is_empty() && self.parts.write(blocks).is_ok() {
-            blocks.clear();
-        }
-        true
+        Ok(())
     }
+}
+
+fn packets(number: u64) -> String {
+    if number == 1 { "one packet".to_owned() } else { format!("{number} packets") }
 }
 
 fn lost_words(lost: u64) -> String {
     match lost {
         0 => "nothing was lost".to_owned(),
-        1 => "one packet is missing in it".to_owned(),
-        lost => format!("{lost} packets are missing in it"),
+        lost => format!("{} {} missing in it", packets(lost), if lost == 1 { "is" } else { "are" }),
     }
 }
 
@@ -317,6 +389,8 @@ mod tests {
     struct Shelf {
         files: BTreeMap<PathBuf, Vec<u8>>,
         room: usize,
+        /// Nothing may be removed.
+        keeps: bool,
     }
 
     struct MemoryFile(Memory, PathBuf);
@@ -337,12 +411,18 @@ mod tests {
 
     impl Disk for Memory {
         fn create(&self, path: &Path) -> io::Result<Box<dyn DiskFile>> {
-            let before = self.0.lock().unwrap().files.insert(path.to_owned(), Vec::new());
-            assert_eq!(before, None);
+            let mut shelf = self.0.lock().unwrap();
+            if shelf.room == 0 {
+                return Err(io::ErrorKind::StorageFull.into());
+            }
+            assert_eq!(shelf.files.insert(path.to_owned(), Vec::new()), None);
             Ok(Box::new(MemoryFile(self.clone(), path.to_owned())))
         }
 
         fn remove(&self, path: &Path) -> io::Result<()> {
+            if self.0.lock().unwrap().keeps {
+                return Err(io::ErrorKind::PermissionDenied.into());
+            }
             self.0.lock().unwrap().files.remove(path).map(|_| ()).ok_or(io::ErrorKind::NotFound.into())
         }
     }
@@ -440,13 +520,54 @@ mod tests {
         }
     }
 
+    /// However much waits: more than is written at once, too.
     #[test]
     fn a_disk_that_stays_full_is_an_error_at_the_end() {
+        for number in [100, 20_000] {
+            let disk = Memory::default();
+            disk.room(1000);
+            let recorder = Recorder::create_on(Box::new(disk), Path::new("f"), &Header::default(), None, 1 << 30);
+            let recorder = recorder.unwrap();
+            (0..number).for_each(|k| recorder.record(datagram(k)));
+            let (tell, told) = mpsc::channel();
+            std::thread::spawn(move || tell.send(recorder.finish()));
+            let error = told.recv_timeout(Duration::from_secs(60)).expect("it does not end").unwrap_err();
+            assert_eq!(error.kind(), io::ErrorKind::StorageFull);
+            let said = error.to_string();
+            assert!(said.contains(&format!("{number} packets could not be written")), "{said}");
+        }
+    }
+
+    /// The note of what is missing stands where it is missing: behind all that waited, before all that came later.
+    #[test]
+    fn a_gap_is_noted_where_it_is() {
         let disk = Memory::default();
         disk.room(1000);
-        let recorder = Recorder::create_on(Box::new(disk), Path::new("f"), &Header::default(), None, 1 << 20).unwrap();
-        (0..100).for_each(|k| recorder.record(datagram(k)));
-        assert!(recorder.finish().unwrap_err().to_string().contains("could not be written"));
+        // Several times what is written at once may wait.
+        let waiting = 4 * AT_ONCE;
+        let recorder =
+            Recorder::create_on(Box::new(disk.clone()), Path::new("f"), &Header::default(), None, waiting).unwrap();
+        let recorded = recorder.recorded();
+        let before = waiting as u64 / datagram(0).size() as u64 * 2;
+        (0..before).for_each(|k| recorder.record(datagram(k)));
+        let dropped = recorded.dropped();
+        assert!(dropped > 1000, "{dropped}");
+        until(|| recorded.failed());
+        disk.room(1 << 30);
+        until(|| !recorded.failed());
+        (before..before + 10).for_each(|k| recorder.record(datagram(k)));
+        assert_eq!(recorded.dropped(), dropped);
+        recorder.finish().unwrap();
+        let file = disk.file("f");
+        let mut reader = Reader::from_input(file.as_slice(), "test").unwrap();
+        let (mut next, mut lost) = (0, 0);
+        while let Some(arrival) = reader.next_arrival().unwrap() {
+            let skipped = reader.damage().lost_arrivals - lost;
+            lost += skipped;
+            assert_eq!(arrival.arrival_ns, next + skipped);
+            next = arrival.arrival_ns + 1;
+        }
+        assert_eq!((next, lost), (before + 10, dropped));
     }
 
     #[test]
@@ -487,6 +608,71 @@ mod tests {
         }
         assert_eq!(last, Some(999));
         assert!(recorded.take_news().iter().any(|text| text.contains("a.b was removed")));
+    }
+
+    /// The disk may be full at any byte: within a block, at the end of a part, in the beginning of the next one. Once
+    /// there is room, all goes on where it was.
+    #[test]
+    fn a_disk_that_is_full_at_any_byte_of_a_rotation_loses_nothing() {
+        let mut header = Vec::new();
+        append_header(&mut header, &Header::default()).unwrap();
+        let (path, most) = (Path::new("a.b"), 4 * (header.len() as u64 + 300));
+        let mut refused = 0;
+        for room in header.len()..header.len() + 1200 {
+            let disk = Memory::default();
+            disk.room(room);
+            let mut parts = Parts::create(Box::new(disk.clone()), path, header.clone(), Some(most)).unwrap();
+            parts.note(&opened());
+            for k in 0..9 {
+                let mut blocks = Vec::new();
+                append_arrival(&mut blocks, &datagram(k));
+                // As the thread does it: what was not written is written again.
+                while parts.rotate([k, k]).and_then(|_| parts.write(&blocks)).is_err() {
+                    refused += 1;
+                    disk.room(1 << 20);
+                }
+            }
+            parts.end().unwrap();
+            let mut numbers = Vec::new();
+            for name in disk.names() {
+                let arrivals = read(&disk.file(&name)).0.into_iter();
+                numbers.extend(
+                    arrivals
+                        .filter(|a| *a != Arrival { arrival_ns: a.arrival_ns, wall_ns: a.wall_ns, ..opened() })
+                        .map(|a| a.arrival_ns),
+                );
+            }
+            numbers.sort_unstable();
+            assert_eq!(numbers, (0..9).collect::<Vec<_>>(), "{room}");
+            assert!(disk.names().len() > 1, "{room}");
+        }
+        assert!(refused > 500, "{refused}");
+    }
+
+    /// A part that cannot be removed is said, and is no reason to record no more.
+    #[test]
+    fn a_part_that_stays_is_said() {
+        let disk = Memory::default();
+        disk.room(1 << 30);
+        disk.0.lock().unwrap().keeps = true;
+        let path = Path::new("a.b");
+        let recorder = Recorder::create_on(Box::new(disk.clone()), path, &Header::default(), Some(8_000), 1 << 30);
+        let recorder = recorder.unwrap();
+        let recorded = recorder.recorded();
+        for k in 0..200 {
+            recorder.record(datagram(k));
+            if k % 10 == 9 {
+                let before = recorded.bytes();
+                until(|| recorded.bytes() > before);
+            }
+        }
+        recorder.finish().unwrap();
+        assert!(disk.names().len() > 5, "{:?}", disk.names());
+        let news = recorded.take_news().concat();
+        assert!(
+            news.contains("larger than its limit: a.b cannot be removed") && !news.contains("tried again"),
+            "{news}"
+        );
     }
 
     #[cfg(unix)]

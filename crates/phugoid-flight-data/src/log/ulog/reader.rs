@@ -55,55 +55,7 @@ pub(in crate::log) fn run<R: Read, S: Sink>(
         log.head.quality.note("byte 7", format!("version {version} of the format is not known; read as version 1"));
     }
     window.advance(16);
-    let mut lost = false;
-    loop {
-        // Room for two messages: whether a doubtful one is valid depends on the next one.
-        window.fill(2 * LONGEST).map_err(io)?;
-        let offset = window.offset();
-        let cut = log.appended.iter().copied().find(|&begin| begin > offset).map(|begin| begin - offset);
-        let bytes = window.bytes();
-        let bytes = cut.and_then(|cut| bytes.get(..usize::try_from(cut).ok()?)).unwrap_or(bytes);
-        if bytes.is_empty() {
-            break;
-        }
-        let Some((kind, payload)) = message::split(bytes) else {
-            // The log ends here, or the length is wrong. There may still be messages inside.
-            let rest = bytes.len();
-            match log.find(bytes) {
-                Some(step) => {
-                    log.skipped.add(offset, step as u64);
-                    window.advance(step);
-                }
-                None => {
-                    log.cut.push((offset, rest));
-                    window.advance(rest);
-                }
-            }
-            continue;
-        };
-        let trust = message::trust(kind, payload, &log.definitions);
-        let length = HEADER + payload.len();
-        let follows = bytes.get(length..).is_some_and(|rest| message::may_begin(rest, &log.definitions));
-        let good = match trust {
-            // If no message follows, bytes may be missing inside this one, and the next message begins within its
-            // length.
-            Trust::Strong => {
-                follows || log.find(bytes.get(..length + LONGEST).unwrap_or(bytes)).is_none_or(|at| at >= length)
-            }
-            Trust::Weak => follows && !lost,
-            Trust::No => false,
-        };
-        if good {
-            lost = false;
-            log.take(kind, payload, sink, offset).map_err(|halt| halt.into_stop(source))?;
-            window.advance(length);
-        } else {
-            let step = log.find(bytes).unwrap_or(bytes.len().saturating_sub(LONGEST).max(1)).min(bytes.len());
-            log.skipped.add(offset, step as u64);
-            window.advance(step);
-            lost = true;
-        }
-    }
+    log.messages(&mut window, source, sink)?;
     Ok(log.finish(source)?)
 }
 
@@ -124,6 +76,10 @@ struct Reading {
     last_us: f64,
     samples: u64,
     skipped: Skipped,
+    barren: Barren,
+    /// Positions that were judged in search of a message.
+    #[cfg(test)]
+    judged: std::cell::Cell<u64>,
     cut: Vec<(u64, usize)>,
     parameters: HashMap<String, usize>,
     changes: Vec<(f64, String, f64)>,
@@ -136,6 +92,17 @@ struct Reading {
     left_out: BTreeMap<String, String>,
     unknown_kinds: BTreeMap<char, u64>,
     row: Vec<f64>,
+}
+
+/// Whether the last part of the log that was searched holds a message that is certain.
+#[derive(Debug, Default)]
+struct Barren {
+    /// Its end, bytes from the start of the file.
+    end: u64,
+    /// From the present position on there is none.
+    is_barren: bool,
+    /// How often definitions were changed after that was found.
+    changed: u32,
 }
 
 /// Why a message ends the reading of the log.
@@ -182,6 +149,9 @@ impl Reading {
             last_us,
             samples: 0,
             skipped: Skipped::default(),
+            barren: Barren::default(),
+            #[cfg(test)]
+            judged: std::cell::Cell::new(0),
             cut: Vec::new(),
             parameters: HashMap::new(),
             changes: Vec::new(),
@@ -197,10 +167,91 @@ impl Reading {
         }
     }
 
-    /// The nearest position after the first byte at which there certainly is a message.
-    fn find(&self, bytes: &[u8]) -> Option<usize> {
+    /// Reads all messages of the log, and skips what is none.
+    fn messages<R: Read, S: Sink>(&mut self, window: &mut Window<R>, source: &str, sink: &mut S) -> Result<(), Stop> {
+        let io = |error| LogError::Io { source_name: source.to_owned(), error };
+        let mut lost = false;
+        loop {
+            // Room for two messages: whether a doubtful one is valid depends on the next one.
+            window.fill(2 * LONGEST).map_err(io)?;
+            let offset = window.offset();
+            let cut = self.appended.iter().copied().find(|&begin| begin > offset).map(|begin| begin - offset);
+            let bytes = window.bytes();
+            let bytes = cut.and_then(|cut| bytes.get(..usize::try_from(cut).ok()?)).unwrap_or(bytes);
+            if bytes.is_empty() {
+                break;
+            }
+            let Some((kind, payload)) = message::split(bytes) else {
+                // The log ends here, or the length is wrong. There may still be messages inside.
+                let rest = bytes.len();
+                match self.next_certain(bytes, offset) {
+                    Some(step) => {
+                        self.skipped.add(offset, step as u64);
+                        window.advance(step);
+                    }
+                    None => {
+                        self.cut.push((offset, rest));
+                        window.advance(rest);
+                    }
+                }
+                continue;
+            };
+            let trust = message::trust(kind, payload, &self.definitions);
+            let length = HEADER + payload.len();
+            let follows = bytes.get(length..).is_some_and(|rest| message::may_begin(rest, &self.definitions));
+            let good = match trust {
+                // If no message follows, bytes may be missing inside this one, and the next message begins within its
+                // length. Whether one begins behind it does not matter, and is not looked for: every byte is looked at once.
+                Trust::Strong => follows || self.find(bytes.get(..length + LONGEST).unwrap_or(bytes), length).is_none(),
+                Trust::Weak => follows && !lost,
+                Trust::No => false,
+            };
+            if good {
+                lost = false;
+                self.take(kind, payload, sink, offset).map_err(|halt| halt.into_stop(source))?;
+                window.advance(length);
+            } else {
+                let next = self.next_certain(bytes, offset);
+                let step = next.unwrap_or(bytes.len().saturating_sub(LONGEST).max(1)).min(bytes.len());
+                self.skipped.add(offset, step as u64);
+                window.advance(step);
+                lost = true;
+            }
+        }
+        Ok(())
+    }
+
+    /// The nearest position after the first byte at which there certainly is a message. `offset` is that of the first
+    /// byte in the file.
+    fn next_certain(&mut self, bytes: &[u8], offset: u64) -> Option<usize> {
+        // The last part of the log becomes shorter byte by byte, and with the same end nothing else is in it. Without
+        // this, nonsense would be searched to its end from each of its last 65,000 bytes.
+        let end = offset + bytes.len() as u64;
+        if self.barren.end != end {
+            self.barren = Barren { end, ..Barren::default() };
+        } else if self.barren.is_barren {
+            return None;
+        }
+        let found = self.find(bytes, bytes.len());
+        self.barren.is_barren = found.is_none();
+        found
+    }
+
+    /// What is certain may have become so by a definition. Of a part where none was certain, it is asked again so often.
+    fn definitions_have_changed(&mut self) {
+        const AGAIN: u32 = 100;
+        if self.barren.is_barren && self.barren.changed < AGAIN {
+            self.barren.changed += 1;
+            self.barren.is_barren = false;
+        }
+    }
+
+    /// The nearest position between the first byte and `before` at which there certainly is a message.
+    fn find(&self, bytes: &[u8], before: usize) -> Option<usize> {
         // If a message does not end within the window, it is judged when more of the stream has been read.
-        (1..bytes.len()).find(|&at| {
+        (1..before.min(bytes.len())).find(|&at| {
+            #[cfg(test)]
+            self.judged.set(self.judged.get() + 1);
             let kind = bytes.get(at + 2).copied().unwrap_or_default();
             matches!(kind, b'D' | b'S' | b'A' | b'F' | b'I' | b'P' | b'M' | b'Q')
                 && bytes.get(at..).and_then(message::split).is_some_and(|(kind, payload)| {
@@ -214,6 +265,9 @@ impl Reading {
 
     #[inline]
     fn take<S: Sink>(&mut self, kind: u8, payload: &[u8], sink: &mut S, offset: u64) -> Result<(), Halt> {
+        if matches!(kind, b'F' | b'A' | b'R') {
+            self.definitions_have_changed();
+        }
         match kind {
             b'D' => self.sample(payload, sink)?,
             b'B' => self.flags(payload)?,
@@ -458,5 +512,56 @@ impl Reading {
             return Err(LogError::NoData { source_name: source.to_owned(), reason });
         }
         Ok(self.head)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::log::survey::Counts;
+    use crate::memory::Memory;
+
+    /// The state of the reader after these bytes.
+    fn read(bytes: &[u8]) -> Reading {
+        let account = Account::new(Memory::default());
+        let mut reading = Reading::new(Head::default(), 0.0, &account);
+        let mut sink = Counts::new(&account);
+        assert!(reading.messages(&mut Window::new(bytes), "nonsense", &mut sink).is_ok());
+        reading
+    }
+
+    /// However nonsense is made, each of its bytes is judged a few times at most: before, the last 65 kB of some kinds
+    /// were searched from each of their bytes, and others from each of their messages.
+    #[test]
+    fn nonsense_is_searched_a_few_times_at_most() {
+        let message = |kind: u8, payload: &[u8]| [&(payload.len() as u16).to_le_bytes()[..], &[kind], payload].concat();
+        let sync = message(b'S', &[0x2F, 0x73, 0x13, 0x20, 0x25, 0x0C, 0xBB, 0x12]);
+        let mut random = 1_u32;
+        let mut noise = || {
+            random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (random >> 24) as u8
+        };
+        let kinds: [(&str, Vec<u8>); 6] = [
+            ("definitions without a name", b"\x10\0F".repeat(100_000)),
+            ("zeros", vec![0; 300_000]),
+            ("noise", (0..300_000).map(|_| noise()).collect()),
+            ("messages, each with a byte behind it", [&sync[..], b"\xff"].concat().repeat(25_000)),
+            (
+                "definitions, each with a byte behind it",
+                (0..20_000)
+                    .flat_map(|k| [message(b'F', format!("n{k}:float x;").as_bytes()), vec![0xFF]].concat())
+                    .collect(),
+            ),
+            (
+                "parameters, each with a byte behind it",
+                [message(b'P', b"\x07float ab\0\0\0"), vec![0xFF]].concat().repeat(20_000),
+            ),
+        ];
+        for (name, bytes) in kinds {
+            let judged = read(&bytes).judged.get();
+            // Twice as the window moves on; the last part a hundred times, where definitions change in it.
+            let most = 4 * bytes.len() as u64 + 100 * LONGEST as u64;
+            assert!(judged <= most, "{name}: {} positions judged of {} bytes", judged, bytes.len());
+        }
     }
 }
