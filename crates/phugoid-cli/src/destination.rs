@@ -3,7 +3,10 @@
 //! in vain.
 
 use std::fs;
+use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
+
+use phugoid_flight_data::{output_file, printable};
 
 use crate::arguments::{Arguments, Command};
 use crate::failure::Failure;
@@ -69,7 +72,27 @@ pub(crate) fn check(arguments: &Arguments) -> Result<(), Failure> {
             )));
         }
     }
-    plan.folder.as_ref().map_or(Ok(()), check_folder)
+    plan.folder.as_ref().map_or(Ok(()), check_folder)?;
+    clean(&plan, &targets);
+    Ok(())
+}
+
+/// Removes half-written files that killed programs have left where this command writes, and says so.
+fn clean(plan: &Plan, targets: &[(&str, PathBuf)]) {
+    let parents = targets.iter().filter(|(_, target)| !is_special(target)).filter_map(|(_, target)| target.parent());
+    let mut folders: Vec<&Path> = parents.chain(plan.figures.as_deref()).collect();
+    folders.sort_unstable();
+    folders.dedup();
+    for folder in folders {
+        let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+        for file in output_file::remove_abandoned(folder) {
+            let _ = writeln!(
+                io::stderr(),
+                "removed {}: the beginning of a result that a program was writing when it was killed",
+                printable::path(&file)
+            );
+        }
+    }
 }
 
 /// Checks a file that a scenario names, which is known only once that has been read, as [`check`] does.

@@ -27,8 +27,21 @@ pub(crate) struct Live {
 impl Live {
     /// Starts it on the built-in F-16, with every estimate on its lines.
     pub(crate) fn start(folder: &Path, arguments: &[&str]) -> Self {
-        let mut program = Command::new(env!("CARGO_BIN_EXE_phugoid"))
-            .arg("live")
+        let mut program = Command::new(env!("CARGO_BIN_EXE_phugoid"));
+        program.arg("live");
+        Self::run(&mut program, folder, arguments)
+    }
+
+    /// The same with a limit of the size of its files, which [`Live::limit_files`] sets later: a write beyond it fails, as
+    /// on a full disk, and does not end the program.
+    pub(crate) fn start_with_limited_files(folder: &Path, arguments: &[&str]) -> Self {
+        let mut program = Command::new("sh");
+        program.args(["-c", "trap '' XFSZ; exec \"$0\" \"$@\"", env!("CARGO_BIN_EXE_phugoid"), "live"]);
+        Self::run(&mut program, folder, arguments)
+    }
+
+    fn run(program: &mut Command, folder: &Path, arguments: &[&str]) -> Self {
+        let mut program = program
             .args(arguments)
             .args(["--model", "f16", "--all"])
             .current_dir(folder)
@@ -94,6 +107,21 @@ impl Live {
                 return documents;
             }
         }
+    }
+
+    /// No file may become longer than so many bytes from now on.
+    pub(crate) fn limit_files(&self, bytes: &str) {
+        let (id, limit) = (self.program.id().to_string(), format!("--fsize={bytes}:unlimited"));
+        assert!(Command::new("prlimit").args(["--pid", &id, &limit]).status().unwrap().success());
+    }
+
+    /// The documents up to the first that holds this text.
+    pub(crate) fn until_said(&mut self, text: &str) -> Vec<String> {
+        let mut documents: Vec<String> = self.hello.take().into_iter().collect();
+        while documents.last().is_none_or(|document| !document.contains(text)) {
+            documents.push(self.next().unwrap());
+        }
+        documents
     }
 
     /// Ctrl-C.

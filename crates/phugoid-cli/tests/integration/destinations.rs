@@ -155,6 +155,35 @@ fn a_result_that_fails_half_way_leaves_the_earlier_one() {
     assert_eq!(left.filter(|name| name.starts_with('.')).collect::<Vec<_>>(), Vec::<String>::new());
 }
 
+/// What a kill has left of a result is removed by the next command that writes there, which says so; files that are
+/// being written, or are none of ours, stay.
+#[test]
+fn what_a_kill_has_left_is_removed_and_said() {
+    let (folder, texts) = inputs("abandoned");
+    std::fs::create_dir(folder.0.join("out")).unwrap();
+    let an_hour_ago = std::time::SystemTime::now() - std::time::Duration::from_secs(3600);
+    let left = |name: &str, changed: std::time::SystemTime| {
+        let path = folder.file(name, "half");
+        std::fs::OpenOptions::new().write(true).open(&path).unwrap().set_modified(changed).unwrap();
+        path
+    };
+    let abandoned = [left(".phugoid-77-0.part", an_hour_ago), left("out/.phugoid-78-3.part", an_hour_ago)];
+    let others = [left(".phugoid-79-0.part", std::time::SystemTime::now()), left("flight.part", an_hour_ago)];
+    // A command that writes nothing there removes nothing there.
+    assert_eq!(phugoid(&folder.0, &["inspect", "flight.csv"]).code, Some(0));
+    assert!(abandoned.iter().all(|path| path.exists()));
+    let command = ["estimate", "flight.csv", "--model", "model.toml", "--out", "out", "--export", "csv=e.csv"];
+    let run = phugoid(&folder.0, &command);
+    assert_eq!(run.code, Some(0), "{}", run.err);
+    for (path, shown) in abandoned.iter().zip(["./.phugoid-77-0.part", "out/.phugoid-78-3.part"]) {
+        assert!(!path.exists() && run.err.contains(&format!("removed {shown}: ")), "{}", run.err);
+    }
+    assert!(others.iter().all(|path| path.exists()));
+    for (name, text) in texts {
+        assert!(std::fs::read(folder.0.join(name)).unwrap() == text, "{name}");
+    }
+}
+
 /// Standard output and pipes are written as they are, and not replaced.
 #[cfg(unix)]
 #[test]

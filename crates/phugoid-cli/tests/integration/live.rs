@@ -73,6 +73,39 @@ fn text_gives_the_same_estimates_from_every_source() {
     assert!(over_tcp(live, connection) == expected, "TCP, connecting");
 }
 
+/// The file of the recording cannot grow for a while, as on a full disk: that is said, what comes waits, and is written
+/// once it can.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_recording_that_cannot_grow_for_a_while_loses_nothing() {
+    let folder = Folder::new("live-full");
+    let arguments = ["udp://127.0.0.1:0", "--no-page", "--record", "r.phugoid-live"];
+    let mut live = Live::start_with_limited_files(&folder.0, &arguments);
+    let (address, sender) = (live.address(), UdpSocket::bind("127.0.0.1:0").unwrap());
+    let lines: Vec<String> = whole_csv().split_inclusive('\n').map(str::to_owned).collect();
+    let send = |lines: &[String]| {
+        for datagram in lines.chunks(10) {
+            sender.send_to(datagram.concat().as_bytes(), &address).unwrap();
+        }
+    };
+    send(&lines[..251]);
+    let mut documents = live.until(2.49);
+    let recording = folder.0.join("r.phugoid-live");
+    // In the middle of a block.
+    live.limit_files(&(std::fs::metadata(&recording).unwrap().len() + 1000).to_string());
+    send(&lines[251..281]);
+    documents.extend(live.until_said("the recording cannot be written"));
+    live.limit_files("unlimited");
+    documents.extend(live.until_said("the recording goes on after"));
+    assert!(documents.last().unwrap().contains("nothing was lost"), "{:?}", documents.last());
+    send(&lines[281..]);
+    documents.extend(live.until(LAST_S));
+    live.interrupt();
+    documents.extend(live.rest());
+    assert!(estimates(&documents) == from_standard_input(&folder.0, &whole_csv()));
+    assert!(replayed(&folder, "r.phugoid-live") == estimates(&documents));
+}
+
 /// Ninety others send to the same port while the flight is received: each of its rows is used nevertheless.
 #[test]
 fn stray_datagrams_cost_the_sender_nothing() {

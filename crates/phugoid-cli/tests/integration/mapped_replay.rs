@@ -17,7 +17,7 @@ struct Form {
     mapping: &'static str,
 }
 
-const FORMS: [Form; 8] = [
+const FORMS: [Form; 11] = [
     Form {
         name: "renamed, the unit in the header",
         column: "alpha_rad",
@@ -62,12 +62,45 @@ const FORMS: [Form; 8] = [
         mapping: "elevator = { sum = { \"left\" = 0.5, \"right\" = -0.5 }, unit = \"deg\" }",
     },
     Form {
+        name: "a header in quotes, with quotes, a comma and semicolons in it",
+        column: "alpha_rad",
+        becomes: &[("\"the \"\"true\"\" one; a; b, or not\"", f64::to_degrees)],
+        mapping: "alpha = { header = \"the \\\"true\\\" one; a; b, or not\", unit = \"deg\" }",
+    },
+    Form {
+        // It is mapped to nothing, and goes through the replay as it is.
+        name: "a further column with quotes in its name",
+        column: "theta_rad",
+        becomes: &[("theta_rad", |rad| rad), ("\"the \"\"other\"\" one\"", |rad| 2.0 * rad)],
+        mapping: "",
+    },
+    Form {
+        // The model file states the density then, in place of the channel that it is computed from.
+        name: CONSTANT,
+        column: "altitude_m",
+        becomes: &[],
+        mapping: "",
+    },
+    Form {
         name: "the time in milliseconds",
         column: "time_s",
         becomes: &[("clock", |s| s * 1000.0)],
         mapping: "time = { header = \"clock\", unit = \"ms\" }",
     },
 ];
+
+/// The form in which a channel is missing, and the model file states a constant.
+const CONSTANT: &str = "a constant in place of a channel";
+
+/// The model file for a form: its mapping, or the constant.
+fn model_for(model: &str, form: &Form) -> String {
+    if form.name != CONSTANT {
+        return format!("{model}\n[channels]\n{}\n", form.mapping);
+    }
+    let of_altitude = "air_density = \"book_atmosphere\"";
+    assert_eq!(model.matches(of_altitude).count(), 1);
+    model.replace(of_altitude, "air_density = \"0.653 kg/m^3\"")
+}
 
 /// The flight under other headers.
 fn changed(flight: &str, form: &Form) -> String {
@@ -115,7 +148,7 @@ fn every_form_of_a_mapping_gives_the_numbers_of_estimate() {
     for (number, form) in FORMS.iter().enumerate() {
         let [file, mapped, recording] = ["csv", "toml", "phugoid-live"].map(|end| format!("{number}.{end}"));
         folder.file(&file, &changed(&flight, form));
-        folder.file(&mapped, &format!("{model}\n[channels]\n{}\n", form.mapping));
+        folder.file(&mapped, &model_for(&model, form));
         let estimate = ["estimate", &file, "--model", &mapped, "--no-change-detection", "--no-report", "--json"];
         let estimated = phugoid(&folder.0, &estimate).json();
         let estimated: Vec<(f64, f64)> =

@@ -40,7 +40,7 @@ fn value() -> impl Strategy<Value = f64> {
 fn foreign_name() -> impl Strategy<Value = (String, Quantity)> {
     let name = prop_oneof![
         "x[0-9]{1,3}_[a-z]{0,3}",
-        "[A-Za-z][A-Za-z0-9_ ,;()\\[\\]%°-]{0,12}[a-z]",
+        "[A-Za-z\"][A-Za-z0-9_ ,;()\\[\\]%°\"-]{0,12}[a-z\"]",
         Just("expected_dCm_alpha".to_owned()),
         Just("delta_Cm".to_owned()),
         Just("pilot_command".to_owned()),
