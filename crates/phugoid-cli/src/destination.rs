@@ -143,6 +143,7 @@ impl Plan {
                 plan.inputs.push(a.flight.clone());
                 plan.words(&a.model);
                 plan.file("--out", a.delivery.out.as_ref());
+                plan.figures.clone_from(&a.figures);
             }
             Some(Command::Estimate(a)) => {
                 let truths = a.truth.iter().filter_map(|truth| match truth {
