@@ -39,6 +39,7 @@ pub(crate) use field::Field;
 pub(crate) use inspect::Inspect;
 pub(crate) use linearize::Linearize;
 pub(crate) use monitor::Monitor;
+pub(crate) use reading::Deleting;
 pub(crate) use reproduce::Reproduce;
 pub(crate) use simulate::Simulate;
 pub(crate) use study::{Study, StudyName};

@@ -141,6 +141,7 @@ impl Plan {
             }
             Some(Command::Inspect(a)) => {
                 plan.inputs.push(a.flight.clone());
+                plan.inputs.extend(a.deleting.deletions.clone());
                 plan.words(&a.model);
                 plan.file("--out", a.delivery.out.as_ref());
                 plan.figures.clone_from(&a.figures);
@@ -153,6 +154,7 @@ impl Plan {
                 plan.words(truths);
                 plan.words(&a.model);
                 plan.inputs.extend(a.flight.iter().chain(&a.with).chain(&a.predict).chain(&a.correct).cloned());
+                plan.inputs.extend(a.deleting.deletions.clone());
                 if a.flight.is_none() {
                     return plan;
                 }
@@ -165,7 +167,7 @@ impl Plan {
             }
             Some(Command::Monitor(a)) => {
                 plan.inputs.push(a.flight.clone());
-                plan.inputs.extend(a.expected.clone());
+                plan.inputs.extend(a.expected.iter().chain(&a.deleting.deletions).cloned());
                 plan.words([&a.model]);
                 if let Some(out) = &a.out {
                     plan.folder(out, &["health.json", "report.html"], None);

@@ -174,6 +174,31 @@ class Record:
         """The part from one time (s) to another, both included."""
         return Record(self._native.between(start, end))
 
+    def delete(
+        self,
+        start: float,
+        end: Optional[float] = None,
+        *,
+        reason: str,
+        channels: Union[str, Iterable[str], None] = None,
+    ) -> "Record":
+        """A copy without values that are known to be bad: they are missing (NaN), and every result lists how many, when and
+        why.
+
+        One sample, the nearest to ``start`` (s), or all from ``start`` to ``end``, both included; of one channel, of
+        several, or of all. Where no value is, or without a reason, it is an error that names what would be right.
+        """
+        names = [channels] if isinstance(channels, str) else list(channels or [])
+        return Record(self._native.delete(names, start, start if end is None else end, reason))
+
+    @property
+    def deletions(self) -> list[dict[str, Any]]:
+        """What was deleted: ``from_s``, ``to_s``, ``reason``, and the number of values by channel in ``values``."""
+        return [
+            {"from_s": first, "to_s": last, "reason": reason, "values": dict(values)}
+            for first, last, reason, values in self._native.deletions
+        ]
+
     def write_csv(self, path: Any) -> None:
         """Writes the record as CSV, in SI units and with the units in the headers."""
         self._native.write_csv(path)

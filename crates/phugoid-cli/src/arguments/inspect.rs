@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::delivery::Delivery;
 use super::help::examples_and_exit_codes;
-use super::reading::Reading;
+use super::reading::{Deleting, Reading};
 
 /// Lists what a flight contains: channels, gaps, doubtful units and signs, manoeuvres, and which derivatives can be
 /// estimated
@@ -33,6 +33,8 @@ pub(crate) struct Inspect {
     pub(crate) model: Option<String>,
     #[command(flatten)]
     pub(crate) reading: Reading,
+    #[command(flatten)]
+    pub(crate) deleting: Deleting,
     /// Also write the coherence of the surfaces that were moved and the outputs as figures to this folder, as SVG and PNG
     #[arg(long, value_name = "DIR")]
     pub(crate) figures: Option<PathBuf>,

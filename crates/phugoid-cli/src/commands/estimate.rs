@@ -19,6 +19,7 @@ use phugoid_simulation::scenario::nearest;
 use serde::Serialize;
 
 use super::axes_form::Turned;
+use super::deleting::Deletions;
 use super::export;
 use super::result::{self, Document};
 use super::simulate::scenario;
@@ -45,7 +46,14 @@ pub(crate) fn run(arguments: &arguments::Estimate) -> Result<EstimationStatus, F
     export::check(&arguments.export, &model)?;
     let truth = truth(&arguments.truth, &model)?;
     let memory = arguments.reading.max_memory;
-    let read = |path: &PathBuf| model.open_record_within(path, memory).map_err(Failure::input);
+    let paths: Vec<&Path> =
+        std::iter::once(flight).chain(&arguments.with).chain(&arguments.predict).map(PathBuf::as_path).collect();
+    let deletions = Deletions::new(&arguments.deleting, &paths)?;
+    let read = |path: &PathBuf| {
+        let mut record = model.open_record_within(path, memory).map_err(Failure::input)?;
+        deletions.apply(&mut record, path, path == flight)?;
+        Ok::<_, Failure>(record)
+    };
     let (record, further, predict) = {
         let _progress = Progress::spinner("reading");
         let further = arguments.with.iter().map(read).collect::<Result<Vec<_>, _>>()?;

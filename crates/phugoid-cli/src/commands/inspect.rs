@@ -12,6 +12,7 @@ use phugoid_identification::model_file::ModelFile;
 use phugoid_report::{coherence_figures, write_named_figures};
 use serde::Serialize;
 
+use super::deleting::Deletions;
 use super::estimate::model;
 use super::result::paragraph;
 use crate::arguments;
@@ -38,12 +39,16 @@ struct Document<'a> {
 pub(crate) fn run(arguments: &arguments::Inspect) -> Result<(), Failure> {
     let wanted = arguments.model.as_deref().map(model).transpose()?;
     let columns = wanted.as_ref().map(ModelFile::columns).unwrap_or_default();
+    let deletions = Deletions::new(&arguments.deleting, &[&arguments.flight])?;
     let (survey, inspection, no_flight) = {
         let _progress = Progress::spinner("reading");
         let options = ReadOptions::with_columns(columns).with_max_memory(arguments.reading.max_memory);
         let Surveyed { survey, record } = reader::survey_path(&arguments.flight, &options).map_err(Failure::input)?;
         match record {
-            Ok(record) => (survey, Some(phugoid::inspect(&record, wanted.as_ref())), None),
+            Ok(mut record) => {
+                deletions.apply(&mut record, &arguments.flight, true)?;
+                (survey, Some(phugoid::inspect(&record, wanted.as_ref())), None)
+            }
             // A log without a flight in it is a result too.
             Err(why) => (survey, None, Some(why.to_string())),
         }

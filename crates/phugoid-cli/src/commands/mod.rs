@@ -3,6 +3,7 @@
 mod axes_form;
 pub(crate) mod compare;
 pub(crate) mod compatibility;
+mod deleting;
 pub(crate) mod demonstrate;
 pub(crate) mod design;
 mod detection;

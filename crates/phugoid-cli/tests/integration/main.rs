@@ -10,6 +10,7 @@ mod telemetry;
 
 mod axes;
 mod compare;
+mod deletion;
 mod destinations;
 mod field;
 mod inspect;
