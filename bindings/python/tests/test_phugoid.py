@@ -213,6 +213,13 @@ def test_bad_values_are_deleted_with_a_reason(flight, model):
             record.delete(**arguments)
 
 
+def test_unknowns_of_the_sensors_are_chosen_by_name(flight):
+    found = phugoid.compatibility(flight[0], unknowns=["bias_az", "scale_alpha"], hold={"bias_q": 0.0}, flat_earth=True)
+    assert found.names == ["bias_az", "scale_alpha"] and found.to_dict()["held"][0]["unit"] == "rad/s"
+    with pytest.raises(phugoid.PhugoidError, match="did you mean `bias_az`"):
+        phugoid.compatibility(flight[0], without=["bias_za"])
+
+
 def test_errors_of_the_sensors(flight):
     found = phugoid.compatibility(flight[0], groups=["delays"])
     value, std_error = found["bias_q"]

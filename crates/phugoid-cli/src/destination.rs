@@ -207,6 +207,7 @@ impl Plan {
             }
             Some(Command::Compatibility(a)) => {
                 plan.inputs.push(a.flight.clone());
+                plan.inputs.extend(a.with.iter().chain(&a.deleting.deletions).cloned());
                 plan.words(&a.model);
                 plan.folder(&a.out, &["compatibility.html", "corrected.csv", "corrections.json"], None);
                 plan.figures.clone_from(&a.figures);

@@ -548,6 +548,9 @@ def compatibility(
     vanes_x_m: Sequence[float] = (0.0, 0.0),
     gravity_m_s2: Optional[float] = None,
     flat_earth: bool = False,
+    unknowns: Optional[Iterable[str]] = None,
+    without: Iterable[str] = (),
+    hold: Optional[Mapping[str, float]] = None,
 ) -> Compatibility:
     """Checks the sensors against the kinematics of a rigid body, and estimates their errors without any aerodynamics.
 
@@ -556,9 +559,22 @@ def compatibility(
     is how far the vanes of alpha and beta are ahead of the centre of gravity. Without ``gravity_m_s2`` gravity follows
     from the latitude and altitude of the record, and is uncertain for what is not known. ``flat_earth`` is for flights of
     a simulator whose Earth is flat, as that of this package is.
+
+    ``unknowns`` names the only errors to estimate, in place of biases and groups; ``without`` some that are not estimated;
+    both take what is not estimated for zero. ``hold`` has errors that are known, by name, in SI units: they are not
+    estimated, and become part of the corrections.
     """
     wanted = None if groups is None else list(groups)
-    text, corrected = _phugoid.compatibility(record._native, wanted, list(vanes_x_m), gravity_m_s2, flat_earth)
+    text, corrected = _phugoid.compatibility(
+        record._native,
+        wanted,
+        list(vanes_x_m),
+        gravity_m_s2,
+        flat_earth,
+        None if unknowns is None else list(unknowns),
+        list(without),
+        [(name, float(value)) for name, value in (hold or {}).items()],
+    )
     return Compatibility(json.loads(text), Record(corrected))
 
 

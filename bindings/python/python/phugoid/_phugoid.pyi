@@ -93,6 +93,9 @@ def compatibility(
     vanes_x_m: list[float] = ...,
     gravity_m_s2: Optional[float] = ...,
     flat_earth: bool = ...,
+    unknowns: Optional[list[str]] = ...,
+    without: list[str] = ...,
+    held: list[tuple[str, float]] = ...,
 ) -> tuple[str, Record]: ...
 def estimate(
     record: Record,

@@ -1,4 +1,5 @@
-//! Values that are deleted with a reason, in every command that reads a flight.
+//! Values that are deleted with a reason, in every command that reads a flight; and the choice of the unknowns of the
+//! compatibility check.
 #![allow(clippy::unwrap_used)]
 
 use crate::common;
@@ -46,6 +47,10 @@ fn every_result_says_what_was_deleted_and_why() {
     assert!(lines(&run.out).contains(TOLD), "{}{}", run.out, run.err);
     let json = phugoid(&folder.0, &[&monitor[..], &["--json"], &DELETE].concat());
     assert!(json.out.contains("\"bird strike\""), "{}", json.out);
+    let compatibility = ["compatibility", "measured.csv", "--flat-earth", "--unknowns", "bias_q", "--out", "c"];
+    let run = phugoid(&folder.0, &[&compatibility[..], &DELETE].concat());
+    assert!(lines(&run.out).contains(TOLD), "{}{}", run.out, run.err);
+    assert!(folder.read("c/compatibility.html").contains("bird strike"));
 }
 
 #[test]
@@ -74,4 +79,27 @@ fn a_file_of_deletions_names_the_flight_and_mistakes_are_answered() {
         assert_eq!(run.code, Some(code), "{deletion}: {}", run.err);
         assert!(run.err.contains(words), "{deletion}: {}", run.err);
     }
+}
+
+#[test]
+fn unknowns_of_the_sensors_are_chosen_by_name() {
+    let folder = flown("unknowns");
+    let base = ["compatibility", "measured.csv", "--flat-earth", "--json"];
+    let names = |more: &[&str]| -> Vec<String> {
+        let json = phugoid(&folder.0, &[&base[..], more].concat()).json();
+        json["errors"].as_array().unwrap().iter().map(|e| e["name"].as_str().unwrap().to_owned()).collect()
+    };
+    assert_eq!(names(&["--unknowns", "scale_alpha,bias_az"]), ["bias_az", "scale_alpha"]);
+    let held = phugoid(
+        &folder.0,
+        &["compatibility", "measured.csv", "--flat-earth", "--without", "scale_theta", "--hold", "bias_q=0.06deg/s"],
+    );
+    assert_eq!(held.code, Some(0), "{}", held.err);
+    assert!(held.out.contains("bias_q at 0.06000 deg/s, not estimated"), "{}", held.out);
+    assert!(!held.out.contains("scale_theta") && held.out.contains("scale_alpha"), "{}", held.out);
+    let wrong = |more: &[&str]| phugoid(&folder.0, &[&base[..], more].concat());
+    assert!(wrong(&["--unknowns", "bias_alhpa"]).fails(3).contains("did you mean `bias_alpha`?"));
+    assert!(wrong(&["--unknowns", "bias_psi"]).fails(3).contains("the record does not have psi"));
+    let run = wrong(&["--hold", "bias_q=0.06"]);
+    assert!(run.code == Some(2) && run.err.contains("has no unit"), "{}", run.err);
 }
