@@ -165,6 +165,12 @@ impl Plan {
                 plan.file("--history", a.history.as_ref().and_then(Option::as_ref));
                 a.export.iter().for_each(|export| plan.file("--export", Some(&export.file)));
             }
+            Some(Command::Regress(a)) => {
+                plan.inputs.push(a.flight.clone());
+                plan.inputs.extend(a.deleting.deletions.clone());
+                plan.words([&a.model]);
+                plan.file("--out", a.delivery.out.as_ref());
+            }
             Some(Command::Monitor(a)) => {
                 plan.inputs.push(a.flight.clone());
                 plan.inputs.extend(a.expected.iter().chain(&a.deleting.deletions).cloned());

@@ -285,7 +285,7 @@ fn truth(words: &[Truth], model: &ModelFile) -> Result<BTreeMap<String, f64>, Fa
 }
 
 /// The parts of the record with the manoeuvres of these numbers: the first one, and the others.
-fn segments(record: &Record, numbers: &[usize]) -> Result<(Record, Vec<Record>), Failure> {
+pub(super) fn segments(record: &Record, numbers: &[usize]) -> Result<(Record, Vec<Record>), Failure> {
     let found = find(record, &Settings::default());
     let mut parts = Vec::with_capacity(numbers.len());
     for (index, number) in numbers.iter().enumerate() {
@@ -303,7 +303,7 @@ fn segments(record: &Record, numbers: &[usize]) -> Result<(Record, Vec<Record>),
 }
 
 /// The part of a record from one time (s) to another, both included.
-fn between(record: Record, from: Option<f64>, to: Option<f64>) -> Result<Record, Failure> {
+pub(super) fn between(record: Record, from: Option<f64>, to: Option<f64>) -> Result<Record, Failure> {
     if from.is_none() && to.is_none() {
         return Ok(record);
     }

@@ -16,6 +16,7 @@ pub(crate) mod linearize;
 pub(crate) mod live;
 pub(crate) mod monitor;
 mod offer;
+pub(crate) mod regress;
 pub(crate) mod reproduce;
 pub(crate) mod result;
 mod screen;

@@ -22,6 +22,7 @@ mod monitor;
 mod offer;
 mod px4_log;
 mod records;
+mod regress;
 mod reproduce;
 mod results;
 mod strangers;
