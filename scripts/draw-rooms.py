@@ -38,6 +38,7 @@ FOLDERS = {
     "manoeuvres": "finds manoeuvres and what they can tell",
     "compatibility": "errors of the sensors, by kinematics",
     "inspect": "what a flight holds",
+    "regress": "which terms a coefficient asks for",
     "export": "results for JSBSim, Gazebo, tables",
 }
 

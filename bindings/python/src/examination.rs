@@ -1,7 +1,7 @@
 //! Checks of a record before an estimation: its contents, and the errors of its sensors.
 
 use phugoid::CompatibilityOptions;
-use phugoid_identification::compatibility::Group;
+use phugoid_identification::compatibility::{Group, HeldError};
 use pyo3::prelude::*;
 
 use crate::error::raise;
@@ -20,7 +20,8 @@ pub(crate) fn inspect(py: Python<'_>, record: &Record, model: Option<&Model>) ->
 /// The errors of the sensors from the kinematics alone: a JSON document with the names of `phugoid compatibility
 /// --json`, and the record without those that are offered as corrections.
 #[pyfunction]
-#[pyo3(signature = (record, groups=None, vanes_x_m=[0.0, 0.0], gravity_m_s2=None, flat_earth=false))]
+#[pyo3(signature = (record, groups=None, vanes_x_m=[0.0, 0.0], gravity_m_s2=None, flat_earth=false, unknowns=None, without=Vec::new(), held=Vec::new()))]
+#[allow(clippy::too_many_arguments, reason = "the arguments of the function of Python")]
 pub(crate) fn compatibility(
     py: Python<'_>,
     record: &Record,
@@ -28,6 +29,9 @@ pub(crate) fn compatibility(
     vanes_x_m: [f64; 2],
     gravity_m_s2: Option<f64>,
     flat_earth: bool,
+    unknowns: Option<Vec<String>>,
+    without: Vec<String>,
+    held: Vec<(String, f64)>,
 ) -> PyResult<(String, Record)> {
     let standard = CompatibilityOptions::default();
     let options = CompatibilityOptions {
@@ -35,6 +39,9 @@ pub(crate) fn compatibility(
             Some(words) => words.iter().map(|word| group(word)).collect::<PyResult<_>>()?,
             None => standard.groups.clone(),
         },
+        unknowns,
+        without,
+        held: held.into_iter().map(|(name, value)| HeldError { name, value, unit: String::new() }).collect(),
         vanes_x: vanes_x_m,
         gravity: gravity_m_s2,
         flat_earth,

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use numpy::{PyArray1, PyReadonlyArray1};
 use phugoid_flight_data::csv;
+use phugoid_flight_data::deletion::{Deleted, Deletion};
 use phugoid_flight_data::memory::Memory;
 use phugoid_flight_data::quality::QualityReport;
 use phugoid_flight_data::reader::{self, ReadOptions};
@@ -128,6 +129,24 @@ impl Record {
         let (low, high) = (start.unwrap_or(f64::NEG_INFINITY), end.unwrap_or(f64::INFINITY));
         let none = || raise(format!("no sample lies between {low} s and {high} s: {}", self.__repr__()));
         self.inner.between(low, high).map(Self::from).ok_or_else(none)
+    }
+
+    /// A copy in which the values of some channels (of all where there is none) from one time (s) to another are missing,
+    /// with the reason in its quality report.
+    #[pyo3(signature = (channels, start, end, reason))]
+    fn delete(&self, channels: Vec<String>, start: f64, end: f64, reason: &str) -> PyResult<Self> {
+        let deletion = Deletion::new(channels, start, end, reason).map_err(raise)?;
+        let mut record = (*self.inner).clone();
+        record.delete(&deletion).map_err(raise)?;
+        Ok(record.into())
+    }
+
+    /// What was deleted: first and last time, s, the reason, and the number of values by channel.
+    #[getter]
+    fn deletions(&self) -> Vec<(f64, f64, String, Vec<(String, usize)>)> {
+        let counts = |deleted: &Deleted| deleted.channels.iter().map(|c| (c.channel.clone(), c.values)).collect();
+        let deletions = self.inner.quality.deletions.iter();
+        deletions.map(|d| (d.from_s, d.to_s, d.reason.clone(), counts(d))).collect()
     }
 
     /// Writes the record as CSV, in SI units and with the units in the headers.

@@ -204,6 +204,35 @@ def test_what_a_flight_holds(flight, model):
     assert [needs["model"] for needs in phugoid.inspect(flight[0])["models"]] == phugoid.Model.built_in()
 
 
+def test_coherence_of_the_elevator(flight):
+    pairs = phugoid.inspect(flight[0])["coherence"]
+    pitch = next(pair for pair in pairs if (pair["input"], pair["output"]) == ("elevator", "q"))
+    assert pitch["ordinary"]["peak"] > 0.95 and len(pitch["ordinary"]["values"]) == len(pitch["frequencies_hz"])
+
+
+def test_bad_values_are_deleted_with_a_reason(flight, model):
+    record = flight[0]
+    clean = record.delete(1.0, 1.1, reason="bird strike", channels="alpha")
+    assert np.isnan(clean["alpha"]).sum() == 11 and not np.isnan(record["alpha"]).any()
+    assert clean.deletions == [{"from_s": 1.0, "to_s": 1.1, "reason": "bird strike", "values": {"alpha": 11}}]
+    assert "bird strike" in clean.quality
+    assert phugoid.estimate(clean, model).to_dict()["quality"]["deletions"][0]["reason"] == "bird strike"
+    for arguments, words in [
+        (dict(start=1.0, reason=" "), "say why"),
+        (dict(start=99.0, reason="ice"), "runs from 0 s to 20 s"),
+        (dict(start=1.0, reason="ice", channels=["alhpa"]), "did you mean 'alpha'"),
+    ]:
+        with pytest.raises(phugoid.PhugoidError, match=words):
+            record.delete(**arguments)
+
+
+def test_unknowns_of_the_sensors_are_chosen_by_name(flight):
+    found = phugoid.compatibility(flight[0], unknowns=["bias_az", "scale_alpha"], hold={"bias_q": 0.0}, flat_earth=True)
+    assert found.names == ["bias_az", "scale_alpha"] and found.to_dict()["held"][0]["unit"] == "rad/s"
+    with pytest.raises(phugoid.PhugoidError, match="did you mean `bias_az`"):
+        phugoid.compatibility(flight[0], without=["bias_za"])
+
+
 def test_errors_of_the_sensors(flight):
     found = phugoid.compatibility(flight[0], groups=["delays"])
     value, std_error = found["bias_q"]

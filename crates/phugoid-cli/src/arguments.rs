@@ -17,6 +17,7 @@ pub(crate) mod live;
 mod method;
 mod monitor;
 mod reading;
+mod regress;
 mod reproduce;
 mod simulate;
 mod study;
@@ -39,6 +40,8 @@ pub(crate) use field::Field;
 pub(crate) use inspect::Inspect;
 pub(crate) use linearize::Linearize;
 pub(crate) use monitor::Monitor;
+pub(crate) use reading::Deleting;
+pub(crate) use regress::Regress;
 pub(crate) use reproduce::Reproduce;
 pub(crate) use simulate::Simulate;
 pub(crate) use study::{Study, StudyName};
@@ -74,6 +77,7 @@ pub(crate) enum Command {
     Simulate(Simulate),
     Inspect(Inspect),
     Estimate(Estimate),
+    Regress(Regress),
     Monitor(Monitor),
     Study(Study),
     Field(Field),

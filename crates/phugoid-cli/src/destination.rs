@@ -164,8 +164,10 @@ impl Plan {
             }
             Some(Command::Inspect(a)) => {
                 plan.inputs.push(a.flight.clone());
+                plan.inputs.extend(a.deleting.deletions.clone());
                 plan.words(&a.model);
                 plan.file("--out", a.delivery.out.as_ref());
+                plan.figures.clone_from(&a.figures);
             }
             Some(Command::Estimate(a)) => {
                 let truths = a.truth.iter().filter_map(|truth| match truth {
@@ -175,6 +177,7 @@ impl Plan {
                 plan.words(truths);
                 plan.words(&a.model);
                 plan.inputs.extend(a.flight.iter().chain(&a.with).chain(&a.predict).chain(&a.correct).cloned());
+                plan.inputs.extend(a.deleting.deletions.clone());
                 if a.flight.is_none() {
                     return plan;
                 }
@@ -185,9 +188,15 @@ impl Plan {
                 plan.file("--history", a.history.as_ref().and_then(Option::as_ref));
                 a.export.iter().for_each(|export| plan.file("--export", Some(&export.file)));
             }
+            Some(Command::Regress(a)) => {
+                plan.inputs.push(a.flight.clone());
+                plan.inputs.extend(a.deleting.deletions.clone());
+                plan.words([&a.model]);
+                plan.file("--out", a.delivery.out.as_ref());
+            }
             Some(Command::Monitor(a)) => {
                 plan.inputs.push(a.flight.clone());
-                plan.inputs.extend(a.expected.clone());
+                plan.inputs.extend(a.expected.iter().chain(&a.deleting.deletions).cloned());
                 plan.words([&a.model]);
                 if let Some(out) = &a.out {
                     plan.folder(out, &["health.json", "report.html"], None);
@@ -227,6 +236,7 @@ impl Plan {
             }
             Some(Command::Compatibility(a)) => {
                 plan.inputs.push(a.flight.clone());
+                plan.inputs.extend(a.with.iter().chain(&a.deleting.deletions).cloned());
                 plan.words(&a.model);
                 plan.folder(&a.out, &["compatibility.html", "corrected.csv", "corrections.json"], None);
                 plan.figures.clone_from(&a.figures);

@@ -36,6 +36,7 @@ fn main() -> ExitCode {
             Ok(true) => return ExitCode::from(failure::DIVERGED),
             other => other.map(|_| ()),
         },
+        Some(Command::Regress(arguments)) => commands::regress::run(arguments),
         Some(Command::Study(arguments)) => commands::study::run(arguments),
         Some(Command::Field(arguments)) => commands::field::run(arguments),
         Some(Command::Compare(arguments)) => commands::compare::run(arguments),

@@ -13,6 +13,7 @@
 //! | [`profile`] | which fields of a log are which channels |
 //! | [`align`] | puts signals of different rates on one time base, causally, for logs and live streams |
 //! | [`quality`] | the report on what a reader found |
+//! | [`deletion`] | deletion of values that are known to be bad, each with its reason |
 //! | [`plausibility`] | checks of units and signs by physics |
 //! | [`channels`] | the table of known channels: name, quantity, sign, synonyms |
 //! | [`units`], [`quantity`] | conversion of units; numbers with units in text (`"20000 ft"`) |
@@ -26,6 +27,7 @@ pub mod align;
 pub mod arrow;
 pub mod channels;
 pub mod csv;
+pub mod deletion;
 pub mod format;
 pub mod log;
 #[cfg(feature = "matlab")]

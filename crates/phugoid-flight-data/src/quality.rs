@@ -16,7 +16,7 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use crate::wording::Short;
+use crate::wording::{Precise, Short, plural};
 
 /// How much a finding matters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -58,6 +58,62 @@ pub struct ChannelQuality {
     pub spikes: usize,
 }
 
+/// What one [`Deletion`](crate::deletion::Deletion) has made missing.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Deleted {
+    /// Time of the first sample that lost a value, s.
+    pub from_s: f64,
+    /// Time of the last sample that lost a value, s.
+    pub to_s: f64,
+    /// Why.
+    pub reason: String,
+    /// How many values each channel has lost; only channels that have lost some.
+    pub channels: Vec<DeletedValues>,
+}
+
+/// How many values of a channel were deleted.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct DeletedValues {
+    /// Canonical name of the channel.
+    pub channel: String,
+    /// Number of finite values that were made missing.
+    pub values: usize,
+}
+
+impl Deleted {
+    /// When, in words.
+    fn when(&self) -> String {
+        if self.from_s == self.to_s {
+            format!("at {} s", Precise(self.from_s))
+        } else {
+            format!("from {} s to {} s", Precise(self.from_s), Precise(self.to_s))
+        }
+    }
+
+    /// What was deleted, in words: `alpha: 3 values deleted from 2.5 s to 2.6 s: bird strike`, one for each channel.
+    pub fn sentences(&self) -> impl Iterator<Item = String> {
+        self.findings(usize::MAX).into_iter().map(|finding| format!("{}: {}", finding.place, finding.message))
+    }
+
+    /// One warning for each channel, or one for all of a record of so many channels that lost equally many values.
+    pub(crate) fn findings(&self, channels: usize) -> Vec<Finding> {
+        let warn = |place: &str, message: String| Finding { severity: Severity::Warning, place: place.into(), message };
+        let words = |values: usize, each: &str| {
+            format!("{}{each} deleted {}: {}", plural(values, "value"), self.when(), self.reason)
+        };
+        match self.channels.as_slice() {
+            [first, rest @ ..]
+                if rest.len() > 1
+                    && channels == self.channels.len()
+                    && rest.iter().all(|c| c.values == first.values) =>
+            {
+                vec![warn("all channels", words(first.values, " of each"))]
+            }
+            some => some.iter().map(|one| warn(&one.channel, words(one.values, ""))).collect(),
+        }
+    }
+}
+
 /// The quality report of a record or a log. Its `Display` form is a text of one line per finding.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct QualityReport {
@@ -69,6 +125,9 @@ pub struct QualityReport {
     pub sample_time_s: f64,
     /// Findings in the order in which they were made.
     pub findings: Vec<Finding>,
+    /// Values that were deleted by hand, with the reasons, in the order in which it was done.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub deletions: Vec<Deleted>,
     /// One entry per channel read from a file, time first; empty for a record made in memory.
     #[serde(default)]
     pub channels: Vec<ChannelQuality>,

@@ -22,6 +22,17 @@ impl fmt::Display for Short {
     }
 }
 
+/// A time (s) with as many digits as it takes to tell samples apart.
+pub(crate) struct Precise(pub(crate) f64);
+
+impl fmt::Display for Precise {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        // Microseconds; zeros behind say nothing.
+        let text = format!("{:.6}", self.0);
+        f.write_str(text.trim_end_matches('0').trim_end_matches('.'))
+    }
+}
+
 /// What a place in a table is counted in, from 1: lines of a text file, as an editor shows them, or rows of numbers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum Counted {

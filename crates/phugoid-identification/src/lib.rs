@@ -12,6 +12,7 @@
 //! | [`estimation`], [`health`], [`error`] | the results as plain data, and the errors |
 //! | [`inspect`], [`manoeuvres`] | what a record holds, and which derivatives could be estimated from it, without estimating |
 //! | [`compatibility`] | errors of the sensors from the kinematics of a rigid body; corrected records |
+//! | [`regress`](mod@regress) | which polynomial a coefficient of a flight asks for: orthogonal functions, stepwise regression |
 //! | [`form`] | derivatives in body axes and stability axes, with their covariance |
 //! | [`export`] | estimates as CSV and Parquet; identified models for JSBSim and Gazebo |
 //! | [`batch`] | equation error, output error and filter error for any model, not only aircraft |
@@ -34,6 +35,7 @@ mod models;
 pub mod motion;
 mod pipeline;
 mod preparation;
+pub mod regress;
 
 pub use self::core::{axes, error, estimation, health, method, options, output, stack, term};
 pub use judge::form;

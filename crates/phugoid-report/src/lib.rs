@@ -42,7 +42,7 @@ pub use arena::arena_figures;
 pub use chart::chart_figure;
 pub use error::ReportError;
 pub use figure::Figure;
-pub use figures::{TimeHistoryPanel, figures, time_histories};
+pub use figures::{TimeHistoryPanel, coherence_figures, figures, time_histories};
 pub use html::{
     HtmlOptions, NotRun, ReproductionOptions, StudyPage, StudySection, arena_html, html, reproduction_html, study_html,
 };

@@ -1,6 +1,7 @@
 //! The error type of this crate.
 
 use phugoid_flight_data::csv::WriteError;
+use phugoid_flight_data::deletion::DeletionError;
 use phugoid_flight_data::reader::ReadError;
 use phugoid_flight_data::table::TableError;
 use phugoid_flight_dynamics::f16::F16DataError;
@@ -36,6 +37,9 @@ pub enum Error {
     /// A record cannot be written to a file.
     #[error(transparent)]
     Write(#[from] WriteError),
+    /// Values of a record cannot be deleted as asked for.
+    #[error(transparent)]
+    Delete(#[from] DeletionError),
     /// Columns in memory do not make a record.
     #[error(transparent)]
     Columns(#[from] TableError),

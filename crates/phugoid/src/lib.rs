@@ -9,6 +9,7 @@ mod examination;
 mod simulation;
 mod studies;
 
+pub use phugoid_flight_data::deletion::{Deleted, Deletion, DeletionError, DeletionFile, DeletionFileError};
 pub use phugoid_flight_data::memory::Memory;
 pub use phugoid_flight_data::reader::ReadError;
 pub use phugoid_flight_data::record::{Channel, Quantity, Record};

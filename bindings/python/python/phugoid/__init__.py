@@ -174,6 +174,31 @@ class Record:
         """The part from one time (s) to another, both included."""
         return Record(self._native.between(start, end))
 
+    def delete(
+        self,
+        start: float,
+        end: Optional[float] = None,
+        *,
+        reason: str,
+        channels: Union[str, Iterable[str], None] = None,
+    ) -> "Record":
+        """A copy without values that are known to be bad: they are missing (NaN), and every result lists how many, when and
+        why.
+
+        One sample, the nearest to ``start`` (s), or all from ``start`` to ``end``, both included; of one channel, of
+        several, or of all. Where no value is, or without a reason, it is an error that names what would be right.
+        """
+        names = [channels] if isinstance(channels, str) else list(channels or [])
+        return Record(self._native.delete(names, start, start if end is None else end, reason))
+
+    @property
+    def deletions(self) -> list[dict[str, Any]]:
+        """What was deleted: ``from_s``, ``to_s``, ``reason``, and the number of values by channel in ``values``."""
+        return [
+            {"from_s": first, "to_s": last, "reason": reason, "values": dict(values)}
+            for first, last, reason, values in self._native.deletions
+        ]
+
     def write_csv(self, path: Any) -> None:
         """Writes the record as CSV, in SI units and with the units in the headers."""
         self._native.write_csv(path)
@@ -527,6 +552,9 @@ def compatibility(
     vanes_x_m: Sequence[float] = (0.0, 0.0),
     gravity_m_s2: Optional[float] = None,
     flat_earth: bool = False,
+    unknowns: Optional[Iterable[str]] = None,
+    without: Iterable[str] = (),
+    hold: Optional[Mapping[str, float]] = None,
 ) -> Compatibility:
     """Checks the sensors against the kinematics of a rigid body, and estimates their errors without any aerodynamics.
 
@@ -535,9 +563,22 @@ def compatibility(
     is how far the vanes of alpha and beta are ahead of the centre of gravity. Without ``gravity_m_s2`` gravity follows
     from the latitude and altitude of the record, and is uncertain for what is not known. ``flat_earth`` is for flights of
     a simulator whose Earth is flat, as that of this package is.
+
+    ``unknowns`` names the only errors to estimate, in place of biases and groups; ``without`` some that are not estimated;
+    both take what is not estimated for zero. ``hold`` has errors that are known, by name, in SI units: they are not
+    estimated, and become part of the corrections.
     """
     wanted = None if groups is None else list(groups)
-    text, corrected = _phugoid.compatibility(record._native, wanted, list(vanes_x_m), gravity_m_s2, flat_earth)
+    text, corrected = _phugoid.compatibility(
+        record._native,
+        wanted,
+        list(vanes_x_m),
+        gravity_m_s2,
+        flat_earth,
+        None if unknowns is None else list(unknowns),
+        list(without),
+        [(name, float(value)) for name, value in (hold or {}).items()],
+    )
     return Compatibility(json.loads(text), Record(corrected))
 
 

@@ -3,10 +3,11 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
+use phugoid_identification::compatibility::HeldError;
 use phugoid_simulation::quantity::Length;
 
 use super::help::examples_and_exit_codes;
-use super::reading::Reading;
+use super::reading::{Deleting, Reading};
 
 /// Checks a flight for kinematic consistency and estimates the errors of its sensors
 ///
@@ -20,6 +21,8 @@ use super::reading::Reading;
     "  phugoid compatibility flight.csv
   phugoid compatibility flight.csv --model jet.toml --elevator-skew
   phugoid compatibility flight.csv --alpha-vane 4.2m --estimate inertial-scales
+  phugoid compatibility flight.csv --unknowns bias_az,scale_alpha,delay_alpha
+  phugoid compatibility flight.csv --without scale_theta --hold bias_q=0.06deg/s
   phugoid compatibility first.csv --with second.csv --with third.csv
   phugoid estimate flight.csv --model jet.toml --correct phugoid-compatibility/corrections.json"
 ))]
@@ -50,8 +53,21 @@ pub(crate) struct Compatibility {
     /// Further groups of sensor errors to estimate, separated by commas
     #[arg(long, value_enum, value_delimiter = ',', value_name = "GROUP")]
     pub(crate) estimate: Vec<SensorGroup>,
+    /// Estimate these errors alone, separated by commas, for example bias_az,scale_alpha,delay_alpha; what is not named is
+    /// taken for zero
+    #[arg(long, value_delimiter = ',', value_name = "NAMES", conflicts_with = "estimate")]
+    pub(crate) unknowns: Vec<String>,
+    /// Do not estimate these errors, separated by commas, and take them for zero
+    #[arg(long, value_delimiter = ',', value_name = "NAMES", conflicts_with = "unknowns")]
+    pub(crate) without: Vec<String>,
+    /// Hold an error that is known, from a calibration for example, at its value, for example bias_q=0.06deg/s or
+    /// scale_alpha=3%. It becomes part of the corrections, and is taken for exact; may be repeated
+    #[arg(long, value_name = "NAME=VALUE", value_parser = HeldError::parse)]
+    pub(crate) hold: Vec<HeldError>,
     #[command(flatten)]
     pub(crate) reading: Reading,
+    #[command(flatten)]
+    pub(crate) deleting: Deleting,
     /// Folder for the corrected record, the corrections and the page
     #[arg(long, value_name = "DIR", default_value = "phugoid-compatibility")]
     pub(crate) out: PathBuf,

@@ -10,7 +10,7 @@ use phugoid_simulation::quantity::Time;
 
 use super::help::examples_and_exit_codes;
 use super::method::method;
-use super::reading::Reading;
+use super::reading::{Deleting, Reading};
 
 /// Estimates the coefficients of an aircraft from a recorded flight
 #[derive(Debug, Args)]
@@ -20,6 +20,7 @@ use super::reading::Reading;
   phugoid estimate flight.csv --model jet.toml --from 12s --to 40s --json > result.json
   phugoid estimate flight.csv --model f16 --truth f16-damage   a simulated flight and its truth
   phugoid estimate flight.csv --model jet.toml --segment 2     one manoeuvre of `phugoid inspect`
+  phugoid estimate flight.csv --model jet.toml --delete 'alpha@12.3s..12.8s: bird strike'
   phugoid estimate flight.csv --model jet.toml --export jsbsim=aero.xml --export csv=estimates.csv
   phugoid estimate --list-models                   the model files that are built in"
 ))]
@@ -49,6 +50,8 @@ pub(crate) struct Estimate {
     pub(crate) flow_angles: FlowAngleSource,
     #[command(flatten)]
     pub(crate) reading: Reading,
+    #[command(flatten)]
+    pub(crate) deleting: Deleting,
     /// Do not look for sudden changes of the coefficients
     #[arg(long)]
     pub(crate) no_change_detection: bool,

@@ -6,12 +6,13 @@ use clap::Args;
 
 use super::delivery::Delivery;
 use super::help::examples_and_exit_codes;
-use super::reading::Reading;
+use super::reading::{Deleting, Reading};
 
 /// Lists what a flight contains: channels, gaps, doubtful units and signs, manoeuvres, and which derivatives can be
 /// estimated
 ///
-/// Nothing is estimated and no model is needed. The numbers of the manoeuvres are those that `phugoid estimate
+/// Nothing is estimated and no model is needed. The coherence of a surface and an output is the part of the output's
+/// spectrum that is linear in the surface. The numbers of the manoeuvres are those that `phugoid estimate
 /// --segment` takes. If nothing can be estimated from the flight, the reason is printed; that is a result, and the exit
 /// code stays 0.
 #[derive(Debug, Args)]
@@ -19,6 +20,7 @@ use super::reading::Reading;
     "  phugoid inspect flight.csv
   phugoid inspect flight.csv --model jet.toml      what the flight lacks for this model
   phugoid inspect yesterday.ulg                    a log: its topics and rates, then the flight
+  phugoid inspect flight.csv --figures figures     the coherence of inputs and outputs over frequency
   phugoid inspect flight.csv --json --out flight.json"
 ))]
 pub(crate) struct Inspect {
@@ -31,6 +33,11 @@ pub(crate) struct Inspect {
     pub(crate) model: Option<String>,
     #[command(flatten)]
     pub(crate) reading: Reading,
+    #[command(flatten)]
+    pub(crate) deleting: Deleting,
+    /// Also write the coherence of the surfaces that were moved and the outputs as figures to this folder, as SVG and PNG
+    #[arg(long, value_name = "DIR")]
+    pub(crate) figures: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) delivery: Delivery,
 }

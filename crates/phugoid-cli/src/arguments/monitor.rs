@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::help::examples_and_exit_codes;
-use super::reading::Reading;
+use super::reading::{Deleting, Reading};
 
 /// Checks in a recorded flight whether the coefficients leave their expected ranges: an alarm with a stated false-alarm
 /// rate, the onset time of the failure, and the coefficient that changed
@@ -32,6 +32,8 @@ pub(crate) struct Monitor {
     pub(crate) false_alarms_per_hour: Option<f64>,
     #[command(flatten)]
     pub(crate) reading: Reading,
+    #[command(flatten)]
+    pub(crate) deleting: Deleting,
     /// Folder for health.json, which contains all histories, and for the report of the estimation
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,

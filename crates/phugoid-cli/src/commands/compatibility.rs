@@ -2,7 +2,7 @@
 
 use phugoid_flight_data::output_file;
 use std::fmt::Write as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use phugoid::compatibility;
@@ -17,6 +17,7 @@ use phugoid_identification::compatibility::{
 use phugoid_report::{StudyPage, StudySection, chart_figure, study_html, write_named_figures};
 use serde::Serialize;
 
+use super::deleting::Deletions;
 use crate::arguments;
 use crate::failure::Failure;
 use crate::output::{self, json, print, significant};
@@ -36,9 +37,15 @@ struct Document<'a> {
 pub(crate) fn run(arguments: &arguments::Compatibility) -> Result<(), Failure> {
     let model = arguments.model.as_deref().map(super::estimate::model).transpose()?;
     let memory = arguments.reading.max_memory;
-    let read = |flight: &PathBuf| match &model {
-        Some(model) => model.open_record_within(flight, memory).map_err(Failure::input),
-        None => read_path(flight, &ReadOptions::default().with_max_memory(memory)).map_err(Failure::input),
+    let paths: Vec<&Path> = std::iter::once(&arguments.flight).chain(&arguments.with).map(PathBuf::as_path).collect();
+    let deletions = Deletions::new(&arguments.deleting, &paths)?;
+    let read = |flight: &PathBuf| {
+        let mut record = match &model {
+            Some(model) => model.open_record_within(flight, memory).map_err(Failure::input)?,
+            None => read_path(flight, &ReadOptions::default().with_max_memory(memory)).map_err(Failure::input)?,
+        };
+        deletions.apply(&mut record, flight, flight == &arguments.flight)?;
+        Ok::<_, Failure>(record)
     };
     let (record, further) = {
         let _progress = Progress::spinner("reading");
@@ -58,6 +65,9 @@ pub(crate) fn run(arguments: &arguments::Compatibility) -> Result<(), Failure> {
     let standard = 9.80665;
     let options = CompatibilityOptions {
         groups,
+        unknowns: (!arguments.unknowns.is_empty()).then(|| arguments.unknowns.clone()),
+        without: arguments.without.clone(),
+        held: arguments.hold.clone(),
         vanes_x: [arguments.alpha_vane.map_or(0.0, |x| x.si()), arguments.beta_vane.map_or(0.0, |x| x.si())],
         gravity: model.as_ref().map(|m| m.aircraft.gravity).filter(|g| *g != standard),
         flat_earth: arguments.flat_earth,
@@ -181,6 +191,7 @@ fn text(document: &Document) -> String {
     if let Some(skew) = document.elevator_skew {
         let _ = writeln!(text, "\n{}", skew_words(skew));
     }
+    super::result::paragraph(&mut text, "Held, and corrected", held(result));
     super::result::paragraph(&mut text, "Not corrected", reasons(result));
     super::result::paragraph(&mut text, "Air and place", [air(result)].into_iter());
     super::result::paragraph(&mut text, "Notes", result.notes.iter().cloned());
@@ -192,6 +203,15 @@ fn text(document: &Document) -> String {
         document.report.display()
     );
     text
+}
+
+/// The errors that were held at known values.
+fn held(result: &Compatibility) -> impl Iterator<Item = String> + '_ {
+    result.held.iter().map(|held| {
+        let (unit, scale) = readable(&held.unit);
+        let unit = if unit == "-" { String::new() } else { format!(" {unit}") };
+        format!("{} at {}{unit}, not estimated", held.name, significant(scale * held.value, 4))
+    })
 }
 
 /// Why errors are refused, or significant and yet not corrected.
@@ -299,6 +319,7 @@ fn page(
                     .map(skew_words)
                     .into_iter()
                     .chain([air(result)])
+                    .chain(held(result).map(|held| format!("Held, and corrected: {held}.")))
                     .chain(reasons(result))
                     .chain(result.notes.iter().cloned())
                     .collect(),

@@ -19,6 +19,7 @@ use phugoid_simulation::scenario::nearest;
 use serde::Serialize;
 
 use super::axes_form::Turned;
+use super::deleting::Deletions;
 use super::export;
 use super::result::{self, Document};
 use super::simulate::scenario;
@@ -45,7 +46,14 @@ pub(crate) fn run(arguments: &arguments::Estimate) -> Result<EstimationStatus, F
     export::check(&arguments.export, &model)?;
     let truth = truth(&arguments.truth, &model)?;
     let memory = arguments.reading.max_memory;
-    let read = |path: &PathBuf| model.open_record_within(path, memory).map_err(Failure::input);
+    let paths: Vec<&Path> =
+        std::iter::once(flight).chain(&arguments.with).chain(&arguments.predict).map(PathBuf::as_path).collect();
+    let deletions = Deletions::new(&arguments.deleting, &paths)?;
+    let read = |path: &PathBuf| {
+        let mut record = model.open_record_within(path, memory).map_err(Failure::input)?;
+        deletions.apply(&mut record, path, path == flight)?;
+        Ok::<_, Failure>(record)
+    };
     let (record, further, predict) = {
         let _progress = Progress::spinner("reading");
         let further = arguments.with.iter().map(read).collect::<Result<Vec<_>, _>>()?;
@@ -278,7 +286,7 @@ fn truth(words: &[Truth], model: &ModelFile) -> Result<BTreeMap<String, f64>, Fa
 }
 
 /// The parts of the record with the manoeuvres of these numbers: the first one, and the others.
-fn segments(record: &Record, numbers: &[usize]) -> Result<(Record, Vec<Record>), Failure> {
+pub(super) fn segments(record: &Record, numbers: &[usize]) -> Result<(Record, Vec<Record>), Failure> {
     let found = find(record, &Settings::default());
     let mut parts = Vec::with_capacity(numbers.len());
     for (index, number) in numbers.iter().enumerate() {
@@ -296,7 +304,7 @@ fn segments(record: &Record, numbers: &[usize]) -> Result<(Record, Vec<Record>),
 }
 
 /// The part of a record from one time (s) to another, both included.
-fn between(record: Record, from: Option<f64>, to: Option<f64>) -> Result<Record, Failure> {
+pub(super) fn between(record: Record, from: Option<f64>, to: Option<f64>) -> Result<Record, Failure> {
     if from.is_none() && to.is_none() {
         return Ok(record);
     }

@@ -1,15 +1,18 @@
 //! `phugoid inspect`.
 
 use std::fmt::Write as _;
+use std::path::PathBuf;
 
 use phugoid_flight_data::log::survey::{Survey, TopicSurvey};
 use phugoid_flight_data::quality::Severity;
 use phugoid_flight_data::reader::{self, ReadOptions, Surveyed};
-use phugoid_identification::inspect::{Inspection, ModelSupport};
+use phugoid_identification::inspect::{Coherence, CoherenceCurve, Inspection, ModelSupport};
 use phugoid_identification::manoeuvres::{Manoeuvre, Support};
 use phugoid_identification::model_file::ModelFile;
+use phugoid_report::{coherence_figures, write_named_figures};
 use serde::Serialize;
 
+use super::deleting::Deletions;
 use super::estimate::model;
 use super::result::paragraph;
 use crate::arguments;
@@ -28,22 +31,35 @@ struct Document<'a> {
     no_flight: Option<&'a str>,
     #[serde(flatten)]
     inspection: Option<&'a Inspection>,
+    /// Figures that were written.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    figures: Vec<PathBuf>,
 }
 
 pub(crate) fn run(arguments: &arguments::Inspect) -> Result<(), Failure> {
     let wanted = arguments.model.as_deref().map(model).transpose()?;
     let columns = wanted.as_ref().map(ModelFile::columns).unwrap_or_default();
+    let deletions = Deletions::new(&arguments.deleting, &[&arguments.flight])?;
     let (survey, inspection, no_flight) = {
         let _progress = Progress::spinner("reading");
         let options = ReadOptions::with_columns(columns).with_max_memory(arguments.reading.max_memory);
         let Surveyed { survey, record } = reader::survey_path(&arguments.flight, &options).map_err(Failure::input)?;
         match record {
-            Ok(record) => (survey, Some(phugoid::inspect(&record, wanted.as_ref())), None),
+            Ok(mut record) => {
+                deletions.apply(&mut record, &arguments.flight, true)?;
+                (survey, Some(phugoid::inspect(&record, wanted.as_ref())), None)
+            }
             // A log without a flight in it is a result too.
             Err(why) => (survey, None, Some(why.to_string())),
         }
     };
-    let document = Document { log: survey.as_ref(), no_flight: no_flight.as_deref(), inspection: inspection.as_ref() };
+    let figures = match (&arguments.figures, &inspection) {
+        (Some(folder), Some(inspection)) => write_named_figures(folder, &coherence_figures(&inspection.coherence))
+            .map_err(|e| Failure::writing_of("--figures", folder, e))?,
+        _ => Vec::new(),
+    };
+    let document =
+        Document { log: survey.as_ref(), no_flight: no_flight.as_deref(), inspection: inspection.as_ref(), figures };
     let delivery = &arguments.delivery;
     deliver(&document, delivery.json, delivery.out.as_deref(), || {
         let mut told = survey.as_ref().map(log_text).unwrap_or_default();
@@ -53,6 +69,12 @@ pub(crate) fn run(arguments: &arguments::Inspect) -> Result<(), Failure> {
                 told.push_str("\nAs a flight: ");
             }
             told.push_str(&text(inspection, arguments.model.is_some()));
+        }
+        if let Some(folder) = arguments.figures.as_ref() {
+            let _ = match document.figures.len() {
+                0 => writeln!(told, "\nNo figure was written: there is no coherence to show"),
+                count => writeln!(told, "\n{count} figure files in {}", folder.display()),
+            };
         }
         told
     })
@@ -122,6 +144,7 @@ fn text(inspection: &Inspection, one_model: bool) -> String {
         Some(support) => text.push_str(&parameters(support)),
         None => text.push_str(&derivatives(inspection)),
     }
+    text.push_str(&coherence(&inspection.coherence));
     paragraph(&mut text, "What stands in the way", found.reasons.iter().cloned());
     paragraph(&mut text, if one_model { "Model" } else { "Built-in models" }, needs(inspection));
     text
@@ -251,6 +274,75 @@ fn parameters(support: &ModelSupport) -> String {
         segment.notes.iter().map(move |note| format!("{}: {note}", numbers.join(",")))
     });
     paragraph(&mut text, "How the bounds were had", notes.chain(support.reasons.iter().cloned()));
+    text
+}
+
+/// Table of the coherences that are above chance, and the pairs that are not.
+fn coherence(pairs: &[Coherence]) -> String {
+    /// Bands that are shown of one pair.
+    const SHOWN: usize = 3;
+    let mut table = Table::with_words(
+        &["input", "output", "given", "Hz above chance", "peak", "at", "all together", "level", "averages", "band"],
+        &[0, 1, 2, 3],
+    );
+    let hz = |value: f64| format!("{} Hz", significant(value, 2));
+    let (mut shown, mut below) = (false, Vec::<(&str, Vec<&str>)>::new());
+    let significant_curve = |pair: &&Coherence| pair.decisive().is_some_and(CoherenceCurve::is_significant);
+    for pair in pairs.iter().filter(significant_curve) {
+        let Some(curve) = pair.decisive() else { continue };
+        let mut bands: Vec<String> = curve
+            .bands_hz
+            .iter()
+            .take(SHOWN)
+            .map(|[from, to]| {
+                if from < to {
+                    format!("{} to {}", significant(*from, 2), significant(*to, 2))
+                } else {
+                    significant(*from, 2)
+                }
+            })
+            .collect();
+        if curve.bands_hz.len() > SHOWN {
+            bands.push("...".to_owned());
+        }
+        shown = true;
+        table.row([
+            pair.input.clone(),
+            pair.output.clone(),
+            if pair.given.is_empty() { "-".to_owned() } else { pair.given.join(", ") },
+            bands.join(", "),
+            fixed(curve.peak, 2),
+            hz(curve.peak_hz),
+            pair.multiple.as_ref().map_or_else(|| "-".to_owned(), |all| fixed(all.peak, 2)),
+            fixed(curve.level, 2),
+            pair.averages.to_string(),
+            hz(pair.bandwidth_hz),
+        ]);
+    }
+    for pair in pairs.iter().filter(|pair| pair.decisive().is_some() && !significant_curve(pair)) {
+        match below.last_mut().filter(|(input, _)| *input == pair.input) {
+            Some((_, outputs)) => outputs.push(&pair.output),
+            None => below.push((&pair.input, vec![&pair.output])),
+        }
+    }
+    let mut text = String::new();
+    if shown {
+        text = format!(
+            "\nCoherence of inputs and outputs: the part of an output's spectrum that is linear in the input\n{}  Noise \
+             alone exceeds the level at one frequency in twenty.{}\n",
+            table.render(),
+            if pairs.iter().any(|pair| pair.partial.is_some()) {
+                " Given: after the effect of that surface is taken out of both."
+            } else {
+                ""
+            }
+        );
+    }
+    let not_above =
+        below.iter().map(|(input, outputs)| format!("{input}: not above chance with {}", outputs.join(", ")));
+    let why = pairs.iter().filter(|pair| !pair.reason.is_empty());
+    let why = why.map(|pair| format!("{} and {}: {}", pair.input, pair.output, pair.reason));
+    paragraph(&mut text, "Without coherence", not_above.chain(why));
     text
 }
 

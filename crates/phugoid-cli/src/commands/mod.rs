@@ -3,6 +3,7 @@
 mod axes_form;
 pub(crate) mod compare;
 pub(crate) mod compatibility;
+mod deleting;
 pub(crate) mod demonstrate;
 pub(crate) mod design;
 mod detection;
@@ -15,6 +16,7 @@ pub(crate) mod linearize;
 pub(crate) mod live;
 pub(crate) mod monitor;
 mod offer;
+pub(crate) mod regress;
 pub(crate) mod reproduce;
 pub(crate) mod result;
 mod screen;

@@ -1,6 +1,7 @@
 //! `phugoid monitor`.
 
 use phugoid_flight_data::output_file;
+use phugoid_flight_data::quality::QualityReport;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
@@ -11,8 +12,9 @@ use phugoid_identification::model_file::{Expectation, ModelFile};
 use phugoid_identification::monitor::monitor;
 use serde::Serialize;
 
+use super::deleting::Deletions;
 use super::estimate::model;
-use super::result::paragraph;
+use super::result::{paragraph, warnings};
 use crate::arguments;
 use crate::failure::Failure;
 use crate::output::{Table, deliver, fixed, significant};
@@ -28,7 +30,11 @@ pub(crate) fn run(arguments: &arguments::Monitor) -> Result<bool, Failure> {
     let false_alarms_per_hour = arguments.false_alarms_per_hour.unwrap_or(FALSE_ALARMS_PER_HOUR);
     let record = {
         let _progress = Progress::spinner("reading");
-        model.open_record_within(&arguments.flight, arguments.reading.max_memory).map_err(Failure::input)?
+        let deletions = Deletions::new(&arguments.deleting, &[&arguments.flight])?;
+        let mut record =
+            model.open_record_within(&arguments.flight, arguments.reading.max_memory).map_err(Failure::input)?;
+        deletions.apply(&mut record, &arguments.flight, true)?;
+        record
     };
     let (estimation, report) = {
         let progress = Progress::new("monitoring");
@@ -40,8 +46,8 @@ pub(crate) fn run(arguments: &arguments::Monitor) -> Result<bool, Failure> {
         Some(folder) => write(folder, &report, &estimation)?,
         None => Vec::new(),
     };
-    let document = Document::new(&report, arguments.history, &figures);
-    deliver(&document, arguments.json, None, || text(&report, &figures))?;
+    let document = Document::new(&report, &estimation.quality, arguments.history, &figures);
+    deliver(&document, arguments.json, None, || text(&report, &estimation.quality, &figures))?;
     Ok(report.condition == Condition::Diverged)
 }
 
@@ -57,7 +63,7 @@ fn expected(file: &Path, model: &ModelFile) -> Result<Vec<Expectation>, Failure>
 fn write(folder: &Path, report: &HealthReport, estimation: &Estimation) -> Result<Vec<PathBuf>, Failure> {
     std::fs::create_dir_all(folder).map_err(|e| Failure::writing(folder, e))?;
     let json = folder.join("health.json");
-    let document = crate::output::json(&Document::new(report, true, &[]))?;
+    let document = crate::output::json(&Document::new(report, &estimation.quality, true, &[]))?;
     output_file::write(&json, document).map_err(|e| Failure::writing(&json, e))?;
     let page = folder.join("report.html");
     let html = phugoid_report::html(estimation, &phugoid_report::HtmlOptions::default());
@@ -80,13 +86,15 @@ struct Document<'a> {
     parameters: &'a [phugoid_identification::health::ParameterHealth],
     failure: Option<&'a phugoid_identification::health::FailureReport>,
     sentences: &'a [String],
+    /// What the reader found, assumed and left out, and what was deleted.
+    quality: &'a QualityReport,
     files: &'a [PathBuf],
     #[serde(skip_serializing_if = "Option::is_none")]
     history: Option<&'a phugoid_identification::health::HealthHistory>,
 }
 
 impl<'a> Document<'a> {
-    fn new(report: &'a HealthReport, history: bool, files: &'a [PathBuf]) -> Self {
+    fn new(report: &'a HealthReport, quality: &'a QualityReport, history: bool, files: &'a [PathBuf]) -> Self {
         Self {
             source: &report.source,
             model: &report.model,
@@ -97,6 +105,7 @@ impl<'a> Document<'a> {
             parameters: &report.parameters,
             failure: report.failure.as_ref(),
             sentences: &report.sentences,
+            quality,
             files,
             history: history.then_some(&report.history),
         }
@@ -104,7 +113,7 @@ impl<'a> Document<'a> {
 }
 
 /// The result as text.
-fn text(report: &HealthReport, files: &[PathBuf]) -> String {
+fn text(report: &HealthReport, quality: &QualityReport, files: &[PathBuf]) -> String {
     let mut text = String::new();
     let time = &report.history.time_s;
     if let (Some(first), Some(last)) = (time.first(), time.last()) {
@@ -143,6 +152,7 @@ fn text(report: &HealthReport, files: &[PathBuf]) -> String {
     text.push_str(&table.render());
     text.push_str("\nDerivatives per radian; estimates at the end of the record.\n");
     paragraph(&mut text, "Health", report.sentences.iter().cloned());
+    paragraph(&mut text, "Data quality", warnings(quality));
     let mut last = None;
     let changes = time
         .iter()

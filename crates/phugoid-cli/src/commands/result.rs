@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use phugoid_flight_data::quality::{QualityReport, Severity};
+use phugoid_flight_data::quality::QualityReport;
 use phugoid_identification::batch::OutputFit;
 use phugoid_identification::estimation::{
     BatchReport, EffectiveDerivative, Estimation, EstimationStatus, Event, FinalStatus, History, Offer,
@@ -122,15 +122,7 @@ pub(crate) fn text(estimation: &Estimation, report: Option<&Path>, figures: &[Pa
     }
     let event = |e: &Event| format!("{:8.2} s  {}", e.time_s, e.message);
     paragraph(&mut text, "Events", estimation.events.iter().map(event));
-    let worth_telling = estimation.quality.findings.iter().filter(|f| f.severity == Severity::Warning);
-    paragraph(
-        &mut text,
-        "Data quality",
-        worth_telling.map(|f| match f.place.as_str() {
-            "" => f.message.clone(),
-            place => format!("{place}: {}", f.message),
-        }),
-    );
+    paragraph(&mut text, "Data quality", warnings(&estimation.quality));
     if let Some(report) = report {
         let _ = writeln!(text, "\nReport with figures: {}", report.display());
     }
@@ -207,6 +199,14 @@ pub(crate) fn paragraph(text: &mut String, title: &str, lines: impl Iterator<Ite
         }
         text.push_str(&wrapped(&line));
     }
+}
+
+/// The warnings of a quality report, each with its place.
+pub(crate) fn warnings(quality: &QualityReport) -> impl Iterator<Item = String> + '_ {
+    quality.warnings().map(|finding| match finding.place.as_str() {
+        "" => finding.message.clone(),
+        place => format!("{place}: {}", finding.message),
+    })
 }
 
 /// Reasons why parameters are not ready, without those that only support others. The advice is part of the verdict.

@@ -51,6 +51,22 @@ fn a_flight_is_told_with_its_manoeuvres_and_a_segment_is_estimated() {
 }
 
 #[test]
+fn the_coherence_of_the_elevator_is_told_and_drawn() {
+    let folder = flown("f16-calm", "coherence");
+    let run = phugoid(&folder.0, &["inspect", "measured.csv", "--figures", "figures"]);
+    assert_eq!(run.code, Some(0), "{}", run.err);
+    assert!(run.out.contains("Coherence of inputs and outputs") && run.out.contains("2 figure files"), "{}", run.out);
+    assert!(folder.read("figures/coherence-elevator.svg").contains("Pitch rate q"));
+    assert!(folder.0.join("figures/coherence-elevator.png").exists());
+    let json = phugoid(&folder.0, &["inspect", "measured.csv", "--json"]).json();
+    let pairs = json["coherence"].as_array().unwrap();
+    let of = |output: &str| pairs.iter().find(|c| c["output"] == output).unwrap();
+    assert!(of("q")["ordinary"]["peak"].as_f64().unwrap() > 0.95, "{}", of("q"));
+    assert!(of("q")["ordinary"]["chance"].as_f64().unwrap() < 0.01);
+    assert_eq!(of("q")["given"], serde_json::json!([]));
+}
+
+#[test]
 fn a_flight_that_tells_nothing_says_why_and_is_no_failure() {
     let folder = Folder::new("inspect-nothing");
     let rows: String =

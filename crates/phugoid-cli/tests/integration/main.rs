@@ -10,6 +10,7 @@ mod telemetry;
 
 mod axes;
 mod compare;
+mod deletion;
 mod destinations;
 mod field;
 mod inspect;
@@ -21,6 +22,7 @@ mod monitor;
 mod offer;
 mod px4_log;
 mod records;
+mod regress;
 mod reproduce;
 mod results;
 mod strangers;

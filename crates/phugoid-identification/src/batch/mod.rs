@@ -34,12 +34,16 @@ mod regressor_noise;
 mod relaxation;
 pub(crate) mod response;
 mod result;
+mod row_correlation;
 mod start;
 mod summary;
 mod table;
 
 pub(crate) use equation_error::equations_at;
-pub(crate) use table::{APART, Equation as TableEquation, Grid, Table, tables};
+pub(crate) use row_correlation::RowCorrelation;
+#[cfg(test)]
+pub(crate) use table::APART;
+pub(crate) use table::{Equation as TableEquation, Grid, Table, tables};
 
 pub use bound::{Bounded, bound};
 pub use equation_error::{EquationErrorFit, EquationErrorSettings, equation_error};

@@ -5,9 +5,10 @@ use std::collections::BTreeMap;
 use phugoid_flight_data::record::Record;
 use serde::{Deserialize, Serialize};
 
+use super::kinematics::place;
 use super::solve::Solution;
 use super::unknowns::UNKNOWNS;
-use super::{CompatibilityOptions, Group, InputSkew, SensorError, differentiated};
+use super::{InputSkew, SensorError, differentiated};
 
 /// Errors of one channel: measured = (1 + scale) true(one delay ago) + bias.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -64,14 +65,15 @@ pub struct CorrectionUncertainty {
 const CHANNELS: [&str; 12] = ["ax", "ay", "az", "p", "q", "r", "true_airspeed", "alpha", "beta", "phi", "theta", "psi"];
 
 impl Corrections {
-    /// The errors that are offered as corrections, and known vane positions.
-    pub(super) fn of(errors: &[SensorError], solution: &Solution, options: &CompatibilityOptions) -> Self {
+    /// The errors that are offered as corrections, and those that are known.
+    pub(super) fn of(errors: &[SensorError], solution: &Solution, held: &[(&str, f64)]) -> Self {
         let offered: Vec<&SensorError> = errors.iter().filter(|e| e.offered).collect();
         let mut corrections = Self::default();
-        if !options.groups.contains(&Group::VanePositions) {
-            (corrections.vane_alpha_x, corrections.vane_beta_x) = (options.vanes_x[0], options.vanes_x[1]);
-        }
-        let values: Vec<(&str, f64)> = offered.iter().map(|e| (e.name.as_str(), e.value)).collect();
+        // Zero where they are estimated.
+        (corrections.vane_alpha_x, corrections.vane_beta_x) =
+            (solution.fixed[place::VANE_ALPHA], solution.fixed[place::VANE_BETA]);
+        let values: Vec<(&str, f64)> =
+            offered.iter().map(|e| (e.name.as_str(), e.value)).chain(held.iter().copied()).collect();
         corrections.set(&values);
         if !offered.is_empty() {
             let column =
@@ -106,7 +108,7 @@ impl Corrections {
         known.covariance.push(row);
     }
 
-    /// Puts estimates of unknowns into the fields that they belong to; channels without any stay as they are.
+    /// Puts estimates of unknowns into the fields that they belong to; all others stay as they are.
     pub(super) fn set(&mut self, values: &[(&str, f64)]) {
         let value = |name: &str| values.iter().find(|(n, _)| *n == name).map(|(_, v)| *v);
         for (name, field) in [
@@ -138,12 +140,18 @@ impl Corrections {
             if bias.is_none() && scale.is_none() && delay.is_none() {
                 continue;
             }
+            let mut known = self.channels.get(channel).copied().unwrap_or_default();
+            let inertial = ["ax", "ay", "az", "p", "q", "r"].contains(&channel);
+            if inertial {
+                let scale = 1.0 - 1.0 / (1.0 + known.scale);
+                (known.bias, known.scale) = (known.bias * (1.0 - scale), scale);
+            }
             let mut c = ChannelCorrection {
-                bias: bias.unwrap_or(0.0),
-                scale: scale.unwrap_or(0.0),
-                delay_s: delay.unwrap_or(0.0),
+                bias: bias.unwrap_or(known.bias),
+                scale: scale.unwrap_or(known.scale),
+                delay_s: delay.unwrap_or(known.delay_s),
             };
-            if ["ax", "ay", "az", "p", "q", "r"].contains(&channel) {
+            if inertial {
                 // True = (1 - scale) measured - bias there: the same in this form.
                 (c.bias, c.scale) = (c.bias / (1.0 - c.scale), 1.0 / (1.0 - c.scale) - 1.0);
             }

@@ -8,6 +8,7 @@
 //! and turbulence are found with them. Each unknown has a wide prior; an error that the data do not determine stays at
 //! its prior, and the result says so.
 
+mod choice;
 mod corrected;
 mod correction;
 mod filter;
@@ -27,6 +28,8 @@ use phugoid_flight_data::record::Record;
 
 use crate::batch::OutputFit;
 use crate::core::error::EstimateError;
+use choice::Choice;
+pub use choice::{HeldError, unknown_names};
 pub use corrected::estimate_corrected;
 pub use correction::{ChannelCorrection, CorrectionUncertainty, Corrections};
 use filter::Levels;
@@ -37,13 +40,21 @@ pub(crate) use signals::differentiated;
 pub use skew::{InputSkew, input_skew};
 use solve::{Column, Solution, impossible, solve};
 pub use unknowns::Group;
-use unknowns::UNKNOWNS;
+use unknowns::{Spec, UNKNOWNS};
 
 /// Which errors of the sensors a compatibility check estimates, and what is known of the installation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CompatibilityOptions {
     /// Groups of errors that are estimated in addition to the biases, which always are.
     pub groups: Vec<Group>,
+    /// Names of the only unknowns that are estimated, in place of the biases and the groups; `None` goes by the groups. What
+    /// is not named is taken for zero. Valid names are those of [`unknown_names`].
+    pub unknowns: Option<Vec<String>>,
+    /// Names of unknowns that are not estimated although their group is; they are taken for zero.
+    pub without: Vec<String>,
+    /// Errors that are known, and held at their values instead of being estimated. They become part of the corrections, and
+    /// are taken for exact.
+    pub held: Vec<HeldError>,
     /// Known distance of the vanes of alpha and beta ahead of the centre of gravity, m.
     pub vanes_x: [f64; 2],
     /// Acceleration of gravity at the place of the flight, m/s^2, positive, where it is known to 0.001 m/s^2. `None`:
@@ -63,6 +74,9 @@ impl Default for CompatibilityOptions {
     fn default() -> Self {
         Self {
             groups: vec![Group::AirDataScales, Group::AttitudeScales, Group::Delays],
+            unknowns: None,
+            without: Vec::new(),
+            held: Vec::new(),
             vanes_x: [0.0; 2],
             gravity: None,
             flat_earth: false,
@@ -144,6 +158,9 @@ pub struct Compatibility {
     pub source: String,
     /// The unknowns that were estimated, in the order of the parameters of the kinematic model.
     pub errors: Vec<SensorError>,
+    /// The errors that were held at known values, as [`CompatibilityOptions::held`] gives them.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub held: Vec<HeldError>,
     /// The corrections that are offered: apply them with [`Corrections::apply`].
     pub corrections: Corrections,
     /// How the reconstructed outputs, errors of the sensors included, follow the measured ones.
@@ -206,7 +223,8 @@ const EARTH_RATE: f64 = 7.3e-5;
 /// ```
 ///
 /// # Errors
-/// [`EstimateError`]: a missing channel, too few samples, or no minimum.
+/// [`EstimateError`]: a missing channel, too few samples, or no minimum; an unknown that is named wrongly or that no record
+/// can show.
 pub fn compatibility(record: &Record, options: &CompatibilityOptions) -> Result<Compatibility, EstimateError> {
     let records = std::iter::once(record).chain(&options.further);
     let mut flights = records
@@ -216,12 +234,13 @@ pub fn compatibility(record: &Record, options: &CompatibilityOptions) -> Result<
     for (flight, record) in flights.iter_mut().zip(std::iter::once(record).chain(&options.further)).skip(1) {
         notes.extend(flight.notes.drain(..).map(|note| format!("{}: {note}", record.source)));
     }
-    let mut fixed = [0.0; PARAMETERS];
-    if !options.groups.contains(&Group::VanePositions) {
-        fixed[place::VANE_ALPHA] = options.vanes_x[0];
-        fixed[place::VANE_BETA] = options.vanes_x[1];
+    for record in std::iter::once(record).chain(&options.further) {
+        let deleted = record.quality.deletions.iter().flat_map(|deleted| deleted.sentences());
+        notes.extend(deleted.map(|words| format!("{}: {words}", record.source)));
     }
-    let (solution, refused) = possible_solution(&flights, columns(&flights, options), fixed)?;
+    let choice = Choice::of(options, &flights)?;
+    notes.extend(choice.notes.iter().cloned());
+    let (solution, refused) = possible_solution(&flights, columns(&flights, &choice), choice.fixed)?;
     let errors = errors(&solution, &refused, is_gusty(&flights, &solution));
     notes.extend(confused(&solution));
     let (reconstructed, fit) = reconstruction::reconstruct(&flights[0], 0, &solution);
@@ -233,10 +252,12 @@ pub fn compatibility(record: &Record, options: &CompatibilityOptions) -> Result<
     let gusts = std::array::from_fn(|i| {
         if first.active.contains(&(kinematics::BODY + i)) { solution.levels[0].gusts[i] } else { 0.0 }
     });
+    let held: Vec<(&str, f64)> = choice.held.iter().map(|held| (held.name.as_str(), held.value)).collect();
     Ok(Compatibility {
         source: record.source.clone(),
-        corrections: Corrections::of(&errors, &solution, options),
+        corrections: Corrections::of(&errors, &solution, &held),
         errors,
+        held: choice.held,
         fit,
         gravity,
         gusts,
@@ -247,26 +268,11 @@ pub fn compatibility(record: &Record, options: &CompatibilityOptions) -> Result<
 }
 
 /// The unknowns of the flights together: those of the sensors are the same in all.
-fn columns(flights: &[Flight], options: &CompatibilityOptions) -> Vec<Column> {
+fn columns(flights: &[Flight], choice: &Choice) -> Vec<Column> {
     let mut columns = Vec::new();
     for (place, spec) in UNKNOWNS.iter().enumerate() {
-        let asked = spec.group.is_none_or(|g| g == Group::Biases || options.groups.contains(&g));
-        let shown = |flight: &Flight| {
-            let moves = match spec.name {
-                // What is measured along or about an axis in which the motion is not followed says nothing.
-                "bias_p" | "bias_r" | "scale_p" | "scale_r" | "bias_phi" | "scale_phi" => flight.active.contains(&3),
-                "bias_ay" | "scale_ay" | "bias_beta" | "scale_beta" | "delay_beta" | "vane_beta_x" => {
-                    flight.active.contains(&1)
-                }
-                "gust_by_ay" => flight.active.contains(&10),
-                "gust_by_az" => flight.active.contains(&11),
-                "bias_psi" => flight.active.contains(&5),
-                "wind_north" | "wind_east" | "wind_down" => flight.active.contains(&6) && flight.active.contains(&8),
-                _ => true,
-            };
-            moves && flight.has(spec.channel)
-        };
-        if !asked || !flights.iter().any(shown) {
+        let shown = |flight: &Flight| moves(spec, flight) && flight.has(spec.channel);
+        if !choice.estimated[place] || !flights.iter().any(shown) {
             continue;
         }
         if spec.group.is_none_or(|group| group == Group::Wind) {
@@ -282,6 +288,22 @@ fn columns(flights: &[Flight], options: &CompatibilityOptions) -> Vec<Column> {
         }
     }
     columns
+}
+
+/// Whether a flight has the motion that an unknown needs. What is measured along or about an axis in which the motion is
+/// not followed says nothing.
+fn moves(spec: &Spec, flight: &Flight) -> bool {
+    match spec.name {
+        "bias_p" | "bias_r" | "scale_p" | "scale_r" | "bias_phi" | "scale_phi" => flight.active.contains(&3),
+        "bias_ay" | "scale_ay" | "bias_beta" | "scale_beta" | "delay_beta" | "vane_beta_x" => {
+            flight.active.contains(&1)
+        }
+        "gust_by_ay" => flight.active.contains(&10),
+        "gust_by_az" => flight.active.contains(&11),
+        "bias_psi" => flight.active.contains(&5),
+        "wind_north" | "wind_east" | "wind_down" => flight.active.contains(&6) && flight.active.contains(&8),
+        _ => true,
+    }
 }
 
 /// By how much twice the negative logarithm of a likelihood may lie above that of another minimum: searches end within

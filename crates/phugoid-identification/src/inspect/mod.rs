@@ -1,6 +1,7 @@
 //! What a record holds, before anything is estimated from it: channels, gaps, doubts, manoeuvres, and which derivatives
 //! could be estimated from them.
 
+mod coherence;
 mod model;
 
 use std::collections::BTreeMap;
@@ -12,6 +13,7 @@ use phugoid_flight_data::statistics::median;
 use serde::{Deserialize, Serialize};
 
 pub use crate::methods::{Predicted, PredictedParameter};
+pub use coherence::{Coherence, CoherenceCurve, coherence};
 pub use model::{ModelSupport, ParameterSupport, SegmentSupport, model_support};
 
 use crate::manoeuvres::{CoefficientSupport, Found, Settings, Support, find};
@@ -41,6 +43,9 @@ pub struct Inspection {
     pub found: Found,
     /// For each derivative the useful manoeuvre from which it can be estimated best.
     pub derivatives: Vec<Derivative>,
+    /// Spectral coherence of each surface that was moved and each output.
+    #[serde(default)]
+    pub coherence: Vec<Coherence>,
     /// The channels that the record lacks for each of the model files given.
     pub models: Vec<ModelNeeds>,
     /// How well the parameters of one model could be estimated; `None` unless [`model_support`] was called and its
@@ -135,6 +140,7 @@ pub fn inspect(record: &Record, models: &[ModelFile], settings: &Settings) -> In
         quality: record.quality.clone(),
         doubts: plausibility::check(record).into_iter().map(Finding::from).collect(),
         derivatives: derivatives(&found),
+        coherence: coherence(record, &found),
         found,
         models: models.iter().map(|model| needs(record, model)).collect(),
         support: None,

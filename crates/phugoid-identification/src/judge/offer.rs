@@ -29,7 +29,8 @@ use crate::motion::Motion;
 use crate::preparation::noise::measure_noise;
 use crate::preparation::prepare::prepare;
 use crate::preparation::prepared::Prepared;
-use candidate::{Candidate, candidates, round_up, with_terms};
+pub(crate) use candidate::round_up;
+use candidate::{Candidate, candidates, with_terms};
 use selection::{Criterion, Regression, Trial};
 
 /// Spacing of the rows of the equations, s: the windows of the smoothing are 0.4 s long.
@@ -214,7 +215,7 @@ fn batch_model(file: &ModelFile, list: &[Candidate], speed: f64) -> Option<(Mode
 
 /// The equations of the records by a model, as measured and with noise added, their columns in the order of the names
 /// given; and over how many rows their noise is correlated.
-fn batch<M: EveryRoom<N, R>, const N: usize, const R: usize>(
+pub(crate) fn batch<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     records: &[&Record],
     file: &ModelFile,
     order: &[String],

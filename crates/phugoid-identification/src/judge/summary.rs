@@ -73,7 +73,7 @@ pub(crate) fn summarise<M: EveryRoom<N, R>, const N: usize, const R: usize>(
         verdict,
         events: run.events.clone(),
         changes,
-        quality: without(&record.quality, doubts),
+        quality: with_deletions_of_others(without(&record.quality, doubts), options),
         noise: noise_signals,
         consistency: consistency(file, run),
         history,
@@ -109,6 +109,20 @@ fn changes<const R: usize>(columns: &[(&Parameter, Option<usize>)], run: &Run<R>
             .collect(),
     };
     run.changes.iter().map(of).collect()
+}
+
+/// The findings, with what was deleted of the other flights that the result is made of.
+fn with_deletions_of_others(mut quality: QualityReport, options: &EstimateOptions) -> QualityReport {
+    let own = quality.deletions.clone();
+    for other in options.further.iter().chain(&options.predict) {
+        // Another manoeuvre of the same flight has its deletions too.
+        for deleted in other.quality.deletions.iter().filter(|deleted| !own.contains(deleted)) {
+            for sentence in deleted.sentences() {
+                quality.warn(other.source.as_str(), sentence);
+            }
+        }
+    }
+    quality
 }
 
 /// The findings of the reader without those that the verdict repeats.

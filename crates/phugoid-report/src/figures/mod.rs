@@ -4,6 +4,7 @@ use phugoid_identification::estimation::Estimation;
 
 use crate::figure::Figure;
 
+mod coherence;
 mod context;
 mod correlation;
 mod parameters;
@@ -12,6 +13,7 @@ mod residuals;
 mod signals;
 mod surfaces;
 
+pub use coherence::coherence_figures;
 use context::Context;
 pub(crate) use context::{event_kind, unit_of};
 pub(crate) use correlation::NAME as CORRELATION;

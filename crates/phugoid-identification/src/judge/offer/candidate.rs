@@ -215,7 +215,7 @@ pub(super) fn with_terms(file: &ModelFile, terms: &[(&Candidate, f64)], speed: f
 
 /// The next of 1, 1.5, 2, 3, 4, 5, 6, 8, 10 times a power of ten: a number for a model file. `None` for a value that is
 /// not positive and finite.
-pub(super) fn round_up(value: f64) -> Option<f64> {
+pub(crate) fn round_up(value: f64) -> Option<f64> {
     if !(value.is_finite() && value > 0.0) {
         return None;
     }

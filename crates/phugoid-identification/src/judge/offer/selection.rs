@@ -9,7 +9,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::batch::{APART, Table, TableEquation as Equation};
+use crate::batch::{RowCorrelation, Table, TableEquation as Equation};
 
 /// Relative error of a bias that comes from that of the noise level.
 const LEVEL_UNCERTAIN: f64 = 0.1;
@@ -221,7 +221,7 @@ impl Regression {
         let level = |e: &Columns| Level {
             equation: e.name.clone(),
             residual_std: (fit.squares(&e.copies[0].gram, self.columns) / e.count.max(1.0)).sqrt(),
-            noise_std: Correlation::of_noise(self, e, &fit).at(0).sqrt(),
+            noise_std: correlation_of_noise(self, e, &fit).at(0).sqrt(),
         };
         self.equations.iter().map(level).collect()
     }
@@ -278,8 +278,8 @@ impl Regression {
                 in_which = (squares * weight, index);
             }
             let residuals = self.residuals(equation, 0, &whole);
-            let residual = Correlation::of_residual(&residuals, equation.count);
-            let noise = Correlation::of_noise(self, equation, &whole);
+            let residual = RowCorrelation::of_residual(&residuals, equation.count);
+            let noise = correlation_of_noise(self, equation, &whole);
             lasting += weight * weight * residual.spread(&own);
             of_noise += weight * weight * noise.spread(&own);
             let before = fits[0].squares(&equation.copies[0].gram, self.columns);
@@ -528,77 +528,27 @@ impl Fit {
     }
 }
 
-/// Correlation of a residual with itself some rows on, weighted by the window of the sum.
-struct Correlation {
-    by_lag: Vec<f64>,
-}
-
-impl Correlation {
-    fn at(&self, lag: usize) -> f64 {
-        self.by_lag.get(lag).copied().unwrap_or(0.0)
-    }
-
-    /// As far as the residual is correlated at all, with a flat-top window (D. N. Politis, Journal of Nonparametric
-    /// Statistics 15, 2003).
-    fn of_residual(residuals: &[f64], count: f64) -> Self {
-        let count = count.max(2.0);
-        let most = (APART - 1).min((count / 4.0) as usize);
-        let threshold = 2.0 * (count.log10() / count).sqrt();
-        let lagged = |lag: usize| {
-            residuals.iter().zip(&residuals[lag.min(residuals.len())..]).map(|(a, b)| a * b).sum::<f64>() / count
-        };
-        let mut by_lag = vec![lagged(0)];
-        let (mut last_loud, mut quiet) = (0, 0);
-        for lag in 1..=most {
-            by_lag.push(lagged(lag));
-            if (by_lag[lag] / by_lag[0]).abs() > threshold {
-                (last_loud, quiet) = (lag, 0);
-            } else {
-                quiet += 1;
-                if quiet >= 5 {
-                    break;
-                }
-            }
+/// What the noise of the sensors makes of a residual: the difference of the copies with noise added.
+fn correlation_of_noise(regression: &Regression, equation: &Columns, fit: &Fit) -> RowCorrelation {
+    let measured = regression.residuals(equation, 0, fit);
+    let mut by_lag = vec![0.0; regression.window + 1];
+    let copies = equation.copies.len() - 1;
+    for copy in 1..=copies {
+        let noisy = regression.residuals(equation, copy, fit);
+        let difference: Vec<f64> = noisy.iter().zip(&measured).map(|(a, b)| a - b).collect();
+        for (lag, sum) in by_lag.iter_mut().enumerate() {
+            let later = &difference[lag.min(difference.len())..];
+            *sum += difference.iter().zip(later).map(|(a, b)| a * b).sum::<f64>()
+                / (equation.count.max(1.0) * copies as f64);
         }
-        let width = (2 * last_loud).min(most);
-        while by_lag.len() <= width {
-            by_lag.push(lagged(by_lag.len()));
-        }
-        by_lag.truncate(width + 1);
-        for (lag, value) in by_lag.iter_mut().enumerate().skip(last_loud + 1) {
-            *value *= 2.0 - lag as f64 / last_loud as f64;
-        }
-        Self { by_lag }
     }
-
-    /// What the noise of the sensors makes of the residual: the difference of the copies with noise added.
-    fn of_noise(regression: &Regression, equation: &Columns, fit: &Fit) -> Self {
-        let measured = regression.residuals(equation, 0, fit);
-        let mut by_lag = vec![0.0; regression.window + 1];
-        let copies = equation.copies.len() - 1;
-        for copy in 1..=copies {
-            let noisy = regression.residuals(equation, copy, fit);
-            let difference: Vec<f64> = noisy.iter().zip(&measured).map(|(a, b)| a - b).collect();
-            for (lag, sum) in by_lag.iter_mut().enumerate() {
-                let later = &difference[lag.min(difference.len())..];
-                *sum += difference.iter().zip(later).map(|(a, b)| a * b).sum::<f64>()
-                    / (equation.count.max(1.0) * copies as f64);
-            }
-        }
-        Self { by_lag }
-    }
-
-    /// Variance of the sum of a regressor times the residual.
-    fn spread(&self, own: &[f64]) -> f64 {
-        let product = |lag: usize| own.iter().zip(&own[lag.min(own.len())..]).map(|(a, b)| a * b).sum::<f64>();
-        let sum = self.by_lag.iter().enumerate().map(|(lag, r)| if lag == 0 { 1.0 } else { 2.0 } * r * product(lag));
-        sum.sum::<f64>().max(0.0)
-    }
+    RowCorrelation::of_lags(by_lag)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::batch::APART;
 
     const SAMPLES: usize = 1200;
 
