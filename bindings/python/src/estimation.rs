@@ -7,7 +7,7 @@ use numpy::PyArray1;
 use phugoid::{EstimateOptions, Method, StructureSearch};
 use phugoid_flight_data::record as flight;
 use phugoid_identification::estimation as results;
-use phugoid_identification::options::Likelihood;
+use phugoid_identification::options::{Band, Likelihood};
 use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
 
@@ -105,7 +105,7 @@ impl Estimation {
 /// Estimates the parameters of `model` from `record`.
 #[pyfunction]
 #[pyo3(signature = (record, model, method=None, change_detection=None, structure="offer", truth=BTreeMap::new(), further=Vec::new(),
-                    predict=None, progress=None, likelihood="robust"))]
+                    predict=None, progress=None, likelihood="robust", band=None))]
 #[allow(clippy::too_many_arguments)] // one per keyword of the Python function
 pub(crate) fn estimate(
     py: Python<'_>,
@@ -119,6 +119,7 @@ pub(crate) fn estimate(
     predict: Option<Record>,
     progress: Option<Py<PyAny>>,
     likelihood: &str,
+    band: Option<(f64, f64)>,
 ) -> PyResult<Estimation> {
     let whole = |record: &Record| (*record.inner).clone();
     let options = EstimateOptions {
@@ -133,6 +134,7 @@ pub(crate) fn estimate(
             "gaussian" => Likelihood::Gaussian,
             other => return Err(raise(format!("likelihood = '{other}': expected 'robust' or 'gaussian'"))),
         },
+        band: band.map(|(low_hz, high_hz)| Band { low_hz, high_hz }.check()).transpose().map_err(raise)?,
         ..EstimateOptions::default()
     };
     // A failure of the callback must not be lost; it is raised when the estimation is done.

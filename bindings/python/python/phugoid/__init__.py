@@ -363,6 +363,7 @@ def estimate(
     predict: Optional[Record] = None,
     progress: Progress = None,
     likelihood: str = "robust",
+    band: Optional[tuple[float, float]] = None,
     offer: Optional[str] = None,
 ) -> Estimation:
     """Estimates the parameters of ``model`` from ``record``. Other Python threads can run during the estimation.
@@ -378,7 +379,8 @@ def estimate(
     of the model with the missing terms). The default is that of ``phugoid estimate`` on the command line; that of the Rust
     library is ``Never``. ``likelihood`` is what a batch method takes the noise for: ``"robust"`` counts a value the less the
     further from the model it is, or leaves it out where it stands alone; ``"gaussian"`` counts every value with its square.
-    ``offer`` is the former spelling: ``"reason"`` and ``"always"`` stand for ``"offer"``.
+    ``band`` is the band of frequencies of a method in the frequency domain, ``(low, high)`` in Hz; without it, it is found
+    from the record. ``offer`` is the former spelling: ``"reason"`` and ``"always"`` stand for ``"offer"``.
 
     :raises PhugoidError: if a channel that the model needs is missing, or the record and the options do not fit the
         model.
@@ -395,6 +397,7 @@ def estimate(
             predict._native if predict is not None else None,
             report,
             likelihood,
+            tuple(band) if band is not None else None,
         )
     return Estimation(native)
 

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use phugoid_identification::estimate::StructureSearch;
 use phugoid_identification::method::Method;
+use phugoid_identification::options::Band;
 use phugoid_simulation::quantity::Time;
 
 use super::help::examples_and_exit_codes;
@@ -42,6 +43,10 @@ pub(crate) struct Estimate {
     /// this a value counts the less the further from the model it is, or is left out where it stands alone
     #[arg(long)]
     pub(crate) gaussian: bool,
+    /// Band of frequencies of a method in the frequency domain, Hz, such as 0.1:1.5 [default: from two periods in the
+    /// flight to where the inputs or the answers end]
+    #[arg(long, value_name = "LOW:HIGH")]
+    pub(crate) band: Option<Band>,
     #[command(flatten)]
     pub(crate) reading: Reading,
     /// Do not look for sudden changes of the coefficients

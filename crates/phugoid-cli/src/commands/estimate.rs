@@ -79,6 +79,7 @@ pub(crate) fn run(arguments: &arguments::Estimate) -> Result<EstimationStatus, F
         predict,
         structure,
         likelihood: if arguments.gaussian { Likelihood::Gaussian } else { Likelihood::Robust },
+        band: arguments.band,
         ..EstimateOptions::default()
     };
     let estimation = {

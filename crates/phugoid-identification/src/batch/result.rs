@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::fit::OutputFit;
+use super::in_band::BandUsed;
 
 /// The kind of an unknown, with its positions in the model and in the list of manoeuvres, all counted from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -92,7 +93,7 @@ pub struct ManoeuvreFit {
 /// The result of one batch method.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BatchFit {
-    /// Name of the method on the command line: `output-error`, `filter-error` or `equation-error`.
+    /// Name of the method on the command line, e.g. `output-error`.
     pub method: String,
     /// All parameters of the model in its order, fixed ones included.
     pub parameters: Vec<f64>,
@@ -104,6 +105,10 @@ pub struct BatchFit {
     pub noise_std: Vec<f64>,
     /// Variance gained by each state per second, given or estimated; empty where the method knows none.
     pub process_noise: Vec<f64>,
+    /// The band of a frequency-domain method; none of the others. The fit by output and the residuals are then those in
+    /// the band.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub band: Option<BandUsed>,
     /// The accepted steps from the start to the minimum.
     pub iterations: Vec<Iteration>,
     /// How each manoeuvre was fitted, in the order in which they were given.
