@@ -9,7 +9,6 @@
 //! ```
 
 use nalgebra::DMatrix;
-use serde::{Deserialize, Serialize};
 
 use super::error::BatchError;
 use super::fit::OutputFit;
@@ -20,26 +19,9 @@ use super::optimise::{Minimum, OptimiserSettings, minimise};
 use super::problem::{Manoeuvre, Noise, Structure};
 use super::relaxation::levels;
 use super::response::Rows;
-use super::result::{BatchFit, ManoeuvreFit};
+use super::result::{BandUsed, BatchFit, ManoeuvreFit};
 use super::spectrum::{Spectrum, Transformed};
 use super::summary::{Estimates, assemble};
-
-/// The band of a frequency-domain method, as it was used.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct BandUsed {
-    /// Lowest frequency that was used, Hz.
-    pub low_hz: f64,
-    /// Highest frequency that was used, Hz.
-    pub high_hz: f64,
-    /// Number of frequencies, over all parts of all records.
-    pub frequencies: usize,
-}
-
-impl std::fmt::Display for BandUsed {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{:.3} to {:.3} Hz", self.low_hz, self.high_hz)
-    }
-}
 
 /// Residuals and sensitivities at one point.
 pub(crate) struct InBand<const R: usize> {

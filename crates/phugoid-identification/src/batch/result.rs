@@ -3,7 +3,6 @@
 use serde::{Deserialize, Serialize};
 
 use super::fit::OutputFit;
-use super::in_band::BandUsed;
 
 /// The kind of an unknown, with its positions in the model and in the list of manoeuvres, all counted from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -88,6 +87,23 @@ pub struct ManoeuvreFit {
     pub residuals: Vec<Vec<f64>>,
     /// Quality of the fit by output; an output without values is left out.
     pub outputs: Vec<OutputFit>,
+}
+
+/// The band of a frequency-domain method, as it was used.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct BandUsed {
+    /// Lowest frequency that was used, Hz.
+    pub low_hz: f64,
+    /// Highest frequency that was used, Hz.
+    pub high_hz: f64,
+    /// Number of frequencies, over all parts of all records.
+    pub frequencies: usize,
+}
+
+impl std::fmt::Display for BandUsed {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{:.3} to {:.3} Hz", self.low_hz, self.high_hz)
+    }
 }
 
 /// The result of one batch method.
