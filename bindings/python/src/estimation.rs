@@ -7,7 +7,7 @@ use numpy::PyArray1;
 use phugoid::{EstimateOptions, Method, StructureSearch};
 use phugoid_flight_data::record as flight;
 use phugoid_identification::estimation as results;
-use phugoid_identification::options::{FlowAngles, Likelihood};
+use phugoid_identification::options::{Band, FlowAngles, Likelihood};
 use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
 
@@ -105,7 +105,7 @@ impl Estimation {
 /// Estimates the parameters of `model` from `record`.
 #[pyfunction]
 #[pyo3(signature = (record, model, method=None, change_detection=None, structure="offer", truth=BTreeMap::new(), further=Vec::new(),
-                    predict=None, progress=None, likelihood="robust", flow_angles="auto"))]
+                    predict=None, progress=None, likelihood="robust", flow_angles="auto", band=None))]
 #[allow(clippy::too_many_arguments)] // one per keyword of the Python function
 pub(crate) fn estimate(
     py: Python<'_>,
@@ -120,6 +120,7 @@ pub(crate) fn estimate(
     progress: Option<Py<PyAny>>,
     likelihood: &str,
     flow_angles: &str,
+    band: Option<(f64, f64)>,
 ) -> PyResult<Estimation> {
     let whole = |record: &Record| (*record.inner).clone();
     let options = EstimateOptions {
@@ -142,6 +143,7 @@ pub(crate) fn estimate(
                 return Err(raise(format!("flow_angles = '{other}': expected 'auto', 'simulated' or 'measured'")));
             }
         },
+        band: band.map(|(low_hz, high_hz)| Band { low_hz, high_hz }.check()).transpose().map_err(raise)?,
         ..EstimateOptions::default()
     };
     // A failure of the callback must not be lost; it is raised when the estimation is done.

@@ -389,6 +389,7 @@ def estimate(
     progress: Progress = None,
     likelihood: str = "robust",
     flow_angles: str = "auto",
+    band: Optional[tuple[float, float]] = None,
     offer: Optional[str] = None,
 ) -> Estimation:
     """Estimates the parameters of ``model`` from ``record``. Other Python threads can run during the estimation.
@@ -406,7 +407,8 @@ def estimate(
     further from the model it is, or leaves it out where it stands alone; ``"gaussian"`` counts every value with its square.
     ``flow_angles`` is where output error has the angles of attack and sideslip from: ``"simulated"``, ``"measured"`` (and
     not fitted), or ``"auto"``, which takes the sideslip of the lateral-directional motion as measured where the air is not
-    calm. ``offer`` is the former spelling: ``"reason"`` and ``"always"`` stand for ``"offer"``.
+    calm. ``band`` is the band of frequencies of a method in the frequency domain, ``(low, high)`` in Hz; without it, it is found
+    from the record. ``offer`` is the former spelling: ``"reason"`` and ``"always"`` stand for ``"offer"``.
 
     :raises PhugoidError: if a channel that the model needs is missing, or the record and the options do not fit the
         model.
@@ -424,6 +426,7 @@ def estimate(
             report,
             likelihood,
             flow_angles,
+            tuple(band) if band is not None else None,
         )
     return Estimation(native)
 

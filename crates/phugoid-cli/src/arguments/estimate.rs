@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use phugoid_identification::estimate::StructureSearch;
 use phugoid_identification::method::Method;
-use phugoid_identification::options::FlowAngles;
+use phugoid_identification::options::{Band, FlowAngles};
 use phugoid_simulation::quantity::Time;
 
 use super::help::examples_and_exit_codes;
@@ -48,6 +48,10 @@ pub(crate) struct Estimate {
     /// its angles are not those that made the forces
     #[arg(long, value_enum, value_name = "SOURCE", default_value_t)]
     pub(crate) flow_angles: FlowAngleSource,
+    /// Band of frequencies of a method in the frequency domain, Hz, such as 0.1:1.5 [default: from two periods in the
+    /// flight to where the inputs or the answers end]
+    #[arg(long, value_name = "LOW:HIGH")]
+    pub(crate) band: Option<Band>,
     #[command(flatten)]
     pub(crate) reading: Reading,
     #[command(flatten)]

@@ -88,6 +88,7 @@ pub(crate) fn run(arguments: &arguments::Estimate) -> Result<EstimationStatus, F
         structure,
         likelihood: if arguments.gaussian { Likelihood::Gaussian } else { Likelihood::Robust },
         flow_angles: arguments.flow_angles.into(),
+        band: arguments.band,
         ..EstimateOptions::default()
     };
     let estimation = {

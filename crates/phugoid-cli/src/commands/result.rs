@@ -153,7 +153,8 @@ fn systematic(estimation: &Estimation) -> String {
 fn batch(report: &BatchReport) -> String {
     let mut text = String::new();
     for (name, fits) in &report.manoeuvres {
-        let _ = write!(text, "\nFit of {name}\n{}", fit(fits));
+        let band = report.band.as_ref().map_or_else(String::new, |band| format!(" from {band}"));
+        let _ = write!(text, "\nFit of {name}{band}\n{}", fit(fits));
     }
     if let Some(prediction) = &report.prediction {
         let _ = write!(text, "\nPrediction of {}, parameters held\n{}", prediction.source, fit(&prediction.fit));

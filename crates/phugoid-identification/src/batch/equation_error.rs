@@ -413,7 +413,7 @@ where
 
 /// The equations to use: measured accelerations, and the rates of states that carry a parameter which no acceleration
 /// sees.
-fn needed<M, I, const N: usize, const R: usize>(
+pub(super) fn needed<M, I, const N: usize, const R: usize>(
     manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
     every: &[Rows<R>],
     layout: &Layout<N>,
@@ -436,7 +436,7 @@ where
 }
 
 /// Smallest standard deviation of the residuals that is accepted for each equation: below it rounding decides.
-fn equation_floor<const R: usize>(every: &[Rows<R>]) -> [f64; R] {
+pub(super) fn equation_floor<const R: usize>(every: &[Rows<R>]) -> [f64; R] {
     std::array::from_fn(|i| {
         let largest = every.iter().flat_map(|r| r.residuals.iter().map(move |e| e[i].abs())).fold(0.0, f64::max);
         if largest > 0.0 { 1e-9 * largest } else { f64::MIN_POSITIVE.sqrt() }

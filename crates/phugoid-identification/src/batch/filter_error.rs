@@ -203,7 +203,7 @@ where
 }
 
 /// The outputs of each manoeuvre without outliers, and how many there were, by output.
-fn clean<M, I, const N: usize, const R: usize>(
+pub(super) fn clean<M, I, const N: usize, const R: usize>(
     manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
 ) -> (Vec<Vec<[f64; R]>>, [usize; R]) {
     let mut left_out = [0; R];

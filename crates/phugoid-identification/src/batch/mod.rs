@@ -5,7 +5,9 @@
 //! | method | minimises | allows for |
 //! |---|---|---|
 //! | [`equation_error()`] | residuals of the equations of motion | noise of the rates |
+//! | [`equation_error_frequency()`] | the same in a band of frequencies | the same, and drifts and gusts below the band |
 //! | [`output_error()`] | output errors of a free simulation | measurement noise |
+//! | [`output_error_frequency()`] | output errors in a band of frequencies | measurement noise, drifts below the band |
 //! | [`filter_error()`] | prediction errors of a Kalman filter | measurement and process noise: turbulence, model error, unstable aircraft |
 //!
 //! A [`Manoeuvre`] is a flight's samples with the model of that flight, a [`Structure`] says what is unknown, and a
@@ -15,11 +17,13 @@ mod bound;
 pub(crate) mod colour;
 pub(crate) mod differentiate;
 mod equation_error;
+mod equation_error_frequency;
 mod error;
 mod filter;
 mod filter_error;
 mod fit;
 mod followed;
+mod in_band;
 mod information;
 mod layout;
 mod likelihood;
@@ -27,6 +31,7 @@ pub(crate) mod loss;
 mod measured;
 mod optimise;
 mod output_error;
+mod output_error_frequency;
 mod prediction;
 mod problem;
 mod regression;
@@ -35,24 +40,29 @@ mod relaxation;
 pub(crate) mod response;
 mod result;
 mod row_correlation;
+mod signal_band;
+mod spectrum;
 mod start;
 mod summary;
 mod table;
 
 pub(crate) use equation_error::equations_at;
 pub(crate) use row_correlation::RowCorrelation;
+pub(crate) use signal_band::signal_band;
 #[cfg(test)]
 pub(crate) use table::APART;
 pub(crate) use table::{Equation as TableEquation, Grid, Table, tables};
 
 pub use bound::{Bounded, bound};
 pub use equation_error::{EquationErrorFit, EquationErrorSettings, equation_error};
+pub use equation_error_frequency::equation_error_frequency;
 pub use error::BatchError;
 pub use filter_error::{ProcessNoise, filter_error};
 pub use fit::OutputFit;
 pub use optimise::OptimiserSettings;
 pub use output_error::output_error;
+pub use output_error_frequency::output_error_frequency;
 pub use prediction::{predict, prediction_intervals};
 pub use problem::{BatchParameter, Bias, InitialState, Manoeuvre, Noise, OutputChannel, Structure};
 pub use regression::{Equation, Term};
-pub use result::{BatchFit, Iteration, ManoeuvreFit, Unknown, UnknownKind};
+pub use result::{BandUsed, BatchFit, Iteration, ManoeuvreFit, Unknown, UnknownKind};

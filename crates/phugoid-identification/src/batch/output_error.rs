@@ -119,16 +119,8 @@ where
     let noise = structure.outputs.each_ref().map(|channel| channel.noise);
     let floor = noise_floor(manoeuvres);
     let loss = Loss::of(structure.likelihood);
-    let minimum =
-        relaxation::fit(&layout.places, layout.start(), &noise, &floor, loss, settings, simulate).map_err(|e| {
-            let unstable = |rows: Vec<Rows<R>>| manoeuvres.iter().zip(rows).find(|(_, r)| r.growth > GROWTH);
-            match (&e, simulate(&layout.start()).ok().and_then(unstable)) {
-                (BatchError::NotConverged { .. }, Some((m, r))) => {
-                    BatchError::Unstable { manoeuvre: m.name.to_owned(), growth: r.growth }
-                }
-                _ => e,
-            }
-        })?;
+    let minimum = relaxation::fit(&layout.places, layout.start(), &noise, &floor, loss, settings, simulate)
+        .map_err(|e| diverged_or_unstable(e, manoeuvres, || simulate(&layout.start())))?;
     let Fitted { rows, noise_std } = &minimum.evaluation.detail;
     let mut fit = summarise(&Summary {
         method: "output-error",
@@ -139,14 +131,33 @@ where
         rows,
         noise_std,
     })?;
-    for (m, r) in manoeuvres.iter().zip(rows).filter(|(_, r)| r.growth > GROWTH) {
-        fit.notes.push(format!(
-            "{}: an error of the initial state grows {:.0} times during the manoeuvre: the model is unstable with these \
-             parameters, and a free simulation hangs on its start. Filter error or equation error do not",
-            m.name, r.growth
-        ));
-    }
+    fit.notes.extend(manoeuvres.iter().zip(rows).filter_map(|(m, r)| unstable_note(m.name, r.growth)));
     Ok(fit)
+}
+
+/// The failure of a search, with the instability of the model named where that is why it found no minimum.
+pub(super) fn diverged_or_unstable<M, I, const N: usize, const R: usize>(
+    failure: BatchError,
+    manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
+    start: impl FnOnce() -> Result<Vec<Rows<R>>, BatchError>,
+) -> BatchError {
+    let unstable = |rows: Vec<Rows<R>>| manoeuvres.iter().zip(rows).find(|(_, r)| r.growth > GROWTH);
+    match (&failure, start().ok().and_then(unstable)) {
+        (BatchError::NotConverged { .. }, Some((m, r))) => {
+            BatchError::Unstable { manoeuvre: m.name.to_owned(), growth: r.growth }
+        }
+        _ => failure,
+    }
+}
+
+/// What is said of a manoeuvre whose model is unstable; none if it is not.
+pub(super) fn unstable_note(manoeuvre: &str, growth: f64) -> Option<String> {
+    (growth > GROWTH).then(|| {
+        format!(
+            "{manoeuvre}: an error of the initial state grows {growth:.0} times during the manoeuvre: the model is unstable \
+             with these parameters, and a free simulation hangs on its start. Filter error or equation error do not"
+        )
+    })
 }
 
 /// A model counts as unstable from this growth of an error of the initial state during the manoeuvre on.

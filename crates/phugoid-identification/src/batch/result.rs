@@ -89,10 +89,27 @@ pub struct ManoeuvreFit {
     pub outputs: Vec<OutputFit>,
 }
 
+/// The band of a frequency-domain method, as it was used.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct BandUsed {
+    /// Lowest frequency that was used, Hz.
+    pub low_hz: f64,
+    /// Highest frequency that was used, Hz.
+    pub high_hz: f64,
+    /// Number of frequencies, over all parts of all records.
+    pub frequencies: usize,
+}
+
+impl std::fmt::Display for BandUsed {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{:.3} to {:.3} Hz", self.low_hz, self.high_hz)
+    }
+}
+
 /// The result of one batch method.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BatchFit {
-    /// Name of the method on the command line: `output-error`, `filter-error` or `equation-error`.
+    /// Name of the method on the command line, e.g. `output-error`.
     pub method: String,
     /// All parameters of the model in its order, fixed ones included.
     pub parameters: Vec<f64>,
@@ -104,6 +121,10 @@ pub struct BatchFit {
     pub noise_std: Vec<f64>,
     /// Variance gained by each state per second, given or estimated; empty where the method knows none.
     pub process_noise: Vec<f64>,
+    /// The band of a frequency-domain method; none of the others. The fit by output and the residuals are then those in
+    /// the band.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub band: Option<BandUsed>,
     /// The accepted steps from the start to the minimum.
     pub iterations: Vec<Iteration>,
     /// How each manoeuvre was fitted, in the order in which they were given.

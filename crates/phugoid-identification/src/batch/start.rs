@@ -34,6 +34,14 @@ where
     manoeuvres.iter().map(|m| of_manoeuvre(m, structure)).collect()
 }
 
+/// The samples between two gaps: first, and first after it.
+pub(super) fn between_gaps(time_s: &[f64], maximum_gap_s: f64) -> Vec<[usize; 2]> {
+    let samples = time_s.len();
+    let gaps = (1..samples).filter(|&k| time_s[k] - time_s[k - 1] > maximum_gap_s);
+    let limits: Vec<usize> = std::iter::once(0).chain(gaps).chain([samples]).collect();
+    limits.windows(2).map(|pair| [pair[0], pair[1]]).collect()
+}
+
 fn of_manoeuvre<M, I, const N: usize, const R: usize>(
     m: &Manoeuvre<'_, M, I, N, R>,
     structure: &Structure<N, R>,
@@ -42,14 +50,11 @@ where
     M: Model<N, R, CAPACITY, Input = I>,
     I: Input,
 {
-    let samples = m.time_s.len();
-    let gaps = (1..samples).filter(|&k| m.time_s[k] - m.time_s[k - 1] > structure.maximum_gap_s);
-    let limits: Vec<usize> = std::iter::once(0).chain(gaps).chain([samples]).collect();
-    let whole = limits.len() == 2;
+    let pieces = between_gaps(m.time_s, structure.maximum_gap_s);
+    let whole = pieces.len() == 1;
     let mut lacking = None;
     let mut found = Vec::new();
-    for pair in limits.windows(2) {
-        let (from, to) = (pair[0], pair[1]);
+    for [from, to] in pieces {
         if let Some(state) = m.initial_state.filter(|_| from == 0) {
             found.push(Stretch { from, to, state });
             continue;

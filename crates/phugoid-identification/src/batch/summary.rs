@@ -28,10 +28,37 @@ pub(crate) struct Summary<'a, T, M, I, const N: usize, const R: usize> {
 pub(crate) fn summarise<T, M, I, const N: usize, const R: usize>(
     s: &Summary<'_, T, M, I, N, R>,
 ) -> Result<BatchFit, BatchError> {
+    let manoeuvres = s
+        .manoeuvres
+        .iter()
+        .zip(s.rows)
+        .enumerate()
+        .map(|(index, (m, rows))| manoeuvre_fit(s, index, m, rows))
+        .collect();
+    let estimates = Estimates { method: s.method, structure: s.structure, layout: s.layout, minimum: s.minimum };
+    assemble(&estimates, &spread(s), s.noise_std, manoeuvres)
+}
+
+/// The minimum and what was searched.
+pub(crate) struct Estimates<'a, T, const N: usize, const R: usize> {
+    pub(crate) method: &'static str,
+    pub(crate) structure: &'a Structure<N, R>,
+    pub(crate) layout: &'a Layout<N>,
+    pub(crate) minimum: &'a Minimum<T>,
+}
+
+/// The estimates with their covariance, and with the standard errors `M^-1 spread M^-1` for what the residuals make of the
+/// spread of the gradient.
+pub(crate) fn assemble<T, const N: usize, const R: usize>(
+    s: &Estimates<'_, T, N, R>,
+    spread: &DMatrix<f64>,
+    noise_std: &[f64; R],
+    manoeuvres: Vec<ManoeuvreFit>,
+) -> Result<BatchFit, BatchError> {
     let places = &s.layout.places;
     let n = places.len();
     let claimed = covariance(&s.minimum.evaluation.information, |j| places[j].name.clone())?;
-    let corrected = corrected(&claimed, s);
+    let corrected = &claimed * spread * &claimed;
     let scales: Vec<f64> = places.iter().zip(&s.minimum.unknowns).map(|(p, z)| natural(p.kind, *z).1).collect();
     let unknowns = places
         .iter()
@@ -49,21 +76,15 @@ pub(crate) fn summarise<T, M, I, const N: usize, const R: usize>(
             }
         })
         .collect();
-    let manoeuvres = s
-        .manoeuvres
-        .iter()
-        .zip(s.rows)
-        .enumerate()
-        .map(|(index, (m, rows))| manoeuvre_fit(s, index, m, rows))
-        .collect();
     let count = s.structure.parameters.len();
     Ok(BatchFit {
         method: s.method.to_owned(),
         parameters: s.layout.parameters(&s.minimum.unknowns)[..count].to_vec(),
         unknowns,
         covariance: (0..n).map(|i| (0..n).map(|j| scales[i] * claimed[(i, j)] * scales[j]).collect()).collect(),
-        noise_std: s.noise_std.to_vec(),
+        noise_std: noise_std.to_vec(),
         process_noise: Vec::new(),
+        band: None,
         iterations: s.minimum.iterations.clone(),
         manoeuvres,
         notes: s.minimum.short_of.map(short_of).into_iter().collect(),
@@ -90,16 +111,13 @@ fn natural(kind: UnknownKind, searched: f64) -> (f64, f64) {
     }
 }
 
-/// `M^-1 (coloured spread + the rest of the information) M^-1`: priors and variances are taken as they are.
-fn corrected<T, M, I, const N: usize, const R: usize>(
-    claimed: &DMatrix<f64>,
-    s: &Summary<'_, T, M, I, N, R>,
-) -> DMatrix<f64> {
+/// Coloured spread and the rest of the information: priors and variances are taken as they are.
+fn spread<T, M, I, const N: usize, const R: usize>(s: &Summary<'_, T, M, I, N, R>) -> DMatrix<f64> {
     let n = s.layout.places.len();
     let mut white = Evaluation::nothing(n);
     s.rows.iter().for_each(|r| white.add(r));
     let rest = &s.minimum.evaluation.information - white.information;
-    claimed * (Colour::of(s.rows).spread(s.rows, n) + rest) * claimed
+    Colour::of(s.rows).spread(s.rows, n) + rest
 }
 
 fn manoeuvre_fit<T, M, I, const N: usize, const R: usize>(

@@ -85,6 +85,15 @@ pub enum EstimateError {
         /// The method that was asked for.
         method: Method,
     },
+    /// A band of frequencies was given to a method that uses none.
+    #[error(
+        "{method} works in the time domain: a band of frequencies is for {}",
+        Method::ALL.iter().filter(|m| m.is_in_band()).map(|m| m.name()).collect::<Vec<_>>().join(" and ")
+    )]
+    NoBand {
+        /// The method that was asked for.
+        method: Method,
+    },
     /// A health monitor was asked for together with a batch method.
     #[error("{method} sees the whole record at once: the health monitor needs a causal method")]
     MonitorNeedsCausal {

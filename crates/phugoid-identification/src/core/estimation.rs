@@ -14,7 +14,7 @@ pub use phugoid_estimators::{ChangeState, ParameterStatus, Phase};
 use super::method::Method;
 pub use super::soundness::{EstimationStatus, ReasonCode, VerdictReason, headline, status_of};
 pub use super::systematic::{SystematicPart, UncertainQuantity};
-use crate::batch::{Equation, OutputFit, Unknown};
+use crate::batch::{BandUsed, Equation, OutputFit, Unknown};
 
 /// How well a parameter is known at the end of the record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
@@ -418,6 +418,9 @@ pub struct BatchReport {
     /// question. Empty by equation error itself, and where that gives none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub by_equation_error: Vec<OtherValue>,
+    /// The band of a frequency-domain method; `None` of the others. Levels, fit and residuals are then those in the band.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub band: Option<BandUsed>,
     /// The prediction of another record with these parameters; `None` where none was given.
     pub prediction: Option<Prediction>,
     /// Warnings about the result in sentences; read them before you use the numbers.

@@ -36,8 +36,12 @@ pub enum Method {
     SuperTwisting,
     /// Least squares on the equations of motion (docs/methods.md, as all below).
     EquationError,
+    /// The same in a band of frequencies, over the whole record.
+    EquationErrorFrequency,
     /// Output error: maximum likelihood with measurement noise only, by a free simulation.
     OutputError,
+    /// Output error in a band of frequencies: biases, drifts and slow gusts do not count.
+    OutputErrorFrequency,
     /// Filter error: maximum likelihood with process noise, for turbulence and unstable aircraft.
     FilterError,
 }
@@ -53,7 +57,9 @@ impl Method {
         Self::ImplicitSign,
         Self::SuperTwisting,
         Self::EquationError,
+        Self::EquationErrorFrequency,
         Self::OutputError,
+        Self::OutputErrorFrequency,
         Self::FilterError,
     ];
 
@@ -68,14 +74,33 @@ impl Method {
             Self::ImplicitSign => "implicit-sign",
             Self::SuperTwisting => "super-twisting",
             Self::EquationError => "equation-error",
+            Self::EquationErrorFrequency => "equation-error-frequency",
             Self::OutputError => "output-error",
+            Self::OutputErrorFrequency => "output-error-frequency",
             Self::FilterError => "filter-error",
         }
     }
 
     /// Whether it sees all samples at once, and several records; the others see one sample after the other.
     pub fn is_batch(self) -> bool {
-        matches!(self, Self::EquationError | Self::OutputError | Self::FilterError)
+        matches!(
+            self,
+            Self::EquationError
+                | Self::EquationErrorFrequency
+                | Self::OutputError
+                | Self::OutputErrorFrequency
+                | Self::FilterError
+        )
+    }
+
+    /// Whether it uses a band of frequencies of the record alone; the others use the samples as they are.
+    pub fn is_in_band(self) -> bool {
+        matches!(self, Self::EquationErrorFrequency | Self::OutputErrorFrequency)
+    }
+
+    /// Whether it solves the equations of motion with the measured states, and integrates nothing.
+    pub fn is_equation_error(self) -> bool {
+        matches!(self, Self::EquationError | Self::EquationErrorFrequency)
     }
 
     /// Whether it learns the noise levels of the outputs in flight; the others use those that are given or measured.
@@ -94,7 +119,9 @@ impl Method {
             Self::ImplicitSign => "teaching mode: sliding law on the least-squares surface",
             Self::SuperTwisting => "teaching mode: super-twisting law on mixed regressors; no bounds",
             Self::EquationError => "batch: least squares on the equations of motion",
+            Self::EquationErrorFrequency => "batch: least squares on the equations of motion in a band of frequencies",
             Self::OutputError => "batch: maximum likelihood, measurement noise only",
+            Self::OutputErrorFrequency => "batch: maximum likelihood in a band of frequencies, for biases and drifts",
             Self::FilterError => "batch: maximum likelihood with process noise, for turbulence",
         }
     }

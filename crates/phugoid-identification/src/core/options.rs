@@ -59,6 +59,61 @@ pub enum FlowAngles {
     Measured,
 }
 
+/// A band of frequencies, Hz, written `LOW:HIGH`.
+///
+/// ```
+/// use phugoid_identification::options::Band;
+/// assert_eq!("0.1:1.5".parse(), Ok(Band { low_hz: 0.1, high_hz: 1.5 }));
+/// assert!("1.5:0.1".parse::<Band>().is_err() && "0.1-1.5".parse::<Band>().is_err());
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Band {
+    /// Lowest frequency, Hz; zero for as low as the record allows, which is two periods in it.
+    pub low_hz: f64,
+    /// Highest frequency, Hz.
+    pub high_hz: f64,
+}
+
+/// What is wrong with a band of frequencies.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum BandError {
+    /// Not two numbers with a colon between them.
+    #[error("`{word}` is no band of frequencies: expected LOW:HIGH in Hz, such as 0.1:1.5")]
+    NotABand {
+        /// What was given.
+        word: String,
+    },
+    /// The numbers are not finite, negative, or in the wrong order.
+    #[error("the band is {low_hz} to {high_hz} Hz: it has to begin at zero or above and end at a higher frequency")]
+    Order {
+        /// Lowest frequency as given, Hz.
+        low_hz: f64,
+        /// Highest frequency as given, Hz.
+        high_hz: f64,
+    },
+}
+
+impl Band {
+    /// # Errors
+    /// [`BandError::Order`] where a frequency is not finite or negative, or the highest not above the lowest.
+    pub fn check(self) -> Result<Self, BandError> {
+        let Self { low_hz, high_hz } = self;
+        let is_one = low_hz.is_finite() && high_hz.is_finite() && low_hz >= 0.0 && low_hz < high_hz;
+        if is_one { Ok(self) } else { Err(BandError::Order { low_hz, high_hz }) }
+    }
+}
+
+impl std::str::FromStr for Band {
+    type Err = BandError;
+
+    fn from_str(word: &str) -> Result<Self, BandError> {
+        let number = |text: &str| text.trim().parse::<f64>().ok();
+        let pair = word.split_once(':').and_then(|(low, high)| Some((number(low)?, number(high)?)));
+        let (low_hz, high_hz) = pair.ok_or_else(|| BandError::NotABand { word: word.to_owned() })?;
+        Self { low_hz, high_hz }.check()
+    }
+}
+
 /// Settings of one estimation beside those of the model file. The default changes nothing of the model file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct EstimateOptions {
@@ -86,4 +141,7 @@ pub struct EstimateOptions {
     pub likelihood: Likelihood,
     /// Where output error has the flow angles from. Other methods ignore it.
     pub flow_angles: FlowAngles,
+    /// The band of frequencies of a method that uses one ([`Method::is_in_band`]), Hz; with `None` it is found
+    /// from the record. The other methods refuse it ([`EstimateError::NoBand`](super::error::EstimateError::NoBand)).
+    pub band: Option<Band>,
 }

@@ -99,6 +99,7 @@ mod tests {
             manoeuvres: Vec::new(),
             equations: Vec::new(),
             by_equation_error: vec![OtherValue { name: "CL_q".to_owned(), value: other, std_error: other_std }],
+            band: None,
             prediction: None,
             notes: Vec::new(),
         };

@@ -36,7 +36,7 @@ pub(crate) fn reasons(method: Method, file: &ModelFile, history: &History, repor
         });
     }
     found.extend(worse_than_mean(report, &history.measured, &history.predicted));
-    if method == Method::OutputError {
+    if matches!(method, Method::OutputError | Method::OutputErrorFrequency) {
         found.extend(above_noise(file, report));
     }
     found.extend(report.prediction.as_ref().and_then(unstable));
@@ -67,12 +67,18 @@ fn run_away<'a>(measured: &'a [Signal], fitted: &'a [Signal]) -> Option<(&'a str
 /// the manoeuvre, only those whose error is larger than their motion.
 fn worse_than_mean(report: &BatchReport, measured: &[Signal], fitted: &[Signal]) -> Option<VerdictReason> {
     // Attitudes of the record itself are compared modulo a turn; of further records only the fit is known.
-    let own = pairs(measured, fitted).filter(|(m, _)| ATTITUDES.contains(&m.name.as_str())).filter_map(|(m, f)| {
+    // What a simulation does below the band is not what a method in the band fits.
+    let own = if report.band.is_some() { &[] } else { measured };
+    let own = pairs(own, fitted).filter(|(m, _)| ATTITUDES.contains(&m.name.as_str())).filter_map(|(m, f)| {
         let near: Vec<f64> = m.values.iter().zip(&f.values).map(|(m, f)| m + turned(*m, *f)).collect();
         OutputFit::of(&m.name, &m.values, &near)
     });
     let attitudes: Vec<(String, f64)> = own.map(|fit| (fit.name, fit.r_squared)).collect();
-    let others = report.manoeuvres.iter().flat_map(|(_, fits)| fits).filter(|f| !ATTITUDES.contains(&f.name.as_str()));
+    let others = report
+        .manoeuvres
+        .iter()
+        .flat_map(|(_, fits)| fits)
+        .filter(|f| report.band.is_some() || !ATTITUDES.contains(&f.name.as_str()));
     let every = others.map(|fit| (fit.name.clone(), fit.r_squared)).chain(attitudes);
     let drifts = |name: &str| [Output::TrueAirspeed, Output::Ax].iter().any(|output| output.name() == name);
     let poor: Vec<(String, f64)> =
@@ -157,6 +163,7 @@ mod tests {
             manoeuvres: vec![("the record".to_owned(), fits)],
             equations: Vec::new(),
             by_equation_error: Vec::new(),
+            band: None,
             prediction: None,
             notes: Vec::new(),
         }

@@ -42,7 +42,7 @@ pub(crate) fn reasons<M: Motion<N, R>, const N: usize, const R: usize>(
         let unsettled_s = unsettled_stretches(run, &history.time_s);
         let against = contradiction::reasons(&history.time_s, &history.residuals, equations, &unsettled_s, &learnt);
         found.extend(against.into_iter().map(|reason| match task.method() {
-            Method::OutputError => {
+            Method::OutputError | Method::OutputErrorFrequency => {
                 VerdictReason { sentence: format!("{} {WITHOUT_PROCESS_NOISE}", reason.sentence), ..reason }
             }
             _ => reason,

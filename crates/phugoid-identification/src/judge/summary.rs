@@ -9,7 +9,6 @@ use crate::core::estimation::{
     AdoptedChange, ChangedParameter, Estimation, FinalStatus, History, OutputConsistency, ParameterHistory,
     ParameterResult, Signal, status_of,
 };
-use crate::core::method::Method;
 use crate::core::options::EstimateOptions;
 use crate::core::output::Output;
 use crate::judge::effective::{effective, sentence};
@@ -45,7 +44,7 @@ pub(crate) fn summarise<M: EveryRoom<N, R>, const N: usize, const R: usize>(
         parameters.iter_mut().for_each(|p| p.converged_at_s = None);
     }
     // The residuals of equation error are not the noise of sensors.
-    let found = run.batch.as_ref().filter(|_| task.method() != Method::EquationError).map(|b| &b.noise_std);
+    let found = run.batch.as_ref().filter(|_| !task.method().is_equation_error()).map(|b| &b.noise_std);
     let learnt = run.noise.as_ref().map(|learnt| learnt.std[..].to_vec());
     let found = found.or(learnt.as_ref());
     let std = |row: usize| found.and_then(|std| std.get(row)).copied().unwrap_or(noise[row].std);

@@ -102,7 +102,30 @@ fn noise<M: Motion<N, R>, const N: usize, const R: usize>(
 }
 
 /// The sentences about a batch method: its notes, and how well its parameters predict another record.
+/// Outputs whose residuals are not of one level over the band.
+fn uneven(report: &BatchReport, sentences: &mut Vec<String>) {
+    let fits = report.manoeuvres.iter().flat_map(|(_, fits)| fits).filter(|fit| !fit.white);
+    let end = |lag_one: f64| if lag_one > 0.0 { "lower" } else { "upper" };
+    let found: Vec<String> = fits.map(|fit| format!("{} at the {} end", fit.name, end(fit.lag_one))).collect();
+    if !found.is_empty() {
+        sentences.push(format!(
+            "The spectrum of the residuals is not flat over the band, but largest: {}. That is model error, turbulence or a \
+             lag of a sensor. The corrected standard errors allow for it.",
+            found.join(", ")
+        ));
+    }
+}
+
 fn batch(report: &BatchReport, sentences: &mut Vec<String>) {
+    if let Some(band) = &report.band {
+        let fits = report.manoeuvres.iter().flat_map(|(_, fits)| fits);
+        let fits: Vec<String> = fits.map(|fit| format!("{} {:.3}", fit.name, fit.r_squared)).collect();
+        let fits = if fits.is_empty() { String::new() } else { format!("; R^2 in it: {}", fits.join(", ")) };
+        sentences.push(format!(
+            "Only the motion from {band} was used ({} frequencies), so that biases and drifts do not count{fits}.",
+            band.frequencies
+        ));
+    }
     sentences.extend(report.notes.iter().map(|n| format!("{}.", capitalised(n))));
     for equation in &report.equations {
         let idle: Vec<&str> = equation.terms.iter().filter(|t| !t.needed).map(|t| t.name.as_str()).collect();
@@ -330,6 +353,11 @@ fn before_and_after(change: &AdoptedChange, contradicted: bool) -> String {
 
 /// Outliers, and residuals that are not white.
 fn residuals<const R: usize>(residuals: &[Signal], run: &Run<R>, sentences: &mut Vec<String>) {
+    // Residuals that were made of a band are coloured by that: what they tell is whether their spectrum is flat in it.
+    if let Some(report) = run.batch.as_ref().filter(|report| report.band.is_some()) {
+        uneven(report, sentences);
+        return;
+    }
     let samples = run.phases.len().max(1) as f64;
     let mut coloured = Vec::new();
     for signal in residuals {

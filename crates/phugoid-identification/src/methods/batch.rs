@@ -15,7 +15,7 @@ use crate::core::axes::Axes;
 use crate::core::error::EstimateError;
 use crate::core::estimation::{BatchReport, OtherValue, Prediction, PredictionInterval, Signal};
 use crate::core::method::Method;
-use crate::core::options::{CAPACITY, FlowAngles};
+use crate::core::options::{Band, CAPACITY, FlowAngles};
 use crate::core::output::Output;
 use crate::model_file::{Parameter, Role};
 use crate::motion::MotionModel;
@@ -166,30 +166,41 @@ fn solve<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
     structure: &Structure<N, R>,
 ) -> Result<Solved, EstimateError> {
     let regression = EquationErrorSettings::automatic(sample_time(&task.prepared.time));
-    let equations = |structure: &Structure<N, R>| {
-        batch::equation_error::<M, M::KnownInput, N, R>(manoeuvres, structure, &regression)
+    let method = task.method();
+    let band = if method.is_in_band() { Some(band::<M, N, R>(task, structure.maximum_gap_s)?) } else { None };
+    let by_sample = || batch::equation_error::<M, M::KnownInput, N, R>(manoeuvres, structure, &regression);
+    let equations = || match band {
+        Some(band) => {
+            batch::equation_error_frequency::<M, M::KnownInput, N, R>(manoeuvres, structure, band, &regression)
+        }
+        None => by_sample(),
     };
     // Differences give the likelihood of a filter, and an evaluation takes a tenth of a second: a fiftieth of a standard
     // error is enough.
-    let step_tolerance = if task.method() == Method::FilterError { 0.02 } else { 1e-3 };
+    let step_tolerance = if method == Method::FilterError { 0.02 } else { 1e-3 };
     let search = OptimiserSettings { step_tolerance, ..OptimiserSettings::default() };
-    let integrating = |structure: &Structure<N, R>| match task.method() {
+    let integrating = |structure: &Structure<N, R>| match method {
         Method::FilterError => {
             let settings = shared_settings::<M, N, R, CAPACITY>(task.prepared, task.file, task.options, task.noise)
                 .map_err(|e| BatchError::BadInput(e.to_string()))?;
             let process = ProcessNoise { density: settings.process_noise.variance_per_s, estimated: true };
             batch::filter_error::<M, M::KnownInput, N, R>(manoeuvres, structure, &process, &search)
         }
-        _ => output_error::<M, N, R>(task, manoeuvres, structure, &search),
+        _ => match band {
+            Some(band) => batch::output_error_frequency::<M, M::KnownInput, N, R>(manoeuvres, structure, band, &search),
+            None => output_error::<M, N, R>(task, manoeuvres, structure, &search),
+        },
     };
-    if task.method() == Method::EquationError {
-        let found = equations(structure)?;
+    if method.is_equation_error() {
+        let found = equations()?;
         return Ok(Solved { fit: found.fit, equations: found.equations, by_equation_error: Vec::new() });
     }
     // The values of the model file may lie beyond another minimum than the best one; those of the regression need no
     // start themselves and are biased by noise only.
-    let regressed = equations(structure).ok();
+    let regressed = equations().ok();
     let by_equation_error = regressed.as_ref().map_or(Vec::new(), |found| others(&found.fit));
+    // A simulation needs constants too, which a band does not give.
+    let regressed = if band.is_some() { by_sample().ok() } else { regressed };
     let nearer = regressed.map(|found| {
         let mut nearer = structure.clone();
         for (parameter, value) in nearer.parameters.iter_mut().zip(&found.fit.parameters) {
@@ -198,7 +209,7 @@ fn solve<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
         nearer
     });
     let cost = |fit: &BatchFit| fit.iterations.last().map_or(f64::INFINITY, |i| i.cost);
-    let fit = match (task.method(), nearer) {
+    let fit = match (method, nearer) {
         (_, None) => integrating(structure)?,
         // One search takes seconds, and one that starts from the regression cannot end above it.
         (Method::FilterError, Some(nearer)) => integrating(&nearer).or_else(|failure| match failure {
@@ -283,8 +294,33 @@ fn measured_flow_angles<M: MotionModel<N, R, CAPACITY>, const N: usize, const R:
     (0..N).filter(angle).filter(known).collect()
 }
 
+/// The band that is asked for, or in which the record tells something.
+fn band<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
+    task: &Task<M, N, R>,
+    maximum_gap_s: f64,
+) -> Result<Band, EstimateError> {
+    if let Some(band) = task.options.band {
+        return Ok(band);
+    }
+    let prepared = task.prepared;
+    let extra = |signal: &&Signal| task.file.extra_inputs.contains(&signal.name);
+    let inputs = prepared.surfaces().chain(prepared.known.iter().filter(extra)).map(|s| s.values.as_slice());
+    let outputs: Vec<Vec<f64>> = (0..R).map(|i| prepared.outputs.iter().map(|y| y[i]).collect()).collect();
+    let found = batch::signal_band(&prepared.time, maximum_gap_s, &inputs.collect::<Vec<_>>(), &outputs);
+    found.ok_or_else(|| {
+        EstimateError::Model(
+            "no band of frequencies was found in which both a control surface and an output move: the record has too few \
+             samples between two gaps, or nothing moves beyond its noise. Give the band (LOW:HIGH in Hz), or take a method \
+             in the time domain"
+                .to_owned(),
+        )
+    })
+}
+
 fn others(fit: &BatchFit) -> Vec<OtherValue> {
-    let parameters = fit.unknowns.iter().filter(|u| matches!(u.kind, UnknownKind::Parameter { .. }) && !u.at_limit);
+    let parameters = fit.unknowns.iter().filter(|u| {
+        matches!(u.kind, UnknownKind::Parameter { .. }) && !u.at_limit && u.corrected_std_error.is_finite()
+    });
     let other = |u: &Unknown| OtherValue { name: u.name.clone(), value: u.value, std_error: u.corrected_std_error };
     parameters.map(other).collect()
 }
@@ -315,7 +351,7 @@ fn predict<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
     let predicted = batch::predict::<M, M::KnownInput, N, R>(&manoeuvre, &held, &fit.parameters, &search)?;
     // Equation error knows the noise of its equations, and none of the outputs.
     let sigmas = match task.method() {
-        Method::EquationError => None,
+        method if method.is_equation_error() => None,
         _ => Some(batch::prediction_intervals::<M, M::KnownInput, N, R>(&manoeuvre, &held, fit, &predicted)?),
     };
     let Some(ManoeuvreFit { fitted, outputs, .. }) = predicted.manoeuvres.into_iter().next() else {
@@ -354,17 +390,19 @@ fn predict<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
     })
 }
 
-/// The unknown that stands for a parameter of the file.
+/// The unknown that stands for a parameter of the file; none where the method does not estimate it.
 fn position<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
     parameter: &Parameter,
     fit: &BatchFit,
 ) -> Option<usize> {
-    fit.unknowns.iter().position(|u| match (u.kind, &parameter.role) {
+    let found = fit.unknowns.iter().position(|u| match (u.kind, &parameter.role) {
         (UnknownKind::Bias { output, .. }, Role::Bias(of)) => M::AXES.row(*of) == Some(output),
         (UnknownKind::Parameter { .. }, Role::Bias(_)) => false,
         (UnknownKind::Parameter { .. }, _) => u.name == parameter.name,
         _ => false,
-    })
+    });
+    // One that the band does not determine is none.
+    found.filter(|&i| fit.unknowns[i].corrected_std_error.is_finite())
 }
 
 fn column<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
@@ -373,7 +411,7 @@ fn column<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
     samples: usize,
     task: &Task<M, N, R>,
 ) -> ColumnRun {
-    // A bias that the method does not estimate keeps its prior.
+    // What the method does not estimate, such as a bias in a band of frequencies, keeps its prior.
     let prior = (parameter.start, parameter.prior_std, parameter.prior_std, false);
     let (value, std_error, corrected, at_limit) = position::<M, N, R>(parameter, fit)
         .map(|i| &fit.unknowns[i])
@@ -455,6 +493,7 @@ fn report(fit: &BatchFit, equations: Vec<Equation>, prediction: Option<Predictio
         manoeuvres: fit.manoeuvres.iter().map(|m| (m.name.clone(), m.outputs.clone())).collect(),
         equations,
         by_equation_error: Vec::new(),
+        band: fit.band.clone(),
         prediction,
         notes: fit.notes.clone(),
     }

@@ -84,7 +84,11 @@ pub(super) fn set_up<M: MotionModel<N, R, P>, const N: usize, const R: usize, co
         Method::ModelReference | Method::ImplicitSign | Method::SuperTwisting => {
             return Err(EstimateError::Model(format!("{method} is compiled for the largest number of columns alone")));
         }
-        Method::EquationError | Method::OutputError | Method::FilterError => {
+        Method::EquationError
+        | Method::EquationErrorFrequency
+        | Method::OutputError
+        | Method::OutputErrorFrequency
+        | Method::FilterError => {
             return Err(EstimateError::NotCausal { method });
         }
     };

@@ -70,6 +70,9 @@ pub(crate) fn pipeline(
     if !method.is_batch() && (options.predict.is_some() || !options.further.is_empty()) {
         return Err(EstimateError::OneRecordOnly { method });
     }
+    if !method.is_in_band() && options.band.is_some() {
+        return Err(EstimateError::NoBand { method });
+    }
     let longitudinal = |progress: &mut dyn FnMut(f64)| {
         pipeline_of::<LongitudinalModel, _, _>(record, model, options, health, progress)
     };

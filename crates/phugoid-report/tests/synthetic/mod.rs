@@ -294,6 +294,7 @@ pub(crate) fn estimation(case: &Case) -> Estimation {
             event(half + 0.04 * case.seconds, EventKind::DoubtDropped, "The running estimate won again."),
         ],
         quality: QualityReport {
+            deletions: Vec::new(),
             rows_read: count + 3,
             rows_kept: count,
             sample_time_s: step,
