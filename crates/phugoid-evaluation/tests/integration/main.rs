@@ -19,3 +19,4 @@ mod offer;
 mod predicted_bound;
 mod second_aircraft;
 mod stack;
+mod uncertainty;
