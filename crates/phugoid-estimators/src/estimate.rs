@@ -262,4 +262,10 @@ pub trait Inspect<const R: usize, const P: usize>: Estimator<R, P> {
     fn change_sensitivity(&self) -> [f64; P] {
         [0.0; P]
     }
+
+    /// Error of a column (`true - estimated`) per unit of each constant that the model wants considered, parameter units;
+    /// none where none is considered.
+    fn error_by_constant(&self, _column: usize) -> Option<&[f64]> {
+        None
+    }
 }

@@ -44,6 +44,20 @@ impl<const N: usize, const R: usize, const P: usize> LinearizedOutputs<N, R, P> 
     pub const ZERO: Self = Self { outputs: [0.0; R], state_jacobian: [[0.0; N]; R], parameter_jacobian: [[0.0; P]; R] };
 }
 
+/// Derivatives by constants that are considered and not estimated, at one point: room for `K` of them.
+#[derive(Clone, Copy, Debug)]
+pub struct ConstantEffects<const N: usize, const R: usize, const K: usize> {
+    /// `d(rates)/dc`, state units per second and unit of the constant; row = rate, column = constant.
+    pub rates: [[f64; K]; N],
+    /// `d(outputs)/dc`, output units per unit of the constant; row = output, column = constant.
+    pub outputs: [[f64; K]; R],
+}
+
+impl<const N: usize, const R: usize, const K: usize> ConstantEffects<N, R, K> {
+    /// No constant has any effect: what a buffer starts with.
+    pub const ZERO: Self = Self { rates: [[0.0; K]; N], outputs: [[0.0; K]; R] };
+}
+
 /// A plant that is linear in its unknown parameters: `x' = f(x, u) + Phi(x, u) theta`, `y = h(x, theta, u)`.
 ///
 /// `N` states, `R` outputs, room for `P` parameters. Implementations must be pure functions of their arguments and
@@ -68,6 +82,25 @@ pub trait Model<const N: usize, const R: usize, const P: usize> {
 
     /// The output channel that measures state `state` directly (`h = x[state]`), if there is one.
     fn measuring_output(&self, state: usize) -> Option<usize>;
+
+    /// Number of constants that are considered and not estimated: scales of sensors, the mass, whatever leaves no trace
+    /// in residuals. Zero unless a model says otherwise, and then nothing is paid for them. Only the estimators that say
+    /// so ([`Considering`](crate::supervisor::considered::Considering)) look at them.
+    fn constant_count(&self) -> usize {
+        0
+    }
+
+    /// What one unit of each considered constant adds to rates and outputs where all constants are zero, written to
+    /// `out`, which holds zeros. The rates and outputs of the other functions are those with all constants zero, which is
+    /// what the estimator believes; the plant flies with `c`, of which only the variances are known.
+    fn constant_effects<const K: usize>(
+        &self,
+        _x: &[f64; N],
+        _theta: &[f64; P],
+        _u: &Self::Input,
+        _out: &mut ConstantEffects<N, R, K>,
+    ) {
+    }
 }
 
 /// What was measured at one instant.

@@ -51,6 +51,15 @@ pub(crate) struct Field {
     /// made with --exact
     #[arg(long, conflicts_with_all = ["faults", "no_monitor", "gaussian"])]
     pub(crate) structure_study: bool,
+    /// Draw errors from what the model files declare instead (`[uncertainty]`), and ask whether the bounds hold them: this
+    /// number of flights without errors, with all of them, and with those of each quantity, for the first method
+    #[arg(long, value_name = "N", conflicts_with_all = ["faults", "gaussian", "structure_study"],
+          value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub(crate) drawn_errors: Option<u32>,
+    /// With --drawn-errors: number of flights in which each error is tried by itself, to see whether the largest contributor
+    /// is named
+    #[arg(long, value_name = "N", default_value_t = 0, requires = "drawn_errors")]
+    pub(crate) ranked: u32,
     /// Leave out the health monitor
     #[arg(long)]
     pub(crate) no_monitor: bool,

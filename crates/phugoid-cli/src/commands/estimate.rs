@@ -318,11 +318,11 @@ pub(super) fn between(record: Record, from: Option<f64>, to: Option<f64>) -> Res
 
 /// The declared uncertainties as a table.
 fn show_uncertainty(uncertainty: &Uncertainty) -> Result<(), Failure> {
-    let mut table = Table::new(&["key in [uncertainty]", "one sigma", "of the scale of", "because of"]);
+    let mut table = Table::new(&["key in [uncertainty]", "one sigma", "of", "because of"]);
     for quantity in UncertainQuantity::ALL {
         table.row(vec![
             quantity.key().to_owned(),
-            format!("{:.1} %", 100.0 * uncertainty.scale_of(quantity)),
+            quantity.unit().in_words(uncertainty.of_quantity(quantity)),
             quantity.name().to_owned(),
             uncertainty.origin_of(quantity).to_owned(),
         ]);

@@ -12,28 +12,32 @@ fn number(value: &Value) -> f64 {
     value.as_f64().unwrap()
 }
 
-/// A trainer of the field, about whose instruments its model file says nothing.
-fn estimate(more: &[&str]) -> common::Run {
+/// A trainer of the field, about whose instruments its model file says nothing but what `section` adds.
+fn estimate(section: &str, more: &[&str]) -> common::Run {
     let folder = Folder::new("systematic");
     let flight = std::fs::read_dir(FOLDER)
         .unwrap()
         .map(|entry| entry.unwrap().path())
         .find(|path| path.extension().is_some_and(|extension| extension == "csv"))
         .unwrap();
-    let model = format!("{FOLDER}/longitudinal.toml");
-    phugoid(&folder.0, &[&["estimate", flight.to_str().unwrap(), "--model", &model, "--no-report"], more].concat())
+    let model = folder.0.join("model.toml");
+    let text = std::fs::read_to_string(format!("{FOLDER}/longitudinal.toml")).unwrap();
+    std::fs::write(&model, format!("{text}\n{section}\n")).unwrap();
+    let arguments = ["estimate", flight.to_str().unwrap(), "--model", model.to_str().unwrap(), "--no-report"];
+    phugoid(&folder.0, &[&arguments, more].concat())
 }
 
-#[test]
-fn each_bound_is_the_sum_of_its_two_parts_and_the_shares_add_up() {
-    let document = estimate(&["--json"]).json_of_any_result();
+/// The usual sizes, followed through the estimation and not by the powers of the scales.
+const FOLLOWED: &str = "[uncertainty]\nclass = \"unstated\"\npropagation = \"recursion\"";
+
+/// Checks what holds for every way of working it out; gives the parameters.
+fn checked(document: &Value) -> Vec<Value> {
     let mut with_parts = 0;
-    for p in document["parameters"].as_array().unwrap() {
+    let parameters = document["parameters"].as_array().unwrap();
+    for p in parameters {
         let (whole, systematic) = (number(&p["corrected_std_error"]), number(&p["systematic_std"]));
         let parts = p["systematic_parts"].as_array().unwrap();
         assert!(systematic <= whole * (1.0 + 1e-12), "{p}");
-        // A constant is found whatever the scales are.
-        assert_eq!(parts.is_empty(), p["name"].as_str().unwrap().ends_with("_0"), "{p}");
         if parts.is_empty() {
             assert_eq!(systematic, 0.0);
             continue;
@@ -43,19 +47,54 @@ fn each_bound_is_the_sum_of_its_two_parts_and_the_shares_add_up() {
         assert!((shares.iter().sum::<f64>() - 1.0).abs() < 1e-12 && shares.is_sorted_by(|a, b| a >= b), "{p}");
     }
     assert!(with_parts >= 6);
+    parameters.clone()
+}
+
+#[test]
+fn each_bound_is_the_sum_of_its_two_parts_and_the_shares_add_up() {
+    let parameters = checked(&estimate("", &["--json"]).json_of_any_result());
+    for p in &parameters {
+        // A constant is found whatever the scales are.
+        let parts = p["systematic_parts"].as_array().unwrap();
+        assert_eq!(parts.is_empty(), p["name"].as_str().unwrap().ends_with("_0"), "{p}");
+    }
     // CL_alpha goes with the square of the airspeed (1.5 %), the vane (3 %) and the mass (3 %): a third each.
-    let slope = document["parameters"].as_array().unwrap().iter().find(|p| p["name"] == "CL_alpha").unwrap();
+    let slope = parameters.iter().find(|p| p["name"] == "CL_alpha").unwrap();
     let expected = 0.03 * 3_f64.sqrt() * number(&slope["value"]);
     assert!((number(&slope["systematic_std"]) / expected - 1.0).abs() < 1e-9, "{slope}");
     assert!((number(&slope["systematic_parts"][0]["share"]) - 1.0 / 3.0).abs() < 1e-9);
 }
 
+/// Errors that are followed are also those that are no scales, and go into the constants. The estimates are the same to the
+/// last digit.
+#[test]
+fn followed_errors_leave_the_estimate_alone_and_know_of_more_than_scales() {
+    let (followed, powers) = (estimate(FOLLOWED, &["--json"]), estimate("", &["--json"]));
+    let followed = checked(&followed.json_of_any_result());
+    for (a, b) in followed.iter().zip(&checked(&powers.json_of_any_result())) {
+        assert_eq!((&a["value"], &a["std_error"]), (&b["value"], &b["std_error"]));
+    }
+    let quantities = |name: &str| -> Vec<String> {
+        let p = followed.iter().find(|p| p["name"] == name).unwrap();
+        p["systematic_parts"].as_array().unwrap().iter().map(|q| q["quantity"].as_str().unwrap().to_owned()).collect()
+    };
+    for quantity in ["centre_of_gravity", "surface_skew", "flow_angle_lag", "inertia"] {
+        assert!(quantities("Cm_alpha").iter().any(|q| q == quantity), "{quantity}");
+    }
+    assert!(quantities("Cm_0").iter().any(|q| q == "centre_of_gravity"));
+}
+
 #[test]
 fn the_text_shows_the_parts_and_says_what_would_help() {
-    let text = estimate(&[]).out;
+    let text = estimate("", &[]).out;
     assert!(text.contains("Parts of the bounds, +- 2 sigma"), "{text}");
     assert!(text.contains("airspeed 33 %, flow angles 33 %, mass 33 %"), "{text}");
     assert!(text.contains("A longer flight will not make the bounds of") && text.contains("would help most"), "{text}");
+    // What the powers of the scales do not know is not said to be in the bounds.
+    assert!(
+        !text.contains("timing of surfaces") && estimate(FOLLOWED, &[]).out.contains("timing of surfaces 10 ms"),
+        "{text}"
+    );
 }
 
 #[test]
@@ -69,6 +108,10 @@ fn the_declared_uncertainties_are_shown_with_their_origin() {
     let default = shown(&format!("{FOLDER}/longitudinal.toml"));
     assert!(default.contains("airspeed_scale") && default.contains("14 CFR 25.1323"), "{default}");
     assert!(default.contains("6.0 %") && default.contains("not measured"), "{default}");
+    assert!(
+        default.contains("20 ms") && default.contains("0.15 %/deg") && default.contains("1.0 % of the chord"),
+        "{default}"
+    );
     let given = shown("hfb320");
     assert!(given.contains("the model file") && !given.contains("default"), "{given}");
     assert!(shown("f16").contains("none declared"));

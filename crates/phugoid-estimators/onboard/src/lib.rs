@@ -12,7 +12,7 @@ use core::sync::atomic::{AtomicU32, Ordering};
 use phugoid_estimators::regression::{MeasuredStates, Regression};
 use phugoid_estimators::settings::{EstimatorSettings, NoiseLearning, ParameterPrior, SettingsError};
 use phugoid_estimators::{
-    Estimate, Estimator, Innovations, Inspect, LinearizedOutputs, LinearizedRates, Model, ParameterStatus, RowPhase,
+    ConstantEffects, Estimate, Estimator, Innovations, Inspect, LinearizedOutputs, LinearizedRates, Model, ParameterStatus, RowPhase,
     Sample, Status,
 };
 
@@ -20,6 +20,8 @@ use phugoid_estimators::{
 pub const STATES: usize = 4;
 /// Outputs.
 pub const OUTPUTS: usize = 6;
+/// Room for considered constants.
+pub const CONSTANTS: usize = 12;
 /// The smaller room: its arithmetic is unrolled where all columns are in use.
 pub const SMALL: usize = 11;
 /// The larger room: its arithmetic has a run-time length.
@@ -79,6 +81,21 @@ impl<const P: usize> Model<STATES, OUTPUTS, P> for Plant {
 
     fn measuring_output(&self, state: usize) -> Option<usize> {
         black_box(Some(state))
+    }
+
+    fn constant_count(&self) -> usize {
+        black_box(CONSTANTS)
+    }
+
+    #[inline(never)]
+    fn constant_effects<const K: usize>(
+        &self,
+        x: &[f64; STATES],
+        theta: &[f64; P],
+        u: &[f64; 2],
+        out: &mut ConstantEffects<STATES, OUTPUTS, K>,
+    ) {
+        black_box((x, theta, u, out));
     }
 }
 

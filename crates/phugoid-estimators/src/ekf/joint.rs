@@ -10,7 +10,7 @@ use crate::model::{LinearizedOutputs, Model};
 use crate::settings::{EstimatorSettings, SettingsError};
 use crate::supervisor::common::{Common, NoiseScore};
 use crate::supervisor::faults::Watch;
-use crate::supervisor::slot::Slot;
+use crate::supervisor::slot::{Followed, Follower, Slot, UsedRow};
 use crate::ud::Ud;
 
 /// The joint covariance in blocks; columns of the parameters are scaled to their prior standard deviation.
@@ -292,7 +292,6 @@ impl<const N: usize, const P: usize> Slot<N, P> for Joint<N, P> {
         }
     }
 
-    /// `x <- f(x, u, theta)` and `P <- F P F^T + diag(q_s Qx h, Qt h)`.
     fn predict<M, const R: usize>(
         &mut self,
         model: &M,
@@ -306,39 +305,7 @@ impl<const N: usize, const P: usize> Slot<N, P> for Joint<N, P> {
     where
         M: Model<N, R, P>,
     {
-        let steps = discretization::sub_steps(interval_s, settings.maximum_step_s);
-        let h = interval_s / steps as f64;
-        let scale = levels.scale.unwrap_or(self.common.noise_scale);
-        let q = settings.process_noise.variance_per_s.map(|variance| variance * scale * h);
-        let own = columns.own();
-        let mut x = self.common.x;
-        let before = self.covariance;
-        let mut part_transition = [[0.0; N]; N];
-        for k in 0..steps {
-            let part = Part { from: k as f64 / steps as f64, to: (k + 1) as f64 / steps as f64 };
-            let mut b = [[0.0; P]; N];
-            let theta = &self.common.theta;
-            x = discretization::step(model, &x, theta, input, interval_s, part, own, &mut b, &mut part_transition);
-            for row in &mut b {
-                for (value, std) in row[..own].iter_mut().zip(&columns.std[..own]) {
-                    *value *= std;
-                }
-            }
-            self.covariance.predict(own, &part_transition, &b, &q);
-            chain(transition, &part_transition, k == 0);
-        }
-        if !x.iter().sum::<f64>().is_finite() || !self.covariance.is_sound() {
-            self.covariance = before;
-            return false;
-        }
-        for j in 0..own {
-            if columns.std[j] > 0.0 {
-                let walk = settings.ekf.parameter_walk_per_s[j] * interval_s;
-                self.covariance.tt[j][j] += walk / (columns.std[j] * columns.std[j]);
-            }
-        }
-        self.common.x = x;
-        true
+        self.predict_followed(model, settings, columns, levels, input, interval_s, transition, &mut ())
     }
 
     fn correct<M, const R: usize>(
@@ -357,12 +324,20 @@ impl<const N: usize, const P: usize> Slot<N, P> for Joint<N, P> {
     where
         M: Model<N, R, P>,
     {
-        let p = columns.count();
-        if is_full(p, P) {
-            self.correct_of(P, model, settings, columns, levels, input, measured, adapt_noise, surface, watch, frame)
-        } else {
-            self.correct_of(p, model, settings, columns, levels, input, measured, adapt_noise, surface, watch, frame)
-        }
+        let own = &mut ();
+        self.correct_followed(
+            model,
+            settings,
+            columns,
+            levels,
+            input,
+            measured,
+            adapt_noise,
+            surface,
+            watch,
+            frame,
+            own,
+        )
     }
 
     /// A jump of the parameters alone: `Ptt + Delta`, `Pxt` as it was, and an allowance for what the state has
@@ -431,10 +406,118 @@ impl<const N: usize, const P: usize> Slot<N, P> for Joint<N, P> {
     }
 }
 
+impl<const N: usize, const P: usize> Followed<N, P> for Joint<N, P> {
+    /// `x <- f(x, u, theta)` and `P <- F P F^T + diag(q_s Qx h, Qt h)`.
+    fn predict_followed<M, F: Follower<N, P>, const R: usize>(
+        &mut self,
+        model: &M,
+        settings: &EstimatorSettings<N, R, P>,
+        columns: &Columns<R, P>,
+        levels: &Levels<N, R>,
+        input: &IntervalInput<M::Input>,
+        interval_s: f64,
+        transition: &mut [[f64; N]; N],
+        follower: &mut F,
+    ) -> bool
+    where
+        M: Model<N, R, P>,
+    {
+        let steps = discretization::sub_steps(interval_s, settings.maximum_step_s);
+        let h = interval_s / steps as f64;
+        let scale = levels.scale.unwrap_or(self.common.noise_scale);
+        let q = settings.process_noise.variance_per_s.map(|variance| variance * scale * h);
+        let own = columns.own();
+        let mut x = self.common.x;
+        let before = self.covariance;
+        let mut part_transition = [[0.0; N]; N];
+        for k in 0..steps {
+            let part = Part { from: k as f64 / steps as f64, to: (k + 1) as f64 / steps as f64 };
+            let mut b = [[0.0; P]; N];
+            let theta = &self.common.theta;
+            let x_before = x;
+            x = discretization::step(model, &x, theta, input, interval_s, part, own, &mut b, &mut part_transition);
+            if F::ACTIVE {
+                follower.part([&x_before, &x], part, &part_transition, &b);
+            }
+            for row in &mut b {
+                for (value, std) in row[..own].iter_mut().zip(&columns.std[..own]) {
+                    *value *= std;
+                }
+            }
+            self.covariance.predict(own, &part_transition, &b, &q);
+            chain(transition, &part_transition, k == 0);
+        }
+        if !x.iter().sum::<f64>().is_finite() || !self.covariance.is_sound() {
+            self.covariance = before;
+            return false;
+        }
+        for j in 0..own {
+            if columns.std[j] > 0.0 {
+                let walk = settings.ekf.parameter_walk_per_s[j] * interval_s;
+                self.covariance.tt[j][j] += walk / (columns.std[j] * columns.std[j]);
+            }
+        }
+        self.common.x = x;
+        true
+    }
+
+    #[allow(clippy::too_many_arguments)]
+    fn correct_followed<M, F: Follower<N, P>, const R: usize>(
+        &mut self,
+        model: &M,
+        settings: &EstimatorSettings<N, R, P>,
+        columns: &Columns<R, P>,
+        levels: &Levels<N, R>,
+        input: &M::Input,
+        measured: &[f64; R],
+        adapt_noise: bool,
+        surface: &mut [f64; P],
+        watch: Option<Watch<'_, R, P>>,
+        frame: Option<&mut Frame<N, R>>,
+        follower: &mut F,
+    ) -> Innovations<R>
+    where
+        M: Model<N, R, P>,
+    {
+        let p = columns.count();
+        if is_full(p, P) {
+            self.correct_of(
+                P,
+                model,
+                settings,
+                columns,
+                levels,
+                input,
+                measured,
+                adapt_noise,
+                surface,
+                watch,
+                frame,
+                follower,
+            )
+        } else {
+            self.correct_of(
+                p,
+                model,
+                settings,
+                columns,
+                levels,
+                input,
+                measured,
+                adapt_noise,
+                surface,
+                watch,
+                frame,
+                follower,
+            )
+        }
+    }
+}
+
 impl<const N: usize, const P: usize> Joint<N, P> {
     #[inline(always)]
     #[allow(clippy::too_many_arguments)]
-    fn correct_of<M, const R: usize>(
+    fn correct_of<M, F: Follower<N, P>, const R: usize>(
         &mut self,
         p: usize,
         model: &M,
@@ -447,6 +530,7 @@ impl<const N: usize, const P: usize> Joint<N, P> {
         surface: &mut [f64; P],
         mut watch: Option<Watch<'_, R, P>>,
         mut frame: Option<&mut Frame<N, R>>,
+        follower: &mut F,
     ) -> Innovations<R>
     where
         M: Model<N, R, P>,
@@ -544,6 +628,20 @@ impl<const N: usize, const P: usize> Joint<N, P> {
             self.common.colour.add(&psi[..p], xi);
             let inverse_variance = 1.0 / variance;
             let step = residual * inverse_variance;
+            if F::ACTIVE {
+                let mut gain = [0.0; P];
+                for j in 0..p {
+                    gain[j] = columns.std[j] * v.t[j] * inverse_variance;
+                }
+                follower.row(&UsedRow {
+                    output: i,
+                    by_state: &a.x,
+                    by_parameter: &lin.parameter_jacobian[i][..own],
+                    bias,
+                    state_gain: v.x.map(|value| value * inverse_variance),
+                    parameter_gain: &gain[..p],
+                });
+            }
             for j in 0..p {
                 surface[j] += columns.std[j] * v.t[j] * step;
             }

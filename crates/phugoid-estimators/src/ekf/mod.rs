@@ -31,7 +31,13 @@
 mod joint;
 
 use crate::supervisor::Supervisor;
+use crate::supervisor::considered::Considering;
 use joint::Joint;
 
 /// The joint extended Kalman filter: `N` states, `R` outputs, room for `P` columns (parameters and biases).
 pub type JointEkf<M, const N: usize, const R: usize, const P: usize> = Supervisor<Joint<N, P>, M, N, R, P>;
+
+/// The same filter, bit for bit, which also knows how far an error of each of up to `K` constants of the model has moved
+/// its estimate, as [`ConsideringSmpe`](crate::smpe::ConsideringSmpe) does.
+pub type ConsideringEkf<M, const N: usize, const R: usize, const P: usize, const K: usize> =
+    Supervisor<Considering<Joint<N, P>, N, P, K>, M, N, R, P>;

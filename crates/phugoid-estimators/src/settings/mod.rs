@@ -528,6 +528,13 @@ pub enum SettingsError {
         /// Columns there is room for.
         capacity: usize,
     },
+    /// More considered constants than the compiled capacity.
+    Constants {
+        /// Constants that the model wants considered.
+        needed: usize,
+        /// Constants there is room for.
+        capacity: usize,
+    },
     /// A start value, standard deviation or change prior is not a finite number of the right sign.
     Prior {
         /// Index of the parameter in the model.
@@ -562,6 +569,11 @@ impl fmt::Display for SettingsError {
                 f,
                 "{needed} columns (parameters and sensor biases) are asked for, this estimator has room for \
                  {capacity}: drop some, or compile a larger capacity"
+            ),
+            Self::Constants { needed, capacity } => write!(
+                f,
+                "the model wants {needed} constants considered, this estimator has room for {capacity}: drop some, or \
+                 compile a larger capacity"
             ),
             Self::Prior { parameter } => write!(
                 f,

@@ -5,13 +5,13 @@ use super::reopen;
 use crate::columns::Columns;
 use crate::discretization::{self, IntervalInput, Part};
 use crate::innovation::{Innovations, RowPhase, ScoredRow};
-use crate::kernels::{add_scaled_in, chain, dot, dot_in, is_full};
+use crate::kernels::{add_scaled, add_scaled_in, chain, dot, dot_in, is_full};
 use crate::levels::{Frame, Levels};
 use crate::model::{LinearizedOutputs, Model};
 use crate::settings::{EstimatorSettings, ReachingState, SettingsError};
 use crate::supervisor::common::{Common, NoiseScore};
 use crate::supervisor::faults::Watch;
-use crate::supervisor::slot::Slot;
+use crate::supervisor::slot::{Followed, Follower, Slot, UsedRow};
 use crate::ud::Ud;
 
 #[derive(Clone, Copy, Debug)]
@@ -57,8 +57,6 @@ impl<const N: usize, const P: usize> Slot<N, P> for Separated<N, P> {
         }
     }
 
-    /// `x <- f(x, u, theta)`, `U <- A U + B`, `Px <- A Px A^T + q_s Qx h`. Changes nothing and gives `false` if the
-    /// model's answer is not finite.
     fn predict<M, const R: usize>(
         &mut self,
         model: &M,
@@ -72,43 +70,9 @@ impl<const N: usize, const P: usize> Slot<N, P> for Separated<N, P> {
     where
         M: Model<N, R, P>,
     {
-        let steps = discretization::sub_steps(interval_s, settings.maximum_step_s);
-        let h = interval_s / steps as f64;
-        let scale = levels.scale.unwrap_or(self.common.noise_scale);
-        let q = settings.process_noise.variance_per_s.map(|variance| variance * scale * h);
-        let mut x = self.common.x;
-        let mut sensitivity = self.sensitivity;
-        let mut px = self.px;
-        let mut part_transition = [[0.0; N]; N];
-        for k in 0..steps {
-            let part = Part { from: k as f64 / steps as f64, to: (k + 1) as f64 / steps as f64 };
-            x = discretization::step(
-                model,
-                &x,
-                &self.common.theta,
-                input,
-                interval_s,
-                part,
-                columns.count(),
-                &mut sensitivity,
-                &mut part_transition,
-            );
-            px.predict(&part_transition, &q);
-            chain(transition, &part_transition, k == 0);
-        }
-        // A sum is finite only if every term is.
-        let checksum = x.iter().sum::<f64>()
-            + sensitivity.iter().map(|row| row[..columns.count()].iter().sum::<f64>()).sum::<f64>();
-        if !checksum.is_finite() || !px.is_sound() {
-            return false;
-        }
-        self.common.x = x;
-        self.sensitivity = sensitivity;
-        self.px = px;
-        true
+        self.predict_followed(model, settings, columns, levels, input, interval_s, transition, &mut ())
     }
 
-    #[allow(clippy::too_many_arguments)]
     fn correct<M, const R: usize>(
         &mut self,
         model: &M,
@@ -125,12 +89,20 @@ impl<const N: usize, const P: usize> Slot<N, P> for Separated<N, P> {
     where
         M: Model<N, R, P>,
     {
-        let p = columns.count();
-        if is_full(p, P) {
-            self.correct_of(P, model, settings, columns, levels, input, measured, adapt_noise, surface, watch, frame)
-        } else {
-            self.correct_of(p, model, settings, columns, levels, input, measured, adapt_noise, surface, watch, frame)
-        }
+        let own = &mut ();
+        self.correct_followed(
+            model,
+            settings,
+            columns,
+            levels,
+            input,
+            measured,
+            adapt_noise,
+            surface,
+            watch,
+            frame,
+            own,
+        )
     }
 
     fn reopen<const R: usize>(
@@ -181,10 +153,129 @@ impl<const N: usize, const P: usize> Slot<N, P> for Separated<N, P> {
     }
 }
 
+impl<const N: usize, const P: usize> Followed<N, P> for Separated<N, P> {
+    /// `x <- f(x, u, theta)`, `U <- A U + B`, `Px <- A Px A^T + q_s Qx h`. Changes nothing and gives `false` if the
+    /// model's answer is not finite.
+    fn predict_followed<M, F: Follower<N, P>, const R: usize>(
+        &mut self,
+        model: &M,
+        settings: &EstimatorSettings<N, R, P>,
+        columns: &Columns<R, P>,
+        levels: &Levels<N, R>,
+        input: &IntervalInput<M::Input>,
+        interval_s: f64,
+        transition: &mut [[f64; N]; N],
+        follower: &mut F,
+    ) -> bool
+    where
+        M: Model<N, R, P>,
+    {
+        let steps = discretization::sub_steps(interval_s, settings.maximum_step_s);
+        let h = interval_s / steps as f64;
+        let scale = levels.scale.unwrap_or(self.common.noise_scale);
+        let q = settings.process_noise.variance_per_s.map(|variance| variance * scale * h);
+        let mut x = self.common.x;
+        let mut sensitivity = self.sensitivity;
+        let mut px = self.px;
+        let mut part_transition = [[0.0; N]; N];
+        for k in 0..steps {
+            let part = Part { from: k as f64 / steps as f64, to: (k + 1) as f64 / steps as f64 };
+            let before = F::ACTIVE.then_some((x, sensitivity));
+            x = discretization::step(
+                model,
+                &x,
+                &self.common.theta,
+                input,
+                interval_s,
+                part,
+                columns.count(),
+                &mut sensitivity,
+                &mut part_transition,
+            );
+            if let Some((x_before, mut b)) = before {
+                // B = U' - A U
+                let own = columns.own();
+                let old = b;
+                for (row, (new, a)) in b.iter_mut().zip(sensitivity.iter().zip(&part_transition)) {
+                    *row = *new;
+                    for (factor, old) in a.iter().zip(&old) {
+                        add_scaled(&mut row[..own], -factor, &old[..own]);
+                    }
+                }
+                follower.part([&x_before, &x], part, &part_transition, &b);
+            }
+            px.predict(&part_transition, &q);
+            chain(transition, &part_transition, k == 0);
+        }
+        // A sum is finite only if every term is.
+        let checksum = x.iter().sum::<f64>()
+            + sensitivity.iter().map(|row| row[..columns.count()].iter().sum::<f64>()).sum::<f64>();
+        if !checksum.is_finite() || !px.is_sound() {
+            return false;
+        }
+        self.common.x = x;
+        self.sensitivity = sensitivity;
+        self.px = px;
+        true
+    }
+
+    #[allow(clippy::too_many_arguments)]
+    fn correct_followed<M, F: Follower<N, P>, const R: usize>(
+        &mut self,
+        model: &M,
+        settings: &EstimatorSettings<N, R, P>,
+        columns: &Columns<R, P>,
+        levels: &Levels<N, R>,
+        input: &M::Input,
+        measured: &[f64; R],
+        adapt_noise: bool,
+        surface: &mut [f64; P],
+        watch: Option<Watch<'_, R, P>>,
+        frame: Option<&mut Frame<N, R>>,
+        follower: &mut F,
+    ) -> Innovations<R>
+    where
+        M: Model<N, R, P>,
+    {
+        let p = columns.count();
+        if is_full(p, P) {
+            self.correct_of(
+                P,
+                model,
+                settings,
+                columns,
+                levels,
+                input,
+                measured,
+                adapt_noise,
+                surface,
+                watch,
+                frame,
+                follower,
+            )
+        } else {
+            self.correct_of(
+                p,
+                model,
+                settings,
+                columns,
+                levels,
+                input,
+                measured,
+                adapt_noise,
+                surface,
+                watch,
+                frame,
+                follower,
+            )
+        }
+    }
+}
+
 impl<const N: usize, const P: usize> Separated<N, P> {
     #[inline(always)]
     #[allow(clippy::too_many_arguments)]
-    fn correct_of<M, const R: usize>(
+    fn correct_of<M, F: Follower<N, P>, const R: usize>(
         &mut self,
         p: usize,
         model: &M,
@@ -197,6 +288,7 @@ impl<const N: usize, const P: usize> Separated<N, P> {
         surface: &mut [f64; P],
         mut watch: Option<Watch<'_, R, P>>,
         mut frame: Option<&mut Frame<N, R>>,
+        follower: &mut F,
     ) -> Innovations<R>
     where
         M: Model<N, R, P>,
@@ -307,6 +399,25 @@ impl<const N: usize, const P: usize> Separated<N, P> {
                 };
                 p_h = self.px.cross_covariance(&state_projection);
                 c_psi = self.c.cross_covariance(&projection);
+            }
+            if F::ACTIVE && innovations.phase[i] == RowPhase::Sliding {
+                let scale = inverse_root / one_plus_v;
+                let mut gain = [0.0; P];
+                for j in 0..p {
+                    gain[j] = columns.std[j] * c_psi[j] * scale;
+                }
+                let mut state_gain = [0.0; N];
+                for k in 0..N {
+                    state_gain[k] = p_h[k] * inverse_s + dot_in(p, &self.sensitivity[k], &gain);
+                }
+                follower.row(&UsedRow {
+                    output: i,
+                    by_state: h_row,
+                    by_parameter: &d_row[..own],
+                    bias,
+                    state_gain,
+                    parameter_gain: &gain[..p],
+                });
             }
             // dtheta += C_old psi^T phi;  dx += K sqrt(s) ex + U C_old psi^T phi  (U after its own update)
             let full = xi / nn;

@@ -4,6 +4,7 @@
 
 pub(crate) mod colour;
 pub(crate) mod common;
+pub mod considered;
 mod doubt;
 pub(crate) mod faults;
 mod history;
@@ -110,6 +111,7 @@ where
         }
         settings.check(parameters)?;
         S::check(&settings)?;
+        S::check_constants(model.constant_count())?;
         let columns = Columns::new(&settings, parameters);
         let output_of_state = settings.output_of_state(&model);
         let noise = &settings.process_noise;

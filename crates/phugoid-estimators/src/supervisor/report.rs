@@ -67,6 +67,14 @@ where
         self.levels.report(self.champion.common().noise_scale)
     }
 
+    /// Error of a column (`true - estimated`) per unit of each constant that the model wants considered, in the model's
+    /// order, parameter units; with the variances `P` of the constants, `sum_k T_jk^2 P_k` is the part of their errors
+    /// in the variance of column `j`. None where the method or the model considers no constants, for a column that is
+    /// not in use, and before the first frame.
+    pub fn error_by_constant(&self, column: usize) -> Option<&[f64]> {
+        if column < self.columns.count() { self.champion.by_constant(column) } else { None }
+    }
+
     /// Samples refused because their time did not increase.
     pub fn rejected_samples(&self) -> u64 {
         self.rejected_samples
@@ -247,5 +255,9 @@ where
 
     fn change_sensitivity(&self) -> [f64; P] {
         Self::change_sensitivity(self)
+    }
+
+    fn error_by_constant(&self, column: usize) -> Option<&[f64]> {
+        Self::error_by_constant(self, column)
     }
 }

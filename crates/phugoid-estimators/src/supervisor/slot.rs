@@ -1,7 +1,7 @@
 //! One running estimate: the operations that the supervisor needs, independent of the form of the covariance.
 
 use crate::columns::Columns;
-use crate::discretization::IntervalInput;
+use crate::discretization::{IntervalInput, Part};
 use crate::innovation::Innovations;
 use crate::levels::{Frame, Levels};
 use crate::model::Model;
@@ -14,6 +14,12 @@ use crate::supervisor::faults::Watch;
 pub trait Slot<const N: usize, const P: usize>: Copy {
     /// Checks the settings that are the method's own; the shared ones have been checked.
     fn check<const R: usize>(settings: &EstimatorSettings<N, R, P>) -> Result<(), SettingsError>;
+
+    /// Checks that there is room for the constants that a model wants considered. A slot that considers none takes every
+    /// model.
+    fn check_constants(_count: usize) -> Result<(), SettingsError> {
+        Ok(())
+    }
 
     /// The prior, with a state still to be started.
     fn prior<const R: usize>(settings: &EstimatorSettings<N, R, P>, columns: &Columns<R, P>) -> Self;
@@ -98,4 +104,87 @@ pub trait Slot<const N: usize, const P: usize>: Copy {
 
     /// True if everything is finite and no variance is negative.
     fn is_sound(&self, columns: usize) -> bool;
+
+    /// Error of a column per unit of each considered constant, parameter units; none where none is considered.
+    fn by_constant(&self, _column: usize) -> Option<&[f64]> {
+        None
+    }
+}
+
+/// A slot whose arithmetic can be followed by what moves along with the estimate.
+pub trait Followed<const N: usize, const P: usize>: Slot<N, P> {
+    /// [`Slot::predict`], every part of the interval told to `follower`, also those before one that fails.
+    #[allow(clippy::too_many_arguments)]
+    fn predict_followed<M, F: Follower<N, P>, const R: usize>(
+        &mut self,
+        model: &M,
+        settings: &EstimatorSettings<N, R, P>,
+        columns: &Columns<R, P>,
+        levels: &Levels<N, R>,
+        input: &IntervalInput<M::Input>,
+        interval_s: f64,
+        transition: &mut [[f64; N]; N],
+        follower: &mut F,
+    ) -> bool
+    where
+        M: Model<N, R, P>;
+
+    /// [`Slot::correct`], every row that counts fully told to `follower`.
+    #[allow(clippy::too_many_arguments)]
+    fn correct_followed<M, F: Follower<N, P>, const R: usize>(
+        &mut self,
+        model: &M,
+        settings: &EstimatorSettings<N, R, P>,
+        columns: &Columns<R, P>,
+        levels: &Levels<N, R>,
+        input: &M::Input,
+        measured: &[f64; R],
+        adapt_noise: bool,
+        surface: &mut [f64; P],
+        watch: Option<Watch<'_, R, P>>,
+        frame: Option<&mut Frame<N, R>>,
+        follower: &mut F,
+    ) -> Innovations<R>
+    where
+        M: Model<N, R, P>;
+}
+
+/// What moves along with an estimate. It is told of each linear step of the estimate's error, and changes nothing.
+pub trait Follower<const N: usize, const P: usize> {
+    /// False for one that wants to know nothing, so that nothing is worked out for it.
+    const ACTIVE: bool;
+
+    /// A part of an interval: the state before and after it, `A`, and `B = dF/dtheta` in parameter units, of which the
+    /// entries of the model's own columns are filled.
+    fn part(&mut self, states: [&[f64; N]; 2], part: Part, transition: &[[f64; N]; N], by_parameter: &[[f64; P]; N]);
+
+    /// A row by whose residual state and parameters have moved in proportion.
+    fn row(&mut self, row: &UsedRow<'_, N>);
+}
+
+/// A row that counts fully.
+pub struct UsedRow<'a, const N: usize> {
+    /// The output that it belongs to.
+    pub(crate) output: usize,
+    /// `H`, by state.
+    pub(crate) by_state: &'a [f64; N],
+    /// `D`, of the model's own columns.
+    pub(crate) by_parameter: &'a [f64],
+    /// Column of the output's bias.
+    pub(crate) bias: Option<usize>,
+    /// Step of the state per unit of the residual.
+    pub(crate) state_gain: [f64; N],
+    /// Step of the columns in use per unit of the residual, parameter units.
+    pub(crate) parameter_gain: &'a [f64],
+}
+
+/// Nothing follows.
+impl<const N: usize, const P: usize> Follower<N, P> for () {
+    const ACTIVE: bool = false;
+
+    #[inline(always)]
+    fn part(&mut self, _: [&[f64; N]; 2], _: Part, _: &[[f64; N]; N], _: &[[f64; P]; N]) {}
+
+    #[inline(always)]
+    fn row(&mut self, _: &UsedRow<'_, N>) {}
 }

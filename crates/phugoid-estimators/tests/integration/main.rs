@@ -6,6 +6,7 @@ mod plants;
 #[path = "../synthetic/mod.rs"]
 mod synthetic;
 
+mod considered;
 mod discretization;
 mod ekf;
 mod feedback;

@@ -2,18 +2,21 @@
 #![allow(dead_code, unreachable_pub)]
 
 use phugoid_estimators::Estimator;
-use phugoid_estimators::ekf::JointEkf;
+use phugoid_estimators::ekf::{ConsideringEkf, JointEkf};
 use phugoid_estimators::fourier::FourierRegression;
 use phugoid_estimators::implicit_sign::ImplicitSign;
 use phugoid_estimators::regression::{MeasuredStates, Regression};
 use phugoid_estimators::rls::RecursiveLeastSquares;
 use phugoid_estimators::settings::EstimatorSettings;
-use phugoid_estimators::smpe::Smpe;
+use phugoid_estimators::smpe::{ConsideringSmpe, Smpe};
 use phugoid_estimators::super_twisting::SuperTwisting;
 
 use crate::synthetic::Synthetic;
 
-pub const METHODS: [&str; 6] = ["smpe", "ekf", "rls", "fourier", "implicit-sign", "super-twisting"];
+pub const METHODS: [&str; 8] =
+    ["smpe", "ekf", "considering-smpe", "considering-ekf", "rls", "fourier", "implicit-sign", "super-twisting"];
+/// Constants that the considering methods follow.
+const CONSTANTS: usize = 12;
 
 /// What is done with an estimator.
 pub trait Run<const R: usize, const P: usize> {
@@ -31,6 +34,8 @@ pub fn with_method<const R: usize, const P: usize>(
     let refused = match name {
         "smpe" => Smpe::<_, 4, R, P>::new(model, settings).map(|e| what.run(e)).err(),
         "ekf" => JointEkf::<_, 4, R, P>::new(model, settings).map(|e| what.run(e)).err(),
+        "considering-smpe" => ConsideringSmpe::<_, 4, R, P, CONSTANTS>::new(model, settings).map(|e| what.run(e)).err(),
+        "considering-ekf" => ConsideringEkf::<_, 4, R, P, CONSTANTS>::new(model, settings).map(|e| what.run(e)).err(),
         _ => Regression::new(model, states, settings)
             .and_then(|rows| {
                 match name {

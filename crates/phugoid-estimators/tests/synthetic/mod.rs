@@ -3,7 +3,7 @@
 #![allow(dead_code, unreachable_pub)]
 
 use phugoid_estimators::settings::ParameterPrior;
-use phugoid_estimators::{LinearizedOutputs, LinearizedRates, Model, Sample};
+use phugoid_estimators::{ConstantEffects, LinearizedOutputs, LinearizedRates, Model, Sample};
 
 use crate::plants::{normal, seeded};
 
@@ -92,6 +92,26 @@ impl<const R: usize, const P: usize> Model<4, R, P> for Synthetic<P> {
 
     fn measuring_output(&self, state: usize) -> Option<usize> {
         Some(state)
+    }
+
+    fn constant_count(&self) -> usize {
+        12
+    }
+
+    /// Scale and lag of each measured state, and a factor on each rate.
+    fn constant_effects<const K: usize>(
+        &self,
+        x: &[f64; 4],
+        theta: &[f64; P],
+        u: &[f64; 1],
+        out: &mut ConstantEffects<4, R, K>,
+    ) {
+        let rates = Model::<4, R, P>::rates(self, x, theta, u);
+        for i in 0..4 {
+            out.outputs[i][i] = x[i];
+            out.outputs[i][4 + i] = -rates[i];
+            out.rates[i][8 + i] = rates[i];
+        }
     }
 }
 

@@ -3,7 +3,7 @@
 //! Each function takes SI channels as the reader gives them, so that an error of a unit is the factor that a wrong header
 //! would make. Random sizes come from the seed alone.
 
-use phugoid_flight_data::record::Record;
+use phugoid_flight_data::record::{Quantity, Record};
 use phugoid_flight_data::statistics::{Rank, quantile};
 use phugoid_identification::axes::Axes;
 use phugoid_identification::model_file::{ModelFile, Source, Thrust};
@@ -237,7 +237,21 @@ pub(super) fn draw_below(index: usize, count: usize) -> usize {
     Pcg64Mcg::seed_from_u64(0x666c_6967_6874 + index as u64).random_range(0..count)
 }
 
-fn constant(source: &mut Source, factor: f64) {
+/// The record read again as a file would be, so that the reader sees what is wrong with it too.
+///
+/// # Errors
+/// Why the reader does not take it any more.
+pub(super) fn reread(record: Record) -> Result<Record, String> {
+    let header = |name: &str, quantity: Quantity| match quantity {
+        Quantity::Number => name.to_owned(),
+        other => format!("{name}_{}", other.si_suffix()),
+    };
+    let mut columns = vec![("time_s".to_owned(), record.time)];
+    columns.extend(record.channels.into_iter().map(|c| (header(&c.name, c.quantity), c.values)));
+    Record::from_columns(&record.source, columns).map_err(|error| error.to_string())
+}
+
+pub(super) fn constant(source: &mut Source, factor: f64) {
     if let Source::Constant(value) = source {
         *value *= factor;
     }
@@ -247,7 +261,7 @@ fn values<'a>(record: &'a mut Record, name: &str) -> &'a mut [f64] {
     record.channels.iter_mut().find(|c| c.name == name).map_or(&mut [], |c| &mut c.values)
 }
 
-fn each(record: &mut Record, name: &str, change: impl Fn(f64) -> f64) {
+pub(super) fn each(record: &mut Record, name: &str, mut change: impl FnMut(f64) -> f64) {
     values(record, name).iter_mut().for_each(|v| *v = change(*v));
 }
 
@@ -279,8 +293,9 @@ fn stick(record: &mut Record, name: &str, part: f64) {
     }
 }
 
-/// Shows at each time what was true `delay_s` before, straight between the samples; the first value before them.
-fn delay(record: &mut Record, name: &str, delay_s: f64) {
+/// Shows at each time what was true `delay_s` before (of a negative delay, after), straight between the samples; beyond them
+/// the first or the last value.
+pub(super) fn delay(record: &mut Record, name: &str, delay_s: f64) {
     let time = record.time.clone();
     let values = values(record, name);
     let old: Vec<(f64, f64)> =

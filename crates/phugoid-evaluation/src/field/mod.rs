@@ -4,6 +4,7 @@
 //! with its default settings; what comes out is counted against the truth of that very flight.
 
 pub mod corruption;
+pub mod drawn;
 mod error;
 pub mod standing;
 pub mod structure;
@@ -23,6 +24,7 @@ use serde::Serialize;
 pub use error::FieldError;
 
 use corruption::{Corruption, Fault};
+use drawn::DrawnStudy;
 use structure::StructureStudy;
 use summary::{ChangeSummary, ConsistencySummary, GroupSummary, WatchSummary};
 use trial::{Flight, RealChange, Trial};
@@ -159,6 +161,40 @@ pub fn run_structure(
     };
     let trials = monte_carlo(tasks.len(), run, || done(tasks.len()))?;
     Ok(StructureStudy::new(trials, &options.methods))
+}
+
+/// Draws errors from what the model files declare, puts them into healthy flights below `folder`, and asks whether the bounds
+/// hold them: `per_row` flights without errors, with all at once, and with those of each quantity, by the first method. On
+/// `ranked` flights each error is tried by itself, to see whether the largest contributor is named. Of the options the
+/// faults, the monitor and the likelihood are not used.
+///
+/// # Errors
+/// [`FieldError`]: the field cannot be read, or no flight is left to run.
+pub fn run_drawn(
+    folder: &Path,
+    options: &FieldOptions,
+    per_row: usize,
+    ranked: usize,
+    done: &(dyn Fn(usize) + Sync),
+) -> Result<DrawnStudy, FieldError> {
+    let mut flights = flights(folder, options)?;
+    flights.retain(|f| may_be_corrupted(&f.truth));
+    let Some(method) = options.methods.first().copied().filter(|_| !flights.is_empty()) else {
+        return Err(FieldError::NoSuch("a healthy flight".to_owned()));
+    };
+    let tasks = drawn::tasks(per_row, flights.len());
+    let all = tasks.len() + ranked;
+    let run = |k: usize| -> Result<_, FieldError> {
+        let (draw, flight, number) = tasks[k];
+        Ok(drawn::trial(&flights[flight], method, draw, number))
+    };
+    let trials = monte_carlo(tasks.len(), run, || done(all))?;
+    let rank = |k: usize| -> Result<_, FieldError> {
+        Ok(drawn::rank(&flights[corruption::draw_below(k, flights.len())], method))
+    };
+    let found = monte_carlo(ranked, rank, || done(all))?;
+    let ranking = (ranked > 0).then(|| drawn::ranking(found.into_iter().flatten().collect()));
+    Ok(drawn::study(method, trials, ranking))
 }
 
 /// Short flights of healthy aircraft: a long one adds nothing but time.

@@ -1,13 +1,13 @@
 //! One flight, one method: the path of `phugoid estimate`, and what came of it.
 
-use phugoid_flight_data::record::{Quantity, Record};
+use phugoid_flight_data::record::Record;
 use phugoid_identification::estimate::{EstimateOptions, StructureSearch, estimate};
 use phugoid_identification::estimation::{ChangeOutcome, Estimation, EstimationStatus, EventKind, FinalStatus};
 use phugoid_identification::method::Method;
 use phugoid_identification::model_file::ModelFile;
 use serde::Serialize;
 
-use super::corruption::Corruption;
+use super::corruption::{Corruption, reread};
 use super::standing::{Word, refusal, standing};
 use super::truth::{Kind, TrueParameter, Truth};
 use super::watch::{Watched, watch};
@@ -246,13 +246,7 @@ impl Flight {
 fn corrupt(record: &Record, model: &mut ModelFile, corruption: Corruption) -> Result<Record, String> {
     let mut changed = record.clone();
     corruption.apply(&mut changed, model);
-    let header = |name: &str, quantity: Quantity| match quantity {
-        Quantity::Number => name.to_owned(),
-        other => format!("{name}_{}", other.si_suffix()),
-    };
-    let mut columns = vec![("time_s".to_owned(), changed.time)];
-    columns.extend(changed.channels.into_iter().map(|c| (header(&c.name, c.quantity), c.values)));
-    Record::from_columns(&record.source, columns).map_err(|error| error.to_string())
+    reread(changed)
 }
 
 fn consistency(estimation: &Estimation) -> Option<Consistency> {

@@ -17,7 +17,6 @@ use phugoid_estimators::{Input, LinearizedOutputs, Model};
 use super::differentiate::LocalCubics;
 use super::error::BatchError;
 use super::problem::{Manoeuvre, Structure};
-use super::response::Rows;
 use crate::preparation::noise::{measure_noise, without_outliers};
 
 /// Half of the window over which both sides of the accelerations are smoothed, s, or three samples, where these are further
@@ -85,22 +84,9 @@ impl<const N: usize> Followed<N> {
         Ok(Some(Self { outputs, values, windows }))
     }
 
-    /// Passes residuals and sensitivities of the outputs that measure no state through the same windows. There is no residual
-    /// near the ends, where there is no window.
-    pub(crate) fn smooth<const R: usize>(&self, rows: &mut Rows<R>) {
-        let (samples, width) = (rows.residuals.len(), rows.columns.len());
-        for (output, cubics) in &self.windows {
-            let residuals: Vec<f64> = rows.residuals.iter().map(|e| e[*output]).collect();
-            let smoothed = cubics.values(&residuals);
-            rows.residuals.iter_mut().zip(smoothed).for_each(|(e, value)| e[*output] = value);
-            for column in 0..width {
-                let place = |k: usize| (k * R + output) * width + column;
-                let values: Vec<f64> = (0..samples).map(|k| rows.sensitivities[place(k)]).collect();
-                for (k, value) in cubics.values(&values).into_iter().enumerate() {
-                    rows.sensitivities[place(k)] = value;
-                }
-            }
-        }
+    /// The outputs that measure no state, with the windows that both sides of them are smoothed by.
+    pub(crate) fn windows(&self) -> &[(usize, LocalCubics)] {
+        &self.windows
     }
 
     /// True if an output is followed by a state, so that it has no residual.

@@ -4,6 +4,7 @@ use crate::core::options::CAPACITY;
 use phugoid_estimators::discretization::step;
 use phugoid_estimators::{Input, LinearizedOutputs, Model};
 
+use super::differentiate::LocalCubics;
 use super::layout::Layout;
 use super::loss::Loss;
 use super::problem::Manoeuvre;
@@ -32,6 +33,24 @@ impl<const R: usize> Rows<R> {
         let width = self.columns.len();
         let from = (sample * R + output) * width;
         &self.sensitivities[from..from + width]
+    }
+
+    /// Passes residuals and sensitivities of outputs through the same windows. There is no residual near the ends, where there
+    /// is no window.
+    fn smooth(&mut self, windows: &[(usize, LocalCubics)]) {
+        let (samples, width) = (self.residuals.len(), self.columns.len());
+        for (output, cubics) in windows {
+            let residuals: Vec<f64> = self.residuals.iter().map(|e| e[*output]).collect();
+            let smoothed = cubics.values(&residuals);
+            self.residuals.iter_mut().zip(smoothed).for_each(|(e, value)| e[*output] = value);
+            for column in 0..width {
+                let place = |k: usize| (k * R + output) * width + column;
+                let values: Vec<f64> = (0..samples).map(|k| self.sensitivities[place(k)]).collect();
+                for (k, value) in cubics.values(&values).into_iter().enumerate() {
+                    self.sensitivities[place(k)] = value;
+                }
+            }
+        }
     }
 
     /// Residuals and sensitivities divided by one sigma of each output; an output without noise is left out.
@@ -146,7 +165,7 @@ where
         }
     }
     if let Some(followed) = followed {
-        followed.smooth(&mut rows);
+        rows.smooth(followed.windows());
     }
     Ok(rows)
 }

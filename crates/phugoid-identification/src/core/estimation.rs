@@ -13,7 +13,7 @@ pub use phugoid_estimators::{ChangeState, ParameterStatus, Phase};
 
 use super::method::Method;
 pub use super::soundness::{EstimationStatus, ReasonCode, VerdictReason, headline, status_of};
-pub use super::systematic::{SystematicPart, UncertainQuantity};
+pub use super::systematic::{SystematicPart, UncertainQuantity, UncertaintyUnit};
 use crate::batch::{BandUsed, Equation, OutputFit, Unknown};
 
 /// How well a parameter is known at the end of the record.

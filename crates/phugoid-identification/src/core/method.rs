@@ -108,6 +108,12 @@ impl Method {
         matches!(self, Self::Smpe | Self::Ekf)
     }
 
+    /// Whether it can follow what errors of constants (scales of sensors, mass, ...) do to its estimate; for the others they
+    /// are carried into the bounds by powers of the scales.
+    pub fn follows_constants(self) -> bool {
+        matches!(self, Self::Smpe | Self::Ekf)
+    }
+
     /// One line that says what the method is, for lists of methods.
     pub fn description(self) -> &'static str {
         match self {

@@ -4,35 +4,64 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-/// A quantity with a declared uncertainty of its scale. Written as its key under `[uncertainty]`.
+/// A quantity with a declared uncertainty. Written as its key under `[uncertainty]`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum UncertainQuantity {
     /// Scale of the true airspeed.
     AirspeedScale,
-    /// Scale of the angles of attack and sideslip: vane and upwash.
+    /// Error of the airspeed that grows with the angle of attack (position error), as a part of it per radian.
+    AirspeedPerAlpha,
+    /// Scale of the angles of attack and sideslip: the vane and the flow about the fuselage (upwash).
     FlowAngleScale,
+    /// Lag of the angles of attack and sideslip, s.
+    FlowAngleLag,
     /// Scale of the positions of the control surfaces.
     SurfaceScale,
+    /// Time by which the record of the surfaces is late, s.
+    SurfaceSkew,
+    /// Scale of each accelerometer.
+    AccelerationScale,
     /// Mass of the aircraft.
     Mass,
     /// Moments of inertia.
     Inertia,
+    /// Position of the centre of gravity along body x, mean chords.
+    CentreOfGravity,
+    /// Thrust.
+    Thrust,
 }
 
 impl UncertainQuantity {
     /// All of them, in the order of the keys of `[uncertainty]`.
-    pub const ALL: [Self; 5] =
-        [Self::AirspeedScale, Self::FlowAngleScale, Self::SurfaceScale, Self::Mass, Self::Inertia];
+    pub const ALL: [Self; 11] = [
+        Self::AirspeedScale,
+        Self::AirspeedPerAlpha,
+        Self::FlowAngleScale,
+        Self::FlowAngleLag,
+        Self::SurfaceScale,
+        Self::SurfaceSkew,
+        Self::AccelerationScale,
+        Self::Mass,
+        Self::Inertia,
+        Self::CentreOfGravity,
+        Self::Thrust,
+    ];
 
     /// The key of the section `[uncertainty]`, and the word in results.
     pub const fn key(self) -> &'static str {
         match self {
             Self::AirspeedScale => "airspeed_scale",
+            Self::AirspeedPerAlpha => "airspeed_per_alpha",
             Self::FlowAngleScale => "flow_angle_scale",
+            Self::FlowAngleLag => "flow_angle_lag",
             Self::SurfaceScale => "surface_scale",
+            Self::SurfaceSkew => "surface_skew",
+            Self::AccelerationScale => "acceleration_scale",
             Self::Mass => "mass",
             Self::Inertia => "inertia",
+            Self::CentreOfGravity => "centre_of_gravity",
+            Self::Thrust => "thrust",
         }
     }
 
@@ -40,10 +69,26 @@ impl UncertainQuantity {
     pub const fn name(self) -> &'static str {
         match self {
             Self::AirspeedScale => "airspeed",
+            Self::AirspeedPerAlpha => "airspeed with alpha",
             Self::FlowAngleScale => "flow angles",
+            Self::FlowAngleLag => "lag of flow angles",
             Self::SurfaceScale => "surface positions",
+            Self::SurfaceSkew => "timing of surfaces",
+            Self::AccelerationScale => "accelerometers",
             Self::Mass => "mass",
             Self::Inertia => "inertia",
+            Self::CentreOfGravity => "centre of gravity",
+            Self::Thrust => "thrust",
+        }
+    }
+
+    /// The unit of its uncertainty, as it is shown.
+    pub const fn unit(self) -> UncertaintyUnit {
+        match self {
+            Self::FlowAngleLag | Self::SurfaceSkew => UncertaintyUnit::Time,
+            Self::AirspeedPerAlpha => UncertaintyUnit::PerAngle,
+            Self::CentreOfGravity => UncertaintyUnit::Chord,
+            _ => UncertaintyUnit::Part,
         }
     }
 
@@ -51,10 +96,41 @@ impl UncertainQuantity {
     pub const fn remedy(self) -> &'static str {
         match self {
             Self::AirspeedScale => "a calibration of the airspeed",
+            Self::AirspeedPerAlpha => "a calibration of the airspeed over the angles of attack",
             Self::FlowAngleScale => "a calibration of the vanes in flight",
+            Self::FlowAngleLag => "a measurement of the lag of the vanes",
             Self::SurfaceScale => "a calibration of the surface positions",
+            Self::SurfaceSkew => "one clock for surfaces and motion",
+            Self::AccelerationScale => "a calibration of the accelerometers",
             Self::Mass => "weighing the aircraft with its fuel",
             Self::Inertia => "a measurement of the moments of inertia",
+            Self::CentreOfGravity => "weighing the aircraft on its wheels for the centre of gravity",
+            Self::Thrust => "a measurement of the thrust",
+        }
+    }
+}
+
+/// What an uncertainty is a number of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum UncertaintyUnit {
+    /// Part of the quantity itself.
+    Part,
+    /// Part of the quantity itself per radian of the angle of attack.
+    PerAngle,
+    /// Seconds.
+    Time,
+    /// Mean aerodynamic chords.
+    Chord,
+}
+
+impl UncertaintyUnit {
+    /// A value in words: `2.0 %`, `30 ms`, `0.15 %/deg`, `0.2 % of the chord`.
+    pub fn in_words(self, value: f64) -> String {
+        match self {
+            Self::Part => format!("{:.1} %", 100.0 * value),
+            Self::PerAngle => format!("{:.2} %/deg", 100.0 * value.to_radians()),
+            Self::Time => format!("{:.0} ms", 1000.0 * value),
+            Self::Chord => format!("{:.1} % of the chord", 100.0 * value),
         }
     }
 }
@@ -72,4 +148,17 @@ pub struct SystematicPart {
     pub quantity: UncertainQuantity,
     /// Its share of the systematic variance, 0 to 1. The shares of a parameter add up to one.
     pub share: f64,
+}
+
+/// Shares of the variances of all quantities, the largest first; those without any are left out.
+pub(crate) fn shares(variances: &[f64; UncertainQuantity::ALL.len()]) -> Vec<SystematicPart> {
+    let whole: f64 = variances.iter().sum();
+    let mut shares: Vec<SystematicPart> = UncertainQuantity::ALL
+        .into_iter()
+        .zip(variances)
+        .filter(|(_, variance)| **variance > 0.0)
+        .map(|(quantity, variance)| SystematicPart { quantity, share: variance / whole })
+        .collect();
+    shares.sort_by(|a, b| b.share.total_cmp(&a.share));
+    shares
 }

@@ -17,7 +17,7 @@ use crate::judge::readiness::readiness;
 use crate::judge::reasons::{demote, reasons};
 use crate::judge::verdict::verdict;
 use crate::methods::{ColumnRun, EveryRoom, Run, RunChange, Task};
-use crate::model_file::{ModelFile, Parameter, Uncertainty};
+use crate::model_file::{ModelFile, Parameter};
 use crate::motion::Motion;
 
 pub(crate) fn summarise<M: EveryRoom<N, R>, const N: usize, const R: usize>(
@@ -29,10 +29,8 @@ pub(crate) fn summarise<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     let Task { prepared, file, options, noise, .. } = *task;
     let columns = columns(file);
     let start_s = options.start_s.or(record.time.first().copied()).unwrap_or_default();
-    let mut parameters: Vec<ParameterResult> = columns
-        .iter()
-        .map(|(p, column)| result(p, *column, &prepared.time, start_s, &run.columns, options, &file.uncertainty))
-        .collect();
+    let mut parameters: Vec<ParameterResult> =
+        columns.iter().map(|(p, column)| result(p, *column, &prepared.time, start_s, &run.columns, options)).collect();
     let estimated: Vec<&Parameter> = file.estimated().collect();
     for (result, (_, column)) in parameters.iter_mut().zip(&columns).filter(|_| run.batch.is_none()) {
         result.readiness = column.map(|j| readiness(j, &run.columns[j].verdict, &estimated, &file.extra_inputs));
@@ -165,7 +163,6 @@ fn result(
     start_s: f64,
     columns: &[ColumnRun],
     options: &EstimateOptions,
-    uncertainty: &Uncertainty,
 ) -> ParameterResult {
     let truth = options.truth.get(&parameter.name).copied();
     let mut result = ParameterResult {
@@ -195,7 +192,7 @@ fn result(
     result.std_error = last.std_error;
     result.corrected_std_error = last.corrected_std_error;
     result.systematic_std = last.systematic_std;
-    result.systematic_parts = uncertainty.shares_of(parameter);
+    result.systematic_parts.clone_from(&last.systematic_parts);
     result.lower = result.value - 2.0 * result.corrected_std_error;
     result.upper = result.value + 2.0 * result.corrected_std_error;
     result.status = last.status.into();

@@ -50,7 +50,8 @@ pub(crate) fn verdict<M: Motion<N, R>, const N: usize, const R: usize>(
     if let Some(report) = &run.batch {
         batch(report, &mut sentences);
     }
-    sentences.extend(task.file.uncertainty.sentence().filter(|_| run.excited));
+    let followed = task.method().follows_constants() && task.file.uncertainty.follows() && !M::CONSTANTS.is_empty();
+    sentences.extend(task.file.uncertainty.sentence(followed).filter(|_| run.excited));
     sentences.extend(systematic::sentence(parameters).filter(|_| run.excited));
     sentences.extend(task.prepared.notes.iter().map(|n| format!("{}.", capitalised(n))));
     sentences

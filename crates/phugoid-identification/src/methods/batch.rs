@@ -440,6 +440,7 @@ fn column<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
         std_error,
         corrected_std_error: corrected_with,
         systematic_std: systematic,
+        systematic_parts: task.file.uncertainty.shares_of(parameter),
         observability,
         status,
         change_sensitivity: 0.0,

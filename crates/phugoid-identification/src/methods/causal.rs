@@ -28,6 +28,7 @@ pub(super) fn run_causal<M: Motion<N, R>, const N: usize, const R: usize>(
         std_error: 0.0,
         corrected_std_error: 0.0,
         systematic_std: 0.0,
+        systematic_parts: Vec::new(),
         observability: 0.0,
         status: ParameterStatus::NotExcited,
         change_sensitivity: 0.0,
@@ -89,6 +90,7 @@ pub(super) fn run_causal<M: Motion<N, R>, const N: usize, const R: usize>(
         column.std_error = last.std_error[j];
         column.corrected_std_error = last.corrected_std_error[j];
         column.systematic_std = last.systematic_std[j];
+        column.systematic_parts = stepper.systematic_parts(j);
         column.observability = last.observability[j];
         column.status = last.parameter_status[j];
         column.change_sensitivity = sensitivity[j];

@@ -5,7 +5,7 @@
 //! ones. So the sensitivity to increments of an axis is zero until its first visible motion: their estimates and bounds
 //! stay those given beforehand.
 
-use phugoid_estimators::{Input, LinearizedOutputs, LinearizedRates, Model};
+use phugoid_estimators::{ConstantEffects, Input, LinearizedOutputs, LinearizedRates, Model};
 
 use crate::core::axes::{Axes, Group};
 use crate::model_file::{Base, ModelFile};
@@ -18,12 +18,16 @@ use crate::preparation::excitation::Moved;
 pub(crate) struct GatedInput<I> {
     pub(super) input: I,
     pub(super) open: Moved,
+    /// How fast elevator, aileron and rudder have moved since the sample before, rad/s.
+    pub(super) surface_rates: [f64; 3],
 }
 
 impl<I: Input> Input for GatedInput<I> {
     #[inline]
     fn interpolate(&self, other: &Self, s: f64) -> Self {
-        Self { input: self.input.interpolate(&other.input, s), open: self.open }
+        // Since the sample before: those of the interval are those of its end.
+        let surface_rates = other.surface_rates;
+        Self { input: self.input.interpolate(&other.input, s), open: self.open, surface_rates }
     }
 }
 
@@ -33,12 +37,14 @@ pub(crate) struct Gated<M> {
     model: M,
     /// The group of axes that the parameter of each column belongs to.
     groups: Vec<Group>,
+    /// Whether errors of constants are followed: the model file declares some.
+    considers: bool,
 }
 
 impl<M> Gated<M> {
     pub(super) fn new(model: M, file: &ModelFile) -> Self {
         let groups = terms(file).0.iter().map(|(coefficient, _)| coefficient.group()).collect();
-        Self { model, groups }
+        Self { model, groups, considers: file.uncertainty.follows() }
     }
 
     /// Columns of the groups on which nothing has moved. A motion of one group alone does not reach this: it waits as a
@@ -77,7 +83,7 @@ impl<M: Motion<N, R>, const N: usize, const R: usize> Motion<N, R> for Gated<M> 
     }
 
     fn known_input(known: &Known) -> Self::KnownInput {
-        GatedInput { input: M::known_input(known), open: Moved::ALL }
+        GatedInput { input: M::known_input(known), open: Moved::ALL, surface_rates: [0.0; 3] }
     }
 }
 
@@ -112,5 +118,19 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> Mo
 
     fn measuring_output(&self, state: usize) -> Option<usize> {
         self.model.measuring_output(state)
+    }
+
+    fn constant_count(&self) -> usize {
+        if self.considers { M::CONSTANTS.len() } else { 0 }
+    }
+
+    fn constant_effects<const K: usize>(
+        &self,
+        x: &[f64; N],
+        theta: &[f64; P],
+        u: &Self::Input,
+        out: &mut ConstantEffects<N, R, K>,
+    ) {
+        self.model.effects(x, theta, &u.input, &u.surface_rates, out);
     }
 }

@@ -18,6 +18,7 @@ use super::watch::Watch;
 use crate::core::error::EstimateError;
 use crate::core::estimation::Event;
 use crate::core::method::Method;
+use crate::core::systematic::{SystematicPart, UncertainQuantity, shares};
 use crate::model_file::{Base, ModelFile};
 use crate::motion::MotionModel;
 use crate::preparation::excitation::{Excitation, Moved};
@@ -72,6 +73,9 @@ pub(crate) trait CausalRun<I, const R: usize>: Send {
     /// True while the noise levels are still to be learnt and the estimates provisional.
     fn is_provisional(&self) -> bool;
 
+    /// The declared quantities that make the systematic part of a column, the largest share first.
+    fn systematic_parts(&self, column: usize) -> Vec<SystematicPart>;
+
     /// What the change detector knows; none without one.
     fn detector(&self) -> Option<DetectorReport>;
 
@@ -123,8 +127,13 @@ pub(super) struct Stepper<M: MotionModel<N, R, P>, const N: usize, const R: usiz
     moved: Moved,
     excitation: Excitation,
     lead: Lead<M::KnownInput, R>,
-    /// Declared uncertainty by column, as a part of the parameter, and what that is of the last estimate.
+    /// How fast the surfaces move.
+    surface_rates: SurfaceRates,
+    /// Declared variance of each constant of the motion.
+    variances: Vec<f64>,
+    /// Declared uncertainty by column, as a part of the parameter, for a method that does not follow the errors.
     uncertainty: [f64; P],
+    /// One sigma of the systematic part of the last estimate, by column.
     systematic_std: [f64; P],
     watch: Watch,
     changes: Changes,
@@ -177,6 +186,8 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> St
             excitation: Excitation::of(prepared, noise),
             lead: Lead::default(),
             watch: Watch::new(settings.maximum_step_s.max(3.5 * settings.sample_time_s)),
+            surface_rates: SurfaceRates::default(),
+            variances: M::CONSTANTS.iter().map(|quantity| file.uncertainty.of_quantity(*quantity).powi(2)).collect(),
             uncertainty: uncertainty(file),
             systematic_std: [0.0; P],
             changes: Changes::default(),
@@ -188,6 +199,22 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> St
 
     fn columns(&self) -> usize {
         self.estimator.column_count().min(P)
+    }
+
+    /// What each constant contributes to the variance of a column; none where the errors are not followed, or are not
+    /// numbers.
+    fn followed(&self, column: usize) -> Option<impl Iterator<Item = f64> + Clone + '_> {
+        let errors = self.estimator.error_by_constant(column)?;
+        let parts = errors.iter().zip(&self.variances).map(|(error, variance)| error * error * variance);
+        parts.clone().sum::<f64>().is_finite().then_some(parts)
+    }
+
+    /// One sigma of the systematic part of a column.
+    fn systematic(&self, column: usize, value: f64) -> f64 {
+        match self.followed(column) {
+            Some(parts) => parts.sum::<f64>().sqrt(),
+            None => self.uncertainty[column] * value.abs(),
+        }
     }
 
     /// Looks at the replay after a sample that gave this estimate; a filter that has caught up takes the place of the
@@ -227,7 +254,8 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> Ca
                 replay.open();
             }
         }
-        let gated = gate(sample, open);
+        let surface_rates = self.surface_rates.at(sample.time_s, M::deflections(&sample.input));
+        let gated = gate(sample, open, surface_rates);
         let mut estimate = self.estimator.update(&gated);
         // In absolute form the estimator keeps the sums of terms that steady flight determines.
         let starts_anew = self.waiting && self.file.base != Base::None;
@@ -249,8 +277,10 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> Ca
                     *replay = Replay::new();
                     replays = false;
                 }
+                let mut surface_rates = SurfaceRates::default();
                 for sample in &lead {
-                    let gated = gate(sample, open);
+                    let rates = surface_rates.at(sample.time_s, M::deflections(&sample.input));
+                    let gated = gate(sample, open, rates);
                     estimate = self.estimator.update(&gated);
                     self.replayed(&gated, &mut estimate)?;
                 }
@@ -275,7 +305,7 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> Ca
             let columns = self.columns();
             self.changes.look(&estimate, sample.time_s, columns);
             for j in 0..columns {
-                self.systematic_std[j] = self.uncertainty[j] * estimate.parameters[j].abs();
+                self.systematic_std[j] = self.systematic(j, estimate.parameters[j]);
                 estimate.corrected_std_error[j] = estimate.corrected_std_error[j].hypot(self.systematic_std[j]);
             }
         }
@@ -355,6 +385,17 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> Ca
         self.replay.as_ref().is_some_and(|replay| !replay.is_done())
     }
 
+    fn systematic_parts(&self, column: usize) -> Vec<SystematicPart> {
+        let Some(parts) = self.followed(column) else {
+            return self.file.estimated().nth(column).map_or_else(Vec::new, |p| self.file.uncertainty.shares_of(p));
+        };
+        let mut variances = [0.0; UncertainQuantity::ALL.len()];
+        for (quantity, part) in M::CONSTANTS.iter().zip(parts) {
+            variances[*quantity as usize] += part;
+        }
+        shares(&variances)
+    }
+
     fn detector(&self) -> Option<DetectorReport> {
         self.estimator.detector()
     }
@@ -408,8 +449,31 @@ fn uncertainty<const P: usize>(file: &ModelFile) -> [f64; P] {
 }
 
 /// The sample, and the groups of axes whose parameters are estimated from it.
-fn gate<I: Copy, const R: usize>(sample: &Sample<I, R>, open: Moved) -> Sample<GatedInput<I>, R> {
-    Sample { time_s: sample.time_s, input: GatedInput { input: sample.input, open }, outputs: sample.outputs }
+fn gate<I: Copy, const R: usize>(
+    sample: &Sample<I, R>,
+    open: Moved,
+    surface_rates: [f64; 3],
+) -> Sample<GatedInput<I>, R> {
+    let input = GatedInput { input: sample.input, open, surface_rates };
+    Sample { time_s: sample.time_s, input, outputs: sample.outputs }
+}
+
+/// The rates of the surfaces from one sample to the next.
+#[derive(Default)]
+struct SurfaceRates {
+    /// Time of the sample before, s, and its deflections, rad.
+    before: Option<(f64, [f64; 3])>,
+}
+
+impl SurfaceRates {
+    /// The rates up to the next sample, rad/s: backward differences, zero at the first one and where time does not run.
+    fn at(&mut self, time_s: f64, deflections: [f64; 3]) -> [f64; 3] {
+        let Some((before_s, before)) = self.before.replace((time_s, deflections)) else { return [0.0; 3] };
+        if time_s <= before_s {
+            return [0.0; 3];
+        }
+        std::array::from_fn(|i| (deflections[i] - before[i]) / (time_s - before_s))
+    }
 }
 
 /// Shows the prior of the parameters of a group on which nothing has moved yet.

@@ -5,13 +5,13 @@
 //! for every room) and a name in [`Method`].
 
 use phugoid_estimators::adaptive_model::AdaptiveModel;
-use phugoid_estimators::ekf::JointEkf;
+use phugoid_estimators::ekf::ConsideringEkf;
 use phugoid_estimators::fourier::FourierRegression;
 use phugoid_estimators::implicit_sign::ImplicitSign;
 use phugoid_estimators::regression::Regression;
 use phugoid_estimators::rls::RecursiveLeastSquares;
 use phugoid_estimators::settings::{EstimatorSettings, RegressionSettings, SettingsError};
-use phugoid_estimators::smpe::Smpe;
+use phugoid_estimators::smpe::ConsideringSmpe;
 use phugoid_estimators::super_twisting::SuperTwisting;
 use phugoid_estimators::{Input, Inspect};
 
@@ -22,6 +22,9 @@ use crate::preparation::front_end::KinematicFrontEnd;
 
 /// Half ranges per second that the implicit sign moves a parameter at most.
 const REACHING_RATE: f64 = 2.0;
+
+/// Room for the constants whose errors a method follows: those of the motion that has most.
+const CONSTANTS: usize = 12;
 
 /// An estimator on the heap, whatever its method: with room for 48 columns it is too large for the stack of a thread.
 pub(super) type Boxed<I, const R: usize, const P: usize> = Box<dyn Inspect<R, P, Input = I> + Send>;
@@ -73,8 +76,8 @@ pub(super) fn set_up<M: MotionModel<N, R, P>, const N: usize, const R: usize, co
     gravity: f64,
 ) -> Result<Boxed<M::KnownInput, R, P>, EstimateError> {
     let estimator = match method {
-        Method::Smpe => place(|| Smpe::new(model, *settings)),
-        Method::Ekf => place(|| JointEkf::new(model, *settings)),
+        Method::Smpe => place(|| ConsideringSmpe::<M, N, R, P, CONSTANTS>::new(model, *settings)),
+        Method::Ekf => place(|| ConsideringEkf::<M, N, R, P, CONSTANTS>::new(model, *settings)),
         Method::Rls => {
             let regression = RegressionSettings { reopens: true, ..settings.regression };
             let settings = EstimatorSettings { regression, ..*settings };

@@ -9,6 +9,7 @@ use crate::core::estimation::{BatchReport, ChangeOutcome, Event};
 use crate::core::health::HealthOptions;
 use crate::core::method::Method;
 use crate::core::options::EstimateOptions;
+use crate::core::systematic::SystematicPart;
 use crate::model_file::ModelFile;
 use crate::motion::Motion;
 use crate::preparation::noise::NoiseLevel;
@@ -78,6 +79,8 @@ pub(crate) struct ColumnRun {
     pub(crate) corrected_std_error: f64,
     /// The part of it that the model file declares.
     pub(crate) systematic_std: f64,
+    /// What makes that part, the largest share first.
+    pub(crate) systematic_parts: Vec<SystematicPart>,
     pub(crate) observability: f64,
     pub(crate) status: ParameterStatus,
     pub(crate) change_sensitivity: f64,

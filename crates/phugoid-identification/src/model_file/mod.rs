@@ -20,4 +20,4 @@ pub use named::ModelError;
 pub use parameter::{Expectation, Parameter, Role};
 pub(crate) use parse::LIGHT_TURBULENCE;
 pub use settings::{EstimatorTuning, InputHold, ProcessNoise};
-pub use uncertainty::Uncertainty;
+pub use uncertainty::{Propagation, Uncertainty};

@@ -1,76 +1,145 @@
-//! What is not known exactly about the constants of the aircraft and the scales of its sensors, and leaves no trace in
-//! residuals: standard uncertainties of type B (JCGM 100:2008, GUM, 4.3).
+//! What is not known exactly about the constants of the aircraft and of its sensors, and leaves no trace in residuals:
+//! standard uncertainties of type B (JCGM 100:2008, GUM, 4.3).
 //!
 //! A scale that is wrong by one part in a hundred is taken up by the derivatives, and the residuals stay as small as
 //! before. So its uncertainty has to be declared, and goes into the bounds: to first order each derivative is
-//! proportional to a product of powers of these scales.
+//! proportional to a product of powers of the scales. SMPE and the joint filter can follow what each error really does to
+//! their estimate instead, and know of lags, of the centre of gravity and of others that have no powers as well
+//! (docs/uncertainty.md).
 
 use super::error::ModelFileError;
 use super::section::Section;
 use super::{Base, Parameter, Role, Source};
-use crate::core::systematic::{SystematicPart, UncertainQuantity};
+use crate::core::systematic::{SystematicPart, UncertainQuantity, UncertaintyUnit, shares};
 use crate::core::term::{Coefficient, Term, Variable};
 use phugoid_flight_data::quantity::Dimension;
 
-/// Relative standard uncertainties, one sigma as a part of the quantity itself.
+/// Number of quantities.
+const COUNT: usize = UncertainQuantity::ALL.len();
+
+/// Standard uncertainties, one sigma; of scales as a part of the quantity itself.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Uncertainty {
     /// Scale of the true airspeed.
     pub airspeed_scale: f64,
+    /// Error of the airspeed that grows with the angle of attack, as a part of it per radian.
+    pub airspeed_per_alpha: f64,
     /// Scale of the angles of attack and sideslip: the vane and the flow about the fuselage (upwash).
     pub flow_angle_scale: f64,
+    /// Lag of the angles of attack and sideslip, s.
+    pub flow_angle_lag: f64,
     /// Scale of the positions of the control surfaces.
     pub surface_scale: f64,
+    /// Time by which the record of the surfaces is late, s.
+    pub surface_skew: f64,
+    /// Scale of each accelerometer.
+    pub acceleration_scale: f64,
     /// Mass of the aircraft.
     pub mass: f64,
     /// Moments of inertia.
     pub inertia: f64,
+    /// Position of the centre of gravity, mean aerodynamic chords.
+    pub centre_of_gravity: f64,
+    /// Thrust.
+    pub thrust: f64,
     /// True if the model file says nothing of them and these are the usual ones.
     pub by_default: bool,
+    /// How the errors are carried into those of the parameters.
+    pub propagation: Propagation,
+}
+
+/// How declared errors are carried into those of the parameters.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Propagation {
+    /// Each derivative is proportional to a product of powers of the scales, and knows nothing of the other quantities.
+    #[default]
+    Powers,
+    /// SMPE and the joint filter follow what each error has done to their estimate; other methods as
+    /// [`Propagation::Powers`].
+    Recursion,
 }
 
 /// Lighter aircraft carry nobody, kg: very light aeroplanes with a pilot weigh twice as much.
 const UNMANNED_BELOW: f64 = 100.0;
 
+/// 0.15 % of the airspeed per degree of the angle of attack, per radian.
+const PER_ALPHA: f64 = 0.0015 * 180.0 / std::f64::consts::PI;
+
 impl Uncertainty {
     /// Nothing is uncertain: for flights of a simulator.
     pub const NONE: Self = Self {
         airspeed_scale: 0.0,
+        airspeed_per_alpha: 0.0,
         flow_angle_scale: 0.0,
+        flow_angle_lag: 0.0,
         surface_scale: 0.0,
+        surface_skew: 0.0,
+        acceleration_scale: 0.0,
         mass: 0.0,
         inertia: 0.0,
+        centre_of_gravity: 0.0,
+        thrust: 0.0,
         by_default: false,
+        propagation: Propagation::Powers,
     };
 
     /// Of an aircraft that was prepared for a flight test: airspeed 1.5 % (14 CFR 25.1323 allows an installation error
-    /// of 3 %), flow angles 2 % (position and upwash of a boom), mass 2 % (fuel), and by judgement surface positions 2 %
-    /// and moments of inertia 3 %.
+    /// of 3 %), flow angles 2 % (position and upwash of a boom), mass 2 % (fuel), and by judgement all else: 0.15 % of the
+    /// airspeed per degree of the angle of attack, a lag of the vane of 10 ms, surface positions 2 % and 5 ms,
+    /// accelerometers 0.5 %, moments of inertia 3 %, centre of gravity 0.5 % of the chord, thrust 3 %.
     pub const FLIGHT_TEST: Self = Self {
         airspeed_scale: 0.015,
+        airspeed_per_alpha: PER_ALPHA,
         flow_angle_scale: 0.02,
+        flow_angle_lag: 0.01,
         surface_scale: 0.02,
+        surface_skew: 0.005,
+        acceleration_scale: 0.005,
         mass: 0.02,
         inertia: 0.03,
-        by_default: false,
+        centre_of_gravity: 0.005,
+        thrust: 0.03,
+        ..Self::NONE
     };
 
     /// Of an aircraft with people in it about which nothing is said, by judgement: nobody says that the vane was
-    /// calibrated in flight (3 %), the surfaces under load (3 %), the aircraft weighed with its fuel (3 %) or swung (6 %).
-    pub const UNSTATED: Self =
-        Self { flow_angle_scale: 0.03, surface_scale: 0.03, mass: 0.03, inertia: 0.06, ..Self::FLIGHT_TEST };
+    /// calibrated in flight (3 %, 20 ms), the surfaces under load (3 %, 10 ms), the aircraft weighed with its fuel (3 %,
+    /// 1 % of the chord) or swung (6 %), the accelerometers (1 %) and the thrust (5 %) measured.
+    pub const UNSTATED: Self = Self {
+        flow_angle_scale: 0.03,
+        flow_angle_lag: 0.02,
+        surface_scale: 0.03,
+        surface_skew: 0.01,
+        acceleration_scale: 0.01,
+        mass: 0.03,
+        inertia: 0.06,
+        centre_of_gravity: 0.01,
+        thrust: 0.05,
+        ..Self::FLIGHT_TEST
+    };
 
     /// Of an unmanned aircraft with a vane: moments of inertia 10 % (entrained air changes swing tests of small aircraft by
     /// up to 25 %: J. Lehmkuehler, K. C. Wong, D. Verstraete, *Aeronautical Journal* 120, 2016), and by judgement airspeed
-    /// 3 %, flow angles 5 %, surface positions 3 % and mass 1 % (it is weighed).
+    /// 3 % and 0.3 % per degree, flow angles 5 % and 30 ms, surface positions 3 % and 15 ms, accelerometers 1 %, mass 1 %
+    /// (it is weighed), centre of gravity 1 % of the chord, thrust 10 %.
     pub const UNMANNED: Self = Self {
         airspeed_scale: 0.03,
+        airspeed_per_alpha: 2.0 * PER_ALPHA,
         flow_angle_scale: 0.05,
+        flow_angle_lag: 0.03,
         surface_scale: 0.03,
+        surface_skew: 0.015,
+        acceleration_scale: 0.01,
         mass: 0.01,
         inertia: 0.1,
-        by_default: false,
+        centre_of_gravity: 0.01,
+        thrust: 0.1,
+        ..Self::NONE
     };
+
+    /// Of an unmanned aircraft whose flow angles come from its attitude and path and not from a vane: by judgement a scale
+    /// of 10 % (what still air and the mean wind leave of them) and no lag of a vane; else as [`Uncertainty::UNMANNED`].
+    pub const UNMANNED_WITHOUT_VANE: Self = Self { flow_angle_scale: 0.1, flow_angle_lag: 0.0, ..Self::UNMANNED };
 
     /// Those of an aircraft about which the model file says nothing: by its mass, the light ones are unmanned.
     fn usual(mass: &Source) -> Self {
@@ -84,50 +153,75 @@ impl Uncertainty {
         let Some(section) = top.section("uncertainty")? else {
             return Ok(if base == Base::None { Self::usual(mass) } else { Self::NONE });
         };
-        section.allow("key", std::iter::once("class").chain(UncertainQuantity::ALL.map(UncertainQuantity::key)))?;
-        let class = match section.word("class", &["flight-test", "unmanned"])? {
+        let keys = ["class", "propagation"].into_iter().chain(UncertainQuantity::ALL.map(UncertainQuantity::key));
+        section.allow("key", keys)?;
+        let classes = ["flight-test", "unstated", "unmanned", "unmanned-without-vane", "none"];
+        let mut own = match section.word("class", &classes)? {
+            Some("flight-test") => Self::FLIGHT_TEST,
+            Some("unstated") => Self::UNSTATED,
             Some("unmanned") => Self::UNMANNED,
-            Some(_) => Self::FLIGHT_TEST,
-            None => Self::NONE,
+            Some("unmanned-without-vane") => Self::UNMANNED_WITHOUT_VANE,
+            _ => Self::NONE,
         };
-        let part = |quantity: UncertainQuantity| -> Result<f64, ModelFileError> {
-            let (key, of_class) = (quantity.key(), class.scale_of(quantity));
-            let value = section.number(key, Dimension::NUMBER)?.unwrap_or(of_class);
-            if (0.0..=0.5).contains(&value) {
-                Ok(value)
-            } else {
-                Err(section.error(key, format!("`{key}` is {value}: expected one sigma as a part of one, 0 to 0.5")))
+        if section.word("propagation", &["powers", "recursion"])? == Some("recursion") {
+            own.propagation = Propagation::Recursion;
+        }
+        for quantity in UncertainQuantity::ALL {
+            let key = quantity.key();
+            let (dimension, most, expected) = match quantity.unit() {
+                UncertaintyUnit::Part => (Dimension::NUMBER, 0.5, "a part of one, 0 to 0.5"),
+                UncertaintyUnit::PerAngle => (Dimension::NUMBER, 5.0, "a part of one per radian, 0 to 5"),
+                UncertaintyUnit::Time => (Dimension::TIME, 1.0, "a time, 0 to 1 s"),
+                UncertaintyUnit::Chord => (Dimension::NUMBER, 0.5, "a part of the mean chord, 0 to 0.5"),
+            };
+            let Some(value) = section.number(key, dimension)? else { continue };
+            if !(0.0..=most).contains(&value) {
+                return Err(section.error(key, format!("`{key}` is {value}: expected one sigma as {expected}")));
             }
-        };
-        Ok(Self {
-            airspeed_scale: part(UncertainQuantity::AirspeedScale)?,
-            flow_angle_scale: part(UncertainQuantity::FlowAngleScale)?,
-            surface_scale: part(UncertainQuantity::SurfaceScale)?,
-            mass: part(UncertainQuantity::Mass)?,
-            inertia: part(UncertainQuantity::Inertia)?,
-            by_default: false,
-        })
+            *own.place(quantity) = value;
+        }
+        Ok(own)
     }
 
-    /// One sigma of the scale of a quantity, as a part of one.
-    pub fn scale_of(&self, quantity: UncertainQuantity) -> f64 {
+    fn place(&mut self, quantity: UncertainQuantity) -> &mut f64 {
         match quantity {
-            UncertainQuantity::AirspeedScale => self.airspeed_scale,
-            UncertainQuantity::FlowAngleScale => self.flow_angle_scale,
-            UncertainQuantity::SurfaceScale => self.surface_scale,
-            UncertainQuantity::Mass => self.mass,
-            UncertainQuantity::Inertia => self.inertia,
+            UncertainQuantity::AirspeedScale => &mut self.airspeed_scale,
+            UncertainQuantity::AirspeedPerAlpha => &mut self.airspeed_per_alpha,
+            UncertainQuantity::FlowAngleScale => &mut self.flow_angle_scale,
+            UncertainQuantity::FlowAngleLag => &mut self.flow_angle_lag,
+            UncertainQuantity::SurfaceScale => &mut self.surface_scale,
+            UncertainQuantity::SurfaceSkew => &mut self.surface_skew,
+            UncertainQuantity::AccelerationScale => &mut self.acceleration_scale,
+            UncertainQuantity::Mass => &mut self.mass,
+            UncertainQuantity::Inertia => &mut self.inertia,
+            UncertainQuantity::CentreOfGravity => &mut self.centre_of_gravity,
+            UncertainQuantity::Thrust => &mut self.thrust,
         }
+    }
+
+    /// One sigma of a quantity, in the unit that [`UncertainQuantity::unit`] gives.
+    pub fn of_quantity(&self, quantity: UncertainQuantity) -> f64 {
+        let mut own = *self;
+        *own.place(quantity)
+    }
+
+    /// Whether SMPE and the joint filter follow the errors: that is asked for, and some are declared.
+    pub fn follows(&self) -> bool {
+        self.propagation == Propagation::Recursion
+            && UncertainQuantity::ALL.into_iter().any(|quantity| self.of_quantity(quantity) > 0.0)
     }
 
     /// Where the value of a quantity comes from: the model file, or the default with its source.
     pub fn origin_of(&self, quantity: UncertainQuantity) -> &'static str {
         let unmanned = self.by_default && self.inertia == Self::UNMANNED.inertia;
         match (self.by_default, unmanned, quantity) {
-            (false, ..) if self.scale_of(quantity) == 0.0 => {
+            (false, ..) if self.of_quantity(quantity) == 0.0 => {
                 "none declared in the model file, or increments on a database"
             }
-            (false, ..) => "the model file",
+            _ if self.propagation == Propagation::Powers && !Self::has_power(quantity) => {
+                "not in use: it has no power, and `propagation = \"recursion\"` is not asked for"
+            }
+            (false, ..) => "the model file, or its class",
             (_, false, UncertainQuantity::AirspeedScale) => {
                 "default; 14 CFR 25.1323 allows an installation error of 3 %"
             }
@@ -136,44 +230,41 @@ impl Uncertainty {
             }
             (_, true, UncertainQuantity::Mass) => "default for less than 100 kg, judgement: it is weighed",
             (_, true, _) => "default for less than 100 kg, judgement",
+            (_, false, UncertainQuantity::AirspeedPerAlpha) => "default, judgement: not calibrated over alpha",
             (_, false, UncertainQuantity::FlowAngleScale) => "default, judgement: vane not calibrated in flight",
+            (_, false, UncertainQuantity::FlowAngleLag) => "default, judgement: lag of the vane not measured",
             (_, false, UncertainQuantity::SurfaceScale) => "default, judgement: not calibrated under load",
+            (_, false, UncertainQuantity::SurfaceSkew) => "default, judgement: no common clock stated",
+            (_, false, UncertainQuantity::AccelerationScale) => "default, judgement: no calibration stated",
             (_, false, UncertainQuantity::Mass) => "default, judgement: not weighed with its fuel",
             (_, false, UncertainQuantity::Inertia) => "default, judgement: not measured",
+            (_, false, UncertainQuantity::CentreOfGravity) => "default, judgement: not weighed with its fuel",
+            (_, false, UncertainQuantity::Thrust) => "default, judgement: not measured",
         }
     }
 
-    /// One sigma of a parameter as a part of its value: zero for offsets and biases, and for constants, which the
-    /// flight determines whatever the scales.
+    /// One sigma of a parameter as a part of its value by the powers of the scales: zero for offsets and biases, and for
+    /// constants, which the flight determines whatever the scales.
     pub fn of(&self, parameter: &Parameter) -> f64 {
         self.parts_of(parameter).iter().map(|part| part * part).sum::<f64>().sqrt()
     }
 
-    /// The quantities that make the systematic error of a parameter, the largest share first. Empty where
-    /// [`of`](Self::of) is zero.
+    /// The quantities that make the systematic error of a parameter by the powers of the scales, the largest share first.
+    /// Empty where [`of`](Self::of) is zero.
     pub fn shares_of(&self, parameter: &Parameter) -> Vec<SystematicPart> {
-        let parts = self.parts_of(parameter);
-        let whole: f64 = parts.iter().map(|part| part * part).sum();
-        let mut shares: Vec<SystematicPart> = UncertainQuantity::ALL
-            .into_iter()
-            .zip(parts)
-            .filter(|(_, part)| *part != 0.0)
-            .map(|(quantity, part)| SystematicPart { quantity, share: part * part / whole })
-            .collect();
-        shares.sort_by(|a, b| b.share.total_cmp(&a.share));
-        shares
+        shares(&self.parts_of(parameter).map(|part| part * part))
     }
 
-    /// What each quantity contributes to one sigma of a parameter, as a part of its value, in the order of
-    /// [`UncertainQuantity::ALL`].
-    fn parts_of(&self, parameter: &Parameter) -> [f64; 5] {
+    /// What each quantity contributes to one sigma of a parameter by the powers of the scales, as a part of its value, in
+    /// the order of [`UncertainQuantity::ALL`].
+    fn parts_of(&self, parameter: &Parameter) -> [f64; COUNT] {
         match &parameter.role {
             Role::Term(coefficient, term) if !term.is_constant() => self.parts_of_term(*coefficient, term),
-            _ => [0.0; 5],
+            _ => [0.0; COUNT],
         }
     }
 
-    fn parts_of_term(&self, coefficient: Coefficient, term: &Term) -> [f64; 5] {
+    fn parts_of_term(&self, coefficient: Coefficient, term: &Term) -> [f64; COUNT] {
         // By dynamic pressure.
         let mut airspeed = 2.0;
         let (mut flow_angle, mut surface) = (0.0, 0.0);
@@ -193,25 +284,48 @@ impl Uncertainty {
             }
         }
         let (mass, inertia) = match coefficient {
-            Coefficient::Lift | Coefficient::Drag | Coefficient::SideForce => (self.mass, 0.0),
-            Coefficient::PitchingMoment | Coefficient::RollingMoment | Coefficient::YawingMoment => (0.0, self.inertia),
+            Coefficient::Lift | Coefficient::Drag | Coefficient::SideForce => (1.0, 0.0),
+            Coefficient::PitchingMoment | Coefficient::RollingMoment | Coefficient::YawingMoment => (0.0, 1.0),
         };
-        [
-            airspeed * self.airspeed_scale,
-            flow_angle * self.flow_angle_scale,
-            surface * self.surface_scale,
-            mass,
-            inertia,
-        ]
+        UncertainQuantity::ALL.map(|quantity| {
+            let power = match quantity {
+                UncertainQuantity::AirspeedScale => airspeed,
+                UncertainQuantity::FlowAngleScale => flow_angle,
+                UncertainQuantity::SurfaceScale => surface,
+                UncertainQuantity::Mass => mass,
+                UncertainQuantity::Inertia => inertia,
+                UncertainQuantity::AirspeedPerAlpha
+                | UncertainQuantity::FlowAngleLag
+                | UncertainQuantity::SurfaceSkew
+                | UncertainQuantity::AccelerationScale
+                | UncertainQuantity::CentreOfGravity
+                | UncertainQuantity::Thrust => 0.0,
+            };
+            power * self.of_quantity(quantity)
+        })
     }
 
-    /// A sentence for the user; `None` where nothing is uncertain.
-    pub(crate) fn sentence(&self) -> Option<String> {
+    /// Whether the powers of the scales know of a quantity.
+    fn has_power(quantity: UncertainQuantity) -> bool {
+        matches!(
+            quantity,
+            UncertainQuantity::AirspeedScale
+                | UncertainQuantity::FlowAngleScale
+                | UncertainQuantity::SurfaceScale
+                | UncertainQuantity::Mass
+                | UncertainQuantity::Inertia
+        )
+    }
+
+    /// A sentence for the user; `None` where nothing is uncertain. `followed`: the method has followed the errors, and
+    /// every quantity is in its bounds; else those that have powers.
+    pub(crate) fn sentence(&self, followed: bool) -> Option<String> {
         let list: Vec<String> = UncertainQuantity::ALL
             .into_iter()
-            .map(|quantity| (quantity.name(), self.scale_of(quantity)))
+            .filter(|quantity| followed || Self::has_power(*quantity))
+            .map(|quantity| (quantity, self.of_quantity(quantity)))
             .filter(|(_, value)| *value > 0.0)
-            .map(|(name, value)| format!("{name} {:.1} %", 100.0 * value))
+            .map(|(quantity, value)| format!("{} {}", quantity.name(), quantity.unit().in_words(value)))
             .collect();
         (!list.is_empty()).then(|| {
             format!(
@@ -229,7 +343,7 @@ impl Uncertainty {
 
 #[cfg(test)]
 mod tests {
-    use super::Uncertainty;
+    use super::{Propagation, Uncertainty};
     use crate::model_file::ModelFile;
 
     /// The text of a model in absolute form without its section.
@@ -272,6 +386,19 @@ mod tests {
         assert_eq!(own, Uncertainty { mass: 0.002, ..Uncertainty::UNMANNED });
         assert_eq!(with("[uncertainty]\nmass = 0.002").unwrap(), Uncertainty { mass: 0.002, ..Uncertainty::NONE });
         assert!(with("[uncertainty]\nclass = \"glider\"").is_err() && with("[uncertainty]\nmass = 2").is_err());
+        let own = with("[uncertainty]\nflow_angle_lag = \"25 ms\"\ncentre_of_gravity = \"1 %\"").unwrap();
+        assert_eq!(own, Uncertainty { flow_angle_lag: 0.025, centre_of_gravity: 0.01, ..Uncertainty::NONE });
+        assert!(!own.follows());
+        let none = with("[uncertainty]\nclass = \"none\"\npropagation = \"recursion\"").unwrap();
+        assert_eq!(none, Uncertainty { propagation: Propagation::Recursion, ..Uncertainty::NONE });
+        assert!(!none.follows());
+        let text = "[uncertainty]\nclass = \"unmanned-without-vane\"\npropagation = \"recursion\"";
+        let followed = with(text).unwrap();
+        let expected = Uncertainty { propagation: Propagation::Recursion, ..Uncertainty::UNMANNED_WITHOUT_VANE };
+        assert_eq!(followed, expected);
+        assert!(followed.follows());
+        let message = with("[uncertainty]\nsurface_skew = 3").unwrap_err().to_string();
+        assert!(message.contains("surface_skew") && message.contains("a time, 0 to 1 s"), "{message}");
         let light = unstated().replace("mass = ", "mass = \"12 kg\" #");
         let light = ModelFile::parse("mine.toml", &light).unwrap().uncertainty;
         assert_eq!(light, Uncertainty { by_default: true, ..Uncertainty::UNMANNED });

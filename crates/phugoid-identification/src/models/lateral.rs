@@ -1,5 +1,7 @@
 //! The lateral-directional motion of an aircraft as a model for the estimators.
 
+pub(crate) mod constants;
+
 use phugoid_estimators::{Input, LinearizedOutputs, LinearizedRates, Model};
 use phugoid_flight_dynamics::rigid_body::{Angles, attitude_equations, force_equations};
 use phugoid_flight_dynamics::scalar::{Dual, Scalar};
@@ -74,6 +76,13 @@ pub struct LateralModel {
     aerodynamics: Aerodynamics,
 }
 
+/// Measured quantities on which the forces depend.
+#[derive(Clone, Copy)]
+struct Measured<T> {
+    speed: T,
+    alpha: T,
+}
+
 /// The rates of the states, and what the outputs need, at one point.
 struct Motion<T> {
     rates: [T; LATERAL_STATES],
@@ -105,16 +114,30 @@ impl LateralModel {
 
     #[inline(always)]
     fn motion<T: Scalar>(&self, x: &[T; LATERAL_STATES], theta: &[f64], u: &LateralInput) -> Motion<T> {
+        let measured = Measured { speed: T::from(u.speed), alpha: T::from(u.alpha) };
+        self.motion_with(x, theta, u, &measured, &u.surfaces.deflections())
+    }
+
+    /// The motion with quantities of the input in the type of the equations.
+    #[inline(always)]
+    fn motion_with<T: Scalar>(
+        &self,
+        x: &[T; LATERAL_STATES],
+        theta: &[f64],
+        u: &LateralInput,
+        measured: &Measured<T>,
+        deflections: &[T; 3],
+    ) -> Motion<T> {
         let c = &self.aerodynamics.constants;
         let [beta, phi, p, r] = *x;
-        let speed = T::from(u.speed);
+        let Measured { speed, alpha } = *measured;
         let rates = [p, T::from(u.q), r];
-        let air = Air { speed, alpha: T::from(u.alpha), beta, rates };
+        let air = Air { speed, alpha, beta, rates };
         let angles = Angles::of(air.alpha, beta, phi, T::from(u.theta));
-        let variables = self.aerodynamics.variables(&air, &u.surfaces);
+        let variables = self.aerodynamics.variables(&air, deflections, &u.surfaces.extra);
         let coefficients =
-            self.aerodynamics.coefficients(theta, &air, &variables, &u.surfaces, angles.sin_alpha, angles.cos_alpha);
-        let force = 0.5 * u.air_density * u.speed * u.speed * c.wing_area;
+            self.aerodynamics.coefficients(theta, &air, &variables, deflections, angles.sin_alpha, angles.cos_alpha);
+        let force = speed * (0.5 * u.air_density) * speed * c.wing_area;
         let side_force = coefficients.cy * (force / u.mass.mass);
         let specific_force = [T::from(u.ax), side_force, T::from(u.az)];
         let [_, _, beta_rate] =

@@ -1,6 +1,7 @@
 //! The longitudinal motion of an aircraft as a model for the estimators.
 
 mod alpha_rate;
+pub(crate) mod constants;
 mod terms;
 
 use alpha_rate::AlphaRateTerms;
@@ -230,20 +231,20 @@ impl LongitudinalModel {
         factors
     }
 
-    /// `CL, CD, Cm` with the known and the estimated terms.
+    /// `CL, CD, Cm` with the known and the estimated terms. `elevator` is for the database.
     #[inline(always)]
     fn coefficients<T: Scalar, const P: usize>(
         &self,
         x: &[T; STATES],
         theta: &[f64; P],
-        u: &LongitudinalInput,
+        elevator: T,
         factors: &[T; FACTORS],
     ) -> [T; 3] {
         let mut total = match self.database {
             Database::None => [T::from(0.0); 3],
             ref database => {
                 let q_hat = x[3] * (0.5 * self.constants.mean_chord) / x[0];
-                database.coefficients(x[1], q_hat, T::from(u.elevator))
+                database.coefficients(x[1], q_hat, elevator)
             }
         };
         for (coefficient, term, value) in &self.known {
@@ -370,7 +371,7 @@ impl<const P: usize> Model<STATES, OUTPUTS, P> for LongitudinalModel {
             return self.implicit_rates(terms, x, theta, u);
         }
         let factors = self.factors(x, u);
-        let coefficients = self.coefficients(x, theta, u, &factors);
+        let coefficients = self.coefficients(x, theta, u.elevator, &factors);
         to_array(&self.motion(x, u, coefficients).rates)
     }
 

@@ -66,6 +66,12 @@ pub struct Surfaces {
 }
 
 impl Surfaces {
+    /// Elevator, aileron and rudder, rad.
+    #[inline(always)]
+    pub(crate) fn deflections<T: Scalar>(&self) -> [T; 3] {
+        [self.elevator, self.aileron, self.rudder].map(T::from)
+    }
+
     /// A fraction `s` of the way to `other`.
     #[inline]
     pub(crate) fn interpolate(&self, other: &Self, s: f64) -> Self {
@@ -145,7 +151,12 @@ impl Aerodynamics {
     /// The flight variables of the terms, in the order of [`Variable`], then the extra inputs. These models have no
     /// rate of the angle of attack: its variable is zero.
     #[inline(always)]
-    pub(crate) fn variables<T: Scalar>(&self, air: &Air<T>, surfaces: &Surfaces) -> [T; FACTORS] {
+    pub(crate) fn variables<T: Scalar>(
+        &self,
+        air: &Air<T>,
+        deflections: &[T; 3],
+        extra: &[f64; EXTRA_INPUTS],
+    ) -> [T; FACTORS] {
         let c = &self.constants;
         let [span_time, chord_time] = match c.rate_speed {
             Some(speed) => c.rate_times(T::from(speed)),
@@ -158,10 +169,11 @@ impl Aerodynamics {
         v[Variable::PitchRate.index()] = air.rates[1] * chord_time;
         v[Variable::YawRate.index()] = air.rates[2] * span_time;
         v[Variable::Airspeed.index()] = air.speed / c.reference_speed;
-        v[Variable::Elevator.index()] = T::from(surfaces.elevator - c.elevator_reference);
-        v[Variable::Aileron.index()] = T::from(surfaces.aileron - c.aileron_reference);
-        v[Variable::Rudder.index()] = T::from(surfaces.rudder - c.rudder_reference);
-        for (slot, extra) in v[Variable::ALL.len()..].iter_mut().zip(&surfaces.extra) {
+        let [elevator, aileron, rudder] = *deflections;
+        v[Variable::Elevator.index()] = elevator - c.elevator_reference;
+        v[Variable::Aileron.index()] = aileron - c.aileron_reference;
+        v[Variable::Rudder.index()] = rudder - c.rudder_reference;
+        for (slot, extra) in v[Variable::ALL.len()..].iter_mut().zip(extra) {
             *slot = T::from(*extra);
         }
         v
@@ -188,7 +200,7 @@ impl Aerodynamics {
         theta: &[f64],
         air: &Air<T>,
         variables: &[T; FACTORS],
-        surfaces: &Surfaces,
+        deflections: &[T; 3],
         sin_alpha: T,
         cos_alpha: T,
     ) -> Coefficients<T> {
@@ -198,12 +210,8 @@ impl Aerodynamics {
             Database::F16(aircraft) => {
                 let [span_time, chord_time] = self.constants.rate_times(air.speed);
                 let hats = [air.rates[0] * span_time, air.rates[1] * chord_time, air.rates[2] * span_time];
-                let controls = Controls {
-                    throttle: zero,
-                    elevator: T::from(surfaces.elevator),
-                    aileron: T::from(surfaces.aileron),
-                    rudder: T::from(surfaces.rudder),
-                };
+                let [elevator, aileron, rudder] = *deflections;
+                let controls = Controls { throttle: zero, elevator, aileron, rudder };
                 aircraft.coefficients_at(air.alpha, air.beta, hats, &controls)
             }
         };

@@ -94,9 +94,10 @@ impl SixModel {
         let rates = [p, q, r];
         let air = Air { speed, alpha, beta, rates };
         let angles = Angles::of(alpha, beta, phi, pitch);
-        let variables = self.aerodynamics.variables(&air, &u.surfaces);
+        let deflections = u.surfaces.deflections();
+        let variables = self.aerodynamics.variables(&air, &deflections, &u.surfaces.extra);
         let coefficients =
-            self.aerodynamics.coefficients(theta, &air, &variables, &u.surfaces, angles.sin_alpha, angles.cos_alpha);
+            self.aerodynamics.coefficients(theta, &air, &variables, &deflections, angles.sin_alpha, angles.cos_alpha);
         let force = speed * speed * (0.5 * u.air_density * c.wing_area);
         let acceleration = force / u.mass.mass;
         let [thrust_x, thrust_z] = self.thrust_direction.map(|d| d * u.thrust / u.mass.mass);

@@ -1,8 +1,12 @@
 //! The lateral-directional motion, as the estimation takes it.
 
+use phugoid_estimators::ConstantEffects;
+
 use super::{Known, Motion, ReferencePoint, terms};
 use crate::core::axes::Axes;
+use crate::core::systematic::UncertainQuantity;
 use crate::model_file::ModelFile;
+use crate::models::lateral::constants::CONSTANTS;
 use crate::models::lateral::{LATERAL_OUTPUTS, LATERAL_STATES, LateralInput, LateralModel};
 use crate::models::longitudinal::Database;
 use crate::models::rigid::AircraftConstants;
@@ -29,5 +33,22 @@ impl Motion<LATERAL_STATES, LATERAL_OUTPUTS> for LateralModel {
             ax: known.ax,
             az: known.az,
         }
+    }
+
+    const CONSTANTS: &'static [UncertainQuantity] = &CONSTANTS;
+
+    fn deflections(input: &LateralInput) -> [f64; 3] {
+        input.surfaces.deflections()
+    }
+
+    fn effects<const P: usize, const K: usize>(
+        &self,
+        x: &[f64; LATERAL_STATES],
+        theta: &[f64; P],
+        u: &LateralInput,
+        surface_rates: &[f64; 3],
+        out: &mut ConstantEffects<LATERAL_STATES, LATERAL_OUTPUTS, K>,
+    ) {
+        self.effects_of_constants(x, theta, u, surface_rates, out);
     }
 }

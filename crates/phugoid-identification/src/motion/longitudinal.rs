@@ -1,8 +1,12 @@
 //! The longitudinal motion, as the estimation takes it.
 
+use phugoid_estimators::ConstantEffects;
+
 use super::{Known, Motion, ReferencePoint, terms};
 use crate::core::axes::Axes;
+use crate::core::systematic::UncertainQuantity;
 use crate::model_file::{ModelFile, RateSpeed};
+use crate::models::longitudinal::constants::CONSTANTS;
 use crate::models::longitudinal::{
     Database, LongitudinalConstants, LongitudinalInput, LongitudinalModel, OUTPUTS, STATES,
 };
@@ -40,5 +44,22 @@ impl Motion<STATES, OUTPUTS> for LongitudinalModel {
             extra: known.extra,
             controls_held: known.controls_held,
         }
+    }
+
+    const CONSTANTS: &'static [UncertainQuantity] = &CONSTANTS;
+
+    fn deflections(input: &LongitudinalInput) -> [f64; 3] {
+        [input.elevator, 0.0, 0.0]
+    }
+
+    fn effects<const P: usize, const K: usize>(
+        &self,
+        x: &[f64; STATES],
+        theta: &[f64; P],
+        u: &LongitudinalInput,
+        surface_rates: &[f64; 3],
+        out: &mut ConstantEffects<STATES, OUTPUTS, K>,
+    ) {
+        self.effects_of_constants(x, theta, u, surface_rates[0], out);
     }
 }

@@ -7,10 +7,11 @@ mod six;
 
 use std::fmt::Debug;
 
-use phugoid_estimators::{Input, Model};
+use phugoid_estimators::{ConstantEffects, Input, Model};
 
 use crate::core::axes::Axes;
 use crate::core::output::Output;
+use crate::core::systematic::UncertainQuantity;
 use crate::core::term::{Coefficient, EXTRA_INPUTS, Term};
 use crate::model_file::{InputHold, ModelFile, Role};
 use crate::models::longitudinal::Database;
@@ -36,6 +37,27 @@ pub trait Motion<const N: usize, const R: usize>: Clone + Debug + Send + 'static
     /// does not. The kinematic equations need the airspeed also where it is not a state.
     fn known_channel(_input: &Self::KnownInput, _channel: Output) -> Option<f64> {
         None
+    }
+
+    /// The constants whose errors can be followed through an estimation, by column of [`Motion::effects`]; a quantity may
+    /// have several columns, whose errors have nothing to do with each other. None for a motion without.
+    const CONSTANTS: &'static [UncertainQuantity] = &[];
+
+    /// Elevator, aileron and rudder of an input, rad; zero for one that the motion does not have.
+    fn deflections(_input: &Self::KnownInput) -> [f64; 3] {
+        [0.0; 3]
+    }
+
+    /// What one unit of each constant adds to rates and outputs ([`Model::constant_effects`]), written to `out`, which
+    /// holds zeros and has room for all of them. `surface_rates`: how fast the deflections move, rad/s.
+    fn effects<const P: usize, const K: usize>(
+        &self,
+        _x: &[f64; N],
+        _theta: &[f64; P],
+        _u: &Self::KnownInput,
+        _surface_rates: &[f64; 3],
+        _out: &mut ConstantEffects<N, R, K>,
+    ) {
     }
 }
 

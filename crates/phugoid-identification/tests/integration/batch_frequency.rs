@@ -5,7 +5,7 @@
 use crate::batch::{Data, SD, STABLE, STEP_S, fly, known, manoeuvre, structure, white};
 use crate::common;
 
-use common::short_period::{NAMES, ShortPeriod};
+use common::short_period::NAMES;
 use phugoid_estimators::discretization::InputHold;
 use phugoid_estimators::{LinearizedOutputs, LinearizedRates, Model};
 use phugoid_identification::batch::{

@@ -44,19 +44,19 @@ impl AlphaRateTerms {
 }
 
 /// What the implicit equations of the motion need at one point.
-struct Implicit<T> {
+pub(super) struct Implicit<T> {
     factors: [T; FACTORS],
     alpha_rate: T,
     /// Time that the air takes along half of the chord, `cbar / 2V`, s.
     chord_time: T,
     /// Coefficients of the rate of alpha in lift, drag and pitching moment, `k_L, k_D, k_m`, s.
     gains: [T; 3],
-    motion: LongitudinalMotion<T>,
+    pub(super) motion: LongitudinalMotion<T>,
 }
 
 impl LongitudinalModel {
     #[inline]
-    fn implicit<T: Scalar, const P: usize>(
+    pub(super) fn implicit<T: Scalar, const P: usize>(
         &self,
         terms: &AlphaRateTerms,
         x: &[T; STATES],
@@ -66,7 +66,7 @@ impl LongitudinalModel {
         let c = &self.constants;
         let [speed, alpha, pitch, q] = *x;
         let factors = self.factors(x, u);
-        let explicit = self.coefficients(x, theta, u, &factors);
+        let explicit = self.coefficients(x, theta, T::from(u.elevator), &factors);
         let chord_time = match c.rate_speed {
             Some(speed) => T::from(0.5 * c.mean_chord / speed),
             None => (speed * 2.0).recip() * c.mean_chord,

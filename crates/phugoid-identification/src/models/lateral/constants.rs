@@ -1,0 +1,241 @@
+//! What an error of a constant does to rates and outputs of the lateral-directional motion.
+
+use phugoid_estimators::ConstantEffects;
+use phugoid_flight_dynamics::scalar::Dual;
+
+use super::{LATERAL_OUTPUTS, LATERAL_STATES, LateralInput, LateralModel, Measured};
+use crate::core::systematic::UncertainQuantity;
+
+/// The constants in the order of the columns of [`LateralModel::effects_of_constants`]: flow angles are the sideslip, then
+/// the angle of attack; surfaces aileron, then rudder; moments of inertia about body x, then z.
+pub(crate) const CONSTANTS: [UncertainQuantity; 12] = [
+    UncertainQuantity::AirspeedScale,
+    UncertainQuantity::FlowAngleScale,
+    UncertainQuantity::FlowAngleScale,
+    UncertainQuantity::FlowAngleLag,
+    UncertainQuantity::SurfaceScale,
+    UncertainQuantity::SurfaceScale,
+    UncertainQuantity::SurfaceSkew,
+    UncertainQuantity::AccelerationScale,
+    UncertainQuantity::Mass,
+    UncertainQuantity::Inertia,
+    UncertainQuantity::Inertia,
+    UncertainQuantity::CentreOfGravity,
+];
+
+/// Place of the specific force along body y among the outputs, and of the roll and the yaw acceleration.
+const AY: usize = 4;
+const ROLL_ACCELERATION: usize = 5;
+const YAW_ACCELERATION: usize = 6;
+
+impl LateralModel {
+    /// Derivatives of rates and outputs by the constants, as those of the longitudinal motion. `surface_rates` of
+    /// elevator, aileron and rudder, rad/s.
+    pub(crate) fn effects_of_constants<const K: usize>(
+        &self,
+        x: &[f64; LATERAL_STATES],
+        theta: &[f64],
+        u: &LateralInput,
+        surface_rates: &[f64; 3],
+        out: &mut ConstantEffects<LATERAL_STATES, LATERAL_OUTPUTS, K>,
+    ) {
+        let c = &self.aerodynamics.constants;
+        let Some(properties) = u.mass.properties(c.rotor_momentum).filter(|_| K >= CONSTANTS.len()) else { return };
+        let ConstantEffects { rates, outputs } = out;
+        // By airspeed, angle of attack, aileron and rudder.
+        type D = Dual<4>;
+        let measured = Measured { speed: D::variable(u.speed, 0), alpha: D::variable(u.alpha, 1) };
+        let deflections =
+            [D::from(u.surfaces.elevator), D::variable(u.surfaces.aileron, 2), D::variable(u.surfaces.rudder, 3)];
+        let motion = self.motion_with(&x.map(D::from), theta, u, &measured, &deflections);
+        let [beta, _, p, r] = *x;
+        let q = u.q;
+        let rate = motion.rates.map(|rate| rate.value);
+        let ay = motion.side_force.value;
+
+        // What is missing in the record of the inputs, per unit of the constant.
+        let [_, aileron_rate, rudder_rate] = *surface_rates;
+        let missing = [
+            (0, [-u.speed, 0.0, 0.0, 0.0]),
+            (2, [0.0, -u.alpha, 0.0, 0.0]),
+            (4, [0.0, 0.0, -u.surfaces.aileron, 0.0]),
+            (5, [0.0, 0.0, 0.0, -u.surfaces.rudder]),
+            (6, [0.0, 0.0, aileron_rate, rudder_rate]),
+        ];
+        for (column, missing) in missing {
+            let along = |value: &D| value.derivatives.iter().zip(missing).map(|(d, m)| d * m).sum::<f64>();
+            for (to, from) in rates.iter_mut().zip(&motion.rates) {
+                to[column] = along(from);
+            }
+            outputs[AY][column] = along(&motion.side_force);
+            outputs[ROLL_ACCELERATION][column] = along(&motion.rates[2]);
+            outputs[YAW_ACCELERATION][column] = along(&motion.rates[3]);
+        }
+        outputs[0][1] = beta;
+        outputs[0][3] = -rate[0];
+        outputs[AY][7] = ay;
+
+        // Mass: of the side force alone; the other specific forces are measured.
+        rates[0][8] = -ay * beta.cos() / u.speed;
+        outputs[AY][8] = -ay;
+
+        // I w' + w x I w = M with a part dI of the inertia more: I dw' = -(dI w' + w x dI w).
+        let inverse = properties.inverse_inertia();
+        let turn = |moment: [f64; 3]| {
+            [0, 2].map(|row| inverse[row].iter().zip(moment).map(|(inverse, m)| inverse * m).sum::<f64>())
+        };
+        let (ixx, izz) = (u.mass.ixx, u.mass.izz);
+        let side_moment = u.mass.mass * ay * c.mean_chord;
+        let turned = [
+            (9, turn([-ixx * rate[2], -ixx * r * p, ixx * q * p])),
+            (10, turn([-izz * q * r, izz * p * r, -izz * rate[3]])),
+            // Centre of gravity: the side force acts ahead of it.
+            (11, turn([0.0, 0.0, side_moment])),
+        ];
+        for (column, [roll, yaw]) in turned {
+            rates[2][column] = roll;
+            rates[3][column] = yaw;
+            outputs[ROLL_ACCELERATION][column] = roll;
+            outputs[YAW_ACCELERATION][column] = yaw;
+        }
+        // And the acceleration is that of a point ahead of it.
+        outputs[AY][11] = (rate[3] + p * q) * c.mean_chord;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use phugoid_estimators::{ConstantEffects, LinearizedOutputs, Model};
+    use phugoid_flight_dynamics::f16::{F16, F16Options};
+
+    use super::{AY, CONSTANTS, LATERAL_OUTPUTS, LATERAL_STATES, ROLL_ACCELERATION, YAW_ACCELERATION};
+    use crate::core::term::{Coefficient, Term};
+    use crate::models::lateral::{LateralInput, LateralModel};
+    use crate::models::longitudinal::Database;
+    use crate::models::rigid::{AircraftConstants, MassInput, Surfaces};
+
+    const TERMS: [(Coefficient, &str); 8] = [
+        (Coefficient::SideForce, "beta"),
+        (Coefficient::SideForce, "rudder"),
+        (Coefficient::RollingMoment, "beta"),
+        (Coefficient::RollingMoment, "p_hat"),
+        (Coefficient::RollingMoment, "aileron"),
+        (Coefficient::YawingMoment, "beta"),
+        (Coefficient::YawingMoment, "r_hat"),
+        (Coefficient::YawingMoment, "rudder"),
+    ];
+    const THETA: [f64; 8] = [-0.8, 0.2, -0.1, -0.4, -0.1, 0.2, -0.3, -0.1];
+    const X: [f64; LATERAL_STATES] = [0.04, 0.2, 0.3, -0.1];
+    const SURFACE_RATES: [f64; 3] = [0.1, 0.5, -0.3];
+    const CHORD: f64 = 3.45;
+
+    fn input() -> LateralInput {
+        LateralInput {
+            surfaces: Surfaces { elevator: -0.03, aileron: 0.07, rudder: -0.05, extra: [0.0; 3], held: false },
+            air_density: 0.9,
+            mass: MassInput { mass: 9300.0, ixx: 12_900.0, iyy: 75_700.0, izz: 85_600.0, ixz: 1300.0 },
+            speed: 150.0,
+            alpha: 0.07,
+            theta: 0.1,
+            q: 0.05,
+            ax: 0.4,
+            az: -9.6,
+        }
+    }
+
+    fn model(database: Database) -> LateralModel {
+        let constants = AircraftConstants {
+            wing_area: 27.87,
+            mean_chord: CHORD,
+            span: 9.144,
+            gravity: 9.80665,
+            thrust_inclination: 0.0,
+            thrust_arm: 0.0,
+            rotor_momentum: 216.9,
+            reference_speed: 150.0,
+            rate_speed: None,
+            alpha_reference: 0.0,
+            elevator_reference: 0.0,
+            aileron_reference: 0.0,
+            rudder_reference: 0.0,
+        };
+        let terms = TERMS.map(|(coefficient, text)| (coefficient, Term::parse(text, &[]).unwrap()));
+        LateralModel::new(constants, database, terms.to_vec(), Vec::new())
+    }
+
+    /// Rates, then outputs.
+    fn at(model: &LateralModel, u: &LateralInput) -> [f64; LATERAL_STATES + LATERAL_OUTPUTS] {
+        let rates = Model::<LATERAL_STATES, LATERAL_OUTPUTS, 8>::rates(model, &X, &THETA, u);
+        let mut lin = LinearizedOutputs::<LATERAL_STATES, LATERAL_OUTPUTS, 8>::ZERO;
+        model.linearized_outputs(&X, &THETA, u, &mut lin);
+        std::array::from_fn(|i| if i < LATERAL_STATES { rates[i] } else { lin.outputs[i - LATERAL_STATES] })
+    }
+
+    /// What is shown and flown with a constant of `c`, worked out by making it so.
+    fn with(model: &LateralModel, column: usize, c: f64) -> [f64; LATERAL_STATES + LATERAL_OUTPUTS] {
+        let mut u = input();
+        let healthy = at(model, &u);
+        match column {
+            0 => u.speed *= 1.0 - c,
+            2 => u.alpha *= 1.0 - c,
+            4 => u.surfaces.aileron *= 1.0 - c,
+            5 => u.surfaces.rudder *= 1.0 - c,
+            6 => {
+                u.surfaces.aileron += c * SURFACE_RATES[1];
+                u.surfaces.rudder += c * SURFACE_RATES[2];
+            }
+            8 => u.mass.mass *= 1.0 + c,
+            9 => u.mass.ixx *= 1.0 + c,
+            10 => u.mass.izz *= 1.0 + c,
+            _ => {}
+        }
+        let mut shown = at(model, &u);
+        let output = |row: usize| LATERAL_STATES + row;
+        let ay = healthy[output(AY)];
+        match column {
+            1 => shown[output(0)] *= 1.0 + c,
+            3 => shown[output(0)] -= c * healthy[0],
+            7 => shown[output(AY)] *= 1.0 + c,
+            11 => {
+                // The side force turns the aircraft about a point c chords behind: a yawing moment more.
+                let u = input();
+                let inverse = u.mass.properties(216.9).unwrap();
+                let inverse = inverse.inverse_inertia();
+                let moment = c * CHORD * u.mass.mass * ay;
+                shown[2] += inverse[0][2] * moment;
+                shown[3] += inverse[2][2] * moment;
+                shown[output(ROLL_ACCELERATION)] = shown[2];
+                shown[output(YAW_ACCELERATION)] = shown[3];
+                // w' x r + w x (w x r) of a point ahead.
+                shown[output(AY)] += (healthy[3] + X[2] * u.q) * c * CHORD;
+            }
+            _ => {}
+        }
+        shown
+    }
+
+    /// Against small differences, in parts of the largest entry of the column.
+    #[test]
+    fn the_effects_are_those_of_small_errors() {
+        let aircraft = F16::new(F16Options { cg: 0.3, ..F16Options::default() }).unwrap();
+        for model in [model(Database::None), model(Database::F16(Box::new(aircraft)))] {
+            let mut effects = ConstantEffects::<LATERAL_STATES, LATERAL_OUTPUTS, 12>::ZERO;
+            model.effects_of_constants(&X, &THETA, &input(), &SURFACE_RATES, &mut effects);
+            for (column, quantity) in CONSTANTS.iter().enumerate() {
+                let c = 1e-5;
+                let (up, down) = (with(&model, column, c), with(&model, column, -c));
+                let shown: [f64; 11] = std::array::from_fn(|i| (up[i] - down[i]) / (2.0 * c));
+                let largest = shown.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
+                assert!(largest > 0.0, "{quantity}");
+                for (i, expected) in shown.iter().enumerate() {
+                    let found = if i < LATERAL_STATES {
+                        effects.rates[i][column]
+                    } else {
+                        effects.outputs[i - LATERAL_STATES][column]
+                    };
+                    assert!((found - expected).abs() < 1e-7 * largest, "{quantity} {column}, {i}: {found} {expected}");
+                }
+            }
+        }
+    }
+}

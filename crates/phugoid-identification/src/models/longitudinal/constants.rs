@@ -1,0 +1,222 @@
+//! What an error of a constant does to rates and outputs of the longitudinal motion.
+
+use phugoid_estimators::ConstantEffects;
+use phugoid_flight_dynamics::scalar::Dual;
+
+use super::{LongitudinalInput, LongitudinalModel, OUTPUTS, STATES, row};
+use crate::core::systematic::UncertainQuantity;
+
+/// The constants in the order of the columns of [`LongitudinalModel::effects_of_constants`]: accelerometers along x, then
+/// along z.
+pub(crate) const CONSTANTS: [UncertainQuantity; 12] = [
+    UncertainQuantity::AirspeedScale,
+    UncertainQuantity::AirspeedPerAlpha,
+    UncertainQuantity::FlowAngleScale,
+    UncertainQuantity::FlowAngleLag,
+    UncertainQuantity::SurfaceScale,
+    UncertainQuantity::SurfaceSkew,
+    UncertainQuantity::AccelerationScale,
+    UncertainQuantity::AccelerationScale,
+    UncertainQuantity::Mass,
+    UncertainQuantity::Inertia,
+    UncertainQuantity::CentreOfGravity,
+    UncertainQuantity::Thrust,
+];
+
+impl LongitudinalModel {
+    /// Derivatives of rates and outputs by the constants. A sensor shows `(1 + c)` times the true value, or what was true
+    /// `c` seconds before; mass, inertia and thrust are `(1 + c)` times what the input holds, and the centre of gravity
+    /// lies `c` chords behind the one that moments and accelerations refer to. `elevator_rate` in rad/s.
+    ///
+    /// A reference point of the terms counts as exact. What `alpha'` itself loses where a term has the rate of the angle
+    /// of attack is left out: a part of `rho S cbar CL_alpha_dot/4m` of it, about one in a hundred.
+    pub(crate) fn effects_of_constants<const P: usize, const K: usize>(
+        &self,
+        x: &[f64; STATES],
+        theta: &[f64; P],
+        u: &LongitudinalInput,
+        elevator_rate: f64,
+        out: &mut ConstantEffects<STATES, OUTPUTS, K>,
+    ) {
+        if K < CONSTANTS.len() {
+            return;
+        }
+        let c = &self.constants;
+        let [speed, alpha, pitch, q] = *x;
+        let motion = match &self.alpha_rate {
+            Some(terms) => self.implicit(terms, x, theta, u).motion,
+            None => {
+                let factors = self.factors(x, u);
+                self.motion(x, u, self.coefficients(x, theta, u.elevator, &factors))
+            }
+        };
+        let rates = super::to_array(&motion.rates);
+        let (ax, az) = (motion.specific_force_x, motion.specific_force_z);
+        let (sin, cos) = alpha.sin_cos();
+        let (sin_path, cos_path) = (pitch - alpha).sin_cos();
+        let ConstantEffects { rates: rate, outputs } = out;
+
+        outputs[row::TRUE_AIRSPEED][0] = speed;
+        outputs[row::TRUE_AIRSPEED][1] = speed * alpha;
+        outputs[row::ALPHA][2] = alpha;
+        outputs[row::ALPHA][3] = -rates[1];
+
+        // What one radian of elevator adds, times what is missing of it in the record.
+        let elevator = Dual::<1>::variable(u.elevator, 0);
+        let mut factors = self.factors(&x.map(Dual::<1>::from), u);
+        factors[3] = elevator - c.elevator_reference;
+        let [lift, drag, moment] =
+            self.coefficients(&x.map(Dual::<1>::from), theta, elevator, &factors).map(|value| value.derivatives[0]);
+        let force = 0.5 * u.air_density * c.wing_area * speed * speed;
+        let f = force / u.mass;
+        let pitch_per_moment = force * c.mean_chord / u.iyy;
+        for (column, missing) in [(4, -u.elevator), (5, elevator_rate)] {
+            rate[0][column] = -f * drag * missing;
+            rate[1][column] = -f * lift / speed * missing;
+            rate[3][column] = pitch_per_moment * moment * missing;
+            outputs[row::AX][column] = f * (lift * sin - drag * cos) * missing;
+            outputs[row::AZ][column] = -f * (lift * cos + drag * sin) * missing;
+            outputs[row::PITCH_ACCELERATION][column] = pitch_per_moment * moment * missing;
+        }
+        outputs[row::AX][6] = ax;
+        outputs[row::AZ][7] = az;
+
+        // Mass: all but gravity is divided by it.
+        rate[0][8] = -(rates[0] + c.gravity * sin_path);
+        rate[1][8] = -(rates[1] - q - c.gravity * cos_path / speed);
+        outputs[row::AX][8] = -ax;
+        outputs[row::AZ][8] = -az;
+        rate[3][9] = -rates[3];
+        outputs[row::PITCH_ACCELERATION][9] = -rates[3];
+
+        // Centre of gravity: the normal force acts ahead of it, and the accelerations are those of a point ahead of it.
+        let thrust = self.thrust_direction.map(|d| d * u.thrust);
+        let turned = (thrust[1] - u.mass * az) * c.mean_chord / u.iyy;
+        rate[3][10] = turned;
+        outputs[row::PITCH_ACCELERATION][10] = turned;
+        outputs[row::AX][10] = -q * q * c.mean_chord;
+        outputs[row::AZ][10] = -rates[3] * c.mean_chord;
+
+        rate[0][11] = (thrust[0] * cos + thrust[1] * sin) / u.mass;
+        rate[1][11] = (thrust[1] * cos - thrust[0] * sin) / (u.mass * speed);
+        let turned = u.thrust * c.thrust_arm / u.iyy;
+        rate[3][11] = turned;
+        outputs[row::AX][11] = thrust[0] / u.mass;
+        outputs[row::AZ][11] = thrust[1] / u.mass;
+        outputs[row::PITCH_ACCELERATION][11] = turned;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use phugoid_estimators::{ConstantEffects, LinearizedOutputs, Model};
+    use phugoid_flight_dynamics::f16::{F16, F16Options};
+
+    use super::{CONSTANTS, OUTPUTS, STATES, row};
+    use crate::core::term::{Coefficient, Term};
+    use crate::models::longitudinal::{Database, LongitudinalConstants, LongitudinalInput, LongitudinalModel};
+
+    const TERMS: [(Coefficient, &str); 7] = [
+        (Coefficient::Lift, "alpha"),
+        (Coefficient::Lift, "elevator"),
+        (Coefficient::Drag, "alpha^2"),
+        (Coefficient::PitchingMoment, "alpha"),
+        (Coefficient::PitchingMoment, "q_hat"),
+        (Coefficient::PitchingMoment, "elevator"),
+        (Coefficient::PitchingMoment, "alpha*elevator"),
+    ];
+    const THETA: [f64; 7] = [4.8, 0.4, 0.9, -0.7, -9.0, -1.1, 0.3];
+    const X: [f64; STATES] = [140.0, 0.06, 0.11, 0.2];
+    const U: LongitudinalInput = LongitudinalInput {
+        elevator: -0.05,
+        air_density: 0.9,
+        thrust: 14_000.0,
+        mass: 9300.0,
+        iyy: 75_000.0,
+        extra: [0.0; 3],
+        controls_held: false,
+    };
+    const CHORD: f64 = 3.45;
+    const ELEVATOR_RATE: f64 = 0.4;
+
+    fn model(database: Database) -> LongitudinalModel {
+        let constants = LongitudinalConstants {
+            wing_area: 27.87,
+            mean_chord: CHORD,
+            gravity: 9.80665,
+            thrust_inclination: 0.03,
+            thrust_arm: 0.1,
+            reference_speed: 140.0,
+            rate_speed: None,
+            alpha_reference: 0.0,
+            elevator_reference: 0.0,
+        };
+        let terms = TERMS.map(|(coefficient, text)| (coefficient, Term::parse(text, &[]).unwrap()));
+        LongitudinalModel::new(constants, database, terms.to_vec(), Vec::new())
+    }
+
+    /// Rates, then outputs.
+    fn at(model: &LongitudinalModel, u: &LongitudinalInput) -> [f64; STATES + OUTPUTS] {
+        let rates = Model::<STATES, OUTPUTS, 7>::rates(model, &X, &THETA, u);
+        let mut lin = LinearizedOutputs::<STATES, OUTPUTS, 7>::ZERO;
+        model.linearized_outputs(&X, &THETA, u, &mut lin);
+        std::array::from_fn(|i| if i < STATES { rates[i] } else { lin.outputs[i - STATES] })
+    }
+
+    /// What is shown and flown with a constant of `c`, worked out by making it so.
+    fn with(model: &LongitudinalModel, column: usize, c: f64) -> [f64; STATES + OUTPUTS] {
+        let mut u = U;
+        let output = |row: usize| STATES + row;
+        match column {
+            4 => u.elevator *= 1.0 - c,
+            5 => u.elevator += c * ELEVATOR_RATE,
+            8 => u.mass *= 1.0 + c,
+            9 => u.iyy *= 1.0 + c,
+            11 => u.thrust *= 1.0 + c,
+            _ => {}
+        }
+        let mut shown = at(model, &u);
+        let rates = at(model, &U);
+        match column {
+            0 => shown[output(row::TRUE_AIRSPEED)] *= 1.0 + c,
+            1 => shown[output(row::TRUE_AIRSPEED)] *= 1.0 + c * X[1],
+            2 => shown[output(row::ALPHA)] *= 1.0 + c,
+            3 => shown[output(row::ALPHA)] -= c * rates[1],
+            6 => shown[output(row::AX)] *= 1.0 + c,
+            7 => shown[output(row::AZ)] *= 1.0 + c,
+            9 => shown[output(row::PITCH_ACCELERATION)] = shown[3],
+            10 => {
+                // Aerodynamic force along body z, without thrust; it turns the aircraft about a point c chords behind.
+                let z = rates[output(row::AZ)] * U.mass + U.thrust * 0.03_f64.sin();
+                shown[3] -= c * CHORD * z / U.iyy;
+                shown[output(row::PITCH_ACCELERATION)] = shown[3];
+                // Acceleration of a point ahead of the centre of gravity: w' x r + w x (w x r).
+                shown[output(row::AX)] -= X[3] * X[3] * c * CHORD;
+                shown[output(row::AZ)] -= rates[3] * c * CHORD;
+            }
+            _ => {}
+        }
+        shown
+    }
+
+    /// Against small differences, in parts of the largest entry of the column.
+    #[test]
+    fn the_effects_are_those_of_small_errors() {
+        let aircraft = F16::new(F16Options { cg: 0.3, ..F16Options::default() }).unwrap();
+        for model in [model(Database::None), model(Database::F16(Box::new(aircraft)))] {
+            let mut effects = ConstantEffects::<STATES, OUTPUTS, 12>::ZERO;
+            model.effects_of_constants(&X, &THETA, &U, ELEVATOR_RATE, &mut effects);
+            for (column, quantity) in CONSTANTS.iter().enumerate() {
+                let c = 1e-5;
+                let (up, down) = (with(&model, column, c), with(&model, column, -c));
+                let shown: [f64; STATES + OUTPUTS] = std::array::from_fn(|i| (up[i] - down[i]) / (2.0 * c));
+                let largest = shown.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
+                assert!(largest > 0.0, "{quantity}");
+                for (i, expected) in shown.iter().enumerate() {
+                    let found = if i < STATES { effects.rates[i][column] } else { effects.outputs[i - STATES][column] };
+                    assert!((found - expected).abs() < 1e-7 * largest, "{quantity} {column}, {i}: {found} {expected}");
+                }
+            }
+        }
+    }
+}
