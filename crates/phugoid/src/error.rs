@@ -39,7 +39,7 @@ pub enum Error {
     Write(#[from] WriteError),
     /// Values of a record cannot be deleted as asked for.
     #[error(transparent)]
-    Delete(#[from] DeletionError),
+    Delete(Box<DeletionError>),
     /// Columns in memory do not make a record.
     #[error(transparent)]
     Columns(#[from] TableError),
@@ -98,6 +98,12 @@ fn expected(nearest: Option<&str>, known: &[&str]) -> String {
 impl From<ReadError> for Error {
     fn from(error: ReadError) -> Self {
         Self::Read(Box::new(error))
+    }
+}
+
+impl From<DeletionError> for Error {
+    fn from(error: DeletionError) -> Self {
+        Self::Delete(Box::new(error))
     }
 }
 

@@ -182,6 +182,7 @@ proptest! {
 }
 
 /// One step of a filter.
+#[allow(clippy::large_enum_variant)] // a few of them in a test
 #[derive(Clone, Debug)]
 enum Step {
     Measure { row: [f64; CAPACITY], noise: f64 },
