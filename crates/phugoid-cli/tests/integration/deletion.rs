@@ -99,7 +99,7 @@ fn unknowns_of_the_sensors_are_chosen_by_name() {
     assert!(!held.out.contains("scale_theta") && held.out.contains("scale_alpha"), "{}", held.out);
     let wrong = |more: &[&str]| phugoid(&folder.0, &[&base[..], more].concat());
     assert!(wrong(&["--unknowns", "bias_alhpa"]).fails(3).contains("did you mean `bias_alpha`?"));
-    assert!(wrong(&["--unknowns", "bias_psi"]).fails(3).contains("the record does not have psi"));
+    assert!(wrong(&["--unknowns", "wind_north"]).fails(3).contains("the record does not have north, east"));
     let run = wrong(&["--hold", "bias_q=0.06"]);
     assert!(run.code == Some(2) && run.err.contains("has no unit"), "{}", run.err);
 }
