@@ -426,7 +426,7 @@ def estimate(
             report,
             likelihood,
             flow_angles,
-            tuple(band) if band is not None else None,
+            (band[0], band[1]) if band is not None else None,
         )
     return Estimation(native)
 
