@@ -12,8 +12,8 @@ use core::sync::atomic::{AtomicU32, Ordering};
 use phugoid_estimators::regression::{MeasuredStates, Regression};
 use phugoid_estimators::settings::{EstimatorSettings, NoiseLearning, ParameterPrior, SettingsError};
 use phugoid_estimators::{
-    ConstantEffects, Estimate, Estimator, Innovations, Inspect, LinearizedOutputs, LinearizedRates, Model, ParameterStatus, RowPhase,
-    Sample, Status,
+    ConstantEffects, Estimate, Estimator, Innovations, Inspect, LinearizedOutputs, LinearizedRates, Model,
+    ParameterStatus, RowPhase, Sample, Status,
 };
 
 /// States and outputs of the images: those of the longitudinal motion.
