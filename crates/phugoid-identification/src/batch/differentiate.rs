@@ -22,6 +22,11 @@ struct Window {
     weights: Vec<[f64; 2]>,
 }
 
+/// Half of the window over which a regression smooths, s: 0.2 s, or three sample times where those are longer.
+pub(crate) fn half_window_s(sample_time_s: f64) -> f64 {
+    f64::max(0.2, 3.0 * sample_time_s)
+}
+
 /// Fewest samples on each side of a window.
 const SIDE: usize = 2;
 

@@ -4,7 +4,7 @@ use crate::core::options::{CAPACITY, Likelihood};
 use phugoid_estimators::discretization::IntervalInput;
 use phugoid_estimators::{Input, LinearizedOutputs, LinearizedRates, Model};
 
-use super::differentiate::LocalCubics;
+use super::differentiate::{LocalCubics, half_window_s};
 use super::error::BatchError;
 use super::layout::Layout;
 use super::loss::Loss;
@@ -40,7 +40,7 @@ pub struct EquationErrorSettings {
 impl EquationErrorSettings {
     /// For samples `sample_time_s` apart: windows of 0.2 s, at least three samples, to each side.
     pub fn automatic(sample_time_s: f64) -> Self {
-        let half_window_s = f64::max(0.2, 3.0 * sample_time_s);
+        let half_window_s = half_window_s(sample_time_s);
         Self { half_window_s, smooth_regressors: true, every_equation: false, f_to_enter: 20.0 }
     }
 }

@@ -14,15 +14,11 @@
 use crate::core::options::CAPACITY;
 use phugoid_estimators::{Input, LinearizedOutputs, Model};
 
-use super::differentiate::LocalCubics;
+use super::differentiate::{LocalCubics, half_window_s};
 use super::error::BatchError;
 use super::problem::{Manoeuvre, Structure};
 use crate::preparation::noise::{measure_noise, without_outliers};
-
-/// Half of the window over which both sides of the accelerations are smoothed, s, or three samples, where these are further
-/// apart: that of equation error.
-const HALF_WINDOW_S: f64 = 0.2;
-const HALF_WINDOW_SAMPLES: f64 = 3.0;
+use phugoid_flight_data::statistics::median;
 
 /// The outputs of one manoeuvre that states follow.
 #[derive(Clone, Debug)]
@@ -71,8 +67,9 @@ impl<const N: usize> Followed<N> {
             outputs[i] = output;
             values.iter_mut().zip(measured).for_each(|(values, measured)| values[i] = measured);
         }
-        let spacing = (m.time_s[samples - 1] - m.time_s[0]) / (samples - 1) as f64;
-        let half_window_s = HALF_WINDOW_S.max(HALF_WINDOW_SAMPLES * spacing);
+        // The median, so that a gap does not count.
+        let mut spacing: Vec<f64> = m.time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        let half_window_s = half_window_s(median(&mut spacing).unwrap_or(0.0));
         let known = |k: usize| (0..N).all(|i| outputs[i].is_none() || values[k][i].is_finite());
         let no_state = |output: &usize| (0..N).all(|i| m.model.measuring_output(i) != Some(*output));
         let window = |output: usize| {

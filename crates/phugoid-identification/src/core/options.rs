@@ -55,7 +55,7 @@ pub enum FlowAngles {
     Auto,
     /// Simulated: the maximum-likelihood estimate in calm air. Gusts bend it.
     Simulated,
-    /// As measured and smoothed: the forces and moments then know of the gusts, and the angles themselves are not fitted.
+    /// As measured: the forces and moments then know of the gusts, and the angles themselves are not fitted.
     Measured,
 }
 

@@ -188,7 +188,7 @@ fn solve<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
         }
         _ => match band {
             Some(band) => batch::output_error_frequency::<M, M::KnownInput, N, R>(manoeuvres, structure, band, &search),
-            None => output_error::<M, N, R>(task, manoeuvres, structure, &search),
+            None => batch::output_error::<M, M::KnownInput, N, R>(manoeuvres, structure, &search),
         },
     };
     if method.is_equation_error() {
@@ -201,46 +201,54 @@ fn solve<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
     let by_equation_error = regressed.as_ref().map_or(Vec::new(), |found| others(&found.fit));
     // A simulation needs constants too, which a band does not give.
     let regressed = if band.is_some() { by_sample().ok() } else { regressed };
-    let nearer = regressed.map(|found| {
-        let mut nearer = structure.clone();
-        for (parameter, value) in nearer.parameters.iter_mut().zip(&found.fit.parameters) {
-            parameter.start = value.clamp(parameter.lower, parameter.upper);
-        }
-        nearer
-    });
     let cost = |fit: &BatchFit| fit.iterations.last().map_or(f64::INFINITY, |i| i.cost);
-    let fit = match (method, nearer) {
-        (_, None) => integrating(structure)?,
-        // One search takes seconds, and one that starts from the regression cannot end above it.
-        (Method::FilterError, Some(nearer)) => integrating(&nearer).or_else(|failure| match failure {
-            BatchError::BadInput(_) | BatchError::Singular { .. } => Err(failure),
-            _ => integrating(structure),
-        })?,
-        (_, Some(nearer)) => match (integrating(structure), integrating(&nearer)) {
-            (Ok(fit), Ok(other)) if cost(&other) < cost(&fit) - NOTICEABLE => noted(
-                other,
-                "a lower minimum was found from the values of equation error than from those of the model file",
-            ),
-            (Ok(fit), _) => fit,
-            (Err(failure), Err(_)) => return Err(failure.into()),
-            // A start helps against a search that loses itself, not where the data do not determine the parameters.
-            (Err(failure @ (BatchError::BadInput(_) | BatchError::Singular { .. })), _) => return Err(failure.into()),
-            (Err(_), Ok(fit)) => {
-                noted(fit, "from the start values of the model file no minimum was found: started from equation error")
+    let searched = |structure: &Structure<N, R>| -> Result<BatchFit, BatchError> {
+        let nearer = regressed.as_ref().map(|found| {
+            let mut nearer = structure.clone();
+            for (parameter, value) in nearer.parameters.iter_mut().zip(&found.fit.parameters) {
+                parameter.start = value.clamp(parameter.lower, parameter.upper);
             }
-        },
+            nearer
+        });
+        match (method, nearer) {
+            (_, None) => integrating(structure),
+            // One search takes seconds, and one that starts from the regression cannot end above it.
+            (Method::FilterError, Some(nearer)) => integrating(&nearer).or_else(|failure| match failure {
+                BatchError::BadInput(_) | BatchError::Singular { .. } => Err(failure),
+                _ => integrating(structure),
+            }),
+            (_, Some(nearer)) => match (integrating(structure), integrating(&nearer)) {
+                (Ok(fit), Ok(other)) if cost(&other) < cost(&fit) - NOTICEABLE => Ok(noted(
+                    other,
+                    "a lower minimum was found from the values of equation error than from those of the model file",
+                )),
+                (Ok(fit), _) => Ok(fit),
+                (Err(failure), Err(_)) => Err(failure),
+                // A start helps against a search that loses itself, not where the data do not determine the parameters.
+                (Err(failure @ (BatchError::BadInput(_) | BatchError::Singular { .. })), _) => Err(failure),
+                (Err(_), Ok(fit)) => Ok(noted(
+                    fit,
+                    "from the start values of the model file no minimum was found: started from equation error",
+                )),
+            },
+        }
+    };
+    let fit = match method {
+        Method::OutputError => with_flow_angles::<M, N, R>(task, manoeuvres, structure, searched)?,
+        _ => searched(structure)?,
     };
     Ok(Solved { fit, equations: Vec::new(), by_equation_error })
 }
 
-/// Output error with the flow angles that the options ask for.
-fn output_error<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
+/// Output error with the flow angles that the options ask for; `searched` finds its minimum from all starts. Costs with simulated
+/// and with measured angles are of different outputs and are not compared.
+fn with_flow_angles<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
     task: &Task<M, N, R>,
     manoeuvres: &[Manoeuvre<'_, M, M::KnownInput, N, R>],
     structure: &Structure<N, R>,
-    search: &OptimiserSettings,
+    searched: impl Fn(&Structure<N, R>) -> Result<BatchFit, BatchError>,
 ) -> Result<BatchFit, BatchError> {
-    let simulated = || batch::output_error::<M, M::KnownInput, N, R>(manoeuvres, structure, search);
+    let simulated = || searched(structure);
     let angles = measured_flow_angles::<M, N, R>(manoeuvres);
     let names: Vec<&str> = angles.iter().map(|&row| M::AXES.outputs()[row].name()).collect();
     let measured = |note: &str| {
@@ -249,7 +257,7 @@ fn output_error<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
             following.states[row] = InitialState::measured(M::AXES.outputs()[row].name());
             following.outputs[row].bias = Bias::None;
         }
-        let mut fit = batch::output_error::<M, M::KnownInput, N, R>(manoeuvres, &following, search)?;
+        let mut fit = searched(&following)?;
         for &row in &angles {
             fit.noise_std[row] = task.noise[row].std;
         }
