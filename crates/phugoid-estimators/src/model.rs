@@ -101,6 +101,14 @@ pub trait Model<const N: usize, const R: usize, const P: usize> {
         _out: &mut ConstantEffects<N, R, K>,
     ) {
     }
+
+    /// By which part the regressor of a column, as the estimator believes it, is larger than the true one, per unit of
+    /// each constant: 2 for a coefficient where the airspeed shows `(1 + c)` times the true one and stands squared in the
+    /// dynamic pressure. Zero where the error of the regressor is no factor of it. A column that is a parameter then is
+    /// found smaller by this part, and its gain is smaller too.
+    fn regressor_powers<const K: usize>(&self, _x: &[f64; N], _column: usize) -> [f64; K] {
+        [0.0; K]
+    }
 }
 
 /// What was measured at one instant.

@@ -138,12 +138,11 @@ fn systematic(estimation: &Estimation) -> String {
     let mut any = false;
     for p in estimation.parameters.iter().filter(|p| p.systematic_std > 0.0) {
         any = true;
-        let parts = p.systematic_parts.iter().map(|part| format!("{} {:.0} %", part.quantity, 100.0 * part.share));
         table.row(vec![
             p.name.clone(),
             significant(2.0 * p.random_std(), 3),
             significant(2.0 * p.systematic_std, 3),
-            parts.collect::<Vec<_>>().join(", "),
+            p.contributors_in_words(),
         ]);
     }
     if any { format!("\nParts of the bounds, +- 2 sigma\n{}", table.render()) } else { String::new() }

@@ -8,12 +8,21 @@
 //! x_true - x = W c + ...,   theta_true - theta = T c + ...                              N x K and P x K
 //! predict:   W <- A W + B T + (A + I) g h/2                 g = d(rates)/dc half way
 //! row:       zeta = H W + D T + d(output)/dc,   W <- W - K_x zeta,   T <- T - K_theta zeta
+//! frame:     T_jk <- T_jk + s_jk (step of parameter j)
 //! ```
 //!
 //! for each row that moves the estimate in proportion to its residual; one outside of the boundary layer moves it by a
 //! step that does not depend on the constants, and a rejected one not at all. Re-opening the parameters changes no error
-//! of the estimate, and so neither `W` nor `T`. A state that is read from an output again has its error. `T diag(P) T^T` is the part of the errors of the constants in the covariance of the
-//! estimate (S. F. Schmidt's *consider* covariance, under the gain that ignores them; docs/uncertainty.md).
+//! of the estimate, and so neither `W` nor `T`. A state that is read from an output again has its error.
+//!
+//! The last line is what the constants do to the gains. Where a constant makes the regressor of a parameter larger by the
+//! part `s c` ([`Model::regressor_powers`]), the gain is smaller by as much, and so is every step that it makes. Without
+//! it a direction that the flight hardly shows, such as a constant beside a term of the airspeed, would take up `H W` at
+//! the estimates of the moment, which wander along it, for an effect of the constants. With it an estimate that is
+//! proportional to `1/(1 + s c)` has `T = s theta` at any time, however it came there.
+//!
+//! `T diag(P) T^T` is the part of the errors of the constants in the covariance of the estimate (S. F. Schmidt's
+//! *consider* covariance, under the gain that ignores them; docs/uncertainty.md).
 
 use crate::columns::Columns;
 use crate::discretization::{IntervalInput, Part};
@@ -251,8 +260,9 @@ where
         }
         let effects = self.effects(model, columns, input);
         let Self { slot, errors, .. } = self;
+        let before = slot.common().theta;
         let mut follower = Rows { errors, effects };
-        slot.correct_followed(
+        let innovations = slot.correct_followed(
             model,
             settings,
             columns,
@@ -264,7 +274,14 @@ where
             watch,
             frame,
             &mut follower,
-        )
+        );
+        let Common { x, theta, .. } = slot.common();
+        let parameters = theta.iter().zip(&before).zip(&mut errors.parameters);
+        for (column, ((after, before), error)) in parameters.enumerate().take(model.parameter_count()) {
+            let powers: [f64; K] = model.regressor_powers(x, column);
+            add_scaled(error, after - before, &powers);
+        }
+        innovations
     }
 
     fn gate<const R: usize>(settings: &EstimatorSettings<N, R, P>) -> f64 {

@@ -7,7 +7,7 @@ use phugoid_flight_data::record::Record;
 use phugoid_identification::estimate::{EstimateOptions, StructureSearch, estimate};
 use phugoid_identification::estimation::{EstimationStatus, UncertainQuantity};
 use phugoid_identification::method::Method;
-use phugoid_identification::model_file::{ModelFile, Propagation, Thrust};
+use phugoid_identification::model_file::{ModelFile, Thrust};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use serde::Serialize;
@@ -234,7 +234,6 @@ type Ranked = (Named, [f64; UncertainQuantity::ALL.len()], f64);
 fn run(flight: &Flight, method: Method, sizes: &[f64; SITES.len()]) -> Option<(Vec<DrawnParameter>, Vec<Named>)> {
     let record = flight.record.as_ref().ok()?;
     let (mut record, mut model, mut truth) = (record.clone(), flight.model.clone(), flight.truth.at_end().clone());
-    model.uncertainty.propagation = Propagation::Recursion;
     for (site, size) in SITES.iter().zip(sizes).filter(|(_, size)| **size != 0.0) {
         site.apply(*size, &mut record, &mut model, &mut truth);
     }
@@ -259,7 +258,7 @@ fn run(flight: &Flight, method: Method, sizes: &[f64; SITES.len()]) -> Option<(V
             value: found.value,
             random_std: found.random_std(),
             followed_std: found.systematic_std,
-            powers_std: model.uncertainty.of(declared) * found.value.abs(),
+            powers_std: model.systematic_part(declared) * found.value.abs(),
         });
     }
     Some((parameters, named))

@@ -501,6 +501,14 @@ impl ParameterResult {
         let (whole, systematic) = (self.corrected_std_error, self.systematic_std.hypot(self.correction_std));
         ((whole - systematic) * (whole + systematic)).max(0.0).sqrt()
     }
+
+    /// The [`systematic_parts`](Self::systematic_parts) that make half a percent of the variance or more, in words:
+    /// `airspeed 34 %, inertia 33 %`. Empty where there are none.
+    pub fn contributors_in_words(&self) -> String {
+        let leading = self.systematic_parts.iter().filter(|part| part.share >= 0.005);
+        let words: Vec<String> = leading.map(|part| format!("{} {:.0} %", part.quantity, 100.0 * part.share)).collect();
+        words.join(", ")
+    }
 }
 
 /// A sum of two derivatives that a flight determines even where it does not determine the two parts.

@@ -9,6 +9,7 @@ pub mod method;
 pub(crate) mod number;
 pub mod options;
 pub mod output;
+pub(crate) mod scaling;
 pub(crate) mod soundness;
 pub mod stack;
 pub(crate) mod systematic;

@@ -424,7 +424,7 @@ fn column<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
     let (value, std_error, corrected, at_limit) = position::<M, N, R>(parameter, fit)
         .map(|i| &fit.unknowns[i])
         .map_or(prior, |u| (u.value, u.std_error, u.corrected_std_error, u.at_limit));
-    let systematic = task.file.uncertainty.of(parameter) * value.abs();
+    let systematic = task.file.systematic_part(parameter) * value.abs();
     let corrected_with = corrected.hypot(systematic);
     let observability = (1.0 - (std_error / parameter.prior_std).powi(2)).max(0.0);
     let scale = match task.file.base {
@@ -448,7 +448,7 @@ fn column<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
         std_error,
         corrected_std_error: corrected_with,
         systematic_std: systematic,
-        systematic_parts: task.file.uncertainty.shares_of(parameter),
+        systematic_parts: task.file.systematic_shares(parameter),
         observability,
         status,
         change_sensitivity: 0.0,

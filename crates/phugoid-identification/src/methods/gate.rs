@@ -133,4 +133,8 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> Mo
     ) {
         self.model.effects(x, theta, &u.input, &u.surface_rates, out);
     }
+
+    fn regressor_powers<const K: usize>(&self, x: &[f64; N], column: usize) -> [f64; K] {
+        Motion::regressor_powers(&self.model, x, column)
+    }
 }

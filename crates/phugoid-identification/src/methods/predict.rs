@@ -116,7 +116,7 @@ fn predict_of<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
             _ => false,
         });
         let value = place.and_then(|i| values.get(i)).copied().unwrap_or(parameter.start);
-        let systematic = model.uncertainty.of(parameter) * value.abs();
+        let systematic = model.systematic_part(parameter) * value.abs();
         PredictedParameter {
             name: parameter.name.clone(),
             value,

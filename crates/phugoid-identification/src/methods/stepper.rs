@@ -387,7 +387,7 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> Ca
 
     fn systematic_parts(&self, column: usize) -> Vec<SystematicPart> {
         let Some(parts) = self.followed(column) else {
-            return self.file.estimated().nth(column).map_or_else(Vec::new, |p| self.file.uncertainty.shares_of(p));
+            return self.file.estimated().nth(column).map_or_else(Vec::new, |p| self.file.systematic_shares(p));
         };
         let mut variances = [0.0; UncertainQuantity::ALL.len()];
         for (quantity, part) in M::CONSTANTS.iter().zip(parts) {
@@ -443,7 +443,7 @@ impl<I: Copy, const R: usize> Lead<I, R> {
 fn uncertainty<const P: usize>(file: &ModelFile) -> [f64; P] {
     let mut out = [0.0; P];
     for (to, parameter) in out.iter_mut().zip(file.estimated()) {
-        *to = file.uncertainty.of(parameter);
+        *to = file.systematic_part(parameter);
     }
     out
 }

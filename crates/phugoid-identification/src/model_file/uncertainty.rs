@@ -9,9 +9,10 @@
 
 use super::error::ModelFileError;
 use super::section::Section;
-use super::{Base, Parameter, Role, Source};
+use super::{Base, Parameter, RateSpeed, Role, Source};
+use crate::core::scaling::ScalingPowers;
 use crate::core::systematic::{SystematicPart, UncertainQuantity, UncertaintyUnit, shares};
-use crate::core::term::{Coefficient, Term, Variable};
+use crate::core::term::{Coefficient, Term};
 use phugoid_flight_data::quantity::Dimension;
 
 /// Number of quantities.
@@ -52,10 +53,10 @@ pub struct Uncertainty {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Propagation {
     /// Each derivative is proportional to a product of powers of the scales, and knows nothing of the other quantities.
-    #[default]
     Powers,
     /// SMPE and the joint filter follow what each error has done to their estimate; other methods as
     /// [`Propagation::Powers`].
+    #[default]
     Recursion,
 }
 
@@ -80,7 +81,7 @@ impl Uncertainty {
         centre_of_gravity: 0.0,
         thrust: 0.0,
         by_default: false,
-        propagation: Propagation::Powers,
+        propagation: Propagation::Recursion,
     };
 
     /// Of an aircraft that was prepared for a flight test: airspeed 1.5 % (14 CFR 25.1323 allows an installation error
@@ -163,8 +164,8 @@ impl Uncertainty {
             Some("unmanned-without-vane") => Self::UNMANNED_WITHOUT_VANE,
             _ => Self::NONE,
         };
-        if section.word("propagation", &["powers", "recursion"])? == Some("recursion") {
-            own.propagation = Propagation::Recursion;
+        if section.word("propagation", &["recursion", "powers"])? == Some("powers") {
+            own.propagation = Propagation::Powers;
         }
         for quantity in UncertainQuantity::ALL {
             let key = quantity.key();
@@ -219,7 +220,7 @@ impl Uncertainty {
                 "none declared in the model file, or increments on a database"
             }
             _ if self.propagation == Propagation::Powers && !Self::has_power(quantity) => {
-                "not in use: it has no power, and `propagation = \"recursion\"` is not asked for"
+                "not in use: it has no power, and `propagation = \"powers\"` is asked for"
             }
             (false, ..) => "the model file, or its class",
             (_, false, UncertainQuantity::AirspeedScale) => {
@@ -245,55 +246,34 @@ impl Uncertainty {
 
     /// One sigma of a parameter as a part of its value by the powers of the scales: zero for offsets and biases, and for
     /// constants, which the flight determines whatever the scales.
-    pub fn of(&self, parameter: &Parameter) -> f64 {
-        self.parts_of(parameter).iter().map(|part| part * part).sum::<f64>().sqrt()
+    pub(super) fn of(&self, parameter: &Parameter, rate_speed: RateSpeed) -> f64 {
+        self.parts_of(parameter, rate_speed).iter().map(|part| part * part).sum::<f64>().sqrt()
     }
 
     /// The quantities that make the systematic error of a parameter by the powers of the scales, the largest share first.
     /// Empty where [`of`](Self::of) is zero.
-    pub fn shares_of(&self, parameter: &Parameter) -> Vec<SystematicPart> {
-        shares(&self.parts_of(parameter).map(|part| part * part))
+    pub(super) fn shares_of(&self, parameter: &Parameter, rate_speed: RateSpeed) -> Vec<SystematicPart> {
+        shares(&self.parts_of(parameter, rate_speed).map(|part| part * part))
     }
 
     /// What each quantity contributes to one sigma of a parameter by the powers of the scales, as a part of its value, in
     /// the order of [`UncertainQuantity::ALL`].
-    fn parts_of(&self, parameter: &Parameter) -> [f64; COUNT] {
+    fn parts_of(&self, parameter: &Parameter, rate_speed: RateSpeed) -> [f64; COUNT] {
         match &parameter.role {
-            Role::Term(coefficient, term) if !term.is_constant() => self.parts_of_term(*coefficient, term),
+            Role::Term(coefficient, term) if !term.is_constant() => self.parts_of_term(*coefficient, term, rate_speed),
             _ => [0.0; COUNT],
         }
     }
 
-    fn parts_of_term(&self, coefficient: Coefficient, term: &Term) -> [f64; COUNT] {
-        // By dynamic pressure.
-        let mut airspeed = 2.0;
-        let (mut flow_angle, mut surface) = (0.0, 0.0);
-        for (factor, power) in term.powers() {
-            let power = f64::from(power);
-            match Variable::ALL.get(factor) {
-                Some(Variable::Alpha | Variable::Beta) => flow_angle += power,
-                Some(Variable::AlphaRate) => {
-                    flow_angle += power;
-                    airspeed -= power;
-                }
-                // Rates are divided by the airspeed.
-                Some(Variable::RollRate | Variable::PitchRate | Variable::YawRate) => airspeed -= power,
-                Some(Variable::Airspeed) => airspeed += power,
-                Some(Variable::Elevator | Variable::Aileron | Variable::Rudder) => surface += power,
-                None => {}
-            }
-        }
-        let (mass, inertia) = match coefficient {
-            Coefficient::Lift | Coefficient::Drag | Coefficient::SideForce => (1.0, 0.0),
-            Coefficient::PitchingMoment | Coefficient::RollingMoment | Coefficient::YawingMoment => (0.0, 1.0),
-        };
+    fn parts_of_term(&self, coefficient: Coefficient, term: &Term, rate_speed: RateSpeed) -> [f64; COUNT] {
+        let powers = ScalingPowers::of(coefficient, term, rate_speed == RateSpeed::Actual);
         UncertainQuantity::ALL.map(|quantity| {
             let power = match quantity {
-                UncertainQuantity::AirspeedScale => airspeed,
-                UncertainQuantity::FlowAngleScale => flow_angle,
-                UncertainQuantity::SurfaceScale => surface,
-                UncertainQuantity::Mass => mass,
-                UncertainQuantity::Inertia => inertia,
+                UncertainQuantity::AirspeedScale => powers.airspeed,
+                UncertainQuantity::FlowAngleScale => powers.alpha + powers.beta,
+                UncertainQuantity::SurfaceScale => powers.surfaces.iter().sum(),
+                UncertainQuantity::Mass => powers.mass,
+                UncertainQuantity::Inertia => powers.inertia,
                 UncertainQuantity::AirspeedPerAlpha
                 | UncertainQuantity::FlowAngleLag
                 | UncertainQuantity::SurfaceSkew
@@ -359,20 +339,21 @@ mod tests {
         assert_eq!(file.uncertainty, Uncertainty { by_default: true, ..Uncertainty::UNSTATED });
         let of = |name: &str| {
             let parameter = file.parameters.iter().find(|p| p.name == name).unwrap();
-            file.uncertainty.of(parameter)
+            file.systematic_part(parameter)
         };
         let root = |parts: &[f64]| parts.iter().map(|p| p * p).sum::<f64>().sqrt();
         assert!((of("CL_alpha") - root(&[0.03, 0.03, 0.03])).abs() < 1e-12);
-        assert!((of("Cm_q") - root(&[0.015, 0.06])).abs() < 1e-12);
+        // The model makes the pitch rate dimensionless with the reference speed.
+        assert!((of("Cm_q") - root(&[0.03, 0.06])).abs() < 1e-12);
         assert!((of("Cm_elevator") - root(&[0.03, 0.03, 0.06])).abs() < 1e-12);
         assert_eq!(of("Cm_0"), 0.0);
         let parameter = |name: &str| file.parameters.iter().find(|p| p.name == name).unwrap();
-        let shares = file.uncertainty.shares_of(parameter("Cm_elevator"));
+        let shares = file.systematic_shares(parameter("Cm_elevator"));
         let words: Vec<&str> = shares.iter().map(|part| part.quantity.key()).collect();
         assert_eq!(words, ["inertia", "airspeed_scale", "surface_scale"]);
         // 36, 9 and 9 parts of 54.
         assert!((shares[0].share - 36.0 / 54.0).abs() < 1e-12 && (shares[2].share - 9.0 / 54.0).abs() < 1e-12);
-        assert!(file.uncertainty.shares_of(parameter("Cm_0")).is_empty());
+        assert!(file.systematic_shares(parameter("Cm_0")).is_empty());
         assert_eq!(ModelFile::named("hfb320").unwrap().uncertainty, Uncertainty::FLIGHT_TEST);
         assert_eq!(ModelFile::named("f16").unwrap().uncertainty, Uncertainty::NONE);
     }
@@ -388,15 +369,14 @@ mod tests {
         assert!(with("[uncertainty]\nclass = \"glider\"").is_err() && with("[uncertainty]\nmass = 2").is_err());
         let own = with("[uncertainty]\nflow_angle_lag = \"25 ms\"\ncentre_of_gravity = \"1 %\"").unwrap();
         assert_eq!(own, Uncertainty { flow_angle_lag: 0.025, centre_of_gravity: 0.01, ..Uncertainty::NONE });
-        assert!(!own.follows());
+        assert!(own.follows());
         let none = with("[uncertainty]\nclass = \"none\"\npropagation = \"recursion\"").unwrap();
-        assert_eq!(none, Uncertainty { propagation: Propagation::Recursion, ..Uncertainty::NONE });
+        assert_eq!(none, Uncertainty::NONE);
         assert!(!none.follows());
-        let text = "[uncertainty]\nclass = \"unmanned-without-vane\"\npropagation = \"recursion\"";
-        let followed = with(text).unwrap();
-        let expected = Uncertainty { propagation: Propagation::Recursion, ..Uncertainty::UNMANNED_WITHOUT_VANE };
-        assert_eq!(followed, expected);
-        assert!(followed.follows());
+        let powers = with("[uncertainty]\nclass = \"unmanned-without-vane\"\npropagation = \"powers\"").unwrap();
+        let expected = Uncertainty { propagation: Propagation::Powers, ..Uncertainty::UNMANNED_WITHOUT_VANE };
+        assert_eq!(powers, expected);
+        assert!(!powers.follows());
         let message = with("[uncertainty]\nsurface_skew = 3").unwrap_err().to_string();
         assert!(message.contains("surface_skew") && message.contains("a time, 0 to 1 s"), "{message}");
         let light = unstated().replace("mass = ", "mass = \"12 kg\" #");

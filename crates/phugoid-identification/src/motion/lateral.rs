@@ -51,4 +51,7 @@ impl Motion<LATERAL_STATES, LATERAL_OUTPUTS> for LateralModel {
     ) {
         self.effects_of_constants(x, theta, u, surface_rates, out);
     }
+    fn regressor_powers<const K: usize>(&self, _: &[f64; LATERAL_STATES], column: usize) -> [f64; K] {
+        self.powers_of_constants(column)
+    }
 }

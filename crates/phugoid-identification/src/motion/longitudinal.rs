@@ -62,4 +62,7 @@ impl Motion<STATES, OUTPUTS> for LongitudinalModel {
     ) {
         self.effects_of_constants(x, theta, u, surface_rates[0], out);
     }
+    fn regressor_powers<const K: usize>(&self, x: &[f64; STATES], column: usize) -> [f64; K] {
+        self.powers_of_constants(x, column)
+    }
 }

@@ -59,6 +59,12 @@ pub trait Motion<const N: usize, const R: usize>: Clone + Debug + Send + 'static
         _out: &mut ConstantEffects<N, R, K>,
     ) {
     }
+
+    /// By which part the regressor of a column is larger than the true one, per unit of each constant
+    /// ([`Model::regressor_powers`]).
+    fn regressor_powers<const K: usize>(&self, _x: &[f64; N], _column: usize) -> [f64; K] {
+        [0.0; K]
+    }
 }
 
 /// A motion that is a [`Model`] with room for `P` parameters.

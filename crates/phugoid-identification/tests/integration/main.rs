@@ -14,6 +14,7 @@ mod batch_pipeline;
 mod batch_real_records;
 mod batch_unstable;
 mod effective;
+mod followed_constants;
 mod form;
 mod golden;
 mod health;

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use phugoid_flight_data::quality::{QualityReport, Severity};
-use phugoid_identification::estimation::{Estimation, FinalStatus, ParameterResult};
+use phugoid_identification::estimation::{Estimation, FinalStatus, ParameterResult, UncertainQuantity};
 
 use super::options::HtmlOptions;
 use super::page::{END_OF_TABLE, head, prose, table, trimmed};
@@ -46,10 +46,12 @@ pub(super) fn parameters(estimation: &Estimation) -> String {
             ("", "Unit"),
             ("n", "Random<br>std. error"),
             ("n", "Systematic<br>std. error"),
+            ("", "Share of the variance"),
             ("", "The systematic part comes from"),
         ];
         out.push_str("<h3>Random and systematic</h3>\n");
         out.push_str(&grouped(estimation, &heads, |p| systematic_row(estimation, p)));
+        out.push_str(&bar_legend(estimation));
         out.push_str(
             "<p class=\"note\">The two make the standard error above, as the root of the sum of their squares. A longer or \
              livelier flight makes the random part smaller (GUM: type A). The systematic part follows from the declared \
@@ -137,10 +139,50 @@ fn systematic_row(estimation: &Estimation, parameter: &ParameterResult) -> Strin
         if value > 0.0 { significant(value * unit.factor, 3) } else { dash() }
     };
     let cells = [number(parameter.random_std()), number(parameter.systematic_std)];
-    let parts = parameter.systematic_parts.iter();
-    let parts: Vec<String> = parts.map(|part| format!("{} {:.0} %", part.quantity, 100.0 * part.share)).collect();
-    let parts = if parts.is_empty() { dash() } else { escape(&parts.join(", ")) };
-    format!("<tr>{}{}<td>{parts}</td></tr>\n", first_cells(parameter, &unit), number_cells(&cells))
+    let words = parameter.contributors_in_words();
+    let words = if words.is_empty() { dash() } else { escape(&words) };
+    let bar = variance_bar(parameter);
+    format!("<tr>{}{}<td>{bar}</td><td>{words}</td></tr>\n", first_cells(parameter, &unit), number_cells(&cells))
+}
+
+/// A bar as long as the variance of a parameter, split into what is random, what each declared quantity and what an
+/// applied correction of the record makes of it; nothing where there is no variance.
+fn variance_bar(parameter: &ParameterResult) -> String {
+    let whole = parameter.corrected_std_error.powi(2);
+    if !(whole > 0.0 && whole.is_finite()) {
+        return String::new();
+    }
+    let random = parameter.random_std().powi(2) / whole;
+    let declared = parameter.systematic_std.powi(2) / whole;
+    let parts = parameter.systematic_parts.iter().map(|p| (p.quantity.key(), p.quantity.name(), declared * p.share));
+    let mut out = String::from("<div class=\"bar\">");
+    let correction = ("correction", "correction of the record", parameter.correction_std.powi(2) / whole);
+    for (key, name, share) in std::iter::once(("random", "random", random)).chain(parts).chain([correction]) {
+        let percent = 100.0 * share;
+        if percent >= 0.5 {
+            let _ = write!(
+                out,
+                "<span class=\"part {key}\" style=\"width:{percent:.1}%\" title=\"{name} {percent:.0} % of the variance\"></span>"
+            );
+        }
+    }
+    out.push_str("</div>");
+    out
+}
+
+/// What the colours of [`variance_bar`] mean: the random part, and each quantity that has a part anywhere.
+fn bar_legend(estimation: &Estimation) -> String {
+    let shown = |quantity: &UncertainQuantity| {
+        let parts = estimation.parameters.iter().flat_map(|p| &p.systematic_parts);
+        parts.filter(|part| part.quantity == *quantity).any(|part| part.share >= 0.005)
+    };
+    let quantities = UncertainQuantity::ALL.into_iter().filter(shown).map(|q| (q.key(), q.name()));
+    let mut out = String::from("<p class=\"key\">");
+    for (key, name) in std::iter::once(("random", "random")).chain(quantities) {
+        let _ = write!(out, "<span><i class=\"part {key}\"></i>{name}</span> ");
+    }
+    out.push_str("</p>\n");
+    out
 }
 
 /// The row of a parameter in the table of what was known before.

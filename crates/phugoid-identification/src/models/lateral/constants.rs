@@ -4,7 +4,9 @@ use phugoid_estimators::ConstantEffects;
 use phugoid_flight_dynamics::scalar::Dual;
 
 use super::{LATERAL_OUTPUTS, LATERAL_STATES, LateralInput, LateralModel, Measured};
+use crate::core::scaling::ScalingPowers;
 use crate::core::systematic::UncertainQuantity;
+use crate::core::term::Coefficient;
 
 /// The constants in the order of the columns of [`LateralModel::effects_of_constants`]: flow angles are the sideslip, then
 /// the angle of attack; surfaces aileron, then rudder; moments of inertia about body x, then z.
@@ -100,6 +102,29 @@ impl LateralModel {
         }
         // And the acceleration is that of a point ahead of it.
         outputs[AY][11] = (rate[3] + p * q) * c.mean_chord;
+    }
+
+    /// By which part the regressor of a column is larger than the true one, per unit of each constant. The product of
+    /// inertia is left out.
+    pub(crate) fn powers_of_constants<const K: usize>(&self, column: usize) -> [f64; K] {
+        let mut out = [0.0; K];
+        let (Some((coefficient, term)), true) = (self.columns().get(column), K >= CONSTANTS.len()) else { return out };
+        let powers = ScalingPowers::of(*coefficient, term, self.constants().rate_speed.is_none());
+        let about = |which: Coefficient| if *coefficient == which { powers.inertia } else { 0.0 };
+        let places = [
+            (0, powers.airspeed),
+            (1, powers.beta),
+            (2, powers.alpha),
+            (4, powers.surfaces[1]),
+            (5, powers.surfaces[2]),
+            (8, powers.mass),
+            (9, about(Coefficient::RollingMoment)),
+            (10, about(Coefficient::YawingMoment)),
+        ];
+        for (place, power) in places {
+            out[place] = power;
+        }
+        out
     }
 }
 

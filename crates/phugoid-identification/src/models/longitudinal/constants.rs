@@ -4,6 +4,7 @@ use phugoid_estimators::ConstantEffects;
 use phugoid_flight_dynamics::scalar::Dual;
 
 use super::{LongitudinalInput, LongitudinalModel, OUTPUTS, STATES, row};
+use crate::core::scaling::ScalingPowers;
 use crate::core::systematic::UncertainQuantity;
 
 /// The constants in the order of the columns of [`LongitudinalModel::effects_of_constants`]: accelerometers along x, then
@@ -104,6 +105,26 @@ impl LongitudinalModel {
         outputs[row::AX][11] = thrust[0] / u.mass;
         outputs[row::AZ][11] = thrust[1] / u.mass;
         outputs[row::PITCH_ACCELERATION][11] = turned;
+    }
+
+    /// By which part the regressor of a column is larger than the true one, per unit of each constant. `1 + c alpha` is
+    /// that of the present angle of attack, which changes little beside one.
+    pub(crate) fn powers_of_constants<const K: usize>(&self, x: &[f64; STATES], column: usize) -> [f64; K] {
+        let mut out = [0.0; K];
+        let (Some((coefficient, term)), true) = (self.columns.get(column), K >= CONSTANTS.len()) else { return out };
+        let powers = ScalingPowers::of(*coefficient, term, self.constants.rate_speed.is_none());
+        let places = [
+            (0, powers.airspeed),
+            (1, powers.airspeed * x[1]),
+            (2, powers.alpha),
+            (4, powers.surfaces[0]),
+            (8, powers.mass),
+            (9, powers.inertia),
+        ];
+        for (place, power) in places {
+            out[place] = power;
+        }
+        out
     }
 }
 
