@@ -85,26 +85,7 @@ where
     M: Model<N, R, CAPACITY, Input = I>,
     I: Input,
 {
-    structure.check(manoeuvres, |m: &M| m.parameter_count().min(CAPACITY))?;
-    let half = settings.half_window_s;
-    if half.is_nan() || half <= 0.0 {
-        return Err(BatchError::BadInput(format!("the half window is {half} s: it must be positive")));
-    }
-    let mut held = structure.clone();
-    held.states.iter_mut().for_each(|s| s.free = false);
-    for (i, channel) in held.outputs.iter_mut().enumerate() {
-        // A constant error of a measured state does not appear in the equation of its rate.
-        if state_of::<M, I, N, R>(manoeuvres, i).is_some() {
-            channel.bias = Bias::None;
-        }
-    }
-    let layout: Layout<N> = Layout::new(&held, manoeuvres, nothing_integrated(manoeuvres));
-    let outliers = match structure.likelihood {
-        Likelihood::Robust => Outliers::LeftOut,
-        Likelihood::Gaussian => Outliers::Kept,
-    };
-    let of = |m: &Manoeuvre<'_, M, I, N, R>| Measured::of(m, structure, half, settings.smooth_regressors, outliers);
-    let measured = manoeuvres.iter().map(of).collect::<Result<Vec<_>, _>>()?;
+    let (layout, measured) = smoothed(manoeuvres, structure, settings)?;
     let minimum = regression(manoeuvres, &measured, settings, &layout, FINE)?;
     let Fitted { rows, noise_std } = &minimum.evaluation.detail;
     let mut fit = summarise(&Summary {
@@ -135,6 +116,58 @@ where
     };
     let equations = equations(rows, noise_std, &layout.places, &minimum.unknowns, &fit, settings.f_to_enter, name);
     Ok(EquationErrorFit { fit, equations })
+}
+
+/// Residuals and regressors of all equations of each manoeuvre at given unknowns, and what these are.
+///
+/// # Errors
+/// Those of [`equation_error`].
+pub(super) fn rows_at<M, I, const N: usize, const R: usize>(
+    manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
+    structure: &Structure<N, R>,
+    settings: &EquationErrorSettings,
+    unknowns: &[f64],
+) -> Result<(Layout<N>, Vec<Rows<R>>), BatchError>
+where
+    M: Model<N, R, CAPACITY, Input = I>,
+    I: Input,
+{
+    let (layout, measured) = smoothed(manoeuvres, structure, settings)?;
+    let rows = rows_of(manoeuvres, &measured, &layout, unknowns, &[true; R]);
+    Ok((layout, rows))
+}
+
+/// The unknowns of the regression, and the smoothed states and outputs of each manoeuvre.
+fn smoothed<M, I, const N: usize, const R: usize>(
+    manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
+    structure: &Structure<N, R>,
+    settings: &EquationErrorSettings,
+) -> Result<(Layout<N>, Vec<Measured<N, R>>), BatchError>
+where
+    M: Model<N, R, CAPACITY, Input = I>,
+    I: Input,
+{
+    structure.check(manoeuvres, |m: &M| m.parameter_count().min(CAPACITY))?;
+    let half = settings.half_window_s;
+    if half.is_nan() || half <= 0.0 {
+        return Err(BatchError::BadInput(format!("the half window is {half} s: it must be positive")));
+    }
+    let mut held = structure.clone();
+    held.states.iter_mut().for_each(|s| s.free = false);
+    for (i, channel) in held.outputs.iter_mut().enumerate() {
+        // A constant error of a measured state does not appear in the equation of its rate.
+        if state_of::<M, I, N, R>(manoeuvres, i).is_some() {
+            channel.bias = Bias::None;
+        }
+    }
+    let layout: Layout<N> = Layout::new(&held, manoeuvres, nothing_integrated(manoeuvres));
+    let outliers = match structure.likelihood {
+        Likelihood::Robust => Outliers::LeftOut,
+        Likelihood::Gaussian => Outliers::Kept,
+    };
+    let of = |m: &Manoeuvre<'_, M, I, N, R>| Measured::of(m, structure, half, settings.smooth_regressors, outliers);
+    let measured = manoeuvres.iter().map(of).collect::<Result<Vec<_>, _>>()?;
+    Ok((layout, measured))
 }
 
 /// Length of the last step of a regression, in standard errors: where its values are shown, and where only what noise does

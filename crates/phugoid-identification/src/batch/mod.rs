@@ -15,6 +15,7 @@
 
 mod bound;
 pub(crate) mod colour;
+mod constants;
 pub(crate) mod differentiate;
 mod equation_error;
 mod equation_error_frequency;
@@ -46,6 +47,7 @@ mod start;
 mod summary;
 mod table;
 
+pub(crate) use constants::{ByConstant, equation_error_constants, output_error_constants};
 pub(crate) use equation_error::equations_at;
 pub(crate) use row_correlation::RowCorrelation;
 pub(crate) use signal_band::signal_band;

@@ -4,6 +4,9 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
+/// Room for the constants whose errors a method follows: those of the motion that has most.
+pub(crate) const ROOM_FOR_CONSTANTS: usize = 12;
+
 /// A quantity with a declared uncertainty. Written as its key under `[uncertainty]`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]

@@ -50,8 +50,7 @@ pub(crate) fn verdict<M: Motion<N, R>, const N: usize, const R: usize>(
     if let Some(report) = &run.batch {
         batch(report, &mut sentences);
     }
-    let followed = task.method().follows_constants() && task.file.uncertainty.follows() && !M::CONSTANTS.is_empty();
-    sentences.extend(task.file.uncertainty.sentence(followed).filter(|_| run.excited));
+    sentences.extend(task.file.uncertainty.sentence(run.follows_constants).filter(|_| run.excited));
     sentences.extend(systematic::sentence(parameters).filter(|_| run.excited));
     sentences.extend(task.prepared.notes.iter().map(|n| format!("{}.", capitalised(n))));
     sentences

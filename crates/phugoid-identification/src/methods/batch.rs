@@ -4,6 +4,7 @@ use phugoid_estimators::discretization::InputHold;
 use phugoid_estimators::{ParameterStatus, Phase, Status};
 use phugoid_flight_data::record::Record;
 
+use super::constants::systematic;
 use super::readiness::ColumnVerdict;
 use super::settings::{sample_time, shared_settings};
 use super::task::{ColumnRun, Run, Task};
@@ -17,6 +18,7 @@ use crate::core::estimation::{BatchReport, OtherValue, Prediction, PredictionInt
 use crate::core::method::Method;
 use crate::core::options::{Band, CAPACITY, FlowAngles};
 use crate::core::output::Output;
+use crate::core::systematic::SystematicPart;
 use crate::model_file::{Parameter, Role};
 use crate::motion::MotionModel;
 use crate::preparation::excitation::Excitation;
@@ -56,7 +58,11 @@ pub(super) fn run_batch<M: MotionModel<N, R, CAPACITY>, const N: usize, const R:
             )
             .collect();
     let structure = structure::<M, N, R>(task)?;
-    let Solved { fit, equations, by_equation_error } = solve::<M, N, R>(task, &manoeuvres, &structure)?;
+    let regression = EquationErrorSettings::automatic(sample_time(&prepared.time));
+    let Solved { fit, equations, by_equation_error, structure } =
+        solve::<M, N, R>(task, &manoeuvres, structure, &regression)?;
+    let records: Vec<&Prepared<M, N, R>> = std::iter::once(prepared).chain(&further).collect();
+    let systematic = systematic::<M, N, R>(task, &records, &manoeuvres, &structure, &regression, &fit);
     let prediction = match &options.predict {
         Some(record) => Some(predict::<M, N, R>(task, record, &structure, &fit)?),
         None => None,
@@ -65,7 +71,14 @@ pub(super) fn run_batch<M: MotionModel<N, R, CAPACITY>, const N: usize, const R:
         return Err(EstimateError::Model("the batch method gave no fit of the record".to_owned()));
     };
     let run = Run {
-        columns: file.estimated().map(|p| column::<M, N, R>(p, &fit, prepared.time.len(), task)).collect(),
+        columns: file
+            .estimated()
+            .map(|p| {
+                let place = structure.parameters.iter().position(|own| own.name == p.name);
+                let followed = systematic.as_ref().zip(place).and_then(|(all, place)| all.of(place));
+                column::<M, N, R>(p, &fit, followed, prepared.time.len(), task)
+            })
+            .collect(),
         predicted: rows(&own.fitted),
         residuals: rows(&own.residuals),
         log_density: Vec::new(),
@@ -80,6 +93,7 @@ pub(super) fn run_batch<M: MotionModel<N, R, CAPACITY>, const N: usize, const R:
         excited: true,
         health: None,
         batch: Some(BatchReport { by_equation_error, ..report(&fit, equations, prediction) }),
+        follows_constants: systematic.is_some(),
     };
     progress(1.0);
     Ok(run)
@@ -152,8 +166,10 @@ pub(super) fn structure<M: MotionModel<N, R, CAPACITY>, const N: usize, const R:
     })
 }
 
-struct Solved {
+struct Solved<const N: usize, const R: usize> {
     fit: BatchFit,
+    /// What was unknown in the end.
+    structure: Structure<N, R>,
     /// Of equation error.
     equations: Vec<Equation>,
     /// Of the other methods.
@@ -163,15 +179,15 @@ struct Solved {
 fn solve<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
     task: &Task<M, N, R>,
     manoeuvres: &[Manoeuvre<'_, M, M::KnownInput, N, R>],
-    structure: &Structure<N, R>,
-) -> Result<Solved, EstimateError> {
-    let regression = EquationErrorSettings::automatic(sample_time(&task.prepared.time));
+    structure: Structure<N, R>,
+    regression: &EquationErrorSettings,
+) -> Result<Solved<N, R>, EstimateError> {
     let method = task.method();
     let band = if method.is_in_band() { Some(band::<M, N, R>(task, structure.maximum_gap_s)?) } else { None };
-    let by_sample = || batch::equation_error::<M, M::KnownInput, N, R>(manoeuvres, structure, &regression);
+    let by_sample = || batch::equation_error::<M, M::KnownInput, N, R>(manoeuvres, &structure, regression);
     let equations = || match band {
         Some(band) => {
-            batch::equation_error_frequency::<M, M::KnownInput, N, R>(manoeuvres, structure, band, &regression)
+            batch::equation_error_frequency::<M, M::KnownInput, N, R>(manoeuvres, &structure, band, regression)
         }
         None => by_sample(),
     };
@@ -193,7 +209,7 @@ fn solve<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
     };
     if method.is_equation_error() {
         let found = equations()?;
-        return Ok(Solved { fit: found.fit, equations: found.equations, by_equation_error: Vec::new() });
+        return Ok(Solved { fit: found.fit, structure, equations: found.equations, by_equation_error: Vec::new() });
     }
     // The values of the model file may lie beyond another minimum than the best one; those of the regression need no
     // start themselves and are biased by noise only.
@@ -233,22 +249,22 @@ fn solve<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
             },
         }
     };
-    let fit = match method {
+    let (fit, structure) = match method {
         Method::OutputError => with_flow_angles::<M, N, R>(task, manoeuvres, structure, searched)?,
-        _ => searched(structure)?,
+        _ => (searched(&structure)?, structure),
     };
-    Ok(Solved { fit, equations: Vec::new(), by_equation_error })
+    Ok(Solved { fit, structure, equations: Vec::new(), by_equation_error })
 }
 
-/// Output error with the flow angles that the options ask for; `searched` finds its minimum from all starts. Costs with simulated
-/// and with measured angles are of different outputs and are not compared.
+/// Output error with the flow angles that the options ask for, and what was unknown with them; `searched` finds its minimum
+/// from all starts. Costs with simulated and with measured angles are of different outputs and are not compared.
 fn with_flow_angles<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
     task: &Task<M, N, R>,
     manoeuvres: &[Manoeuvre<'_, M, M::KnownInput, N, R>],
-    structure: &Structure<N, R>,
+    structure: Structure<N, R>,
     searched: impl Fn(&Structure<N, R>) -> Result<BatchFit, BatchError>,
-) -> Result<BatchFit, BatchError> {
-    let simulated = || searched(structure);
+) -> Result<(BatchFit, Structure<N, R>), BatchError> {
+    let simulated = || Ok((searched(&structure)?, structure.clone()));
     let angles = measured_flow_angles::<M, N, R>(manoeuvres);
     let names: Vec<&str> = angles.iter().map(|&row| M::AXES.outputs()[row].name()).collect();
     let measured = |note: &str| {
@@ -261,7 +277,7 @@ fn with_flow_angles<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usi
         for &row in &angles {
             fit.noise_std[row] = task.noise[row].std;
         }
-        Ok(noted(fit, &format!("{} taken as measured, and not fitted{note}", names.join(" and "))))
+        Ok((noted(fit, &format!("{} taken as measured, and not fitted{note}", names.join(" and "))), following))
     };
     match task.options.flow_angles {
         _ if angles.is_empty() => simulated(),
@@ -272,7 +288,7 @@ fn with_flow_angles<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usi
         FlowAngles::Measured => measured(""),
         FlowAngles::Auto => {
             let fit = simulated();
-            let above = fit.as_ref().ok().map(|fit| {
+            let above = fit.as_ref().ok().map(|(fit, _)| {
                 let ratio = |row: &usize| fit.noise_std[*row] / task.noise[*row].std;
                 angles.iter().map(ratio).fold(0.0, f64::max)
             });
@@ -416,6 +432,7 @@ fn position<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
 fn column<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
     parameter: &Parameter,
     fit: &BatchFit,
+    followed: Option<(f64, Vec<SystematicPart>)>,
     samples: usize,
     task: &Task<M, N, R>,
 ) -> ColumnRun {
@@ -424,7 +441,9 @@ fn column<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
     let (value, std_error, corrected, at_limit) = position::<M, N, R>(parameter, fit)
         .map(|i| &fit.unknowns[i])
         .map_or(prior, |u| (u.value, u.std_error, u.corrected_std_error, u.at_limit));
-    let systematic = task.file.systematic_part(parameter) * value.abs();
+    let (systematic, systematic_parts) = followed.unwrap_or_else(|| {
+        (task.file.systematic_part(parameter) * value.abs(), task.file.systematic_shares(parameter))
+    });
     let corrected_with = corrected.hypot(systematic);
     let observability = (1.0 - (std_error / parameter.prior_std).powi(2)).max(0.0);
     let scale = match task.file.base {
@@ -448,7 +467,7 @@ fn column<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
         std_error,
         corrected_std_error: corrected_with,
         systematic_std: systematic,
-        systematic_parts: task.file.systematic_shares(parameter),
+        systematic_parts,
         observability,
         status,
         change_sensitivity: 0.0,

@@ -31,6 +31,24 @@ impl<I: Input> Input for GatedInput<I> {
     }
 }
 
+/// The rates of the surfaces from one sample to the next.
+#[derive(Default)]
+pub(super) struct SurfaceRates {
+    /// Time of the sample before, s, and its deflections, rad.
+    before: Option<(f64, [f64; 3])>,
+}
+
+impl SurfaceRates {
+    /// The rates up to the next sample, rad/s: backward differences, zero at the first one and where time does not run.
+    pub(super) fn at(&mut self, time_s: f64, deflections: [f64; 3]) -> [f64; 3] {
+        let Some((before_s, before)) = self.before.replace((time_s, deflections)) else { return [0.0; 3] };
+        if time_s <= before_s {
+            return [0.0; 3];
+        }
+        std::array::from_fn(|i| (deflections[i] - before[i]) / (time_s - before_s))
+    }
+}
+
 /// A model whose sensitivity to the parameters of a closed group is zero.
 #[derive(Clone, Debug)]
 pub(crate) struct Gated<M> {

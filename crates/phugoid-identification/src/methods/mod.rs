@@ -4,6 +4,7 @@ mod batch;
 mod causal;
 mod changes;
 mod consistency;
+mod constants;
 mod gate;
 mod health_watch;
 mod predict;

@@ -7,7 +7,7 @@ use phugoid_estimators::settings::{EstimatorSettings, ParameterPrior};
 use phugoid_estimators::{ChangeState, DetectorReport, Estimate, Innovations, ParameterStatus, Sample, Status};
 
 use super::changes::Changes;
-use super::gate::{Gated, GatedInput, open};
+use super::gate::{Gated, GatedInput, SurfaceRates, open};
 use super::health_watch::{HealthRun, Monitoring};
 use super::readiness::{ColumnVerdict, ReadinessWatch};
 use super::replay::Replay;
@@ -456,24 +456,6 @@ fn gate<I: Copy, const R: usize>(
 ) -> Sample<GatedInput<I>, R> {
     let input = GatedInput { input: sample.input, open, surface_rates };
     Sample { time_s: sample.time_s, input, outputs: sample.outputs }
-}
-
-/// The rates of the surfaces from one sample to the next.
-#[derive(Default)]
-struct SurfaceRates {
-    /// Time of the sample before, s, and its deflections, rad.
-    before: Option<(f64, [f64; 3])>,
-}
-
-impl SurfaceRates {
-    /// The rates up to the next sample, rad/s: backward differences, zero at the first one and where time does not run.
-    fn at(&mut self, time_s: f64, deflections: [f64; 3]) -> [f64; 3] {
-        let Some((before_s, before)) = self.before.replace((time_s, deflections)) else { return [0.0; 3] };
-        if time_s <= before_s {
-            return [0.0; 3];
-        }
-        std::array::from_fn(|i| (deflections[i] - before[i]) / (time_s - before_s))
-    }
 }
 
 /// Shows the prior of the parameters of a group on which nothing has moved yet.

@@ -17,14 +17,12 @@ use phugoid_estimators::{Input, Inspect};
 
 use crate::core::error::EstimateError;
 use crate::core::method::Method;
+use crate::core::systematic::ROOM_FOR_CONSTANTS;
 use crate::motion::MotionModel;
 use crate::preparation::front_end::KinematicFrontEnd;
 
 /// Half ranges per second that the implicit sign moves a parameter at most.
 const REACHING_RATE: f64 = 2.0;
-
-/// Room for the constants whose errors a method follows: those of the motion that has most.
-const CONSTANTS: usize = 12;
 
 /// An estimator on the heap, whatever its method: with room for 48 columns it is too large for the stack of a thread.
 pub(super) type Boxed<I, const R: usize, const P: usize> = Box<dyn Inspect<R, P, Input = I> + Send>;
@@ -76,8 +74,8 @@ pub(super) fn set_up<M: MotionModel<N, R, P>, const N: usize, const R: usize, co
     gravity: f64,
 ) -> Result<Boxed<M::KnownInput, R, P>, EstimateError> {
     let estimator = match method {
-        Method::Smpe => place(|| ConsideringSmpe::<M, N, R, P, CONSTANTS>::new(model, *settings)),
-        Method::Ekf => place(|| ConsideringEkf::<M, N, R, P, CONSTANTS>::new(model, *settings)),
+        Method::Smpe => place(|| ConsideringSmpe::<M, N, R, P, ROOM_FOR_CONSTANTS>::new(model, *settings)),
+        Method::Ekf => place(|| ConsideringEkf::<M, N, R, P, ROOM_FOR_CONSTANTS>::new(model, *settings)),
         Method::Rls => {
             let regression = RegressionSettings { reopens: true, ..settings.regression };
             let settings = EstimatorSettings { regression, ..*settings };

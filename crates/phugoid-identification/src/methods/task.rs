@@ -44,6 +44,8 @@ pub(crate) struct Run<const R: usize> {
     pub(crate) health: Option<HealthRun>,
     /// The additional results of a batch method; `None` for a causal one.
     pub(crate) batch: Option<BatchReport>,
+    /// True if errors of the declared constants were followed, false if they are carried by the powers of the scales.
+    pub(crate) follows_constants: bool,
 }
 
 /// An adopted change: value and corrected standard error by column before and after it.

@@ -80,7 +80,14 @@ fn claims_of_declared_scales_are_what_happens() {
         UncertainQuantity::Inertia,
     ];
     let mut worst = 0.0_f64;
-    for (method, length) in [(Method::Smpe, 130), (Method::Smpe, 601), (Method::Ekf, 601)] {
+    let mut beyond = Vec::new();
+    for (method, length) in [
+        (Method::Smpe, 130),
+        (Method::Smpe, 601),
+        (Method::Ekf, 601),
+        (Method::OutputError, 601),
+        (Method::EquationError, 601),
+    ] {
         let mut record = whole.clone();
         record.time.truncate(length);
         record.channels.iter_mut().for_each(|channel| channel.values.truncate(length));
@@ -95,15 +102,17 @@ fn claims_of_declared_scales_are_what_happens() {
                 let moved = (wrong.parameter(&p.name).unwrap().value - p.value).abs() * SIGMA / SMALL;
                 let apart = (moved - p.systematic_std).abs();
                 worst = worst.max((apart - 0.1 * moved) / p.random_std());
-                assert!(
-                    apart < 0.1 * moved + 0.25 * p.random_std(),
-                    "{method}, {quantity}, {length} samples: {} moves by {moved}, claimed {}, random {}",
-                    p.name,
-                    p.systematic_std,
-                    p.random_std()
-                );
+                if apart >= 0.1 * moved + 0.25 * p.random_std() {
+                    beyond.push(format!(
+                        "{method}, {quantity}, {length} samples: {} moves by {moved:.5}, claimed {:.5}, random {:.5}",
+                        p.name,
+                        p.systematic_std,
+                        p.random_std()
+                    ));
+                }
             }
         }
     }
     println!("beyond a tenth of what happens: at most {worst:.3} random standard errors");
+    assert!(beyond.is_empty(), "{}", beyond.join("\n"));
 }

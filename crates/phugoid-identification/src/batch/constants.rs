@@ -1,0 +1,271 @@
+//! How far an error of a constant moves the result of a batch method.
+//!
+//! A flight with a constant that is off by `c` shows `h(theta, c)`, and the method fits `h(theta, 0)` to it. With the
+//! residuals `e(c)` of the flight against a model in which the constant is as it was in flight, the true parameters lie away
+//! from the found ones by
+//!
+//! ```text
+//! T c = sum of the steps M^-1 [ S(c)^T W e(c) - S^T W e ]     output error: information M, sensitivities S
+//! T c = M(c)^-1 [ S(c)^T W e(c) - S^T W e ]                   equation error, with c taken out of the measured states
+//! ```
+//!
+//! to first order. Where residuals hold gusts or an error of the model the cost is curved otherwise than the information
+//! says, and the first step of output error is not all. Nothing of it changes the estimate. The causal filters have the same by a recursion
+//! (`phugoid_estimators::supervisor::considered`).
+
+use phugoid_estimators::{ConstantEffects, Input, LinearizedOutputs, LinearizedRates, Model};
+
+use super::equation_error::{EquationErrorSettings, rows_at};
+use super::followed::Followed;
+use super::information::solve;
+use super::layout::Layout;
+use super::likelihood::Evaluation;
+use super::loss::Loss;
+use super::problem::{Manoeuvre, Structure};
+use super::response::{Rows, response};
+use super::result::{BatchFit, UnknownKind};
+use super::start::stretches;
+use crate::core::options::CAPACITY;
+use crate::core::systematic::ROOM_FOR_CONSTANTS;
+
+/// Errors of one parameter per unit of each constant, the true value less the found one.
+pub(crate) type ByConstant = [f64; ROOM_FOR_CONSTANTS];
+
+/// Most steps of output error with one constant, and the length of the last one over that of the first.
+const MOST_STEPS: usize = 5;
+const STEP_TOLERANCE: f64 = 0.05;
+
+/// A plant in which one constant is off: rates and outputs are those of [`Model::constant_effects`] times its size more.
+#[derive(Debug)]
+struct Displaced<'a, M> {
+    model: &'a M,
+    constant: usize,
+    size: f64,
+    /// The outputs that measure a state show it without the constant.
+    states_are_clear: bool,
+}
+
+impl<M> Displaced<'_, M> {
+    fn effects<const N: usize, const R: usize>(
+        &self,
+        x: &[f64; N],
+        theta: &[f64; CAPACITY],
+        u: &M::Input,
+    ) -> ([f64; N], [f64; R])
+    where
+        M: Model<N, R, CAPACITY>,
+    {
+        let mut effects = ConstantEffects::<N, R, ROOM_FOR_CONSTANTS>::ZERO;
+        self.model.constant_effects(x, theta, u, &mut effects);
+        let of = |row: &ByConstant| self.size * row.get(self.constant).copied().unwrap_or(0.0);
+        (effects.rates.each_ref().map(of), effects.outputs.each_ref().map(of))
+    }
+}
+
+impl<M, const N: usize, const R: usize> Model<N, R, CAPACITY> for Displaced<'_, M>
+where
+    M: Model<N, R, CAPACITY>,
+{
+    type Input = M::Input;
+
+    fn parameter_count(&self) -> usize {
+        self.model.parameter_count()
+    }
+
+    fn rates(&self, x: &[f64; N], theta: &[f64; CAPACITY], u: &Self::Input) -> [f64; N] {
+        let (more, _) = self.effects::<N, R>(x, theta, u);
+        let rates = self.model.rates(x, theta, u);
+        std::array::from_fn(|i| rates[i] + more[i])
+    }
+
+    fn linearized_rates(
+        &self,
+        x: &[f64; N],
+        theta: &[f64; CAPACITY],
+        u: &Self::Input,
+        out: &mut LinearizedRates<N, CAPACITY>,
+    ) {
+        self.model.linearized_rates(x, theta, u, out);
+        let (more, _) = self.effects::<N, R>(x, theta, u);
+        out.rates.iter_mut().zip(more).for_each(|(rate, more)| *rate += more);
+    }
+
+    fn linearized_outputs(
+        &self,
+        x: &[f64; N],
+        theta: &[f64; CAPACITY],
+        u: &Self::Input,
+        out: &mut LinearizedOutputs<N, R, CAPACITY>,
+    ) {
+        self.model.linearized_outputs(x, theta, u, out);
+        let (_, mut more) = self.effects::<N, R>(x, theta, u);
+        if self.states_are_clear {
+            (0..N).filter_map(|state| self.model.measuring_output(state)).for_each(|output| more[output] = 0.0);
+        }
+        out.outputs.iter_mut().zip(more).for_each(|(output, more)| *output += more);
+    }
+
+    fn measuring_output(&self, state: usize) -> Option<usize> {
+        self.model.measuring_output(state)
+    }
+}
+
+/// The manoeuvres flown by aircraft in which a constant is off.
+fn displaced<'a, M, I, const N: usize, const R: usize>(
+    manoeuvres: &'a [Manoeuvre<'a, M, I, N, R>],
+    models: &'a [Displaced<'a, M>],
+) -> Vec<Manoeuvre<'a, Displaced<'a, M>, I, N, R>> {
+    let with = |(m, model): (&Manoeuvre<'a, M, I, N, R>, &'a Displaced<'a, M>)| Manoeuvre {
+        name: m.name,
+        model,
+        time_s: m.time_s,
+        inputs: m.inputs,
+        hold: m.hold,
+        outputs: m.outputs,
+        initial_state: m.initial_state,
+    };
+    manoeuvres.iter().zip(models).map(with).collect()
+}
+
+fn models_of<'a, M, I, const N: usize, const R: usize>(
+    manoeuvres: &[Manoeuvre<'a, M, I, N, R>],
+    constant: usize,
+    size: f64,
+    states_are_clear: bool,
+) -> Vec<Displaced<'a, M>> {
+    manoeuvres.iter().map(|m| Displaced { model: m.model, constant, size, states_are_clear }).collect()
+}
+
+/// What [`output_error()`](super::output_error()) makes of errors of the constants: one entry per parameter of the
+/// structure. `sizes`: how far each constant is displaced to find out, of the order of its uncertainty; zero for one of which
+/// nothing is asked. None where the result does not belong to the structure, or a step cannot be solved for.
+pub(crate) fn output_error_constants<M, I, const N: usize, const R: usize>(
+    manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
+    structure: &Structure<N, R>,
+    fit: &BatchFit,
+    sizes: &ByConstant,
+) -> Option<Vec<ByConstant>>
+where
+    M: Model<N, R, CAPACITY, Input = I>,
+    I: Input,
+{
+    let followed: Vec<Followed<N>> =
+        manoeuvres.iter().filter_map(|m| Followed::of(m, structure).transpose()).collect::<Result<_, _>>().ok()?;
+    let layout: Layout<N> =
+        Layout::new(structure, manoeuvres, stretches(manoeuvres, structure).ok()?).following(followed);
+    let unknowns: Vec<f64> = fit.unknowns.iter().map(|u| u.value).collect();
+    let frozen: Vec<bool> = fit.unknowns.iter().map(|u| u.at_limit).collect();
+    let same = fit.unknowns.iter().map(|u| u.kind).eq(layout.places.iter().map(|p| p.kind));
+    let noise_std: [f64; R] = fit.noise_std.as_slice().try_into().ok().filter(|_| same)?;
+    let loss = Loss::of(structure.likelihood);
+    let maximum_step_s = structure.maximum_step_s;
+    let mut found = Evaluation::of_priors(&layout.places, &unknowns);
+    for (index, m) in manoeuvres.iter().enumerate() {
+        let rows = response(m, index, &layout, &unknowns, maximum_step_s).ok()?;
+        found.add(&rows.whitened(&noise_std, loss));
+    }
+    let mut by_parameter = vec![[0.0; ROOM_FOR_CONSTANTS]; structure.parameters.len()];
+    for (constant, size) in sizes.iter().copied().enumerate().filter(|(_, size)| *size > 0.0) {
+        let models = models_of(manoeuvres, constant, size, false);
+        let manoeuvres = displaced(manoeuvres, &models);
+        let mut moved = unknowns.clone();
+        let mut first = f64::INFINITY;
+        for _ in 0..MOST_STEPS {
+            let mut with = Evaluation::of_priors(&layout.places, &moved);
+            for (index, m) in manoeuvres.iter().enumerate() {
+                let rows = response(m, index, &layout, &moved, maximum_step_s).ok()?;
+                with.add(&rows.whitened(&noise_std, loss));
+            }
+            let step = solve(&found.information, &(with.descent - &found.descent), 0.0, &frozen)?;
+            moved.iter_mut().zip(step.iter()).for_each(|(unknown, step)| *unknown += step);
+            let length = step.dot(&(&found.information * &step)).sqrt();
+            if first.is_infinite() {
+                first = length;
+            }
+            if length <= STEP_TOLERANCE * first {
+                break;
+            }
+        }
+        for ((place, moved), unknown) in layout.places.iter().zip(&moved).zip(&unknowns) {
+            if let UnknownKind::Parameter { index } = place.kind {
+                by_parameter[index][constant] = (moved - unknown) / size;
+            }
+        }
+    }
+    Some(by_parameter)
+}
+
+/// What [`equation_error()`](super::equation_error()) makes of errors of the constants, as [`output_error_constants`]. What noise
+/// in the regressors takes off an effect is left out: it is a small part of it.
+pub(crate) fn equation_error_constants<M, I, const N: usize, const R: usize>(
+    manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
+    structure: &Structure<N, R>,
+    settings: &EquationErrorSettings,
+    fit: &BatchFit,
+    sizes: &ByConstant,
+) -> Option<Vec<ByConstant>>
+where
+    M: Model<N, R, CAPACITY, Input = I>,
+    I: Input,
+{
+    let unknowns: Vec<f64> = fit.unknowns.iter().map(|u| u.value).collect();
+    let frozen: Vec<bool> = fit.unknowns.iter().map(|u| u.at_limit).collect();
+    let noise_std: [f64; R] = fit.noise_std.as_slice().try_into().ok()?;
+    let (layout, rows) = rows_at(manoeuvres, structure, settings, &unknowns).ok()?;
+    if !fit.unknowns.iter().map(|u| u.kind).eq(layout.places.iter().map(|p| p.kind)) {
+        return None;
+    }
+    let at = |rows: Vec<Rows<R>>| {
+        let mut there = Evaluation::of_priors(&layout.places, &unknowns);
+        rows.into_iter().for_each(|rows| there.add(&rows.whitened(&noise_std, Loss::GAUSSIAN)));
+        there
+    };
+    let found = at(rows);
+    let theta = layout.parameters(&unknowns);
+    let mut by_parameter = vec![[0.0; ROOM_FOR_CONSTANTS]; structure.parameters.len()];
+    for (constant, size) in sizes.iter().copied().enumerate().filter(|(_, size)| *size > 0.0) {
+        let models = models_of(manoeuvres, constant, size, true);
+        // The states are taken as measured, without what the constant adds to what is shown of them. Of the other outputs the
+        // model knows itself what it adds.
+        let cleared: Vec<Vec<[f64; R]>> =
+            manoeuvres.iter().zip(&models).map(|(m, model)| cleared(m, model, &theta)).collect();
+        let with: Vec<Manoeuvre<'_, Displaced<'_, M>, I, N, R>> = displaced(manoeuvres, &models)
+            .into_iter()
+            .zip(&cleared)
+            .map(|(m, outputs)| Manoeuvre { outputs, ..m })
+            .collect();
+        let with = at(rows_at(&with, structure, settings, &unknowns).ok()?.1);
+        // The equations are linear in the parameters: with their regressors one step is all.
+        let step = solve(&with.information, &(with.descent - &found.descent), 0.0, &frozen)?;
+        for (place, step) in layout.places.iter().zip(step.iter()) {
+            if let UnknownKind::Parameter { index } = place.kind {
+                by_parameter[index][constant] = step / size;
+            }
+        }
+    }
+    Some(by_parameter)
+}
+
+/// The measured outputs of a manoeuvre, those that measure a state without what the constant adds to them. Where a state is
+/// not measured nothing is known of that, and they stay as they are.
+fn cleared<M, I, const N: usize, const R: usize>(
+    m: &Manoeuvre<'_, M, I, N, R>,
+    model: &Displaced<'_, M>,
+    theta: &[f64; CAPACITY],
+) -> Vec<[f64; R]>
+where
+    M: Model<N, R, CAPACITY, Input = I>,
+    I: Input,
+{
+    let measuring: [Option<usize>; N] = std::array::from_fn(|i| m.model.measuring_output(i));
+    let each = |(outputs, input): (&[f64; R], &I)| {
+        let x: [f64; N] = measuring.map(|output| output.map_or(f64::NAN, |output| outputs[output]));
+        let mut outputs = *outputs;
+        if x.iter().all(|value| value.is_finite()) {
+            let (_, more): ([f64; N], [f64; R]) = model.effects(&x, theta, input);
+            measuring.iter().flatten().for_each(|&output| outputs[output] -= more[output]);
+        }
+        outputs
+    };
+    m.outputs.iter().zip(m.inputs).map(each).collect()
+}
