@@ -13,7 +13,7 @@ use crate::batch::{
 };
 use crate::core::axes::Axes;
 use crate::core::error::EstimateError;
-use crate::core::estimation::{BatchReport, OtherValue, Prediction, PredictionInterval, Signal};
+use crate::core::estimation::{BatchReport, OtherValue, Prediction, PredictionInterval, SecondAnswer, Signal};
 use crate::core::method::Method;
 use crate::core::options::{Band, CAPACITY, FlowAngles};
 use crate::core::output::Output;
@@ -56,7 +56,7 @@ pub(super) fn run_batch<M: MotionModel<N, R, CAPACITY>, const N: usize, const R:
             )
             .collect();
     let structure = structure::<M, N, R>(task)?;
-    let Solved { fit, equations, by_equation_error } = solve::<M, N, R>(task, &manoeuvres, &structure)?;
+    let Solved { fit, equations, second_answer } = solve::<M, N, R>(task, &manoeuvres, &structure)?;
     let prediction = match &options.predict {
         Some(record) => Some(predict::<M, N, R>(task, record, &structure, &fit)?),
         None => None,
@@ -79,7 +79,7 @@ pub(super) fn run_batch<M: MotionModel<N, R, CAPACITY>, const N: usize, const R:
         noise: None,
         excited: true,
         health: None,
-        batch: Some(BatchReport { by_equation_error, ..report(&fit, equations, prediction) }),
+        batch: Some(BatchReport { second_answer, ..report(&fit, equations, prediction) }),
     };
     progress(1.0);
     Ok(run)
@@ -156,8 +156,8 @@ struct Solved {
     fit: BatchFit,
     /// Of equation error.
     equations: Vec<Equation>,
-    /// Of the other methods.
-    by_equation_error: Vec<OtherValue>,
+    /// By equation error, of the other methods.
+    second_answer: Option<SecondAnswer>,
 }
 
 fn solve<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
@@ -193,12 +193,13 @@ fn solve<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
     };
     if method.is_equation_error() {
         let found = equations()?;
-        return Ok(Solved { fit: found.fit, equations: found.equations, by_equation_error: Vec::new() });
+        return Ok(Solved { fit: found.fit, equations: found.equations, second_answer: None });
     }
     // The values of the model file may lie beyond another minimum than the best one; those of the regression need no
     // start themselves and are biased by noise only.
     let regressed = equations().ok();
-    let by_equation_error = regressed.as_ref().map_or(Vec::new(), |found| others(&found.fit));
+    let by = if band.is_some() { Method::EquationErrorFrequency } else { Method::EquationError };
+    let second_answer = regressed.as_ref().map(|found| SecondAnswer { method: by, values: others(&found.fit) });
     // A simulation needs constants too, which a band does not give.
     let regressed = if band.is_some() { by_sample().ok() } else { regressed };
     let cost = |fit: &BatchFit| fit.iterations.last().map_or(f64::INFINITY, |i| i.cost);
@@ -237,7 +238,7 @@ fn solve<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
         Method::OutputError => with_flow_angles::<M, N, R>(task, manoeuvres, structure, searched)?,
         _ => searched(structure)?,
     };
-    Ok(Solved { fit, equations: Vec::new(), by_equation_error })
+    Ok(Solved { fit, equations: Vec::new(), second_answer })
 }
 
 /// Output error with the flow angles that the options ask for; `searched` finds its minimum from all starts. Costs with simulated
@@ -501,7 +502,7 @@ fn report(fit: &BatchFit, equations: Vec<Equation>, prediction: Option<Predictio
         unknowns: fit.unknowns.iter().filter(|u| is_additional(u.kind)).cloned().collect(),
         manoeuvres: fit.manoeuvres.iter().map(|m| (m.name.clone(), m.outputs.clone())).collect(),
         equations,
-        by_equation_error: Vec::new(),
+        second_answer: None,
         band: fit.band.clone(),
         prediction,
         notes: fit.notes.clone(),

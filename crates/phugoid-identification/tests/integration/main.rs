@@ -25,4 +25,5 @@ mod options;
 mod readiness;
 mod session;
 mod six;
+mod two_methods;
 mod units;
