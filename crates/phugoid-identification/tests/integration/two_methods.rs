@@ -1,4 +1,5 @@
-//! Equation error with a filter beside it, on a real flight: HFB-320, whose angle of attack comes about 0.2 s late.
+//! Equation error with a filter beside it, on a real flight: HFB-320, whose angle of attack comes about 0.2 s late by its
+//! kinematics (docs/methods.md).
 
 use crate::common;
 
@@ -62,8 +63,8 @@ fn earlier(record: &Record, samples: usize) -> Record {
     record
 }
 
-/// The cause of the difference: the earlier the angle of attack, the nearer are the methods to one another, and with 0.2 s
-/// they agree.
+/// The probable cause of the difference: the earlier the angle of attack, the nearer are the methods to one another, and with
+/// 0.2 s they agree.
 #[test]
 fn with_the_angle_of_attack_in_time_the_methods_agree() {
     let Some(record) = flight() else { return };
