@@ -414,10 +414,10 @@ pub struct BatchReport {
     pub manoeuvres: Vec<(String, Vec<OutputFit>)>,
     /// Equations with their terms, from equation error.
     pub equations: Vec<Equation>,
-    /// The parameters by equation error, which output error and filter error begin with: another answer to the same
-    /// question. Empty by equation error itself, and where that gives none.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub by_equation_error: Vec<OtherValue>,
+    /// The parameters by another method: another answer to the same question. `None` where that gives none, which a note
+    /// says.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub second_answer: Option<SecondAnswer>,
     /// The band of a frequency-domain method; `None` of the others. Levels, fit and residuals are then those in the band.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub band: Option<BandUsed>,
@@ -425,6 +425,16 @@ pub struct BatchReport {
     pub prediction: Option<Prediction>,
     /// Warnings about the result in sentences; read them before you use the numbers.
     pub notes: Vec<String>,
+}
+
+/// The parameters by another method than that of the result.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SecondAnswer {
+    /// Equation error, which output error and filter error begin with; beside equation error the filter that takes the
+    /// record sample by sample.
+    pub method: Method,
+    /// The parameters that it gives a number for.
+    pub values: Vec<OtherValue>,
 }
 
 /// A parameter by another method, in the parameter's own unit.

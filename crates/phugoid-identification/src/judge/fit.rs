@@ -162,7 +162,7 @@ mod tests {
             unknowns: Vec::new(),
             manoeuvres: vec![("the record".to_owned(), fits)],
             equations: Vec::new(),
-            by_equation_error: Vec::new(),
+            second_answer: None,
             band: None,
             prediction: None,
             notes: Vec::new(),

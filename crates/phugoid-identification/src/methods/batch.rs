@@ -14,7 +14,7 @@ use crate::batch::{
 };
 use crate::core::axes::Axes;
 use crate::core::error::EstimateError;
-use crate::core::estimation::{BatchReport, OtherValue, Prediction, PredictionInterval, Signal};
+use crate::core::estimation::{BatchReport, OtherValue, Prediction, PredictionInterval, SecondAnswer, Signal};
 use crate::core::method::Method;
 use crate::core::options::{Band, CAPACITY, FlowAngles};
 use crate::core::output::Output;
@@ -59,7 +59,7 @@ pub(super) fn run_batch<M: MotionModel<N, R, CAPACITY>, const N: usize, const R:
             .collect();
     let structure = structure::<M, N, R>(task)?;
     let regression = EquationErrorSettings::automatic(sample_time(&prepared.time));
-    let Solved { fit, equations, by_equation_error, structure } =
+    let Solved { fit, equations, second_answer, structure } =
         solve::<M, N, R>(task, &manoeuvres, structure, &regression)?;
     let records: Vec<&Prepared<M, N, R>> = std::iter::once(prepared).chain(&further).collect();
     let systematic = systematic::<M, N, R>(task, &records, &manoeuvres, &structure, &regression, &fit);
@@ -92,7 +92,7 @@ pub(super) fn run_batch<M: MotionModel<N, R, CAPACITY>, const N: usize, const R:
         noise: None,
         excited: true,
         health: None,
-        batch: Some(BatchReport { by_equation_error, ..report(&fit, equations, prediction) }),
+        batch: Some(BatchReport { second_answer, ..report(&fit, equations, prediction) }),
         follows_constants: systematic.is_some(),
     };
     progress(1.0);
@@ -172,8 +172,8 @@ struct Solved<const N: usize, const R: usize> {
     structure: Structure<N, R>,
     /// Of equation error.
     equations: Vec<Equation>,
-    /// Of the other methods.
-    by_equation_error: Vec<OtherValue>,
+    /// By equation error, of the other methods.
+    second_answer: Option<SecondAnswer>,
 }
 
 fn solve<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
@@ -209,12 +209,13 @@ fn solve<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
     };
     if method.is_equation_error() {
         let found = equations()?;
-        return Ok(Solved { fit: found.fit, structure, equations: found.equations, by_equation_error: Vec::new() });
+        return Ok(Solved { fit: found.fit, structure, equations: found.equations, second_answer: None });
     }
     // The values of the model file may lie beyond another minimum than the best one; those of the regression need no
     // start themselves and are biased by noise only.
     let regressed = equations().ok();
-    let by_equation_error = regressed.as_ref().map_or(Vec::new(), |found| others(&found.fit));
+    let by = if band.is_some() { Method::EquationErrorFrequency } else { Method::EquationError };
+    let second_answer = regressed.as_ref().map(|found| SecondAnswer { method: by, values: others(&found.fit) });
     // A simulation needs constants too, which a band does not give.
     let regressed = if band.is_some() { by_sample().ok() } else { regressed };
     let cost = |fit: &BatchFit| fit.iterations.last().map_or(f64::INFINITY, |i| i.cost);
@@ -253,7 +254,7 @@ fn solve<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
         Method::OutputError => with_flow_angles::<M, N, R>(task, manoeuvres, structure, searched)?,
         _ => (searched(&structure)?, structure),
     };
-    Ok(Solved { fit, structure, equations: Vec::new(), by_equation_error })
+    Ok(Solved { fit, structure, equations: Vec::new(), second_answer })
 }
 
 /// Output error with the flow angles that the options ask for, and what was unknown with them; `searched` finds its minimum
@@ -520,7 +521,7 @@ fn report(fit: &BatchFit, equations: Vec<Equation>, prediction: Option<Predictio
         unknowns: fit.unknowns.iter().filter(|u| is_additional(u.kind)).cloned().collect(),
         manoeuvres: fit.manoeuvres.iter().map(|m| (m.name.clone(), m.outputs.clone())).collect(),
         equations,
-        by_equation_error: Vec::new(),
+        second_answer: None,
         band: fit.band.clone(),
         prediction,
         notes: fit.notes.clone(),

@@ -11,6 +11,7 @@ mod predict;
 mod readiness;
 mod replay;
 mod room;
+mod second;
 mod settings;
 mod stepper;
 mod table;
@@ -36,7 +37,17 @@ pub(crate) fn run<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     task: &Task<M, N, R>,
     progress: &mut dyn FnMut(f64),
 ) -> Result<Run<R>, EstimateError> {
-    if task.method().is_batch() {
+    let method = task.method();
+    if method.is_equation_error() {
+        let mut run = batch::run_batch(task, progress)?;
+        if let Some(report) = &mut run.batch {
+            match second::by_filter(task) {
+                Ok(answer) => report.second_answer = Some(answer),
+                Err(error) => report.notes.push(format!("no second method stands beside these values: {error}")),
+            }
+        }
+        Ok(run)
+    } else if method.is_batch() {
         batch::run_batch(task, progress)
     } else {
         run_causal(&mut *causal_run(task)?, task, progress)

@@ -26,4 +26,5 @@ mod options;
 mod readiness;
 mod session;
 mod six;
+mod two_methods;
 mod units;

@@ -1,0 +1,40 @@
+//! A second answer beside equation error: the same record by a filter.
+//!
+//! Equation error takes the states as measured, and solves each equation by itself. A filter weighs the measured states
+//! against the motion that all equations make together. A sensor that is late, a term that the model lacks, or gusts bend the
+//! two in different ways, and neither shows it in its own bounds.
+
+use super::causal::run_causal;
+use super::room::{EveryRoom, causal_run};
+use super::task::{ColumnRun, Task};
+use crate::core::error::EstimateError;
+use crate::core::estimation::{OtherValue, SecondAnswer};
+use crate::core::method::Method;
+use crate::core::options::EstimateOptions;
+use crate::model_file::{Parameter, Role};
+
+/// The filter: it needs no settings, learns its noise, and takes a tenth of the time of filter error.
+const FILTER: Method = Method::Smpe;
+
+/// The parameters of the task's record by a filter that takes them for constant, as a batch method does.
+///
+/// # Errors
+/// What the filter refuses the record or the model file for.
+pub(super) fn by_filter<M: EveryRoom<N, R>, const N: usize, const R: usize>(
+    task: &Task<M, N, R>,
+) -> Result<SecondAnswer, EstimateError> {
+    let options = EstimateOptions { method: Some(FILTER), change_detection: Some(false), ..EstimateOptions::default() };
+    let Task { prepared, file, noise, .. } = *task;
+    let own = Task { prepared, file, options: &options, noise, health: None };
+    let run = run_causal(&mut *causal_run(&own)?, &own, &mut |_| {})?;
+    let is_derivative = |parameter: &&Parameter| !matches!(parameter.role, Role::Bias(_));
+    let columns = file.estimated().zip(&run.columns).filter(|(parameter, _)| is_derivative(parameter));
+    Ok(SecondAnswer { method: FILTER, values: columns.filter_map(|(p, column)| other(p, column)).collect() })
+}
+
+/// A parameter without the part of its error that the model file declares: that is the same for both methods.
+fn other(parameter: &Parameter, column: &ColumnRun) -> Option<OtherValue> {
+    let random = (column.corrected_std_error.powi(2) - column.systematic_std.powi(2)).max(0.0).sqrt();
+    let is_known = column.value.is_finite() && random.is_finite() && random > 0.0;
+    is_known.then(|| OtherValue { name: parameter.name.clone(), value: column.value, std_error: random })
+}
