@@ -49,6 +49,13 @@ impl Estimation {
         PyArray1::from_iter(py, self.inner.parameters.iter().map(|p| p.corrected_std_error))
     }
 
+    /// The parts of the standard errors that declared uncertainties make (one sigma): a longer flight does not make them
+    /// smaller. Zero where nothing is declared.
+    #[getter]
+    fn systematic_std_errors<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_iter(py, self.inner.parameters.iter().map(|p| p.systematic_std))
+    }
+
     /// Value and one-sigma error of a parameter.
     fn __getitem__(&self, name: &str) -> PyResult<(f64, f64)> {
         let found = self.inner.parameters.iter().find(|p| p.name == name);

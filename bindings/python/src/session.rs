@@ -87,6 +87,15 @@ impl Session {
         Some(PyArray1::from_iter(py, snapshot.parameters.iter().map(|p| p.std_error)))
     }
 
+    /// The parts of the standard errors that declared uncertainties make (one sigma): a longer flight does not make them
+    /// smaller; None before the first estimate.
+    #[getter]
+    fn systematic_std_errors<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
+        let session = self.session();
+        let snapshot = session.snapshot()?;
+        Some(PyArray1::from_iter(py, snapshot.parameters.iter().map(|p| p.systematic_std)))
+    }
+
     /// All results after the last sample as a JSON document, as in the live protocol; None before the first estimate.
     fn snapshot_json(&self) -> PyResult<Option<String>> {
         self.session().snapshot().map(serde_json::to_string).transpose().map_err(raise)

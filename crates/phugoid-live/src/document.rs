@@ -122,6 +122,7 @@ pub struct Parameters<'a> {
 struct Parameter<'a> {
     value: f64,
     std_error: f64,
+    systematic_std: f64,
     status: &'a str,
     #[serde(skip_serializing_if = "Option::is_none")]
     readiness: Option<&'a ParameterReadiness>,
@@ -132,6 +133,7 @@ impl Serialize for Parameters<'_> {
         serializer.collect_seq(self.parameters.iter().map(|parameter| Parameter {
             value: parameter.value,
             std_error: parameter.std_error,
+            systematic_std: parameter.systematic_std,
             status: parameter.status.word(),
             readiness: parameter.readiness.as_ref().filter(|_| self.with_readiness),
         }))

@@ -67,6 +67,7 @@ class Estimation:
     names: list[str]
     values: _Array
     std_errors: _Array
+    systematic_std_errors: _Array
     status: str
     reasons: list[tuple[str, str, list[str], str]]
     verdict: list[str]
@@ -80,6 +81,7 @@ class Session:
     message: Optional[str]
     values: Optional[_Array]
     std_errors: Optional[_Array]
+    systematic_std_errors: Optional[_Array]
     def __init__(self, model: Model, method: Optional[str] = ..., change_detection: Optional[bool] = ...) -> None: ...
     def update(self, time_s: float, values: _Array) -> bool: ...
     def snapshot_json(self) -> Optional[str]: ...

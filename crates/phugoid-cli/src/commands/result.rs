@@ -134,7 +134,7 @@ pub(crate) fn text(estimation: &Estimation, report: Option<&Path>, figures: &[Pa
 
 /// The bounds in their random and their systematic part, and what makes the latter; empty where nothing is declared.
 fn systematic(estimation: &Estimation) -> String {
-    let mut table = Table::new(&["parameter", "random", "systematic", "which comes from"]);
+    let mut table = Table::with_words(&["parameter", "random", "systematic", "which comes from"], &[0, 3]);
     let mut any = false;
     for p in estimation.parameters.iter().filter(|p| p.systematic_std > 0.0) {
         any = true;
@@ -142,7 +142,7 @@ fn systematic(estimation: &Estimation) -> String {
             p.name.clone(),
             significant(2.0 * p.random_std(), 3),
             significant(2.0 * p.systematic_std, 3),
-            p.contributors_in_words(),
+            p.contributors_in_words(3),
         ]);
     }
     if any { format!("\nParts of the bounds, +- 2 sigma\n{}", table.render()) } else { String::new() }

@@ -512,14 +512,23 @@ impl ParameterResult {
         ((whole - systematic) * (whole + systematic)).max(0.0).sqrt()
     }
 
-    /// The [`systematic_parts`](Self::systematic_parts) that make half a percent of the variance or more, in words:
-    /// `airspeed 34 %, inertia 33 %`. Empty where there are none.
-    pub fn contributors_in_words(&self) -> String {
-        let leading = self.systematic_parts.iter().filter(|part| part.share >= 0.005);
-        let words: Vec<String> = leading.map(|part| format!("{} {:.0} %", part.quantity, 100.0 * part.share)).collect();
+    /// The largest of the [`systematic_parts`](Self::systematic_parts), at most `most` of them and none below half a percent of
+    /// the variance, and what is left for the others: `airspeed 34 %, inertia 33 %, others 33 %`. Empty where there are none.
+    pub fn contributors_in_words(&self, most: usize) -> String {
+        let in_words = |name: &str, share: f64| format!("{name} {:.0} %", 100.0 * share);
+        let named: Vec<&SystematicPart> =
+            self.systematic_parts.iter().filter(|part| part.share >= LEAST_SHARE).take(most).collect();
+        let mut words: Vec<String> = named.iter().map(|part| in_words(part.quantity.name(), part.share)).collect();
+        let rest = 1.0 - named.iter().map(|part| part.share).sum::<f64>();
+        if !words.is_empty() && rest >= LEAST_SHARE {
+            words.push(in_words("others", rest));
+        }
         words.join(", ")
     }
 }
+
+/// Share of a systematic variance from which on a quantity is named: less is 0 % when it is rounded.
+const LEAST_SHARE: f64 = 0.005;
 
 /// A sum of two derivatives that a flight determines even where it does not determine the two parts.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -3,9 +3,8 @@
 //!
 //! A scale that is wrong by one part in a hundred is taken up by the derivatives, and the residuals stay as small as
 //! before. So its uncertainty has to be declared, and goes into the bounds: to first order each derivative is
-//! proportional to a product of powers of the scales. SMPE and the joint filter can follow what each error really does to
-//! their estimate instead, and know of lags, of the centre of gravity and of others that have no powers as well
-//! (docs/uncertainty.md).
+//! proportional to a product of powers of the scales. Four methods follow what each error really does to their estimate
+//! instead, and know of lags, of the centre of gravity and of others that have no powers as well (docs/uncertainty.md).
 
 use super::error::ModelFileError;
 use super::section::Section;
@@ -54,8 +53,8 @@ pub struct Uncertainty {
 pub enum Propagation {
     /// Each derivative is proportional to a product of powers of the scales, and knows nothing of the other quantities.
     Powers,
-    /// SMPE and the joint filter follow what each error has done to their estimate; other methods as
-    /// [`Propagation::Powers`].
+    /// SMPE, the joint filter, output error and equation error follow what each error does to their estimate; other methods
+    /// as [`Propagation::Powers`].
     #[default]
     Recursion,
 }
@@ -206,7 +205,7 @@ impl Uncertainty {
         *own.place(quantity)
     }
 
-    /// Whether SMPE and the joint filter follow the errors: that is asked for, and some are declared.
+    /// Whether the methods that can follow the errors: that is asked for, and some are declared.
     pub fn follows(&self) -> bool {
         self.propagation == Propagation::Recursion
             && UncertainQuantity::ALL.into_iter().any(|quantity| self.of_quantity(quantity) > 0.0)

@@ -175,6 +175,9 @@ pub struct LiveParameter {
     pub value: f64,
     /// One-sigma error, corrected for the colour of the residuals; bounds are two of them.
     pub std_error: f64,
+    /// The part of it that the declared uncertainties make, one sigma; zero where none are. A longer flight does not make it
+    /// smaller.
+    pub systematic_std: f64,
     /// How well the parameter is known.
     pub status: ParameterStatus,
     /// Whether the value can be used, why, and what input would help. Computed ten times a second; `None` before the

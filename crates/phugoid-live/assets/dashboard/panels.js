@@ -69,6 +69,10 @@ class Panels {
     card.verdict = card.head.appendChild(element("span", "verdict"));
     card.symbol = card.verdict.appendChild(element("span", "symbol"));
     card.words = card.verdict.appendChild(element("span"));
+    card.parts = card.head.appendChild(element("div", "parts"));
+    card.parts.hidden = true;
+    card.random = card.parts.appendChild(element("div", "track")).appendChild(element("div", "random"));
+    card.partWords = card.parts.appendChild(element("span"));
     return card;
   }
 
@@ -105,6 +109,7 @@ class Panels {
       const factor = card.unit.factor, fixed = p.status === "fixed";
       const sigma = typeof p.std_error === "number" ? p.std_error : NaN;
       setText(card.number, p.value === null ? "–" : valueWithBound(p.value * factor, fixed ? NaN : 2 * sigma * factor));
+      this.parts(card, fixed ? NaN : sigma, p.systematic_std);
       const { symbol, text, kind } = verdictOf(p.status, p.readiness && p.readiness.verdict);
       setText(card.symbol, symbol);
       setText(card.words, text);
@@ -119,6 +124,18 @@ class Panels {
       ? `At ${timeText(snapshot.time_s)} nothing has moved yet: the ${all} parameters are what was known beforehand.`
       : `${all} parameters at ${timeText(snapshot.time_s)}: ${told.join(", ")}.`);
     this.notReady(snapshot);
+  }
+
+  // The bound in what a longer flight makes smaller (inner bar) and what only a calibration does (the rest of it).
+  parts(card, sigma, systematic) {
+    const known = sigma > 0 && systematic > 0 && systematic <= sigma;
+    if (card.parts.hidden === known) card.parts.hidden = !known;
+    if (!known) return;
+    const random = Math.sqrt(Math.max(sigma * sigma - systematic * systematic, 0));
+    const width = `${(100 * random / sigma).toFixed(0)}%`;
+    if (card.random.style.width !== width) card.random.style.width = width;
+    const shown = (value) => significant(2 * value * card.unit.factor, 2);
+    setText(card.partWords, `random ±${shown(random)}, systematic ±${shown(systematic)}`);
   }
 
   // Why parameters are not ready, and what would help.

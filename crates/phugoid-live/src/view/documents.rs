@@ -32,6 +32,9 @@ struct Estimate {
 struct Parameter {
     value: Option<f64>,
     std_error: Option<f64>,
+    /// None in documents of earlier versions.
+    #[serde(default)]
+    systematic_std: Option<f64>,
     status: String,
     #[serde(default)]
     readiness: Option<ParameterReadiness>,
@@ -157,6 +160,7 @@ impl Collector {
         let parameter = |p: Parameter| FinalParameter {
             value: p.value,
             std_error: p.std_error,
+            systematic_std: p.systematic_std,
             status: p.status,
             readiness: p.readiness,
             truth: None,

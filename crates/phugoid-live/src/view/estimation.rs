@@ -79,6 +79,7 @@ pub(super) fn read(file: impl Read) -> Result<Finished, ViewError> {
         FinalParameter {
             value: known.map(|p| p.value),
             std_error: known.map(|p| p.corrected_std_error),
+            systematic_std: known.map(|p| p.systematic_std),
             status: known.map(|p| p.status.word().to_owned()).unwrap_or_default(),
             readiness: known.and_then(|p| p.readiness.clone()),
             truth: known.and_then(|p| p.truth),

@@ -77,6 +77,9 @@ pub(super) struct Event {
 pub(super) struct FinalParameter {
     pub(super) value: Option<f64>,
     pub(super) std_error: Option<f64>,
+    /// The part of it that declared uncertainties make.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) systematic_std: Option<f64>,
     pub(super) status: String,
     pub(super) readiness: Option<ParameterReadiness>,
     /// The true value, if the flight was simulated.

@@ -139,7 +139,7 @@ fn systematic_row(estimation: &Estimation, parameter: &ParameterResult) -> Strin
         if value > 0.0 { significant(value * unit.factor, 3) } else { dash() }
     };
     let cells = [number(parameter.random_std()), number(parameter.systematic_std)];
-    let words = parameter.contributors_in_words();
+    let words = parameter.contributors_in_words(UncertainQuantity::ALL.len());
     let words = if words.is_empty() { dash() } else { escape(&words) };
     let bar = variance_bar(parameter);
     format!("<tr>{}{}<td>{bar}</td><td>{words}</td></tr>\n", first_cells(parameter, &unit), number_cells(&cells))

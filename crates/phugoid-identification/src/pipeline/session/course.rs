@@ -161,6 +161,7 @@ impl<M: Motion<N, R>, const N: usize, const R: usize> Running<M, N, R> {
         for (j, parameter) in snapshot.parameters.iter_mut().enumerate() {
             parameter.value = estimate.parameters[j];
             parameter.std_error = estimate.corrected_std_error[j];
+            parameter.systematic_std = estimate.systematic_std[j];
             parameter.status = estimate.parameter_status[j];
         }
         let innovations = self.run.innovations();
