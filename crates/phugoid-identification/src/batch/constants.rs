@@ -34,6 +34,8 @@ pub(crate) type ByConstant = [f64; ROOM_FOR_CONSTANTS];
 /// Most steps of output error with one constant, and the length of the last one over that of the first.
 const MOST_STEPS: usize = 5;
 const STEP_TOLERANCE: f64 = 0.05;
+/// A step counts only where it is shorter than the one before by this factor: else the steps lead nowhere.
+const LEAST_GAIN: f64 = 0.7;
 
 /// A plant in which one constant is off: rates and outputs are those of [`Model::constant_effects`] times its size more.
 #[derive(Debug)]
@@ -169,7 +171,7 @@ where
         let models = models_of(manoeuvres, constant, size, false);
         let manoeuvres = displaced(manoeuvres, &models);
         let mut moved = unknowns.clone();
-        let mut first = f64::INFINITY;
+        let (mut first, mut before) = (f64::INFINITY, f64::INFINITY);
         for _ in 0..MOST_STEPS {
             let mut with = Evaluation::of_priors(&layout.places, &moved);
             for (index, m) in manoeuvres.iter().enumerate() {
@@ -177,14 +179,20 @@ where
                 with.add(&rows.whitened(&noise_std, loss));
             }
             let step = solve(&found.information, &(with.descent - &found.descent), 0.0, &frozen)?;
-            moved.iter_mut().zip(step.iter()).for_each(|(unknown, step)| *unknown += step);
             let length = step.dot(&(&found.information * &step)).sqrt();
+            // Where the cost is curved more than twice as much as the information says, steps grow: what was found so far is
+            // nearer than what they would give.
+            if length.is_nan() || length > LEAST_GAIN * before {
+                break;
+            }
+            moved.iter_mut().zip(step.iter()).for_each(|(unknown, step)| *unknown += step);
             if first.is_infinite() {
                 first = length;
             }
             if length <= STEP_TOLERANCE * first {
                 break;
             }
+            before = length;
         }
         for ((place, moved), unknown) in layout.places.iter().zip(&moved).zip(&unknowns) {
             if let UnknownKind::Parameter { index } = place.kind {
