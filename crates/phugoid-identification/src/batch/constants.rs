@@ -5,12 +5,13 @@
 //! from the found ones by
 //!
 //! ```text
-//! T c = sum of the steps M^-1 [ S(c)^T W e(c) - S^T W e ]     output error: information M, sensitivities S
-//! T c = M(c)^-1 [ S(c)^T W e(c) - S^T W e ]                   equation error, with c taken out of the measured states
+//! T c = sum of the steps M^-1 S^T W e(c)          output error: information M, sensitivities S, weights W of the residuals e(c)
+//! T c = M(c)^-1 [ S(c)^T W e(c) - S^T W e ]       equation error, with c taken out of the measured states
 //! ```
 //!
-//! to first order. Where residuals hold gusts or an error of the model the cost is curved otherwise than the information
-//! says, and the first step of output error is not all. Nothing of it changes the estimate. The causal filters have the same by a recursion
+//! with the constant off by one sigma. Output error goes on from its minimum with levels of the noise that are found anew: in a
+//! long simulation a constant makes an output drift by many times its noise, which then counts for less. A first derivative
+//! with the weights of the minimum claimed twenty times the value of a parameter on four of twenty foreign flights. Nothing of it changes the estimate. The causal filters have the same by a recursion
 //! (`phugoid_estimators::supervisor::considered`).
 
 use phugoid_estimators::{ConstantEffects, Input, LinearizedOutputs, LinearizedRates, Model};
@@ -22,6 +23,7 @@ use super::layout::Layout;
 use super::likelihood::Evaluation;
 use super::loss::Loss;
 use super::problem::{Manoeuvre, Structure};
+use super::relaxation::{levels, noise_floor};
 use super::response::{Rows, response};
 use super::result::{BatchFit, UnknownKind};
 use super::start::stretches;
@@ -139,7 +141,7 @@ fn models_of<'a, M, I, const N: usize, const R: usize>(
 }
 
 /// What [`output_error()`](super::output_error()) makes of errors of the constants: one entry per parameter of the
-/// structure. `sizes`: how far each constant is displaced to find out, of the order of its uncertainty; zero for one of which
+/// structure. `sizes`: how far each constant is displaced to find out, one sigma; zero for one of which
 /// nothing is asked. None where the result does not belong to the structure, or a step cannot be solved for.
 pub(crate) fn output_error_constants<M, I, const N: usize, const R: usize>(
     manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
@@ -158,14 +160,12 @@ where
     let unknowns: Vec<f64> = fit.unknowns.iter().map(|u| u.value).collect();
     let frozen: Vec<bool> = fit.unknowns.iter().map(|u| u.at_limit).collect();
     let same = fit.unknowns.iter().map(|u| u.kind).eq(layout.places.iter().map(|p| p.kind));
-    let noise_std: [f64; R] = fit.noise_std.as_slice().try_into().ok().filter(|_| same)?;
-    let loss = Loss::of(structure.likelihood);
-    let maximum_step_s = structure.maximum_step_s;
-    let mut found = Evaluation::of_priors(&layout.places, &unknowns);
-    for (index, m) in manoeuvres.iter().enumerate() {
-        let rows = response(m, index, &layout, &unknowns, maximum_step_s).ok()?;
-        found.add(&rows.whitened(&noise_std, loss));
+    if !same {
+        return None;
     }
+    let noise = structure.outputs.each_ref().map(|channel| channel.noise);
+    let floor = noise_floor(manoeuvres);
+    let loss = Loss::of(structure.likelihood);
     let mut by_parameter = vec![[0.0; ROOM_FOR_CONSTANTS]; structure.parameters.len()];
     for (constant, size) in sizes.iter().copied().enumerate().filter(|(_, size)| *size > 0.0) {
         let models = models_of(manoeuvres, constant, size, false);
@@ -173,15 +173,18 @@ where
         let mut moved = unknowns.clone();
         let (mut first, mut before) = (f64::INFINITY, f64::INFINITY);
         for _ in 0..MOST_STEPS {
-            let mut with = Evaluation::of_priors(&layout.places, &moved);
-            for (index, m) in manoeuvres.iter().enumerate() {
-                let rows = response(m, index, &layout, &moved, maximum_step_s).ok()?;
-                with.add(&rows.whitened(&noise_std, loss));
-            }
-            let step = solve(&found.information, &(with.descent - &found.descent), 0.0, &frozen)?;
-            let length = step.dot(&(&found.information * &step)).sqrt();
-            // Where the cost is curved more than twice as much as the information says, steps grow: what was found so far is
-            // nearer than what they would give.
+            let rows = manoeuvres
+                .iter()
+                .enumerate()
+                .map(|(index, m)| response(m, index, &layout, &moved, structure.maximum_step_s))
+                .collect::<Result<Vec<_>, _>>()
+                .ok()?;
+            let (noise_std, _) = levels(&noise, &rows, &floor, loss);
+            let mut there = Evaluation::of_priors(&layout.places, &moved);
+            rows.into_iter().for_each(|rows| there.add(&rows.whitened(&noise_std, loss)));
+            let step = solve(&there.information, &there.descent, 0.0, &frozen)?;
+            let length = step.dot(&(&there.information * &step)).sqrt();
+            // Steps that grow lead nowhere: what was found so far is nearer than what they would give.
             if length.is_nan() || length > LEAST_GAIN * before {
                 break;
             }

@@ -12,9 +12,6 @@ use crate::motion::MotionModel;
 use crate::preparation::excitation::Moved;
 use crate::preparation::prepared::Prepared;
 
-/// How far a constant is displaced to find out what that does, in parts of its uncertainty.
-const DISPLACEMENT: f64 = 0.1;
-
 /// Variances by quantity of each parameter of a structure.
 #[derive(Clone, Debug)]
 pub(super) struct Systematic {
@@ -78,10 +75,9 @@ pub(super) fn systematic<M: MotionModel<N, R, CAPACITY>, const N: usize, const R
     for (sigma, quantity) in sigmas.iter_mut().zip(M::CONSTANTS) {
         *sigma = file.uncertainty.of_quantity(*quantity);
     }
-    let sizes = sigmas.map(|sigma| DISPLACEMENT * sigma);
     let by_parameter = match method {
-        Method::OutputError => output_error_constants(&rated, structure, fit, &sizes)?,
-        _ => equation_error_constants(&rated, structure, regression, fit, &sizes)?,
+        Method::OutputError => output_error_constants(&rated, structure, fit, &sigmas)?,
+        _ => equation_error_constants(&rated, structure, regression, fit, &sigmas)?,
     };
     let variances = |errors: &ByConstant| {
         let mut variances = [0.0; UncertainQuantity::ALL.len()];
