@@ -140,6 +140,38 @@ fn models_of<'a, M, I, const N: usize, const R: usize>(
     manoeuvres.iter().map(|m| Displaced { model: m.model, constant, size, states_are_clear }).collect()
 }
 
+/// Where a search ended.
+struct End {
+    unknowns: Vec<f64>,
+    /// Those that rest on a bound.
+    frozen: Vec<bool>,
+}
+
+impl End {
+    /// Of a fit; none where its unknowns are not those of the layout.
+    fn of<const N: usize>(fit: &BatchFit, layout: &Layout<N>) -> Option<Self> {
+        let same = fit.unknowns.iter().map(|u| u.kind).eq(layout.places.iter().map(|p| p.kind));
+        same.then(|| Self {
+            unknowns: fit.unknowns.iter().map(|u| u.value).collect(),
+            frozen: fit.unknowns.iter().map(|u| u.at_limit).collect(),
+        })
+    }
+}
+
+/// Writes how far each parameter has moved per unit of a constant.
+fn note<const N: usize>(
+    by_parameter: &mut [ByConstant],
+    layout: &Layout<N>,
+    constant: usize,
+    moved: impl Iterator<Item = f64>,
+) {
+    for (place, moved) in layout.places.iter().zip(moved) {
+        if let UnknownKind::Parameter { index } = place.kind {
+            by_parameter[index][constant] = moved;
+        }
+    }
+}
+
 /// What [`output_error()`](super::output_error()) makes of errors of the constants: one entry per parameter of the
 /// structure. `sizes`: how far each constant is displaced to find out, one sigma; zero for one of which
 /// nothing is asked. None where the result does not belong to the structure, or a step cannot be solved for.
@@ -157,12 +189,7 @@ where
         manoeuvres.iter().filter_map(|m| Followed::of(m, structure).transpose()).collect::<Result<_, _>>().ok()?;
     let layout: Layout<N> =
         Layout::new(structure, manoeuvres, stretches(manoeuvres, structure).ok()?).following(followed);
-    let unknowns: Vec<f64> = fit.unknowns.iter().map(|u| u.value).collect();
-    let frozen: Vec<bool> = fit.unknowns.iter().map(|u| u.at_limit).collect();
-    let same = fit.unknowns.iter().map(|u| u.kind).eq(layout.places.iter().map(|p| p.kind));
-    if !same {
-        return None;
-    }
+    let End { unknowns, frozen } = End::of(fit, &layout)?;
     let noise = structure.outputs.each_ref().map(|channel| channel.noise);
     let floor = noise_floor(manoeuvres);
     let loss = Loss::of(structure.likelihood);
@@ -197,11 +224,8 @@ where
             }
             before = length;
         }
-        for ((place, moved), unknown) in layout.places.iter().zip(&moved).zip(&unknowns) {
-            if let UnknownKind::Parameter { index } = place.kind {
-                by_parameter[index][constant] = (moved - unknown) / size;
-            }
-        }
+        let by_unit = moved.iter().zip(&unknowns).map(|(moved, unknown)| (moved - unknown) / size);
+        note(&mut by_parameter, &layout, constant, by_unit);
     }
     Some(by_parameter)
 }
@@ -219,13 +243,10 @@ where
     M: Model<N, R, CAPACITY, Input = I>,
     I: Input,
 {
-    let unknowns: Vec<f64> = fit.unknowns.iter().map(|u| u.value).collect();
-    let frozen: Vec<bool> = fit.unknowns.iter().map(|u| u.at_limit).collect();
     let noise_std: [f64; R] = fit.noise_std.as_slice().try_into().ok()?;
+    let unknowns: Vec<f64> = fit.unknowns.iter().map(|u| u.value).collect();
     let (layout, rows) = rows_at(manoeuvres, structure, settings, &unknowns).ok()?;
-    if !fit.unknowns.iter().map(|u| u.kind).eq(layout.places.iter().map(|p| p.kind)) {
-        return None;
-    }
+    let End { unknowns, frozen } = End::of(fit, &layout)?;
     let at = |rows: Vec<Rows<R>>| {
         let mut there = Evaluation::of_priors(&layout.places, &unknowns);
         rows.into_iter().for_each(|rows| there.add(&rows.whitened(&noise_std, Loss::GAUSSIAN)));
@@ -248,11 +269,7 @@ where
         let with = at(rows_at(&with, structure, settings, &unknowns).ok()?.1);
         // The equations are linear in the parameters: with their regressors one step is all.
         let step = solve(&with.information, &(with.descent - &found.descent), 0.0, &frozen)?;
-        for (place, step) in layout.places.iter().zip(step.iter()) {
-            if let UnknownKind::Parameter { index } = place.kind {
-                by_parameter[index][constant] = step / size;
-            }
-        }
+        note(&mut by_parameter, &layout, constant, step.iter().map(|step| step / size));
     }
     Some(by_parameter)
 }

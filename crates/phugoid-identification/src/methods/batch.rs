@@ -59,10 +59,21 @@ pub(super) fn run_batch<M: MotionModel<N, R, CAPACITY>, const N: usize, const R:
             .collect();
     let structure = structure::<M, N, R>(task)?;
     let regression = EquationErrorSettings::automatic(sample_time(&prepared.time));
-    let Solved { fit, equations, second_answer, structure } =
+    let Solved { mut fit, equations, second_answer, structure } =
         solve::<M, N, R>(task, &manoeuvres, structure, &regression)?;
     let records: Vec<&Prepared<M, N, R>> = std::iter::once(prepared).chain(&further).collect();
-    let systematic = systematic::<M, N, R>(task, &records, &manoeuvres, &structure, &regression, &fit);
+    let systematic = match task.follows_constants() {
+        true => systematic::<M, N, R>(task, &records, &manoeuvres, &structure, &regression, &fit),
+        false => None,
+    };
+    if task.follows_constants() && systematic.is_none() {
+        fit.notes.push(
+            "what errors of the declared constants do to the estimate could not be worked out, because a simulation or a \
+             regression with one of them off by its uncertainty has no answer: the bounds hold the powers of the scales, and \
+             nothing of lags, timing, accelerometers, centre of gravity and thrust"
+                .to_owned(),
+        );
+    }
     let prediction = match &options.predict {
         Some(record) => Some(predict::<M, N, R>(task, record, &structure, &fit)?),
         None => None,

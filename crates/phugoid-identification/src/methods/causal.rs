@@ -50,9 +50,7 @@ pub(super) fn run_causal<M: Motion<N, R>, const N: usize, const R: usize>(
         excited: false,
         health: None,
         batch: None,
-        follows_constants: task.method().follows_constants()
-            && task.file.uncertainty.follows()
-            && !M::CONSTANTS.is_empty(),
+        follows_constants: task.follows_constants(),
     };
     let mut surfaces = vec![0.0; run.columns.len()];
     let mut consistency = Consistency::NONE;

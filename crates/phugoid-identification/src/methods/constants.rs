@@ -34,7 +34,8 @@ struct Flight<M, I> {
 }
 
 /// Follows the constants of the motion through output error or equation error, one record after the other as they were fitted.
-/// None for another method, a motion without constants, where none is declared, or where it does not work out.
+/// For a task that [follows constants](Task::follows_constants). None where it does not work out: a simulation with a constant
+/// off by one sigma diverges, or the equations of a step are singular.
 pub(super) fn systematic<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
     task: &Task<M, N, R>,
     records: &[&Prepared<M, N, R>],
@@ -44,9 +45,6 @@ pub(super) fn systematic<M: MotionModel<N, R, CAPACITY>, const N: usize, const R
     fit: &BatchFit,
 ) -> Option<Systematic> {
     let (file, method) = (task.file, task.method());
-    if !method.follows_constants() || !file.uncertainty.follows() || M::CONSTANTS.is_empty() {
-        return None;
-    }
     let flight = |prepared: &&Prepared<M, N, R>| -> Flight<M, M::KnownInput> {
         let mut rates = SurfaceRates::default();
         let rated = |(time_s, input): (&f64, &M::KnownInput)| GatedInput {

@@ -105,6 +105,11 @@ impl<M: Motion<N, R>, const N: usize, const R: usize> Task<'_, M, N, R> {
     pub(crate) fn method(&self) -> Method {
         self.options.method.unwrap_or(self.file.estimator.method)
     }
+
+    /// Whether errors of declared constants are to be followed: the method can, the motion has some, and some are declared.
+    pub(crate) fn follows_constants(&self) -> bool {
+        self.method().follows_constants() && self.file.uncertainty.follows() && !M::CONSTANTS.is_empty()
+    }
 }
 
 /// `-(min(xi^2, 9) + ln S)/2` of each row, nats, without the constant `ln(2 pi)/2`: the score of the change detector's

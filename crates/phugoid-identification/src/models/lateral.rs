@@ -6,6 +6,7 @@ use phugoid_estimators::{Input, LinearizedOutputs, LinearizedRates, Model};
 use phugoid_flight_dynamics::rigid_body::{Angles, attitude_equations, force_equations};
 use phugoid_flight_dynamics::scalar::{Dual, Scalar};
 
+use crate::core::scaling::ScalingPowers;
 use crate::core::term::{Coefficient, FACTORS, Term};
 use crate::models::longitudinal::Database;
 use crate::models::rigid::{Aerodynamics, Air, AircraftConstants, MassInput, Surfaces};
@@ -74,6 +75,8 @@ impl Input for LateralInput {
 #[derive(Clone, Debug)]
 pub struct LateralModel {
     aerodynamics: Aerodynamics,
+    /// By which powers of the scales the regressor of each column goes.
+    scaling: Vec<ScalingPowers>,
 }
 
 /// Measured quantities on which the forces depend.
@@ -99,7 +102,9 @@ impl LateralModel {
         columns: Vec<(Coefficient, Term)>,
         known: Vec<(Coefficient, Term, f64)>,
     ) -> Self {
-        Self { aerodynamics: Aerodynamics { constants, database, known, columns } }
+        let by_airspeed = constants.rate_speed.is_none();
+        let scaling = columns.iter().map(|(c, t)| ScalingPowers::of(*c, t, by_airspeed)).collect();
+        Self { aerodynamics: Aerodynamics { constants, database, known, columns }, scaling }
     }
 
     /// The constants of the aircraft that the model was built with.

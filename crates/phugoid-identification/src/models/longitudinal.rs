@@ -13,6 +13,7 @@ use phugoid_flight_dynamics::longitudinal::{
 use phugoid_flight_dynamics::scalar::{Dual, Scalar};
 use terms::{FACTORS, ONE, QuickTerm, Variables, short};
 
+use crate::core::scaling::ScalingPowers;
 use crate::core::term::{Coefficient, EXTRA_INPUTS, Term};
 
 /// States of the longitudinal motion: true airspeed, angle of attack, pitch angle, pitch rate.
@@ -143,6 +144,8 @@ pub struct LongitudinalModel {
     thrust_direction: [f64; 2],
     database: Database,
     columns: Vec<(Coefficient, Term)>,
+    /// By which powers of the scales the regressor of each column goes.
+    scaling: Vec<ScalingPowers>,
     /// Known and estimated terms in the [`short`] order of flight variables.
     known: Vec<(Coefficient, Term, f64)>,
     estimated: Vec<(Coefficient, Term)>,
@@ -179,6 +182,8 @@ impl LongitudinalModel {
     ) -> Self {
         let (sin, cos) = constants.thrust_inclination.sin_cos();
         let alpha_rate = AlphaRateTerms::of(&columns, &known);
+        let by_airspeed = constants.rate_speed.is_none();
+        let scaling = columns.iter().map(|(c, t)| ScalingPowers::of(*c, t, by_airspeed)).collect();
         let estimated: Vec<(Coefficient, Term)> = columns.iter().map(|(c, t)| short(*c, t)).collect();
         let known: Vec<(Coefficient, Term, f64)> = known
             .iter()
@@ -194,6 +199,7 @@ impl LongitudinalModel {
             thrust_direction: [cos, -sin],
             database,
             columns,
+            scaling,
             known,
             estimated,
             quick,

@@ -9,7 +9,7 @@ use phugoid_flight_data::csv::{self, CsvOptions};
 use phugoid_flight_data::record::Record;
 use phugoid_identification::estimate::{EstimateOptions, Method, StructureSearch, estimate};
 use phugoid_identification::estimation::{Estimation, UncertainQuantity};
-use phugoid_identification::model_file::{ModelFile, Source, Thrust, Uncertainty};
+use phugoid_identification::model_file::{ModelFile, Source, Thrust};
 
 /// Small enough for a first derivative, and large enough beside rounding.
 const SMALL: f64 = 5e-4;
@@ -39,20 +39,11 @@ fn put(quantity: UncertainQuantity, record: &mut Record, model: &mut ModelFile) 
     }
 }
 
-/// The uncertainty of one quantity alone, one sigma.
-fn alone(quantity: UncertainQuantity, sigma: f64) -> Uncertainty {
-    let mut declared = Uncertainty::NONE;
-    let place = match quantity {
-        UncertainQuantity::AirspeedScale => &mut declared.airspeed_scale,
-        UncertainQuantity::FlowAngleScale => &mut declared.flow_angle_scale,
-        UncertainQuantity::SurfaceScale => &mut declared.surface_scale,
-        UncertainQuantity::Thrust => &mut declared.thrust,
-        UncertainQuantity::Mass => &mut declared.mass,
-        UncertainQuantity::Inertia => &mut declared.inertia,
-        other => panic!("{other} is not tried"),
-    };
-    *place = sigma;
-    declared
+/// The model with the uncertainty of one quantity alone, one sigma.
+fn declaring(quantity: UncertainQuantity, sigma: f64) -> ModelFile {
+    let text = ModelFile::text("hfb320").unwrap();
+    let (rest, _) = text.split_once("[uncertainty]").unwrap();
+    ModelFile::parse("hfb320.toml", &format!("{rest}[uncertainty]\n{} = {sigma}\n", quantity.key())).unwrap()
 }
 
 fn run(method: Method, record: &Record, model: &ModelFile) -> Estimation {
@@ -92,8 +83,7 @@ fn claims_of_declared_scales_are_what_happens() {
         record.time.truncate(length);
         record.channels.iter_mut().for_each(|channel| channel.values.truncate(length));
         for quantity in quantities {
-            let mut model = ModelFile::named("hfb320").unwrap();
-            model.uncertainty = alone(quantity, SIGMA);
+            let model = declaring(quantity, SIGMA);
             let right = run(method, &record, &model);
             let (mut wrong_record, mut wrong_model) = (record.clone(), model.clone());
             put(quantity, &mut wrong_record, &mut wrong_model);

@@ -4,7 +4,6 @@ use phugoid_estimators::ConstantEffects;
 use phugoid_flight_dynamics::scalar::Dual;
 
 use super::{LATERAL_OUTPUTS, LATERAL_STATES, LateralInput, LateralModel, Measured};
-use crate::core::scaling::ScalingPowers;
 use crate::core::systematic::UncertainQuantity;
 use crate::core::term::Coefficient;
 
@@ -108,8 +107,8 @@ impl LateralModel {
     /// inertia is left out.
     pub(crate) fn powers_of_constants<const K: usize>(&self, column: usize) -> [f64; K] {
         let mut out = [0.0; K];
-        let (Some((coefficient, term)), true) = (self.columns().get(column), K >= CONSTANTS.len()) else { return out };
-        let powers = ScalingPowers::of(*coefficient, term, self.constants().rate_speed.is_none());
+        let of = self.columns().iter().zip(&self.scaling).nth(column);
+        let (Some(((coefficient, _), powers)), true) = (of, K >= CONSTANTS.len()) else { return out };
         let about = |which: Coefficient| if *coefficient == which { powers.inertia } else { 0.0 };
         let places = [
             (0, powers.airspeed),

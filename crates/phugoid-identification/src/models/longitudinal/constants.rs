@@ -4,7 +4,6 @@ use phugoid_estimators::ConstantEffects;
 use phugoid_flight_dynamics::scalar::Dual;
 
 use super::{LongitudinalInput, LongitudinalModel, OUTPUTS, STATES, row};
-use crate::core::scaling::ScalingPowers;
 use crate::core::systematic::UncertainQuantity;
 
 /// The constants in the order of the columns of [`LongitudinalModel::effects_of_constants`]: accelerometers along x, then
@@ -111,8 +110,7 @@ impl LongitudinalModel {
     /// that of the present angle of attack, which changes little beside one.
     pub(crate) fn powers_of_constants<const K: usize>(&self, x: &[f64; STATES], column: usize) -> [f64; K] {
         let mut out = [0.0; K];
-        let (Some((coefficient, term)), true) = (self.columns.get(column), K >= CONSTANTS.len()) else { return out };
-        let powers = ScalingPowers::of(*coefficient, term, self.constants.rate_speed.is_none());
+        let (Some(powers), true) = (self.scaling.get(column), K >= CONSTANTS.len()) else { return out };
         let places = [
             (0, powers.airspeed),
             (1, powers.airspeed * x[1]),
