@@ -245,8 +245,10 @@ fn parameters(support: &ModelSupport) -> String {
             names.push(&parameter.bound.name);
         }
     }
-    let mut table =
-        Table::with_words(&["parameter", "can be told", "best in", "2 sigma", "at best", "why"], &[0, 1, 2, 5]);
+    let mut table = Table::with_words(
+        &["parameter", "can be told", "best in", "2 sigma", "declared", "at best", "why"],
+        &[0, 1, 2, 6],
+    );
     let percent =
         |share: f64| if share < 100.0 { format!("{} %", significant(100.0 * share, 2)) } else { "-".to_owned() };
     for (segment, parameter) in names.iter().filter_map(|name| support.best(name)) {
@@ -256,6 +258,7 @@ fn parameters(support: &ModelSupport) -> String {
             word(parameter.support).to_owned(),
             numbers.join(","),
             percent(parameter.expected),
+            percent(parameter.declared),
             percent(parameter.at_best),
             parameter.reason.clone(),
         ]);
@@ -264,7 +267,8 @@ fn parameters(support: &ModelSupport) -> String {
     if !names.is_empty() {
         text = format!(
             "\nParameters of {} that the record could support, by its Cramer-Rao bound\n{}  2 sigma: with the residuals that the \
-             model leaves; at best: with the noise of the sensors alone.\n",
+             model leaves and what `[uncertainty]` declares; declared: that part, which a calibration makes smaller and another \
+             manoeuvre hardly; at best: with the noise of the sensors alone.\n",
             support.model,
             table.render()
         );

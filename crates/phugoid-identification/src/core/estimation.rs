@@ -13,6 +13,7 @@ pub use phugoid_estimators::{ChangeState, ParameterStatus, Phase};
 
 use super::method::Method;
 pub use super::soundness::{EstimationStatus, ReasonCode, VerdictReason, headline, status_of};
+use super::systematic::in_words;
 pub use super::systematic::{SystematicPart, UncertainQuantity, UncertaintyUnit};
 use crate::batch::{BandUsed, Equation, OutputFit, Unknown};
 
@@ -498,6 +499,12 @@ impl Estimation {
     }
 }
 
+/// The rest of a standard deviation without an independent part of it; 0 where the part is the larger, and NaN stays NaN.
+pub(crate) fn without_part(whole: f64, part: f64) -> f64 {
+    let variance = (whole - part) * (whole + part);
+    if variance < 0.0 { 0.0 } else { variance.sqrt() }
+}
+
 impl ParameterResult {
     /// Two standard errors, corrected for the correlation of the residuals from sample to sample, in the parameter's
     /// unit: the value lies between [`lower`](Self::lower) and [`upper`](Self::upper) with a probability of about 95 %.
@@ -508,27 +515,15 @@ impl ParameterResult {
     /// The part of [`corrected_std_error`](Self::corrected_std_error) that a longer or livelier flight makes smaller,
     /// one sigma in the parameter's unit: what noise and turbulence leave open (GUM: type A). NaN stays NaN.
     pub fn random_std(&self) -> f64 {
-        let (whole, systematic) = (self.corrected_std_error, self.systematic_std.hypot(self.correction_std));
-        ((whole - systematic) * (whole + systematic)).max(0.0).sqrt()
+        without_part(self.corrected_std_error, self.systematic_std.hypot(self.correction_std))
     }
 
     /// The largest of the [`systematic_parts`](Self::systematic_parts), at most `most` of them and none below half a percent of
     /// the variance, and what is left for the others: `airspeed 34 %, inertia 33 %, others 33 %`. Empty where there are none.
     pub fn contributors_in_words(&self, most: usize) -> String {
-        let in_words = |name: &str, share: f64| format!("{name} {:.0} %", 100.0 * share);
-        let named: Vec<&SystematicPart> =
-            self.systematic_parts.iter().filter(|part| part.share >= LEAST_SHARE).take(most).collect();
-        let mut words: Vec<String> = named.iter().map(|part| in_words(part.quantity.name(), part.share)).collect();
-        let rest = 1.0 - named.iter().map(|part| part.share).sum::<f64>();
-        if !words.is_empty() && rest >= LEAST_SHARE {
-            words.push(in_words("others", rest));
-        }
-        words.join(", ")
+        in_words(&self.systematic_parts, most)
     }
 }
-
-/// Share of a systematic variance from which on a quantity is named: less is 0 % when it is rounded.
-const LEAST_SHARE: f64 = 0.005;
 
 /// A sum of two derivatives that a flight determines even where it does not determine the two parts.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

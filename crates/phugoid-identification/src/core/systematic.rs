@@ -153,6 +153,22 @@ pub struct SystematicPart {
     pub share: f64,
 }
 
+/// Share of a systematic variance from which on a quantity is named: less is 0 % when it is rounded.
+const LEAST_SHARE: f64 = 0.005;
+
+/// The largest of some parts, at most `most` of them and none below half a percent of the variance, and what is left for the
+/// others: `airspeed 34 %, inertia 33 %, others 33 %`. Empty where there are none. `parts` come with the largest first.
+pub(crate) fn in_words(parts: &[SystematicPart], most: usize) -> String {
+    let words_of = |name: &str, share: f64| format!("{name} {:.0} %", 100.0 * share);
+    let named: Vec<&SystematicPart> = parts.iter().filter(|part| part.share >= LEAST_SHARE).take(most).collect();
+    let mut words: Vec<String> = named.iter().map(|part| words_of(part.quantity.name(), part.share)).collect();
+    let rest = 1.0 - named.iter().map(|part| part.share).sum::<f64>();
+    if !words.is_empty() && rest >= LEAST_SHARE {
+        words.push(words_of("others", rest));
+    }
+    words.join(", ")
+}
+
 /// Shares of the variances of all quantities, the largest first; those without any are left out.
 pub(crate) fn shares(variances: &[f64; UncertainQuantity::ALL.len()]) -> Vec<SystematicPart> {
     let whole: f64 = variances.iter().sum();

@@ -4,6 +4,7 @@ use phugoid_flight_data::record::Record;
 use serde::{Deserialize, Serialize};
 
 use crate::core::axes::Group;
+use crate::core::systematic::in_words;
 use crate::manoeuvres::{Found, Manoeuvre, Support};
 use crate::methods::{Predicted, PredictedParameter, predict};
 use crate::model_file::{Base, ModelFile};
@@ -16,6 +17,8 @@ const WELL_KNOWN: f64 = 0.25;
 const ROUGHLY_KNOWN: f64 = 1.0;
 /// A standard error above this part of the prior's means that the data add nothing.
 const NOTHING_NEW: f64 = 0.95;
+/// Declared quantities that are named where they make most of a bound.
+const MOST_CONTRIBUTORS: usize = 3;
 /// Correlation of errors from which on two parameters are only known together.
 const TOGETHER: f64 = 0.9;
 
@@ -49,6 +52,10 @@ pub struct ParameterSupport {
     /// Two expected standard errors over the size of the value; for an increment to a database, over one prior standard
     /// deviation.
     pub expected: f64,
+    /// The part of it that the declared uncertainties of the model file make, over the same: a better calibration makes it
+    /// smaller, another manoeuvre hardly.
+    #[serde(default)]
+    pub declared: f64,
     /// Two sigma of the Cramer-Rao bound with the noise of the sensors alone, over the same.
     pub at_best: f64,
     /// Why the parameter cannot be estimated better, in words; empty where nothing is to be said.
@@ -112,17 +119,21 @@ fn judge(bound: PredictedParameter, base: Base) -> ParameterSupport {
         Base::None => bound.value.abs(),
         Base::F16 => bound.prior_std,
     };
-    let (expected, at_best) = (2.0 * bound.expected_std_error / scale, 2.0 * bound.std_error / scale);
+    let [expected, declared, at_best] =
+        [bound.expected_std_error, bound.systematic_std, bound.std_error].map(|std_error| 2.0 * std_error / scale);
     let together = bound.closest.as_ref().filter(|(_, correlation)| correlation.abs() > TOGETHER);
     let with = together.map(|(name, correlation)| format!("goes with {name} (correlation {correlation:+.2})"));
+    // Where they are more than half of the variance.
+    let of_declared = (bound.systematic_std > bound.expected_std_error * std::f64::consts::FRAC_1_SQRT_2)
+        .then(|| format!("mostly declared: {}", in_words(&bound.systematic_parts, MOST_CONTRIBUTORS)));
     let (support, reason) = if bound.expected_std_error > NOTHING_NEW * bound.prior_std {
         (Support::No, "the data add nothing to what was known beforehand".to_owned())
     } else if expected <= WELL_KNOWN {
-        (Support::Told, String::new())
+        (Support::Told, of_declared.unwrap_or_default())
     } else if expected <= ROUGHLY_KNOWN {
-        (Support::Roughly, with.unwrap_or_default())
+        (Support::Roughly, of_declared.or(with).unwrap_or_default())
     } else {
-        (Support::No, with.unwrap_or_else(|| "not distinguished from zero".to_owned()))
+        (Support::No, of_declared.or(with).unwrap_or_else(|| "not distinguished from zero".to_owned()))
     };
-    ParameterSupport { support, expected, at_best, reason, bound }
+    ParameterSupport { support, expected, declared, at_best, reason, bound }
 }

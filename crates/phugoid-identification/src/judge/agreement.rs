@@ -57,8 +57,8 @@ pub(super) fn reason<'a>(
     let answer = report.second_answer.as_ref()?;
     let pair = |other: &'a OtherValue| {
         let found = parameters.iter().find(|p| p.name == other.name)?;
-        // What is declared of systematic errors is the same for both.
-        let random = (found.corrected_std_error.powi(2) - found.systematic_std.powi(2)).max(0.0).sqrt();
+        // What is declared of systematic errors, and what corrections leave, is the same for both.
+        let random = found.random_std();
         let apart = (found.value - other.value).abs() / random.hypot(other.std_error);
         let counts = !found.nuisance && found.status == FinalStatus::Converged && apart > limit(answer.method);
         counts.then_some(Pair { found, random, other, apart })

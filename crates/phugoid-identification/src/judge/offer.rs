@@ -285,7 +285,7 @@ pub(crate) fn confirm(offer: &mut Offer, with: &Estimation) -> bool {
     let mut all = true;
     for term in offer.terms.iter_mut().filter(|t| t.asked_for) {
         term.asked_for = with.parameter(&term.parameter).is_some_and(|found| {
-            let random = (found.corrected_std_error.powi(2) - found.systematic_std.powi(2)).max(0.0).sqrt();
+            let random = found.random_std();
             let far = !random.is_finite() || found.value.abs() >= CONFIRMED * random;
             found.value * term.value > 0.0 && far
         });

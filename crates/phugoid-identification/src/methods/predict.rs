@@ -4,14 +4,18 @@ use phugoid_flight_data::record::Record;
 use serde::{Deserialize, Serialize};
 
 use super::batch::{manoeuvre, structure};
+use super::constants::systematic;
 use super::settings::sample_time;
 use super::task::Task;
-use crate::batch::{self, EquationErrorSettings, Manoeuvre, Noise, OptimiserSettings, Structure, UnknownKind};
+use crate::batch::{
+    self, BatchFit, EquationErrorSettings, Manoeuvre, Noise, OptimiserSettings, Structure, UnknownKind,
+};
 use crate::core::axes::Axes;
 use crate::core::error::EstimateError;
 use crate::core::method::Method;
 use crate::core::options::{CAPACITY, EstimateOptions, capacity};
 use crate::core::stack::on_a_large_stack;
+use crate::core::systematic::SystematicPart;
 use crate::model_file::{ModelFile, Role};
 use crate::models::lateral::LateralModel;
 use crate::models::longitudinal::LongitudinalModel;
@@ -37,6 +41,13 @@ pub struct PredictedParameter {
     /// The same with the residuals that the model leaves at these values in place of the noise, and their colour, and with
     /// the systematic errors that the model file declares: what an estimate will claim.
     pub expected_std_error: f64,
+    /// The part of it that the uncertainties declared in the model file make, in the parameter's unit: a better calibration
+    /// makes it smaller, another manoeuvre hardly.
+    #[serde(default)]
+    pub systematic_std: f64,
+    /// The declared quantities that make the systematic part, the largest share first.
+    #[serde(default)]
+    pub systematic_parts: Vec<SystematicPart>,
     /// The unknown whose error is most correlated with that of this parameter, and the correlation.
     pub closest: Option<(String, f64)>,
     /// True for offsets and sensor biases.
@@ -102,8 +113,19 @@ fn predict_of<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
         .map(|(record, prepared)| manoeuvre::<M, N, R>(&record.source, prepared))
         .collect();
     let mut notes = Vec::new();
-    let values = values::<M, N, R>(&manoeuvres, &structure, sample_time(&first.time), &mut notes);
+    let regression = EquationErrorSettings::automatic(sample_time(&first.time));
+    let Rough { values, fit } = rough::<M, N, R>(&manoeuvres, &structure, &regression, &mut notes);
     let bounds = batch::bound::<M, M::KnownInput, N, R>(&manoeuvres, &structure, &values)?;
+    let all: Vec<&Prepared<M, N, R>> = prepared.iter().collect();
+    let followed = fit
+        .filter(|_| task.follows_constants())
+        .and_then(|(fit, structure)| systematic::<M, N, R>(&task, &all, &manoeuvres, &structure, &regression, &fit));
+    if task.follows_constants() && followed.is_none() {
+        notes.push(
+            "errors of the declared constants could not be followed: the bounds hold the powers of the scales"
+                .to_owned(),
+        );
+    }
     let parameters = model.estimated().map(|parameter| {
         let bias = match parameter.role {
             Role::Bias(output) => M::AXES.row(output),
@@ -116,14 +138,18 @@ fn predict_of<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
             _ => false,
         });
         let value = place.and_then(|i| values.get(i)).copied().unwrap_or(parameter.start);
-        let systematic = model.systematic_part(parameter) * value.abs();
+        let (systematic_std, systematic_parts) = place
+            .and_then(|place| followed.as_ref()?.of(place))
+            .unwrap_or_else(|| (model.systematic_part(parameter) * value.abs(), model.systematic_shares(parameter)));
         PredictedParameter {
             name: parameter.name.clone(),
             value,
             prior_std: parameter.prior_std,
             // A parameter without a bound keeps its prior.
             std_error: bound.map_or(parameter.prior_std, |b| b.std_error),
-            expected_std_error: bound.map_or(parameter.prior_std, |b| b.with_residuals.hypot(systematic)),
+            expected_std_error: bound.map_or(parameter.prior_std, |b| b.with_residuals.hypot(systematic_std)),
+            systematic_std,
+            systematic_parts,
             closest: bound.and_then(|b| b.closest.clone()),
             nuisance: parameter.is_nuisance(),
         }
@@ -131,18 +157,27 @@ fn predict_of<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
     Ok(Predicted { parameters: parameters.collect(), notes })
 }
 
-/// Values at which the bound is taken: near those of output error, within a standard error; else those of equation
-/// error; else the start values of the model file.
-fn values<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
+/// Where the bound is taken.
+struct Rough<const N: usize, const R: usize> {
+    /// Near those of output error; else those of equation error; else the start values of the model file.
+    values: Vec<f64>,
+    /// The fit by output error and what was unknown in it; none where it found no minimum.
+    fit: Option<(BatchFit, Structure<N, R>)>,
+}
+
+/// Largest last step of the fit, in standard errors. What constants do is measured from there, so that the step is an error of
+/// the systematic part; it is small beside the random part.
+const STEP_TOLERANCE: f64 = 0.1;
+
+fn rough<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
     manoeuvres: &[Manoeuvre<'_, M, M::KnownInput, N, R>],
     structure: &Structure<N, R>,
-    sample_time_s: f64,
+    regression: &EquationErrorSettings,
     notes: &mut Vec<String>,
-) -> Vec<f64> {
-    let regression = EquationErrorSettings::automatic(sample_time_s);
+) -> Rough<N, R> {
     let mut near = structure.clone();
     near.outputs.iter_mut().for_each(|channel| channel.noise = Noise::Estimated);
-    match batch::equation_error::<M, M::KnownInput, N, R>(manoeuvres, structure, &regression) {
+    match batch::equation_error::<M, M::KnownInput, N, R>(manoeuvres, structure, regression) {
         Ok(found) => {
             for (parameter, value) in near.parameters.iter_mut().zip(found.fit.parameters) {
                 parameter.start = value.clamp(parameter.lower, parameter.upper);
@@ -150,12 +185,13 @@ fn values<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
         }
         Err(why) => notes.push(format!("started from the model file, as a regression gave no values: {why}")),
     }
-    let rough = OptimiserSettings { maximum_iterations: 30, step_tolerance: 1.0, ..OptimiserSettings::default() };
-    match batch::output_error::<M, M::KnownInput, N, R>(manoeuvres, &near, &rough) {
-        Ok(fit) => fit.parameters,
+    let search =
+        OptimiserSettings { maximum_iterations: 30, step_tolerance: STEP_TOLERANCE, ..OptimiserSettings::default() };
+    match batch::output_error::<M, M::KnownInput, N, R>(manoeuvres, &near, &search) {
+        Ok(fit) => Rough { values: fit.parameters.clone(), fit: Some((fit, near)) },
         Err(why) => {
             notes.push(format!("taken where the search began: {why}"));
-            near.parameters.iter().map(|p| p.start).collect()
+            Rough { values: near.parameters.iter().map(|p| p.start).collect(), fit: None }
         }
     }
 }

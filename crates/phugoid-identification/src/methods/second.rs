@@ -8,7 +8,7 @@ use super::causal::run_causal;
 use super::room::{EveryRoom, causal_run};
 use super::task::{ColumnRun, Task};
 use crate::core::error::EstimateError;
-use crate::core::estimation::{OtherValue, SecondAnswer};
+use crate::core::estimation::{OtherValue, SecondAnswer, without_part};
 use crate::core::method::Method;
 use crate::core::options::EstimateOptions;
 use crate::model_file::{Parameter, Role};
@@ -34,7 +34,7 @@ pub(super) fn by_filter<M: EveryRoom<N, R>, const N: usize, const R: usize>(
 
 /// A parameter without the part of its error that the model file declares: that is the same for both methods.
 fn other(parameter: &Parameter, column: &ColumnRun) -> Option<OtherValue> {
-    let random = (column.corrected_std_error.powi(2) - column.systematic_std.powi(2)).max(0.0).sqrt();
+    let random = without_part(column.corrected_std_error, column.systematic_std);
     let is_known = column.value.is_finite() && random.is_finite() && random > 0.0;
     is_known.then(|| OtherValue { name: parameter.name.clone(), value: column.value, std_error: random })
 }

@@ -43,6 +43,11 @@ const AT_ONCE: usize = 64;
 /// Datagrams of the sender in use that may still be at the socket of all when it gets its own: no buffer holds more.
 #[cfg(target_os = "linux")]
 const BEFORE: usize = 65_536;
+/// For so long the socket of all is left alone once strangers have sent more than is passed on of them. What comes
+/// meanwhile and does not fit into its buffer the operating system throws away, at a cost that is not this program's: to
+/// take a flood out only to throw it away would leave the estimation waiting for a processor.
+#[cfg(target_os = "linux")]
+const REST: Duration = Duration::from_millis(20);
 
 impl Reception<'_> {
     /// Receives until the source has to end.
@@ -57,6 +62,8 @@ impl Reception<'_> {
     fn run(&mut self, socket: &UdpSocket) -> io::Result<()> {
         socket.set_nonblocking(true)?;
         let mut own: Option<(SocketAddr, Option<UdpSocket>)> = None;
+        // Until then the socket of all is left alone.
+        let mut rests_until: Option<Instant> = None;
         while !self.outlet.stopped() {
             let used = self.outlet.attention.pinned().and_then(|origin| self.peers.address(origin));
             if own.as_ref().map(|(address, _)| *address) != used {
@@ -67,10 +74,18 @@ impl Reception<'_> {
                 }
             }
             let its = own.as_ref().and_then(|(_, its)| its.as_ref());
-            let of_own = its.map_or(Ok(Some(0)), |its| self.take(its, usize::MAX))?;
-            let (Some(of_own), Some(of_all)) = (of_own, self.take(socket, AT_ONCE)?) else { return Ok(()) };
+            let Some(of_own) = its.map_or(Ok(Some(0)), |its| self.take(its, usize::MAX))? else { return Ok(()) };
+            let rest = rests_until.map(|until| until.saturating_duration_since(Instant::now()));
+            if let (Some(its), Some(rest)) = (its, rest.filter(|rest| !rest.is_zero())) {
+                own_socket::wait(&[its], rest);
+                continue;
+            }
+            let thrown_away = self.outlet.attention.thrown_away();
+            let Some(of_all) = self.take(socket, AT_ONCE)? else { return Ok(()) };
+            rests_until = (self.outlet.attention.thrown_away() > thrown_away).then(|| Instant::now() + REST);
             if of_own + of_all == 0 {
-                own_socket::wait(socket, its, LOOK);
+                let sockets: Vec<&UdpSocket> = std::iter::once(socket).chain(its).collect();
+                own_socket::wait(&sockets, LOOK);
             }
         }
         Ok(())

@@ -29,10 +29,9 @@ pub(super) fn open(all: &UdpSocket, sender: SocketAddr) -> io::Result<UdpSocket>
     Ok(own.into())
 }
 
-/// Waits until one of them has a datagram, or for so long.
-pub(super) fn wait(all: &UdpSocket, own: Option<&UdpSocket>, longest: Duration) {
-    let mut sockets = vec![PollFd::new(all, PollFlags::IN)];
-    sockets.extend(own.map(|own| PollFd::new(own, PollFlags::IN)));
+/// Waits until one of the sockets has a datagram, or for so long (less than a second).
+pub(super) fn wait(sockets: &[&UdpSocket], longest: Duration) {
+    let mut sockets: Vec<PollFd<'_>> = sockets.iter().map(|socket| PollFd::new(*socket, PollFlags::IN)).collect();
     let longest = Timespec { tv_sec: 0, tv_nsec: i64::from(longest.subsec_nanos()) };
     // Of an interruption by a signal no notice need be taken: the sockets are looked at next.
     let _ = poll(&mut sockets, Some(&longest));
