@@ -1,9 +1,7 @@
 //! The Cramer-Rao bound: the smallest standard errors that an unbiased estimator can have on given data, with the
 //! parameters held at given values.
 
-use crate::core::options::CAPACITY;
 use nalgebra::DMatrix;
-use phugoid_estimators::{Input, Model};
 
 use super::colour::Colour;
 use super::error::BatchError;
@@ -46,23 +44,19 @@ pub struct Bounded {
 /// # Errors
 /// [`BatchError`]: inputs that contradict each other, a simulation that diverges or is unstable, unknowns without prior
 /// of which the data determine only a combination.
-pub fn bound<M, I, const N: usize, const R: usize>(
-    manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
+pub fn bound<const N: usize, const R: usize>(
+    manoeuvres: &[Manoeuvre<'_, N, R>],
     structure: &Structure<N, R>,
     parameters: &[f64],
-) -> Result<Vec<Bounded>, BatchError>
-where
-    M: Model<N, R, CAPACITY, Input = I>,
-    I: Input,
-{
-    structure.check(manoeuvres, |m: &M| m.parameter_count().min(CAPACITY))?;
+) -> Result<Vec<Bounded>, BatchError> {
+    structure.check(manoeuvres)?;
     let mut at = structure.clone();
     for (parameter, value) in at.parameters.iter_mut().zip(parameters) {
         parameter.start = value.clamp(parameter.lower, parameter.upper);
     }
     // The start of the simulation is found with the parameters held, so that its residuals are those of the model.
     let search = OptimiserSettings::default();
-    let held = predict::<M, I, N, R>(manoeuvres, &at, parameters, &search)?;
+    let held = predict::<N, R>(manoeuvres, &at, parameters, &search)?;
     let mut stretches = stretches(manoeuvres, &at)?;
     for unknown in &held.unknowns {
         if let UnknownKind::InitialState { state, manoeuvre, stretch } = unknown.kind {

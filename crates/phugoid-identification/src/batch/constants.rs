@@ -14,9 +14,10 @@
 //! with the weights of the minimum claimed twenty times the value of a parameter on four of twenty foreign flights. Nothing of it changes the estimate. The causal filters have the same by a recursion
 //! (`phugoid_estimators::supervisor::considered`).
 
-use phugoid_estimators::{ConstantEffects, Input, LinearizedOutputs, LinearizedRates, Model};
+use phugoid_estimators::{ConstantEffects, LinearizedOutputs, LinearizedRates};
 
 use super::equation_error::{EquationErrorSettings, rows_at};
+use super::flown::{Flown, Instant};
 use super::followed::Followed;
 use super::information::solve;
 use super::layout::Layout;
@@ -39,46 +40,40 @@ const STEP_TOLERANCE: f64 = 0.05;
 /// A step counts only where it is shorter than the one before by this factor: else the steps lead nowhere.
 const LEAST_GAIN: f64 = 0.7;
 
-/// A plant in which one constant is off: rates and outputs are those of [`Model::constant_effects`] times its size more.
-#[derive(Debug)]
-struct Displaced<'a, M> {
-    model: &'a M,
+/// A plant in which one constant is off: rates and outputs are those of [`Flown::constant_effects`] times its size more.
+struct Displaced<'a, const N: usize, const R: usize> {
+    plant: &'a dyn Flown<N, R>,
     constant: usize,
     size: f64,
     /// The outputs that measure a state show it without the constant.
     states_are_clear: bool,
 }
 
-impl<M> Displaced<'_, M> {
-    fn effects<const N: usize, const R: usize>(
-        &self,
-        x: &[f64; N],
-        theta: &[f64; CAPACITY],
-        u: &M::Input,
-    ) -> ([f64; N], [f64; R])
-    where
-        M: Model<N, R, CAPACITY>,
-    {
+impl<const N: usize, const R: usize> Displaced<'_, N, R> {
+    fn effects(&self, x: &[f64; N], theta: &[f64; CAPACITY], at: Instant) -> ([f64; N], [f64; R]) {
         let mut effects = ConstantEffects::<N, R, ROOM_FOR_CONSTANTS>::ZERO;
-        self.model.constant_effects(x, theta, u, &mut effects);
+        self.plant.constant_effects(x, theta, at, &mut effects);
         let of = |row: &ByConstant| self.size * row.get(self.constant).copied().unwrap_or(0.0);
         (effects.rates.each_ref().map(of), effects.outputs.each_ref().map(of))
     }
 }
 
-impl<M, const N: usize, const R: usize> Model<N, R, CAPACITY> for Displaced<'_, M>
-where
-    M: Model<N, R, CAPACITY>,
-{
-    type Input = M::Input;
-
-    fn parameter_count(&self) -> usize {
-        self.model.parameter_count()
+impl<const N: usize, const R: usize> Flown<N, R> for Displaced<'_, N, R> {
+    fn samples(&self) -> usize {
+        self.plant.samples()
     }
 
-    fn rates(&self, x: &[f64; N], theta: &[f64; CAPACITY], u: &Self::Input) -> [f64; N] {
-        let (more, _) = self.effects::<N, R>(x, theta, u);
-        let rates = self.model.rates(x, theta, u);
+    fn parameter_count(&self) -> usize {
+        self.plant.parameter_count()
+    }
+
+    fn measuring_output(&self, state: usize) -> Option<usize> {
+        self.plant.measuring_output(state)
+    }
+
+    fn rates(&self, x: &[f64; N], theta: &[f64; CAPACITY], at: Instant) -> [f64; N] {
+        let (more, _) = self.effects(x, theta, at);
+        let rates = self.plant.rates(x, theta, at);
         std::array::from_fn(|i| rates[i] + more[i])
     }
 
@@ -86,11 +81,11 @@ where
         &self,
         x: &[f64; N],
         theta: &[f64; CAPACITY],
-        u: &Self::Input,
+        at: Instant,
         out: &mut LinearizedRates<N, CAPACITY>,
     ) {
-        self.model.linearized_rates(x, theta, u, out);
-        let (more, _) = self.effects::<N, R>(x, theta, u);
+        self.plant.linearized_rates(x, theta, at, out);
+        let (more, _) = self.effects(x, theta, at);
         out.rates.iter_mut().zip(more).for_each(|(rate, more)| *rate += more);
     }
 
@@ -98,46 +93,44 @@ where
         &self,
         x: &[f64; N],
         theta: &[f64; CAPACITY],
-        u: &Self::Input,
+        at: Instant,
         out: &mut LinearizedOutputs<N, R, CAPACITY>,
     ) {
-        self.model.linearized_outputs(x, theta, u, out);
-        let (_, mut more) = self.effects::<N, R>(x, theta, u);
+        self.plant.linearized_outputs(x, theta, at, out);
+        let (_, mut more) = self.effects(x, theta, at);
         if self.states_are_clear {
-            (0..N).filter_map(|state| self.model.measuring_output(state)).for_each(|output| more[output] = 0.0);
+            (0..N).filter_map(|state| self.plant.measuring_output(state)).for_each(|output| more[output] = 0.0);
         }
         out.outputs.iter_mut().zip(more).for_each(|(output, more)| *output += more);
     }
 
-    fn measuring_output(&self, state: usize) -> Option<usize> {
-        self.model.measuring_output(state)
+    fn constant_effects(
+        &self,
+        x: &[f64; N],
+        theta: &[f64; CAPACITY],
+        at: Instant,
+        out: &mut ConstantEffects<N, R, ROOM_FOR_CONSTANTS>,
+    ) {
+        self.plant.constant_effects(x, theta, at, out);
     }
 }
 
-/// The manoeuvres flown by aircraft in which a constant is off.
-fn displaced<'a, M, I, const N: usize, const R: usize>(
-    manoeuvres: &'a [Manoeuvre<'a, M, I, N, R>],
-    models: &'a [Displaced<'a, M>],
-) -> Vec<Manoeuvre<'a, Displaced<'a, M>, I, N, R>> {
-    let with = |(m, model): (&Manoeuvre<'a, M, I, N, R>, &'a Displaced<'a, M>)| Manoeuvre {
-        name: m.name,
-        model,
-        time_s: m.time_s,
-        inputs: m.inputs,
-        hold: m.hold,
-        outputs: m.outputs,
-        initial_state: m.initial_state,
-    };
-    manoeuvres.iter().zip(models).map(with).collect()
-}
-
-fn models_of<'a, M, I, const N: usize, const R: usize>(
-    manoeuvres: &[Manoeuvre<'a, M, I, N, R>],
+/// The plants of some manoeuvres with one constant off.
+fn plants_of<'a, const N: usize, const R: usize>(
+    manoeuvres: &[Manoeuvre<'a, N, R>],
     constant: usize,
     size: f64,
     states_are_clear: bool,
-) -> Vec<Displaced<'a, M>> {
-    manoeuvres.iter().map(|m| Displaced { model: m.model, constant, size, states_are_clear }).collect()
+) -> Vec<Displaced<'a, N, R>> {
+    manoeuvres.iter().map(|m| Displaced { plant: m.plant, constant, size, states_are_clear }).collect()
+}
+
+/// The manoeuvres flown by other plants.
+fn displaced<'a, const N: usize, const R: usize>(
+    manoeuvres: &[Manoeuvre<'a, N, R>],
+    plants: &'a [Displaced<'a, N, R>],
+) -> Vec<Manoeuvre<'a, N, R>> {
+    manoeuvres.iter().zip(plants).map(|(m, plant)| Manoeuvre { plant, ..*m }).collect()
 }
 
 /// Where a search ended.
@@ -175,16 +168,12 @@ fn note<const N: usize>(
 /// What [`output_error()`](super::output_error()) makes of errors of the constants: one entry per parameter of the
 /// structure. `sizes`: how far each constant is displaced to find out, one sigma; zero for one of which
 /// nothing is asked. None where the result does not belong to the structure, or a step cannot be solved for.
-pub(crate) fn output_error_constants<M, I, const N: usize, const R: usize>(
-    manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
+pub(crate) fn output_error_constants<const N: usize, const R: usize>(
+    manoeuvres: &[Manoeuvre<'_, N, R>],
     structure: &Structure<N, R>,
     fit: &BatchFit,
     sizes: &ByConstant,
-) -> Option<Vec<ByConstant>>
-where
-    M: Model<N, R, CAPACITY, Input = I>,
-    I: Input,
-{
+) -> Option<Vec<ByConstant>> {
     let followed: Vec<Followed<N>> =
         manoeuvres.iter().filter_map(|m| Followed::of(m, structure).transpose()).collect::<Result<_, _>>().ok()?;
     let layout: Layout<N> =
@@ -195,8 +184,8 @@ where
     let loss = Loss::of(structure.likelihood);
     let mut by_parameter = vec![[0.0; ROOM_FOR_CONSTANTS]; structure.parameters.len()];
     for (constant, size) in sizes.iter().copied().enumerate().filter(|(_, size)| *size > 0.0) {
-        let models = models_of(manoeuvres, constant, size, false);
-        let manoeuvres = displaced(manoeuvres, &models);
+        let plants = plants_of(manoeuvres, constant, size, false);
+        let manoeuvres = displaced(manoeuvres, &plants);
         let mut moved = unknowns.clone();
         let (mut first, mut before) = (f64::INFINITY, f64::INFINITY);
         for _ in 0..MOST_STEPS {
@@ -232,17 +221,13 @@ where
 
 /// What [`equation_error()`](super::equation_error()) makes of errors of the constants, as [`output_error_constants`]. What noise
 /// in the regressors takes off an effect is left out: it is a small part of it.
-pub(crate) fn equation_error_constants<M, I, const N: usize, const R: usize>(
-    manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
+pub(crate) fn equation_error_constants<const N: usize, const R: usize>(
+    manoeuvres: &[Manoeuvre<'_, N, R>],
     structure: &Structure<N, R>,
     settings: &EquationErrorSettings,
     fit: &BatchFit,
     sizes: &ByConstant,
-) -> Option<Vec<ByConstant>>
-where
-    M: Model<N, R, CAPACITY, Input = I>,
-    I: Input,
-{
+) -> Option<Vec<ByConstant>> {
     let noise_std: [f64; R] = fit.noise_std.as_slice().try_into().ok()?;
     let unknowns: Vec<f64> = fit.unknowns.iter().map(|u| u.value).collect();
     let (layout, rows) = rows_at(manoeuvres, structure, settings, &unknowns).ok()?;
@@ -256,12 +241,12 @@ where
     let theta = layout.parameters(&unknowns);
     let mut by_parameter = vec![[0.0; ROOM_FOR_CONSTANTS]; structure.parameters.len()];
     for (constant, size) in sizes.iter().copied().enumerate().filter(|(_, size)| *size > 0.0) {
-        let models = models_of(manoeuvres, constant, size, true);
+        let plants = plants_of(manoeuvres, constant, size, true);
         // The states are taken as measured, without what the constant adds to what is shown of them. Of the other outputs the
         // model knows itself what it adds.
         let cleared: Vec<Vec<[f64; R]>> =
-            manoeuvres.iter().zip(&models).map(|(m, model)| cleared(m, model, &theta)).collect();
-        let with: Vec<Manoeuvre<'_, Displaced<'_, M>, I, N, R>> = displaced(manoeuvres, &models)
+            manoeuvres.iter().zip(&plants).map(|(m, plant)| cleared(m, plant, &theta)).collect();
+        let with: Vec<Manoeuvre<'_, N, R>> = displaced(manoeuvres, &plants)
             .into_iter()
             .zip(&cleared)
             .map(|(m, outputs)| Manoeuvre { outputs, ..m })
@@ -276,24 +261,20 @@ where
 
 /// The measured outputs of a manoeuvre, those that measure a state without what the constant adds to them. Where a state is
 /// not measured nothing is known of that, and they stay as they are.
-fn cleared<M, I, const N: usize, const R: usize>(
-    m: &Manoeuvre<'_, M, I, N, R>,
-    model: &Displaced<'_, M>,
+fn cleared<const N: usize, const R: usize>(
+    m: &Manoeuvre<'_, N, R>,
+    plant: &Displaced<'_, N, R>,
     theta: &[f64; CAPACITY],
-) -> Vec<[f64; R]>
-where
-    M: Model<N, R, CAPACITY, Input = I>,
-    I: Input,
-{
-    let measuring: [Option<usize>; N] = std::array::from_fn(|i| m.model.measuring_output(i));
-    let each = |(outputs, input): (&[f64; R], &I)| {
+) -> Vec<[f64; R]> {
+    let measuring: [Option<usize>; N] = std::array::from_fn(|i| m.plant.measuring_output(i));
+    let each = |(k, outputs): (usize, &[f64; R])| {
         let x: [f64; N] = measuring.map(|output| output.map_or(f64::NAN, |output| outputs[output]));
         let mut outputs = *outputs;
         if x.iter().all(|value| value.is_finite()) {
-            let (_, more): ([f64; N], [f64; R]) = model.effects(&x, theta, input);
+            let (_, more) = plant.effects(&x, theta, m.instant(k));
             measuring.iter().flatten().for_each(|&output| outputs[output] -= more[output]);
         }
         outputs
     };
-    m.outputs.iter().zip(m.inputs).map(each).collect()
+    m.outputs.iter().enumerate().map(each).collect()
 }

@@ -2,7 +2,7 @@
 
 use crate::core::options::{CAPACITY, Likelihood};
 use phugoid_estimators::discretization::IntervalInput;
-use phugoid_estimators::{Input, LinearizedOutputs, LinearizedRates, Model};
+use phugoid_estimators::{LinearizedOutputs, LinearizedRates};
 
 use super::differentiate::{LocalCubics, half_window_s};
 use super::error::BatchError;
@@ -76,15 +76,11 @@ pub struct EquationErrorFit {
 /// # Errors
 /// [`BatchError`]: inputs that contradict each other, a state that is not measured, terms of which the data determine
 /// only a combination.
-pub fn equation_error<M, I, const N: usize, const R: usize>(
-    manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
+pub fn equation_error<const N: usize, const R: usize>(
+    manoeuvres: &[Manoeuvre<'_, N, R>],
     structure: &Structure<N, R>,
     settings: &EquationErrorSettings,
-) -> Result<EquationErrorFit, BatchError>
-where
-    M: Model<N, R, CAPACITY, Input = I>,
-    I: Input,
-{
+) -> Result<EquationErrorFit, BatchError> {
     let (layout, measured) = smoothed(manoeuvres, structure, settings)?;
     let minimum = regression(manoeuvres, &measured, settings, &layout, FINE)?;
     let Fitted { rows, noise_std } = &minimum.evaluation.detail;
@@ -99,7 +95,7 @@ where
     })?;
     if settings.smooth_regressors {
         let outputs: Vec<&[[f64; R]]> = measured.iter().map(|m| m.outputs.as_slice()).collect();
-        let of_state = std::array::from_fn(|i| state_of::<M, I, N, R>(manoeuvres, i).is_some());
+        let of_state = std::array::from_fn(|i| state_of::<N, R>(manoeuvres, i).is_some());
         let solve = |noisy: &[Vec<[f64; R]>]| {
             let with = |(index, outputs): (usize, &Vec<[f64; R]>)| measured[index].with(&manoeuvres[index], outputs);
             let noisy: Vec<Measured<N, R>> = noisy.iter().enumerate().map(with).collect();
@@ -110,7 +106,7 @@ where
             regressor_noise::correct(&mut fit, &bias);
         }
     }
-    let name = |row: usize| match state_of::<M, I, N, R>(manoeuvres, row) {
+    let name = |row: usize| match state_of::<N, R>(manoeuvres, row) {
         Some(state) => format!("d({})/dt", structure.states[state].name),
         None => structure.outputs[row].name.clone(),
     };
@@ -122,32 +118,24 @@ where
 ///
 /// # Errors
 /// Those of [`equation_error`].
-pub(super) fn rows_at<M, I, const N: usize, const R: usize>(
-    manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
+pub(super) fn rows_at<const N: usize, const R: usize>(
+    manoeuvres: &[Manoeuvre<'_, N, R>],
     structure: &Structure<N, R>,
     settings: &EquationErrorSettings,
     unknowns: &[f64],
-) -> Result<(Layout<N>, Vec<Rows<R>>), BatchError>
-where
-    M: Model<N, R, CAPACITY, Input = I>,
-    I: Input,
-{
+) -> Result<(Layout<N>, Vec<Rows<R>>), BatchError> {
     let (layout, measured) = smoothed(manoeuvres, structure, settings)?;
     let rows = rows_of(manoeuvres, &measured, &layout, unknowns, &[true; R]);
     Ok((layout, rows))
 }
 
 /// The unknowns of the regression, and the smoothed states and outputs of each manoeuvre.
-fn smoothed<M, I, const N: usize, const R: usize>(
-    manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
+fn smoothed<const N: usize, const R: usize>(
+    manoeuvres: &[Manoeuvre<'_, N, R>],
     structure: &Structure<N, R>,
     settings: &EquationErrorSettings,
-) -> Result<(Layout<N>, Vec<Measured<N, R>>), BatchError>
-where
-    M: Model<N, R, CAPACITY, Input = I>,
-    I: Input,
-{
-    structure.check(manoeuvres, |m: &M| m.parameter_count().min(CAPACITY))?;
+) -> Result<(Layout<N>, Vec<Measured<N, R>>), BatchError> {
+    structure.check(manoeuvres)?;
     let half = settings.half_window_s;
     if half.is_nan() || half <= 0.0 {
         return Err(BatchError::BadInput(format!("the half window is {half} s: it must be positive")));
@@ -156,7 +144,7 @@ where
     held.states.iter_mut().for_each(|s| s.free = false);
     for (i, channel) in held.outputs.iter_mut().enumerate() {
         // A constant error of a measured state does not appear in the equation of its rate.
-        if state_of::<M, I, N, R>(manoeuvres, i).is_some() {
+        if state_of::<N, R>(manoeuvres, i).is_some() {
             channel.bias = Bias::None;
         }
     }
@@ -165,7 +153,7 @@ where
         Likelihood::Robust => Outliers::LeftOut,
         Likelihood::Gaussian => Outliers::Kept,
     };
-    let of = |m: &Manoeuvre<'_, M, I, N, R>| Measured::of(m, structure, half, settings.smooth_regressors, outliers);
+    let of = |m: &Manoeuvre<'_, N, R>| Measured::of(m, structure, half, settings.smooth_regressors, outliers);
     let measured = manoeuvres.iter().map(of).collect::<Result<Vec<_>, _>>()?;
     Ok((layout, measured))
 }
@@ -176,17 +164,13 @@ const FINE: f64 = 1e-6;
 const ROUGH: f64 = 1e-2;
 
 /// The weighted least squares themselves.
-fn regression<M, I, const N: usize, const R: usize>(
-    manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
+fn regression<const N: usize, const R: usize>(
+    manoeuvres: &[Manoeuvre<'_, N, R>],
     measured: &[Measured<N, R>],
     settings: &EquationErrorSettings,
     layout: &Layout<N>,
     step_tolerance: f64,
-) -> Result<Minimum<Fitted<R>>, BatchError>
-where
-    M: Model<N, R, CAPACITY, Input = I>,
-    I: Input,
-{
+) -> Result<Minimum<Fitted<R>>, BatchError> {
     let every: Vec<Rows<R>> = rows_of(manoeuvres, measured, layout, &layout.start(), &[true; R]);
     let wanted = if settings.every_equation { [true; R] } else { needed(manoeuvres, &every, layout) };
     let residuals = |unknowns: &[f64]| Ok(rows_of(manoeuvres, measured, layout, unknowns, &wanted));
@@ -205,16 +189,12 @@ where
 ///
 /// # Errors
 /// [`BatchError::BadInput`] where a state is not measured.
-pub(crate) fn equations_at<M, I, const N: usize, const R: usize>(
-    manoeuvre: &Manoeuvre<'_, M, I, N, R>,
+pub(crate) fn equations_at<const N: usize, const R: usize>(
+    manoeuvre: &Manoeuvre<'_, N, R>,
     structure: &Structure<N, R>,
     settings: &EquationErrorSettings,
     parameters: &[f64],
-) -> Result<Rows<R>, BatchError>
-where
-    M: Model<N, R, CAPACITY, Input = I>,
-    I: Input,
-{
+) -> Result<Rows<R>, BatchError> {
     let held = structure.held_at(parameters);
     let manoeuvres = std::slice::from_ref(manoeuvre);
     let (half, smooth) = (settings.half_window_s, settings.smooth_regressors);
@@ -225,10 +205,10 @@ where
 }
 
 /// The equations take the states as they were measured, and have no use for where an integration would start.
-pub(super) fn nothing_integrated<M, I, const N: usize, const R: usize>(
-    manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
+pub(super) fn nothing_integrated<const N: usize, const R: usize>(
+    manoeuvres: &[Manoeuvre<'_, N, R>],
 ) -> Vec<Vec<Stretch<N>>> {
-    let stretch = |m: &Manoeuvre<'_, M, I, N, R>| Stretch { from: 0, to: m.time_s.len(), state: [0.0; N] };
+    let stretch = |m: &Manoeuvre<'_, N, R>| Stretch { from: 0, to: m.time_s.len(), state: [0.0; N] };
     manoeuvres.iter().map(|m| vec![stretch(m)]).collect()
 }
 
@@ -243,18 +223,14 @@ struct RightSide<const N: usize> {
 /// Integrates the right side over the samples (trapezia, with the input that acted in each interval) and takes the
 /// slope of that as it was taken of the measured state. Both sides have then been through the same window: what it
 /// rounds off, such as the step in a rate that a step of a surface makes, it rounds off on both.
-fn right_side<M, I, const N: usize, const R: usize>(
-    m: &Manoeuvre<'_, M, I, N, R>,
+fn right_side<const N: usize, const R: usize>(
+    m: &Manoeuvre<'_, N, R>,
     measured: &Measured<N, R>,
     theta: &[f64; CAPACITY],
     wanted: &[bool; N],
-) -> RightSide<N>
-where
-    M: Model<N, R, CAPACITY, Input = I>,
-    I: Input,
-{
+) -> RightSide<N> {
     let samples = m.time_s.len();
-    let columns = m.model.parameter_count().min(CAPACITY);
+    let columns = m.plant.parameter_count().min(CAPACITY);
     let known = |k: usize| measured.is_known(k);
     let mut rates = vec![vec![0.0; samples]; N];
     let mut regressors = vec![vec![vec![0.0; samples]; columns]; N];
@@ -263,9 +239,9 @@ where
         let whole = known(k - 1) && known(k);
         let h = m.time_s[k] - m.time_s[k - 1];
         if whole {
-            let input = IntervalInput { from: m.inputs[k - 1], to: m.inputs[k], hold: m.hold };
-            m.model.linearized_rates(&measured.states[k - 1], theta, &input.at(0.0), &mut before);
-            m.model.linearized_rates(&measured.states[k], theta, &input.at(1.0), &mut after);
+            let input = IntervalInput { from: m.instant(k - 1), to: m.instant(k), hold: m.hold };
+            m.plant.linearized_rates(&measured.states[k - 1], theta, input.at(0.0), &mut before);
+            m.plant.linearized_rates(&measured.states[k], theta, input.at(1.0), &mut after);
         }
         for i in 0..N {
             // An interval without states makes the windows that contain it useless.
@@ -306,35 +282,27 @@ where
 }
 
 /// The state whose equation stands in the place of this output, if the output measures a state.
-pub(super) fn state_of<M, I, const N: usize, const R: usize>(
-    manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
+pub(super) fn state_of<const N: usize, const R: usize>(
+    manoeuvres: &[Manoeuvre<'_, N, R>],
     output: usize,
-) -> Option<usize>
-where
-    M: Model<N, R, CAPACITY, Input = I>,
-    I: Input,
-{
-    (0..N).find(|&state| manoeuvres[0].model.measuring_output(state) == Some(output))
+) -> Option<usize> {
+    (0..N).find(|&state| manoeuvres[0].plant.measuring_output(state) == Some(output))
 }
 
 /// Equations as rows: residual is left side minus right side, sensitivity the regressors.
-pub(super) fn rows_of<M, I, const N: usize, const R: usize>(
-    manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
+pub(super) fn rows_of<const N: usize, const R: usize>(
+    manoeuvres: &[Manoeuvre<'_, N, R>],
     measured: &[Measured<N, R>],
     layout: &Layout<N>,
     unknowns: &[f64],
     wanted: &[bool; R],
-) -> Vec<Rows<R>>
-where
-    M: Model<N, R, CAPACITY, Input = I>,
-    I: Input,
-{
+) -> Vec<Rows<R>> {
     let theta = layout.parameters(unknowns);
-    let of = |(index, (m, measured)): (usize, (&Manoeuvre<'_, M, I, N, R>, &Measured<N, R>))| {
+    let of = |(index, (m, measured)): (usize, (&Manoeuvre<'_, N, R>, &Measured<N, R>))| {
         let columns = layout.columns(index);
         let kinds: Vec<UnknownKind> = columns.iter().map(|&j| layout.places[j].kind).collect();
         let biases: [f64; R] = layout.biases(index, unknowns);
-        let states: [Option<usize>; R] = std::array::from_fn(|i| state_of::<M, I, N, R>(manoeuvres, i));
+        let states: [Option<usize>; R] = std::array::from_fn(|i| state_of::<N, R>(manoeuvres, i));
         let wanted_states = std::array::from_fn(|state| (0..R).any(|i| wanted[i] && states[i] == Some(state)));
         let side = right_side(m, measured, &theta, &wanted_states);
         let samples = m.time_s.len();
@@ -349,7 +317,7 @@ where
         };
         let mut lin = LinearizedOutputs::<N, R, CAPACITY>::ZERO;
         for k in (0..samples).filter(|&k| measured.smoothed[k].iter().all(|v| v.is_finite())) {
-            m.model.linearized_outputs(&measured.smoothed[k], &theta, &m.inputs[k], &mut lin);
+            m.plant.linearized_outputs(&measured.smoothed[k], &theta, m.instant(k), &mut lin);
             rows.outputs[k] = std::array::from_fn(|i| lin.outputs[i] + biases[i]);
         }
         let accelerations = accelerations(m, measured, &theta, &kinds);
@@ -402,16 +370,12 @@ struct Acceleration {
 }
 
 /// The equations of the outputs, both sides smoothed alike where the windows are there.
-fn accelerations<M, I, const N: usize, const R: usize>(
-    m: &Manoeuvre<'_, M, I, N, R>,
+fn accelerations<const N: usize, const R: usize>(
+    m: &Manoeuvre<'_, N, R>,
     measured: &Measured<N, R>,
     theta: &[f64; CAPACITY],
     kinds: &[UnknownKind],
-) -> [Acceleration; R]
-where
-    M: Model<N, R, CAPACITY, Input = I>,
-    I: Input,
-{
+) -> [Acceleration; R] {
     let samples = m.time_s.len();
     let empty = Acceleration {
         residuals: vec![f64::NAN; samples],
@@ -423,7 +387,7 @@ where
     let mut found: [Acceleration; R] = std::array::from_fn(|_| empty.clone());
     let mut lin = LinearizedOutputs::<N, R, CAPACITY>::ZERO;
     for k in (0..samples).filter(|&k| measured.is_known(k)) {
-        m.model.linearized_outputs(&measured.states[k], theta, &m.inputs[k], &mut lin);
+        m.plant.linearized_outputs(&measured.states[k], theta, m.instant(k), &mut lin);
         for (i, equation) in found.iter_mut().enumerate() {
             equation.residuals[k] = measured.outputs[k][i] - lin.outputs[i];
             for (column, kind) in equation.regressors.iter_mut().zip(kinds) {
@@ -446,15 +410,11 @@ where
 
 /// The equations to use: measured accelerations, and the rates of states that carry a parameter which no acceleration
 /// sees.
-pub(super) fn needed<M, I, const N: usize, const R: usize>(
-    manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
+pub(super) fn needed<const N: usize, const R: usize>(
+    manoeuvres: &[Manoeuvre<'_, N, R>],
     every: &[Rows<R>],
     layout: &Layout<N>,
-) -> [bool; R]
-where
-    M: Model<N, R, CAPACITY, Input = I>,
-    I: Input,
-{
+) -> [bool; R] {
     let moves = |output: usize, column: usize| {
         every.iter().any(|rows| {
             rows.columns
@@ -463,7 +423,7 @@ where
                 .is_some_and(|position| (0..rows.residuals.len()).any(|k| rows.sensitivity(k, output)[position] != 0.0))
         })
     };
-    let acceleration = |i: usize| state_of::<M, I, N, R>(manoeuvres, i).is_none();
+    let acceleration = |i: usize| state_of::<N, R>(manoeuvres, i).is_none();
     let seen: Vec<bool> = (0..layout.places.len()).map(|j| (0..R).any(|i| acceleration(i) && moves(i, j))).collect();
     std::array::from_fn(|i| acceleration(i) || (0..seen.len()).any(|j| !seen[j] && moves(i, j)))
 }

@@ -2,7 +2,7 @@
 
 use crate::core::options::{Band, CAPACITY, Likelihood};
 use phugoid_estimators::discretization::IntervalInput;
-use phugoid_estimators::{Input, LinearizedOutputs, LinearizedRates, Model};
+use phugoid_estimators::{LinearizedOutputs, LinearizedRates};
 
 use super::equation_error::{
     EquationErrorFit, EquationErrorSettings, equation_floor, needed, nothing_integrated, state_of,
@@ -50,17 +50,13 @@ const NOTHING: f64 = 1e-18;
 /// # Errors
 /// [`BatchError`]: inputs that contradict each other, a state that is not measured, a band that the record is too short
 /// for, terms of which the band determines only a combination.
-pub fn equation_error_frequency<M, I, const N: usize, const R: usize>(
-    manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
+pub fn equation_error_frequency<const N: usize, const R: usize>(
+    manoeuvres: &[Manoeuvre<'_, N, R>],
     structure: &Structure<N, R>,
     band: Band,
     settings: &EquationErrorSettings,
-) -> Result<EquationErrorFit, BatchError>
-where
-    M: Model<N, R, CAPACITY, Input = I>,
-    I: Input,
-{
-    structure.check(manoeuvres, |m: &M| m.parameter_count().min(CAPACITY))?;
+) -> Result<EquationErrorFit, BatchError> {
+    structure.check(manoeuvres)?;
     let band = band.check().map_err(|e| BatchError::BadInput(e.to_string()))?;
     let mut held = structure.clone();
     held.states.iter_mut().for_each(|s| s.free = false);
@@ -69,7 +65,7 @@ where
         Likelihood::Robust => Outliers::LeftOut,
         Likelihood::Gaussian => Outliers::Kept,
     };
-    let of = |m: &Manoeuvre<'_, M, I, N, R>| Measured::of(m, structure, settings.half_window_s, false, outliers);
+    let of = |m: &Manoeuvre<'_, N, R>| Measured::of(m, structure, settings.half_window_s, false, outliers);
     let measured = manoeuvres.iter().map(of).collect::<Result<Vec<_>, _>>()?;
     let rows = |measured: &[Measured<N, R>], layout: &Layout<N>, unknowns: &[f64], wanted: &[bool; R]| {
         rows_of(manoeuvres, measured, layout, unknowns, wanted, structure.maximum_gap_s)
@@ -102,7 +98,7 @@ where
         in_band::fit(&layout.places, layout.start(), &spectrum, None, &floor, &search, residuals)
     };
     let minimum = solve(&measured, FINE)?;
-    let is_state: [bool; R] = std::array::from_fn(|i| state_of::<M, I, N, R>(manoeuvres, i).is_some());
+    let is_state: [bool; R] = std::array::from_fn(|i| state_of::<N, R>(manoeuvres, i).is_some());
     // The equation of a state has no measured left side of its own.
     let left = |m: &Measured<N, R>| -> Vec<[f64; R]> {
         m.outputs.iter().map(|y| std::array::from_fn(|i| if is_state[i] { f64::NAN } else { y[i] })).collect()
@@ -132,7 +128,7 @@ where
             constants.join(", ")
         ));
     }
-    let name = |row: usize| match state_of::<M, I, N, R>(manoeuvres, row) {
+    let name = |row: usize| match state_of::<N, R>(manoeuvres, row) {
         Some(state) => format!("d({})/dt", structure.states[state].name),
         None => structure.outputs[row].name.clone(),
     };
@@ -172,16 +168,12 @@ struct Means<const N: usize> {
 /// Trapezia with the input that acted within each interval, less a twelfth of the second difference of the rates: the
 /// integral of the cubic through the four rates about the interval. The differences are taken within the intervals, so
 /// that a step of the input from one to the next is none.
-fn means<M, I, const N: usize, const R: usize>(
-    m: &Manoeuvre<'_, M, I, N, R>,
+fn means<const N: usize, const R: usize>(
+    m: &Manoeuvre<'_, N, R>,
     measured: &Measured<N, R>,
     theta: &[f64; CAPACITY],
     maximum_gap_s: f64,
-) -> Means<N>
-where
-    M: Model<N, R, CAPACITY, Input = I>,
-    I: Input,
-{
+) -> Means<N> {
     let samples = m.time_s.len();
     let nothing = LinearizedRates::<N, CAPACITY>::ZERO;
     let mut ends = vec![[nothing; 2]; samples];
@@ -190,13 +182,13 @@ where
         (1..samples).contains(&k) && measured.is_known(k - 1) && measured.is_known(k) && interval(k) <= maximum_gap_s
     };
     for k in (1..samples).filter(|&k| known(k)) {
-        let input = IntervalInput { from: m.inputs[k - 1], to: m.inputs[k], hold: m.hold };
+        let input = IntervalInput { from: m.instant(k - 1), to: m.instant(k), hold: m.hold };
         let [before, after] = &mut ends[k];
-        m.model.linearized_rates(&measured.states[k - 1], theta, &input.at(0.0), before);
-        m.model.linearized_rates(&measured.states[k], theta, &input.at(1.0), after);
+        m.plant.linearized_rates(&measured.states[k - 1], theta, input.at(0.0), before);
+        m.plant.linearized_rates(&measured.states[k], theta, input.at(1.0), after);
     }
     let mut means = Means { rates: vec![[f64::NAN; N]; samples], regressors: vec![[[0.0; CAPACITY]; N]; samples] };
-    let columns = m.model.parameter_count().min(CAPACITY);
+    let columns = m.plant.parameter_count().min(CAPACITY);
     for k in (1..samples).filter(|&k| known(k)) {
         let alike = |other: usize| known(other) && (interval(other) / interval(k) - 1.0).abs() < ALIKE;
         let curved = alike(k - 1) && alike(k + 1);
@@ -219,21 +211,17 @@ where
 const ALIKE: f64 = 0.1;
 
 /// Equations as rows by sample: residual is left side minus right side, sensitivity the regressors.
-fn rows_of<M, I, const N: usize, const R: usize>(
-    manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
+fn rows_of<const N: usize, const R: usize>(
+    manoeuvres: &[Manoeuvre<'_, N, R>],
     measured: &[Measured<N, R>],
     layout: &Layout<N>,
     unknowns: &[f64],
     wanted: &[bool; R],
     maximum_gap_s: f64,
-) -> Vec<Rows<R>>
-where
-    M: Model<N, R, CAPACITY, Input = I>,
-    I: Input,
-{
+) -> Vec<Rows<R>> {
     let theta = layout.parameters(unknowns);
-    let states: [Option<usize>; R] = std::array::from_fn(|i| state_of::<M, I, N, R>(manoeuvres, i));
-    let of = |(index, (m, measured)): (usize, (&Manoeuvre<'_, M, I, N, R>, &Measured<N, R>))| {
+    let states: [Option<usize>; R] = std::array::from_fn(|i| state_of::<N, R>(manoeuvres, i));
+    let of = |(index, (m, measured)): (usize, (&Manoeuvre<'_, N, R>, &Measured<N, R>))| {
         let columns = layout.columns(index);
         let parameters: Vec<Option<usize>> = columns
             .iter()
@@ -254,7 +242,7 @@ where
         };
         let mut lin = LinearizedOutputs::<N, R, CAPACITY>::ZERO;
         for k in (0..samples).filter(|&k| measured.is_known(k)) {
-            m.model.linearized_outputs(&measured.states[k], &theta, &m.inputs[k], &mut lin);
+            m.plant.linearized_outputs(&measured.states[k], &theta, m.instant(k), &mut lin);
             rows.outputs[k] = lin.outputs;
             for i in (0..R).filter(|&i| wanted[i]) {
                 let (residual, regressors) = match (states[i], &means) {

@@ -1,9 +1,10 @@
 //! A Kalman filter over one manoeuvre: the innovations and their variances.
 
 use crate::core::options::CAPACITY;
+use phugoid_estimators::LinearizedOutputs;
 use phugoid_estimators::discretization::step;
-use phugoid_estimators::{Input, LinearizedOutputs, Model};
 
+use super::flown::AsModel;
 use super::problem::Manoeuvre;
 use super::start::Stretch;
 
@@ -48,15 +49,11 @@ impl<const R: usize> Innovations<R> {
 ///
 /// Prediction with the step map and its exact derivative `A`; outputs corrected one at a time, which is the whole
 /// correction because their noise is independent; Joseph's form of the covariance.
-pub(crate) fn filter<M, I, const N: usize, const R: usize>(
-    manoeuvre: &Manoeuvre<'_, M, I, N, R>,
+pub(crate) fn filter<const N: usize, const R: usize>(
+    manoeuvre: &Manoeuvre<'_, N, R>,
     tuning: &Tuning<N, R>,
-) -> Result<Innovations<R>, f64>
-where
-    M: Model<N, R, CAPACITY, Input = I>,
-    I: Input,
-{
-    let model = manoeuvre.model;
+) -> Result<Innovations<R>, f64> {
+    let plant = manoeuvre.plant;
     let samples = manoeuvre.time_s.len();
     let mut lin = LinearizedOutputs::<N, R, CAPACITY>::ZERO;
     let mut result = Innovations {
@@ -70,7 +67,7 @@ where
         let mut covariance: [[f64; N]; N] =
             std::array::from_fn(|i| std::array::from_fn(|j| if i == j { tuning.initial_std[i].powi(2) } else { 0.0 }));
         for k in stretch.from..stretch.to {
-            model.linearized_outputs(&x, &tuning.parameters, &manoeuvre.inputs[k], &mut lin);
+            plant.linearized_outputs(&x, &tuning.parameters, manoeuvre.instant(k), &mut lin);
             let predicted: [f64; R] = std::array::from_fn(|i| lin.outputs[i] + tuning.biases[i]);
             let mut correction = [0.0; N];
             for i in (0..R).filter(|&i| manoeuvre.outputs[k][i].is_finite()) {
@@ -99,7 +96,17 @@ where
             let (input, interval_s, parts) = manoeuvre.interval(k, tuning.maximum_step_s);
             let steps = parts.len() as f64;
             for part in parts {
-                x = step(model, &x, &tuning.parameters, &input, interval_s, part, 0, &mut unused, &mut transition);
+                x = step(
+                    &AsModel(plant),
+                    &x,
+                    &tuning.parameters,
+                    &input,
+                    interval_s,
+                    part,
+                    0,
+                    &mut unused,
+                    &mut transition,
+                );
                 covariance = predicted_covariance(&covariance, &transition);
                 for l in 0..N {
                     covariance[l][l] += tuning.process_noise[l] * interval_s / steps;

@@ -1,9 +1,7 @@
 //! Filter error: maximum likelihood with process noise.
 
-use crate::core::options::{CAPACITY, Likelihood};
+use crate::core::options::Likelihood;
 use std::cell::RefCell;
-
-use phugoid_estimators::{Input, Model};
 
 use super::error::BatchError;
 use super::filter::{Innovations, Tuning, filter};
@@ -69,17 +67,13 @@ const FIRST_DIFFERENCE: f64 = 1e-5;
 /// # Errors
 /// [`BatchError`]: inputs that contradict each other, a filter that diverges, unknowns of which the data determine only
 /// a combination, no convergence.
-pub fn filter_error<M, I, const N: usize, const R: usize>(
-    manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
+pub fn filter_error<const N: usize, const R: usize>(
+    manoeuvres: &[Manoeuvre<'_, N, R>],
     structure: &Structure<N, R>,
     process_noise: &ProcessNoise<N>,
     settings: &OptimiserSettings,
-) -> Result<BatchFit, BatchError>
-where
-    M: Model<N, R, CAPACITY, Input = I>,
-    I: Input,
-{
-    structure.check(manoeuvres, |m: &M| m.parameter_count().min(CAPACITY))?;
+) -> Result<BatchFit, BatchError> {
+    structure.check(manoeuvres)?;
     if let Some(i) = process_noise.density.iter().position(|q| !(q.is_finite() && *q >= 0.0)) {
         let (name, density) = (&structure.states[i].name, process_noise.density[i]);
         return Err(BatchError::BadInput(format!("the process noise of {name} is {density}: it must not be negative")));
@@ -94,7 +88,7 @@ where
         Likelihood::Gaussian => (manoeuvres.iter().map(|m| m.outputs.to_vec()).collect(), [0; R]),
         Likelihood::Robust => clean(manoeuvres),
     };
-    let manoeuvres: Vec<Manoeuvre<'_, M, I, N, R>> =
+    let manoeuvres: Vec<Manoeuvre<'_, N, R>> =
         manoeuvres.iter().zip(&outputs).map(|(m, outputs)| Manoeuvre { outputs, ..*m }).collect();
     let manoeuvres = manoeuvres.as_slice();
     let used = Structure::used(manoeuvres);
@@ -203,11 +197,11 @@ where
 }
 
 /// The outputs of each manoeuvre without outliers, and how many there were, by output.
-pub(super) fn clean<M, I, const N: usize, const R: usize>(
-    manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
+pub(super) fn clean<const N: usize, const R: usize>(
+    manoeuvres: &[Manoeuvre<'_, N, R>],
 ) -> (Vec<Vec<[f64; R]>>, [usize; R]) {
     let mut left_out = [0; R];
-    let of = |m: &Manoeuvre<'_, M, I, N, R>| {
+    let of = |m: &Manoeuvre<'_, N, R>| {
         let mut outputs = m.outputs.to_vec();
         for (i, count) in left_out.iter_mut().enumerate() {
             let values: Vec<f64> = m.outputs.iter().map(|y| y[i]).collect();
@@ -227,8 +221,8 @@ struct Filtered<const R: usize> {
 }
 
 /// One sigma of each output to start from: as given, or measured from the records.
-fn first_noise<M, I, const N: usize, const R: usize>(
-    manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
+fn first_noise<const N: usize, const R: usize>(
+    manoeuvres: &[Manoeuvre<'_, N, R>],
     structure: &Structure<N, R>,
 ) -> Result<[f64; R], BatchError> {
     let used = Structure::used(manoeuvres);
@@ -249,18 +243,14 @@ fn first_noise<M, I, const N: usize, const R: usize>(
     Ok(noise)
 }
 
-fn initial_std<M, I, const N: usize, const R: usize>(
-    manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
+fn initial_std<const N: usize, const R: usize>(
+    manoeuvres: &[Manoeuvre<'_, N, R>],
     structure: &Structure<N, R>,
     noise: &[f64; R],
-) -> Result<[f64; N], BatchError>
-where
-    M: Model<N, R, CAPACITY, Input = I>,
-    I: Input,
-{
+) -> Result<[f64; N], BatchError> {
     let mut initial_std = [0.0; N];
     for (i, std) in initial_std.iter_mut().enumerate().filter(|(i, _)| structure.states[*i].free) {
-        let measured = manoeuvres.first().and_then(|m| m.model.measuring_output(i)).map(|output| noise[output]);
+        let measured = manoeuvres.first().and_then(|m| m.plant.measuring_output(i)).map(|output| noise[output]);
         *std = INITIAL_SD
             * measured.ok_or_else(|| {
                 let name = &structure.states[i].name;

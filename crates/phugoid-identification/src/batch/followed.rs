@@ -12,10 +12,11 @@
 //! away, and derivatives with respect to rates and surfaces would take that up.
 
 use crate::core::options::CAPACITY;
-use phugoid_estimators::{Input, LinearizedOutputs, Model};
+use phugoid_estimators::LinearizedOutputs;
 
 use super::differentiate::{LocalCubics, half_window_s};
 use super::error::BatchError;
+use super::flown::{Flown, Instant};
 use super::problem::{Manoeuvre, Structure};
 use crate::preparation::noise::{measure_noise, without_outliers};
 use phugoid_flight_data::statistics::median;
@@ -37,14 +38,10 @@ impl<const N: usize> Followed<N> {
     ///
     /// # Errors
     /// [`BatchError::BadInput`] where nothing measures such a state.
-    pub(crate) fn of<M, I, const R: usize>(
-        m: &Manoeuvre<'_, M, I, N, R>,
+    pub(crate) fn of<const R: usize>(
+        m: &Manoeuvre<'_, N, R>,
         structure: &Structure<N, R>,
-    ) -> Result<Option<Self>, BatchError>
-    where
-        M: Model<N, R, CAPACITY, Input = I>,
-        I: Input,
-    {
+    ) -> Result<Option<Self>, BatchError> {
         if structure.states.iter().all(|state| !state.measured) {
             return Ok(None);
         }
@@ -52,7 +49,7 @@ impl<const N: usize> Followed<N> {
         let mut outputs = [None; N];
         let mut values = vec![[f64::NAN; N]; samples];
         for (i, state) in structure.states.iter().enumerate().filter(|(_, state)| state.measured) {
-            let output = m.model.measuring_output(i);
+            let output = m.plant.measuring_output(i);
             let mut measured: Vec<f64> =
                 output.map_or(Vec::new(), |output| m.outputs.iter().map(|y| y[output]).collect());
             if !measured.iter().any(|value| value.is_finite()) {
@@ -71,7 +68,7 @@ impl<const N: usize> Followed<N> {
         let mut spacing: Vec<f64> = m.time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
         let half_window_s = half_window_s(median(&mut spacing).unwrap_or(0.0));
         let known = |k: usize| (0..N).all(|i| outputs[i].is_none() || values[k][i].is_finite());
-        let no_state = |output: &usize| (0..N).all(|i| m.model.measuring_output(i) != Some(*output));
+        let no_state = |output: &usize| (0..N).all(|i| m.plant.measuring_output(i) != Some(*output));
         let window = |output: usize| {
             let usable: Vec<f64> =
                 (0..samples).map(|k| if known(k) { m.outputs[k][output] } else { f64::NAN }).collect();
@@ -96,21 +93,19 @@ impl<const N: usize> Followed<N> {
     /// The state `i` that output `o` measures moves by `(y - h_o) / H_oi` and then depends on the unknowns only through
     /// what else makes that output: `dx_i = -(D_o + sum_{l != i} H_ol dx_l) / H_oi`. One step is exact for a vane, whose
     /// output is linear in its angle.
-    pub(crate) fn apply<M, const R: usize>(
+    pub(crate) fn apply<const R: usize>(
         &self,
         sample: usize,
-        at: (&M, &[f64; CAPACITY], &M::Input),
+        at: (&dyn Flown<N, R>, &[f64; CAPACITY], Instant),
         x: &mut [f64; N],
         by_parameter: &mut [[f64; CAPACITY]; N],
         by_initial: &mut [[f64; N]; N],
         lin: &mut LinearizedOutputs<N, R, CAPACITY>,
-    ) where
-        M: Model<N, R, CAPACITY>,
-    {
-        let (model, theta, input) = at;
+    ) {
+        let (plant, theta, instant) = at;
         for i in 0..N {
             let (Some(output), value) = (self.outputs[i], self.values[sample][i]) else { continue };
-            model.linearized_outputs(x, theta, input, lin);
+            plant.linearized_outputs(x, theta, instant, lin);
             let own = lin.state_jacobian[output][i];
             if !value.is_finite() || own == 0.0 {
                 continue;

@@ -133,10 +133,10 @@ pub(crate) fn spread<const R: usize>(rows: &[Rows<R>], spectrum: &Spectrum<R>, u
 }
 
 /// What the result of a method in a band is computed from.
-pub(crate) struct BandSummary<'a, M, I, const N: usize, const R: usize> {
+pub(crate) struct BandSummary<'a, const N: usize, const R: usize> {
     pub(crate) method: &'static str,
     pub(crate) structure: &'a Structure<N, R>,
-    pub(crate) manoeuvres: &'a [Manoeuvre<'a, M, I, N, R>],
+    pub(crate) manoeuvres: &'a [Manoeuvre<'a, N, R>],
     pub(crate) layout: &'a Layout<N>,
     pub(crate) spectrum: &'a Spectrum<R>,
     pub(crate) minimum: &'a Minimum<InBand<R>>,
@@ -144,14 +144,12 @@ pub(crate) struct BandSummary<'a, M, I, const N: usize, const R: usize> {
     pub(crate) measured: Vec<Vec<[f64; R]>>,
 }
 
-pub(crate) fn summarise<M, I, const N: usize, const R: usize>(
-    s: &BandSummary<'_, M, I, N, R>,
-) -> Result<BatchFit, BatchError> {
+pub(crate) fn summarise<const N: usize, const R: usize>(s: &BandSummary<'_, N, R>) -> Result<BatchFit, BatchError> {
     let InBand { rows, time, noise_std, held } = &s.minimum.evaluation.detail;
     let unknowns = s.layout.places.len();
     let spread = spread(rows, s.spectrum, unknowns) + held;
     let frequencies: Vec<f64> = s.spectrum.frequencies_hz().collect();
-    let fits = |(index, m): (usize, &Manoeuvre<'_, M, I, N, R>)| {
+    let fits = |(index, m): (usize, &Manoeuvre<'_, N, R>)| {
         let measured = s.spectrum.of_signals(index, &s.measured[index]);
         let own = s.spectrum.own_frequencies_hz(index);
         let outputs = s.structure.outputs.iter().enumerate().filter_map(|(i, channel)| {

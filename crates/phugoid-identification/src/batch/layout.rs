@@ -32,9 +32,9 @@ pub(crate) struct Layout<const N: usize> {
 
 impl<const N: usize> Layout<N> {
     /// Free parameters, then shared biases, then by manoeuvre its free initial states, stretch by stretch, and biases.
-    pub(crate) fn new<M, I, const R: usize>(
+    pub(crate) fn new<const R: usize>(
         structure: &Structure<N, R>,
-        manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
+        manoeuvres: &[Manoeuvre<'_, N, R>],
         stretches: Vec<Vec<Stretch<N>>>,
     ) -> Self {
         let mut parameters = [0.0; CAPACITY];

@@ -1,8 +1,5 @@
 //! The states and accelerations of a manoeuvre as a regression takes them: without outliers, smoothed and differentiated.
 
-use crate::core::options::CAPACITY;
-use phugoid_estimators::{Input, Model};
-
 use super::differentiate::LocalCubics;
 use super::error::BatchError;
 use super::problem::{Manoeuvre, Structure};
@@ -37,17 +34,13 @@ impl<const N: usize, const R: usize> Measured<N, R> {
     ///
     /// # Errors
     /// [`BatchError::BadInput`] where a state is not measured, or nowhere often enough for a window.
-    pub(crate) fn of<M, I>(
-        m: &Manoeuvre<'_, M, I, N, R>,
+    pub(crate) fn of(
+        m: &Manoeuvre<'_, N, R>,
         structure: &Structure<N, R>,
         half_window_s: f64,
         smooth: bool,
         outliers: Outliers,
-    ) -> Result<Self, BatchError>
-    where
-        M: Model<N, R, CAPACITY, Input = I>,
-        I: Input,
-    {
+    ) -> Result<Self, BatchError> {
         let samples = m.time_s.len();
         let mut measured = Self {
             states: vec![[f64::NAN; N]; samples],
@@ -65,7 +58,7 @@ impl<const N: usize, const R: usize> Measured<N, R> {
             }
         }
         for state in 0..N {
-            let Some(output) = m.model.measuring_output(state) else {
+            let Some(output) = m.plant.measuring_output(state) else {
                 let (name, of) = (&structure.states[state].name, m.name);
                 return Err(BatchError::BadInput(format!("{of}: equation error needs the state {name} measured")));
             };
@@ -81,7 +74,7 @@ impl<const N: usize, const R: usize> Measured<N, R> {
         }
         measured.differentiate(m);
         if smooth {
-            let is_state = |i: usize| (0..N).any(|state| m.model.measuring_output(state) == Some(i));
+            let is_state = |i: usize| (0..N).any(|state| m.plant.measuring_output(state) == Some(i));
             for i in (0..R).filter(|&i| !is_state(i)) {
                 let known = |k: usize| if measured.is_known(k) { measured.outputs[k][i] } else { f64::NAN };
                 let known: Vec<f64> = (0..samples).map(known).collect();
@@ -92,11 +85,7 @@ impl<const N: usize, const R: usize> Measured<N, R> {
     }
 
     /// The same windows over other values of the outputs, which are missing where these are.
-    pub(crate) fn with<M, I>(&self, m: &Manoeuvre<'_, M, I, N, R>, outputs: &[[f64; R]]) -> Self
-    where
-        M: Model<N, R, CAPACITY, Input = I>,
-        I: Input,
-    {
+    pub(crate) fn with(&self, m: &Manoeuvre<'_, N, R>, outputs: &[[f64; R]]) -> Self {
         let mut other = self.clone();
         other.outputs.copy_from_slice(outputs);
         other.differentiate(m);
@@ -104,13 +93,9 @@ impl<const N: usize, const R: usize> Measured<N, R> {
     }
 
     /// The states and their slopes, from the outputs.
-    fn differentiate<M, I>(&mut self, m: &Manoeuvre<'_, M, I, N, R>)
-    where
-        M: Model<N, R, CAPACITY, Input = I>,
-        I: Input,
-    {
+    fn differentiate(&mut self, m: &Manoeuvre<'_, N, R>) {
         for (state, cubics) in self.cubics.iter().enumerate() {
-            let Some(output) = m.model.measuring_output(state) else { continue };
+            let Some(output) = m.plant.measuring_output(state) else { continue };
             let values: Vec<f64> = self.outputs.iter().map(|y| y[output]).collect();
             let (smoothed, slopes) = (cubics.values(&values), cubics.slopes(&values));
             for k in 0..values.len() {

@@ -1,6 +1,7 @@
 //! Batch methods: all samples of one or more manoeuvres at once, after the flight.
 //!
-//! They are written against [`phugoid_estimators::Model`], as the causal estimators are, and know nothing of aircraft.
+//! They are written against [`Flown`], a [`phugoid_estimators::Model`] with the inputs of its flight, and know nothing of
+//! aircraft.
 //!
 //! | method | minimises | allows for |
 //! |---|---|---|
@@ -23,6 +24,7 @@ mod error;
 mod filter;
 mod filter_error;
 mod fit;
+mod flown;
 mod followed;
 mod in_band;
 mod information;
@@ -61,6 +63,7 @@ pub use equation_error_frequency::equation_error_frequency;
 pub use error::BatchError;
 pub use filter_error::{ProcessNoise, filter_error};
 pub use fit::OutputFit;
+pub use flown::{Flown, Instant, WithInputs};
 pub use optimise::OptimiserSettings;
 pub use output_error::output_error;
 pub use output_error_frequency::output_error_frequency;

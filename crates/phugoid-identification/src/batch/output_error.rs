@@ -1,8 +1,5 @@
 //! Output error: maximum likelihood without process noise.
 
-use crate::core::options::CAPACITY;
-use phugoid_estimators::{Input, Model};
-
 use super::error::BatchError;
 use super::followed::Followed;
 use super::layout::Layout;
@@ -35,7 +32,8 @@ use super::summary::{Summary, summarise};
 /// use phugoid_estimators::{LinearizedOutputs, LinearizedRates, Model};
 /// use phugoid_identification::options::Likelihood;
 /// use phugoid_identification::batch::{
-///     BatchParameter, InitialState, Manoeuvre, Noise, OptimiserSettings, OutputChannel, Structure, output_error,
+///     BatchParameter, InitialState, Manoeuvre, Noise, OptimiserSettings, OutputChannel, Structure, WithInputs,
+///     output_error,
 /// };
 ///
 /// /// `x' = a x + b u`, and `x` is measured: in any room for at least two parameters.
@@ -71,9 +69,9 @@ use super::summary::{Summary, summarise};
 /// let inputs = vec![[1.0]; 100];
 /// let manoeuvre = Manoeuvre {
 ///     name: "step",
-///     model: &Lag,
+///     plant: &WithInputs { model: &Lag, inputs: &inputs },
+///     first: 0,
 ///     time_s: &time_s,
-///     inputs: &inputs,
 ///     hold: InputHold::Zero,
 ///     outputs: &outputs,
 ///     initial_state: None,
@@ -96,21 +94,17 @@ use super::summary::{Summary, summarise};
 /// # Errors
 /// [`BatchError`]: inputs that contradict each other, a simulation that diverges, unknowns of which the data determine
 /// only a combination, no convergence.
-pub fn output_error<M, I, const N: usize, const R: usize>(
-    manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
+pub fn output_error<const N: usize, const R: usize>(
+    manoeuvres: &[Manoeuvre<'_, N, R>],
     structure: &Structure<N, R>,
     settings: &OptimiserSettings,
-) -> Result<BatchFit, BatchError>
-where
-    M: Model<N, R, CAPACITY, Input = I>,
-    I: Input,
-{
-    structure.check(manoeuvres, |m: &M| m.parameter_count().min(CAPACITY))?;
+) -> Result<BatchFit, BatchError> {
+    structure.check(manoeuvres)?;
     let followed: Vec<Followed<N>> =
         manoeuvres.iter().filter_map(|m| Followed::of(m, structure).transpose()).collect::<Result<_, _>>()?;
     let layout: Layout<N> = Layout::new(structure, manoeuvres, stretches(manoeuvres, structure)?).following(followed);
     let simulate = |unknowns: &[f64]| -> Result<Vec<Rows<R>>, BatchError> {
-        let run = |(index, m): (usize, &Manoeuvre<'_, M, I, N, R>)| {
+        let run = |(index, m): (usize, &Manoeuvre<'_, N, R>)| {
             response(m, index, &layout, unknowns, structure.maximum_step_s)
                 .map_err(|time_s| BatchError::Diverged { manoeuvre: m.name.to_owned(), time_s })
         };
@@ -136,9 +130,9 @@ where
 }
 
 /// The failure of a search, with the instability of the model named where that is why it found no minimum.
-pub(super) fn diverged_or_unstable<M, I, const N: usize, const R: usize>(
+pub(super) fn diverged_or_unstable<const N: usize, const R: usize>(
     failure: BatchError,
-    manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
+    manoeuvres: &[Manoeuvre<'_, N, R>],
     start: impl FnOnce() -> Result<Vec<Rows<R>>, BatchError>,
 ) -> BatchError {
     let unstable = |rows: Vec<Rows<R>>| manoeuvres.iter().zip(rows).find(|(_, r)| r.growth > GROWTH);

@@ -1,7 +1,6 @@
 //! Output error in the frequency domain: maximum likelihood of a free simulation in a band.
 
-use crate::core::options::{Band, CAPACITY, Likelihood};
-use phugoid_estimators::{Input, Model};
+use crate::core::options::{Band, Likelihood};
 
 use super::error::BatchError;
 use super::filter_error::clean;
@@ -36,23 +35,19 @@ use super::start::stretches;
 /// # Errors
 /// [`BatchError`]: inputs that contradict each other, a simulation that diverges, a band that the record is too short for,
 /// unknowns of which the data determine only a combination, no convergence.
-pub fn output_error_frequency<M, I, const N: usize, const R: usize>(
-    manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
+pub fn output_error_frequency<const N: usize, const R: usize>(
+    manoeuvres: &[Manoeuvre<'_, N, R>],
     structure: &Structure<N, R>,
     band: Band,
     settings: &OptimiserSettings,
-) -> Result<BatchFit, BatchError>
-where
-    M: Model<N, R, CAPACITY, Input = I>,
-    I: Input,
-{
-    structure.check(manoeuvres, |m: &M| m.parameter_count().min(CAPACITY))?;
+) -> Result<BatchFit, BatchError> {
+    structure.check(manoeuvres)?;
     let band = band.check().map_err(|e| BatchError::BadInput(e.to_string()))?;
     let outputs = match structure.likelihood {
         Likelihood::Gaussian => manoeuvres.iter().map(|m| m.outputs.to_vec()).collect(),
         Likelihood::Robust => clean(manoeuvres).0,
     };
-    let manoeuvres: Vec<Manoeuvre<'_, M, I, N, R>> =
+    let manoeuvres: Vec<Manoeuvre<'_, N, R>> =
         manoeuvres.iter().zip(&outputs).map(|(m, outputs)| Manoeuvre { outputs, ..*m }).collect();
     let manoeuvres = manoeuvres.as_slice();
     let mut held = structure.clone();
@@ -68,7 +63,7 @@ where
     spectrum.check(band)?;
     let layout: Layout<N> = Layout::new(&held, manoeuvres, stretches);
     let simulate = |unknowns: &[f64]| -> Result<Vec<Rows<R>>, BatchError> {
-        let run = |(index, m): (usize, &Manoeuvre<'_, M, I, N, R>)| {
+        let run = |(index, m): (usize, &Manoeuvre<'_, N, R>)| {
             response(m, index, &layout, unknowns, structure.maximum_step_s)
                 .map_err(|time_s| BatchError::Diverged { manoeuvre: m.name.to_owned(), time_s })
         };
@@ -120,7 +115,7 @@ fn not_in_band(fit: &mut BatchFit, held: &nalgebra::DMatrix<f64>) -> Vec<String>
 
 /// How far each output moves in the manoeuvres: standard deviation about its mean; not below what would be noise of exact
 /// data. NaN without values.
-fn motion<M, I, const N: usize, const R: usize>(manoeuvres: &[Manoeuvre<'_, M, I, N, R>]) -> [f64; R] {
+fn motion<const N: usize, const R: usize>(manoeuvres: &[Manoeuvre<'_, N, R>]) -> [f64; R] {
     let floor = noise_floor(manoeuvres);
     std::array::from_fn(|i| {
         let (mut squares, mut count) = (0.0, 0.0);

@@ -2,11 +2,12 @@
 
 use crate::core::options::CAPACITY;
 use nalgebra::{DMatrix, DVector};
+use phugoid_estimators::LinearizedOutputs;
 use phugoid_estimators::discretization::step;
-use phugoid_estimators::{Input, LinearizedOutputs, Model};
 
 use super::error::BatchError;
 use super::filter::predicted_covariance;
+use super::flown::AsModel;
 use super::layout::Layout;
 use super::optimise::OptimiserSettings;
 use super::output_error::output_error;
@@ -21,16 +22,12 @@ use super::start::{Stretch, stretches};
 ///
 /// # Errors
 /// [`BatchError`], as [`output_error`].
-pub fn predict<M, I, const N: usize, const R: usize>(
-    manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
+pub fn predict<const N: usize, const R: usize>(
+    manoeuvres: &[Manoeuvre<'_, N, R>],
     structure: &Structure<N, R>,
     parameters: &[f64],
     settings: &OptimiserSettings,
-) -> Result<BatchFit, BatchError>
-where
-    M: Model<N, R, CAPACITY, Input = I>,
-    I: Input,
-{
+) -> Result<BatchFit, BatchError> {
     if parameters.len() != structure.parameters.len() {
         return Err(BatchError::BadInput(format!(
             "{} parameters were given for a prediction, the structure has {}",
@@ -66,16 +63,12 @@ where
 ///
 /// # Errors
 /// [`BatchError`]: the simulation diverges, or what is fitted anew cannot be told on the new record.
-pub fn prediction_intervals<M, I, const N: usize, const R: usize>(
-    manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
+pub fn prediction_intervals<const N: usize, const R: usize>(
+    manoeuvres: &[Manoeuvre<'_, N, R>],
     structure: &Structure<N, R>,
     estimated: &BatchFit,
     predicted: &BatchFit,
-) -> Result<Vec<Vec<[f64; R]>>, BatchError>
-where
-    M: Model<N, R, CAPACITY, Input = I>,
-    I: Input,
-{
+) -> Result<Vec<Vec<[f64; R]>>, BatchError> {
     let layout: Layout<N> = Layout::new(structure, manoeuvres, stretches(manoeuvres, structure)?);
     // Each unknown at its value, and its place among those that were estimated; none for what is fitted anew.
     let mut unknowns = Vec::with_capacity(layout.places.len());
@@ -162,18 +155,14 @@ fn anew_fitted<const N: usize, const R: usize>(
 }
 
 /// Variance of the outputs that process noise builds up in a free simulation from a known state, by sample.
-fn by_process_noise<M, I, const N: usize, const R: usize>(
-    manoeuvre: &Manoeuvre<'_, M, I, N, R>,
+fn by_process_noise<const N: usize, const R: usize>(
+    manoeuvre: &Manoeuvre<'_, N, R>,
     parameters: &[f64; CAPACITY],
     stretches: &[Stretch<N>],
     density: [f64; N],
     maximum_step_s: f64,
-) -> Vec<[f64; R]>
-where
-    M: Model<N, R, CAPACITY, Input = I>,
-    I: Input,
-{
-    let model = manoeuvre.model;
+) -> Vec<[f64; R]> {
+    let plant = manoeuvre.plant;
     let mut variances = vec![[0.0; R]; manoeuvre.time_s.len()];
     if density.iter().all(|q| *q == 0.0) {
         return variances;
@@ -183,7 +172,7 @@ where
     for stretch in stretches {
         let (mut x, mut covariance) = (stretch.state, [[0.0; N]; N]);
         for k in stretch.from..stretch.to {
-            model.linearized_outputs(&x, parameters, &manoeuvre.inputs[k], &mut lin);
+            plant.linearized_outputs(&x, parameters, manoeuvre.instant(k), &mut lin);
             variances[k] = std::array::from_fn(|i| {
                 let h = &lin.state_jacobian[i];
                 (0..N).map(|a| h[a] * (0..N).map(|b| covariance[a][b] * h[b]).sum::<f64>()).sum()
@@ -194,7 +183,7 @@ where
             let (input, interval_s, parts) = manoeuvre.interval(k, maximum_step_s);
             let steps = parts.len() as f64;
             for part in parts {
-                x = step(model, &x, parameters, &input, interval_s, part, 0, &mut unused, &mut transition);
+                x = step(&AsModel(plant), &x, parameters, &input, interval_s, part, 0, &mut unused, &mut transition);
                 covariance = predicted_covariance(&covariance, &transition);
                 for l in 0..N {
                     covariance[l][l] += density[l] * interval_s / steps;

@@ -1,26 +1,27 @@
 //! The arguments of a batch method: the manoeuvres, and which parameters, biases, noise levels and initial states are
 //! unknown.
 
-use phugoid_estimators::Input;
+use std::ops::Range;
+
 use phugoid_estimators::discretization::{InputHold, IntervalInput, Part, sub_steps};
 
 use super::error::BatchError;
-use crate::core::options::Likelihood;
+use super::flown::{Flown, Instant};
+use crate::core::options::{CAPACITY, Likelihood};
 
 /// The samples of one flight, with the model of that flight: constants such as mass may differ from flight to flight,
 /// the parameters are common to all.
-///
-/// `M` is a [`phugoid_estimators::Model`] with input `I`, `N` states and `R` outputs.
-#[derive(Debug)]
-pub struct Manoeuvre<'a, M, I, const N: usize, const R: usize> {
+#[derive(Clone, Copy)]
+pub struct Manoeuvre<'a, const N: usize, const R: usize> {
     /// Name for messages, e.g. the file.
     pub name: &'a str,
-    /// The model with the constants of this flight.
-    pub model: &'a M,
+    /// The model with the constants of this flight and the known input at each sample, for example
+    /// [`WithInputs`](super::WithInputs).
+    pub plant: &'a dyn Flown<N, R>,
+    /// Sample of the plant at which the manoeuvre begins: 0, unless it is a part of a flight.
+    pub first: usize,
     /// Sample times, s, strictly increasing.
     pub time_s: &'a [f64],
-    /// Known input at each sample.
-    pub inputs: &'a [I],
     /// What the input does between samples.
     pub hold: InputHold,
     /// Measured outputs at each sample; NaN where missing.
@@ -30,24 +31,32 @@ pub struct Manoeuvre<'a, M, I, const N: usize, const R: usize> {
     pub initial_state: Option<[f64; N]>,
 }
 
-// Written by hand: a derive would require `M: Clone`, although the model is only borrowed.
-impl<M, I, const N: usize, const R: usize> Clone for Manoeuvre<'_, M, I, N, R> {
-    fn clone(&self) -> Self {
-        *self
+impl<const N: usize, const R: usize> Manoeuvre<'_, N, R> {
+    /// The part of it from one sample up to another, which does not belong to it.
+    pub(crate) fn part(&self, samples: Range<usize>) -> Self {
+        Self {
+            first: self.first + samples.start,
+            time_s: &self.time_s[samples.clone()],
+            outputs: &self.outputs[samples],
+            initial_state: None,
+            ..*self
+        }
     }
-}
-impl<M, I, const N: usize, const R: usize> Copy for Manoeuvre<'_, M, I, N, R> {}
 
-impl<M, I: Input, const N: usize, const R: usize> Manoeuvre<'_, M, I, N, R> {
+    /// Where the plant is at a sample of the manoeuvre.
+    pub(super) fn instant(&self, sample: usize) -> Instant {
+        Instant::at(self.first + sample)
+    }
+
     /// The input from a sample to the next one, the time between them, s, and the parts in which it is integrated, none
     /// longer than `maximum_step_s`.
     pub(super) fn interval(
         &self,
         sample: usize,
         maximum_step_s: f64,
-    ) -> (IntervalInput<I>, f64, impl ExactSizeIterator<Item = Part> + use<M, I, N, R>) {
+    ) -> (IntervalInput<Instant>, f64, impl ExactSizeIterator<Item = Part> + use<N, R>) {
         let interval_s = self.time_s[sample + 1] - self.time_s[sample];
-        let input = IntervalInput { from: self.inputs[sample], to: self.inputs[sample + 1], hold: self.hold };
+        let input = IntervalInput { from: self.instant(sample), to: self.instant(sample + 1), hold: self.hold };
         let steps = sub_steps(interval_s, maximum_step_s);
         let part = move |k: usize| Part { from: k as f64 / steps as f64, to: (k + 1) as f64 / steps as f64 };
         (input, interval_s, (0..steps).map(part))
@@ -165,7 +174,7 @@ pub struct Structure<const N: usize, const R: usize> {
 
 impl<const N: usize, const R: usize> Structure<N, R> {
     /// True for each output with a value in any manoeuvre.
-    pub(crate) fn used<M, I>(manoeuvres: &[Manoeuvre<'_, M, I, N, R>]) -> [bool; R] {
+    pub(crate) fn used(manoeuvres: &[Manoeuvre<'_, N, R>]) -> [bool; R] {
         std::array::from_fn(|i| manoeuvres.iter().any(|m| m.outputs.iter().any(|y| y[i].is_finite())))
     }
 
@@ -181,11 +190,7 @@ impl<const N: usize, const R: usize> Structure<N, R> {
     }
 
     /// Refuses arguments that contradict each other or are out of range, and names them.
-    pub(crate) fn check<M, I>(
-        &self,
-        manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
-        parameter_count: impl Fn(&M) -> usize,
-    ) -> Result<(), BatchError> {
+    pub(crate) fn check(&self, manoeuvres: &[Manoeuvre<'_, N, R>]) -> Result<(), BatchError> {
         let refuse = |what: String| Err(BatchError::BadInput(what));
         if manoeuvres.is_empty() {
             return refuse("no manoeuvre was given: at least one is needed".to_owned());
@@ -201,17 +206,19 @@ impl<const N: usize, const R: usize> Structure<N, R> {
         }
         for m in manoeuvres {
             let (name, samples) = (m.name, m.time_s.len());
-            if samples != m.inputs.len() || samples != m.outputs.len() || samples < 2 {
+            // A part of a flight need not reach to its end.
+            let inputs = m.plant.samples().saturating_sub(m.first);
+            let enough = if m.first == 0 { inputs == samples } else { inputs >= samples };
+            if !enough || samples != m.outputs.len() || samples < 2 {
                 return refuse(format!(
-                    "{name}: {samples} times, {} inputs and {} outputs: they must be equally many, at least two",
-                    m.inputs.len(),
+                    "{name}: {samples} times, {inputs} inputs and {} outputs: they must be equally many, at least two",
                     m.outputs.len()
                 ));
             }
             if let Some(k) = (1..samples).find(|&k| !(m.time_s[k] > m.time_s[k - 1] && m.time_s[k].is_finite())) {
                 return refuse(format!("{name}: time {} s of sample {k} does not increase", m.time_s[k]));
             }
-            let count = parameter_count(m.model);
+            let count = m.plant.parameter_count().min(CAPACITY);
             if count != self.parameters.len() {
                 let given = self.parameters.len();
                 return refuse(format!("{name}: the model has {count} parameters, the structure {given}"));

@@ -43,7 +43,7 @@ pub(crate) fn fit<const R: usize>(
 
 /// Smallest standard deviation of the noise that is accepted for each output: without it, exact data of an exact model
 /// would have infinite information.
-pub(crate) fn noise_floor<M, I, const N: usize, const R: usize>(manoeuvres: &[Manoeuvre<'_, M, I, N, R>]) -> [f64; R] {
+pub(crate) fn noise_floor<const N: usize, const R: usize>(manoeuvres: &[Manoeuvre<'_, N, R>]) -> [f64; R] {
     std::array::from_fn(|i| {
         let values = manoeuvres.iter().flat_map(|m| m.outputs.iter().map(move |y| y[i])).filter(|v| v.is_finite());
         let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));

@@ -1,10 +1,11 @@
 //! The outputs of a free simulation with their exact derivatives with respect to all unknowns.
 
 use crate::core::options::CAPACITY;
+use phugoid_estimators::LinearizedOutputs;
 use phugoid_estimators::discretization::step;
-use phugoid_estimators::{Input, LinearizedOutputs, Model};
 
 use super::differentiate::LocalCubics;
+use super::flown::AsModel;
 use super::layout::Layout;
 use super::loss::Loss;
 use super::problem::Manoeuvre;
@@ -75,18 +76,14 @@ impl<const R: usize> Rows<R> {
 /// The sensitivities obey `U+ = A U + B` and `S+ = A S` with the derivatives `A`, `B` of the step map itself, so that
 /// they are those of the simulated outputs to rounding (Klein & Morelli, Aircraft System Identification, section 6.3,
 /// there in continuous time).
-pub(crate) fn response<M, I, const N: usize, const R: usize>(
-    manoeuvre: &Manoeuvre<'_, M, I, N, R>,
+pub(crate) fn response<const N: usize, const R: usize>(
+    manoeuvre: &Manoeuvre<'_, N, R>,
     index: usize,
     layout: &Layout<N>,
     unknowns: &[f64],
     maximum_step_s: f64,
-) -> Result<Rows<R>, f64>
-where
-    M: Model<N, R, CAPACITY, Input = I>,
-    I: Input,
-{
-    let model = manoeuvre.model;
+) -> Result<Rows<R>, f64> {
+    let plant = manoeuvre.plant;
     let columns = layout.columns(index);
     let kinds: Vec<UnknownKind> = columns.iter().map(|&j| layout.places[j].kind).collect();
     let theta = layout.parameters(unknowns);
@@ -113,10 +110,10 @@ where
         let mut by_initial: [[f64; N]; N] = identity();
         for k in stretch.from..stretch.to {
             if let Some(followed) = followed {
-                let at = (model, &theta, &manoeuvre.inputs[k]);
+                let at = (plant, &theta, manoeuvre.instant(k));
                 followed.apply(k, at, &mut x, &mut by_parameter, &mut by_initial, &mut lin);
             }
-            model.linearized_outputs(&x, &theta, &manoeuvre.inputs[k], &mut lin);
+            plant.linearized_outputs(&x, &theta, manoeuvre.instant(k), &mut lin);
             for i in 0..R {
                 let h = &lin.state_jacobian[i];
                 let from = (k * R + i) * width;
@@ -152,8 +149,18 @@ where
             }
             let (input, interval_s, parts) = manoeuvre.interval(k, maximum_step_s);
             for part in parts {
-                let count = model.parameter_count();
-                x = step(model, &x, &theta, &input, interval_s, part, count, &mut by_parameter, &mut transition);
+                let count = plant.parameter_count();
+                x = step(
+                    &AsModel(plant),
+                    &x,
+                    &theta,
+                    &input,
+                    interval_s,
+                    part,
+                    count,
+                    &mut by_parameter,
+                    &mut transition,
+                );
                 by_initial = product(&transition, &by_initial);
             }
             for i in 0..N {
@@ -172,13 +179,9 @@ where
 
 /// How far each state moves in the manoeuvre, by the output that measures it; 1 where no output measures it or the
 /// output is constant.
-fn spreads<M, I, const N: usize, const R: usize>(manoeuvre: &Manoeuvre<'_, M, I, N, R>) -> [f64; N]
-where
-    M: Model<N, R, CAPACITY, Input = I>,
-    I: Input,
-{
+fn spreads<const N: usize, const R: usize>(manoeuvre: &Manoeuvre<'_, N, R>) -> [f64; N] {
     std::array::from_fn(|state| {
-        let spread = manoeuvre.model.measuring_output(state).map_or(f64::NAN, |output| {
+        let spread = manoeuvre.plant.measuring_output(state).map_or(f64::NAN, |output| {
             let values = manoeuvre.outputs.iter().map(|y| y[output]).filter(|v| v.is_finite());
             let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
             high - low

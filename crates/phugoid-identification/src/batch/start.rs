@@ -1,7 +1,5 @@
 //! Where the integration of a manoeuvre starts: at its first sample, and again after every gap.
 
-use crate::core::options::CAPACITY;
-use phugoid_estimators::{Input, Model};
 use phugoid_flight_data::statistics::median;
 
 use super::error::BatchError;
@@ -23,14 +21,10 @@ pub(crate) struct Stretch<const N: usize> {
 
 /// The stretches of each manoeuvre, with their initial states: as given for the first, or each state at the median of
 /// the first values of its output.
-pub(crate) fn stretches<M, I, const N: usize, const R: usize>(
-    manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
+pub(crate) fn stretches<const N: usize, const R: usize>(
+    manoeuvres: &[Manoeuvre<'_, N, R>],
     structure: &Structure<N, R>,
-) -> Result<Vec<Vec<Stretch<N>>>, BatchError>
-where
-    M: Model<N, R, CAPACITY, Input = I>,
-    I: Input,
-{
+) -> Result<Vec<Vec<Stretch<N>>>, BatchError> {
     manoeuvres.iter().map(|m| of_manoeuvre(m, structure)).collect()
 }
 
@@ -42,14 +36,10 @@ pub(super) fn between_gaps(time_s: &[f64], maximum_gap_s: f64) -> Vec<[usize; 2]
     limits.windows(2).map(|pair| [pair[0], pair[1]]).collect()
 }
 
-fn of_manoeuvre<M, I, const N: usize, const R: usize>(
-    m: &Manoeuvre<'_, M, I, N, R>,
+fn of_manoeuvre<const N: usize, const R: usize>(
+    m: &Manoeuvre<'_, N, R>,
     structure: &Structure<N, R>,
-) -> Result<Vec<Stretch<N>>, BatchError>
-where
-    M: Model<N, R, CAPACITY, Input = I>,
-    I: Input,
-{
+) -> Result<Vec<Stretch<N>>, BatchError> {
     let pieces = between_gaps(m.time_s, structure.maximum_gap_s);
     let whole = pieces.len() == 1;
     let mut lacking = None;
@@ -60,7 +50,7 @@ where
             continue;
         }
         let first: [Option<f64>; N] = std::array::from_fn(|i| {
-            let output = m.model.measuring_output(i)?;
+            let output = m.plant.measuring_output(i)?;
             let values = m.outputs[from..to].iter().map(|y| y[output]).filter(|v| v.is_finite());
             let mut values: Vec<f64> = values.take(FIRST).collect();
             if whole || values.len() == FIRST { median(&mut values) } else { None }
@@ -84,10 +74,10 @@ where
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::batch::{InitialState, Noise, OutputChannel};
-    use crate::core::options::Likelihood;
+    use crate::batch::{InitialState, Noise, OutputChannel, WithInputs};
+    use crate::core::options::{CAPACITY, Likelihood};
     use phugoid_estimators::discretization::InputHold;
-    use phugoid_estimators::{LinearizedOutputs, LinearizedRates};
+    use phugoid_estimators::{LinearizedOutputs, LinearizedRates, Model};
 
     /// `x' = 0`, and `x` is measured.
     struct Constant;
@@ -137,11 +127,9 @@ mod tests {
 
     fn found(time_s: &[f64], outputs: &[[f64; 1]]) -> Result<Vec<Stretch<1>>, BatchError> {
         let inputs = vec![[0.0]; time_s.len()];
+        let plant = WithInputs { model: &Constant, inputs: &inputs };
         let (name, hold, initial_state) = ("flight", InputHold::Linear, None);
-        of_manoeuvre(
-            &Manoeuvre { name, model: &Constant, time_s, inputs: &inputs, hold, outputs, initial_state },
-            &structure(),
-        )
+        of_manoeuvre(&Manoeuvre { name, plant: &plant, first: 0, time_s, hold, outputs, initial_state }, &structure())
     }
 
     #[test]

@@ -14,10 +14,10 @@ use super::response::Rows;
 use super::result::{BatchFit, ManoeuvreFit, Unknown, UnknownKind};
 
 /// Everything that the result of a batch method is computed from.
-pub(crate) struct Summary<'a, T, M, I, const N: usize, const R: usize> {
+pub(crate) struct Summary<'a, T, const N: usize, const R: usize> {
     pub(crate) method: &'static str,
     pub(crate) structure: &'a Structure<N, R>,
-    pub(crate) manoeuvres: &'a [Manoeuvre<'a, M, I, N, R>],
+    pub(crate) manoeuvres: &'a [Manoeuvre<'a, N, R>],
     pub(crate) layout: &'a Layout<N>,
     pub(crate) minimum: &'a Minimum<T>,
     /// Divided by one sigma, one per manoeuvre.
@@ -25,9 +25,7 @@ pub(crate) struct Summary<'a, T, M, I, const N: usize, const R: usize> {
     pub(crate) noise_std: &'a [f64; R],
 }
 
-pub(crate) fn summarise<T, M, I, const N: usize, const R: usize>(
-    s: &Summary<'_, T, M, I, N, R>,
-) -> Result<BatchFit, BatchError> {
+pub(crate) fn summarise<T, const N: usize, const R: usize>(s: &Summary<'_, T, N, R>) -> Result<BatchFit, BatchError> {
     let manoeuvres = s
         .manoeuvres
         .iter()
@@ -112,7 +110,7 @@ fn natural(kind: UnknownKind, searched: f64) -> (f64, f64) {
 }
 
 /// Coloured spread and the rest of the information: priors and variances are taken as they are.
-fn spread<T, M, I, const N: usize, const R: usize>(s: &Summary<'_, T, M, I, N, R>) -> DMatrix<f64> {
+fn spread<T, const N: usize, const R: usize>(s: &Summary<'_, T, N, R>) -> DMatrix<f64> {
     let n = s.layout.places.len();
     let mut white = Evaluation::nothing(n);
     s.rows.iter().for_each(|r| white.add(r));
@@ -120,10 +118,10 @@ fn spread<T, M, I, const N: usize, const R: usize>(s: &Summary<'_, T, M, I, N, R
     Colour::of(s.rows).spread(s.rows, n) + rest
 }
 
-fn manoeuvre_fit<T, M, I, const N: usize, const R: usize>(
-    s: &Summary<'_, T, M, I, N, R>,
+fn manoeuvre_fit<T, const N: usize, const R: usize>(
+    s: &Summary<'_, T, N, R>,
     index: usize,
-    manoeuvre: &Manoeuvre<'_, M, I, N, R>,
+    manoeuvre: &Manoeuvre<'_, N, R>,
     rows: &Rows<R>,
 ) -> ManoeuvreFit {
     let unknowns = &s.minimum.unknowns;

@@ -5,15 +5,12 @@
 //! out with different models of the same record fit together. Beside the equations as measured stand copies with white
 //! noise of a given level added: what it does to an estimate is what the noise that is there has done already.
 
-use phugoid_estimators::{Input, Model};
-
 use super::equation_error::{EquationErrorSettings, nothing_integrated, rows_of, state_of};
 use super::error::BatchError;
 use super::layout::Layout;
 use super::measured::{Measured, Outliers};
 use super::problem::{Manoeuvre, Structure};
 use super::regressor_noise::{PAIRS, either_sign};
-use crate::core::options::CAPACITY;
 
 /// Rows without values that part two manoeuvres, or two stretches with a gap between: more than residuals are followed
 /// over.
@@ -80,23 +77,19 @@ pub(crate) type Table = Vec<Equation>;
 ///
 /// # Errors
 /// [`BatchError::BadInput`] where a state is nowhere measured.
-pub(crate) fn tables<M, I, const N: usize, const R: usize>(
-    manoeuvres: &[Manoeuvre<'_, M, I, N, R>],
+pub(crate) fn tables<const N: usize, const R: usize>(
+    manoeuvres: &[Manoeuvre<'_, N, R>],
     grids: &[Grid],
     structure: &Structure<N, R>,
     settings: &EquationErrorSettings,
     parameters: &[f64],
     noise_std: &[[f64; R]],
-) -> Result<Vec<Table>, BatchError>
-where
-    M: Model<N, R, CAPACITY, Input = I>,
-    I: Input,
-{
+) -> Result<Vec<Table>, BatchError> {
     let held = structure.held_at(parameters);
     let columns = held.parameters.len();
     let rows = grids.iter().map(Grid::rows).sum();
     let copies = 1 + 2 * PAIRS as usize;
-    let states: [Option<usize>; R] = std::array::from_fn(|i| state_of::<M, I, N, R>(manoeuvres, i));
+    let states: [Option<usize>; R] = std::array::from_fn(|i| state_of::<N, R>(manoeuvres, i));
     let empty = |i: usize| Equation {
         name: states[i].map_or_else(
             || structure.outputs[i].name.clone(),
@@ -133,15 +126,7 @@ where
             if to - from < 4 {
                 continue;
             }
-            let part = [Manoeuvre {
-                name: whole.name,
-                model: whole.model,
-                time_s: &time[from..to],
-                inputs: &whole.inputs[from..to],
-                hold: whole.hold,
-                outputs: &whole.outputs[from..to],
-                initial_state: None,
-            }];
+            let part = [whole.part(from..to)];
             let (half, smooth) = (settings.half_window_s, settings.smooth_regressors);
             let measured = match Measured::of(&part[0], &held, half, smooth, Outliers::LeftOut) {
                 Ok(measured) => measured,

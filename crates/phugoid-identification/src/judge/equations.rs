@@ -140,9 +140,9 @@ impl Equations {
             }
             let part = Manoeuvre {
                 name: "the record",
-                model: &prepared.model,
+                plant: prepared,
+                first: from,
                 time_s: &time[from..to],
-                inputs: &prepared.inputs[from..to],
                 // The input of the model says itself whether it is held between samples.
                 hold: InputHold::Linear,
                 outputs: &outputs[from..to],

@@ -237,7 +237,7 @@ pub(crate) fn batch<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     let spacing = SPACING_S.max(step).max(duration / MOST_ROWS);
     // The grid begins where the record does: with an input that comes later it has the same rows.
     let grids: Vec<Grid> = records.iter().map(|r| Grid::new(&r.time, spacing)).collect();
-    let manoeuvres: Vec<Manoeuvre<'_, M, M::KnownInput, N, R>> =
+    let manoeuvres: Vec<Manoeuvre<'_, N, R>> =
         prepared.iter().map(|p| whole_record::<M, N, R>("the record", p)).collect();
     let noise: Vec<[f64; R]> = prepared
         .iter()
@@ -251,8 +251,7 @@ pub(crate) fn batch<M: EveryRoom<N, R>, const N: usize, const R: usize>(
         })
         .collect();
     let starts: Vec<f64> = file.estimated().map(|p| p.start).collect();
-    let Ok(mut found) = tables::<M, M::KnownInput, N, R>(&manoeuvres, &grids, &structure, &settings, &starts, &noise)
-    else {
+    let Ok(mut found) = tables(&manoeuvres, &grids, &structure, &settings, &starts, &noise) else {
         // A state that is not measured: there are no equations.
         return Ok(None);
     };

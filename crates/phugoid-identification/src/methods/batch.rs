@@ -47,23 +47,21 @@ pub(super) fn run_batch<M: MotionModel<N, R, CAPACITY>, const N: usize, const R:
     }
     progress(0.0);
     let further = prepare_all::<M, N, R>(task, &options.further)?;
-    let manoeuvres: Vec<Manoeuvre<'_, M, M::KnownInput, N, R>> =
-        std::iter::once(manoeuvre::<M, N, R>("the record", prepared))
-            .chain(
-                options
-                    .further
-                    .iter()
-                    .zip(&further)
-                    .map(|(record, prepared)| manoeuvre::<M, N, R>(&record.source, prepared)),
-            )
-            .collect();
+    let manoeuvres: Vec<Manoeuvre<'_, N, R>> = std::iter::once(manoeuvre::<M, N, R>("the record", prepared))
+        .chain(
+            options
+                .further
+                .iter()
+                .zip(&further)
+                .map(|(record, prepared)| manoeuvre::<M, N, R>(&record.source, prepared)),
+        )
+        .collect();
     let structure = structure::<M, N, R>(task)?;
     let regression = EquationErrorSettings::automatic(sample_time(&prepared.time));
     let Solved { mut fit, equations, second_answer, structure } =
         solve::<M, N, R>(task, &manoeuvres, structure, &regression)?;
-    let records: Vec<&Prepared<M, N, R>> = std::iter::once(prepared).chain(&further).collect();
     let systematic = match task.follows_constants() {
-        true => systematic::<M, N, R>(task, &records, &manoeuvres, &structure, &regression, &fit),
+        true => systematic::<M, N, R>(task, &manoeuvres, &structure, &regression, &fit),
         false => None,
     };
     if task.follows_constants() && systematic.is_none() {
@@ -120,12 +118,12 @@ fn prepare_all<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
 pub(crate) fn manoeuvre<'a, M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
     name: &'a str,
     prepared: &'a Prepared<M, N, R>,
-) -> Manoeuvre<'a, M, M::KnownInput, N, R> {
+) -> Manoeuvre<'a, N, R> {
     Manoeuvre {
         name,
-        model: &prepared.model,
+        plant: prepared,
+        first: 0,
         time_s: &prepared.time,
-        inputs: &prepared.inputs,
         // The input of the model says itself whether it is held between samples.
         hold: InputHold::Linear,
         outputs: &prepared.outputs,
@@ -189,17 +187,15 @@ struct Solved<const N: usize, const R: usize> {
 
 fn solve<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
     task: &Task<M, N, R>,
-    manoeuvres: &[Manoeuvre<'_, M, M::KnownInput, N, R>],
+    manoeuvres: &[Manoeuvre<'_, N, R>],
     structure: Structure<N, R>,
     regression: &EquationErrorSettings,
 ) -> Result<Solved<N, R>, EstimateError> {
     let method = task.method();
     let band = if method.is_in_band() { Some(band::<M, N, R>(task, structure.maximum_gap_s)?) } else { None };
-    let by_sample = || batch::equation_error::<M, M::KnownInput, N, R>(manoeuvres, &structure, regression);
+    let by_sample = || batch::equation_error(manoeuvres, &structure, regression);
     let equations = || match band {
-        Some(band) => {
-            batch::equation_error_frequency::<M, M::KnownInput, N, R>(manoeuvres, &structure, band, regression)
-        }
+        Some(band) => batch::equation_error_frequency(manoeuvres, &structure, band, regression),
         None => by_sample(),
     };
     // Differences give the likelihood of a filter, and an evaluation takes a tenth of a second: a fiftieth of a standard
@@ -211,11 +207,11 @@ fn solve<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
             let settings = shared_settings::<M, N, R, CAPACITY>(task.prepared, task.file, task.options, task.noise)
                 .map_err(|e| BatchError::BadInput(e.to_string()))?;
             let process = ProcessNoise { density: settings.process_noise.variance_per_s, estimated: true };
-            batch::filter_error::<M, M::KnownInput, N, R>(manoeuvres, structure, &process, &search)
+            batch::filter_error(manoeuvres, structure, &process, &search)
         }
         _ => match band {
-            Some(band) => batch::output_error_frequency::<M, M::KnownInput, N, R>(manoeuvres, structure, band, &search),
-            None => batch::output_error::<M, M::KnownInput, N, R>(manoeuvres, structure, &search),
+            Some(band) => batch::output_error_frequency(manoeuvres, structure, band, &search),
+            None => batch::output_error(manoeuvres, structure, &search),
         },
     };
     if method.is_equation_error() {
@@ -272,7 +268,7 @@ fn solve<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
 /// from all starts. Costs with simulated and with measured angles are of different outputs and are not compared.
 fn with_flow_angles<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
     task: &Task<M, N, R>,
-    manoeuvres: &[Manoeuvre<'_, M, M::KnownInput, N, R>],
+    manoeuvres: &[Manoeuvre<'_, N, R>],
     structure: Structure<N, R>,
     searched: impl Fn(&Structure<N, R>) -> Result<BatchFit, BatchError>,
 ) -> Result<(BatchFit, Structure<N, R>), BatchError> {
@@ -323,7 +319,7 @@ const CALM: f64 = 1.3;
 
 /// The rows of the angles of attack and sideslip that are states and measured in every record.
 fn measured_flow_angles<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
-    manoeuvres: &[Manoeuvre<'_, M, M::KnownInput, N, R>],
+    manoeuvres: &[Manoeuvre<'_, N, R>],
 ) -> Vec<usize> {
     let angle = |row: &usize| matches!(M::AXES.outputs()[*row], Output::Alpha | Output::Beta);
     let known = |row: &usize| manoeuvres.iter().all(|m| m.outputs.iter().any(|y| y[*row].is_finite()));
@@ -384,11 +380,11 @@ fn predict<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
         channel.noise = Noise::Estimated;
     }
     let search = OptimiserSettings::default();
-    let predicted = batch::predict::<M, M::KnownInput, N, R>(&manoeuvre, &held, &fit.parameters, &search)?;
+    let predicted = batch::predict(&manoeuvre, &held, &fit.parameters, &search)?;
     // Equation error knows the noise of its equations, and none of the outputs.
     let sigmas = match task.method() {
         method if method.is_equation_error() => None,
-        _ => Some(batch::prediction_intervals::<M, M::KnownInput, N, R>(&manoeuvre, &held, fit, &predicted)?),
+        _ => Some(batch::prediction_intervals(&manoeuvre, &held, fit, &predicted)?),
     };
     let Some(ManoeuvreFit { fitted, outputs, .. }) = predicted.manoeuvres.into_iter().next() else {
         return Err(EstimateError::Model("the prediction gave no fit".to_owned()));

@@ -1,6 +1,5 @@
 //! The systematic part of the result of a batch method: what it makes of errors of the declared constants.
 
-use super::gate::{Gated, GatedInput, SurfaceRates};
 use super::task::Task;
 use crate::batch::{
     BatchFit, ByConstant, EquationErrorSettings, Manoeuvre, Structure, equation_error_constants, output_error_constants,
@@ -9,8 +8,6 @@ use crate::core::method::Method;
 use crate::core::options::CAPACITY;
 use crate::core::systematic::{ROOM_FOR_CONSTANTS, SystematicPart, UncertainQuantity, shares};
 use crate::motion::MotionModel;
-use crate::preparation::excitation::Moved;
-use crate::preparation::prepared::Prepared;
 
 /// Variances by quantity of each parameter of a structure.
 #[derive(Clone, Debug)]
@@ -27,55 +24,24 @@ impl Systematic {
     }
 }
 
-/// A record as the methods that follow constants take it: the input knows how fast the surfaces move.
-struct Flight<M, I> {
-    model: Gated<M>,
-    inputs: Vec<GatedInput<I>>,
-}
-
-/// Follows the constants of the motion through output error or equation error, one record after the other as they were fitted.
+/// Follows the constants of the motion through output error or equation error, over the manoeuvres that were fitted.
 /// For a task that [follows constants](Task::follows_constants). None where it does not work out: a simulation with a constant
 /// off by one sigma diverges, or the equations of a step are singular.
 pub(super) fn systematic<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
     task: &Task<M, N, R>,
-    records: &[&Prepared<M, N, R>],
-    manoeuvres: &[Manoeuvre<'_, M, M::KnownInput, N, R>],
+    manoeuvres: &[Manoeuvre<'_, N, R>],
     structure: &Structure<N, R>,
     regression: &EquationErrorSettings,
     fit: &BatchFit,
 ) -> Option<Systematic> {
     let (file, method) = (task.file, task.method());
-    let flight = |prepared: &&Prepared<M, N, R>| -> Flight<M, M::KnownInput> {
-        let mut rates = SurfaceRates::default();
-        let rated = |(time_s, input): (&f64, &M::KnownInput)| GatedInput {
-            input: *input,
-            open: Moved::ALL,
-            surface_rates: rates.at(*time_s, M::deflections(input)),
-        };
-        let inputs = prepared.time.iter().zip(&prepared.inputs).map(rated).collect();
-        Flight { model: Gated::new(prepared.model.clone(), file), inputs }
-    };
-    let flights: Vec<Flight<M, M::KnownInput>> = records.iter().map(flight).collect();
-    let rated: Vec<Manoeuvre<'_, Gated<M>, GatedInput<M::KnownInput>, N, R>> = manoeuvres
-        .iter()
-        .zip(&flights)
-        .map(|(m, flight)| Manoeuvre {
-            name: m.name,
-            model: &flight.model,
-            time_s: m.time_s,
-            inputs: &flight.inputs,
-            hold: m.hold,
-            outputs: m.outputs,
-            initial_state: m.initial_state,
-        })
-        .collect();
     let mut sigmas: ByConstant = [0.0; ROOM_FOR_CONSTANTS];
     for (sigma, quantity) in sigmas.iter_mut().zip(M::CONSTANTS) {
         *sigma = file.uncertainty.of_quantity(*quantity);
     }
     let by_parameter = match method {
-        Method::OutputError => output_error_constants(&rated, structure, fit, &sigmas)?,
-        _ => equation_error_constants(&rated, structure, regression, fit, &sigmas)?,
+        Method::OutputError => output_error_constants(manoeuvres, structure, fit, &sigmas)?,
+        _ => equation_error_constants(manoeuvres, structure, regression, fit, &sigmas)?,
     };
     let variances = |errors: &ByConstant| {
         let mut variances = [0.0; UncertainQuantity::ALL.len()];

@@ -41,12 +41,17 @@ pub(super) struct SurfaceRates {
 impl SurfaceRates {
     /// The rates up to the next sample, rad/s: backward differences, zero at the first one and where time does not run.
     pub(super) fn at(&mut self, time_s: f64, deflections: [f64; 3]) -> [f64; 3] {
-        let Some((before_s, before)) = self.before.replace((time_s, deflections)) else { return [0.0; 3] };
-        if time_s <= before_s {
-            return [0.0; 3];
-        }
-        std::array::from_fn(|i| (deflections[i] - before[i]) / (time_s - before_s))
+        let now = (time_s, deflections);
+        self.before.replace(now).map_or([0.0; 3], |before| surface_rates(before, now))
     }
+}
+
+/// How fast the surfaces move from one time (s) and their deflections (rad) to another, rad/s; zero where time does not run.
+pub(super) fn surface_rates(before: (f64, [f64; 3]), after: (f64, [f64; 3])) -> [f64; 3] {
+    if after.0 <= before.0 {
+        return [0.0; 3];
+    }
+    std::array::from_fn(|i| (after.1[i] - before.1[i]) / (after.0 - before.0))
 }
 
 /// A model whose sensitivity to the parameters of a closed group is zero.

@@ -5,6 +5,7 @@ mod causal;
 mod changes;
 mod consistency;
 mod constants;
+mod flown_record;
 mod gate;
 mod health_watch;
 mod predict;

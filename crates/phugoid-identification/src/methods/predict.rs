@@ -107,19 +107,18 @@ fn predict_of<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
     for (parameter, of) in structure.parameters.iter_mut().zip(own()) {
         parameter.prior_std = Some(of.prior_std).filter(|std| std.is_finite());
     }
-    let manoeuvres: Vec<Manoeuvre<'_, M, M::KnownInput, N, R>> = records
+    let manoeuvres: Vec<Manoeuvre<'_, N, R>> = records
         .iter()
         .zip(&prepared)
         .map(|(record, prepared)| manoeuvre::<M, N, R>(&record.source, prepared))
         .collect();
     let mut notes = Vec::new();
     let regression = EquationErrorSettings::automatic(sample_time(&first.time));
-    let Rough { values, fit } = rough::<M, N, R>(&manoeuvres, &structure, &regression, &mut notes);
-    let bounds = batch::bound::<M, M::KnownInput, N, R>(&manoeuvres, &structure, &values)?;
-    let all: Vec<&Prepared<M, N, R>> = prepared.iter().collect();
+    let Rough { values, fit } = rough(&manoeuvres, &structure, &regression, &mut notes);
+    let bounds = batch::bound(&manoeuvres, &structure, &values)?;
     let followed = fit
         .filter(|_| task.follows_constants())
-        .and_then(|(fit, structure)| systematic::<M, N, R>(&task, &all, &manoeuvres, &structure, &regression, &fit));
+        .and_then(|(fit, structure)| systematic::<M, N, R>(&task, &manoeuvres, &structure, &regression, &fit));
     if task.follows_constants() && followed.is_none() {
         notes.push(
             "errors of the declared constants could not be followed: the bounds hold the powers of the scales"
@@ -169,15 +168,15 @@ struct Rough<const N: usize, const R: usize> {
 /// the systematic part; it is small beside the random part.
 const STEP_TOLERANCE: f64 = 0.1;
 
-fn rough<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
-    manoeuvres: &[Manoeuvre<'_, M, M::KnownInput, N, R>],
+fn rough<const N: usize, const R: usize>(
+    manoeuvres: &[Manoeuvre<'_, N, R>],
     structure: &Structure<N, R>,
     regression: &EquationErrorSettings,
     notes: &mut Vec<String>,
 ) -> Rough<N, R> {
     let mut near = structure.clone();
     near.outputs.iter_mut().for_each(|channel| channel.noise = Noise::Estimated);
-    match batch::equation_error::<M, M::KnownInput, N, R>(manoeuvres, structure, regression) {
+    match batch::equation_error(manoeuvres, structure, regression) {
         Ok(found) => {
             for (parameter, value) in near.parameters.iter_mut().zip(found.fit.parameters) {
                 parameter.start = value.clamp(parameter.lower, parameter.upper);
@@ -187,7 +186,7 @@ fn rough<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
     }
     let search =
         OptimiserSettings { maximum_iterations: 30, step_tolerance: STEP_TOLERANCE, ..OptimiserSettings::default() };
-    match batch::output_error::<M, M::KnownInput, N, R>(manoeuvres, &near, &search) {
+    match batch::output_error(manoeuvres, &near, &search) {
         Ok(fit) => Rough { values: fit.parameters.clone(), fit: Some((fit, near)) },
         Err(why) => {
             notes.push(format!("taken where the search began: {why}"));

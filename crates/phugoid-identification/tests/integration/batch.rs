@@ -9,8 +9,9 @@ use common::short_period::{NAMES, ShortPeriod};
 use phugoid_estimators::Model;
 use phugoid_estimators::discretization::{InputHold, IntervalInput, simulate};
 use phugoid_identification::batch::{
-    BatchError, BatchFit, BatchParameter, Bias, EquationErrorSettings, InitialState, Manoeuvre, Noise,
-    OptimiserSettings, OutputChannel, ProcessNoise, Structure, equation_error, filter_error, output_error, predict,
+    BatchError, BatchFit, BatchParameter, Bias, EquationErrorSettings, Flown, InitialState, Manoeuvre, Noise,
+    OptimiserSettings, OutputChannel, ProcessNoise, Structure, WithInputs, equation_error, filter_error, output_error,
+    predict,
 };
 use phugoid_identification::options::Likelihood;
 
@@ -52,12 +53,20 @@ pub(crate) fn white(seed: u64) -> impl FnMut(usize) -> f64 {
     move |i| SD[i] * normal.next()
 }
 
-pub(crate) fn manoeuvre<'a>(name: &'a str, data: &'a Data) -> Manoeuvre<'a, ShortPeriod, [f64; 1], 2, 3> {
+/// A model with its inputs, for as long as the test runs.
+pub(crate) fn flown<'a, M, I, const N: usize, const R: usize>(model: &'a M, inputs: &'a [I]) -> &'a dyn Flown<N, R>
+where
+    WithInputs<'a, M, I>: Flown<N, R>,
+{
+    Box::leak(Box::new(WithInputs { model, inputs }))
+}
+
+pub(crate) fn manoeuvre<'a>(name: &'a str, data: &'a Data) -> Manoeuvre<'a, 2, 3> {
     Manoeuvre {
         name,
-        model: &ShortPeriod,
+        plant: flown(&ShortPeriod, &data.inputs),
+        first: 0,
         time_s: &data.time,
-        inputs: &data.inputs,
         hold: InputHold::Zero,
         outputs: &data.outputs,
         initial_state: None,
@@ -80,10 +89,10 @@ pub(crate) fn known(i: usize) -> Noise {
     Noise::Known(SD[i])
 }
 
-type Flights<'a> = [Manoeuvre<'a, ShortPeriod, [f64; 1], 2, 3>];
+type Flights<'a> = [Manoeuvre<'a, 2, 3>];
 
 fn fit(manoeuvres: &Flights<'_>, structure: &Structure<2, 3>) -> Result<BatchFit, BatchError> {
-    output_error::<_, _, 2, 3>(manoeuvres, structure, &OptimiserSettings::default())
+    output_error::<2, 3>(manoeuvres, structure, &OptimiserSettings::default())
 }
 
 #[test]
@@ -96,7 +105,7 @@ fn output_error_recovers_exact_data_exactly() {
     let mut structure = structure(STABLE.map(|v| 0.7 * v), known);
     structure.outputs[2].bias = Bias::Shared(f64::INFINITY);
     let settings = OptimiserSettings { step_tolerance: 1e-9, ..OptimiserSettings::default() };
-    let found = output_error::<_, _, 2, 3>(&[manoeuvre("exact", &data)], &structure, &settings).unwrap();
+    let found = output_error::<2, 3>(&[manoeuvre("exact", &data)], &structure, &settings).unwrap();
     for (j, truth) in STABLE.iter().enumerate() {
         assert!((found.parameters[j] / truth - 1.0).abs() < 1e-8, "{}: {}", NAMES[j], found.parameters[j]);
     }
@@ -116,7 +125,7 @@ fn several_manoeuvres_add_their_information() {
         let settings = OptimiserSettings { step_tolerance: 1e9, ..OptimiserSettings::default() };
         let states = Some([0.4, -0.01]);
         let m = Manoeuvre { initial_state: states, ..manoeuvre(name, data) };
-        (output_error::<_, _, 2, 3>(&[m], &structure, &settings).unwrap(), m.initial_state)
+        (output_error::<2, 3>(&[m], &structure, &settings).unwrap(), m.initial_state)
     };
     let settings = OptimiserSettings { step_tolerance: 1e9, ..OptimiserSettings::default() };
     let both: Vec<_> = ["a", "b"]
@@ -124,7 +133,7 @@ fn several_manoeuvres_add_their_information() {
         .zip(&flights)
         .map(|(name, data)| Manoeuvre { initial_state: Some([0.4, -0.01]), ..manoeuvre(name, data) })
         .collect();
-    let all = output_error::<_, _, 2, 3>(&both, &structure, &settings).unwrap();
+    let all = output_error::<2, 3>(&both, &structure, &settings).unwrap();
     let parts = [single("a", &flights[0]).0, single("b", &flights[1]).0];
     let inverse = |fit: &BatchFit| {
         nalgebra::DMatrix::from_fn(6, 6, |i, j| fit.covariance[i][j]).try_inverse().expect("a covariance")
@@ -206,13 +215,12 @@ fn a_prediction_holds_the_parameters() {
     let structure = structure(STABLE.map(|v| 0.8 * v), known);
     let found = fit(&[manoeuvre("flown", &flown)], &structure).unwrap();
     let settings = OptimiserSettings::default();
-    let predicted =
-        predict::<_, _, 2, 3>(&[manoeuvre("other", &other)], &structure, &found.parameters, &settings).unwrap();
+    let predicted = predict::<2, 3>(&[manoeuvre("other", &other)], &structure, &found.parameters, &settings).unwrap();
     assert_eq!(predicted.parameters, found.parameters);
     assert_eq!(predicted.unknowns.len(), 2, "the initial state only");
     assert!(predicted.manoeuvres[0].outputs.iter().all(|o| o.white), "{:?}", predicted.manoeuvres[0].outputs);
     let wrong: Vec<f64> = found.parameters.iter().map(|v| 0.6 * v).collect();
-    let poor = predict::<_, _, 2, 3>(&[manoeuvre("other", &other)], &structure, &wrong, &settings).unwrap();
+    let poor = predict::<2, 3>(&[manoeuvre("other", &other)], &structure, &wrong, &settings).unwrap();
     let pairs = || predicted.manoeuvres[0].outputs.iter().zip(&poor.manoeuvres[0].outputs);
     assert!(pairs().all(|(good, bad)| bad.theil > good.theil && bad.r_squared < good.r_squared), "{poor:?}");
     assert!(pairs().any(|(good, bad)| bad.theil > 1.5 * good.theil), "{poor:?}");
@@ -244,7 +252,7 @@ fn filter_error_finds_both_noises() {
     let structure = structure(STABLE.map(|v| 0.9 * v), |_| Noise::Estimated);
     let process = ProcessNoise { density: density.map(|q| 10.0 * q), estimated: true };
     let settings = OptimiserSettings::default();
-    let found = filter_error::<_, _, 2, 3>(&[manoeuvre("gusts", &data)], &structure, &process, &settings).unwrap();
+    let found = filter_error::<2, 3>(&[manoeuvre("gusts", &data)], &structure, &process, &settings).unwrap();
     let truth: Vec<f64> = STABLE.into_iter().chain(SD).chain(density).collect();
     for (unknown, truth) in found.unknowns.iter().zip(&truth) {
         let error = (unknown.value - truth) / unknown.corrected_std_error;
@@ -263,7 +271,7 @@ fn a_state_as_measured_gives_the_same_on_exact_data() {
     let mut following = structure(STABLE.map(|v| 0.7 * v), |_| Noise::Estimated);
     following.states[0] = InitialState::measured("w");
     let settings = OptimiserSettings { step_tolerance: 1e-9, ..OptimiserSettings::default() };
-    let found = output_error::<_, _, 2, 3>(&[manoeuvre("exact", &data)], &following, &settings).unwrap();
+    let found = output_error::<2, 3>(&[manoeuvre("exact", &data)], &following, &settings).unwrap();
     for (j, truth) in STABLE.iter().enumerate() {
         println!("{} {:.4} of {truth:.4}", NAMES[j], found.parameters[j]);
         assert!((found.parameters[j] / truth - 1.0).abs() < 1e-6, "{}: {}", NAMES[j], found.parameters[j]);
@@ -274,7 +282,7 @@ fn a_state_as_measured_gives_the_same_on_exact_data() {
     // With a second of it missing in the middle the state is integrated there.
     let mut torn = fly(300, 0.5, |_| 0.0);
     torn.outputs[100..150].iter_mut().for_each(|y| y[0] = f64::NAN);
-    let found = output_error::<_, _, 2, 3>(&[manoeuvre("torn", &torn)], &following, &settings).unwrap();
+    let found = output_error::<2, 3>(&[manoeuvre("torn", &torn)], &following, &settings).unwrap();
     for (j, truth) in STABLE.iter().enumerate() {
         assert!((found.parameters[j] / truth - 1.0).abs() < 1e-6, "{}: {}", NAMES[j], found.parameters[j]);
     }
@@ -311,7 +319,7 @@ fn filter_error_refuses_a_state_as_measured() {
     following.states[0] = InitialState::measured("w");
     let process = ProcessNoise { density: [0.0; 2], estimated: true };
     let settings = OptimiserSettings::default();
-    let refused = filter_error::<_, _, 2, 3>(&[manoeuvre("calm", &data)], &following, &process, &settings);
+    let refused = filter_error::<2, 3>(&[manoeuvre("calm", &data)], &following, &process, &settings);
     assert!(refused.unwrap_err().to_string().contains("cannot take the state w as measured"));
 }
 
@@ -324,7 +332,7 @@ fn filter_error_without_process_noise_is_output_error() {
     let simulated = fit(&[manoeuvre("calm", &data)], &structure).unwrap();
     let process = ProcessNoise { density: [0.0; 2], estimated: true };
     let settings = OptimiserSettings::default();
-    let filtered = filter_error::<_, _, 2, 3>(&[manoeuvre("calm", &data)], &structure, &process, &settings).unwrap();
+    let filtered = filter_error::<2, 3>(&[manoeuvre("calm", &data)], &structure, &process, &settings).unwrap();
     for (a, b) in simulated.unknowns.iter().zip(&filtered.unknowns) {
         assert!((a.value - b.value).abs() < 0.05 * a.std_error, "{}: {} {}", a.name, a.value, b.value);
         assert!((a.std_error / b.std_error - 1.0).abs() < 0.02, "{}: {} {}", a.name, a.std_error, b.std_error);
@@ -340,8 +348,7 @@ fn equation_error_is_biased_by_noise_in_the_states() {
     for seed in 0..20 {
         let data = fly(300, 0.5, white(100 + seed));
         for (mean, settings) in mean.iter_mut().zip([&rough, &smooth]) {
-            let found =
-                equation_error::<_, _, 2, 3>(&[manoeuvre("noisy", &data)], &structure([0.0; 6], known), settings);
+            let found = equation_error::<2, 3>(&[manoeuvre("noisy", &data)], &structure([0.0; 6], known), settings);
             for (m, v) in mean.iter_mut().zip(found.unwrap().fit.parameters) {
                 *m += v / 20.0;
             }
@@ -368,7 +375,7 @@ fn what_cannot_be_told_apart_is_named() {
         u[0] = 2.0 * y[1];
     }
     let settings = EquationErrorSettings { smooth_regressors: false, ..EquationErrorSettings::automatic(STEP_S) };
-    let failure = equation_error::<_, _, 2, 3>(&[manoeuvre("feedback", &data)], &feedback, &settings).unwrap_err();
+    let failure = equation_error::<2, 3>(&[manoeuvre("feedback", &data)], &feedback, &settings).unwrap_err();
     let BatchError::Singular { culprits } = &failure else { panic!("{failure}") };
     let names: Vec<&str> = culprits.iter().map(|(name, _)| name.as_str()).collect();
     assert!(names.len() == 2 && names.contains(&"Zq") && names.contains(&"Zde"), "{failure}");
@@ -405,9 +412,9 @@ fn bad_input_is_refused_in_words() {
     says(&[m], &short, "the model has 6 parameters, the structure 5");
     let wild = structure([-1.4, -1.5, -6.3, 1e9, -3.7, -12.8], known);
     says(&[m], &wild, "the simulation with the start values diverges");
-    assert!(predict::<_, _, 2, 3>(&[m], &good, &[1.0], &OptimiserSettings::default()).is_err());
+    assert!(predict::<2, 3>(&[m], &good, &[1.0], &OptimiserSettings::default()).is_err());
     let negative = ProcessNoise { density: [-1.0, 0.0], estimated: false };
-    let failure = filter_error::<_, _, 2, 3>(&[m], &good, &negative, &OptimiserSettings::default()).unwrap_err();
+    let failure = filter_error::<2, 3>(&[m], &good, &negative, &OptimiserSettings::default()).unwrap_err();
     assert!(failure.to_string().contains("process noise of w is -1"), "{failure}");
 }
 

@@ -2,7 +2,7 @@
 //! against chance, and what they say where the band tells nothing.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // tests and benches may
 
-use crate::batch::{Data, SD, STABLE, STEP_S, fly, known, manoeuvre, structure, white};
+use crate::batch::{Data, SD, STABLE, STEP_S, flown, fly, known, manoeuvre, structure, white};
 use crate::common;
 
 use common::short_period::NAMES;
@@ -25,12 +25,12 @@ fn settings() -> EquationErrorSettings {
 
 fn by_outputs(data: &Data, band: Band) -> Result<BatchFit, BatchError> {
     let start = structure(STABLE.map(|v| 0.8 * v), |_| Noise::Estimated);
-    output_error_frequency::<_, _, 2, 3>(&[manoeuvre("flight", data)], &start, band, &OptimiserSettings::default())
+    output_error_frequency::<2, 3>(&[manoeuvre("flight", data)], &start, band, &OptimiserSettings::default())
 }
 
 fn by_equations(data: &Data, band: Band) -> Result<BatchFit, BatchError> {
     let start = structure([0.0; 6], |_| Noise::Estimated);
-    let found = equation_error_frequency::<_, _, 2, 3>(&[manoeuvre("flight", data)], &start, band, &settings())?;
+    let found = equation_error_frequency::<2, 3>(&[manoeuvre("flight", data)], &start, band, &settings())?;
     Ok(found.fit)
 }
 
@@ -84,7 +84,7 @@ fn what_lies_below_the_band_does_not_count() {
         y[2] += drift;
     }
     let start = structure(STABLE, |_| Noise::Estimated);
-    let by_sample = output_error::<_, _, 2, 3>(&[manoeuvre("flight", &data)], &start, &OptimiserSettings::default());
+    let by_sample = output_error::<2, 3>(&[manoeuvre("flight", &data)], &start, &OptimiserSettings::default());
     let by_sample = by_sample.map_or(f64::INFINITY, |fit| worst_moment(&fit.parameters));
     for (name, of) in [("output", by_outputs as fn(&Data, Band) -> _), ("equation", by_equations)] {
         let (with, without) = (of(&data, BAND).unwrap(), of(&straight, BAND).unwrap());
@@ -161,7 +161,7 @@ fn bounds_of_output_error_hold() {
     assert!((0.9..1.2).contains(&ratio) && (0.93..=0.98).contains(&within), "{ratio} {within}");
     // And near the limit of all data: what is given up is what lies outside of the band.
     let data = fly(SAMPLES, 0.5, white(100));
-    let all = bound::<_, _, 2, 3>(&[manoeuvre("flight", &data)], &structure(STABLE, known), &STABLE).unwrap();
+    let all = bound::<2, 3>(&[manoeuvre("flight", &data)], &structure(STABLE, known), &STABLE).unwrap();
     let found = by_outputs(&data, BAND).unwrap();
     for (a, b) in all.iter().zip(&found.unknowns).take(6) {
         println!("{}: {:.3} times the Cramer-Rao bound", a.name, b.std_error / a.std_error);
@@ -240,9 +240,9 @@ fn a_constant_is_not_identifiable_in_the_band() {
     }
     let manoeuvre = Manoeuvre {
         name: "lag",
-        model: &Lag,
+        plant: flown(&Lag, &inputs),
+        first: 0,
         time_s: &time,
-        inputs: &inputs,
         hold: InputHold::Zero,
         outputs: &outputs,
         initial_state: None,
@@ -258,8 +258,8 @@ fn a_constant_is_not_identifiable_in_the_band() {
     };
     let band = Band { low_hz: 0.0, high_hz: 3.0 };
     let search = OptimiserSettings::default();
-    let by_outputs = output_error_frequency::<_, _, 1, 1>(&[manoeuvre], &structure, band, &search).unwrap();
-    let by_equations = equation_error_frequency::<_, _, 1, 1>(&[manoeuvre], &structure, band, &settings()).unwrap().fit;
+    let by_outputs = output_error_frequency::<1, 1>(&[manoeuvre], &structure, band, &search).unwrap();
+    let by_equations = equation_error_frequency::<1, 1>(&[manoeuvre], &structure, band, &settings()).unwrap().fit;
     assert!(by_equations.unknown("c").is_none());
     assert!(by_outputs.unknown("c").unwrap().corrected_std_error.is_infinite());
     for fit in [by_outputs, by_equations] {

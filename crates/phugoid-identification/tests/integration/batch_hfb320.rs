@@ -11,7 +11,7 @@ use phugoid_identification::batch::{
     BatchFit, BatchParameter, InitialState, Manoeuvre, Noise, OptimiserSettings, OutputChannel, ProcessNoise,
     Structure, filter_error, output_error,
 };
-use phugoid_identification::longitudinal::{LongitudinalInput, LongitudinalModel, OUTPUTS, STATES};
+use phugoid_identification::longitudinal::{LongitudinalModel, OUTPUTS, STATES};
 use phugoid_identification::model_file::ModelFile;
 use phugoid_identification::options::Likelihood;
 use phugoid_identification::output::Output;
@@ -32,7 +32,7 @@ const PUBLISHED: [(&str, f64); 11] = [
     ("Cm_elevator", -1.52913),
 ];
 
-type Flight<'a> = Manoeuvre<'a, LongitudinalModel, LongitudinalInput, STATES, OUTPUTS>;
+type Flight<'a> = Manoeuvre<'a, STATES, OUTPUTS>;
 
 fn flight() -> Option<(Prepared<LongitudinalModel, STATES, OUTPUTS>, ModelFile)> {
     let record = csv::read_path(&common::shared_file("flight/hfb320.csv")?, &CsvOptions::default()).unwrap();
@@ -43,9 +43,9 @@ fn flight() -> Option<(Prepared<LongitudinalModel, STATES, OUTPUTS>, ModelFile)>
 fn manoeuvre(prepared: &Prepared<LongitudinalModel, STATES, OUTPUTS>) -> Flight<'_> {
     Manoeuvre {
         name: "hfb320",
-        model: &prepared.model,
+        plant: prepared,
+        first: 0,
         time_s: &prepared.time,
-        inputs: &prepared.inputs,
         hold: InputHold::Linear,
         outputs: &prepared.outputs,
         initial_state: None,
@@ -93,7 +93,7 @@ fn output_error_ends_at_its_known_optimum() {
     let Some((prepared, file)) = flight() else { return };
     let structure = structure(&file, |_| Noise::Estimated);
     let settings = OptimiserSettings::default();
-    let fit = output_error::<_, _, STATES, OUTPUTS>(&[manoeuvre(&prepared)], &structure, &settings).unwrap();
+    let fit = output_error::<STATES, OUTPUTS>(&[manoeuvre(&prepared)], &structure, &settings).unwrap();
     print(&fit);
     let value = |name: &str| fit.unknown(name).unwrap().value;
     assert!((value("CL_alpha") - 3.33).abs() < 0.01 && (value("CD_0") - 0.1125).abs() < 0.0001);
@@ -111,7 +111,7 @@ fn filter_error_ends_at_the_published_estimate() {
     let structure = structure(&file, |output| Noise::Known(file.noise[output.index()].unwrap()));
     let process = ProcessNoise { density: process_noise(&file), estimated: true };
     let settings = OptimiserSettings::default();
-    let fit = filter_error::<_, _, STATES, OUTPUTS>(&[manoeuvre(&prepared)], &structure, &process, &settings).unwrap();
+    let fit = filter_error::<STATES, OUTPUTS>(&[manoeuvre(&prepared)], &structure, &process, &settings).unwrap();
     print(&fit);
     println!("process noise {:?}, published {:?}", fit.process_noise, process.density);
     for (name, published) in PUBLISHED {

@@ -16,7 +16,7 @@ fn estimated(_: usize) -> Noise {
 
 /// Output error, or filter error with the small process noise of nearly calm air.
 fn try_fit(method: &str, data: &Data, structure: &Structure<2, 3>) -> Result<BatchFit, BatchError> {
-    let m: Manoeuvre<'_, _, _, 2, 3> = manoeuvre("flight", data);
+    let m: Manoeuvre<'_, 2, 3> = manoeuvre("flight", data);
     let settings = OptimiserSettings::default();
     match method {
         "output error" => output_error(&[m], structure, &settings),
@@ -139,7 +139,7 @@ fn the_windows_of_equation_error_do_not_bias_a_quick_aircraft() {
     let settings = EquationErrorSettings::automatic(STEP_S);
     // An elevator that moves evenly between samples, as the integration of the right side takes it to.
     let data = fly(500, 0.5, |_| 0.0);
-    let found = equation_error::<_, _, 2, 3>(&[manoeuvre("exact", &data)], &structure([0.0; 6], estimated), &settings);
+    let found = equation_error::<2, 3>(&[manoeuvre("exact", &data)], &structure([0.0; 6], estimated), &settings);
     let found = found.unwrap().fit;
     for (j, truth) in STABLE.iter().enumerate() {
         let error = found.parameters[j] / truth - 1.0;

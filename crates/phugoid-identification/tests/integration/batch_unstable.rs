@@ -2,6 +2,7 @@
 //! Identification, 2nd ed., simulated; published Z derivatives are to be met to five digits, M derivatives within 1 %).
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // tests and benches may
 
+use crate::batch::flown;
 use crate::common;
 
 use common::short_period::{Flight, NAMES, ShortPeriod, TRUTH, flight};
@@ -12,12 +13,12 @@ use phugoid_identification::batch::{
 };
 use phugoid_identification::options::Likelihood;
 
-fn manoeuvre(flight: &Flight) -> Manoeuvre<'_, ShortPeriod, [f64; 1], 2, 3> {
+fn manoeuvre(flight: &Flight) -> Manoeuvre<'_, 2, 3> {
     Manoeuvre {
         name: "unstable",
-        model: &ShortPeriod,
+        plant: flown(&ShortPeriod, &flight.inputs),
+        first: 0,
         time_s: &flight.time,
-        inputs: &flight.inputs,
         hold: InputHold::Linear,
         outputs: &flight.outputs,
         initial_state: None,
@@ -64,7 +65,7 @@ fn settings() -> EquationErrorSettings {
 #[test]
 fn equation_error_needs_no_start() {
     let Some(flight) = flight() else { return };
-    let result = equation_error::<_, _, 2, 3>(&[manoeuvre(&flight)], &structure([0.0; 6]), &settings()).unwrap();
+    let result = equation_error::<2, 3>(&[manoeuvre(&flight)], &structure([0.0; 6]), &settings()).unwrap();
     print(&result.fit);
     for index in 0..3 {
         // Half a unit of the fifth published digit.
@@ -89,7 +90,7 @@ fn equation_error_needs_no_start() {
 fn smoothing_both_sides_alike_costs_little_on_exact_data() {
     let Some(flight) = flight() else { return };
     let smooth = EquationErrorSettings { half_window_s: 0.15, smooth_regressors: true, ..settings() };
-    let fit = equation_error::<_, _, 2, 3>(&[manoeuvre(&flight)], &structure([0.0; 6]), &smooth).unwrap().fit;
+    let fit = equation_error::<2, 3>(&[manoeuvre(&flight)], &structure([0.0; 6]), &smooth).unwrap().fit;
     print(&fit);
     for index in 0..6 {
         println!("{} is {:.2e} off", NAMES[index], fit.parameters[index] / TRUTH[index] - 1.0);
@@ -103,11 +104,11 @@ fn output_error_says_that_the_aircraft_is_unstable() {
     let Some(flight) = flight() else { return };
     let start = TRUTH.map(|v| 0.9 * v);
     let settings = OptimiserSettings::default();
-    let failure = output_error::<_, _, 2, 3>(&[manoeuvre(&flight)], &structure(start), &settings).unwrap_err();
+    let failure = output_error::<2, 3>(&[manoeuvre(&flight)], &structure(start), &settings).unwrap_err();
     println!("{failure}");
     assert!(matches!(failure, BatchError::Unstable { growth, .. } if growth > 1000.0), "{failure:?}");
     // From the truth it does converge, with az so exact that the other derivatives follow it; and says what to think of it.
-    let fit = output_error::<_, _, 2, 3>(&[manoeuvre(&flight)], &structure(TRUTH), &settings).unwrap();
+    let fit = output_error::<2, 3>(&[manoeuvre(&flight)], &structure(TRUTH), &settings).unwrap();
     print(&fit);
     assert!(fit.notes.iter().any(|n| n.contains("unstable")), "{:?}", fit.notes);
 }
@@ -116,11 +117,10 @@ fn output_error_says_that_the_aircraft_is_unstable() {
 #[test]
 fn filter_error_holds_on_to_the_measurements() {
     let Some(flight) = flight() else { return };
-    let first = equation_error::<_, _, 2, 3>(&[manoeuvre(&flight)], &structure([0.0; 6]), &settings()).unwrap().fit;
+    let first = equation_error::<2, 3>(&[manoeuvre(&flight)], &structure([0.0; 6]), &settings()).unwrap().fit;
     let start = std::array::from_fn(|j| first.parameters[j]);
     let process = ProcessNoise { density: [1e-3, 1e-4], estimated: true };
-    let fit =
-        filter_error::<_, _, 2, 3>(&[manoeuvre(&flight)], &structure(start), &process, &OptimiserSettings::default());
+    let fit = filter_error::<2, 3>(&[manoeuvre(&flight)], &structure(start), &process, &OptimiserSettings::default());
     let fit = fit.unwrap();
     print(&fit);
     println!("noise {:?}, process noise {:?}", fit.noise_std, fit.process_noise);
