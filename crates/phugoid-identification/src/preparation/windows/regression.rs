@@ -1,6 +1,6 @@
 //! Regression of a signal on its causes over short windows, from which constants and drifts are taken out.
 
-use nalgebra::{SMatrix, SVector};
+use nalgebra::{DMatrix, SMatrix, SVector};
 
 use crate::preparation::noise::measure_noise;
 
@@ -157,7 +157,9 @@ fn without_last<const C: usize>(windows: &[(SMatrix<f64, C, C>, SVector<f64, C>)
 /// Solves with causes of unit size, so that the units do not decide what can be told apart.
 fn solved<const C: usize>(normal: &SMatrix<f64, C, C>, right: &SVector<f64, C>) -> Option<SVector<f64, C>> {
     let unit = SVector::<f64, C>::from_fn(|c, _| 1.0 / normal[(c, c)].sqrt());
-    let scaled = SMatrix::<f64, C, C>::from_fn(|a, b| unit[a] * normal[(a, b)] * unit[b]);
-    let value = (scaled.try_inverse()? * right.component_mul(&unit)).component_mul(&unit);
+    // Of dynamic size: the inverse of a fixed size is compiled anew for every number of causes, and is long.
+    let inverse = DMatrix::from_fn(C, C, |a, b| unit[a] * normal[(a, b)] * unit[b]).try_inverse()?;
+    let inverse = SMatrix::<f64, C, C>::from_fn(|a, b| inverse[(a, b)]);
+    let value = (inverse * right.component_mul(&unit)).component_mul(&unit);
     Some(value).filter(|value| value.iter().all(|v| v.is_finite()))
 }
