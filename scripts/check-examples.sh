@@ -3,9 +3,9 @@
 set -eu
 cd "$(dirname "$0")/.."
 
-# One build for each crate, then the programs themselves.
-cargo build --quiet --locked -p phugoid --examples
-cargo build --quiet --locked -p phugoid-estimators --example own_plant --example own_estimator
+# Of the whole workspace, as the tests have built them: of one crate alone its libraries have other features, and all would be
+# built once more.
+cargo build --quiet --locked --workspace --examples
 
 for example in quick_start own_model_file live_session any_log_to_columns monte_carlo input_design own_plant own_estimator; do
     echo "example $example:"

@@ -56,6 +56,13 @@ impl Estimation {
         PyArray1::from_iter(py, self.inner.parameters.iter().map(|p| p.systematic_std))
     }
 
+    /// Of a longitudinal model of increments to a database, the total derivatives, which hold the slopes of the database: value
+    /// and one-sigma error by name, such as `Cm_alpha`. Empty for any other model.
+    #[getter]
+    fn totals(&self) -> BTreeMap<&str, (f64, f64)> {
+        self.inner.totals.iter().map(|total| (total.name.as_str(), (total.value, total.std_error))).collect()
+    }
+
     /// Value and one-sigma error of a parameter.
     fn __getitem__(&self, name: &str) -> PyResult<(f64, f64)> {
         let found = self.inner.parameters.iter().find(|p| p.name == name);

@@ -33,6 +33,9 @@ def test_the_truth_lies_within_four_sigma(flight, result):
     assert result["dCm_q"] == (result.values[result.names.index("dCm_q")], result.std_errors[result.names.index("dCm_q")])
     with pytest.raises(KeyError, match="dCm_alpha"):
         result["Cm_alpha"]
+    # The pitch damping of the book is about -7 here, and the increment -2.
+    total, std_error = result.totals["Cm_q"]
+    assert total < result["dCm_q"][0] - 3 and std_error == result["dCm_q"][1]
 
 
 def test_the_likelihood_is_chosen_by_its_word(flight, model):

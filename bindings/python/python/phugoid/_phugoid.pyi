@@ -68,6 +68,7 @@ class Estimation:
     values: _Array
     std_errors: _Array
     systematic_std_errors: _Array
+    totals: dict[str, tuple[float, float]]
     status: str
     reasons: list[tuple[str, str, list[str], str]]
     verdict: list[str]

@@ -62,6 +62,8 @@ fn drawn(study: &DrawnStudy) -> String {
                 Budget::None => "left out",
                 Budget::Powers => "powers of scales",
                 Budget::Followed => "followed",
+                Budget::Half => "followed, half declared",
+                Budget::Twice => "followed, twice declared",
             }
             .to_owned(),
             s.flights.to_string(),

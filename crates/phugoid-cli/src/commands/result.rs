@@ -7,7 +7,7 @@ use phugoid_flight_data::quality::QualityReport;
 use phugoid_identification::batch::OutputFit;
 use phugoid_identification::estimation::{
     BatchReport, EffectiveDerivative, Estimation, EstimationStatus, Event, FinalStatus, History, Offer,
-    ParameterResult, PredictionInterval, Readiness, Signal, VerdictReason, headline,
+    ParameterResult, PredictionInterval, Readiness, Signal, TotalDerivative, VerdictReason, headline,
 };
 use serde::Serialize;
 
@@ -32,6 +32,9 @@ pub(crate) struct Document<'a> {
     /// Sums of derivatives of which the flight may not determine the single terms.
     #[serde(skip_serializing_if = "<[_]>::is_empty")]
     pub(crate) effective: &'a [EffectiveDerivative],
+    /// Of increments to a database, the derivatives that they make with its slopes.
+    #[serde(skip_serializing_if = "<[_]>::is_empty")]
+    pub(crate) totals: &'a [TotalDerivative],
     /// The derivatives in the axes of `--axes-form`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) turned: Option<&'a Turned>,
@@ -75,6 +78,7 @@ impl<'a> Document<'a> {
             parameters: &estimation.parameters,
             correlation: &estimation.correlation,
             effective: &estimation.effective,
+            totals: &estimation.totals,
             turned: None,
             offer: estimation.offer.as_ref(),
             verdict: &estimation.verdict,
@@ -107,6 +111,7 @@ pub(crate) fn text(estimation: &Estimation, report: Option<&Path>, figures: &[Pa
             estimation.method
         );
     }
+    text.push_str(&totals(&estimation.totals));
     text.push_str(&parameters(estimation));
     text.push_str(
         "\nDerivatives per radian. Bounds are two standard errors, corrected for the\ncolour of the residuals.\n",
@@ -130,6 +135,33 @@ pub(crate) fn text(estimation: &Estimation, report: Option<&Path>, figures: &[Pa
         let _ = writeln!(text, "{} figure files in {}", figures.len(), folder.display());
     }
     text
+}
+
+/// The derivatives that increments make with the slopes of their database; empty of a model without one.
+fn totals(totals: &[TotalDerivative]) -> String {
+    let Some(first) = totals.first() else { return String::new() };
+    let mut table = Table::with_words(
+        &["derivative", "total", "+- 2 sigma", "database", "increment", "+- 2 sigma", "over"],
+        &[0, 6],
+    );
+    for t in totals {
+        table.row(vec![
+            t.name.clone(),
+            significant(t.value, 4),
+            significant(2.0 * t.std_error, 3),
+            significant(t.database, 4),
+            significant(t.value - t.database, 3),
+            significant(2.0 * t.increment_std_error, 3),
+            t.range_in_words(),
+        ]);
+    }
+    format!(
+        "Total derivatives at alpha {} deg, elevator {} deg\n{}  Database: the secant over what was flown. The total is what the \
+         flight shows; the bound of an\n  increment holds how much the slope of the database changes over it.\n\n",
+        significant(first.reference_alpha.to_degrees(), 3),
+        significant(first.reference_elevator.to_degrees(), 3),
+        table.render()
+    )
 }
 
 /// The bounds in their random and their systematic part, and what makes the latter; empty where nothing is declared.

@@ -159,6 +159,10 @@ pub enum Budget {
     Powers,
     /// Followed through the estimation.
     Followed,
+    /// The same of a model file that declares half of what the errors are drawn from.
+    Half,
+    /// The same of a model file that declares twice as much.
+    Twice,
 }
 
 /// The numbers of some trials with one kind of bound.
@@ -337,7 +341,7 @@ pub(super) fn study(method: Method, trials: Vec<DrawnTrial>, ranking: Option<Ran
     let mut summaries = Vec::new();
     for draw in draws {
         let of: Vec<&DrawnTrial> = trials.iter().filter(|t| t.draw == draw && !t.parameters.is_empty()).collect();
-        for budget in [Budget::None, Budget::Powers, Budget::Followed] {
+        for budget in [Budget::None, Budget::Powers, Budget::Followed, Budget::Half, Budget::Twice] {
             summaries.push(summary(draw, budget, &of));
         }
     }
@@ -352,6 +356,9 @@ fn summary(draw: Draw, budget: Budget, trials: &[&DrawnTrial]) -> DrawnSummary {
             Budget::None => 0.0,
             Budget::Powers => p.powers_std,
             Budget::Followed => p.followed_std,
+            // What is followed is in proportion to what is declared, and the estimate does not depend on it.
+            Budget::Half => 0.5 * p.followed_std,
+            Budget::Twice => 2.0 * p.followed_std,
         };
         pairs.push([(p.value - p.truth) / p.truth, p.random_std.hypot(systematic) / p.truth].map(f64::abs));
     }

@@ -71,12 +71,6 @@ impl<const N: usize, const R: usize> Flown<N, R> for Displaced<'_, N, R> {
         self.plant.measuring_output(state)
     }
 
-    fn rates(&self, x: &[f64; N], theta: &[f64; CAPACITY], at: Instant) -> [f64; N] {
-        let (more, _) = self.effects(x, theta, at);
-        let rates = self.plant.rates(x, theta, at);
-        std::array::from_fn(|i| rates[i] + more[i])
-    }
-
     fn linearized_rates(
         &self,
         x: &[f64; N],

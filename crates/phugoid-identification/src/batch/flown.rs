@@ -50,9 +50,6 @@ pub trait Flown<const N: usize, const R: usize> {
     /// The output that measures a state directly, if there is one.
     fn measuring_output(&self, state: usize) -> Option<usize>;
 
-    /// State rates, units of the states per second.
-    fn rates(&self, x: &[f64; N], theta: &[f64; CAPACITY], at: Instant) -> [f64; N];
-
     /// Rates, their state Jacobian and the regressors, written to `out`.
     fn linearized_rates(
         &self,
@@ -107,10 +104,6 @@ where
         self.model.measuring_output(state)
     }
 
-    fn rates(&self, x: &[f64; N], theta: &[f64; CAPACITY], at: Instant) -> [f64; N] {
-        self.model.rates(x, theta, &at.input(self.inputs))
-    }
-
     fn linearized_rates(
         &self,
         x: &[f64; N],
@@ -154,7 +147,9 @@ impl<const N: usize, const R: usize> Model<N, R, CAPACITY> for AsModel<'_, N, R>
     }
 
     fn rates(&self, x: &[f64; N], theta: &[f64; CAPACITY], at: &Instant) -> [f64; N] {
-        self.0.rates(x, theta, *at)
+        let mut linearized = LinearizedRates::ZERO;
+        self.0.linearized_rates(x, theta, *at, &mut linearized);
+        linearized.rates
     }
 
     fn linearized_rates(

@@ -18,7 +18,7 @@ pub struct Manoeuvre<'a, const N: usize, const R: usize> {
     /// The model with the constants of this flight and the known input at each sample, for example
     /// [`WithInputs`](super::WithInputs).
     pub plant: &'a dyn Flown<N, R>,
-    /// Sample of the plant at which the manoeuvre begins: 0, unless it is a part of a flight.
+    /// Sample of the plant at which the manoeuvre begins: 0, unless it is a part of a flight, which may then go on after it.
     pub first: usize,
     /// Sample times, s, strictly increasing.
     pub time_s: &'a [f64],

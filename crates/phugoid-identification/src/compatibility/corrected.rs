@@ -123,6 +123,12 @@ fn widen(estimation: &mut Estimation, changes: &[Vec<f64>]) {
             sum.std_error = sum.std_error.hypot(variance.sqrt());
         }
     }
+    for total in &mut estimation.totals {
+        if let Some(increment) = estimation.parameters.iter().find(|p| p.name == total.increment) {
+            total.std_error = increment.corrected_std_error;
+            total.increment_std_error = increment.corrected_std_error.hypot(total.database_std);
+        }
+    }
     if !most.is_empty() {
         estimation.verdict.push(format!(
             "The errors of the corrections are the larger part of the bounds of {}: calibrate the sensors, or correct by \

@@ -12,6 +12,7 @@ pub use phugoid_estimators::verdict::Readiness;
 pub use phugoid_estimators::{ChangeState, ParameterStatus, Phase};
 
 use super::method::Method;
+use super::number::significant;
 pub use super::soundness::{EstimationStatus, ReasonCode, VerdictReason, headline, status_of};
 use super::systematic::in_words;
 pub use super::systematic::{SystematicPart, UncertainQuantity, UncertaintyUnit};
@@ -302,6 +303,9 @@ pub struct Estimation {
     /// Sums of two derivatives that the flight determines, even where it does not determine the parts.
     #[serde(default)]
     pub effective: Vec<EffectiveDerivative>,
+    /// Of increments to a database, the derivatives that they make together with its slopes; empty for any other model.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub totals: Vec<TotalDerivative>,
     /// Angle of attack at which the terms' `alpha` is zero, rad: where derivatives are turned into other axes.
     #[serde(default)]
     pub alpha_reference: f64,
@@ -499,6 +503,17 @@ impl Estimation {
     }
 }
 
+impl TotalDerivative {
+    /// The range of the variable, in degrees where it is an angle: `1.2 to 6.3 deg`.
+    pub fn range_in_words(&self) -> String {
+        let [from, to] = self.range;
+        match self.variable.ends_with("_hat") {
+            true => format!("{} to {}", significant(from, 3), significant(to, 3)),
+            false => format!("{} to {} deg", significant(from.to_degrees(), 3), significant(to.to_degrees(), 3)),
+        }
+    }
+}
+
 /// The rest of a standard deviation without an independent part of it; 0 where the part is the larger, and NaN stays NaN.
 pub(crate) fn without_part(whole: f64, part: f64) -> f64 {
     let variance = (whole - part) * (whole + part);
@@ -540,6 +555,36 @@ pub struct EffectiveDerivative {
     pub correlation: f64,
     /// True if the flight determines each of the parts, so that each can be used by itself.
     pub separable: bool,
+}
+
+/// A derivative as the sum of the slope of a database and the increment that was estimated, at the reference condition.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TotalDerivative {
+    /// Name, e.g. `Cm_alpha`.
+    pub name: String,
+    /// Unit as printed, `per rad`; rates made dimensionless count as angles.
+    pub unit: String,
+    /// Slope of the database plus increment, in the unit. This is what the flight shows.
+    pub value: f64,
+    /// One-sigma error of it: that of the increment, random and systematic.
+    pub std_error: f64,
+    /// Name of the increment in the model file, e.g. `dCm_alpha`.
+    pub increment: String,
+    /// Slope of the database: the secant over [`range`](Self::range), all other variables at the reference.
+    pub database: f64,
+    /// How far its local slopes lie from the secant, root mean square over the flight.
+    pub database_std: f64,
+    /// One-sigma error of the increment with that of the slope that it was added to. Another range of the same flight may
+    /// give another increment, by so much.
+    pub increment_std_error: f64,
+    /// Name of the variable in a term: `alpha`, `q_hat` or `elevator`.
+    pub variable: String,
+    /// The variable from its 2 % to its 98 % point in the flight, rad, or dimensionless for a rate.
+    pub range: [f64; 2],
+    /// Angle of attack of the reference condition, rad.
+    pub reference_alpha: f64,
+    /// Elevator of the reference condition, rad.
+    pub reference_elevator: f64,
 }
 
 /// The result of looking for terms that the model does not have.

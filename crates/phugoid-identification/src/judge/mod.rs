@@ -18,4 +18,5 @@ pub(crate) mod readiness;
 mod reasons;
 pub(crate) mod summary;
 mod systematic;
+mod total;
 mod verdict;

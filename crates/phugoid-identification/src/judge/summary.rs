@@ -15,6 +15,7 @@ use crate::judge::effective::{effective, sentence};
 use crate::judge::equations::Equations;
 use crate::judge::readiness::readiness;
 use crate::judge::reasons::{demote, reasons};
+use crate::judge::total::totals;
 use crate::judge::verdict::verdict;
 use crate::methods::{ColumnRun, EveryRoom, Run, RunChange, Task};
 use crate::model_file::{ModelFile, Parameter};
@@ -52,6 +53,7 @@ pub(crate) fn summarise<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     let reasons = reasons(task, record, &parameters, &correlation, run, doubts, &history, equations.as_ref());
     demote(&mut parameters, &reasons);
     let changes = changes(&columns, run);
+    let totals = totals(prepared, file, &parameters);
     let mut verdict = verdict(task, &parameters, &correlation, run, &reasons, &history, &changes);
     if run.excited {
         verdict.extend(effective.iter().map(sentence));
@@ -63,6 +65,7 @@ pub(crate) fn summarise<M: EveryRoom<N, R>, const N: usize, const R: usize>(
         parameters,
         correlation,
         effective,
+        totals,
         alpha_reference: prepared.reference.alpha,
         offer: None,
         status: status_of(&reasons),

@@ -22,10 +22,6 @@ impl<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize> Flown<N, R>
         self.model.measuring_output(state)
     }
 
-    fn rates(&self, x: &[f64; N], theta: &[f64; CAPACITY], at: Instant) -> [f64; N] {
-        self.model.rates(x, theta, &at.input(&self.inputs))
-    }
-
     fn linearized_rates(
         &self,
         x: &[f64; N],

@@ -26,5 +26,6 @@ mod options;
 mod readiness;
 mod session;
 mod six;
+mod totals;
 mod two_methods;
 mod units;

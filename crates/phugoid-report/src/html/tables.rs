@@ -3,7 +3,9 @@
 use std::fmt::Write as _;
 
 use phugoid_flight_data::quality::{QualityReport, Severity};
-use phugoid_identification::estimation::{Estimation, FinalStatus, ParameterResult, UncertainQuantity};
+use phugoid_identification::estimation::{
+    Estimation, FinalStatus, ParameterResult, TotalDerivative, UncertainQuantity,
+};
 
 use super::options::HtmlOptions;
 use super::page::{END_OF_TABLE, head, prose, table, trimmed};
@@ -34,7 +36,8 @@ pub(super) fn parameters(estimation: &Estimation) -> String {
         heads.extend([("n", "Truth"), ("n", "Off by<br>(σ)")]);
     }
     heads.extend([("", "Status"), ("n", "Converged<br>at (s)")]);
-    let mut out = grouped(estimation, &heads, |p| result_row(estimation, p, truth));
+    let mut out = totals(&estimation.totals);
+    out.push_str(&grouped(estimation, &heads, |p| result_row(estimation, p, truth)));
     out.push_str(
         "<p class=\"note\">The 2σ interval rests on the corrected standard error, which allows for coloured residuals. \
          Error is the corrected standard error in per cent of the value. Converged at: from then on, in seconds from \
@@ -75,6 +78,47 @@ pub(super) fn parameters(estimation: &Estimation) -> String {
         "<p class=\"note\">Observability is 1 − variance / prior variance: 1 means that the record decided the value, \
          0 that it says nothing and the prior still stands. The claimed standard error is the covariance's own; a \
          ratio well above 1 means coloured residuals.</p>\n",
+    );
+    out
+}
+
+/// The table of the derivatives that increments make with the slopes of their database; empty of a model without one.
+fn totals(totals: &[TotalDerivative]) -> String {
+    let Some(first) = totals.first() else { return String::new() };
+    let heads = [
+        ("", "Derivative"),
+        ("", "Unit"),
+        ("n", "Total"),
+        ("n", "2σ"),
+        ("n", "Database"),
+        ("n", "Increment"),
+        ("n", "2σ"),
+        ("n", "Database over"),
+    ];
+    let degrees = |angle: f64| significant(angle.to_degrees(), 3);
+    let mut out = format!(
+        "<h3>Total derivatives at α = {}°, elevator {}°</h3>\n<div class=\"scroll\"><table class=\"parameters\">\n",
+        degrees(first.reference_alpha),
+        degrees(first.reference_elevator)
+    );
+    out.push_str(&head(&heads));
+    out.push_str("<tbody>\n");
+    for t in totals {
+        let cells = [
+            format!("<b>{}</b>", significant(t.value, 4)),
+            significant(2.0 * t.std_error, 3),
+            significant(t.database, 4),
+            significant(t.value - t.database, 3),
+            significant(2.0 * t.increment_std_error, 3),
+            escape(&t.range_in_words()),
+        ];
+        let (name, unit) = (escape(&t.name), escape(&t.unit));
+        let _ = writeln!(out, "<tr><th scope=\"row\">{name}</th><td>{unit}</td>{}</tr>", number_cells(&cells));
+    }
+    out.push_str(
+        "</tbody>\n</table></div>\n<p class=\"note\">Database is the secant of the table over what was flown, from the 2 % to the \
+         98 % point. The total is what the flight shows. The bound of an increment holds how much the slope of the database \
+         changes over that range: another range would have given another increment.</p>\n<h3>Parameters</h3>\n",
     );
     out
 }

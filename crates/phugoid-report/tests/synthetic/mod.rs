@@ -276,6 +276,7 @@ pub(crate) fn estimation(case: &Case) -> Estimation {
         parameters,
         correlation,
         effective: Vec::new(),
+        totals: Vec::new(),
         alpha_reference: 0.0,
         offer: case.truth_known.then(offer),
         status: EstimationStatus::Sound,
