@@ -36,6 +36,8 @@ def test_the_truth_lies_within_four_sigma(flight, result):
     # The pitch damping of the book is about -7 here, and the increment -2.
     total, std_error = result.totals["Cm_q"]
     assert total < result["dCm_q"][0] - 3 and std_error == result["dCm_q"][1]
+    # Nothing is declared of an increment.
+    assert (result.systematic_std_errors == 0).all()
 
 
 def test_the_likelihood_is_chosen_by_its_word(flight, model):

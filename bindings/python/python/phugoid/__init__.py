@@ -311,6 +311,18 @@ class Estimation:
         return self._native.std_errors
 
     @property
+    def systematic_std_errors(self) -> np.ndarray:
+        """The parts of ``std_errors`` that the uncertainties declared in the model file make (one sigma): a longer flight does
+        not make them smaller. Zero where nothing is declared."""
+        return self._native.systematic_std_errors
+
+    @property
+    def totals(self) -> dict[str, tuple[float, float]]:
+        """Of a longitudinal model of increments to a database, the total derivatives, which hold the slopes of the database:
+        value and one-sigma error by name, such as ``Cm_alpha``. Empty for any other model."""
+        return self._native.totals
+
+    @property
     def status(self) -> str:
         """What the result as a whole is worth: ``sound``, ``provisional`` (nothing speaks against it, but the flight does
         not settle it), ``doubtful`` or ``refused`` (use neither the numbers nor their bounds)."""
@@ -468,6 +480,12 @@ class Session:
         """Standard errors (one sigma) after the last sample, corrected for correlated residuals; None before the first
         estimate."""
         return self._native.std_errors
+
+    @property
+    def systematic_std_errors(self) -> Optional[np.ndarray]:
+        """The parts of ``std_errors`` that the uncertainties declared in the model file make (one sigma); None before the
+        first estimate."""
+        return self._native.systematic_std_errors
 
     @property
     def message(self) -> Optional[str]:
