@@ -141,10 +141,11 @@ pub(crate) fn text(estimation: &Estimation, report: Option<&Path>, figures: &[Pa
 fn totals(totals: &[TotalDerivative]) -> String {
     let Some(first) = totals.first() else { return String::new() };
     let mut table = Table::with_words(
-        &["derivative", "total", "+- 2 sigma", "database", "increment", "+- 2 sigma", "over"],
-        &[0, 6],
+        &["derivative", "total", "+- 2 sigma", "database", "increment", "+- 2 sigma", "over", "verdict"],
+        &[0, 6, 7],
     );
     for t in totals {
+        let ([from, to], unit) = t.printed_range();
         table.row(vec![
             t.name.clone(),
             significant(t.value, 4),
@@ -152,12 +153,13 @@ fn totals(totals: &[TotalDerivative]) -> String {
             significant(t.database, 4),
             significant(t.value - t.database, 3),
             significant(2.0 * t.increment_std_error, 3),
-            t.range_in_words(),
+            format!("{} to {} {unit}", significant(from, 3), significant(to, 3)).trim_end().to_owned(),
+            t.status.word().replace('_', " "),
         ]);
     }
     format!(
-        "Total derivatives at alpha {} deg, elevator {} deg\n{}  Database: the secant over what was flown. The total is what the \
-         flight shows; the bound of an\n  increment holds how much the slope of the database changes over it.\n\n",
+        "Total derivatives at alpha {} deg, elevator {} deg\n{}  Database: the secant over what was flown. The bound of a total \
+         is for a database of the right\n  shape; that of an increment holds how much the slope changes over the range.\n\n",
         significant(first.reference_alpha.to_degrees(), 3),
         significant(first.reference_elevator.to_degrees(), 3),
         table.render()

@@ -12,7 +12,6 @@ pub use phugoid_estimators::verdict::Readiness;
 pub use phugoid_estimators::{ChangeState, ParameterStatus, Phase};
 
 use super::method::Method;
-use super::number::significant;
 pub use super::soundness::{EstimationStatus, ReasonCode, VerdictReason, headline, status_of};
 use super::systematic::in_words;
 pub use super::systematic::{SystematicPart, UncertainQuantity, UncertaintyUnit};
@@ -504,12 +503,11 @@ impl Estimation {
 }
 
 impl TotalDerivative {
-    /// The range of the variable, in degrees where it is an angle: `1.2 to 6.3 deg`.
-    pub fn range_in_words(&self) -> String {
-        let [from, to] = self.range;
+    /// The range of the variable as it is printed, and its unit: `deg` of an angle, empty of a dimensionless rate.
+    pub fn printed_range(&self) -> ([f64; 2], &'static str) {
         match self.variable.ends_with("_hat") {
-            true => format!("{} to {}", significant(from, 3), significant(to, 3)),
-            false => format!("{} to {} deg", significant(from.to_degrees(), 3), significant(to.to_degrees(), 3)),
+            true => (self.range, ""),
+            false => (self.range.map(f64::to_degrees), "deg"),
         }
     }
 }
@@ -564,10 +562,12 @@ pub struct TotalDerivative {
     pub name: String,
     /// Unit as printed, `per rad`; rates made dimensionless count as angles.
     pub unit: String,
-    /// Slope of the database plus increment, in the unit. This is what the flight shows.
+    /// Slope of the database plus increment, in the unit.
     pub value: f64,
-    /// One-sigma error of it: that of the increment, random and systematic.
+    /// One-sigma error of it: that of the increment, random and systematic, for a database whose shape is right.
     pub std_error: f64,
+    /// How well the increment is known.
+    pub status: FinalStatus,
     /// Name of the increment in the model file, e.g. `dCm_alpha`.
     pub increment: String,
     /// Slope of the database: the secant over [`range`](Self::range), all other variables at the reference.

@@ -126,14 +126,15 @@ fn judge(bound: PredictedParameter, base: Base) -> ParameterSupport {
     // Where they are more than half of the variance.
     let of_declared = (bound.systematic_std > bound.expected_std_error * std::f64::consts::FRAC_1_SQRT_2)
         .then(|| format!("mostly declared: {}", in_words(&bound.systematic_parts, MOST_CONTRIBUTORS)));
+    let both = with.into_iter().chain(of_declared.clone()).collect::<Vec<String>>().join("; ");
     let (support, reason) = if bound.expected_std_error > NOTHING_NEW * bound.prior_std {
         (Support::No, "the data add nothing to what was known beforehand".to_owned())
     } else if expected <= WELL_KNOWN {
         (Support::Told, of_declared.unwrap_or_default())
     } else if expected <= ROUGHLY_KNOWN {
-        (Support::Roughly, of_declared.or(with).unwrap_or_default())
+        (Support::Roughly, both)
     } else {
-        (Support::No, of_declared.or(with).unwrap_or_else(|| "not distinguished from zero".to_owned()))
+        (Support::No, if both.is_empty() { "not distinguished from zero".to_owned() } else { both })
     };
     ParameterSupport { support, expected, declared, at_best, reason, bound }
 }

@@ -10,7 +10,8 @@
 //! The slope is the secant over the range of `v` that was flown, from its 2 % to its 98 % point, because the increment is the one
 //! that fits over this range. A table that bends there has no single slope: how far its local slopes lie from the secant, as a
 //! root mean square over the flight, stands in the bound of the increment, since another range would have given another increment.
-//! The total is what the flight shows and does not depend on it.
+//! The total is of the same range, and its bound is that of the increment: it holds where the table has the right shape, and is off
+//! by an increment. What is wrong with the shape itself nothing here knows.
 
 use phugoid_flight_data::statistics::{Rank, median, quantile};
 
@@ -48,7 +49,7 @@ pub(crate) fn totals<M: Motion<N, R>, const N: usize, const R: usize>(
     }
     // The record was prepared with it, so that it is there.
     let Ok(database) = database(file) else { return Vec::new() };
-    let flown = VARIABLES.map(|variable| flown::<M, N, R>(prepared, file, variable));
+    let flown = VARIABLES.map(|variable| in_flight::<M, N, R>(prepared, file, variable));
     let reference = [prepared.reference.alpha, 0.0, prepared.reference.elevator];
     let of = |result: &ParameterResult| {
         let parameter = file.parameters.iter().find(|p| p.name == result.name)?;
@@ -78,6 +79,7 @@ pub(crate) fn totals<M: Motion<N, R>, const N: usize, const R: usize>(
             unit: result.unit.clone(),
             value: table.slope + result.value,
             std_error,
+            status: result.status,
             increment: result.name.clone(),
             database: table.slope,
             database_std: table.spread,
@@ -96,19 +98,19 @@ fn involves(term: &Term, variable: Variable) -> bool {
     term.powers().any(|(index, _)| index == variable.index())
 }
 
-/// The values that a variable had in the flight.
-struct Flown {
+/// The values that a variable had.
+struct InFlight {
     /// As the terms have them; those that are not known are left out.
     values: Vec<f64>,
     /// What they are multiplied by for the database, which makes rates dimensionless with the actual airspeed.
     actual: f64,
 }
 
-fn flown<M: Motion<N, R>, const N: usize, const R: usize>(
+fn in_flight<M: Motion<N, R>, const N: usize, const R: usize>(
     prepared: &Prepared<M, N, R>,
     file: &ModelFile,
     variable: Variable,
-) -> Flown {
+) -> InFlight {
     let output = |output: Output| -> Vec<f64> {
         let row = M::AXES.row(output);
         let values = row.map_or(Vec::new(), |row| prepared.outputs.iter().map(|y| y[row]).collect());
@@ -122,10 +124,13 @@ fn flown<M: Motion<N, R>, const N: usize, const R: usize>(
                 RateSpeed::Reference => file.aircraft.reference_speed.unwrap_or(f64::NAN),
             };
             let hat = 0.5 * file.aircraft.mean_chord / speed;
-            Flown { values: output(Output::PitchRate).into_iter().map(|q| q * hat).collect(), actual: speed / actual }
+            InFlight {
+                values: output(Output::PitchRate).into_iter().map(|q| q * hat).collect(),
+                actual: speed / actual,
+            }
         }
-        Variable::Alpha => Flown { values: output(Output::Alpha), actual: 1.0 },
-        _ => Flown { values: prepared.inputs.iter().map(|input| M::deflections(input)[0]).collect(), actual: 1.0 },
+        Variable::Alpha => InFlight { values: output(Output::Alpha), actual: 1.0 },
+        _ => InFlight { values: prepared.inputs.iter().map(|input| M::deflections(input)[0]).collect(), actual: 1.0 },
     }
 }
 

@@ -36,7 +36,7 @@ pub(super) fn parameters(estimation: &Estimation) -> String {
         heads.extend([("n", "Truth"), ("n", "Off by<br>(σ)")]);
     }
     heads.extend([("", "Status"), ("n", "Converged<br>at (s)")]);
-    let mut out = totals(&estimation.totals);
+    let mut out = totals(estimation);
     out.push_str(&grouped(estimation, &heads, |p| result_row(estimation, p, truth)));
     out.push_str(
         "<p class=\"note\">The 2σ interval rests on the corrected standard error, which allows for coloured residuals. \
@@ -83,8 +83,8 @@ pub(super) fn parameters(estimation: &Estimation) -> String {
 }
 
 /// The table of the derivatives that increments make with the slopes of their database; empty of a model without one.
-fn totals(totals: &[TotalDerivative]) -> String {
-    let Some(first) = totals.first() else { return String::new() };
+fn totals(estimation: &Estimation) -> String {
+    let Some(first) = estimation.totals.first() else { return String::new() };
     let heads = [
         ("", "Derivative"),
         ("", "Unit"),
@@ -94,6 +94,7 @@ fn totals(totals: &[TotalDerivative]) -> String {
         ("n", "Increment"),
         ("n", "2σ"),
         ("n", "Database over"),
+        ("", "Status"),
     ];
     let degrees = |angle: f64| significant(angle.to_degrees(), 3);
     let mut out = format!(
@@ -103,24 +104,44 @@ fn totals(totals: &[TotalDerivative]) -> String {
     );
     out.push_str(&head(&heads));
     out.push_str("<tbody>\n");
-    for t in totals {
+    for t in &estimation.totals {
+        let unit = unit_of(estimation, &t.increment);
+        let number = |value: f64, digits| significant(value * unit.factor, digits);
         let cells = [
-            format!("<b>{}</b>", significant(t.value, 4)),
-            significant(2.0 * t.std_error, 3),
-            significant(t.database, 4),
-            significant(t.value - t.database, 3),
-            significant(2.0 * t.increment_std_error, 3),
-            escape(&t.range_in_words()),
+            format!("<b>{}</b>", number(t.value, 4)),
+            number(2.0 * t.std_error, 3),
+            number(t.database, 4),
+            number(t.value - t.database, 3),
+            number(2.0 * t.increment_std_error, 3),
+            range(t),
         ];
-        let (name, unit) = (escape(&t.name), escape(&t.unit));
-        let _ = writeln!(out, "<tr><th scope=\"row\">{name}</th><td>{unit}</td>{}</tr>", number_cells(&cells));
+        let (name, unit) = (escape(&t.name), escape(&unit.text));
+        let (cells, status) = (number_cells(&cells), status_cell(t.status));
+        let _ = writeln!(out, "<tr><th scope=\"row\">{name}</th><td>{unit}</td>{cells}{status}</tr>");
     }
     out.push_str(
         "</tbody>\n</table></div>\n<p class=\"note\">Database is the secant of the table over what was flown, from the 2 % to the \
-         98 % point. The total is what the flight shows. The bound of an increment holds how much the slope of the database \
-         changes over that range: another range would have given another increment.</p>\n<h3>Parameters</h3>\n",
+         98 % point. The bound of a total is for a database of the right shape. That of an increment holds how much the slope \
+         of the database changes over that range: another range would have given another increment.</p>\n<h3>Parameters</h3>\n",
     );
     out
+}
+
+/// The range of a variable in the flight, in degrees where it is an angle.
+fn range(total: &TotalDerivative) -> String {
+    let ([from, to], unit) = total.printed_range();
+    format!("{} … {}{}", significant(from, 3), significant(to, 3), if unit.is_empty() { "" } else { "°" })
+}
+
+/// The cell of a status, with its colour.
+fn status_cell(status: FinalStatus) -> String {
+    let class = match status {
+        FinalStatus::Converged => " good",
+        FinalStatus::Improving => " waiting",
+        FinalStatus::NotExcited | FinalStatus::AtLimit | FinalStatus::InDoubt | FinalStatus::Unknown => " bad",
+        FinalStatus::Fixed => "",
+    };
+    format!("<td><span class=\"status{class}\">{}</span></td>", escape(&status_words(status)))
 }
 
 /// A table of all parameters, with the nuisance parameters in a group of their own.
@@ -161,17 +182,11 @@ fn result_row(estimation: &Estimation, parameter: &ParameterResult, truth: bool)
         cells.push(parameter.truth.map_or_else(dash, |t| number(t, 4)));
         cells.push(parameter.truth.map_or_else(dash, |t| off_by((parameter.value - t) / sigma)));
     }
-    let class = match parameter.status {
-        FinalStatus::Converged => " good",
-        FinalStatus::Improving => " waiting",
-        FinalStatus::NotExcited | FinalStatus::AtLimit | FinalStatus::InDoubt | FinalStatus::Unknown => " bad",
-        FinalStatus::Fixed => "",
-    };
     format!(
-        "<tr>{}{}<td><span class=\"status{class}\">{}</span></td>{}</tr>\n",
+        "<tr>{}{}{}{}</tr>\n",
         first_cells(parameter, &unit),
         number_cells(&cells),
-        escape(&status_words(parameter.status)),
+        status_cell(parameter.status),
         number_cells(&[parameter.converged_at_s.map_or_else(dash, |t| fixed(t, 2))])
     )
 }
