@@ -1,0 +1,1 @@
+//! Integration tests: one program, since each is linked with every library again.
