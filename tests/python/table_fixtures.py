@@ -4,11 +4,13 @@ Usage: table_fixtures.py FOLDER   (crates/phugoid-flight-data/tests/data)
 Every number is a small fraction of two, so that the tests can state it exactly.
 """
 
+import datetime
 import json
 import pathlib
 import sys
 
 import numpy as np
+import openpyxl
 import pyarrow as pa
 import pyarrow.feather
 import pyarrow.ipc
@@ -49,6 +51,34 @@ def matlab(folder):
     save("matrix.mat", {"data": matrix, "data_names": names, "data_units": unit_list})
     save("transposed.mat", {"data": matrix.T, "names": names, "units": unit_list}, do_compression=True)
     save("version4.mat", {"time_s": table["time_s"]}, format="4")
+
+
+def excel(folder):
+    """A workbook of one sheet with titles, units in a row and a clock; and one whose second sheet is the flight."""
+    table = flight()
+    book = openpyxl.Workbook()
+    sheet = book.active
+    sheet.title = "Flight 1"
+    sheet.append(["Flight test 12, D-EXYZ"])
+    sheet.append([])
+    sheet.append(["Uhrzeit", *list(table)[1:], "remark"])
+    sheet.append([None, None, "deg/s", None, None, None, None])
+    start = datetime.datetime(2024, 5, 1, 23, 59, 59)
+    for row in range(ROWS):
+        values = [table[name][row] for name in list(table)[1:]]
+        values = [None if isinstance(v, float) and np.isnan(v) else v.item() for v in values]
+        # Excel keeps times to the millisecond.
+        sheet.append([start + datetime.timedelta(seconds=row * 0.125), *values, "a 'b'\tc" if row == 1 else None])
+    book.save(folder / "clock.xlsx")
+    book = openpyxl.Workbook()
+    book.active.title = "Notes"
+    book.active.append(["nothing to see"])
+    sheet = book.create_sheet("Flight 2")
+    sheet.append([{"q": "q_deg_s"}.get(name, name) for name in table])
+    for row in range(ROWS):
+        values = [column[row].item() for column in table.values()]
+        sheet.append([None if isinstance(v, float) and np.isnan(v) else v for v in values])
+    book.save(folder / "sheets.xlsx")
 
 
 def arrow_table():
@@ -127,7 +157,7 @@ def mcap(folder):
 
 
 def main():
-    for write in [matlab, arrow, parquet, mcap]:
+    for write in [excel, matlab, arrow, parquet, mcap]:
         folder = pathlib.Path(sys.argv[1]) / write.__name__
         folder.mkdir(parents=True, exist_ok=True)
         write(folder)

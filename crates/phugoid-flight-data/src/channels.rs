@@ -203,9 +203,34 @@ fn may_be_similar(spelling: &str, key: &str) -> bool {
 }
 
 /// The name in lower case with letters and digits only, so that `True Airspeed`, `true_airspeed` and `TrueAirspeed` are
-/// equal.
+/// equal, and with Greek letters spelt, so that `δe` is `delta_e`.
 pub(crate) fn key(name: &str) -> String {
-    name.chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect()
+    let mut key = String::with_capacity(name.len());
+    for c in name.chars() {
+        match greek(c) {
+            Some(spelt) => key.push_str(spelt),
+            // A bar above the letter before it.
+            None if c == '\u{304}' => key.push_str("bar"),
+            None if c.is_alphanumeric() => key.extend(c.to_lowercase()),
+            None => {}
+        }
+    }
+    key
+}
+
+/// The name of a Greek letter that stands for a quantity of flight, as channels spell it.
+fn greek(letter: char) -> Option<&'static str> {
+    Some(match letter {
+        'α' | 'Α' => "alpha",
+        'β' | 'Β' | 'ϐ' => "beta",
+        'γ' | 'Γ' => "gamma",
+        'δ' | 'Δ' => "delta",
+        'θ' | 'ϑ' | 'Θ' => "theta",
+        'ρ' => "rho",
+        'φ' | 'ϕ' | 'Φ' => "phi",
+        'ψ' | 'Ψ' => "psi",
+        _ => return None,
+    })
 }
 
 fn key_is(spelling: &str, key: &str) -> bool {

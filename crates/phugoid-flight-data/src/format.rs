@@ -3,7 +3,7 @@
 //! ```
 //! use phugoid_flight_data::format::Format;
 //! assert_eq!(Format::sniff(b"time_s,alpha_deg\n"), Format::Csv);
-//! assert_eq!(Format::sniff(b"PK\x03\x04"), Format::Zip); // recognised, but not read
+//! assert_eq!(Format::sniff(b"PK\x03\x04"), Format::Zip); // a workbook
 //! let (format, reader) = Format::of(std::fs::File::open("examples/flight.ulg")?)?;
 //! assert_eq!(format, Format::Ulog);
 //! # drop(reader);
@@ -46,7 +46,7 @@ pub enum Format {
     Hdf5,
     /// A file compressed by gzip; not read.
     Gzip,
-    /// A zip archive or a spreadsheet (`.xlsx`, `.ods`); not read.
+    /// A zip archive: a workbook of Excel (`.xlsx`), read with the feature `excel`, or another one, which is refused.
     Zip,
     /// Text in UTF-16, known by its byte-order mark; not read.
     Utf16,
@@ -96,6 +96,7 @@ impl Format {
             Format::Mat5 => Some("matlab"),
             Format::Mcap => Some("mcap"),
             Format::Parquet | Format::Arrow => Some("parquet"),
+            Format::Zip => Some("excel"),
             _ => None,
         }
     }
@@ -113,7 +114,7 @@ impl Format {
             Format::Mat5 => "a MATLAB file",
             Format::Hdf5 => "an HDF5 or MATLAB 7.3 file",
             Format::Gzip => "compressed by gzip",
-            Format::Zip => "a zip archive or a spreadsheet",
+            Format::Zip => "a workbook (.xlsx) or another zip archive",
             Format::Utf16 => "UTF-16 text",
         }
     }

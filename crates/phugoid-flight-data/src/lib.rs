@@ -28,6 +28,8 @@ pub mod arrow;
 pub mod channels;
 pub mod csv;
 pub mod deletion;
+#[cfg(feature = "excel")]
+pub mod excel;
 pub mod format;
 pub mod log;
 #[cfg(feature = "matlab")]

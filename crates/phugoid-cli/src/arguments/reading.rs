@@ -5,6 +5,8 @@ use std::path::PathBuf;
 use clap::Args;
 use phugoid_flight_data::deletion::Deletion;
 use phugoid_flight_data::memory::Memory;
+use phugoid_flight_data::reader::ReadOptions;
+use phugoid_simulation::quantity::Time;
 
 /// How flights are read.
 #[derive(Debug, Args)]
@@ -13,6 +15,28 @@ pub(crate) struct Reading {
     /// much
     #[arg(long, value_name = "SIZE", default_value_t = Memory::default())]
     pub(crate) max_memory: Memory,
+    /// Names and units of the columns in the order of the file, for a table without a header line or in place of it:
+    /// `time_s,alpha_deg,elevator_deg`
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    pub(crate) columns: Vec<String>,
+    /// Time from one row to the next, such as 0.02s, for a table without times or with bad ones: the rows are counted
+    #[arg(long, value_name = "TIME")]
+    pub(crate) sample_time: Option<Time>,
+    /// The variable to read of a MATLAB file that holds several tables (`flight2`, `data.flight2`), or the sheet of a
+    /// workbook
+    #[arg(long, alias = "sheet", value_name = "NAME")]
+    pub(crate) variable: Option<String>,
+}
+
+impl Reading {
+    /// The options of the reader that the command line gives.
+    pub(crate) fn options(&self) -> ReadOptions {
+        let mut options = ReadOptions::default().with_max_memory(self.max_memory);
+        options.table.column_names.clone_from(&self.columns);
+        options.table.sample_time_s = self.sample_time.map(|time| time.si());
+        options.table.variable.clone_from(&self.variable);
+        options
+    }
 }
 
 /// Values of the flight that are known to be bad.

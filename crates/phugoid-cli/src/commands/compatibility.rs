@@ -9,7 +9,7 @@ use phugoid::compatibility;
 use phugoid_evaluation::chart::{Axis, Chart, Content, Curve, Meaning, Panel, Shape};
 use phugoid_evaluation::table::{Cell, Column, Table};
 use phugoid_flight_data::csv;
-use phugoid_flight_data::reader::{ReadOptions, read_path};
+use phugoid_flight_data::reader::read_path;
 use phugoid_flight_data::record::Record;
 use phugoid_identification::compatibility::{
     Compatibility, CompatibilityOptions, Corrections, Group, InputSkew, Reconstructed, SensorVerdict, input_skew,
@@ -36,13 +36,13 @@ struct Document<'a> {
 
 pub(crate) fn run(arguments: &arguments::Compatibility) -> Result<(), Failure> {
     let model = arguments.model.as_deref().map(super::estimate::model).transpose()?;
-    let memory = arguments.reading.max_memory;
+    let options = arguments.reading.options();
     let paths: Vec<&Path> = std::iter::once(&arguments.flight).chain(&arguments.with).map(PathBuf::as_path).collect();
     let deletions = Deletions::new(&arguments.deleting, &paths)?;
     let read = |flight: &PathBuf| {
         let mut record = match &model {
-            Some(model) => model.open_record_within(flight, memory).map_err(Failure::input)?,
-            None => read_path(flight, &ReadOptions::default().with_max_memory(memory)).map_err(Failure::input)?,
+            Some(model) => model.open_record_with(flight, &options).map_err(Failure::input)?,
+            None => read_path(flight, &options).map_err(Failure::input)?,
         };
         deletions.apply(&mut record, flight, flight == &arguments.flight)?;
         Ok::<_, Failure>(record)

@@ -45,12 +45,12 @@ pub(crate) fn run(arguments: &arguments::Estimate) -> Result<EstimationStatus, F
     let model = model(wanted)?;
     export::check(&arguments.export, &model)?;
     let truth = truth(&arguments.truth, &model)?;
-    let memory = arguments.reading.max_memory;
+    let options = arguments.reading.options();
     let paths: Vec<&Path> =
         std::iter::once(flight).chain(&arguments.with).chain(&arguments.predict).map(PathBuf::as_path).collect();
     let deletions = Deletions::new(&arguments.deleting, &paths)?;
     let read = |path: &PathBuf| {
-        let mut record = model.open_record_within(path, memory).map_err(Failure::input)?;
+        let mut record = model.open_record_with(path, &options).map_err(Failure::input)?;
         deletions.apply(&mut record, path, path == flight)?;
         Ok::<_, Failure>(record)
     };

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use phugoid_flight_data::log::survey::{Survey, TopicSurvey};
 use phugoid_flight_data::quality::Severity;
-use phugoid_flight_data::reader::{self, ReadOptions, Surveyed};
+use phugoid_flight_data::reader::{self, Surveyed};
 use phugoid_identification::inspect::{Coherence, CoherenceCurve, Inspection, ModelSupport};
 use phugoid_identification::manoeuvres::{Manoeuvre, Support};
 use phugoid_identification::model_file::ModelFile;
@@ -42,7 +42,8 @@ pub(crate) fn run(arguments: &arguments::Inspect) -> Result<(), Failure> {
     let deletions = Deletions::new(&arguments.deleting, &[&arguments.flight])?;
     let (survey, inspection, no_flight) = {
         let _progress = Progress::spinner("reading");
-        let options = ReadOptions::with_columns(columns).with_max_memory(arguments.reading.max_memory);
+        let mut options = arguments.reading.options();
+        options.table.columns = columns;
         let Surveyed { survey, record } = reader::survey_path(&arguments.flight, &options).map_err(Failure::input)?;
         match record {
             Ok(mut record) => {

@@ -181,7 +181,7 @@ fn source(arguments: &Arguments, recording: Option<Reader>, flight: &Flight) -> 
         }
         (None, Some(path), Some(reader)) => Ok(Replay::recording(reader, &path.display().to_string(), pace).into()),
         (None, Some(path), None) => {
-            let record = flight.model.open_record_within(path, arguments.reading.max_memory).map_err(Failure::input)?;
+            let record = flight.model.open_record_with(path, &arguments.reading.options()).map_err(Failure::input)?;
             Ok(Replay::flight(record, pace).map_err(Failure::input)?.into())
         }
         (None, None, _) => Err(Failure::input("a source is needed, as in udp://14550, or --replay FILE")),

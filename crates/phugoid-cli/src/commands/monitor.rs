@@ -32,7 +32,7 @@ pub(crate) fn run(arguments: &arguments::Monitor) -> Result<bool, Failure> {
         let _progress = Progress::spinner("reading");
         let deletions = Deletions::new(&arguments.deleting, &[&arguments.flight])?;
         let mut record =
-            model.open_record_within(&arguments.flight, arguments.reading.max_memory).map_err(Failure::input)?;
+            model.open_record_with(&arguments.flight, &arguments.reading.options()).map_err(Failure::input)?;
         deletions.apply(&mut record, &arguments.flight, true)?;
         record
     };

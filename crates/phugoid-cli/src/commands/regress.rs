@@ -26,7 +26,7 @@ pub(crate) fn run(arguments: &arguments::Regress) -> Result<(), Failure> {
     let record = {
         let _progress = Progress::spinner("reading");
         let mut record =
-            model.open_record_within(&arguments.flight, arguments.reading.max_memory).map_err(Failure::input)?;
+            model.open_record_with(&arguments.flight, &arguments.reading.options()).map_err(Failure::input)?;
         deletions.apply(&mut record, &arguments.flight, true)?;
         match arguments.segment {
             Some(number) => segments(&record, &[number])?.0,

@@ -35,7 +35,8 @@ pub enum ReadError {
     /// The first row holds numbers where the names of the columns are expected.
     #[error(
         "{source_name}, line {line}: a header line with the names of the columns is expected, found numbers: \
-         {found}. Put a line with names and units above it, such as time_s,alpha_deg,q_deg_s"
+         {found}. Give the names and units of the columns (--columns time_s,alpha_deg,q_deg_s), or put a line with them \
+         above"
     )]
     NoHeader {
         /// Name of the file or stream, as the caller gave it.
@@ -44,6 +45,18 @@ pub enum ReadError {
         line: usize,
         /// The beginning of that line.
         found: String,
+    },
+    /// The names that were given for the columns are more or fewer than the columns.
+    #[error("{source_name}, line {line}: {given} names of columns were given, and this row has {found} cells")]
+    Names {
+        /// Name of the file or stream, as the caller gave it.
+        source_name: String,
+        /// Line number of the first row in the file, from 1.
+        line: usize,
+        /// Number of names.
+        given: usize,
+        /// Number of cells.
+        found: usize,
     },
     /// A line is longer than any row of a table.
     #[error(

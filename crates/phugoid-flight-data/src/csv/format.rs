@@ -21,6 +21,8 @@ pub(super) struct Format {
     pub(super) decimal_comma: bool,
     /// The last byte of a line.
     pub(super) line_end: u8,
+    /// Number of rows above the header that are no part of the table.
+    pub(super) titles: usize,
 }
 
 impl Format {
@@ -87,7 +89,8 @@ pub(super) fn refuse_binary(source: &str, start: &[u8]) -> Result<(), ReadError>
     Err(ReadError::NotText { source_name: source.to_owned(), found, advice })
 }
 
-/// Finds the layout from the beginning of a file. `complete` is true if the sample is the whole file.
+/// Finds the layout from the beginning of a file, and how many titles stand above the table. `complete` is true if the sample is
+/// the whole file.
 pub(super) fn sniff(sample: &[u8], complete: bool, wanted: Option<char>) -> Format {
     let line_end = if sample.contains(&b'\n') || !sample.contains(&b'\r') { b'\n' } else { b'\r' };
     let text = decode(sample);
@@ -96,13 +99,15 @@ pub(super) fn sniff(sample: &[u8], complete: bool, wanted: Option<char>) -> Form
         lines.pop();
     }
     let preset = lines.first().and_then(|first| separator_line(first));
-    let rows: Vec<&str> = lines.iter().copied().filter(|line| is_row(line)).take(30).collect();
-    let with = |delimiter| Format { delimiter, decimal_comma: false, line_end };
+    let rows: Vec<&str> = lines.iter().copied().filter(|line| is_row(line)).take(MOST_TITLES + 30).collect();
+    let with = |delimiter| Format { delimiter, decimal_comma: false, line_end, titles: 0 };
     let chosen = wanted.or(preset).map(|c| match c {
         ' ' => Delimiter::Blanks,
         c => u8::try_from(c).map_or(Delimiter::Byte(b','), Delimiter::Byte),
     });
     let mut format = with(chosen.unwrap_or_else(|| best_delimiter(&rows, with)));
+    format.titles = titles(&rows, format);
+    let rows = rows.get(format.titles..).unwrap_or_default();
     // Decimal commas: numbers written with a comma, and none with a point.
     let mut commas = false;
     for row in rows.iter().skip(1) {
@@ -130,7 +135,37 @@ fn best_delimiter(rows: &[&str], with: impl Fn(Delimiter) -> Format) -> Delimite
             best = (candidate, agreeing, header);
         }
     }
+    // Below titles the header is not the first row: the number of cells that most rows have tells.
+    let first_alone = best.1 <= 1;
+    for candidate in DELIMITERS.into_iter().filter(|_| first_alone && rows.len() > 3) {
+        let counts: Vec<usize> = rows.iter().map(|row| with(candidate).owned_cells(row).len()).collect();
+        let (cells, agreeing) = most_frequent(&counts);
+        if cells >= 2 && 2 * agreeing > rows.len() && (agreeing, cells) > (best.1, best.2) {
+            best = (candidate, agreeing, cells);
+        }
+    }
     best.0
+}
+
+/// Most rows above a table that are taken for titles.
+const MOST_TITLES: usize = 30;
+
+/// The most frequent number and how often it stands; of equally frequent ones the largest.
+fn most_frequent(counts: &[usize]) -> (usize, usize) {
+    let often = |count: usize| counts.iter().filter(|other| **other == count).count();
+    counts.iter().map(|&count| (often(count), count)).max().map_or((0, 0), |(often, count)| (count, often))
+}
+
+/// Number of the first rows that are titles above a table: less than half as many filled cells as most rows have.
+fn titles(rows: &[&str], format: Format) -> usize {
+    let filled: Vec<usize> = rows
+        .iter()
+        .map(|row| format.owned_cells(row).iter().filter(|cell| !cell.trim().is_empty()).count())
+        .collect();
+    let (cells, often) = most_frequent(&filled);
+    let titles = filled.iter().take_while(|&&count| 2 * count < cells).count();
+    // The table has to be there: a header and rows of numbers below the titles.
+    if titles <= MOST_TITLES && often >= 3 { titles } else { 0 }
 }
 
 /// The separator of a first line such as `sep=;`, as spreadsheets write it; `None` for other lines.

@@ -55,6 +55,9 @@ pub use crate::table::{ColumnMapping, TableError};
 pub struct CsvOptions {
     /// Columns mapped by hand; all others become channels by their headers.
     pub columns: Vec<ColumnMapping>,
+    /// Names of the columns, with units, in the order of the file: for a file without a header line, or in place of it.
+    /// Empty: the names are those of the header line.
+    pub column_names: Vec<String>,
     /// The character between cells, one of `,` `;` tab `|` blank; found automatically if not given.
     pub delimiter: Option<char>,
     /// Time step `h` from one row to the next, s, for files without a time or with a bad one: the rows are then at 0,
@@ -68,16 +71,23 @@ pub struct CsvOptions {
 
 impl Default for CsvOptions {
     fn default() -> Self {
-        let TableOptions { columns, sample_time_s, gap_factor, max_memory } = TableOptions::default();
-        Self { columns, delimiter: None, sample_time_s, gap_factor, max_memory }
+        Self::of(TableOptions::default(), None)
     }
 }
 
 impl CsvOptions {
+    /// The options of tables with what concerns text: the character between cells.
+    pub(crate) fn of(options: TableOptions, delimiter: Option<char>) -> Self {
+        let TableOptions { columns, column_names, variable: _, sample_time_s, gap_factor, max_memory } = options;
+        Self { columns, column_names, delimiter, sample_time_s, gap_factor, max_memory }
+    }
+
     /// The options that do not concern text, as other formats of tables take them.
     pub fn table(&self) -> TableOptions {
         TableOptions {
             columns: self.columns.clone(),
+            column_names: self.column_names.clone(),
+            variable: None,
             sample_time_s: self.sample_time_s,
             gap_factor: self.gap_factor,
             max_memory: self.max_memory,

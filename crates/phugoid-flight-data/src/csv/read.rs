@@ -54,9 +54,15 @@ pub(crate) fn read_counted(
     check(options)?;
     let mut file = TextFile::open(reader, source, options.delimiter)?;
     let mut report = QualityReport::default();
-    let (line, headers, carried) = file.header(&mut report)?;
+    let (line, headers, carried) = file.header(&options.column_names, &mut report)?;
     let (units, carried) = file.unit_row(&headers, carried)?;
-    let head = Head { source, line: Some(line), headers: &headers, units: units.as_deref() };
+    let carried = match carried {
+        Some(row) => Some(row),
+        None => file.next_row()?,
+    };
+    let first_row = carried.as_ref().map(|row| file.cells(&row.text));
+    let head =
+        Head { source, line: Some(line), headers: &headers, units: units.as_deref(), first_row: first_row.as_deref() };
     let table_options = options.table();
     let plan = columns::plan(&head, &table_options, &mut report)?;
     let mut rows = Rows::new(plan, headers.len(), line, file.format);

@@ -7,10 +7,11 @@ use super::{CsvOptions, ReadError};
 use crate::memory::{Account, many};
 use crate::quality::QualityReport;
 use crate::record::Record;
+use crate::table::clock::Clock;
 use crate::table::columns::Plan;
 use crate::table::time_base::Table;
 use crate::table::{self, BYTES_PER_ROW, Read, TableError, TableOptions};
-use crate::wording::{Counted, Lines, Short, cut, plural};
+use crate::wording::{Counted, Lines, cut, plural};
 
 /// The rows read so far, and what was wrong with those that were left out.
 pub(super) struct Rows {
@@ -33,8 +34,8 @@ pub(super) struct Rows {
     truncated_number: Option<(usize, String)>,
     /// Per channel: the rows whose cell is text, and the first such text.
     text: Vec<(Lines, String)>,
-    clock: bool,
-    midnights: f64,
+    /// Set by the first time that is written as a clock.
+    clock: Option<Clock>,
 }
 
 impl Rows {
@@ -61,8 +62,7 @@ impl Rows {
             shortest_last: usize::MAX,
             truncated_number: None,
             text: vec![(Lines::default(), String::new()); count],
-            clock: false,
-            midnights: 0.0,
+            clock: None,
         }
     }
 
@@ -144,14 +144,13 @@ impl Rows {
         if let Cell::Value(value) = cells::parse(cell, self.format.decimal_comma) {
             return Some(column.value(|_| value)).filter(|time| time.is_finite());
         }
-        let (seconds, dated) = cells::clock(cell)?;
-        self.clock = true;
-        // Without a date the clock starts again at midnight.
-        const DAY: f64 = 86_400.0;
-        if !dated && self.table.time.last().is_some_and(|last| seconds + self.midnights * DAY < last - 0.5 * DAY) {
-            self.midnights += 1.0;
+        if let Some(clock) = &mut self.clock {
+            return clock.seconds(cell);
         }
-        Some(seconds + if dated { 0.0 } else { self.midnights * DAY })
+        let mut clock = Clock::default();
+        let seconds = clock.seconds(cell)?;
+        self.clock = Some(clock);
+        Some(seconds)
     }
 
     pub(super) fn finish(
@@ -165,12 +164,12 @@ impl Rows {
             return Err(TableError::NoRows { source_name: source.to_owned(), line, reason }.into());
         }
         self.report_rows(&mut report);
-        if let Some(time) = self.plan.time.as_mut().filter(|_| self.clock) {
+        if let Some(time) = self.plan.time.as_mut().filter(|_| self.clock.is_some()) {
             time.unit_assumed = false;
         }
-        let Self { plan, table, text, seen, header_line, .. } = self;
+        let Self { plan, table, text, seen, header_line, clock, .. } = self;
         Ok(table::record(
-            Read { source, header_line: Some(header_line), seen, plan, table, text, sparse: false },
+            Read { source, header_line: Some(header_line), seen, plan, table, text, sparse: false, clock },
             options,
             report,
         )?)
@@ -248,12 +247,6 @@ impl Rows {
                      again"
                 ),
             );
-        }
-        if self.clock {
-            report.note("time", "given as a clock; counted in seconds from midnight (from 1970 where there is a date)");
-        }
-        if self.midnights > 0.0 {
-            report.note("time", format!("the clock passes midnight {} times; counted on", Short(self.midnights)));
         }
     }
 }

@@ -5,6 +5,7 @@ use super::format::{self, Format};
 use super::{CsvOptions, ReadError};
 use crate::channels;
 use crate::quality::QualityReport;
+use crate::table::clock::Clock;
 use crate::table::columns::{self, Head, Plan};
 use crate::table::{TableError, TableOptions};
 use crate::wording::cut;
@@ -34,7 +35,7 @@ impl StreamColumns {
     /// [`TableError`]: no time, two columns for the same channel, contradicting units, or a wrong mapping.
     pub fn new(source: &str, headers: &[String], options: &TableOptions) -> Result<Self, TableError> {
         let mut quality = QualityReport::default();
-        let head = Head { source, line: None, headers, units: None };
+        let head = Head { source, line: None, headers, units: None, first_row: None };
         let plan = columns::plan(&head, options, &mut quality)?;
         Ok(Self { plan, quality })
     }
@@ -152,7 +153,7 @@ impl RowReader {
         };
         let clock = || {
             let column = self.columns.plan.time.as_ref()?.column;
-            cells::clock(cells.get(column)?).map(|(seconds, _)| seconds)
+            Clock::default().seconds(cells.get(column)?)
         };
         self.columns.row(number, values).or_else(clock).ok_or(BadRow::NoTime)
     }

@@ -6,6 +6,7 @@ use super::ReadError;
 use super::cells::{self, Cell};
 use super::format::{self, Format};
 use crate::quality::QualityReport;
+use crate::table::clock::Clock;
 use crate::table::columns;
 use crate::units;
 use crate::wording::cut;
@@ -79,16 +80,27 @@ impl<'s, R: Read> TextFile<'s, R> {
         ReadError::LineTooLong { source_name: self.source.to_owned(), line, max_bytes: LONGEST_LINE }
     }
 
-    fn cells(&self, text: &str) -> Vec<String> {
+    /// The cells of a row.
+    pub(super) fn cells(&self, text: &str) -> Vec<String> {
         let mut scratch = ::csv::StringRecord::new();
         self.format.cells(text, &mut scratch).into_iter().map(str::to_owned).collect()
     }
 
-    /// Line number and cells of the header, and the row after it if that had to be read to find the header.
+    /// Line number and cells of the header, and the row after it if that had to be read to find the header. `given` are
+    /// the names that stand for those of the file; none if it is empty.
     pub(super) fn header(
         &mut self,
+        given: &[String],
         report: &mut QualityReport,
     ) -> Result<(usize, Vec<String>, Option<Row>), ReadError> {
+        let mut above = Vec::new();
+        for _ in 0..self.format.titles {
+            above.extend(self.next_row()?.map(|row| row.line));
+        }
+        if let (Some(first), Some(last)) = (above.first(), above.last()) {
+            let place = if first == last { format!("line {first}") } else { format!("lines {first} to {last}") };
+            report.note(place, "not part of the table: titles above it");
+        }
         let first = self.next_row()?;
         let comment = self.last_comment.take();
         let Some(mut first) = first else { return Err(ReadError::Empty { source_name: self.source.to_owned() }) };
@@ -104,8 +116,11 @@ impl<'s, R: Read> TextFile<'s, R> {
             first.text = format!("{}\n{}", first.text, more.text);
         }
         let mut cells = self.cells(&first.text);
+        if !given.is_empty() {
+            return self.named(given, first, &cells, report);
+        }
         let word = |cell: &String| {
-            matches!(cells::parse(cell, self.format.decimal_comma), Cell::Text) && cells::clock(cell).is_none()
+            matches!(cells::parse(cell, self.format.decimal_comma), Cell::Text) && !Clock::is_one(cell)
         };
         if cells.iter().any(word) {
             // Blank cells at the end of the header are the traces of a delimiter at the end of every line.
@@ -124,6 +139,28 @@ impl<'s, R: Read> TextFile<'s, R> {
             }
         }
         Err(ReadError::NoHeader { source_name: self.source.to_owned(), line: first.line, found: cut(&first.text, 60) })
+    }
+
+    /// The header that the caller gave, for a file whose first row has these cells.
+    fn named(
+        &self,
+        given: &[String],
+        first: Row,
+        cells: &[String],
+        report: &mut QualityReport,
+    ) -> Result<(usize, Vec<String>, Option<Row>), ReadError> {
+        if given.len() != cells.len() {
+            let (source_name, line) = (self.source.to_owned(), first.line);
+            return Err(ReadError::Names { source_name, line, given: given.len(), found: cells.len() });
+        }
+        columns::check_count(self.source, Some(first.line), given.len())?;
+        let number = |cell: &String| !matches!(cells::parse(cell, self.format.decimal_comma), Cell::Text);
+        let is_data = cells.iter().all(|cell| number(cell) || Clock::is_one(cell));
+        let line = first.line;
+        if !is_data {
+            report.note(format!("line {line}"), "the names in the file are replaced by those that were given");
+        }
+        Ok((line, given.to_vec(), is_data.then_some(first)))
     }
 
     /// The row of units below the header, if there is one, else the first row of data, which had to be read.

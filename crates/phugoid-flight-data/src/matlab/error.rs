@@ -36,6 +36,16 @@ pub enum ReadError {
         /// What was found there and what was expected, as a clause.
         problem: String,
     },
+    /// The file has no variable of the name that was asked for.
+    #[error("{source_name}: there is no variable '{wanted}'. Found: {found}")]
+    NoVariable {
+        /// Name of the file or stream, as the caller gave it.
+        source_name: String,
+        /// The name that was asked for.
+        wanted: String,
+        /// The variables of the file.
+        found: String,
+    },
     /// The numbers were read, but no record can be made of them.
     #[error(transparent)]
     Table(#[from] TableError),

@@ -4,6 +4,7 @@ use std::collections::HashMap;
 
 use super::variable::{Value, in_words};
 use crate::memory::{Account, Excess, many};
+use crate::printable;
 use crate::quality::QualityReport;
 use crate::table::header::{self, Meaning};
 use crate::table::{Column, LeftOut, TableOptions};
@@ -49,6 +50,8 @@ pub(super) fn columns(
             let count = if rows == length { width } else { rows };
             let (names, units) =
                 (list_for_matrix(&path, &texts, &NAMES, count), list_for_matrix(&path, &texts, &UNITS, count));
+            let given = (options.column_names.len() == count).then_some(options.column_names.as_slice());
+            let names = given.or(names);
             // The matrix is there until its columns have been copied.
             account.take(many(values.len(), 8))?;
             for index in 0..count {
@@ -76,9 +79,26 @@ pub(super) fn columns(
     Ok((make_names_unique(columns, report), left_out))
 }
 
+/// The variable of this name, or the field of a struct (`data.flight2`); else the names that there are.
+pub(super) fn variable(variables: Vec<(String, Value)>, wanted: &str) -> Result<(String, Value), Vec<String>> {
+    let mut level = variables;
+    let mut rest = wanted;
+    loop {
+        let names: Vec<String> = level.iter().map(|(name, _)| printable::one_line(name).into_owned()).collect();
+        let (first, further) = rest.split_once('.').map_or((rest, None), |(first, further)| (first, Some(further)));
+        let Some(index) = level.iter().position(|(name, _)| name == first) else { return Err(names) };
+        let (name, value) = level.swap_remove(index);
+        match (further, value) {
+            (None, value) => return Ok((name, value)),
+            (Some(further), Value::Struct(fields)) => (level, rest) = (fields, further),
+            (Some(_), _) => return Err(names),
+        }
+    }
+}
+
 /// Names of lists that hold the names of the columns of a matrix beside them; below, those that hold their units, and
 /// the names of fields that hold values.
-const NAMES: [&str; 8] = ["names", "headers", "header", "labels", "columns", "channels", "signals", "variables"];
+const NAMES: [&str; 9] = ["varlab", "names", "headers", "header", "labels", "columns", "channels", "signals", "variables"];
 const UNITS: [&str; 2] = ["units", "unit"];
 const VALUES: [&str; 3] = ["values", "data", "value"];
 

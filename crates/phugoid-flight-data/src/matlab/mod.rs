@@ -29,6 +29,7 @@ use crate::printable;
 use crate::quality::QualityReport;
 use crate::record::Record;
 use crate::table::{self, TableError, TableOptions};
+use crate::wording::list;
 
 /// Reads a MATLAB file from the disk; otherwise as [`read()`].
 ///
@@ -75,6 +76,14 @@ pub(crate) fn read_counted(
     let mut report = QualityReport::default();
     let mut reader = BufReader::with_capacity(1 << 16, reader);
     let variables = variable::read_all(&mut reader, source, account, &mut report)?;
+    let variables = match &options.variable {
+        Some(wanted) => vec![layout::variable(variables, wanted).map_err(|found| ReadError::NoVariable {
+            source_name: source.to_owned(),
+            wanted: printable::one_line(wanted).into_owned(),
+            found: list(&found),
+        })?],
+        None => variables,
+    };
     let found = layout::columns(variables, options, &mut report, account);
     let (columns, left_out) = found.map_err(|excess| TableError::from(account.over(excess, source, "")))?;
     Ok(table::from_counted_columns(source, columns, &left_out, options, report, account)?)

@@ -27,6 +27,10 @@ pub enum ReadError {
         /// The format of the file.
         format: Format,
     },
+    /// A workbook could not be read, or no record can be made of its sheet.
+    #[cfg(feature = "excel")]
+    #[error(transparent)]
+    Excel(#[from] crate::excel::ReadError),
     /// A CSV file could not be read, or no record can be made of it.
     #[error(transparent)]
     Csv(#[from] csv::ReadError),

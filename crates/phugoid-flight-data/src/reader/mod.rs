@@ -44,7 +44,6 @@ use crate::memory::Account;
 use crate::printable;
 use crate::profile::{Profile, ProfileError};
 use crate::record::Record;
-use crate::table::TableOptions;
 
 impl Record {
     /// Opens a flight of any format that this build reads, with the default options.
@@ -69,7 +68,8 @@ impl Record {
     }
 }
 
-/// Reads a flight of any format from the disk into a record in SI units.
+/// Reads a flight of any format from the disk into a record in SI units; `-` is the standard input, for every format but
+/// Parquet and MCAP.
 ///
 /// # Errors
 /// [`ReadError`]: the file cannot be read or is damaged as a whole; this build does not read its format
@@ -134,9 +134,21 @@ pub fn survey_path(path: &Path, options: &ReadOptions) -> Result<Surveyed, ReadE
     Ok(Surveyed { survey: Some(survey), record })
 }
 
+/// The name that stands for the standard input in place of a file.
+const STANDARD_INPUT: &str = "-";
+
 fn open(path: &Path, account: &Account) -> Result<(Format, impl Read + use<>, String), ReadError> {
     let source_name = printable::path(path);
-    match File::open(path).and_then(|file| Format::of(account.follow(file))) {
+    let opened: io::Result<Box<dyn Read>> = match path.as_os_str() == STANDARD_INPUT {
+        true => Ok(Box::new(io::stdin())),
+        false => File::open(path).map(|file| Box::new(account.follow(file)) as Box<dyn Read>),
+    };
+    match opened.and_then(Format::of) {
+        Ok((format @ (Format::Parquet | Format::Mcap), ..)) if path.as_os_str() == STANDARD_INPUT => {
+            let error = io::Error::new(io::ErrorKind::Unsupported, "this format is read from a file, not from a pipe");
+            let source_name = format!("{source_name} ({})", format.in_words());
+            Err(ReadError::Io { source_name, error })
+        }
         Ok((format, reader)) => Ok((format, reader, source_name)),
         Err(error) if path.is_dir() => {
             let error = io::Error::new(error.kind(), "it is a folder; name a file in it");
@@ -184,21 +196,23 @@ fn table(
     let source = printable::path(path);
     match format {
         // The reader of CSV has the best messages for files that are no text.
-        Format::Csv | Format::Gzip | Format::Zip | Format::Utf16 => {
-            Ok(csv::read_counted(reader, &source, &csv_options(options), account)?)
+        Format::Csv | Format::Gzip | Format::Utf16 => {
+            Ok(csv::read_counted(
+                reader,
+                &source,
+                &CsvOptions::of(options.table.clone(), options.delimiter),
+                account,
+            )?)
         }
         // Parquet has its table of contents at the end, so that it needs the file and not a stream.
         #[cfg(feature = "parquet")]
         Format::Parquet => Ok(crate::parquet::read_path(path, &options.table)?),
         #[cfg(feature = "parquet")]
         Format::Arrow => Ok(crate::columnar::ipc::read(reader, &source, &options.table, account)?),
+        #[cfg(feature = "excel")]
+        Format::Zip => Ok(crate::excel::read_counted(reader, &source, &options.table, account)?),
         #[cfg(feature = "matlab")]
         Format::Mat5 => Ok(crate::matlab::read_counted(reader, &source, &options.table, account)?),
         other => Err(ReadError::NotRead { source_name: source, format: other }),
     }
-}
-
-fn csv_options(options: &ReadOptions) -> CsvOptions {
-    let TableOptions { columns, sample_time_s, gap_factor, max_memory } = options.table.clone();
-    CsvOptions { columns, delimiter: options.delimiter, sample_time_s, gap_factor, max_memory }
 }

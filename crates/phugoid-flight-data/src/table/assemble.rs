@@ -5,9 +5,10 @@ use crate::plausibility::{self, unit_of_step};
 use crate::quality::{ChannelQuality, Finding, QualityReport};
 use crate::record::{Channel, Record};
 use crate::statistics::median;
+use crate::table::clock::Clock;
 use crate::table::columns::{self, ColumnUse, Plan};
 use crate::table::time_base::{self, Table};
-use crate::table::{TableError, TableOptions, stuck_and_spikes};
+use crate::table::{TableError, TableOptions, derived, stuck_and_spikes};
 use crate::wording::{Lines, Short, plural};
 
 /// What each row takes besides its values, bytes: its time, its number, and what is needed to put the rows in order and
@@ -27,11 +28,13 @@ pub(crate) struct Read<'a> {
     pub(crate) text: Vec<(Lines, String)>,
     /// True if the signals have rates of their own, so that missing values are normal and not reported.
     pub(crate) sparse: bool,
+    /// The clock that the times were read from; `None` where they are numbers.
+    pub(crate) clock: Option<Clock>,
 }
 
 /// Puts the rows in the order of time, makes the channels, and completes the quality report.
 pub(crate) fn record(read: Read<'_>, options: &TableOptions, mut report: QualityReport) -> Result<Record, TableError> {
-    let Read { source, header_line, seen, mut plan, mut table, text, sparse } = read;
+    let Read { source, header_line, seen, mut plan, mut table, text, sparse, clock } = read;
     let time_header = plan.time.as_ref().map_or("(row number)", |column| column.header.as_str()).to_owned();
     if let Some(column) = plan.time.as_mut().filter(|column| column.unit_assumed) {
         match unit_of_time(&table.time) {
@@ -44,6 +47,7 @@ pub(crate) fn record(read: Read<'_>, options: &TableOptions, mut report: Quality
         let reason = "only one time is left; a record needs at least two".to_owned();
         return Err(TableError::NoRows { source_name: source.to_owned(), line: header_line, reason });
     }
+    count_from_first(&mut table.time, clock.as_ref(), &mut report);
     let mut record = Record { source: source.to_owned(), time: table.time, ..Record::default() };
     report.rows_read = seen;
     report.rows_kept = record.time.len();
@@ -78,11 +82,30 @@ pub(crate) fn record(read: Read<'_>, options: &TableOptions, mut report: Quality
             format!("values missing in {} rows: {}; nothing is filled in", report.rows_kept, few_missing.join(", ")),
         );
     }
+    // Before the doubts, so that a wrong sign of what it follows from is a doubt about what an estimation reads.
+    derived::complete(&mut record, &mut report);
     record.quality = report;
     stuck_and_spikes::check(&mut record);
     let doubts = plausibility::check(&record);
     record.quality.findings.extend(doubts.into_iter().map(Finding::from));
     Ok(record)
+}
+
+/// Times from this one on are those of a calendar or of a clock, and no time of a flight, s.
+const CALENDAR_S: f64 = 86_400.0;
+
+/// Counts the times of a clock or of a calendar from the first row, so that 4 s is four seconds into the record.
+fn count_from_first(time: &mut [f64], clock: Option<&Clock>, report: &mut QualityReport) {
+    let Some(&first) = time.first() else { return };
+    if clock.is_none() && first.abs() < CALENDAR_S {
+        return;
+    }
+    time.iter_mut().for_each(|t| *t -= first);
+    let first = clock.map_or_else(|| format!("{} s", Short(first)), |clock| clock.written(first));
+    report.note("time", format!("counts from the first row, which is at {first}"));
+    if let Some(turns) = clock.map(Clock::turns).filter(|turns| *turns > 0.0) {
+        report.note("time", format!("the clock begins again {}; counted on", plural(turns as usize, "time")));
+    }
 }
 
 /// Rows from which on the step of the time says its unit.

@@ -7,6 +7,7 @@ use crate::printable;
 use crate::quality::QualityReport;
 use crate::record::Quantity;
 use crate::table::header::{self, Conflict, Doubt, Meaning};
+use crate::table::time_column;
 use crate::table::{ColumnMapping, MappingProblem, TableError, TableOptions};
 use crate::units::{self, Unit};
 use crate::wording::{Short, list};
@@ -21,6 +22,8 @@ pub(crate) struct Head<'a> {
     pub(crate) line: Option<usize>,
     pub(crate) headers: &'a [String],
     pub(crate) units: Option<&'a [String]>,
+    /// Cells of the first row of data, where there is one already: what they hold tells a clock from a number.
+    pub(crate) first_row: Option<&'a [String]>,
 }
 
 /// The meanings of all headers, and the known channels among them.
@@ -172,7 +175,10 @@ pub(crate) fn plan(head: &Head<'_>, options: &TableOptions, report: &mut Quality
         time = None;
     }
     if time.is_none() && options.sample_time_s.is_none() {
-        return Err(no_time(head));
+        time = time_column::take(head, &mut uses, report);
+        if time.is_none() {
+            return Err(no_time(head));
+        }
     }
     for column in uses.iter().filter(|column| column.unit_assumed) {
         report_assumed_unit(column, report);
@@ -440,7 +446,8 @@ fn make_names_unique(uses: &mut [ColumnUse], report: &mut QualityReport) {
     }
 }
 
-fn si(quantity: Quantity) -> Unit {
+/// The SI unit of a quantity.
+pub(super) fn si(quantity: Quantity) -> Unit {
     const NUMBER: Unit = Unit { symbol: "-", quantity: Quantity::Number, scale: 1.0, offset: 0.0 };
     units::UNITS.iter().find(|unit| unit.quantity == quantity).copied().unwrap_or(NUMBER)
 }

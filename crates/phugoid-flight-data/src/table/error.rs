@@ -10,7 +10,7 @@ pub enum TableError {
     /// No column can be recognised as the time.
     #[error(
         "{source_name}{}: no column is the time. Found: {headers}.{nearest} Call the time column time_s \
-         (or time_ms, time_us), map it (channel 'time'), or give the sample time of the rows",
+         (or time_ms, time_us), map it (channel 'time'), or give the sample time of the rows (--sample-time 0.02s)",
         at(*line)
     )]
     NoTime {

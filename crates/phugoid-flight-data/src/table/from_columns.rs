@@ -135,7 +135,7 @@ fn make_record(
     let mut options = options.clone();
     refuse_mapped_left_out(&headers, left_out, &options)?;
     time_by_type(&columns, &mut options, &mut report);
-    let head = Head { source, line: None, headers: &headers, units: Some(&units) };
+    let head = Head { source, line: None, headers: &headers, units: Some(&units), first_row: None };
     let plan = columns::plan(&head, &options, &mut report).map_err(|error| with_hint(error, left_out))?;
     let (table, untimed) = table(&plan, columns, rows, &options);
     if untimed.count() > 0 {
@@ -150,7 +150,7 @@ fn make_record(
         return Err(TableError::NoRows { source_name: source.to_owned(), line: None, reason });
     }
     let text = vec![(Lines::of(Counted::Rows), String::new()); plan.channels.len()];
-    record(Read { source, header_line: None, seen: rows, plan, table, text, sparse }, &options, report)
+    record(Read { source, header_line: None, seen: rows, plan, table, text, sparse, clock: None }, &options, report)
 }
 
 fn same_length(source: &str, columns: &[Column]) -> Result<usize, TableError> {

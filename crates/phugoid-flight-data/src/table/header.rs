@@ -57,6 +57,13 @@ pub(crate) fn unit_for(header: &str, unit_below: Option<&str>, quantity: Quantit
     stated.or_else(|| splits(name, true).into_iter().find_map(|(_, suffix)| units::find_for(suffix, quantity)))
 }
 
+/// The names that a header can mean: without what stands in brackets, and without a unit at its end.
+pub(super) fn names(header: &str) -> Vec<&str> {
+    let (name, _) = split_bracket(header.trim());
+    let shorter = splits(name, true).into_iter().filter(|(_, suffix)| !units::find(suffix).is_empty());
+    std::iter::once(name).chain(shorter.map(|(name, _)| name)).collect()
+}
+
 /// Whether a header is this name (in lower case, letters only), alone or with a unit of speed behind it.
 pub(crate) fn is_speed_named(header: &str, wanted: &str) -> bool {
     let (name, _) = split_bracket(header.trim());

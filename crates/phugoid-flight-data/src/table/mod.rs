@@ -2,12 +2,15 @@
 //! this way once their cells are numbers.
 
 mod assemble;
+pub(crate) mod clock;
 pub(crate) mod columns;
+mod derived;
 mod error;
 mod from_columns;
 pub(crate) mod header;
 mod stuck_and_spikes;
 pub(crate) mod time_base;
+mod time_column;
 
 pub(crate) use assemble::{BYTES_PER_ROW, Read, record};
 pub use error::{MappingProblem, OptionProblem, TableError};
@@ -107,6 +110,13 @@ impl ColumnMapping {
 pub struct TableOptions {
     /// Columns mapped by hand; all others become channels by their headers.
     pub columns: Vec<ColumnMapping>,
+    /// Names of the columns, with units, in the order of the file: for a table of numbers without a header, or in place of
+    /// the one that it has. Empty: the names are those of the file.
+    pub column_names: Vec<String>,
+    /// The variable to read of a MATLAB file that holds several tables (`flight2`, or `data.flight2` for a field of a
+    /// struct), or the sheet of a workbook; of other formats it is not read. `None`: everything in the file, or its first
+    /// sheet.
+    pub variable: Option<String>,
     /// Time step `h` from one row to the next, s, for tables without a time or with a bad one: the rows are then at 0,
     /// h, 2h, ..., and a time column, if there is one, is left out. Positive.
     pub sample_time_s: Option<f64>,
@@ -118,7 +128,14 @@ pub struct TableOptions {
 
 impl Default for TableOptions {
     fn default() -> Self {
-        Self { columns: Vec::new(), sample_time_s: None, gap_factor: 3.5, max_memory: Memory::default() }
+        Self {
+            columns: Vec::new(),
+            column_names: Vec::new(),
+            variable: None,
+            sample_time_s: None,
+            gap_factor: 3.5,
+            max_memory: Memory::default(),
+        }
     }
 }
 

@@ -11,6 +11,7 @@ pub(crate) fn intact() -> Vec<(String, Vec<u8>)> {
         ("flight.csv".to_owned(), std::fs::read(folder.join("examples/flight.csv")).unwrap()),
     ];
     for (format, read) in [
+        ("excel", cfg!(feature = "excel")),
         ("mcap", cfg!(feature = "mcap")),
         ("matlab", cfg!(feature = "matlab")),
         ("arrow", cfg!(feature = "parquet")),

@@ -89,8 +89,9 @@ fn no_time_is_refused_and_the_nearest_named() {
         message.contains("line 1: no column is the time") && message.contains("'tme_s' looks like it"),
         "{message}"
     );
-    let message = refused("time (UTC),alpha_rad\n0,1\n1,2\n");
-    assert!(message.contains("'UTC' is no unit of time"), "{message}");
+    // Two columns could be it.
+    let message = refused("time (furlong),run time,alpha_rad\n0,0,1\n1,1,2\n");
+    assert!(message.contains("'furlong' is no unit of time"), "{message}");
     let options = CsvOptions { sample_time_s: Some(0.02), ..CsvOptions::default() };
     let record = read("alpha_rad\n0.1\n0.2\n0.3\n".as_bytes(), "x", &options).unwrap();
     assert_eq!(record.time, [0.0, 0.02, 0.04]);
@@ -497,11 +498,11 @@ fn stuck_channels_and_spikes_are_said_and_kept() {
 #[test]
 fn times_in_other_units_and_clocks() {
     for (header, cells) in [
+        ("flight time (s)", ["1", "1.02", "1.04"]),
+        ("Zeit [ms]", ["1000", "1020", "1040"]),
         ("time_ms", ["1000", "1020", "1040"]),
         ("TimeUS", ["1000000", "1020000", "1040000"]),
         ("Time [min]", ["0.0166666666666666667", "0.017", "0.0173333333333333333"]),
-        ("time", ["00:00:01", "00:00:01.02", "0:00:01.04"]),
-        ("timestamp", ["1970-01-01T00:00:01Z", "1970-01-01T00:00:01.02Z", "1970-01-01 00:00:01.04"]),
     ] {
         let record = good(&format!("{header},a1\n{},1\n{},2\n{},3\n", cells[0], cells[1], cells[2]));
         for (time, expected) in record.time.iter().zip([1.0, 1.02, 1.04]) {
@@ -509,9 +510,72 @@ fn times_in_other_units_and_clocks() {
         }
         assert!(!findings(&record).iter().any(|finding| finding.contains("no unit is written")), "{header}");
     }
+    // Clocks count from the first row, whatever the column is called.
+    for (header, cells) in [
+        ("time", ["12:00:01", "12:00:01.02", "12:00:01.04"]),
+        ("Time (hh:mm:ss.00)", ["11:59:59.99 am", "12:00:00.01 pm", "12:00:00.03 PM"]),
+        ("timestamp", ["1970-01-01T00:00:01Z", "1970-01-01T00:00:01.02Z", "1970-01-01 00:00:01.04"]),
+        ("Date/Time", ["31.12.2023 23:59:59.99", "01.01.2024 00:00:00.01", "01.01.2024 00:00:00.03"]),
+        ("Date/Time", ["12/31/2023 11:59:59.99 PM", "1/1/2024 12:00:00.01 AM", "1/1/2024 12:00:00.03 AM"]),
+        ("Uhrzeit", ["23:59:59.99", "0:00:00.01", "0:00:00.03"]),
+        ("mm:ss", ["59:59.99", "00:00.01", "00:00.03"]),
+        ("IRIG", ["365:23:59:59.990", "001:00:00:00.010", "001:00:00:00.030"]),
+    ] {
+        let record = good(&format!("{header},a1\n{},1\n{},2\n{},3\n", cells[0], cells[1], cells[2]));
+        for (time, expected) in record.time.iter().zip([0.0, 0.02, 0.04]) {
+            assert!((time - expected).abs() < 1e-6, "{header}: {:?}", record.time);
+        }
+        says(&record, &["time: counts from the first row, which is at"]);
+        assert!(!findings(&record).iter().any(|finding| finding.contains("no unit is")), "{header}");
+    }
     let record = good("time,a1\n23:59:59,1\n00:00:00,2\n00:00:01,3\n");
-    assert_eq!(record.time, [86399.0, 86400.0, 86401.0]);
-    says(&record, &["passes midnight"]);
+    assert_eq!(record.time, [0.0, 1.0, 2.0]);
+    says(&record, &["begins again 1 time;"]);
+    says(&record, &["which is at 23:59:59.000000"]);
+    // Seconds from 1970 in a number.
+    let record = good("unix time,a1\n1714566896.5,1\n1714566897,2\n1714566897.5,3\n");
+    assert_eq!(record.time, [0.0, 0.5, 1.0]);
+}
+
+#[test]
+fn the_time_is_one_column_of_several() {
+    // Date and time of day in columns of their own, and a clock beside a time in seconds.
+    let record = good("Datum;Uhrzeit;a1\n01.05.2024;23:59:59,5;1\n02.05.2024;00:00:00,0;2\n02.05.2024;00:00:00,5;3\n");
+    assert_eq!(record.time, [0.0, 0.5, 1.0]);
+    says(&record, &["'Uhrzeit'", "taken as the time: it holds clock times"]);
+    let record = good("UTC,time_s,a1\n10:00:00,5,1\n10:00:01,6,2\n10:00:02,7,3\n");
+    assert_eq!(record.time, [5.0, 6.0, 7.0]);
+}
+
+#[test]
+fn a_table_without_a_header_is_named_by_its_reader() {
+    let column_names = ["time_s", "alpha_deg", "q_deg_s"].map(str::to_owned).to_vec();
+    let options = CsvOptions { column_names, ..CsvOptions::default() };
+    let named = |text: &str| read(text.as_bytes(), "x", &options);
+    let record = named("0 1 2\n0.1 1 3\n0.2 1 4\n").unwrap();
+    assert_eq!((record.time.len(), values(&record, "q")[2]), (3, 4_f64.to_radians()));
+    let record = named("T,A,Q\n0,1,2\n0.1,1,3\n0.2,1,4\n").unwrap();
+    assert_eq!(record.time.len(), 3);
+    says(&record, &["line 1", "the names in the file are replaced"]);
+    let message = named("0 1\n0.1 1\n").unwrap_err().to_string();
+    assert!(message.contains("3 names of columns were given, and this row has 2 cells"), "{message}");
+    let message = refused("0 1\n0.1 1\n");
+    assert!(message.contains("--columns"), "{message}");
+}
+
+#[test]
+fn what_follows_from_other_channels_is_made_of_them() {
+    let record = good("time_s,nz,nx,pressure_altitude_ft,α [°],δe [°],q̄ [Pa]\n0,1,0.1,1000,2,-1,500\n1,,0.1,1000,2,-1,500\n");
+    assert!((values(&record, "az")[0] + 9.80665).abs() < 1e-12 && values(&record, "az")[1].is_nan());
+    assert!((values(&record, "ax")[0] - 0.980665).abs() < 1e-12);
+    assert!((values(&record, "altitude")[0] - 304.8).abs() < 1e-9);
+    says(&record, &["channel az", "not recorded; taken as -9.80665 m/s2 times nz"]);
+    for (name, value) in [("alpha", 2.0), ("elevator", -1.0)] {
+        assert_eq!(values(&record, name)[0], f64::to_radians(value));
+    }
+    assert_eq!(values(&record, "dynamic_pressure")[0], 500.0);
+    let record = good("time_s,nz,az_m_s2\n0,1,-9\n1,1,-9\n");
+    assert_eq!(values(&record, "az")[0], -9.0);
 }
 
 #[test]
@@ -615,4 +679,16 @@ impl Read for Broken {
 fn a_reader_that_fails_is_an_error() {
     let error = read(Broken(1), "flight.csv", &CsvOptions::default()).unwrap_err().to_string();
     assert!(error.contains("the disk is gone"), "{error}");
+}
+
+#[test]
+fn titles_above_a_table_are_left_out() {
+    let text = "Flight 12;;;\nD-EXYZ, pilot A. B.;;;\n\nTime [s];Alpha [deg];q [deg/s];nz\n0,0;1,5;0,1;1\n0,1;1,6;0,2;1\n0,2;1,7;0,3;1\n";
+    for text in [text.to_owned(), text.replace(";;;", "")] {
+        let record = good(&text);
+        assert_eq!(record.time, [0.0, 0.1, 0.2]);
+        says(&record, &["lines 1 to 2", "not part of the table"]);
+    }
+    // A short row that ends a table is none.
+    assert_eq!(good("time_s,alpha_rad,q_rad_s\n0,1,2\n1,1,2\n2,1\n").time.len(), 2);
 }

@@ -1,13 +1,13 @@
 //! Every integration test of this crate in one program: each program more is linked with all libraries once more.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // tests may
 
-#[cfg(any(feature = "matlab", feature = "mcap", feature = "parquet"))]
+#[cfg(any(feature = "excel", feature = "matlab", feature = "mcap", feature = "parquet"))]
 #[path = "../common/damage.rs"]
 mod damage;
 #[cfg(target_os = "linux")]
 #[path = "../common/damaged.rs"]
 mod damaged;
-#[cfg(any(feature = "matlab", feature = "parquet"))]
+#[cfg(any(feature = "excel", feature = "matlab", feature = "parquet"))]
 #[path = "../common/flight.rs"]
 mod flight;
 #[cfg(target_os = "linux")]
@@ -23,6 +23,7 @@ mod bad_input;
 mod columnar;
 mod damaged_logs;
 mod dataflash;
+mod excel;
 mod flights;
 mod logs_to_records;
 mod matlab;

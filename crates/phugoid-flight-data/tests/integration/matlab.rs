@@ -29,6 +29,19 @@ fn every_way_to_lay_a_table_out_gives_the_same_numbers() {
 }
 
 #[test]
+fn one_of_several_variables_is_read_by_its_name() {
+    let read = |wanted: &str| {
+        let options = TableOptions { variable: Some(wanted.to_owned()), ..TableOptions::default() };
+        read_path(&file("struct.mat"), &options)
+    };
+    flight::check(&read("flight").unwrap(), "struct.mat");
+    let error = read("flight2").unwrap_err().to_string();
+    assert!(error.contains("there is no variable 'flight2'. Found: flight, version"), "{error}");
+    let error = read("flight.q.p").unwrap_err().to_string();
+    assert!(error.contains("no variable 'flight.q.p'"), "{error}");
+}
+
+#[test]
 fn what_is_no_column_is_named() {
     for name in ["vectors.mat", "compressed.mat"] {
         let said = good(name).quality.to_string();

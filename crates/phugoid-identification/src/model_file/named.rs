@@ -2,7 +2,6 @@
 
 use std::path::{Path, PathBuf};
 
-use phugoid_flight_data::memory::Memory;
 use phugoid_flight_data::reader::{ReadError, ReadOptions, read_path};
 use phugoid_flight_data::record::Record;
 
@@ -169,16 +168,19 @@ impl ModelFile {
     /// As [`read_path`]; a mapped column that the file does not have is one.
     #[allow(clippy::result_large_err)] // the error of the reader as it is
     pub fn open_record(&self, path: impl AsRef<Path>) -> Result<Record, ReadError> {
-        self.open_record_within(path, Memory::default())
+        self.open_record_with(path, &ReadOptions::default())
     }
 
-    /// As [`ModelFile::open_record`], with another bound on the memory that reading may take than 200 MB.
+    /// As [`ModelFile::open_record`], read with these options; the columns that this file maps come before those of the
+    /// options.
     ///
     /// # Errors
-    /// As [`read_path`]; what needs more memory is refused with [`phugoid_flight_data::memory::OverBudget`].
+    /// As [`read_path`].
     #[allow(clippy::result_large_err)] // the error of the reader as it is
-    pub fn open_record_within(&self, path: impl AsRef<Path>, max_memory: Memory) -> Result<Record, ReadError> {
-        read_path(path.as_ref(), &ReadOptions::with_columns(self.columns()).with_max_memory(max_memory))
+    pub fn open_record_with(&self, path: impl AsRef<Path>, options: &ReadOptions) -> Result<Record, ReadError> {
+        let mut options = options.clone();
+        options.table.columns.splice(0..0, self.columns());
+        read_path(path.as_ref(), &options)
     }
 }
 

@@ -1,0 +1,425 @@
+//! Times of day and dates written as text, in the forms that recorders and spreadsheets write.
+
+use std::ops::Range;
+
+/// A clock time as it is written.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Reading {
+    /// Seconds from midnight, from the full hour ([`Cycle::Hour`]) or from the first of January ([`Cycle::Year`]).
+    seconds: f64,
+    cycle: Cycle,
+    date: Option<Date>,
+    /// How far the local time is ahead of UTC, s; 0 where nothing is written.
+    ahead: f64,
+}
+
+/// After which time a clock without a date shows the same again.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Cycle {
+    /// `34:56.7`: minutes and seconds.
+    Hour,
+    /// `12:34:56.7`.
+    Day,
+    /// `123:12:34:56.7`: the day of the year before it, as IRIG time codes have it.
+    Year,
+}
+
+impl Cycle {
+    fn seconds(self) -> f64 {
+        match self {
+            Self::Hour => 3600.0,
+            Self::Day => DAY,
+            // A flight at New Year is put right within a day; no record lasts a year.
+            Self::Year => 365.0 * DAY,
+        }
+    }
+}
+
+/// The numbers of a date in the order of year, month, day, or, where only the file can tell, of its two first numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Date {
+    /// Year, month, day.
+    Known(i64, u32, u32),
+    /// `05/01/2024`: the 5th of January or the 1st of May. First number, second number, year.
+    DayOrMonthFirst(u32, u32, i64),
+}
+
+const DAY: f64 = 86_400.0;
+
+/// Reads the clock times of one column from row to row: counts on where a clock without a date starts again at midnight, and
+/// learns whether day or month comes first.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Clock {
+    last: Option<f64>,
+    turns: f64,
+    month_first: Option<bool>,
+    /// The numbers of the last date whose order is not written.
+    numbers: Option<(u32, u32, i64)>,
+    /// Days by which dates are moved, because the rows before were read in the other order.
+    shift: f64,
+    dated: bool,
+}
+
+impl Clock {
+    /// True if the text is a clock time in one of the forms that are read.
+    pub(crate) fn is_one(text: &str) -> bool {
+        read(text).is_some()
+    }
+
+    /// Seconds from 1970 (UTC where an offset or `Z` says so) of a time with a date, else from midnight, from the full hour or
+    /// from the first of January, counted on over the end of each; `None` for other texts.
+    pub(crate) fn seconds(&mut self, text: &str) -> Option<f64> {
+        let reading = read(text)?;
+        let seconds = match reading.date {
+            Some(date) => {
+                self.dated = true;
+                self.days(date)? * DAY + reading.seconds - reading.ahead
+            }
+            None => {
+                let cycle = reading.cycle.seconds();
+                let counted = reading.seconds + self.turns * cycle;
+                if self.last.is_some_and(|last| counted < last - 0.5 * cycle) {
+                    self.turns += 1.0;
+                    counted + cycle
+                } else {
+                    counted
+                }
+            }
+        };
+        self.last = Some(seconds);
+        Some(seconds)
+    }
+
+    /// How often a clock without a date began again.
+    pub(crate) fn turns(&self) -> f64 {
+        self.turns
+    }
+
+    /// A time that this clock gave, as date and time of day.
+    pub(crate) fn written(&self, seconds: f64) -> String {
+        written(seconds, self.dated)
+    }
+
+    /// Days from 1970-01-01.
+    fn days(&mut self, date: Date) -> Option<f64> {
+        let (first, second, year) = match date {
+            Date::Known(year, month, day) => return Some(days(year, month, day)),
+            Date::DayOrMonthFirst(first, second, year) => (first, second, year),
+        };
+        let before = self.numbers.replace((first, second, year)).filter(|before| *before != (first, second, year));
+        if self.month_first.is_none() {
+            self.month_first = match before {
+                _ if first > 12 || second > 12 => Some(second > 12),
+                // From one row to the next the day changes, and the month hardly ever.
+                Some((first_before, second_before, _)) if first_before == first || second_before == second => {
+                    Some(first_before == first)
+                }
+                _ => None,
+            };
+            if let (Some(true), Some((first, second, year))) = (self.month_first, before) {
+                // Up to here the day was taken to be first. The rows behind go on from there: only steps in time count.
+                self.shift = in_order(first, second, year, false)? - in_order(first, second, year, true)?;
+            }
+        }
+        Some(in_order(first, second, year, self.month_first == Some(true))? + self.shift)
+    }
+}
+
+/// Days from 1970-01-01 to a date in one of the two orders; `None` where there is no such date.
+fn in_order(first: u32, second: u32, year: i64, month_first: bool) -> Option<f64> {
+    let (month, day) = if month_first { (first, second) } else { (second, first) };
+    Some(days(year, in_range(month, 1..13)?, in_range(day, 1..32)?))
+}
+
+fn in_range(number: u32, range: Range<u32>) -> Option<u32> {
+    range.contains(&number).then_some(number)
+}
+
+/// Days from 1970-01-01 to a day of the Gregorian calendar.
+fn days(year: i64, month: u32, day: u32) -> f64 {
+    // Counted with years that begin in March, so that a leap day is the last of its year.
+    let (year, month) = (year - i64::from(month <= 2), i64::from((month + 9) % 12));
+    let days = 365 * year + year.div_euclid(4) - year.div_euclid(100)
+        + year.div_euclid(400)
+        + (153 * month + 2) / 5
+        + i64::from(day)
+        - 1
+        - 719_468;
+    days as f64
+}
+
+/// Seconds as `2024-05-01 12:34:56.500000`, counted from 1970, or, without a date, as the time of day, counted from midnight;
+/// rounded to microseconds.
+pub(crate) fn written(seconds: f64, dated: bool) -> String {
+    const MICROSECONDS_PER_DAY: i128 = 86_400_000_000;
+    let all = (seconds * 1e6).round() as i128;
+    let (days, of_day) = (all.div_euclid(MICROSECONDS_PER_DAY), all.rem_euclid(MICROSECONDS_PER_DAY));
+    let (of_day, microseconds) = (of_day / 1_000_000, of_day % 1_000_000);
+    let (hours, minutes, seconds) = (of_day / 3600, of_day / 60 % 60, of_day % 60);
+    let time = format!("{hours:02}:{minutes:02}:{seconds:02}.{microseconds:06}");
+    if !dated {
+        return time;
+    }
+    let (year, month, day) = date(days as i64);
+    format!("{year:04}-{month:02}-{day:02} {time}")
+}
+
+/// Year, month and day of a number of days from 1970-01-01.
+fn date(days: i64) -> (i64, i64, i64) {
+    // In years that begin in March, within eras of 400 years (146,097 days).
+    let from_march = days + 719_468;
+    let (era, of_era) = (from_march.div_euclid(146_097), from_march.rem_euclid(146_097));
+    let year = (of_era - of_era / 1460 + of_era / 36_524 - of_era / 146_096) / 365;
+    let of_year = of_era - (365 * year + year / 4 - year / 100);
+    let month = (5 * of_year + 2) / 153;
+    let day = of_year - (153 * month + 2) / 5 + 1;
+    let month = if month < 10 { month + 3 } else { month - 9 };
+    (era * 400 + year + i64::from(month <= 2), month, day)
+}
+
+fn read(text: &str) -> Option<Reading> {
+    let text = text.trim();
+    // Nothing that is read is longer, and most cells are numbers.
+    if text.len() > 48 || !text.as_bytes().first()?.is_ascii_digit() || !text.contains([':', 'T', 't', '_']) {
+        return None;
+    }
+    let (text, ahead) = offset(text)?;
+    let (date, time) = match split_date(text) {
+        Some((date, time)) => (Some(read_date(date)?), time),
+        None => (None, text),
+    };
+    let (seconds, cycle) = time_of_day(time.trim(), date.is_some())?;
+    (date.is_none() || cycle == Cycle::Day).then_some(Reading { seconds, cycle, date, ahead })
+}
+
+/// Takes `Z`, `UTC`, `GMT` and offsets such as `+02:00` from the end, and gives the offset, s.
+fn offset(text: &str) -> Option<(&str, f64)> {
+    let lower = text.to_ascii_lowercase();
+    let kept = |end: &str| text.get(..text.len() - end.len()).map(str::trim_end);
+    for end in ["utc", "gmt", "z"] {
+        if lower.ends_with(end) {
+            return Some((kept(end)?, 0.0));
+        }
+    }
+    // The sign of an offset stands behind the colons of the time; those of a date stand before.
+    let Some(sign) = text.rfind(['+', '-']).filter(|sign| text.get(..*sign).is_some_and(|time| time.contains(':'))) else {
+        return Some((text, 0.0));
+    };
+    let digits: String = text.get(sign + 1..)?.chars().filter(|c| *c != ':').collect();
+    let number: f64 = digits.bytes().all(|b| b.is_ascii_digit()).then(|| digits.parse().ok()).flatten()?;
+    let seconds = match digits.len() {
+        1 | 2 => number * 3600.0,
+        4 => (number / 100.0).floor() * 3600.0 + number % 100.0 * 60.0,
+        _ => return None,
+    };
+    let negative = text.as_bytes().get(sign) == Some(&b'-');
+    let rest = text.get(..sign)?.trim_end();
+    let rest = rest.strip_suffix("UTC").or_else(|| rest.strip_suffix("GMT")).unwrap_or(rest).trim_end();
+    Some((rest, if negative { -seconds } else { seconds }))
+}
+
+/// Splits a date from the time behind it; `None` where there is no date.
+fn split_date(text: &str) -> Option<(&str, &str)> {
+    let (date, time) = text.split_once(['T', 't', ' ', '_'])?;
+    // `12:34:56 PM` has its first blank behind the time.
+    (!date.contains(':')).then(|| (date.trim_end_matches(','), time.trim().trim_start_matches("- ")))
+}
+
+fn read_date(text: &str) -> Option<Date> {
+    let number = |part: &str, most: usize| digits(part, most);
+    if let Some(compact) = (text.len() == 8 && text.bytes().all(|b| b.is_ascii_digit())).then_some(text) {
+        let part = |range: Range<usize>| compact.get(range).and_then(|part| number(part, 4));
+        return known(part(0..4)?.into(), part(4..6)?, part(6..8)?);
+    }
+    let mark = text.chars().find(|c| ['-', '/', '.'].contains(c))?;
+    let parts: Vec<&str> = text.split(mark).collect();
+    let [first, second, third] = parts.as_slice() else { return None };
+    let year = |part: &str| -> Option<i64> {
+        let number = i64::from(number(part, 4)?);
+        match part.len() {
+            4 => Some(number),
+            2 => Some(number + if number < 70 { 2000 } else { 1900 }),
+            _ => None,
+        }
+    };
+    if first.len() == 4 {
+        return known(year(first)?, month(second)?, number(third, 2)?);
+    }
+    if second.bytes().all(|b| b.is_ascii_alphabetic()) {
+        return known(year(third)?, month(second)?, number(first, 2)?);
+    }
+    let (a, b, year) = (number(first, 2)?, number(second, 2)?, year(third)?);
+    // Dates with points have the day first everywhere.
+    if mark == '.' { known(year, b, a) } else { Some(Date::DayOrMonthFirst(a, b, year)) }
+}
+
+fn known(year: i64, month: u32, day: u32) -> Option<Date> {
+    Some(Date::Known(year, in_range(month, 1..13)?, in_range(day, 1..32)?))
+}
+
+fn month(text: &str) -> Option<u32> {
+    const NAMES: [&str; 12] = ["jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec"];
+    if let Some(number) = digits(text, 2) {
+        return Some(number);
+    }
+    let short = text.get(..3)?.to_ascii_lowercase();
+    (1..).zip(NAMES).find(|(_, name)| *name == short).map(|(number, _)| number)
+}
+
+/// Seconds of the time and the cycle of the clock that shows it. `dated` allows times without colons (`123456.7`).
+fn time_of_day(text: &str, dated: bool) -> Option<(f64, Cycle)> {
+    let lower = text.to_ascii_lowercase();
+    let half = [("am", 0), ("a.m.", 0), ("pm", 12), ("p.m.", 12)]
+        .into_iter()
+        .find_map(|(end, hours)| Some((lower.strip_suffix(end)?.trim_end().len(), hours)));
+    let time = half.map_or(Some(text), |(length, _)| text.get(..length))?;
+    let parts: Vec<&str> = time.split(':').collect();
+    match *parts.as_slice() {
+        [hours, minutes, seconds] => {
+            let mut hours = in_range(digits(hours, 2)?, 0..24)?;
+            if let Some((_, add)) = half {
+                hours = in_range(hours, 1..13)? % 12 + add;
+            }
+            Some((f64::from(hours * 3600 + sixty(minutes)? * 60) + fraction(seconds)?, Cycle::Day))
+        }
+        // `12:34` could be hours and minutes; a fraction tells that the second number is seconds.
+        [minutes, seconds] if half.is_none() && seconds.contains(['.', ',']) => {
+            Some((f64::from(sixty(minutes)? * 60) + fraction(seconds)?, Cycle::Hour))
+        }
+        [first, second, third, fourth] if half.is_none() => {
+            let of_day = |hours: &str, minutes: &str, seconds: f64| {
+                Some(f64::from(in_range(digits(hours, 2)?, 0..24)? * 3600 + sixty(minutes)? * 60) + seconds)
+            };
+            if first.len() == 3 {
+                let day = in_range(digits(first, 3)?, 1..367)?;
+                let seconds = of_day(second, third, fraction(fourth)?)?;
+                return Some((f64::from(day - 1) * DAY + seconds, Cycle::Year));
+            }
+            // `12:34:56:789`: thousandths behind a colon.
+            let thousandths = (fourth.len() == 3).then(|| digits(fourth, 3)).flatten()?;
+            let seconds = f64::from(sixty(third)?) + f64::from(thousandths) / 1000.0;
+            Some((of_day(first, second, seconds)?, Cycle::Day))
+        }
+        [compact] if dated && half.is_none() => {
+            let part = |range: Range<usize>| compact.get(range).and_then(|part| digits(part, 2));
+            let hours = in_range(part(0..2)?, 0..24)?;
+            let minutes = in_range(part(2..4)?, 0..60)?;
+            Some((f64::from(hours * 3600 + minutes * 60) + fraction(compact.get(4..)?)?, Cycle::Day))
+        }
+        _ => None,
+    }
+}
+
+fn sixty(text: &str) -> Option<u32> {
+    in_range(digits(text, 2)?, 0..60)
+}
+
+/// Seconds with a point or a comma before the fraction; 60 stands for a leap second.
+fn fraction(text: &str) -> Option<f64> {
+    let plain = text.bytes().next()?.is_ascii_digit() && text.bytes().all(|b| b.is_ascii_digit() || b == b'.' || b == b',');
+    let seconds: f64 = plain.then(|| text.replacen(',', ".", 1).parse().ok()).flatten()?;
+    (0.0..61.0).contains(&seconds).then_some(seconds)
+}
+
+fn digits(part: &str, most: usize) -> Option<u32> {
+    let good = !part.is_empty() && part.len() <= most && part.bytes().all(|b| b.is_ascii_digit());
+    good.then(|| part.parse().ok()).flatten()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn seconds(text: &str) -> Option<f64> {
+        Clock::default().seconds(text)
+    }
+
+    #[test]
+    fn times_of_day() {
+        for (text, expected) in [
+            ("00:01:02.5", 62.5),
+            ("0:01:02,5", 62.5),
+            ("12:34:56", 45_296.0),
+            ("12:34:56 PM", 45_296.0),
+            ("12:00:01.5 am", 1.5),
+            ("1:00:00 p.m.", 46_800.0),
+            ("12:34:56:789", 45_296.789),
+            ("34:56.7", 2096.7),
+            ("002:00:00:01.25", 86_401.25),
+            ("12:34:56Z", 45_296.0),
+        ] {
+            assert_eq!(seconds(text), Some(expected), "{text}");
+        }
+    }
+
+    #[test]
+    fn dates() {
+        // `date -u -d 2024-05-01T12:34:56Z +%s`
+        let may = 1_714_566_896.0;
+        for text in [
+            "2024-05-01T12:34:56Z",
+            "2024-05-01 12:34:56",
+            "2024/05/01 12:34:56",
+            "20240501T123456Z",
+            "20240501_123456.0",
+            "2024-05-01T14:34:56+02:00",
+            "2024-05-01T14:34:56+0200",
+            "2024-05-01 10:04:56 UTC-02:30",
+            "01.05.2024 12:34:56",
+            "1.5.24 12:34:56",
+            "01-May-2024 12:34:56",
+            "1-may-24 12:34:56",
+            "13/05/2024 12:34:56",
+            "05/13/2024 12:34:56 PM",
+        ] {
+            let expected = if text.contains("13/") { may + 12.0 * DAY } else { may };
+            assert_eq!(seconds(text), Some(expected), "{text}");
+        }
+        assert_eq!(seconds("1970-01-01T00:00:00Z"), Some(0.0));
+        assert_eq!(seconds("2024-02-29 00:00:00"), Some(1_709_164_800.0));
+    }
+
+    #[test]
+    fn other_texts_are_no_clock() {
+        for text in [
+            "", "1.5", "12:34", "25:00:00", "12:60:00", "12:00:99", "a:b:c", "2024-13-01T00:00:00", "1:2:3:4", "T", "1T",
+            "13:00:00 PM", "12:34:56.7.8", "2024-05-01", "1:2", "00:00:00:00", "12:3é:00", "1T2", "12:00:00+", "é:00:00",
+        ] {
+            assert_eq!(seconds(text), None, "{text}");
+        }
+    }
+
+    #[test]
+    fn a_clock_without_a_date_counts_on() {
+        let mut clock = Clock::default();
+        let times = ["23:59:59.5", "00:00:00.0", "00:00:00.5"].map(|text| clock.seconds(text).unwrap());
+        assert_eq!(times, [86_399.5, 86_400.0, 86_400.5]);
+        assert_eq!(clock.turns(), 1.0);
+        let mut clock = Clock::default();
+        let times = ["59:59.9", "00:00.0"].map(|text| clock.seconds(text).unwrap());
+        assert!((times[1] - times[0] - 0.1).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_time_is_written_as_it_was_read() {
+        for text in ["2024-02-29 23:59:59.125000", "1970-01-01 00:00:00.000000", "1999-12-31 12:00:00.500000", "12:34:56.500001"] {
+            let mut clock = Clock::default();
+            let seconds = clock.seconds(text).unwrap();
+            assert_eq!(clock.written(seconds), text);
+        }
+    }
+
+    #[test]
+    fn a_month_before_the_day_is_found_at_midnight() {
+        for (last, first) in [
+            ("05/01/2024 23:59:59", "05/02/2024 00:00:00"),
+            ("01/05/2024 23:59:59", "02/05/2024 00:00:00"),
+            ("05/13/2024 23:59:59", "05/14/2024 00:00:00"),
+            ("05/12/2024 23:59:59", "05/13/2024 00:00:00"),
+        ] {
+            let mut clock = Clock::default();
+            let before = clock.seconds(last).unwrap();
+            assert_eq!(clock.seconds(first).unwrap() - before, 1.0, "{last}");
+        }
+    }
+}
