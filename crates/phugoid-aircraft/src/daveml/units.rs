@@ -156,14 +156,16 @@ impl Unit {
     }
 }
 
-/// A value of check data in the unit of its variable. Where either unit is unknown, or they measure different things,
+/// A value of check data in the unit of its variable. Where a unit is not given or not known, or they measure different things,
 /// the value is taken as it stands.
 pub(super) fn converted(value: f64, from: &str, to: &str) -> f64 {
-    if from.trim() == to.trim() {
+    if from.trim().is_empty() || from.trim() == to.trim() {
         return value;
     }
     match (Unit::parse(from), Unit::parse(to)) {
-        (Some(from), Some(to)) if from.dimension == to.dimension && (from.factor, from.offset) != (to.factor, to.offset) => {
+        (Some(from), Some(to))
+            if from.dimension == to.dimension && (from.factor, from.offset) != (to.factor, to.offset) =>
+        {
             to.from_si(from.to_si(value))
         }
         _ => value,
