@@ -101,8 +101,11 @@ fn inspect(model: &IdentifiedModel) -> Result<(), WriteError> {
             return Err(WriteError::Identifier(id.to_owned()));
         }
         let name = name.split_whitespace().collect::<Vec<_>>().join(" ");
-        if !seen.insert(id) || !names.insert(name.clone()) {
-            return Err(WriteError::Repeated(if seen.contains(id) { name } else { id.to_owned() }));
+        if !seen.insert(id) {
+            return Err(WriteError::Repeated(id.to_owned()));
+        }
+        if !names.insert(name.clone()) {
+            return Err(WriteError::Repeated(name));
         }
     }
     let number = |what, of: &str, value: f64, sound: bool| match sound && value.is_finite() {

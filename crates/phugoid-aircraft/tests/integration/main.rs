@@ -4,4 +4,7 @@
 #[path = "../../../../tests/shared_data.rs"]
 mod shared_data;
 
+mod daveml_broken;
 mod daveml_models;
+mod daveml_standard;
+mod daveml_write;
