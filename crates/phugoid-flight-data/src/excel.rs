@@ -93,7 +93,8 @@ pub(crate) fn read_counted(
     account.take(file.len() as u64).map_err(over)?;
     let unpacked = unpacked(&file, bound).map_err(broken)?;
     account.take(unpacked).map_err(over)?;
-    let mut book = Xlsx::new(Cursor::new(file)).map_err(|error| broken(printable::one_line(&error.to_string()).into()))?;
+    let mut book =
+        Xlsx::new(Cursor::new(file)).map_err(|error| broken(printable::one_line(&error.to_string()).into()))?;
     let names = book.sheet_names();
     let sheet = match &options.variable {
         Some(wanted) => names.iter().find(|name| *name == wanted).cloned().ok_or_else(|| ReadError::NoSheet {
@@ -107,8 +108,7 @@ pub(crate) fn read_counted(
         Problem::Broken(problem) => broken(problem),
         Problem::Over(excess) => over(excess),
     })?;
-    let mut record =
-        csv::read_counted(text.as_bytes(), source, &CsvOptions::of(options.clone(), Some('\t')), account)?;
+    let mut record = csv::read_counted(text.as_bytes(), source, &CsvOptions::of(options.clone(), Some('\t')), account)?;
     if names.len() > 1 {
         let others: Vec<String> =
             names.iter().filter(|name| **name != sheet).map(|name| printable::one_line(name).into_owned()).collect();
@@ -142,8 +142,7 @@ enum Problem {
 
 /// The cells of a sheet as text: a line for each row, tabs between cells.
 fn text_of(book: &mut Xlsx<Cursor<Vec<u8>>>, sheet: &str, account: &Account) -> Result<String, Problem> {
-    let broken =
-        |error: calamine::XlsxError| Problem::Broken(printable::one_line(&error.to_string()).into_owned());
+    let broken = |error: calamine::XlsxError| Problem::Broken(printable::one_line(&error.to_string()).into_owned());
     let mut cells = book.worksheet_cells_reader(sheet).map_err(broken)?;
     let mut text = String::new();
     let (mut row, mut column, mut counted) = (0, 0, 0);

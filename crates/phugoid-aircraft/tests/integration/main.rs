@@ -1,1 +1,10 @@
 //! Integration tests: one program, since each is linked with every library again.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // tests may
+
+#[path = "../../../../tests/shared_data.rs"]
+mod shared_data;
+
+mod daveml_broken;
+mod daveml_models;
+mod daveml_standard;
+mod daveml_write;

@@ -158,10 +158,8 @@ fn most_frequent(counts: &[usize]) -> (usize, usize) {
 
 /// Number of the first rows that are titles above a table: less than half as many filled cells as most rows have.
 fn titles(rows: &[&str], format: Format) -> usize {
-    let filled: Vec<usize> = rows
-        .iter()
-        .map(|row| format.owned_cells(row).iter().filter(|cell| !cell.trim().is_empty()).count())
-        .collect();
+    let filled: Vec<usize> =
+        rows.iter().map(|row| format.owned_cells(row).iter().filter(|cell| !cell.trim().is_empty()).count()).collect();
     let (cells, often) = most_frequent(&filled);
     let titles = filled.iter().take_while(|&&count| 2 * count < cells).count();
     // The table has to be there: a header and rows of numbers below the titles.

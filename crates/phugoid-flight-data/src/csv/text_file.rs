@@ -119,9 +119,8 @@ impl<'s, R: Read> TextFile<'s, R> {
         if !given.is_empty() {
             return self.named(given, first, &cells, report);
         }
-        let word = |cell: &String| {
-            matches!(cells::parse(cell, self.format.decimal_comma), Cell::Text) && !Clock::is_one(cell)
-        };
+        let word =
+            |cell: &String| matches!(cells::parse(cell, self.format.decimal_comma), Cell::Text) && !Clock::is_one(cell);
         if cells.iter().any(word) {
             // Blank cells at the end of the header are the traces of a delimiter at the end of every line.
             while cells.last().is_some_and(|cell| cell.trim().is_empty()) {

@@ -98,7 +98,8 @@ pub(super) fn variable(variables: Vec<(String, Value)>, wanted: &str) -> Result<
 
 /// Names of lists that hold the names of the columns of a matrix beside them; below, those that hold their units, and
 /// the names of fields that hold values.
-const NAMES: [&str; 9] = ["varlab", "names", "headers", "header", "labels", "columns", "channels", "signals", "variables"];
+const NAMES: [&str; 9] =
+    ["varlab", "names", "headers", "header", "labels", "columns", "channels", "signals", "variables"];
 const UNITS: [&str; 2] = ["units", "unit"];
 const VALUES: [&str; 3] = ["values", "data", "value"];
 

@@ -197,12 +197,7 @@ fn table(
     match format {
         // The reader of CSV has the best messages for files that are no text.
         Format::Csv | Format::Gzip | Format::Utf16 => {
-            Ok(csv::read_counted(
-                reader,
-                &source,
-                &CsvOptions::of(options.table.clone(), options.delimiter),
-                account,
-            )?)
+            Ok(csv::read_counted(reader, &source, &CsvOptions::of(options.table.clone(), options.delimiter), account)?)
         }
         // Parquet has its table of contents at the end, so that it needs the file and not a stream.
         #[cfg(feature = "parquet")]

@@ -202,7 +202,8 @@ fn offset(text: &str) -> Option<(&str, f64)> {
         }
     }
     // The sign of an offset stands behind the colons of the time; those of a date stand before.
-    let Some(sign) = text.rfind(['+', '-']).filter(|sign| text.get(..*sign).is_some_and(|time| time.contains(':'))) else {
+    let Some(sign) = text.rfind(['+', '-']).filter(|sign| text.get(..*sign).is_some_and(|time| time.contains(':')))
+    else {
         return Some((text, 0.0));
     };
     let digits: String = text.get(sign + 1..)?.chars().filter(|c| *c != ':').collect();
@@ -316,7 +317,8 @@ fn sixty(text: &str) -> Option<u32> {
 
 /// Seconds with a point or a comma before the fraction; 60 stands for a leap second.
 fn fraction(text: &str) -> Option<f64> {
-    let plain = text.bytes().next()?.is_ascii_digit() && text.bytes().all(|b| b.is_ascii_digit() || b == b'.' || b == b',');
+    let plain =
+        text.bytes().next()?.is_ascii_digit() && text.bytes().all(|b| b.is_ascii_digit() || b == b'.' || b == b',');
     let seconds: f64 = plain.then(|| text.replacen(',', ".", 1).parse().ok()).flatten()?;
     (0.0..61.0).contains(&seconds).then_some(seconds)
 }
@@ -382,8 +384,26 @@ mod tests {
     #[test]
     fn other_texts_are_no_clock() {
         for text in [
-            "", "1.5", "12:34", "25:00:00", "12:60:00", "12:00:99", "a:b:c", "2024-13-01T00:00:00", "1:2:3:4", "T", "1T",
-            "13:00:00 PM", "12:34:56.7.8", "2024-05-01", "1:2", "00:00:00:00", "12:3é:00", "1T2", "12:00:00+", "é:00:00",
+            "",
+            "1.5",
+            "12:34",
+            "25:00:00",
+            "12:60:00",
+            "12:00:99",
+            "a:b:c",
+            "2024-13-01T00:00:00",
+            "1:2:3:4",
+            "T",
+            "1T",
+            "13:00:00 PM",
+            "12:34:56.7.8",
+            "2024-05-01",
+            "1:2",
+            "00:00:00:00",
+            "12:3é:00",
+            "1T2",
+            "12:00:00+",
+            "é:00:00",
         ] {
             assert_eq!(seconds(text), None, "{text}");
         }
@@ -402,7 +422,12 @@ mod tests {
 
     #[test]
     fn a_time_is_written_as_it_was_read() {
-        for text in ["2024-02-29 23:59:59.125000", "1970-01-01 00:00:00.000000", "1999-12-31 12:00:00.500000", "12:34:56.500001"] {
+        for text in [
+            "2024-02-29 23:59:59.125000",
+            "1970-01-01 00:00:00.000000",
+            "1999-12-31 12:00:00.500000",
+            "12:34:56.500001",
+        ] {
             let mut clock = Clock::default();
             let seconds = clock.seconds(text).unwrap();
             assert_eq!(clock.written(seconds), text);

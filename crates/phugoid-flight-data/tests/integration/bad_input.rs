@@ -565,7 +565,8 @@ fn a_table_without_a_header_is_named_by_its_reader() {
 
 #[test]
 fn what_follows_from_other_channels_is_made_of_them() {
-    let record = good("time_s,nz,nx,pressure_altitude_ft,α [°],δe [°],q̄ [Pa]\n0,1,0.1,1000,2,-1,500\n1,,0.1,1000,2,-1,500\n");
+    let record =
+        good("time_s,nz,nx,pressure_altitude_ft,α [°],δe [°],q̄ [Pa]\n0,1,0.1,1000,2,-1,500\n1,,0.1,1000,2,-1,500\n");
     assert!((values(&record, "az")[0] + 9.80665).abs() < 1e-12 && values(&record, "az")[1].is_nan());
     assert!((values(&record, "ax")[0] - 0.980665).abs() < 1e-12);
     assert!((values(&record, "altitude")[0] - 304.8).abs() < 1e-9);

@@ -365,7 +365,10 @@ fn a_table_is_read_by_the_same_entry_and_binary_files_are_named() {
     for (start, told) in [
         (&b"\x89HDF\r\n\x1a\n"[..], "HDF5"),
         (b"FMT, 128, 89, FMT, BBnNZ", "give the binary log (.BIN)"),
-        (b"PK\x03\x04....", if cfg!(feature = "excel") { "no workbook that can be read" } else { "another zip archive" }),
+        (
+            b"PK\x03\x04....",
+            if cfg!(feature = "excel") { "no workbook that can be read" } else { "another zip archive" },
+        ),
         (b"\x89MCAP0\r\n", if cfg!(feature = "mcap") { "the log holds no data" } else { "MCAP" }),
     ] {
         let file = Temporary::new("unknown", start);

@@ -105,7 +105,8 @@ fn round_trip() {
                 .filter(|c| CHANNELS.iter().any(|known| known.name == c.name) || c.values.iter().any(|v| !v.is_nan()))
                 .collect();
             // Specific forces follow from load factors, and an altitude from the pressure altitude.
-            let derived = back.quality.findings.iter().filter(|f| f.message.starts_with("not recorded; taken as")).count();
+            let derived =
+                back.quality.findings.iter().filter(|f| f.message.starts_with("not recorded; taken as")).count();
             prop_assert_eq!(back.channels.len(), expected.len() + derived);
             for (read, written) in back.channels.iter().zip(expected) {
                 prop_assert_eq!((&read.name, read.quantity), (&written.name, written.quantity));
