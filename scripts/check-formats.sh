@@ -4,5 +4,5 @@
 set -eu
 cd "$(dirname "$0")/.."
 
-cargo test --quiet --locked --profile quick -p phugoid-flight-data --features excel,matlab,mcap,parquet
+cargo test --quiet --locked --profile quick -p phugoid-flight-data --features excel,gzip,matlab,mcap,parquet
 scripts/round-trips.sh

@@ -39,6 +39,7 @@ FOLDERS = {
     "compatibility": "errors of the sensors, by kinematics",
     "inspect": "what a flight holds",
     "regress": "which terms a coefficient asks for",
+    "draft": "a first model file, from a flight and a few answers",
     "export": "results for JSBSim, Gazebo, tables",
 }
 

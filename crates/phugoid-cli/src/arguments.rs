@@ -11,6 +11,7 @@ mod design;
 mod estimate;
 mod field;
 mod help;
+pub(crate) mod init;
 mod inspect;
 mod linearize;
 pub(crate) mod live;
@@ -37,6 +38,7 @@ pub(crate) use delivery::PictureFormat;
 pub(crate) use design::{Design, InputKind, SurfaceName};
 pub(crate) use estimate::{AxesForm, Estimate, Export, ExportForm, Truth};
 pub(crate) use field::Field;
+pub(crate) use init::{ClassName, Init};
 pub(crate) use inspect::Inspect;
 pub(crate) use linearize::Linearize;
 pub(crate) use monitor::Monitor;
@@ -76,6 +78,7 @@ pub(crate) enum Command {
     Linearize(Linearize),
     Simulate(Simulate),
     Inspect(Inspect),
+    Init(Init),
     Estimate(Estimate),
     Regress(Regress),
     Monitor(Monitor),

@@ -169,6 +169,10 @@ impl Plan {
                 plan.file("--out", a.delivery.out.as_ref());
                 plan.figures.clone_from(&a.figures);
             }
+            Some(Command::Init(a)) => {
+                plan.inputs.push(a.flight.clone());
+                plan.file("--out", a.out.as_ref());
+            }
             Some(Command::Estimate(a)) => {
                 let truths = a.truth.iter().filter_map(|truth| match truth {
                     crate::arguments::Truth::Scenario(wanted) => Some(wanted),

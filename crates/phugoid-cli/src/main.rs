@@ -31,6 +31,7 @@ fn main() -> ExitCode {
         Some(Command::Linearize(arguments)) => commands::linearize::run(arguments),
         Some(Command::Simulate(arguments)) => commands::simulate::run(arguments),
         Some(Command::Inspect(arguments)) => commands::inspect::run(arguments),
+        Some(Command::Init(arguments)) => commands::init::run(arguments),
         Some(Command::Estimate(arguments)) => return estimated(commands::estimate::run(arguments)),
         Some(Command::Monitor(arguments)) => match commands::monitor::run(arguments) {
             Ok(true) => return ExitCode::from(failure::DIVERGED),

@@ -44,7 +44,7 @@ pub enum Format {
     Mat5,
     /// HDF5, which is also MATLAB 7.3; not read.
     Hdf5,
-    /// A file compressed by gzip; not read.
+    /// A file compressed by gzip: a table as text in it is read with the feature `gzip`.
     Gzip,
     /// A zip archive: a workbook of Excel (`.xlsx`), read with the feature `excel`, or another one, which is refused.
     Zip,
@@ -97,6 +97,7 @@ impl Format {
             Format::Mcap => Some("mcap"),
             Format::Parquet | Format::Arrow => Some("parquet"),
             Format::Zip => Some("excel"),
+            Format::Gzip => Some("gzip"),
             _ => None,
         }
     }

@@ -25,6 +25,7 @@
 pub mod batch;
 pub mod compatibility;
 mod core;
+pub mod draft;
 pub mod export;
 pub mod inspect;
 mod judge;

@@ -11,6 +11,7 @@ pub(crate) mod estimate;
 mod export;
 pub(crate) mod field;
 mod flight;
+pub(crate) mod init;
 pub(crate) mod inspect;
 pub(crate) mod linearize;
 pub(crate) mod live;

@@ -77,9 +77,9 @@ impl Record {
 /// the profile or the mappings name ([`ReadError::NothingUsable`]).
 pub fn read_path(path: &Path, options: &ReadOptions) -> Result<Record, ReadError> {
     let account = Account::new(options.table.max_memory);
-    let (format, reader, source) = open(path, &account)?;
+    let (format, mut reader, source) = open(path, &account)?;
     if !format.is_log() {
-        return table(format, reader, path, options, &account);
+        return table(format, &mut reader, path, options, &account);
     }
     match profile(format, options)? {
         Some(profile) => {
@@ -118,9 +118,9 @@ pub struct Surveyed {
 /// is in [`Surveyed::record`].
 pub fn survey_path(path: &Path, options: &ReadOptions) -> Result<Surveyed, ReadError> {
     let account = Account::new(options.table.max_memory);
-    let (format, reader, source) = open(path, &account)?;
+    let (format, mut reader, source) = open(path, &account)?;
     if !format.is_log() {
-        return Ok(Surveyed { survey: None, record: Ok(table(format, reader, path, options, &account)?) });
+        return Ok(Surveyed { survey: None, record: Ok(table(format, &mut reader, path, options, &account)?) });
     }
     let Some(profile) = profile(format, options)? else {
         let survey = log::survey_as(format, reader, &source, &account)?;
@@ -188,7 +188,7 @@ fn record_by_field_names(survey: &Survey, path: &Path, options: &ReadOptions) ->
 /// Reads a file that is no log.
 fn table(
     format: Format,
-    reader: impl Read,
+    reader: &mut dyn Read,
     path: &Path,
     options: &ReadOptions,
     account: &Account,
@@ -196,7 +196,7 @@ fn table(
     let source = printable::path(path);
     match format {
         // The reader of CSV has the best messages for files that are no text.
-        Format::Csv | Format::Gzip | Format::Utf16 => {
+        Format::Csv | Format::Utf16 => {
             Ok(csv::read_counted(reader, &source, &CsvOptions::of(options.table.clone(), options.delimiter), account)?)
         }
         // Parquet has its table of contents at the end, so that it needs the file and not a stream.
@@ -204,6 +204,15 @@ fn table(
         Format::Parquet => Ok(crate::parquet::read_path(path, &options.table)?),
         #[cfg(feature = "parquet")]
         Format::Arrow => Ok(crate::columnar::ipc::read(reader, &source, &options.table, account)?),
+        #[cfg(feature = "gzip")]
+        Format::Gzip => {
+            let io = |error| ReadError::Io { source_name: source.clone(), error };
+            let (inner, mut reader) = Format::of(flate2::read::MultiGzDecoder::new(reader)).map_err(io)?;
+            match inner {
+                Format::Csv => table(inner, &mut reader, path, options, account),
+                other => Err(ReadError::NotRead { source_name: format!("{source} (unpacked)"), format: other }),
+            }
+        }
         #[cfg(feature = "excel")]
         Format::Zip => Ok(crate::excel::read_counted(reader, &source, &options.table, account)?),
         #[cfg(feature = "matlab")]

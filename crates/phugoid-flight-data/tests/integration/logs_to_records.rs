@@ -377,6 +377,28 @@ fn a_table_is_read_by_the_same_entry_and_binary_files_are_named() {
     }
 }
 
+#[test]
+#[cfg(feature = "gzip")]
+fn a_table_compressed_by_gzip_is_read() {
+    use std::io::Write as _;
+    let packed = |text: &[u8]| {
+        let mut packer = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::default());
+        packer.write_all(text).unwrap();
+        packer.finish().unwrap()
+    };
+    let file = Temporary::new("flight.csv.gz", &packed(b"time_s,alpha_deg\n0,1\n0.1,2\n0.2,3\n"));
+    assert_eq!(read(&file, Vec::new()).time, [0.0, 0.1, 0.2]);
+    // What it is unpacked to counts.
+    let bomb = [&b"time_s,alpha_deg\n"[..], &b"0.123456,1.123456\n".repeat(2_000_000)].concat();
+    let file = Temporary::new("bomb.csv.gz", &packed(&bomb));
+    let options = ReadOptions::default().with_max_memory(Memory::from_bytes(10_000_000));
+    let error = read_path(&file.0, &options).unwrap_err().to_string();
+    assert!(error.contains("the budget is 10 MB"), "{error}");
+    let file = Temporary::new("log.gz", &packed(b"ULog\x01\x12\x35"));
+    let error = read_path(&file.0, &ReadOptions::default()).unwrap_err().to_string();
+    assert!(error.contains("(unpacked): this is a PX4 log"), "{error}");
+}
+
 /// Rates and the attitude at the end, as pyulog and pymavlink give them for the same files.
 #[test]
 fn real_logs() {

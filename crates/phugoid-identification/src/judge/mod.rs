@@ -13,7 +13,7 @@ pub mod form;
 mod input_noise;
 mod integrity;
 pub(crate) mod offer;
-mod physics;
+pub(crate) mod physics;
 pub(crate) mod readiness;
 mod reasons;
 pub(crate) mod summary;

@@ -13,6 +13,7 @@ mod batch_hfb320;
 mod batch_pipeline;
 mod batch_real_records;
 mod batch_unstable;
+mod draft;
 mod effective;
 mod followed_constants;
 mod form;

@@ -46,9 +46,9 @@ impl Body {
 
 /// Span times chord over area: 1 for a rectangle, 4/3 for a triangle, a half for a biplane whose area is that of both
 /// wings.
-const CHORD: [f64; 2] = [0.45, 2.0];
+pub(crate) const CHORD: [f64; 2] = [0.45, 2.0];
 /// Aspect ratios from lifting bodies to record gliders.
-const ASPECT_RATIO: [f64; 2] = [0.7, 55.0];
+pub(crate) const ASPECT_RATIO: [f64; 2] = [0.7, 55.0];
 
 /// Area, chord and span have to belong to one wing: the definition of the mean aerodynamic chord, `integral of c^2 dy /
 /// S`, lets `b cbar / S` be between 1 and 4/3 for wings of straight edges (E. Torenbeek, *Synthesis of Subsonic Airplane
@@ -86,7 +86,7 @@ pub(super) fn wing(body: &Body) -> Option<VerdictReason> {
 }
 
 /// `Izz / (Ixx + Iyy)`: 1 for a flat body; never more, but for the scatter of estimated data.
-const FLAT: [f64; 2] = [0.55, 1.1];
+pub(crate) const FLAT: [f64; 2] = [0.55, 1.1];
 /// From here on no body has these moments.
 const NO_BODY: f64 = 1.5;
 

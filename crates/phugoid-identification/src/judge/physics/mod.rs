@@ -8,7 +8,7 @@
 //!
 //! Units, signs and sensors of single channels are asked before, by [`phugoid_flight_data::plausibility`].
 
-mod aircraft;
+pub(crate) mod aircraft;
 mod derivatives;
 mod finding;
 mod flown;

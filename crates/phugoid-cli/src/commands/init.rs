@@ -1,0 +1,116 @@
+//! `phugoid init`.
+
+use std::io::{self, BufRead as _, IsTerminal as _, Write as _};
+
+use clap::ValueEnum as _;
+use phugoid_flight_data::{output_file, printable, reader};
+use phugoid_identification::draft::{Answers, DraftError, Question, draft, questions};
+use phugoid_identification::model_file::ModelFile;
+
+use crate::arguments::{self, ClassName, init};
+use crate::failure::Failure;
+use crate::output::{print, wrapped};
+
+pub(crate) fn run(arguments: &arguments::Init) -> Result<(), Failure> {
+    let record = reader::read_path(&arguments.flight, &arguments.reading.options()).map_err(Failure::input)?;
+    // Questions are answered by a person who sees them: not by the flight that comes through standard input.
+    let asked = io::stdin().is_terminal() && io::stderr().is_terminal();
+    let class = match arguments.aircraft.class {
+        Some(class) => class,
+        None if asked => ask_class()?,
+        None => return Err(Failure::input(unanswered(&[CLASS]))),
+    };
+    let mut answers = arguments.aircraft.answers(class.class());
+    let open = questions(&record, &answers);
+    match (open.is_empty(), asked) {
+        (true, _) => {}
+        (false, true) => open.iter().try_for_each(|question| ask(question, &mut answers))?,
+        (false, false) => return Err(Failure::input(unanswered(&open))),
+    }
+    let drafted = draft(&record, &answers).map_err(|error| match error {
+        DraftError::Channels { .. } => Failure::impossible(error),
+        error => Failure::input(error),
+    })?;
+    // What is written is read again by the same rules as every model file.
+    ModelFile::parse("the model file", &drafted.text).map_err(Failure::impossible)?;
+    match &arguments.out {
+        Some(file) => {
+            output_file::write(file, &drafted.text).map_err(|error| Failure::writing(file, error))?;
+        }
+        None => print(&drafted.text)?,
+    }
+    let mut told = String::new();
+    for (title, lines) in
+        [("Assumed, because nobody said it", &drafted.assumed), ("Does not belong together", &drafted.doubts)]
+    {
+        if !lines.is_empty() {
+            told.push_str(title);
+            told.push('\n');
+            lines.iter().for_each(|line| told.push_str(&wrapped(&printable::one_line(line))));
+        }
+    }
+    if let Some(file) = &arguments.out {
+        let (flight, file) = (printable::path(&arguments.flight), printable::path(file));
+        told.push_str(&format!("Next: phugoid estimate {flight} --model {file}\n"));
+    }
+    // Nobody is left to tell when standard error is closed.
+    let _ = io::stderr().write_all(told.as_bytes());
+    Ok(())
+}
+
+const CLASS: Question = Question {
+    key: "class",
+    text: "what kind of aircraft it is (light-single, transport, glider, drone, fighter)",
+    why: "what is typical stands in for what nobody knows",
+};
+
+/// The options that answer what is open, in one message.
+fn unanswered(open: &[Question]) -> String {
+    let mut text = "something has to be known that no flight tells; say it by options:".to_owned();
+    for Question { key, text: question, why } in open {
+        text.push_str(&format!("\n  --{}: {question} ({why})", key.replace('_', "-")));
+    }
+    text
+}
+
+fn ask_class() -> Result<ClassName, Failure> {
+    loop {
+        let answer = line("Kind of aircraft (light-single, transport, glider, drone, fighter): ")?;
+        match ClassName::from_str(answer.trim(), true) {
+            Ok(class) => return Ok(class),
+            Err(_) => eprintln!("  one of the five words, please"),
+        }
+    }
+}
+
+/// Asks until the answer is a quantity with its unit.
+fn ask(question: &Question, answers: &mut Answers) -> Result<(), Failure> {
+    let (parse, slot, example): (fn(&str) -> Result<f64, String>, _, _) = match question.key {
+        "mass" => (init::mass, &mut answers.mass_kg, "1034 kg"),
+        "wing_area" => (init::area, &mut answers.wing_area_m2, "16.2 m^2"),
+        "wing_span" => (init::length, &mut answers.wing_span_m, "10.9 m"),
+        _ => (init::length, &mut answers.altitude_m, "5000 ft"),
+    };
+    loop {
+        let answer = line(&format!("{} ({}), such as {example}: ", question.text, question.why))?;
+        match parse(answer.trim()) {
+            Ok(value) => {
+                *slot = Some(value);
+                return Ok(());
+            }
+            Err(error) => eprintln!("  {error}"),
+        }
+    }
+}
+
+/// A line from the person at the terminal.
+fn line(prompt: &str) -> Result<String, Failure> {
+    eprint!("{prompt}");
+    let _ = io::stderr().flush();
+    let mut answer = String::new();
+    match io::stdin().lock().read_line(&mut answer) {
+        Ok(0) => Err(Failure::input("no answer was given")),
+        Ok(_) => Ok(answer),
+        Err(error) => Err(Failure::input(format!("standard input cannot be read: {error}"))),
+    }
+}

@@ -1,0 +1,165 @@
+//! Model files that are begun from a flight, against ones that were written by hand.
+
+use phugoid_flight_data::reader::{ReadOptions, read_path};
+use phugoid_flight_data::record::Record;
+use phugoid_identification::draft::{AircraftClass, Answers, DraftError, DraftedAxes, draft, questions};
+use phugoid_identification::estimate::{EstimateOptions, estimate};
+use phugoid_identification::estimation::Estimation;
+use phugoid_identification::model_file::ModelFile;
+
+use crate::common as shared_data;
+
+fn record(text: &str) -> Record {
+    phugoid_flight_data::csv::read(text.as_bytes(), "flight.csv", &phugoid_flight_data::csv::CsvOptions::default()).unwrap()
+}
+
+fn run(record: &Record, model: &str) -> Estimation {
+    estimate(record, &ModelFile::parse("model.toml", model).unwrap(), &EstimateOptions::default()).unwrap()
+}
+
+/// Both estimates of a parameter agree within the bounds of the one whose model was written by hand.
+#[track_caller]
+fn agree(drafted: &Estimation, by_hand: &Estimation, names: &[&str]) {
+    for name in names {
+        let of = |estimation: &Estimation| {
+            let parameter = estimation.parameters.iter().find(|parameter| parameter.name == *name);
+            parameter.map(|p| (p.estimate, p.std_error)).unwrap_or_else(|| panic!("no {name}"))
+        };
+        let ((ours, _), (theirs, sigma)) = (of(drafted), of(by_hand));
+        println!("{name}: {ours:.4}, by hand {theirs:.4} +- {:.4}", 2.0 * sigma);
+        assert!((ours - theirs).abs() <= 2.0 * sigma, "{name}: {ours} against {theirs} +- {}", 2.0 * sigma);
+    }
+}
+
+#[test]
+fn the_hfb_320_from_a_few_answers_is_the_one_written_by_hand() {
+    let Some(path) = shared_data::shared_file("flight/hfb320.csv") else { return };
+    let flight = read_path(&path, &ReadOptions::default()).unwrap();
+    let answers = Answers {
+        mass_kg: Some(7472.0),
+        iyy_kg_m2: Some(91_388.0),
+        wing_area_m2: Some(30.0968),
+        wing_span_m: Some(14.49),
+        mean_chord_m: Some(2.43),
+        ..Answers::of(AircraftClass::Transport)
+    };
+    assert!(questions(&flight, &answers).is_empty());
+    let drafted = draft(&flight, &answers).unwrap();
+    println!("{}", drafted.text);
+    assert!(drafted.doubts.is_empty(), "{:?}", drafted.doubts);
+    assert!(drafted.text.contains("air_density = \"0.79"), "{}", drafted.text);
+    let by_hand = run(&flight, ModelFile::text("hfb320").unwrap());
+    agree(&run(&flight, &drafted.text), &by_hand, &["CL_alpha", "Cm_alpha", "Cm_q", "Cm_elevator", "CD_alpha"]);
+}
+
+/// Two aircraft of JSBSim, flown by it: the same estimates as from a model file of an engineer who knows more.
+#[test]
+fn aircraft_of_another_simulator_are_those_written_by_hand() {
+    for (name, class) in [("c182", AircraftClass::LightSingle), ("fokker100", AircraftClass::Transport)] {
+        let file = |end: &str| shared_data::shared_file(&format!("jsbsim/{name}{end}"));
+        let (Some(flight), Some(data)) = (file("_small.csv.gz"), file(".json")) else { return };
+        // The record of the elevator manoeuvre; the others come later in the same flight.
+        let flight = read_path(&flight, &ReadOptions::default()).unwrap().between(0.0, 11.0).unwrap();
+        let data: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(data).unwrap()).unwrap();
+        let number = |pointer: &str| data.pointer(pointer).and_then(serde_json::Value::as_f64).unwrap();
+        let answers = Answers {
+            mass_kg: Some(number("/mass_kg")),
+            iyy_kg_m2: Some(number("/inertia_kg_m2/Iyy")),
+            wing_area_m2: Some(number("/geometry/S_m2")),
+            wing_span_m: Some(number("/geometry/b_m")),
+            mean_chord_m: Some(number("/geometry/cbar_m")),
+            thrust_n: Some(number("/trim/thrust_x_n")),
+            ..Answers::of(class)
+        };
+        let drafted = draft(&flight, &answers).unwrap();
+        assert!(drafted.doubts.is_empty(), "{:?}", drafted.doubts);
+        let by_hand = format!(
+            r#"
+axes = ["longitudinal"]
+input = "interpolated"
+outputs = ["true_airspeed", "alpha", "theta", "q", "ax", "az"]
+[aircraft]
+mass = {mass}
+iyy = {iyy}
+wing_area = {area}
+mean_chord = {chord}
+thrust = {thrust}
+air_density = {{ channel = "air_density" }}
+[coefficients]
+CL = ["1", "alpha", "q_hat", "elevator"]
+CD = ["1", "alpha", "alpha^2"]
+Cm = ["1", "alpha", "q_hat", "elevator"]
+[parameters]
+CL_0 = {{ start = 0.3, prior_std = 1 }}
+CL_alpha = {{ start = 5, prior_std = 10 }}
+CL_q = {{ start = 4, prior_std = 40 }}
+CL_elevator = {{ start = 0.4, prior_std = 4 }}
+CD_0 = {{ start = 0.03, prior_std = 0.3 }}
+CD_alpha = {{ start = 0.1, prior_std = 2 }}
+CD_alpha2 = {{ start = 1, prior_std = 10 }}
+Cm_0 = {{ start = 0, prior_std = 0.3 }}
+Cm_alpha = {{ start = -1, prior_std = 5 }}
+Cm_q = {{ start = -15, prior_std = 60 }}
+Cm_elevator = {{ start = -1, prior_std = 5 }}
+[uncertainty]
+class = "unstated"
+"#,
+            mass = number("/mass_kg"),
+            iyy = number("/inertia_kg_m2/Iyy"),
+            area = number("/geometry/S_m2"),
+            chord = number("/geometry/cbar_m"),
+            thrust = number("/trim/thrust_x_n"),
+        );
+        println!("{name}");
+        agree(&run(&flight, &drafted.text), &run(&flight, &by_hand), &["CL_alpha", "Cm_alpha", "Cm_q", "Cm_elevator"]);
+    }
+}
+
+#[test]
+fn what_nobody_said_is_asked_for() {
+    let flight = record("time_s,tas_m_s,theta_deg,q_deg_s,elevator_deg\n0,30,1,0,0\n0.1,30,1,0,0\n0.2,30,1,0,0\n");
+    let mut answers = Answers::of(AircraftClass::Drone);
+    let asked: Vec<&str> = questions(&flight, &answers).iter().map(|question| question.key).collect();
+    assert_eq!(asked, ["mass", "wing_area", "wing_span", "altitude"]);
+    assert!(matches!(draft(&flight, &answers), Err(DraftError::Unanswered(open)) if open.len() == 4));
+    answers.mass_kg = Some(2.0);
+    (answers.wing_area_m2, answers.wing_span_m, answers.altitude_m) = (Some(0.45), Some(1.8), Some(100.0));
+    let drafted = draft(&flight, &answers).unwrap();
+    ModelFile::parse("drone.toml", &drafted.text).unwrap();
+    for word in ["iyy", "mean_chord", "thrust", "alpha was not recorded", "az was not recorded"] {
+        assert!(drafted.assumed.iter().any(|line| line.contains(word)), "{word}: {:?}", drafted.assumed);
+    }
+    assert!(drafted.text.contains("class = \"unmanned-without-vane\""), "{}", drafted.text);
+    // An answer in another unit than it was meant.
+    answers.mass_kg = Some(2000.0);
+    let doubts = draft(&flight, &answers).unwrap().doubts;
+    assert!(doubts.iter().any(|doubt| doubt.contains("is it in pounds?")), "{doubts:?}");
+    assert!(doubts.iter().any(|doubt| doubt.contains("a coefficient of lift of")), "{doubts:?}");
+    answers.mass_kg = Some(f64::NAN);
+    assert!(matches!(draft(&flight, &answers), Err(DraftError::NotPositive { key: "mass", .. })));
+    answers.mass_kg = Some(2.0);
+    answers.axes = Some(DraftedAxes::Lateral);
+    let error = draft(&flight, &answers).unwrap_err().to_string();
+    assert!(error.contains("no phi, no p, no r") && error.contains("phi_rad"), "{error}");
+}
+
+#[test]
+fn an_airspeed_that_is_not_true_becomes_one() {
+    let rows: String = (0..50).map(|k| format!("{},60,1,0,0,3000\n", 0.1 * f64::from(k))).collect();
+    let flight = record(&format!("time_s,IAS [kt],theta_deg,q_deg_s,elevator_deg,altitude_m\n{rows}"));
+    let answers = Answers {
+        mass_kg: Some(300.0),
+        wing_area_m2: Some(10.0),
+        wing_span_m: Some(15.0),
+        ..Answers::of(AircraftClass::Glider)
+    };
+    let drafted = draft(&flight, &answers).unwrap();
+    let model = ModelFile::parse("glider.toml", &drafted.text).unwrap();
+    let file = std::env::temp_dir().join(format!("phugoid-draft-{}.csv", std::process::id()));
+    std::fs::write(&file, format!("time_s,IAS [kt],theta_deg,q_deg_s,elevator_deg,altitude_m\n{rows}")).unwrap();
+    let read = model.open_record(&file).unwrap();
+    std::fs::remove_file(&file).unwrap();
+    // 60 kt at the density of 3000 m, 0.9093 kg/m^3 (ISO 2533).
+    let expected = 60.0 * 1852.0 / 3600.0 * (1.225_f64 / 0.9093).sqrt();
+    assert!((read.channel("true_airspeed").unwrap().values[0] - expected).abs() < 0.05);
+}
