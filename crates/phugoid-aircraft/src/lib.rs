@@ -1,4 +1,5 @@
 #![doc = include_str!("../README.md")]
 
 pub mod check_case;
+pub mod daveml;
 pub mod xml;

@@ -1,0 +1,183 @@
+//! A model that was read: what it has, and where its values are.
+
+use std::collections::HashMap;
+use std::path::Path;
+use std::sync::Arc;
+
+use phugoid_flight_dynamics::scalar::Scalar;
+
+use super::checks::{self, CheckReport};
+use super::document::{Function, Header, Role, StaticShot, Variable};
+use super::error::DavemlError;
+use super::program::{Evaluator, Program};
+use super::reader;
+use crate::xml;
+
+/// A model in DAVE-ML, ready to be evaluated.
+#[derive(Clone, Debug)]
+pub struct Model {
+    header: Header,
+    variables: Vec<Variable>,
+    functions: Vec<Function>,
+    /// Positions by identifier.
+    by_id: HashMap<String, usize>,
+    /// Positions by name: those of an input and of another variable, which may share one.
+    by_name: HashMap<String, Vec<usize>>,
+    inputs: Vec<usize>,
+    outputs: Vec<usize>,
+    shots: Vec<StaticShot>,
+    program: Arc<Program>,
+}
+
+impl Model {
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// [`DavemlError`]; the message names the file.
+    pub fn open(file: impl AsRef<Path>) -> Result<Self, DavemlError> {
+        let file = file.as_ref();
+        let text = xml::text_of(file)?;
+        Self::parse(&text).map_err(|source| DavemlError::InFile { file: file.into(), source: Box::new(source) })
+    }
+
+    /// Reads a text. Nothing else is read: a document type on the network is not fetched.
+    ///
+    /// # Errors
+    /// [`DavemlError`], with the line.
+    pub fn parse(text: &str) -> Result<Self, DavemlError> {
+        reader::read(text)
+    }
+
+    pub(super) fn new(
+        header: Header,
+        variables: Vec<Variable>,
+        functions: Vec<Function>,
+        by_id: HashMap<String, usize>,
+        program: Arc<Program>,
+        used: &[bool],
+    ) -> Self {
+        let mut by_name: HashMap<String, Vec<usize>> = HashMap::new();
+        for (position, variable) in variables.iter().enumerate() {
+            by_name.entry(variable.name.clone()).or_default().push(position);
+        }
+        let which = |wanted: &dyn Fn(usize, &Variable) -> bool| {
+            let positions = variables.iter().enumerate().filter(|(position, variable)| wanted(*position, variable));
+            positions.map(|(position, _)| position).collect::<Vec<_>>()
+        };
+        let inputs = which(&|_, variable| variable.role == Role::Input);
+        let outputs = which(&|position, variable| {
+            variable.is_output || variable.role == Role::Computed && !used[position]
+        });
+        Self { header, variables, functions, by_id, by_name, inputs, outputs, shots: Vec::new(), program }
+    }
+
+    pub(super) fn set_shots(&mut self, shots: Vec<StaticShot>) {
+        self.shots = shots;
+    }
+
+    /// Where the file comes from.
+    pub fn header(&self) -> &Header {
+        &self.header
+    }
+
+    /// All variables, in the order of the file. Positions in this list are what an [`Evaluator`] counts by.
+    pub fn variables(&self) -> &[Variable] {
+        &self.variables
+    }
+
+    /// The functions, in the order of the file.
+    pub fn functions(&self) -> &[Function] {
+        &self.functions
+    }
+
+    /// The check cases, in the order of the file.
+    pub fn shots(&self) -> &[StaticShot] {
+        &self.shots
+    }
+
+    /// Variables that have to be set: marked as input, control or disturbance, or neither computed nor given a value.
+    pub fn inputs(&self) -> impl ExactSizeIterator<Item = &Variable> {
+        self.inputs.iter().map(|position| &self.variables[*position])
+    }
+
+    /// Variables that come out: marked as output, or computed and used by no other.
+    pub fn outputs(&self) -> impl ExactSizeIterator<Item = &Variable> {
+        self.outputs.iter().map(|position| &self.variables[*position])
+    }
+
+    /// Positions of [`Model::inputs`] in [`Model::variables`].
+    pub fn input_positions(&self) -> &[usize] {
+        &self.inputs
+    }
+
+    /// Positions of [`Model::outputs`] in [`Model::variables`].
+    pub fn output_positions(&self) -> &[usize] {
+        &self.outputs
+    }
+
+    /// The variable with this identifier or else this name; see [`Model::position`].
+    pub fn variable(&self, name: &str) -> Option<&Variable> {
+        self.position_in(name, false).map(|position| &self.variables[position])
+    }
+
+    /// Position of the variable with this identifier, or else this name, in [`Model::variables`]. Of several with the
+    /// same name it is an output if there is one.
+    ///
+    /// # Errors
+    /// [`DavemlError::UnknownSignal`].
+    pub fn position(&self, name: &str) -> Result<usize, DavemlError> {
+        self.by_id.get(name).copied().or_else(|| self.position_in(name, false)).ok_or_else(|| unknown(name))
+    }
+
+    /// Position of the variable with this identifier, or else this name, if it can be set. Of several with the same name
+    /// it is an input if there is one.
+    ///
+    /// # Errors
+    /// [`DavemlError::UnknownSignal`]; [`DavemlError::NotAnInput`] for a variable that is computed.
+    pub fn input_position(&self, name: &str) -> Result<usize, DavemlError> {
+        let known = self.by_id.get(name).copied();
+        let position = known.or_else(|| self.position_in(name, true)).ok_or_else(|| unknown(name))?;
+        match self.can_be_set(position) {
+            true => Ok(position),
+            false => Err(DavemlError::NotAnInput { id: self.variables[position].id.clone(), line: None }),
+        }
+    }
+
+    pub(super) fn position_of_id(&self, id: &str) -> Option<usize> {
+        self.by_id.get(id).copied().or_else(|| self.position_in(id, false))
+    }
+
+    /// Position of the variable with this name, or else this identifier.
+    pub(super) fn position_in(&self, name: &str, to_set: bool) -> Option<usize> {
+        let Some(named) = self.by_name.get(name) else { return self.by_id.get(name).copied() };
+        let suits = |position: &&usize| {
+            let variable = &self.variables[**position];
+            if to_set { variable.role == Role::Input } else { variable.is_output }
+        };
+        named.iter().find(suits).or_else(|| named.first()).copied()
+    }
+
+    pub(super) fn can_be_set(&self, position: usize) -> bool {
+        self.program.computed.get(position).is_some_and(|computed| !computed)
+    }
+
+    /// What evaluates the model. It needs no reference to it, and a copy costs no reading.
+    pub fn evaluator(&self) -> Evaluator {
+        Evaluator::new(Arc::clone(&self.program))
+    }
+
+    /// The same for any [`Scalar`], such as numbers that carry exact derivatives.
+    pub fn evaluator_of<T: Scalar>(&self) -> Evaluator<T> {
+        Evaluator::new(Arc::clone(&self.program))
+    }
+
+    /// Compares the model with its own check data. Values whose unit is of the same kind as that of the variable and
+    /// another are converted.
+    pub fn check(&self) -> CheckReport {
+        checks::check(self)
+    }
+}
+
+fn unknown(name: &str) -> DavemlError {
+    DavemlError::UnknownSignal { name: name.to_owned(), line: None }
+}
