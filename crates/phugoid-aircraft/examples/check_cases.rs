@@ -35,7 +35,9 @@ fn main() {
     let folder = Path::new(&folder);
     let wanted: Vec<String> = arguments.collect();
     let cases = CheckCases::read(&folder.join("cases.json")).expect("definitions");
-    println!("| case | quantity | our largest difference | largest difference between simulators | last digit | agrees |");
+    println!(
+        "| case | quantity | our largest difference | largest difference between simulators | last digit | agrees |"
+    );
     println!("|---|---|---|---|---|---|");
     for id in cases.ids().into_iter().filter(|id| wanted.is_empty() || wanted.contains(id)) {
         let flight = match cases.case(&id).and_then(|case| case.fly()) {
@@ -55,7 +57,11 @@ fn main() {
                 c.largest(),
                 c.spread,
                 c.resolution,
-                if c.agrees() { "yes".to_owned() } else { format!("no: {:.2} {:?}", c.largest() / c.mark(), c.differences) }
+                if c.agrees() {
+                    "yes".to_owned()
+                } else {
+                    format!("no: {:.2} {:?}", c.largest() / c.mark(), c.differences)
+                }
             );
         }
     }

@@ -105,7 +105,13 @@ impl CheckCase {
     pub fn fly(&self) -> Result<Trajectory, CheckCaseError> {
         match &self.vehicle {
             CheckVehicle::Blunt(body) => self.flown(&mut body.clone(), self.launch),
-            CheckVehicle::F16 { .. } => self.flown(&mut unreachable(), self.launch),
+            CheckVehicle::F16 { folder, manoeuvre } => {
+                let mut aircraft = f16::F16::read(folder, manoeuvre)?;
+                let launch = aircraft
+                    .trim(&self.world, self.launch)
+                    .map_err(|source| CheckCaseError::Trim { id: self.id.clone(), source })?;
+                self.flown(&mut aircraft, launch)
+            }
         }
     }
 
@@ -129,5 +135,3 @@ impl CheckCase {
         Ok(trajectory)
     }
 }
-
-fn unreachable() -> phugoid_flight_dynamics::globe::loads::BluntBody { todo!() }

@@ -129,7 +129,14 @@ pub struct Comparison {
     pub spread: f64,
     /// Largest unit of the last digit among the simulators.
     pub resolution: f64,
+    /// Largest absolute value that a simulator wrote.
+    pub size: f64,
 }
+
+/// How much larger than the spread a difference may be, as a share of it. A flight that is a little beyond the simulator
+/// at the edge, to which it may be very close, is a little further from the one at the other edge than those two are from
+/// each other.
+pub const MARGIN: f64 = 0.02;
 
 impl Comparison {
     /// Largest difference from any simulator.
@@ -137,9 +144,17 @@ impl Comparison {
         self.differences.iter().map(|(_, difference)| *difference).fold(0.0, f64::max)
     }
 
-    /// Largest difference that counts as agreement: the spread, and no less than the last digit written.
+    /// Smallest of the largest differences: how far the closest simulator is.
+    pub fn closest(&self) -> f64 {
+        self.differences.iter().map(|(_, difference)| *difference).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Largest difference that counts as agreement: the spread and [`MARGIN`] of it, and no less than the last digit
+    /// written (at most a millionth of the largest value) or the rounding of the computation (1e-12 of the largest value
+    /// or of one unit).
     pub fn mark(&self) -> f64 {
-        self.spread.max(self.resolution)
+        let rounding = 1e-12 * self.size.max(1.0);
+        (self.spread * (1.0 + MARGIN)).max(self.resolution.min(1e-6 * self.size)).max(rounding)
     }
 
     /// Whether the flight agrees with every simulator as well as they agree with one another.
@@ -155,10 +170,8 @@ pub fn compare(flight: &Trajectory, simulators: &[Recorded]) -> Vec<Comparison> 
     let mut comparisons = Vec::new();
     for (column, heading) in COLUMNS.iter().enumerate().skip(1) {
         let written: Vec<&Recorded> = simulators.iter().filter(|s| s.is_written(heading)).collect();
-        let all: Vec<(&Recorded, Vec<[f64; 2]>)> = written
-            .iter()
-            .filter_map(|s| Some((*s, s.series(heading)?)))
-            .collect();
+        let all: Vec<(&Recorded, Vec<[f64; 2]>)> =
+            written.iter().filter_map(|s| Some((*s, s.series(heading)?))).collect();
         // If every simulator wrote zeros, zero is the answer.
         let all = if all.is_empty() {
             written
@@ -186,11 +199,10 @@ pub fn compare(flight: &Trajectory, simulators: &[Recorded]) -> Vec<Comparison> 
                 spread = spread.max(largest_difference(a, b, round).unwrap_or(0.0));
             }
         }
-        let resolution = all
-            .iter()
-            .filter_map(|(s, _)| Some(s.resolution[s.column(heading)?]))
-            .fold(0.0, f64::max);
-        comparisons.push(Comparison { heading, differences, spread, resolution });
+        let resolution = all.iter().filter_map(|(s, _)| Some(s.resolution[s.column(heading)?])).fold(0.0, f64::max);
+        let values = all.iter().flat_map(|(_, series)| series.iter().map(|[_, value]| value.abs()));
+        let size = values.fold(0.0, f64::max);
+        comparisons.push(Comparison { heading, differences, spread, resolution, size });
     }
     comparisons
 }

@@ -139,8 +139,7 @@ impl Reader<'_> {
         if text == "still air" {
             return Ok(Wind::default());
         }
-        let directions =
-            [("north", [1.0, 0.0]), ("east", [0.0, 1.0]), ("south", [-1.0, 0.0]), ("west", [0.0, -1.0])];
+        let directions = [("north", [1.0, 0.0]), ("east", [0.0, 1.0]), ("south", [-1.0, 0.0]), ("west", [0.0, -1.0])];
         let towards = directions.iter().find(|(name, _)| text.contains(&format!("towards {name}")));
         let speeds = numbers_before(text, "ft/s");
         let heights = numbers_before(text, "ft");
@@ -188,7 +187,8 @@ impl Reader<'_> {
             "no aerodynamics" | "with CD = 0" => body.drag = 0.0,
             _ => {
                 let value = rest.strip_prefix("Cl_p = Cm_q = Cn_r = ").and_then(fraction);
-                body.damping = [value.ok_or_else(|| self.fault(format!("vehicle `{description}` is not understood")))?; 3];
+                body.damping =
+                    [value.ok_or_else(|| self.fault(format!("vehicle `{description}` is not understood")))?; 3];
             }
         }
         Ok(body)
@@ -197,7 +197,9 @@ impl Reader<'_> {
     fn launch(&self, initial: &Value) -> Result<Launch, CheckCaseError> {
         let velocity = match self.vector(initial, "vn_ve_vd_ft_s")? {
             Some(velocity) => velocity,
-            None => [self.number(initial, "vn_ft_s")?, self.number(initial, "ve_ft_s")?, self.number(initial, "vd_ft_s")?],
+            None => {
+                [self.number(initial, "vn_ft_s")?, self.number(initial, "ve_ft_s")?, self.number(initial, "vd_ft_s")?]
+            }
         };
         let [yaw, pitch, roll] = match self.vector(initial, "psi_theta_phi_deg")? {
             Some(angles) => angles,
@@ -259,8 +261,8 @@ impl CheckCases {
     ///
     /// [`CheckCaseError::Read`] or [`CheckCaseError::Json`].
     pub fn read(path: &Path) -> Result<Self, CheckCaseError> {
-        let text = std::fs::read_to_string(path)
-            .map_err(|source| CheckCaseError::Read { path: path.to_owned(), source })?;
+        let text =
+            std::fs::read_to_string(path).map_err(|source| CheckCaseError::Read { path: path.to_owned(), source })?;
         let definitions: Value =
             serde_json::from_str(&text).map_err(|source| CheckCaseError::Json { path: path.to_owned(), source })?;
         let model = definitions["vehicles"]["f16"]["model"].as_str().unwrap_or_default();

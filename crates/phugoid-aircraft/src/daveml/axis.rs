@@ -189,13 +189,8 @@ mod tests {
     use super::*;
 
     fn axis(points: &[f64], interpolation: Interpolation, extrapolates: [bool; 2]) -> Axis {
-        let independent = Independent {
-            variable: 0,
-            interpolation,
-            lower: f64::NEG_INFINITY,
-            upper: f64::INFINITY,
-            extrapolates,
-        };
+        let independent =
+            Independent { variable: 0, interpolation, lower: f64::NEG_INFINITY, upper: f64::INFINITY, extrapolates };
         Axis::new(points.into(), 1, independent)
     }
 
@@ -213,7 +208,8 @@ mod tests {
     fn steps_change_where_the_standard_says() {
         let points = [1.0, 3.0, 4.0];
         let at = |interpolation, x: f64| axis(&points, interpolation, [false; 2]).locate(x, 0).index;
-        for (x, discrete, floor, ceiling) in [(0.0, 0, 0, 0), (1.0, 0, 0, 0), (1.1, 0, 0, 1), (2.0, 1, 0, 1), (3.0, 1, 1, 1)]
+        for (x, discrete, floor, ceiling) in
+            [(0.0, 0, 0, 0), (1.0, 0, 0, 0), (1.1, 0, 0, 1), (2.0, 1, 0, 1), (3.0, 1, 1, 1)]
         {
             assert_eq!(at(Interpolation::Discrete, x), discrete, "{x}");
             assert_eq!(at(Interpolation::Floor, x), floor, "{x}");

@@ -102,9 +102,8 @@ pub(super) fn check(model: &Model) -> CheckReport {
         evaluator.run();
         let internals = shot.internals.iter().map(|signal| (Kind::Internal, signal));
         let outputs = shot.outputs.iter().map(|signal| (Kind::Output, signal));
-        let signals = internals.chain(outputs).map(|(kind, signal)| {
-            compare(model, kind, signal, evaluator.get(signal.variable))
-        });
+        let signals =
+            internals.chain(outputs).map(|(kind, signal)| compare(model, kind, signal, evaluator.get(signal.variable)));
         ShotReport { name: shot.name.clone(), line: shot.line, signals: signals.collect() }
     });
     CheckReport { shots: shots.collect() }
@@ -117,7 +116,8 @@ fn compare(model: &Model, kind: Kind, signal: &Signal, found: f64) -> SignalRepo
         // A tolerance is a difference, so an offset of the unit does not count.
         (converted(signal.value + tolerance, &signal.units, &variable.units) - expected).abs()
     });
-    let stated = stated.map(|converted| if signal.units.is_empty() { signal.tolerance.unwrap_or(converted) } else { converted });
+    let stated =
+        stated.map(|converted| if signal.units.is_empty() { signal.tolerance.unwrap_or(converted) } else { converted });
     let tolerance = stated.unwrap_or(DEFAULT_TOLERANCE * expected.abs().max(1.0));
     SignalReport {
         id: variable.id.clone(),

@@ -42,7 +42,11 @@ impl Triangulation {
         let left = area(at(order[0]), at(order[1]), at(order[apex])) > 0.0;
         let mut mesh = Self::default();
         // For each point on the hull the next one counter-clockwise, and the triangle at the edge between them.
-        let mut hull = Hull { next: vec![OUTSIDE; points.len()], previous: vec![OUTSIDE; points.len()], edge: vec![(OUTSIDE, 0); points.len()] };
+        let mut hull = Hull {
+            next: vec![OUTSIDE; points.len()],
+            previous: vec![OUTSIDE; points.len()],
+            edge: vec![(OUTSIDE, 0); points.len()],
+        };
         let line = &order[..apex];
         let top = order[apex];
         for pair in line.windows(2) {

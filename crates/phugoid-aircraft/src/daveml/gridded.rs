@@ -50,7 +50,11 @@ impl Gridded {
             }
             Interpolation::Linear | Interpolation::CubicSpline => {
                 let (low, high) = (at(place.index), at(place.index + 1));
-                if place.fraction.real() == 1.0 { high + (high - low) * (place.fraction - 1.0) } else { low + (high - low) * place.fraction }
+                if place.fraction.real() == 1.0 {
+                    high + (high - low) * (place.fraction - 1.0)
+                } else {
+                    low + (high - low) * place.fraction
+                }
             }
         }
     }

@@ -191,9 +191,7 @@ impl Translator<'_> {
         }
         let texts: Vec<&str> = node.children().filter(|c| c.is_text()).filter_map(|c| c.text()).collect();
         let pair = || match texts.as_slice() {
-            [first, second] => {
-                Ok((self.lines.number(node, first, "<cn>")?, self.lines.number(node, second, "<cn>")?))
-            }
+            [first, second] => Ok((self.lines.number(node, first, "<cn>")?, self.lines.number(node, second, "<cn>")?)),
             _ => Err(self.lines.missing(node, "sep")),
         };
         let number = match kind {

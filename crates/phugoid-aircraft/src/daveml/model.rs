@@ -65,9 +65,8 @@ impl Model {
             positions.map(|(position, _)| position).collect::<Vec<_>>()
         };
         let inputs = which(&|_, variable| variable.role == Role::Input);
-        let outputs = which(&|position, variable| {
-            variable.is_output || variable.role == Role::Computed && !used[position]
-        });
+        let outputs =
+            which(&|position, variable| variable.is_output || variable.role == Role::Computed && !used[position]);
         Self { header, variables, functions, by_id, by_name, inputs, outputs, shots: Vec::new(), program }
     }
 

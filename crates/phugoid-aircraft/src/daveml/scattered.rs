@@ -155,7 +155,10 @@ mod tests {
         // A plane, whatever the triangles.
         let points = vec![[0.0, 0.0], [10.0, 0.0], [0.0, 2.0], [10.0, 2.0], [3.0, 1.0], [4.0, 0.5]];
         let values = points.iter().map(|[x, y]| 1.0 + 2.0 * x - 3.0 * y).collect();
-        Scattered { independents: [independent(0), independent(1)], surface: Arc::new(Surface::new(points, values).unwrap()) }
+        Scattered {
+            independents: [independent(0), independent(1)],
+            surface: Arc::new(Surface::new(points, values).unwrap()),
+        }
     }
 
     #[test]

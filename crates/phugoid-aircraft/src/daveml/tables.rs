@@ -24,9 +24,15 @@ pub(super) struct TableDefinition {
 }
 
 enum TableContent {
-    Gridded { axes: Vec<Arc<[f64]>>, values: Arc<[f64]> },
+    Gridded {
+        axes: Vec<Arc<[f64]>>,
+        values: Arc<[f64]>,
+    },
     /// Points with their value last, and the triangles between them once a function needs them.
-    Ungridded { rows: Vec<Vec<f64>>, surface: OnceCell<Option<Arc<Surface>>> },
+    Ungridded {
+        rows: Vec<Vec<f64>>,
+        surface: OnceCell<Option<Arc<Surface>>>,
+    },
 }
 
 /// What functions refer to.
@@ -156,7 +162,11 @@ impl TableReader<'_> {
         if rows.is_empty() {
             return Err(self.lines.missing(node, "dataPoint"));
         }
-        Ok(TableDefinition { content: TableContent::Ungridded { rows, surface: OnceCell::new() }, uncertainty: doubt, line })
+        Ok(TableDefinition {
+            content: TableContent::Ungridded { rows, surface: OnceCell::new() },
+            uncertainty: doubt,
+            line,
+        })
     }
 
     /// A `function` with its table, and the position of the variable that it computes.

@@ -163,7 +163,9 @@ pub(super) fn converted(value: f64, from: &str, to: &str) -> f64 {
         return value;
     }
     match (Unit::parse(from), Unit::parse(to)) {
-        (Some(from), Some(to)) if from.dimension == to.dimension && (from.factor, from.offset) != (to.factor, to.offset) => {
+        (Some(from), Some(to))
+            if from.dimension == to.dimension && (from.factor, from.offset) != (to.factor, to.offset) =>
+        {
             to.from_si(from.to_si(value))
         }
         _ => value,

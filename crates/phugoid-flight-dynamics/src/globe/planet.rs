@@ -189,6 +189,23 @@ impl Planet {
         }
     }
 
+    /// Radii of curvature, m, of the surface at a latitude (rad): along the meridian, and across it. Infinite for a plane.
+    ///
+    /// A step of `dlat` rad in latitude is `(first + altitude) dlat` long, one of `dlon` in longitude
+    /// `(second + altitude) cos(latitude) dlon` (Stevens, Lewis and Johnson 1.6-5 and 1.6-13).
+    #[inline]
+    pub fn curvature_radii(&self, latitude: f64) -> [f64; 2] {
+        let e = match self {
+            Self::Flat { .. } => return [f64::INFINITY; 2],
+            Self::Ellipsoid(e) => e,
+        };
+        let (sin_latitude, _) = sin_cos(latitude);
+        let eccentricity2 = e.flattening * (2.0 - e.flattening);
+        let w2 = 1.0 - eccentricity2 * sin_latitude * sin_latitude;
+        let normal = e.equatorial_radius / sqrt(w2);
+        [normal * (1.0 - eccentricity2) / w2, normal]
+    }
+
     /// Rotation of the local north-east-down axes relative to the inertial frame, rad/s, components along north, east
     /// and down, for something at `place` that moves with `velocity` (north, east and down, m/s) relative to the ground.
     ///
@@ -201,10 +218,7 @@ impl Planet {
             Self::Ellipsoid(e) => e,
         };
         let (sin_latitude, cos_latitude) = sin_cos(place.latitude);
-        let eccentricity2 = e.flattening * (2.0 - e.flattening);
-        let w2 = 1.0 - eccentricity2 * sin_latitude * sin_latitude;
-        let normal = e.equatorial_radius / sqrt(w2);
-        let meridian = normal * (1.0 - eccentricity2) / w2;
+        let [meridian, normal] = self.curvature_radii(place.latitude);
         let east = velocity[1] / (normal + place.altitude);
         let turning = if east == 0.0 { 0.0 } else { -east * sin_latitude / cos_latitude };
         add(
