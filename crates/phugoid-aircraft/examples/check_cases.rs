@@ -36,9 +36,9 @@ fn main() {
     let wanted: Vec<String> = arguments.collect();
     let cases = CheckCases::read(&folder.join("cases.json")).expect("definitions");
     println!(
-        "| case | quantity | our largest difference | largest difference between simulators | last digit | agrees |"
+        "| case | quantity | our largest difference | closest simulator | between simulators | last digit | agrees |"
     );
-    println!("|---|---|---|---|---|---|");
+    println!("|---|---|---|---|---|---|---|");
     for id in cases.ids().into_iter().filter(|id| wanted.is_empty() || wanted.contains(id)) {
         let flight = match cases.case(&id).and_then(|case| case.fly()) {
             Ok(flight) => flight,
@@ -52,9 +52,10 @@ fn main() {
         }
         for c in compare(&flight, &recorded(folder, &id)) {
             println!(
-                "| {id} | {} | {:.3e} | {:.3e} | {:.0e} | {} |",
+                "| {id} | {} | {:.3e} | {:.3e} | {:.3e} | {:.0e} | {} |",
                 c.heading,
                 c.largest(),
+                c.closest(),
                 c.spread,
                 c.resolution,
                 if c.agrees() {

@@ -22,7 +22,8 @@ pub mod trajectory;
 
 use std::path::PathBuf;
 
-use phugoid_flight_dynamics::globe::flight::{FlightError, fly};
+use phugoid_flight_dynamics::globe::condition::Launch;
+use phugoid_flight_dynamics::globe::flight::{FlightError, fly, motion};
 use phugoid_flight_dynamics::globe::loads::Loads;
 use phugoid_flight_dynamics::globe::steady::NoTrim;
 
@@ -110,16 +111,18 @@ impl CheckCase {
                 let launch = aircraft
                     .trim(&self.world, self.launch)
                     .map_err(|source| CheckCaseError::Trim { id: self.id.clone(), source })?;
-                self.flown(&mut aircraft, launch)
+                // The first row is the trimmed flight before the autopilot acts, as most simulators wrote it.
+                let start = launch.state(&self.world.planet, 0.0, []);
+                let trimmed = motion(&self.world, &mut aircraft, 0.0, &start);
+                aircraft.engage();
+                let mut flight = self.flown(&mut aircraft, launch)?;
+                flight.replace_first(&trimmed);
+                Ok(flight)
             }
         }
     }
 
-    fn flown(
-        &self,
-        vehicle: &mut dyn Loads,
-        launch: phugoid_flight_dynamics::globe::condition::Launch,
-    ) -> Result<Trajectory, CheckCaseError> {
+    fn flown(&self, vehicle: &mut dyn Loads, launch: Launch) -> Result<Trajectory, CheckCaseError> {
         let mut trajectory = Trajectory::default();
         let every = (self.output_interval / STEP).round().max(1.0) as usize;
         let step = self.output_interval / every as f64;

@@ -74,6 +74,7 @@ const LAW: [&str; 19] = [
 const DEFLECTIONS: [&str; 4] = ["el", "ail", "rdr", "PWR"];
 /// Number of signals of a law with its own three.
 const SIGNALS: usize = LAW.len() + 4;
+const _: () = assert!(SIGNALS == 23);
 
 /// What the autopilot is told.
 #[derive(Clone, Copy, Debug, Default)]
@@ -103,6 +104,8 @@ pub(super) struct F16 {
     commanded: bool,
     /// Trimmed throttle and longitudinal stick.
     trimmed: [f64; 2],
+    /// Trimmed pitch angle, which is the angle of attack too, rad.
+    trimmed_pitch: f64,
     start: Geodetic,
     /// Curvature radii at the start plus altitude, m.
     radii: [f64; 2],
@@ -111,7 +114,7 @@ pub(super) struct F16 {
 
 enum Law {
     /// `F16_control.dml`.
-    Course(Box<Part<{ SIGNALS - 1 }, 4>>),
+    Course(Box<Part<{ SIGNALS + 1 }, 4>>),
     /// `F16_gnc.dml`, which steers round a point.
     Circle(Box<Part<SIGNALS, 4>>),
 }
@@ -149,8 +152,8 @@ impl F16 {
                 Law::Circle(Box::new(Part::open(folder, "F16_gnc.dml", names, DEFLECTIONS)?))
             }
             _ => {
-                let mut names = [""; SIGNALS - 1];
-                names.copy_from_slice(&with(&["latOffset", "baseChiCmd"]));
+                let mut names = [""; SIGNALS + 1];
+                names.copy_from_slice(&with(&["latOffset", "baseChiCmd", "trimmedAlpha", "trimmedTheta"]));
                 Law::Course(Box::new(Part::open(folder, "F16_control.dml", names, DEFLECTIONS)?))
             }
         };
@@ -165,6 +168,7 @@ impl F16 {
             commands: Commands::default(),
             commanded: false,
             trimmed: [0.0; 2],
+            trimmed_pitch: 0.0,
             start: Geodetic::default(),
             radii: [0.0; 2],
             automatic: false,
@@ -172,7 +176,10 @@ impl F16 {
     }
 
     /// Trims with throttle, longitudinal stick and pitch angle, wings level, for constant velocity over the ground, and
-    /// gives the start with that pitch angle. Then the autopilot, if there is one in this case, takes over what it finds.
+    /// gives the start with that pitch angle.
+    ///
+    /// The autopilot, which [`engage`](Self::engage) turns on, is told to hold what is found: altitude, course, and
+    /// equivalent airspeed to the hundredth of a knot that the simulators were told (287.98 and 287.00).
     pub(super) fn trim(&mut self, world: &World, launch: Launch) -> Result<Launch, NoTrim> {
         let start = |pitch: f64| {
             let mut start = launch;
@@ -191,18 +198,27 @@ impl F16 {
             1e-11,
         )?;
         self.trimmed = [throttle, stick];
+        self.trimmed_pitch = pitch;
         let launch = start(pitch);
         let condition = Condition::<0>::of(world, 0.0, &launch.state(&world.planet, 0.0, []));
         self.commands = Commands {
-            equivalent_airspeed: condition.equivalent_airspeed() / KNOT,
+            equivalent_airspeed: (condition.equivalent_airspeed() / KNOT * 100.0).round() / 100.0,
             altitude: launch.place.altitude / FOOT,
             course: launch.velocity[1].atan2(launch.velocity[0]).to_degrees(),
             sidestep: 0.0,
         };
         self.start = launch.place;
         self.radii = world.planet.curvature_radii(launch.place.latitude).map(|radius| radius + launch.place.altitude);
-        self.automatic = self.manoeuvre != Manoeuvre::Free;
         Ok(launch)
+    }
+
+    /// Turns on the autopilot if there is one in this case.
+    ///
+    /// Its control law holds deviations from a design point. Where a command follows straight flight, that is the trimmed
+    /// flight, as in simulators 02 and 05, which begin without a transient; in the circles it is that of the file, as in
+    /// simulators 04 and 05.
+    pub(super) fn engage(&mut self) {
+        self.automatic = self.manoeuvre != Manoeuvre::Free;
     }
 
     /// Distance to the right of the line of constant course through the start, m.
@@ -218,7 +234,6 @@ impl F16 {
     fn deflections(&mut self, c: &Condition) -> [f64; 4] {
         let on = f64::from(self.automatic);
         let [p, q, r] = c.rates_to_earth;
-        let mut signals = [0.0; SIGNALS];
         let common = [
             0.0,
             0.0,
@@ -241,22 +256,23 @@ impl F16 {
             self.trimmed[0],
             self.trimmed[1],
         ];
-        signals[..common.len()].copy_from_slice(&common);
-        let own = &mut signals[common.len()..];
         let follows = matches!(self.manoeuvre, Manoeuvre::Command { sidestep: Some(_), .. });
         let offset = if follows { self.deviation(&c.place) - self.commands.sidestep } else { 0.0 };
         match &mut self.law {
             Law::Course(law) => {
-                own[..2].copy_from_slice(&[offset / FOOT, self.commands.course]);
-                let mut all = [0.0; SIGNALS - 1];
-                all.copy_from_slice(&signals[..SIGNALS - 1]);
+                let mut all = [0.0; SIGNALS + 1];
+                all[..common.len()].copy_from_slice(&common);
+                let trimmed = self.trimmed_pitch.to_degrees();
+                all[common.len()..].copy_from_slice(&[offset / FOOT, self.commands.course, trimmed, trimmed]);
                 law.of(all)
             }
             Law::Circle(law) => {
                 let pole = self.manoeuvre == Manoeuvre::Circle { pole: true };
                 let place = [c.place.latitude.to_degrees(), c.place.longitude.to_degrees()];
-                own.copy_from_slice(&[f64::from(pole), place[0], place[1]]);
-                law.of(signals)
+                let mut all = [0.0; SIGNALS];
+                all[..common.len()].copy_from_slice(&common);
+                all[common.len()..].copy_from_slice(&[f64::from(pole), place[0], place[1]]);
+                law.of(all)
             }
         }
     }

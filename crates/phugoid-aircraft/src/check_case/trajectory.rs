@@ -67,38 +67,14 @@ pub struct Trajectory {
 impl Trajectory {
     /// Adds the row of one instant.
     pub fn push(&mut self, motion: &GlobeMotion) {
-        let c = &motion.condition;
-        let state = &c.state;
-        let mut row = [0.0; COLUMNS.len()];
-        let mut column = 0;
-        let mut put = |values: &[f64], unit: f64| {
-            for value in values {
-                row[column] = value / unit;
-                column += 1;
-            }
-        };
-        let degree = 1.0_f64.to_radians();
-        put(&[c.time], 1.0);
-        put(&state.position, FOOT);
-        put(&c.earth_position, FOOT);
-        put(&state.velocity, FOOT);
-        put(&c.ground_velocity, FOOT);
-        put(&[c.place.altitude], FOOT);
-        put(&[c.place.longitude, c.place.latitude], degree);
-        put(&[norm(c.gravitation)], FOOT);
-        put(&[c.euler.yaw, c.euler.pitch, c.euler.roll], degree);
-        put(&state.rates, degree);
-        put(&[-c.ground_velocity[2] * 60.0], FOOT);
-        put(&[c.atmosphere.speed_of_sound], FOOT);
-        put(&[c.atmosphere.density], SLUG / (FOOT * FOOT * FOOT));
-        put(&[c.atmosphere.pressure], POUND / (FOOT * FOOT));
-        put(&[c.atmosphere.temperature], 5.0 / 9.0);
-        put(&motion.loads.aerodynamic_force, POUND);
-        put(&motion.loads.aerodynamic_moment, POUND * FOOT);
-        put(&[c.air.mach], 1.0);
-        put(&[c.air.dynamic_pressure], POUND / (FOOT * FOOT));
-        put(&[c.air.speed], KNOT);
-        self.rows.push(row);
+        self.rows.push(row(motion));
+    }
+
+    /// Puts another instant in place of the first row.
+    pub(super) fn replace_first(&mut self, motion: &GlobeMotion) {
+        if let Some(first) = self.rows.first_mut() {
+            *first = row(motion);
+        }
     }
 
     /// The table as comma-separated text with one line of headings. Numbers read back to the same bits.
@@ -124,4 +100,40 @@ impl Trajectory {
             Some((low, high)) => Some((x.min(low), x.max(high))),
         })
     }
+}
+
+/// The numbers of one instant in the units of [`COLUMNS`].
+fn row(motion: &GlobeMotion) -> [f64; COLUMNS.len()] {
+    let c = &motion.condition;
+    let state = &c.state;
+    let mut row = [0.0; COLUMNS.len()];
+    let mut column = 0;
+    let mut put = |values: &[f64], unit: f64| {
+        for value in values {
+            row[column] = value / unit;
+            column += 1;
+        }
+    };
+    let degree = 1.0_f64.to_radians();
+    put(&[c.time], 1.0);
+    put(&state.position, FOOT);
+    put(&c.earth_position, FOOT);
+    put(&state.velocity, FOOT);
+    put(&c.ground_velocity, FOOT);
+    put(&[c.place.altitude], FOOT);
+    put(&[c.place.longitude, c.place.latitude], degree);
+    put(&[norm(c.gravitation)], FOOT);
+    put(&[c.euler.yaw, c.euler.pitch, c.euler.roll], degree);
+    put(&state.rates, degree);
+    put(&[-c.ground_velocity[2] * 60.0], FOOT);
+    put(&[c.atmosphere.speed_of_sound], FOOT);
+    put(&[c.atmosphere.density], SLUG / (FOOT * FOOT * FOOT));
+    put(&[c.atmosphere.pressure], POUND / (FOOT * FOOT));
+    put(&[c.atmosphere.temperature], 5.0 / 9.0);
+    put(&motion.loads.aerodynamic_force, POUND);
+    put(&motion.loads.aerodynamic_moment, POUND * FOOT);
+    put(&[c.air.mach], 1.0);
+    put(&[c.air.dynamic_pressure], POUND / (FOOT * FOOT));
+    put(&[c.air.speed], KNOT);
+    row
 }
