@@ -49,7 +49,7 @@ mod tests {
         let command = "F-16 with autopilot: +100 ft altitude command at 5 s";
         assert_eq!((numbers_before(command, "ft"), numbers_before(command, "s")), (vec![100.0], vec![5.0]));
         assert_eq!(numbers_before("-5 kt equivalent airspeed command at 5 s", "kt"), [-5.0]);
-        assert_eq!(numbers_before("no number of s", "s"), []);
+        assert!(numbers_before("no number of s", "s").is_empty());
         assert_eq!(fraction("1/4"), Some(0.25));
         assert_eq!((fraction("7"), fraction("1/0"), fraction("a")), (Some(7.0), None, None));
     }

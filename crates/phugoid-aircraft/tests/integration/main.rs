@@ -1,1 +1,9 @@
 //! Integration tests: one program, since each is linked with every library again.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // tests may
+
+#[path = "../../../../tests/shared_data.rs"]
+mod shared_data;
+#[path = "../simulators/mod.rs"]
+mod simulators;
+
+mod nesc;
