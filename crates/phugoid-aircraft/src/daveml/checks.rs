@@ -1,7 +1,7 @@
 //! Check data of a model: reading it, and comparing the model with it.
 
 use super::document::{Signal, StaticShot};
-use super::error::DavemlError;
+use super::error::{DavemlError, brief};
 use super::model::Model;
 use super::tables::PASSED_OVER;
 use super::tree::{Element, Lines, content, elements, label, name};
@@ -112,12 +112,9 @@ pub(super) fn check(model: &Model) -> CheckReport {
 fn compare(model: &Model, kind: Kind, signal: &Signal, found: f64) -> SignalReport {
     let variable = &model.variables()[signal.variable];
     let expected = converted(signal.value, &signal.units, &variable.units);
-    let stated = signal.tolerance.map(|tolerance| {
-        // A tolerance is a difference, so an offset of the unit does not count.
-        (converted(signal.value + tolerance, &signal.units, &variable.units) - expected).abs()
-    });
-    let stated =
-        stated.map(|converted| if signal.units.is_empty() { signal.tolerance.unwrap_or(converted) } else { converted });
+    // A tolerance is a difference: the zero of a scale of temperature does not count.
+    let difference = |value| converted(value, &signal.units, &variable.units);
+    let stated = signal.tolerance.map(|tolerance| (difference(tolerance) - difference(0.0)).abs());
     let tolerance = stated.unwrap_or(DEFAULT_TOLERANCE * expected.abs().max(1.0));
     SignalReport {
         id: variable.id.clone(),
@@ -204,7 +201,7 @@ fn signal(lines: &Lines, node: Element<'_>, model: &Model, list: &str) -> Result
         None => model.position_in(&name, list == "checkInputs"),
     };
     let variable = variable.ok_or_else(|| {
-        let name = name.chars().take(80).collect();
+        let name = brief(&name);
         DavemlError::UnknownSignal { name, line: Some(line) }
     })?;
     Ok(Signal { name, units, value, tolerance, variable, line })

@@ -156,7 +156,13 @@ impl Triangulation {
             let Some(back) = self.across[o].iter().position(|back| *back == triangle) else { continue };
             let [a, b, c] = [0, 1, 2].map(|k| self.corners[t][(e + k) % 3]);
             let d = self.corners[o][(back + 2) % 3];
-            if incircle(at(a), at(b), at(c), at(d)).partial_cmp(&0.0) != Some(Ordering::Greater) {
+            // Of four points on a circle the first from the left keeps its edge, so that the order does not matter.
+            let lies_inside = match incircle(at(a), at(b), at(c), at(d)).partial_cmp(&0.0) {
+                Some(Ordering::Greater) => true,
+                Some(Ordering::Equal) => leftmost(c, d, points) < leftmost(a, b, points),
+                _ => false,
+            };
+            if !lies_inside {
                 continue;
             }
             // Edge a-b becomes c-d: the triangles are c d b and d c a.
@@ -181,6 +187,12 @@ impl Triangulation {
             }
         }
     }
+}
+
+/// Abscissas of the point further left of two, for a comparison.
+fn leftmost(a: u32, b: u32, points: &[[f64; 2]]) -> [f64; 2] {
+    let (a, b) = (points[a as usize], points[b as usize]);
+    if a < b { a } else { b }
 }
 
 /// The boundary of a triangulation.
@@ -255,6 +267,26 @@ mod tests {
             points.extend((0..count).map(|k| [1.0 + f64::from(k % 3), -f64::from(k)]));
             inspect(&points);
         }
+    }
+
+    #[test]
+    fn the_order_of_points_does_not_matter() {
+        let points: Vec<[f64; 2]> = (0..30).map(|k| [f64::from(k / 6), f64::from(k % 6)]).collect();
+        let edges = |points: &[[f64; 2]]| {
+            let mesh = Triangulation::of(points).unwrap();
+            let corners = mesh.corners.iter().map(|corners| {
+                let mut corners = corners.map(|corner| points[corner as usize].map(|x| x as i32));
+                corners.sort_unstable();
+                corners
+            });
+            let mut corners: Vec<_> = corners.collect();
+            corners.sort_unstable();
+            corners
+        };
+        let mut turned = points.clone();
+        turned.reverse();
+        turned.swap(3, 17);
+        assert_eq!(edges(&points), edges(&turned));
     }
 
     #[test]

@@ -1,5 +1,7 @@
 //! What a DAVE-ML text says besides its equations: header, variables, uncertainties, functions and check data.
 
+use std::sync::Arc;
+
 /// Where a file comes from, as its `fileHeader` says.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Header {
@@ -153,7 +155,7 @@ pub enum Bound {
     /// A number.
     Value(f64),
     /// A number for each value of the table that it belongs to, in the order of that table.
-    Table(Vec<f64>),
+    Table(Arc<[f64]>),
     /// The identifier of a variable.
     Variable(String),
 }

@@ -229,3 +229,8 @@ pub enum DavemlError {
 fn at_line(line: Option<u32>) -> String {
     line.map_or_else(String::new, |line| format!("line {line}: "))
 }
+
+/// The beginning of a text from a file, which could be of any length.
+pub(super) fn brief(text: &str) -> String {
+    text.trim().chars().take(80).collect()
+}

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::error::DavemlError;
+use super::error::{DavemlError, brief};
 use super::functions::{Binary, Unary};
 use super::program::Op;
 use super::tree::{Element, Lines, content, elements, name};
@@ -150,10 +150,10 @@ impl Translator<'_> {
             "ci" => {
                 let text = content(node);
                 let id = text.trim();
-                let variable = *self.variables.get(id).ok_or_else(|| DavemlError::UnknownVariable {
-                    id: id.chars().take(80).collect(),
-                    line: self.lines.line(node),
-                })?;
+                let variable = *self
+                    .variables
+                    .get(id)
+                    .ok_or_else(|| DavemlError::UnknownVariable { id: brief(id), line: self.lines.line(node) })?;
                 into.needs.push(variable);
                 into.push(Op::Load(u32::try_from(variable).unwrap_or(u32::MAX)));
             }
@@ -210,7 +210,7 @@ impl Translator<'_> {
                 "e" => core::f64::consts::E,
                 _ => return self.lines.content_number(node),
             },
-            other => return Err(self.lines.unsupported(node, format!("a number of type `{other}`"))),
+            other => return Err(self.lines.unsupported(node, format!("a number of type `{}`", brief(other)))),
         };
         self.lines.number(node, &number.to_string(), "<cn>")
     }
@@ -290,8 +290,7 @@ impl Translator<'_> {
                 let text = content(head);
                 let function = definition.rsplit_once('#').map_or(text.trim(), |(_, function)| function);
                 if function != "atan2" {
-                    let function: String = function.chars().take(80).collect();
-                    return Err(self.lines.unsupported(head, format!("the csymbol `{function}`")));
+                    return Err(self.lines.unsupported(head, format!("the csymbol `{}`", brief(function))));
                 }
                 let [first, second] = operands else {
                     return Err(DavemlError::Operands {

@@ -35,12 +35,16 @@
 //! MathML that give no real number. Where the standard leaves a choice:
 //!
 //! - Where a function may extrapolate (`extrapolate`), the `min` or `max` of that side does not limit its variable.
-//! - Ungridded tables of two dimensions are planes over a Delaunay triangulation. Outside it, the value is that at the
+//! - Ungridded tables of two dimensions are planes over a Delaunay triangulation; where four points on a circle leave
+//!   two, that with the point of the smallest first (then second) variable on the shared edge. Outside it, the value is that at the
 //!   nearest point of the convex hull, or continues the plane there where the function may extrapolate.
 //! - Cubic splines are free at their ends, and have the slope of the last two points where the table is extrapolated.
 //! - `quotient` is the whole part of a quotient, as MathML defines it, rounded to zero.
 //! - A `piecewise` without a piece that holds is NaN.
 //! - Inputs without initial value that are not set are NaN, and so is what depends on them.
+//!
+//! Some published files are no XML, because markup stands in their descriptions (`Added namespace to <math> elements`).
+//! They are read with that markup as text, and [`Model::repaired_lines`] says where.
 //!
 //! Uncertainties are read and can be asked for; they never change what is evaluated.
 
@@ -51,18 +55,25 @@ mod document;
 mod error;
 mod functions;
 mod gridded;
+mod identified;
 mod mathml;
 mod model;
 mod program;
 mod reader;
+mod repair;
 mod scattered;
 mod tables;
 mod tree;
 mod units;
+mod write;
 
 pub use checks::{CheckReport, DEFAULT_TOLERANCE, Kind, ShotReport, SignalReport};
 pub use document::{Bound, Distribution, Effect, Function, Header, Role, Signal, StaticShot, Uncertainty, Variable};
 pub use error::DavemlError;
+pub use identified::{
+    CheckPoint, Coefficient, Constant, Correlation, Derived, Expression, IdentifiedModel, Input, Term,
+};
 pub use model::Model;
 pub use program::Evaluator;
 pub use units::Unit;
+pub use write::{WriteError, identifier, write};

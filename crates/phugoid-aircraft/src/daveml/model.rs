@@ -26,6 +26,7 @@ pub struct Model {
     inputs: Vec<usize>,
     outputs: Vec<usize>,
     shots: Vec<StaticShot>,
+    repaired: Vec<u32>,
     program: Arc<Program>,
 }
 
@@ -67,11 +68,32 @@ impl Model {
         let inputs = which(&|_, variable| variable.role == Role::Input);
         let outputs =
             which(&|position, variable| variable.is_output || variable.role == Role::Computed && !used[position]);
-        Self { header, variables, functions, by_id, by_name, inputs, outputs, shots: Vec::new(), program }
+        Self {
+            header,
+            variables,
+            functions,
+            by_id,
+            by_name,
+            inputs,
+            outputs,
+            shots: Vec::new(),
+            repaired: Vec::new(),
+            program,
+        }
     }
 
     pub(super) fn set_shots(&mut self, shots: Vec<StaticShot>) {
         self.shots = shots;
+    }
+
+    pub(super) fn set_repaired(&mut self, lines: Vec<u32>) {
+        self.repaired = lines;
+    }
+
+    /// Lines, from 1, on which markup in a description was read as text, because the file is no XML otherwise. Empty for
+    /// every sound file.
+    pub fn repaired_lines(&self) -> &[u32] {
+        &self.repaired
     }
 
     /// Where the file comes from.

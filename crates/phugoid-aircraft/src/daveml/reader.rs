@@ -4,12 +4,15 @@ use std::cell::Cell;
 use std::collections::HashMap;
 use std::sync::Arc;
 
+use roxmltree::Document;
+
 use super::checks;
 use super::document::{Bound, Distribution, Effect, Header, Role, Uncertainty, Variable};
-use super::error::DavemlError;
+use super::error::{DavemlError, brief};
 use super::mathml::{Translated, Translator};
 use super::model::Model;
 use super::program::{Limits, Program, Source, Step, Table, order};
+use super::repair::repaired;
 use super::tables::{Definitions, PASSED_OVER, TableReader, description};
 use super::tree::{Element, Lines, child, elements, label, name, words};
 use crate::xml;
@@ -17,13 +20,27 @@ use crate::xml;
 /// Most variables that a circle is told with.
 const NAMED_IN_CIRCLE: usize = 20;
 
-/// Reads a model.
+/// Reads a model. A text that is no XML is read with the markup in its descriptions as text, if that makes it XML.
 pub(super) fn read(text: &str) -> Result<Model, DavemlError> {
-    let document = xml::parse(text)?;
+    let error = match xml::parse(text) {
+        Ok(document) => return read_document(text, &document),
+        Err(error) => error,
+    };
+    if let Some((text, lines)) = repaired(text)
+        && let Ok(document) = xml::parse(&text)
+    {
+        let mut model = read_document(&text, &document)?;
+        model.set_repaired(lines);
+        return Ok(model);
+    }
+    Err(error.into())
+}
+
+fn read_document<'t>(text: &str, document: &'t Document<'t>) -> Result<Model, DavemlError> {
     let lines = Lines::of(text);
     let root = document.root_element();
     if name(root) != "DAVEfunc" {
-        return Err(DavemlError::NotDaveml { element: name(root).chars().take(80).collect(), line: lines.line(root) });
+        return Err(DavemlError::NotDaveml { element: brief(name(root)), line: lines.line(root) });
     }
     let mut header = Header::default();
     let mut variables: Vec<Variable> = Vec::new();
@@ -46,7 +63,7 @@ pub(super) fn read(text: &str) -> Result<Model, DavemlError> {
     let mut index = HashMap::with_capacity(ids.len());
     for (position, variable) in variables.iter().enumerate() {
         if index.insert(variable.id.clone(), position).is_some() {
-            return Err(DavemlError::Repeated { kind: "variable", id: variable.id.clone(), line: variable.line });
+            return Err(DavemlError::Repeated { kind: "variable", id: brief(&variable.id), line: variable.line });
         }
     }
     let mut builder = Builder::new(variables.len());
@@ -158,7 +175,7 @@ fn read_variable<'t>(
         match name(element) {
             "calculation" => match calculations.last() {
                 Some((last, _)) if *last == position => {
-                    return Err(DavemlError::ComputedTwice { id: variable.id, line: lines.line(element) });
+                    return Err(DavemlError::ComputedTwice { id: brief(&variable.id), line: lines.line(element) });
                 }
                 _ => calculations.push((position, element)),
             },
@@ -246,7 +263,7 @@ fn bound(lines: &Lines, node: Element<'_>) -> Result<Bound, DavemlError> {
     match elements(node).next() {
         None => lines.content_number(node).map(Bound::Value),
         Some(inside) => match name(inside) {
-            "dataTable" => lines.numbers(inside).map(Bound::Table),
+            "dataTable" => Ok(Bound::Table(lines.numbers(inside)?.into())),
             "variableDef" | "variableRef" => Ok(Bound::Variable(lines.attribute(inside, "varID")?.to_owned())),
             _ => Err(lines.unknown(inside)),
         },
@@ -267,7 +284,7 @@ impl Builder {
 
     fn add(&mut self, variable: usize, source: Source, ids: &[String], line: u32) -> Result<(), DavemlError> {
         match self.sources[variable].replace(source) {
-            Some(_) => Err(DavemlError::ComputedTwice { id: ids[variable].clone(), line }),
+            Some(_) => Err(DavemlError::ComputedTwice { id: brief(&ids[variable]), line }),
             None => Ok(()),
         }
     }
@@ -312,7 +329,7 @@ impl Builder {
     fn finish(self, variables: &[Variable]) -> Result<(Program, Vec<bool>), DavemlError> {
         let Self { mut program, sources, needs } = self;
         let sorted = order(&needs).map_err(|circle| {
-            let named = circle.iter().take(NAMED_IN_CIRCLE).map(|position| variables[*position].id.clone());
+            let named = circle.iter().take(NAMED_IN_CIRCLE).map(|position| brief(&variables[*position].id));
             let line = circle.first().map_or(0, |position| variables[*position].line);
             DavemlError::Cycle { variables: named.collect(), line }
         })?;

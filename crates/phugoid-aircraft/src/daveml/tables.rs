@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use super::axis::{Axis, Independent, Interpolation};
 use super::document::{Function, Uncertainty};
-use super::error::DavemlError;
+use super::error::{DavemlError, brief};
 use super::gridded::Gridded;
 use super::program::Table;
 use super::reader::uncertainty;
@@ -65,7 +65,7 @@ impl TableReader<'_> {
         }
         let values = values.ok_or_else(|| self.lines.missing(node, "bpVals"))?;
         if into.breakpoints.insert(id.to_owned(), values).is_some() {
-            return Err(DavemlError::Repeated { kind: "breakpoints", id: id.to_owned(), line: self.lines.line(node) });
+            return Err(DavemlError::Repeated { kind: "breakpoints", id: brief(id), line: self.lines.line(node) });
         }
         Ok(())
     }
@@ -95,7 +95,7 @@ impl TableReader<'_> {
     fn insert(&self, id: &str, table: TableDefinition, into: &mut Definitions) -> Result<(), DavemlError> {
         let line = table.line;
         match into.tables.insert(id.to_owned(), table) {
-            Some(_) => Err(DavemlError::Repeated { kind: "table", id: id.to_owned(), line }),
+            Some(_) => Err(DavemlError::Repeated { kind: "table", id: brief(id), line }),
             None => Ok(()),
         }
     }
@@ -130,7 +130,7 @@ impl TableReader<'_> {
                 return Err(self.lines.unknown(element));
             }
             let (id, line) = (self.lines.attribute(element, "bpID")?, self.lines.line(element));
-            let unknown = || DavemlError::UnknownBreakpoints { id: id.to_owned(), line };
+            let unknown = || DavemlError::UnknownBreakpoints { id: brief(id), line };
             axes.push(known.breakpoints.get(id).ok_or_else(unknown)?.clone());
             check_dimensions(axes.len(), line)?;
         }
@@ -162,11 +162,11 @@ impl TableReader<'_> {
         if rows.is_empty() {
             return Err(self.lines.missing(node, "dataPoint"));
         }
-        Ok(TableDefinition {
-            content: TableContent::Ungridded { rows, surface: OnceCell::new() },
-            uncertainty: doubt,
-            line,
-        })
+        let content = match rows[0].len() {
+            2 => sorted(rows, line)?,
+            _ => TableContent::Ungridded { rows, surface: OnceCell::new() },
+        };
+        Ok(TableDefinition { content, uncertainty: doubt, line })
     }
 
     /// A `function` with its table, and the position of the variable that it computes.
@@ -233,7 +233,7 @@ impl TableReader<'_> {
                 let id = self.lines.attribute(table, attribute)?.to_owned();
                 match known.tables.contains_key(&id) {
                     true => Ok(id),
-                    false => Err(DavemlError::UnknownTable { id, line: self.lines.line(table) }),
+                    false => Err(DavemlError::UnknownTable { id: brief(&id), line: self.lines.line(table) }),
                 }
             }
             "griddedTableDef" | "griddedTable" | "ungriddedTableDef" | "ungriddedTable" => {
@@ -251,7 +251,7 @@ impl TableReader<'_> {
 
     fn variable(&self, node: Element<'_>) -> Result<usize, DavemlError> {
         let id = self.lines.attribute(node, "varID")?;
-        let unknown = || DavemlError::UnknownVariable { id: id.to_owned(), line: self.lines.line(node) };
+        let unknown = || DavemlError::UnknownVariable { id: brief(id), line: self.lines.line(node) };
         self.variables.get(id).copied().ok_or_else(unknown)
     }
 
@@ -335,16 +335,6 @@ impl TableReader<'_> {
         independents: Vec<Independent>,
         line: u32,
     ) -> Result<Table, DavemlError> {
-        if independents.len() == 1 {
-            let mut sorted: Vec<&Vec<f64>> = rows.iter().collect();
-            sorted.sort_by(|a, b| a[0].total_cmp(&b[0]));
-            if let Some(pair) = sorted.windows(2).find(|pair| pair[0][0] >= pair[1][0]) {
-                return Err(DavemlError::NotIncreasing { before: pair[0][0], after: pair[1][0], line });
-            }
-            let points = sorted.iter().map(|row| row[0]).collect::<Vec<_>>().into();
-            let values = sorted.iter().map(|row| row[1]).collect();
-            return self.grid(node, vec![points], values, independents);
-        }
         let dimensions = independents.len();
         let Ok(independents) = <[Independent; 2]>::try_from(independents) else {
             let what = format!("an ungridded table of {dimensions} dimensions");
@@ -366,6 +356,17 @@ impl TableReader<'_> {
         })?;
         Ok(Table::Scattered(Box::new(Scattered { independents, surface })))
     }
+}
+
+/// An ungridded table of one dimension, as a gridded one.
+fn sorted(mut rows: Vec<Vec<f64>>, line: u32) -> Result<TableContent, DavemlError> {
+    rows.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    if let Some(pair) = rows.windows(2).find(|pair| pair[0][0] >= pair[1][0]) {
+        return Err(DavemlError::NotIncreasing { before: pair[0][0], after: pair[1][0], line });
+    }
+    let points: Vec<f64> = rows.iter().map(|row| row[0]).collect();
+    let values = rows.iter().map(|row| row[1]).collect();
+    Ok(TableContent::Gridded { axes: vec![points.into()], values })
 }
 
 fn check_dimensions(found: usize, line: u32) -> Result<(), DavemlError> {

@@ -2,7 +2,7 @@
 
 use roxmltree::Node;
 
-use super::error::DavemlError;
+use super::error::{DavemlError, brief};
 
 pub(super) type Element<'t> = Node<'t, 't>;
 
@@ -21,8 +21,8 @@ impl Lines {
     }
 
     pub(super) fn unknown(&self, node: Element<'_>) -> DavemlError {
-        let parent = node.parent_element().map_or("", name).to_owned();
-        DavemlError::UnknownElement { element: name(node).to_owned(), parent, line: self.line(node) }
+        let parent = node.parent_element().map_or_else(String::new, |parent| brief(name(parent)));
+        DavemlError::UnknownElement { element: brief(name(node)), parent, line: self.line(node) }
     }
 
     pub(super) fn unsupported(&self, node: Element<'_>, what: impl Into<String>) -> DavemlError {
@@ -30,13 +30,13 @@ impl Lines {
     }
 
     pub(super) fn missing(&self, node: Element<'_>, element: &'static str) -> DavemlError {
-        DavemlError::MissingElement { element, parent: name(node).to_owned(), line: self.line(node) }
+        DavemlError::MissingElement { element, parent: brief(name(node)), line: self.line(node) }
     }
 
     /// An attribute that has to be there and not be empty, without surrounding blanks.
     pub(super) fn attribute<'t>(&self, node: Element<'t>, attribute: &'static str) -> Result<&'t str, DavemlError> {
         node.attribute(attribute).map(str::trim).filter(|text| !text.is_empty()).ok_or_else(|| {
-            let element = name(node).to_owned();
+            let element = brief(name(node));
             DavemlError::MissingAttribute { attribute, element, line: self.line(node) }
         })
     }
@@ -57,7 +57,7 @@ impl Lines {
     pub(super) fn number(&self, node: Element<'_>, text: &str, place: &str) -> Result<f64, DavemlError> {
         text.trim().parse().ok().filter(|number: &f64| number.is_finite()).ok_or_else(|| {
             // A long text would make a long message.
-            let text = text.trim().chars().take(40).collect();
+            let text = brief(text);
             DavemlError::Number { text, place: place.to_owned(), line: self.line(node) }
         })
     }
@@ -92,7 +92,7 @@ impl Lines {
         };
         values.iter().find(|(value, _)| *value == text).map(|(_, value)| *value).ok_or_else(|| DavemlError::Choice {
             attribute,
-            value: text.chars().take(40).collect(),
+            value: brief(text),
             allowed,
             line: self.line(node),
         })

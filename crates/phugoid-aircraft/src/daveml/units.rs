@@ -156,10 +156,10 @@ impl Unit {
     }
 }
 
-/// A value of check data in the unit of its variable. Where either unit is unknown, or they measure different things,
+/// A value of check data in the unit of its variable. Where a unit is not given or not known, or they measure different things,
 /// the value is taken as it stands.
 pub(super) fn converted(value: f64, from: &str, to: &str) -> f64 {
-    if from.trim() == to.trim() {
+    if from.trim().is_empty() || from.trim() == to.trim() {
         return value;
     }
     match (Unit::parse(from), Unit::parse(to)) {

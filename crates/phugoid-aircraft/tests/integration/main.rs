@@ -6,4 +6,8 @@ mod shared_data;
 #[path = "../simulators/mod.rs"]
 mod simulators;
 
+mod daveml_broken;
+mod daveml_models;
+mod daveml_standard;
+mod daveml_write;
 mod nesc;
