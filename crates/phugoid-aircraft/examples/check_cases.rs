@@ -13,10 +13,10 @@ mod simulators;
 use std::path::{Path, PathBuf};
 
 use phugoid_aircraft::check_case::CheckCases;
-use phugoid_aircraft::check_case::compare::{Comparison, compare};
+use phugoid_aircraft::check_case::compare::{Comparison, MARGIN, compare};
 
 /// Quantities of the table, and how the headings of their columns begin.
-const QUANTITIES: [(&str, &str); 19] = [
+const QUANTITIES: [(&str, &str); 20] = [
     ("inertial position, ft", "eiPosition"),
     ("earth-fixed position, ft", "gePosition"),
     ("inertial velocity, ft/s", "eiVelocity"),
@@ -35,11 +35,19 @@ const QUANTITIES: [(&str, &str); 19] = [
     ("aerodynamic force, lbf", "aero_bodyForce"),
     ("aerodynamic moment, ft lbf", "aero_bodyMoment"),
     ("Mach number", "mach"),
+    ("dynamic pressure, lbf/ft2", "dynamicPressure"),
     ("true airspeed, kt", "trueAirspeed"),
 ];
 
 fn print(id: &str, title: &str, quantity: &str, c: &Comparison) {
-    let verdict = if c.agrees() { "yes".to_owned() } else { format!("{:.2} of the spread", c.largest() / c.spread) };
+    let verdict = if c.largest() <= c.spread {
+        "yes".to_owned()
+    } else if c.agrees() {
+        let share = c.largest() / c.spread - 1.0;
+        if share <= MARGIN { format!("within {:.1} %", 100.0 * share) } else { "rounding".to_owned() }
+    } else {
+        format!("no: {:.2} times", c.largest() / c.spread)
+    };
     let numbers = format!("{:.2e} | {:.2e} | {:.2e}", c.closest(), c.largest(), c.spread);
     println!("| {id} | {title} | {quantity} | {numbers} | {verdict} |");
 }

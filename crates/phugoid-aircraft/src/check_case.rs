@@ -24,7 +24,7 @@ use std::path::PathBuf;
 
 use phugoid_flight_dynamics::globe::condition::Launch;
 use phugoid_flight_dynamics::globe::flight::{FlightError, fly, motion};
-use phugoid_flight_dynamics::globe::loads::Loads;
+use phugoid_flight_dynamics::globe::loads::{BluntBody, Loads};
 use phugoid_flight_dynamics::globe::steady::NoTrim;
 
 pub use definition::{CheckCase, CheckCases, CheckVehicle, Manoeuvre};
@@ -105,7 +105,7 @@ impl CheckCase {
     /// [`CheckCaseError`] if a model is missing, or no trim is found, or the motion is no longer finite.
     pub fn fly(&self) -> Result<Trajectory, CheckCaseError> {
         match &self.vehicle {
-            CheckVehicle::Blunt(body) => self.flown(&mut body.clone(), self.launch),
+            CheckVehicle::Blunt(body) => self.flown(&mut BluntBody::clone(body), self.launch),
             CheckVehicle::F16 { folder, manoeuvre } => {
                 let mut aircraft = f16::F16::read(folder, manoeuvre)?;
                 let launch = aircraft

@@ -90,7 +90,7 @@ pub fn standard_atmosphere<T: Scalar>(altitude: T) -> Air<T> {
 /// Molecular mass over that at sea level, linear between the entries of table 8.
 fn molecular_mass(altitude: f64) -> f64 {
     let place = (altitude - 80_000.0) / 500.0;
-    if !(place > 0.0) {
+    if place <= 0.0 || place.is_nan() {
         return 1.0;
     }
     let low = (place as usize).min(MOLECULAR_MASS.len() - 2);

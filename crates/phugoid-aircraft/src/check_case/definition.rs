@@ -44,7 +44,7 @@ pub struct CheckCase {
 #[derive(Clone, Debug, PartialEq)]
 pub enum CheckVehicle {
     /// The sphere or the brick.
-    Blunt(BluntBody),
+    Blunt(Box<BluntBody>),
     /// The F-16 in DAVE-ML.
     F16 {
         /// Folder with `F16_aero.dml`, `F16_prop.dml`, `F16_inertia.dml`, `F16_control.dml` and `F16_gnc.dml`.
@@ -297,7 +297,7 @@ impl CheckCases {
             None => &case["initial"],
         };
         let vehicle = match case["vehicle"].as_str() {
-            Some(description) => CheckVehicle::Blunt(reader.body(description)?),
+            Some(description) => CheckVehicle::Blunt(Box::new(reader.body(description)?)),
             None => CheckVehicle::F16 { folder: self.aircraft.clone(), manoeuvre: reader.manoeuvre(&title)? },
         };
         let atmosphere = reader.text(case, "atmosphere")?;

@@ -123,8 +123,7 @@ fn linear_solution<const N: usize>(mut a: [[f64; N]; N], mut b: [f64; N]) -> Opt
         }
         a.swap(c, pivot);
         b.swap(c, pivot);
-        // NaN is no pivot either.
-        if !(a[c][c].abs() > 0.0) {
+        if a[c][c] == 0.0 || a[c][c].is_nan() {
             return None;
         }
         for r in c + 1..N {
