@@ -1,1 +1,3 @@
 //! Integration tests: one program, since each is linked with every library again.
+
+mod jsbsim;

@@ -4,7 +4,7 @@ mod component;
 mod read;
 mod run;
 
-pub(super) use component::{Component, Kind, Memory};
+pub(super) use component::{Component, Memory};
 
 use super::model::{Model, State};
 use component::Parameter;
