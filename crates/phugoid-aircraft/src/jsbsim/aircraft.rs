@@ -79,6 +79,11 @@ impl Aircraft {
         let mut model = Model::default();
         let mut omitted = Vec::new();
         let flight = FlightProperties::new(&mut model);
+        // JSBSim begins with the gear down.
+        for name in ["gear/gear-cmd-norm", "gear/gear-pos-norm"] {
+            let index = model.property(name);
+            model.begin(index, 1.0);
+        }
         let mut parts = Parts { model: &mut model, files: &mut files, omitted: &mut omitted };
         let sections = |name: &'static str| children(root).filter(move |part| tag(*part) == name);
         let single = |name: &'static str| sections(name).next();

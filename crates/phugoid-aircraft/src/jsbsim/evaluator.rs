@@ -37,7 +37,7 @@ pub struct Evaluator<'a> {
 }
 
 impl<'a> Evaluator<'a> {
-    /// The properties as the files give them; what they do not give is 0.
+    /// The properties as the files give them; what they do not give is 0, and the gear is down (`gear/gear-pos-norm` is 1).
     pub fn new(aircraft: &'a Aircraft) -> Self {
         Self {
             aircraft,

@@ -6,13 +6,13 @@ use phugoid_aircraft::jsbsim::{Aircraft, Evaluator, FlightCondition};
 
 use super::{package, repository, text_of};
 
-/// The folder of the recordings: that of `PHUGOID_JSBSIM_FLIGHTS`, or `shared/data/jsbsim` of the repository.
+/// The folder of the recordings: `jsbsim` in that of `PHUGOID_SHARED_DATA`, or in `shared/data` beside the workspace.
 fn recordings() -> Option<PathBuf> {
-    let folder = std::env::var_os("PHUGOID_JSBSIM_FLIGHTS")
-        .map_or_else(|| repository().join("shared/data/jsbsim"), PathBuf::from);
+    let shared = std::env::var_os("PHUGOID_SHARED_DATA").map_or_else(|| repository().join("../shared/data"), PathBuf::from);
+    let folder = shared.join("jsbsim");
     let there = folder.is_dir();
     if !there {
-        eprintln!("skipped: no recordings in {} (set PHUGOID_JSBSIM_FLIGHTS)", folder.display());
+        eprintln!("skipped: no flights in {} (set PHUGOID_SHARED_DATA)", folder.display());
     }
     there.then_some(folder)
 }
@@ -57,6 +57,7 @@ fn along(aircraft: &Aircraft, text: &str) -> f64 {
     let mut lines = text.lines();
     let header: Vec<_> = lines.next().unwrap().split(',').collect();
     let mut evaluator = Evaluator::new(aircraft);
+    evaluator.set("gear/gear-pos-norm", 0.0);
     let mut worst = 0.0_f64;
     for line in lines {
         let row: Vec<f64> = line.split(',').map(|word| word.parse().unwrap()).collect();

@@ -2,6 +2,7 @@
 
 mod flights;
 mod package;
+mod recorded;
 
 use std::path::{Path, PathBuf};
 
