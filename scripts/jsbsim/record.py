@@ -6,6 +6,7 @@ compared with.
 
 Needs the package jsbsim (scripts/python-tools.sh). Writes FOLDER/AIRCRAFT.csv.gz. The first line names the properties; those
 that never change stand there as NAME=VALUE and have no column. The first row is the state after the initial condition.
+command/NAME is what a control was set to before the step, which flight control may have overwritten at its end.
 """
 
 import gzip
@@ -60,20 +61,21 @@ def record(folder, name):
     flight.run_ic()
     names = sorted({line.split(" (")[0].strip() for line in flight.query_property_catalog("").split("\n")} - {""})
     known = set(names)
+    set_names = [key for key in commands(0.0) if key in known]
     rows = []
 
-    def take():
-        rows.append([flight.get_property_value(found) for found in names])
+    def take(settings):
+        rows.append([flight.get_property_value(found) for found in names] + settings)
 
-    take()
+    take([flight.get_property_value(key) for key in set_names])
     try:
         for k in range(1, STEPS + 1):
-            for key, value in commands(k / RATE_HZ).items():
-                if key in known:
-                    flight[key] = value
+            wanted = commands(k / RATE_HZ)
+            for key in set_names:
+                flight[key] = wanted[key]
             if not flight.run():
                 break
-            take()
+            take([wanted[key] for key in set_names])
             if not math.isfinite(flight["velocities/vt-fps"]):
                 rows.pop()
                 break
@@ -81,6 +83,7 @@ def record(folder, name):
         problem = f", then {error}"
     else:
         problem = ""
+    names += [f"command/{key}" for key in set_names]
     constant = [len({repr(row[k]) for row in rows}) == 1 for k in range(len(names))]
     header = [f"{found}={rows[0][k]!r}" if constant[k] else found for k, found in enumerate(names)]
     with gzip.open(os.path.join(folder, f"{name}.csv.gz"), "wt", compresslevel=1) as out:

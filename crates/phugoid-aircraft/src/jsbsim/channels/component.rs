@@ -78,7 +78,8 @@ pub(in crate::jsbsim) enum Kind {
     Sensor { lag: f64, drift: f64, gain: f64, bias: f64, quantised: Option<[f64; 3]> },
     /// What a drive makes of its input.
     Actuator {
-        lag: Parameter,
+        /// A lag of 0 holds the first value for ever, as in JSBSim.
+        lag: Option<Parameter>,
         faster: Option<Parameter>,
         slower: Option<Parameter>,
         deadband: f64,
@@ -152,8 +153,7 @@ impl Component {
             }
             Kind::Deadband { width, .. } => read.push(*width),
             Kind::Actuator { lag, faster, slower, .. } => {
-                read.push(*lag);
-                read.extend(faster.iter().chain(slower));
+                read.extend(lag.iter().chain(faster).chain(slower));
             }
             Kind::Summer { .. } | Kind::Kinematic { .. } | Kind::Function(_) | Kind::Sensor { .. } => {}
         }

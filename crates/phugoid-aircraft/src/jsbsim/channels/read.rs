@@ -244,8 +244,14 @@ impl Reader<'_> {
                         _ => (faster, slower) = (value, value),
                     }
                 }
+                if let Some(lag) = child(node, "lag")
+                    && parse(&text(lag)) == Some(0.0)
+                {
+                    let what = "the lag of the actuator is 0: as in JSBSim, it keeps its first value for ever";
+                    self.omitted.push(source.omit(lag, what));
+                }
                 Kind::Actuator {
-                    lag: self.parameter_or(node, "lag", 0.0)?,
+                    lag: self.child_parameter(node, "lag")?,
                     faster,
                     slower,
                     deadband: number("deadband_width")?,

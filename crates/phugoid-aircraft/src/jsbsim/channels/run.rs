@@ -152,8 +152,8 @@ impl Component {
             return input;
         };
         let mut output = input;
-        let lag = lag.value(model, state);
-        if lag != 0.0 {
+        if let Some(lag) = lag {
+            let lag = lag.value(model, state);
             if memory.started {
                 let below = 2.0 + dt * lag;
                 output = dt * lag / below * (input + memory.inputs[0]) + (2.0 - dt * lag) / below * memory.outputs[0];
