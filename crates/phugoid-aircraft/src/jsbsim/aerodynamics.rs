@@ -189,26 +189,42 @@ impl Aerodynamics {
     /// Force and moment at the properties as they stand.
     ///
     /// `centre_in` is the centre of gravity, inches in the structural frame. Where the file asks for the square of the lift
-    /// coefficient, forces are computed once more with the square that comes out; JSBSim takes that of the step before.
-    pub(super) fn sum(&self, model: &Model, state: &mut State, metrics: &Metrics, centre_in: [f64; 3]) -> Sum {
+    /// coefficient, forces are computed once more with the square that comes out, unless the lift of the step before is given,
+    /// pounds: then that is taken with the dynamic pressure of now, as JSBSim does, and replaced by the lift of now.
+    pub(super) fn sum(
+        &self,
+        model: &Model,
+        state: &mut State,
+        metrics: &Metrics,
+        centre_in: [f64; 3],
+        mut lift_before: Option<&mut f64>,
+    ) -> Sum {
+        let stepwise = lift_before.is_some();
         let own = &self.p;
         let (alpha, beta) = (state.read(model, own.alpha), state.read(model, own.beta));
         let qbar = state.read(model, own.qbar);
         state.write(model, own.qbar_area, qbar * metrics.area_ft2);
         self.stall(model, state, alpha);
         let wind_to_body = wind_to_body(alpha, beta);
-        let passes = if own.reads_cl_squared { 2 } else { 1 };
+        let passes = if own.reads_cl_squared && !stepwise { 2 } else { 1 };
+        // As in JSBSim, nothing is said of the coefficient without dynamic pressure.
+        let squared = |lift: f64| (lift / (metrics.area_ft2 * qbar)).powi(2);
+        if let Some(lift) = lift_before.as_deref()
+            && qbar > 1.0
+        {
+            state.write(model, own.cl_squared, squared(*lift));
+        }
         let (mut force, mut at_centre) = ([0.0; 3], [0.0; 3]);
         for _ in 0..passes {
-            state.hold(model, &self.before);
+            state.hold(model, &self.before, stepwise);
             force = self.to_body(total(model, state, &self.axes[..3]), alpha, &wind_to_body);
             at_centre = self.to_body(total(model, state, &self.at_centre), alpha, &wind_to_body);
             let lift = -transposed_row(&wind_to_body, 2, add(force, at_centre));
             let drag = -transposed_row(&wind_to_body, 0, add(force, at_centre));
-            // As in JSBSim, nothing is said of the coefficient without dynamic pressure.
-            if qbar > 1.0 {
-                let coefficient = lift / (metrics.area_ft2 * qbar);
-                state.write(model, own.cl_squared, coefficient * coefficient);
+            if let Some(before) = lift_before.as_deref_mut() {
+                *before = lift;
+            } else if qbar > 1.0 {
+                state.write(model, own.cl_squared, squared(lift));
             }
             if drag != 0.0 {
                 state.write(model, own.lift_over_drag, (lift / drag).abs());
@@ -227,7 +243,7 @@ impl Aerodynamics {
             Frame::Wind => rotate(&wind_to_body, given),
         };
         let sum = Sum { force: add(force, at_centre), moment: add(moment, cross(arm, force)) };
-        state.hold(model, &self.after);
+        state.hold(model, &self.after, stepwise);
         sum
     }
 

@@ -34,6 +34,8 @@ pub struct Evaluator<'a> {
     state: State,
     memories: Memories,
     thrusts_n: Vec<f64>,
+    /// Lift of the call before, pounds, if it is asked for.
+    lift_before: Option<f64>,
 }
 
 impl<'a> Evaluator<'a> {
@@ -44,6 +46,7 @@ impl<'a> Evaluator<'a> {
             state: State::new(&aircraft.model),
             memories: aircraft.channels.memories(),
             thrusts_n: vec![0.0; aircraft.engines.len()],
+            lift_before: None,
         }
     }
 
@@ -94,12 +97,19 @@ impl<'a> Evaluator<'a> {
         self.aircraft.masses.properties(&self.aircraft.model, &mut self.state)
     }
 
+    /// Whether the aerodynamics take from the call before what JSBSim takes from its step before: the square of the lift
+    /// coefficient, and functions that stand after the one that reads them. Otherwise, as at the beginning, forces follow from
+    /// the properties alone, as an integrator or a search for trim needs.
+    pub fn set_stepwise(&mut self, stepwise: bool) {
+        self.lift_before = stepwise.then(|| self.lift_before.unwrap_or(0.0));
+    }
+
     /// Aerodynamic force and moment at the flight condition and the properties that were set last.
     pub fn aerodynamic_force_moment(&mut self) -> ForceMoment {
         let aircraft = self.aircraft;
         let model = &aircraft.model;
         let (_, centre) = aircraft.masses.weight_and_centre(model, &mut self.state);
-        let sum = aircraft.aerodynamics.sum(model, &mut self.state, &aircraft.metrics, centre);
+        let sum = aircraft.aerodynamics.sum(model, &mut self.state, &aircraft.metrics, centre, self.lift_before.as_mut());
         ForceMoment {
             force_n: sum.force.map(|pounds| pounds * POUND_FORCE),
             moment_n_m: sum.moment.map(|foot_pounds| foot_pounds * POUND_FORCE * FOOT),

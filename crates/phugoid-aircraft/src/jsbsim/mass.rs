@@ -71,7 +71,7 @@ impl Metrics {
             ("iw-rad", metrics.incidence_rad),
             ("iw-deg", metrics.incidence_rad.to_degrees()),
             ("lh-norm", ratio(tail_arm, metrics.chord_ft)),
-            ("lv-norm", ratio(fin_arm, metrics.span_ft)),
+            ("lv-norm", ratio(fin_arm, metrics.chord_ft)),
             ("vbarh-norm", ratio(tail_arm * tails[0].1, metrics.chord_ft * metrics.area_ft2)),
             ("vbarv-norm", ratio(fin_arm * tails[2].1, metrics.span_ft * metrics.area_ft2)),
         ];

@@ -6,7 +6,7 @@
 //!
 //! Functions of the aerodynamics have the values of the moment that they are asked for, whatever was asked before: those that
 //! JSBSim takes from the step before (the square of the lift coefficient, and functions that stand after the one that reads
-//! them) differ from it by one step.
+//! them) differ from it by one step, unless [`Evaluator::set_stepwise`] asks for them.
 
 mod aerodynamics;
 mod aircraft;

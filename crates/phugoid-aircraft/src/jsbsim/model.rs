@@ -226,12 +226,16 @@ impl State {
         lookup.table.value(at)
     }
 
-    /// Computes functions in order, each once, and holds their values until the next time.
-    pub(super) fn hold(&mut self, model: &Model, functions: &[usize]) {
-        for &function in functions {
-            self.held[function] = None;
+    /// Computes functions in order, each once, and holds their values until the next time. One that stands before another
+    /// that it needs takes the value of the latter from the time before if there is one and `before` is set.
+    pub(super) fn hold(&mut self, model: &Model, functions: &[usize], before: bool) {
+        if !before {
+            for &function in functions {
+                self.held[function] = None;
+            }
         }
         for &function in functions {
+            self.held[function] = None;
             let value = self.call(model, function);
             self.held[function] = Some(value);
         }

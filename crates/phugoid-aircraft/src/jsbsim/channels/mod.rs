@@ -83,7 +83,7 @@ impl Channels {
 
     /// Runs all channels once. `step_s` is the time between two steps.
     pub(super) fn step(&self, model: &Model, state: &mut State, memories: &mut Memories, step_s: f64) {
-        state.hold(model, &self.before);
+        state.hold(model, &self.before, true);
         for &(command, position) in &self.followed {
             let value = state.read(model, command);
             state.write(model, position, value);
@@ -104,7 +104,7 @@ impl Channels {
                 component.run(model, state, memory, step_s * f64::from(channel.rate));
             }
         }
-        state.hold(model, &self.after);
+        state.hold(model, &self.after, true);
     }
 }
 
