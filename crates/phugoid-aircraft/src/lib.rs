@@ -2,4 +2,5 @@
 
 pub mod check_case;
 pub mod daveml;
+pub mod jsbsim;
 pub mod xml;

@@ -10,4 +10,5 @@ mod daveml_broken;
 mod daveml_models;
 mod daveml_standard;
 mod daveml_write;
+mod jsbsim;
 mod nesc;

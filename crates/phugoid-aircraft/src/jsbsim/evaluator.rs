@@ -1,0 +1,168 @@
+//! The properties of an aircraft at one moment, and the forces that follow from them.
+
+use super::aircraft::Aircraft;
+use super::channels::Memories;
+use super::flight::FlightCondition;
+use super::mass::MassProperties;
+use super::model::State;
+use super::propulsion::EngineKind;
+use super::units::{FOOT, POUND_FORCE, PSF};
+
+/// Force and moment in body axes (x forward, y right, z down), the moment about the centre of gravity.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct ForceMoment {
+    /// Force, N.
+    pub force_n: [f64; 3],
+    /// Moment, N m.
+    pub moment_n_m: [f64; 3],
+}
+
+/// Coefficients of the aerodynamic force and moment in body axes, the moment about the centre of gravity. They refer to the
+/// dynamic pressure and the area of the wing, roll and yaw to its span, pitch to its chord.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Coefficients {
+    /// Forward, right and down.
+    pub force: [f64; 3],
+    /// Roll to the right, pitch up, yaw to the right.
+    pub moment: [f64; 3],
+}
+
+/// Values of all properties of an aircraft at one moment.
+#[derive(Debug, Clone)]
+pub struct Evaluator<'a> {
+    aircraft: &'a Aircraft,
+    state: State,
+    memories: Memories,
+    thrusts_n: Vec<f64>,
+    /// Lift of the call before, pounds, if it is asked for.
+    lift_before: Option<f64>,
+}
+
+impl<'a> Evaluator<'a> {
+    /// The properties as the files give them; what they do not give is 0, and the gear is down (`gear/gear-pos-norm` is 1).
+    pub fn new(aircraft: &'a Aircraft) -> Self {
+        Self {
+            aircraft,
+            state: State::new(&aircraft.model),
+            memories: aircraft.channels.memories(),
+            thrusts_n: vec![0.0; aircraft.engines.len()],
+            lift_before: None,
+        }
+    }
+
+    /// The aircraft that is evaluated.
+    pub fn aircraft(&self) -> &'a Aircraft {
+        self.aircraft
+    }
+
+    /// Sets a property of a name, in the units of JSBSim that its name tells; `false` where no file mentions it, and nothing is
+    /// set. An angle of a surface in radians sets the one in degrees and its magnitude, and the other way round. The value of a
+    /// function cannot be set.
+    pub fn set(&mut self, name: &str, value: f64) -> bool {
+        let found = self.aircraft.property(name);
+        if let Some(index) = found {
+            self.set_index(index, value);
+        }
+        found.is_some()
+    }
+
+    /// Sets a property of an index of [`Aircraft::property`], as [`Evaluator::set`] does; an index that there is not does nothing.
+    pub fn set_index(&mut self, index: usize, value: f64) {
+        if index < self.aircraft.model.properties.len() {
+            self.state.write(&self.aircraft.model, index, value);
+        }
+    }
+
+    /// The value of a property of a name, in the units of JSBSim that its name tells; `None` where no file mentions it.
+    pub fn get(&mut self, name: &str) -> Option<f64> {
+        self.aircraft.property(name).and_then(|index| self.get_index(index))
+    }
+
+    /// The value of a property of an index of [`Aircraft::property`]; `None` where there is none.
+    pub fn get_index(&mut self, index: usize) -> Option<f64> {
+        let there = index < self.aircraft.model.properties.len();
+        there.then(|| self.state.read(&self.aircraft.model, index))
+    }
+
+    /// Sets the properties of motion and air that follow from a flight condition.
+    pub fn set_flight(&mut self, flight: &FlightCondition) {
+        let aircraft = self.aircraft;
+        let (_, centre) = aircraft.masses.weight_and_centre(&aircraft.model, &mut self.state);
+        aircraft.flight.set(&aircraft.model, &mut self.state, flight, &aircraft.metrics, centre);
+    }
+
+    /// Mass, centre and inertia with what the tanks hold now (`propulsion/tank[k]/contents-lbs`) and the point masses weigh
+    /// (`inertia/pointmass-weight-lbs[k]`).
+    pub fn mass_properties(&mut self) -> MassProperties {
+        self.aircraft.masses.properties(&self.aircraft.model, &mut self.state)
+    }
+
+    /// Whether the aerodynamics take from the call before what JSBSim takes from its step before: the square of the lift
+    /// coefficient, and functions that stand after the one that reads them. Otherwise, as at the beginning, forces follow from
+    /// the properties alone, as an integrator or a search for trim needs.
+    pub fn set_stepwise(&mut self, stepwise: bool) {
+        self.lift_before = stepwise.then(|| self.lift_before.unwrap_or(0.0));
+    }
+
+    /// Aerodynamic force and moment at the flight condition and the properties that were set last.
+    pub fn aerodynamic_force_moment(&mut self) -> ForceMoment {
+        let aircraft = self.aircraft;
+        let model = &aircraft.model;
+        let (_, centre) = aircraft.masses.weight_and_centre(model, &mut self.state);
+        let sum = aircraft.aerodynamics.sum(model, &mut self.state, &aircraft.metrics, centre, self.lift_before.as_mut());
+        ForceMoment {
+            force_n: sum.force.map(|pounds| pounds * POUND_FORCE),
+            moment_n_m: sum.moment.map(|foot_pounds| foot_pounds * POUND_FORCE * FOOT),
+        }
+    }
+
+    /// Coefficients of [`Evaluator::aerodynamic_force_moment`]; not a number without dynamic pressure or without a size.
+    pub fn coefficients(&mut self) -> Coefficients {
+        let sum = self.aerodynamic_force_moment();
+        let geometry = self.aircraft.geometry();
+        let qbar = self.get("aero/qbar-psf").unwrap_or(0.0) * PSF;
+        let force = qbar * geometry.wing_area_m2;
+        let [l, m, n] = sum.moment_n_m;
+        let (span, chord) = (force * geometry.wing_span_m, force * geometry.chord_m);
+        Coefficients { force: sum.force_n.map(|newton| newton / force), moment: [l / span, m / chord, n / span] }
+    }
+
+    /// Sets the thrust of an engine without a model of its own, N; `false` where there is no engine of this number, from 0, or it
+    /// has one.
+    pub fn set_thrust_n(&mut self, engine: usize, thrust_n: f64) -> bool {
+        let settable = self.aircraft.engines.get(engine).is_some_and(|found| found.kind == EngineKind::ConstantForce);
+        if settable {
+            self.thrusts_n[engine] = thrust_n;
+        }
+        settable
+    }
+
+    /// Force and moment of the engines: of a turbine at its throttle (`fcs/throttle-pos-norm[k]`, from 0 to 1, and to 2 with an
+    /// afterburner), of another engine what was set.
+    pub fn propulsive_force_moment(&mut self) -> ForceMoment {
+        let aircraft = self.aircraft;
+        let (_, centre) = aircraft.masses.weight_and_centre(&aircraft.model, &mut self.state);
+        let mut sum = ForceMoment::default();
+        for (engine, &set) in aircraft.engines.iter().zip(&self.thrusts_n) {
+            let thrust = engine.turbine_thrust_n(&aircraft.model, &mut self.state).unwrap_or(set);
+            let (force, moment) = engine.force_moment(thrust, centre);
+            for axis in 0..3 {
+                sum.force_n[axis] += force[axis];
+                sum.moment_n_m[axis] += moment[axis];
+            }
+        }
+        sum
+    }
+
+    /// Runs systems, autopilots and flight control once, in the order of the files. `step_s` is the time since they ran last, s.
+    /// Without a call of this, surfaces stay where they are set.
+    pub fn step_channels(&mut self, step_s: f64) {
+        let aircraft = self.aircraft;
+        aircraft.channels.step(&aircraft.model, &mut self.state, &mut self.memories, step_s);
+    }
+
+    /// Makes systems, autopilots and flight control forget what they did; properties stay as they are.
+    pub fn reset_channels(&mut self) {
+        self.memories = self.aircraft.channels.memories();
+    }
+}
