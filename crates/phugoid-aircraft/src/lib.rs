@@ -3,4 +3,5 @@
 pub mod check_case;
 pub mod daveml;
 pub mod jsbsim;
+pub mod vehicle;
 pub mod xml;

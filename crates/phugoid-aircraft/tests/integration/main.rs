@@ -11,4 +11,5 @@ mod daveml_models;
 mod daveml_standard;
 mod daveml_write;
 mod jsbsim;
+mod jsbsim_flown;
 mod nesc;
