@@ -7,6 +7,7 @@ mod shared_data;
 mod simulators;
 
 mod daveml_broken;
+mod daveml_flown;
 mod daveml_models;
 mod daveml_standard;
 mod daveml_write;
