@@ -11,7 +11,7 @@ cd "$(dirname "$0")/.."
 minutes=${1:-6}
 [ $# -gt 0 ] && shift
 if [ $# -eq 0 ]; then
-    set -- csv_reader ulog dataflash matlab parquet arrow mcap model_file telemetry recording
+    set -- csv_reader ulog dataflash matlab parquet arrow mcap model_file daveml telemetry recording
 fi
 
 command -v cargo-fuzz >/dev/null 2>&1 || { echo "fuzz: cargo-fuzz is not found: cargo install cargo-fuzz" >&2; exit 1; }

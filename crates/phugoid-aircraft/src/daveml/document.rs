@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use super::units::Unit;
+
 /// Where a file comes from, as its `fileHeader` says.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Header {
@@ -73,6 +75,13 @@ pub struct Variable {
     pub line: u32,
 }
 
+impl Variable {
+    /// Its unit in relation to SI; none where [`Unit::parse`] does not know it.
+    pub fn unit(&self) -> Option<Unit> {
+        Unit::parse(&self.units)
+    }
+}
+
 /// What an uncertainty changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Effect {
@@ -96,6 +105,14 @@ pub struct Uncertainty {
 }
 
 impl Uncertainty {
+    /// Its bounds: one of a normal distribution, one or two of a uniform one.
+    pub fn bounds(&self) -> &[Bound] {
+        match &self.distribution {
+            Distribution::Normal { bound, .. } => std::slice::from_ref(bound),
+            Distribution::Uniform { bounds } => bounds,
+        }
+    }
+
     /// Standard deviation of a value of `nominal`, in its unit: of a normal distribution the bound over its number of
     /// sigmas, of a uniform one the width over the root of twelve. None where a bound is a table or a variable, and for
     /// absolute bounds of a normal distribution, which the standard does not explain.

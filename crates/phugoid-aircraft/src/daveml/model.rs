@@ -192,6 +192,30 @@ impl Model {
         Evaluator::new(Arc::clone(&self.program))
     }
 
+    /// Evaluates the model once, with these inputs by identifier or name in their own units and all others as in the
+    /// file. For more than once, [`Model::evaluator`] looks names up only at the beginning.
+    ///
+    /// ```
+    /// # use phugoid_aircraft::daveml::{DavemlError, Model};
+    /// # let model = Model::parse("<DAVEfunc><variableDef name='x' varID='x' units='ft'/></DAVEfunc>")?;
+    /// let evaluated = model.evaluate(&[("x", 10.0)])?;
+    /// let x = model.position("x")?;
+    /// assert_eq!(evaluated.get(x), 10.0);
+    /// assert_eq!(model.variables()[x].unit().map(|unit| unit.to_si(10.0)), Some(3.048));
+    /// # Ok::<(), DavemlError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`DavemlError::UnknownSignal`]; [`DavemlError::NotAnInput`].
+    pub fn evaluate(&self, inputs: &[(&str, f64)]) -> Result<Evaluator, DavemlError> {
+        let mut evaluator = self.evaluator();
+        for (name, value) in inputs {
+            evaluator.set(self.input_position(name)?, *value);
+        }
+        evaluator.run();
+        Ok(evaluator)
+    }
+
     /// Compares the model with its own check data. Values whose unit is of the same kind as that of the variable and
     /// another are converted.
     pub fn check(&self) -> CheckReport {

@@ -132,7 +132,8 @@ impl<T: Scalar> Evaluator<T> {
         }
     }
 
-    /// Computes every variable from what was set. An input that is NaN makes NaN of all that depends on it.
+    /// Computes every variable from what was set. An input that is NaN makes NaN of all that is calculated or looked up
+    /// with it; only a comparison with NaN is false, as always, so a `piecewise` may take another piece.
     pub fn run(&mut self) {
         let program = &self.program;
         for &variable in &program.free {

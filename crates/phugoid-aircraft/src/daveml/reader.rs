@@ -86,6 +86,12 @@ fn read_document<'t>(text: &str, document: &'t Document<'t>) -> Result<Model, Da
         builder.table(dependent, table, &ids, function.line)?;
         functions.push(function);
     }
+    let doubts = variables.iter().map(|variable| (&variable.uncertainty, variable.line));
+    for (doubt, line) in doubts.chain(functions.iter().map(|function| (&function.uncertainty, function.line))) {
+        if let Some(id) = doubt.as_ref().and_then(|doubt| unknown_reference(doubt, &index, &definitions)) {
+            return Err(DavemlError::UnknownVariable { id: brief(id), line });
+        }
+    }
     let (program, used) = builder.finish(&variables)?;
     for (position, variable) in variables.iter_mut().enumerate() {
         let marked = variable.is_input || variable.is_control || variable.is_disturbance;
@@ -257,6 +263,27 @@ pub(super) fn uncertainty(lines: &Lines, node: Element<'_>) -> Result<Uncertaint
         _ => return Err(lines.unknown(distribution)),
     };
     Ok(Uncertainty { effect, distribution })
+}
+
+/// What an uncertainty refers to and is not there. A correlation may be with a table.
+fn unknown_reference<'u>(
+    doubt: &'u Uncertainty,
+    variables: &HashMap<String, usize>,
+    definitions: &Definitions,
+) -> Option<&'u str> {
+    let bounds = doubt.bounds().iter().filter_map(|bound| match bound {
+        Bound::Variable(id) => Some(id.as_str()),
+        Bound::Value(_) | Bound::Table(_) => None,
+    });
+    let correlated: Vec<&str> = match &doubt.distribution {
+        Distribution::Normal { correlates_with, correlations, .. } => {
+            let with = correlations.iter().map(|(id, _)| id.as_str());
+            correlates_with.iter().map(String::as_str).chain(with).collect()
+        }
+        Distribution::Uniform { .. } => Vec::new(),
+    };
+    let missing = |id: &&str| !variables.contains_key(*id);
+    bounds.filter(missing).chain(correlated.into_iter().filter(|id| missing(id) && !definitions.has_table(id))).next()
 }
 
 fn bound(lines: &Lines, node: Element<'_>) -> Result<Bound, DavemlError> {

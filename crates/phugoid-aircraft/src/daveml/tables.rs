@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::axis::{Axis, Independent, Interpolation};
-use super::document::{Function, Uncertainty};
+use super::document::{Bound, Function, Uncertainty};
 use super::error::{DavemlError, brief};
 use super::gridded::Gridded;
 use super::program::Table;
@@ -40,6 +40,12 @@ enum TableContent {
 pub(super) struct Definitions {
     breakpoints: HashMap<String, Arc<[f64]>>,
     tables: HashMap<String, TableDefinition>,
+}
+
+impl Definitions {
+    pub(super) fn has_table(&self, id: &str) -> bool {
+        self.tables.contains_key(id)
+    }
 }
 
 /// Reads functions; one for a model.
@@ -119,6 +125,11 @@ impl TableReader<'_> {
         let axes = axes.ok_or_else(|| self.lines.missing(node, "breakpointRefs"))?;
         let values = values.ok_or_else(|| self.lines.missing(node, "dataTable"))?;
         check_size(&axes, values.len(), line)?;
+        for bound in doubt.iter().flat_map(Uncertainty::bounds) {
+            if let Bound::Table(bound) = bound {
+                check_size(&axes, bound.len(), line)?;
+            }
+        }
         let values = values.into();
         Ok(TableDefinition { content: TableContent::Gridded { axes, values }, uncertainty: doubt, line })
     }

@@ -1,7 +1,8 @@
 //! Units as S-119 writes them (`ft_s`, `slugft2`, `_rad`), and what they are in SI.
 //!
 //! A unit is a product of symbols; what follows an underscore divides, and a digit after a symbol is its power:
-//! `lbf_ft2` is a pound per square foot, `_deg` is "per degree". Angles count as dimensionless, with the radian as one.
+//! `lbf_ft2` is a pound per square foot, `_deg` is "per degree". Older files write `/` for the underscore, or powers with
+//! their sign, where an underscore only separates: `rad_s-1`. Angles count as dimensionless, with the radian as one.
 
 /// Symbols with their factor to SI and their powers of metre, kilogram, second, kelvin and ampere.
 const SYMBOLS: [(&str, f64, [i8; 5]); 62] = [
@@ -120,8 +121,10 @@ impl Unit {
             return Some(Self { factor, offset, dimension: TEMPERATURE });
         }
         let mut unit = dimensionless;
-        for (position, part) in text.split('_').enumerate() {
-            let sign: i8 = if position == 0 { 1 } else { -1 };
+        let signed = text.contains('-');
+        for (position, part) in text.split(['_', '/']).enumerate() {
+            let sign: i8 = if position == 0 || signed { 1 } else { -1 };
+            let part = if position == 0 && part == "1" { "" } else { part };
             let mut rest = part;
             while !rest.is_empty() {
                 // The longest symbol that fits, as `min` is a minute and not a metre-inch.
@@ -132,7 +135,7 @@ impl Unit {
                     .filter(|(symbol, ..)| rest.starts_with(symbol))
                     .max_by_key(|(symbol, ..)| symbol.len())?;
                 rest = &rest[symbol.len()..];
-                let digits = rest.len() - rest.trim_start_matches(|c: char| c.is_ascii_digit()).len();
+                let digits = rest.len() - rest.trim_start_matches(|c: char| c.is_ascii_digit() || c == '-').len();
                 let power: i8 = if digits == 0 { 1 } else { rest[..digits].parse().ok()? };
                 rest = &rest[digits..];
                 let power = power.checked_mul(sign)?;
@@ -199,13 +202,15 @@ mod tests {
             ("dgC", 15.0, 288.15),
             ("dgF", 59.0, 288.15),
             ("m_s2", 1.0, 1.0),
+            ("1/deg", 1.0, 180.0 / core::f64::consts::PI),
+            ("ft_s-1", 1.0, 0.3048),
             ("", 1.0, 1.0),
         ] {
             let unit = Unit::parse(text).unwrap();
             assert!((unit.to_si(value) - si).abs() <= 1e-12 * si.abs(), "{text}: {}", unit.to_si(value));
             assert!((unit.from_si(si) - value).abs() <= 1e-12 * value.abs().max(100.0), "{text}");
         }
-        for text in ["furlong", "ft200", "m127m", "1", "ft__"] {
+        for text in ["furlong", "ft200", "m127m", "1", "ft__", "ft-", "ft--2", "ft-128"] {
             let _ = Unit::parse(text);
         }
         assert_eq!(Unit::parse("furlong"), None);
