@@ -193,9 +193,16 @@ impl Aircraft {
         for index in self.channels.inputs() {
             read[index] = true;
         }
+        let mut along = vec![false; read.len()];
+        for index in 0..read.len() {
+            if self.model.properties[index].declared {
+                self.model.linked(index).for_each(|other| along[other] = true);
+            }
+        }
         let property = |index: &usize| &self.model.properties[*index];
         let open = |index: &usize| {
             read[*index]
+                && !along[*index]
                 && !property(index).declared
                 && property(index).function.is_none()
                 && !self.flight.contain(*index)

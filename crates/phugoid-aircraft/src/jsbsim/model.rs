@@ -136,6 +136,11 @@ impl Model {
         new
     }
 
+    /// Properties that are written along with one.
+    pub(super) fn linked(&self, index: usize) -> impl Iterator<Item = usize> {
+        self.properties[index].links.iter().map(|&(other, _)| other)
+    }
+
     /// Sets the value that a property begins with, and those of what is tied to it.
     pub(super) fn begin(&mut self, index: usize, value: f64) {
         self.properties[index].initial = value;

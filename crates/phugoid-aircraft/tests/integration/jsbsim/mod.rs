@@ -1,5 +1,6 @@
 //! Aircraft of JSBSim, where its Python package is there.
 
+mod broken;
 mod flights;
 mod package;
 mod recorded;
