@@ -109,7 +109,8 @@ impl<'a> Evaluator<'a> {
         let aircraft = self.aircraft;
         let model = &aircraft.model;
         let (_, centre) = aircraft.masses.weight_and_centre(model, &mut self.state);
-        let sum = aircraft.aerodynamics.sum(model, &mut self.state, &aircraft.metrics, centre, self.lift_before.as_mut());
+        let sum =
+            aircraft.aerodynamics.sum(model, &mut self.state, &aircraft.metrics, centre, self.lift_before.as_mut());
         ForceMoment {
             force_n: sum.force.map(|pounds| pounds * POUND_FORCE),
             moment_n_m: sum.moment.map(|foot_pounds| foot_pounds * POUND_FORCE * FOOT),

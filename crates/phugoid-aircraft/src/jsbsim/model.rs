@@ -101,9 +101,10 @@ impl Model {
             ["elevator", "left-aileron", "right-aileron", "rudder", "flap", "speedbrake", "spoiler"];
         let Some(rest) = name.strip_prefix("fcs/") else { return };
         let rest = rest.strip_prefix("mag-").unwrap_or(rest);
-        let Some(surface) = SURFACES.iter().find(|surface| {
-            rest.strip_prefix(**surface).is_some_and(|form| form == "-pos-rad" || form == "-pos-deg")
-        }) else {
+        let Some(surface) = SURFACES
+            .iter()
+            .find(|surface| rest.strip_prefix(**surface).is_some_and(|form| form == "-pos-rad" || form == "-pos-deg"))
+        else {
             return;
         };
         let radian_name = format!("fcs/{surface}-pos-rad");

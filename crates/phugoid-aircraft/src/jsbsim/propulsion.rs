@@ -147,7 +147,9 @@ fn read_engine(
     let (path, text) = match files.text(source, node, &file, Kind::Engine) {
         Ok(found) => found,
         Err(error) => {
-            omitted.push(source.omit(node, format!("engine {number}: its thrust is what is set, a constant force: {error}")));
+            omitted.push(
+                source.omit(node, format!("engine {number}: its thrust is what is set, a constant force: {error}")),
+            );
             return Ok(engine);
         }
     };
@@ -159,8 +161,7 @@ fn read_engine(
         Some(name) => match files.text(source, node, name, Kind::Engine) {
             Err(_) => false,
             Ok((path, text)) => {
-                let thruster =
-                    xml::parse(&text).map_err(|source| JsbsimError::Xml { file: path.clone(), source })?;
+                let thruster = xml::parse(&text).map_err(|source| JsbsimError::Xml { file: path.clone(), source })?;
                 tag(thruster.root_element()) == "direct"
             }
         },
@@ -173,15 +174,16 @@ fn read_engine(
     match read {
         Ok(turbine) => {
             let injected = if turbine.injected { ", and without injection of water" } else { "" };
-            omitted.push(source.omit(
-                node,
-                format!("engine {number}: its thrust follows the throttle without delay{injected}"),
-            ));
+            omitted.push(
+                source.omit(node, format!("engine {number}: its thrust follows the throttle without delay{injected}")),
+            );
             engine.turbine = Some(turbine);
             engine.kind = EngineKind::Turbine;
         }
         Err(error) => {
-            omitted.push(source.omit(node, format!("engine {number}: its thrust is what is set, a constant force: {error}")));
+            omitted.push(
+                source.omit(node, format!("engine {number}: its thrust is what is set, a constant force: {error}")),
+            );
         }
     }
     Ok(engine)

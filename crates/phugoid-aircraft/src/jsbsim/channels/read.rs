@@ -44,13 +44,11 @@ impl Channels {
                     let channel = reader.channel(part)?;
                     self.channels.push(channel);
                 }
-                "function" => {
-                    match function::read(reader.model, source, part) {
-                        Ok(made) if part.attribute("type") == Some("post") => self.after.push(made),
-                        Ok(made) => self.before.push(made),
-                        Err(error) => reader.leave_out(part, error),
-                    }
-                }
+                "function" => match function::read(reader.model, source, part) {
+                    Ok(made) if part.attribute("type") == Some("post") => self.after.push(made),
+                    Ok(made) => self.before.push(made),
+                    Err(error) => reader.leave_out(part, error),
+                },
                 "property" | "description" | "documentation" | "limitation" | "note" => {}
                 other => reader.omitted.push(source.omit(part, format!("<{}> is left out", shortened(other)))),
             }
@@ -316,7 +314,9 @@ impl Reader<'_> {
                 ">" | "GT" | "gt" => Comparison::Greater,
                 ">=" | "GE" | "ge" => Comparison::GreaterOrEqual,
                 other => {
-                    return Err(self.source.refuse(node, format!("the comparison \"{}\" is not known", shortened(other))));
+                    return Err(self
+                        .source
+                        .refuse(node, format!("the comparison \"{}\" is not known", shortened(other))));
                 }
             };
             let (left, right) = (self.parameter(node, left)?, self.parameter(node, right)?);

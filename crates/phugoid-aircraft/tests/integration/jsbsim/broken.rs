@@ -50,7 +50,9 @@ fn forces_of_a_small_aircraft_are_those_by_hand() {
         assert!((value - expected).abs() < 1e-6, "{value} instead of {expected}");
     }
     let left_out: Vec<_> = aircraft.omitted().iter().map(ToString::to_string).collect();
-    let named = |line: u32, part: &str| left_out.iter().any(|note| note.contains(&format!("line {line}:")) && note.contains(part));
+    let named = |line: u32, part: &str| {
+        left_out.iter().any(|note| note.contains(&format!("line {line}:")) && note.contains(part))
+    };
     assert!(named(line_of("<magnetometer"), "magnetometer"), "{left_out:?}");
     assert!(named(line_of("<ground_reactions"), "landing gear"), "{left_out:?}");
     let inputs: Vec<_> = aircraft.inputs().iter().map(|&index| aircraft.properties().nth(index).unwrap()).collect();
@@ -199,11 +201,17 @@ fn files_are_read_only_below_the_folders_of_the_aircraft() {
         std::fs::write(aircraft.join("glider.xml"), text).unwrap();
         Aircraft::open(&aircraft)
     };
-    let read = open(&with("<system file=\"own\"/><system file=\"shared.xml\"><property value=\"8\">s/shared</property></system>"))
-        .unwrap();
+    let read = open(&with(
+        "<system file=\"own\"/><system file=\"shared.xml\"><property value=\"8\">s/shared</property></system>",
+    ))
+    .unwrap();
     let mut evaluator = Evaluator::new(&read);
     assert_eq!(evaluator.get("s/seven"), Some(7.0));
-    assert_eq!(evaluator.get("s/shared"), Some(8.0), "what stands in the aircraft goes before what stands in the system");
+    assert_eq!(
+        evaluator.get("s/shared"),
+        Some(8.0),
+        "what stands in the aircraft goes before what stands in the system"
+    );
     // A system that is not there is left out.
     let read = open(&with("<system file=\"missing\"/>")).unwrap();
     assert!(read.omitted().iter().any(|note| note.what.contains("missing")));
@@ -218,4 +226,46 @@ fn files_are_read_only_below_the_folders_of_the_aircraft() {
     let many = open(&with(&"<system file=\"own\"/>\n".repeat(MAX_FILES + 1)));
     assert!(many.map(|_| ()).unwrap_err().to_string().contains("too many files"));
     std::fs::remove_dir_all(package).unwrap();
+}
+
+#[test]
+fn a_file_with_scrambled_words_is_read_or_refused() {
+    // Words of the file itself in places where they do not belong, by a generator that says the same every time.
+    scramble(GLIDER, 3000);
+    if let Some(package) = std::env::var_os("PHUGOID_JSBSIM_SCRAMBLE").and_then(|_| super::package()) {
+        for name in ["c182", "f22", "X15", "T38", "p51d", "B747"] {
+            let text = std::fs::read_to_string(package.join(format!("aircraft/{name}/{name}.xml"))).unwrap();
+            scramble(&text, 300);
+        }
+    }
+}
+
+fn scramble(text: &str, times: usize) {
+    let words: Vec<&str> =
+        text.split_inclusive(|letter: char| letter.is_whitespace() || letter == '>' || letter == '<').collect();
+    let mut random = 1_u64;
+    let mut draw = |below: usize| {
+        random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (random >> 33) as usize % below
+    };
+    let mut read = 0;
+    for _ in 0..times {
+        let mut changed = words.clone();
+        for _ in 0..1 + draw(3) {
+            let (at, from) = (draw(words.len()), draw(words.len()));
+            changed[at] = [words[from], "-1e308 ", "0 ", "1e308 ", "-", "fcs/elevator-pos-rad "][draw(6)];
+        }
+        if let Ok(aircraft) = Aircraft::from_text(&changed.concat()) {
+            read += 1;
+            let mut evaluator = Evaluator::new(&aircraft);
+            for alpha in [0.0, -3.0, 0.3, f64::NAN, f64::INFINITY] {
+                evaluator.set_flight(&calm(alpha));
+                evaluator.step_channels(0.01);
+                evaluator.coefficients();
+                evaluator.propulsive_force_moment();
+                evaluator.mass_properties();
+            }
+        }
+    }
+    assert!(read > 0);
 }
