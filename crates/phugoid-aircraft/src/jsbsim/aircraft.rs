@@ -91,9 +91,8 @@ impl Aircraft {
         // In the order in which JSBSim reads them, whatever theirs in the file is.
         let missing = |what: &str| source.refuse(root, format!("the aircraft has no <{what}>"));
         let node = single("metrics").ok_or_else(|| missing("metrics"))?;
-        let metrics = parts.section(&source, node, Kind::Section, |parts, source, node| {
-            Metrics::read(parts.model, source, node)
-        })?;
+        let metrics = parts
+            .section(&source, node, Kind::Section, |parts, source, node| Metrics::read(parts.model, source, node))?;
         let mut masses = Masses::default();
         let node = single("mass_balance").ok_or_else(|| missing("mass_balance"))?;
         parts.section(&source, node, Kind::Section, |parts, source, node| {
@@ -106,8 +105,7 @@ impl Aircraft {
             })?;
         }
         let mut channels = Channels::default();
-        for (name, kind) in
-            [("system", Kind::System), ("autopilot", Kind::Section), ("flight_control", Kind::Section)]
+        for (name, kind) in [("system", Kind::System), ("autopilot", Kind::Section), ("flight_control", Kind::Section)]
         {
             for node in sections(name) {
                 parts.system(&source, node, kind, &mut channels)?;
@@ -193,9 +191,16 @@ impl Aircraft {
         for index in self.channels.inputs() {
             read[index] = true;
         }
+        let mut along = vec![false; read.len()];
+        for index in 0..read.len() {
+            if self.model.properties[index].declared {
+                self.model.linked(index).for_each(|other| along[other] = true);
+            }
+        }
         let property = |index: &usize| &self.model.properties[*index];
         let open = |index: &usize| {
             read[*index]
+                && !along[*index]
                 && !property(index).declared
                 && property(index).function.is_none()
                 && !self.flight.contain(*index)

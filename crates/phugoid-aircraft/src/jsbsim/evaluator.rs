@@ -33,7 +33,8 @@ pub struct Evaluator<'a> {
     aircraft: &'a Aircraft,
     state: State,
     memories: Memories,
-    thrusts_n: Vec<f64>,
+    /// What was set for each engine: a thrust, N, or the speed of a propeller, turns per minute.
+    engines_set: Vec<Option<f64>>,
     /// Lift of the call before, pounds, if it is asked for.
     lift_before: Option<f64>,
 }
@@ -45,7 +46,7 @@ impl<'a> Evaluator<'a> {
             aircraft,
             state: State::new(&aircraft.model),
             memories: aircraft.channels.memories(),
-            thrusts_n: vec![0.0; aircraft.engines.len()],
+            engines_set: vec![None; aircraft.engines.len()],
             lift_before: None,
         }
     }
@@ -109,7 +110,8 @@ impl<'a> Evaluator<'a> {
         let aircraft = self.aircraft;
         let model = &aircraft.model;
         let (_, centre) = aircraft.masses.weight_and_centre(model, &mut self.state);
-        let sum = aircraft.aerodynamics.sum(model, &mut self.state, &aircraft.metrics, centre, self.lift_before.as_mut());
+        let sum =
+            aircraft.aerodynamics.sum(model, &mut self.state, &aircraft.metrics, centre, self.lift_before.as_mut());
         ForceMoment {
             force_n: sum.force.map(|pounds| pounds * POUND_FORCE),
             moment_n_m: sum.moment.map(|foot_pounds| foot_pounds * POUND_FORCE * FOOT),
@@ -130,22 +132,32 @@ impl<'a> Evaluator<'a> {
     /// Sets the thrust of an engine without a model of its own, N; `false` where there is no engine of this number, from 0, or it
     /// has one.
     pub fn set_thrust_n(&mut self, engine: usize, thrust_n: f64) -> bool {
-        let settable = self.aircraft.engines.get(engine).is_some_and(|found| found.kind == EngineKind::ConstantForce);
+        self.set_engine(engine, EngineKind::ConstantForce, Some(thrust_n))
+    }
+
+    /// Sets the speed of a propeller, turns per minute, with its pitch at the fine end of its range, instead of the one that its
+    /// engine turns it with; `None` takes that again. `false` where there is no propeller of this number, from 0.
+    pub fn set_propeller_rpm(&mut self, engine: usize, rpm: Option<f64>) -> bool {
+        self.set_engine(engine, EngineKind::Propeller, rpm)
+    }
+
+    fn set_engine(&mut self, engine: usize, kind: EngineKind, value: Option<f64>) -> bool {
+        let settable = self.aircraft.engines.get(engine).is_some_and(|found| found.kind == kind);
         if settable {
-            self.thrusts_n[engine] = thrust_n;
+            self.engines_set[engine] = value;
         }
         settable
     }
 
-    /// Force and moment of the engines: of a turbine at its throttle (`fcs/throttle-pos-norm[k]`, from 0 to 1, and to 2 with an
-    /// afterburner), of another engine what was set.
+    /// Force and moment of the engines. A turbine and a propeller are at their throttle (`fcs/throttle-pos-norm[k]`, from 0 to 1, and
+    /// to 2 with an afterburner), a propeller of constant speed at that of its lever (`fcs/advance-pos-norm[k]`, from 0 for the
+    /// slowest to 1); another engine gives the thrust that was set, or none.
     pub fn propulsive_force_moment(&mut self) -> ForceMoment {
         let aircraft = self.aircraft;
         let (_, centre) = aircraft.masses.weight_and_centre(&aircraft.model, &mut self.state);
         let mut sum = ForceMoment::default();
-        for (engine, &set) in aircraft.engines.iter().zip(&self.thrusts_n) {
-            let thrust = engine.turbine_thrust_n(&aircraft.model, &mut self.state).unwrap_or(set);
-            let (force, moment) = engine.force_moment(thrust, centre);
+        for (engine, &set) in aircraft.engines.iter().zip(&self.engines_set) {
+            let (force, moment) = engine.force_moment(&aircraft.model, &mut self.state, set, centre);
             for axis in 0..3 {
                 sum.force_n[axis] += force[axis];
                 sum.moment_n_m[axis] += moment[axis];

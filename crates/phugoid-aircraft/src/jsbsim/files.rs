@@ -70,7 +70,8 @@ impl Files {
         name: &str,
         kind: Kind,
     ) -> Result<(PathBuf, String), JsbsimError> {
-        let refuse = |why: &str| Err(source.refuse(node, format!("<{} file=\"{}\">: {why}", tag(node), shortened(name))));
+        let refuse =
+            |why: &str| Err(source.refuse(node, format!("<{} file=\"{}\">: {why}", tag(node), shortened(name))));
         let name = name.trim();
         let path = Path::new(name);
         if name.is_empty() || !path.components().all(|part| matches!(part, Component::Normal(_))) {

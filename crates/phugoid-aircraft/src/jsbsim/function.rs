@@ -211,11 +211,7 @@ pub(super) fn read(model: &mut Model, source: &Source, node: Node<'_, '_>) -> Re
 }
 
 /// Reads a `<function>` whose name makes no property, and gives its index.
-pub(super) fn read_without_name(
-    model: &mut Model,
-    source: &Source,
-    node: Node<'_, '_>,
-) -> Result<usize, JsbsimError> {
+pub(super) fn read_without_name(model: &mut Model, source: &Source, node: Node<'_, '_>) -> Result<usize, JsbsimError> {
     let ops = operations(model, source, node)?;
     Ok(define(model, source, node, ops, None))
 }

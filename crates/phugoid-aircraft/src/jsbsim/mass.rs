@@ -290,11 +290,7 @@ fn add_at(inertia: &mut [[f64; 3]; 3], pounds: f64, place: [f64; 3], centre: [f6
 
 /// From the centre to a place, both in inches in the structural frame, in body axes, ft.
 pub(super) fn arm_ft(place_in: [f64; 3], centre_in: [f64; 3]) -> [f64; 3] {
-    [
-        (centre_in[0] - place_in[0]) / 12.0,
-        (place_in[1] - centre_in[1]) / 12.0,
-        (centre_in[2] - place_in[2]) / 12.0,
-    ]
+    [(centre_in[0] - place_in[0]) / 12.0, (place_in[1] - centre_in[1]) / 12.0, (centre_in[2] - place_in[2]) / 12.0]
 }
 
 /// The inertia that an element gives, as a tensor in body axes, slug ft2. What it calls products is, by default, the elements

@@ -38,12 +38,13 @@ use source::Source;
 /// Makes the property that a `<property>` declares, with its value if it gives one.
 fn declare(model: &mut Model, source: &Source, node: Node<'_, '_>) -> Result<(), JsbsimError> {
     let (index, _) = function::named_property(model, source, node, &source::text(node))?;
-    let value = match node.attribute("value") {
-        None => None,
-        Some(value) => Some(source::parse(value).ok_or_else(|| {
-            source.refuse(node, format!("the value \"{}\" is no number", source::shortened(value)))
-        })?),
-    };
+    let value =
+        match node.attribute("value") {
+            None => None,
+            Some(value) => Some(source::parse(value).ok_or_else(|| {
+                source.refuse(node, format!("the value \"{}\" is no number", source::shortened(value)))
+            })?),
+        };
     let new = !std::mem::replace(&mut model.properties[index].declared, true);
     if let Some(value) = value.or(new.then_some(0.0)) {
         model.begin(index, value);

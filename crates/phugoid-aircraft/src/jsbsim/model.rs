@@ -101,9 +101,10 @@ impl Model {
             ["elevator", "left-aileron", "right-aileron", "rudder", "flap", "speedbrake", "spoiler"];
         let Some(rest) = name.strip_prefix("fcs/") else { return };
         let rest = rest.strip_prefix("mag-").unwrap_or(rest);
-        let Some(surface) = SURFACES.iter().find(|surface| {
-            rest.strip_prefix(**surface).is_some_and(|form| form == "-pos-rad" || form == "-pos-deg")
-        }) else {
+        let Some(surface) = SURFACES
+            .iter()
+            .find(|surface| rest.strip_prefix(**surface).is_some_and(|form| form == "-pos-rad" || form == "-pos-deg"))
+        else {
             return;
         };
         let radian_name = format!("fcs/{surface}-pos-rad");
@@ -134,6 +135,11 @@ impl Model {
             links: Vec::new(),
         });
         new
+    }
+
+    /// Properties that are written along with one.
+    pub(super) fn linked(&self, index: usize) -> impl Iterator<Item = usize> {
+        self.properties[index].links.iter().map(|&(other, _)| other)
     }
 
     /// Sets the value that a property begins with, and those of what is tied to it.

@@ -30,9 +30,7 @@ impl Table {
         let data: Vec<_> = children(node).filter(|part| tag(*part) == "tableData").collect();
         match (dimensions, data.as_slice()) {
             (_, []) => Err(source.refuse(node, "the table has no <tableData>")),
-            (1 | 2, [one]) => {
-                Ok(Self { pages: vec![Page::read(source, *one, dimensions == 2)?], breaks: Vec::new() })
-            }
+            (1 | 2, [one]) => Ok(Self { pages: vec![Page::read(source, *one, dimensions == 2)?], breaks: Vec::new() }),
             (3, pages) => {
                 let mut table = Self { pages: Vec::new(), breaks: Vec::new() };
                 for &page in pages {
@@ -54,8 +52,15 @@ impl Table {
     /// Number of variables that the data of a table without `<independentVar>` are for.
     pub(super) fn dimensions(node: Node<'_, '_>) -> usize {
         let pages = children(node).filter(|part| tag(*part) == "tableData").count();
-        let width = child(node, "tableData").map_or(0, |data| lines(data).iter().map(|line| line.len()).max().unwrap_or(0));
-        if pages > 1 { 3 } else if width > 2 { 2 } else { 1 }
+        let width =
+            child(node, "tableData").map_or(0, |data| lines(data).iter().map(|line| line.len()).max().unwrap_or(0));
+        if pages > 1 {
+            3
+        } else if width > 2 {
+            2
+        } else {
+            1
+        }
     }
 
     /// The value at a row, a column and a page; those that the table does not have are not looked at.
@@ -77,7 +82,10 @@ impl Page {
         let numbers = |line: &[String]| {
             let parsed: Option<Vec<f64>> = line.iter().map(|word| parse(word)).collect();
             parsed.ok_or_else(|| {
-                source.refuse(node, format!("the table holds something else than numbers: \"{}\"", shortened(&line.join(" "))))
+                source.refuse(
+                    node,
+                    format!("the table holds something else than numbers: \"{}\"", shortened(&line.join(" "))),
+                )
             })
         };
         if two {

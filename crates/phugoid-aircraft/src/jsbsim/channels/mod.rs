@@ -57,7 +57,8 @@ impl Channels {
         ];
         for engine in 0..engines {
             for (command, position) in pairs {
-                let [command, position] = [command, position].map(|name| model.property(&format!("fcs/{name}[{engine}]")));
+                let [command, position] =
+                    [command, position].map(|name| model.property(&format!("fcs/{name}[{engine}]")));
                 self.followed.push((command, position));
             }
         }

@@ -44,14 +44,11 @@ impl Channels {
                     let channel = reader.channel(part)?;
                     self.channels.push(channel);
                 }
-                "function" => {
-                    let known = reader.model.functions.len();
-                    match function::read(reader.model, source, part) {
-                        Ok(made) if part.attribute("type") == Some("post") => self.after.push(made),
-                        Ok(made) => self.before.push(made),
-                        Err(error) => reader.leave_out(part, known, error),
-                    }
-                }
+                "function" => match function::read(reader.model, source, part) {
+                    Ok(made) if part.attribute("type") == Some("post") => self.after.push(made),
+                    Ok(made) => self.before.push(made),
+                    Err(error) => reader.leave_out(part, error),
+                },
                 "property" | "description" | "documentation" | "limitation" | "note" => {}
                 other => reader.omitted.push(source.omit(part, format!("<{}> is left out", shortened(other)))),
             }
@@ -62,11 +59,10 @@ impl Channels {
 
 impl Reader<'_> {
     /// Notes that a function or a component is left out because it is not understood.
-    fn leave_out(&mut self, node: Node<'_, '_>, functions: usize, error: JsbsimError) {
-        // A function that was made on the way is not run by anything; its property keeps it.
-        debug_assert!(functions <= self.model.functions.len());
+    fn leave_out(&mut self, node: Node<'_, '_>, error: JsbsimError) {
         let why = match error {
-            JsbsimError::Refused { what, line, .. } => format!("{what} (line {line})"),
+            JsbsimError::Refused { what, line, .. } if line == self.source.line(node) => what,
+            JsbsimError::Refused { what, line, .. } => format!("line {line}: {what}"),
             other => other.to_string(),
         };
         let name = node.attribute("name").unwrap_or_default();
@@ -95,10 +91,9 @@ impl Reader<'_> {
             if matches!(tag(part), "description" | "documentation" | "note") {
                 continue;
             }
-            let known = self.model.functions.len();
             match self.component(part) {
                 Ok(component) => channel.components.push(component),
-                Err(error) => self.leave_out(part, known, error),
+                Err(error) => self.leave_out(part, error),
             }
         }
         Ok(channel)
@@ -319,7 +314,9 @@ impl Reader<'_> {
                 ">" | "GT" | "gt" => Comparison::Greater,
                 ">=" | "GE" | "ge" => Comparison::GreaterOrEqual,
                 other => {
-                    return Err(self.source.refuse(node, format!("the comparison \"{}\" is not known", shortened(other))));
+                    return Err(self
+                        .source
+                        .refuse(node, format!("the comparison \"{}\" is not known", shortened(other))));
                 }
             };
             let (left, right) = (self.parameter(node, left)?, self.parameter(node, right)?);

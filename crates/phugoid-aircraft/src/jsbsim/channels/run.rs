@@ -25,9 +25,7 @@ impl Component {
             }
             Kind::Scale { gain, domain, range, centred } => {
                 let scaled = match (centred, input) {
-                    (false, _) => {
-                        range[0] + (input - domain[0]) / (domain[1] - domain[0]) * (range[1] - range[0])
-                    }
+                    (false, _) => range[0] + (input - domain[0]) / (domain[1] - domain[0]) * (range[1] - range[0]),
                     (true, 0.0) => 0.0,
                     (true, input) if input > 0.0 => input / domain[1] * range[1],
                     (true, input) => input / domain[0] * range[0],
@@ -87,7 +85,7 @@ impl Component {
             Some(Delay::Seconds(seconds)) => (seconds / dt).trunc(),
             Some(Delay::Steps(steps)) => steps.trunc(),
         };
-        if !(steps >= 1.0) {
+        if steps.is_nan() || steps < 1.0 {
             return output;
         }
         // JSBSim's ring of n values gives back the one of n - 1 steps before.

@@ -8,7 +8,8 @@ use super::{package, repository, text_of};
 
 /// The folder of the recordings: `jsbsim` in that of `PHUGOID_SHARED_DATA`, or in `shared/data` beside the workspace.
 fn recordings() -> Option<PathBuf> {
-    let shared = std::env::var_os("PHUGOID_SHARED_DATA").map_or_else(|| repository().join("../shared/data"), PathBuf::from);
+    let shared =
+        std::env::var_os("PHUGOID_SHARED_DATA").map_or_else(|| repository().join("../shared/data"), PathBuf::from);
     let folder = shared.join("jsbsim");
     let there = folder.is_dir();
     if !there {
