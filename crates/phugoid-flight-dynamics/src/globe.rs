@@ -10,6 +10,7 @@
 //! - [`loads`]: the trait [`Loads`](loads::Loads) that a vehicle implements to be flown.
 //! - [`flight`]: the equations of motion and their integration in time.
 //! - [`steady`]: trim for straight flight.
+//! - [`moving_air`]: gusts and turbulence.
 //!
 //! Units are SI and angles are in radians throughout. The equations are those of B. L. Stevens, F. L. Lewis and
 //! E. N. Johnson, Aircraft Control and Simulation, 3rd ed., sections 1.4 to 1.7. They agree with the simulators of NASA's
@@ -18,6 +19,7 @@ pub mod attitude;
 pub mod condition;
 pub mod flight;
 pub mod loads;
+pub mod moving_air;
 pub mod planet;
 pub mod steady;
 pub mod vector;

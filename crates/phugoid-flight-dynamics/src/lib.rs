@@ -38,3 +38,5 @@ pub mod table;
 mod trigonometry;
 #[cfg(feature = "std")]
 pub mod trim;
+#[cfg(feature = "std")]
+pub mod von_karman;

@@ -7,6 +7,7 @@ use super::vector::{
 };
 use crate::aircraft::AirData;
 use crate::atmosphere::{Air, Atmosphere};
+use crate::gust::AirMotion;
 use crate::standard_atmosphere::standard_atmosphere;
 
 /// The air at rest.
@@ -165,6 +166,20 @@ pub struct Condition<const X: usize = 0> {
     pub angle_rates: [f64; 2],
 }
 
+/// Air data of a velocity relative to the air (body axes, m/s).
+fn air_data(velocity: Vector, atmosphere: &Air) -> AirData {
+    let [u, v, w] = velocity;
+    let speed = norm(velocity);
+    AirData {
+        speed,
+        alpha: if u == 0.0 && w == 0.0 { 0.0 } else { atan2(w, u) },
+        beta: if speed == 0.0 { 0.0 } else { atan2(v, sqrt(u * u + w * w)) },
+        density: atmosphere.density,
+        dynamic_pressure: 0.5 * atmosphere.density * speed * speed,
+        mach: speed / atmosphere.speed_of_sound,
+    }
+}
+
 /// Density of the air at sea level in the standard atmosphere, kg/m^3.
 const DENSITY_0: f64 = 1.225;
 
@@ -183,16 +198,7 @@ impl<const X: usize> Condition<X> {
         let wind = world.wind.at(place.altitude);
         let air_velocity = apply(&body_from_ned, subtract(ground_velocity, wind));
         let atmosphere = world.air.at(place.altitude);
-        let [u, v, w] = air_velocity;
-        let speed = norm(air_velocity);
-        let air = AirData {
-            speed,
-            alpha: if u == 0.0 && w == 0.0 { 0.0 } else { atan2(w, u) },
-            beta: if speed == 0.0 { 0.0 } else { atan2(v, sqrt(u * u + w * w)) },
-            density: atmosphere.density,
-            dynamic_pressure: 0.5 * atmosphere.density * speed * speed,
-            mach: speed / atmosphere.speed_of_sound,
-        };
+        let air = air_data(air_velocity, &atmosphere);
         Self {
             time,
             state: *state,
@@ -209,6 +215,18 @@ impl<const X: usize> Condition<X> {
             air_velocity,
             air,
             angle_rates: [0.0; 2],
+        }
+    }
+
+    /// The same in air that moves besides the wind: its velocity is taken from the one relative to the air, and its
+    /// rotation from the rates relative to the earth. Rates of the flow angles that were known stay as they are.
+    pub fn in_moving_air(&self, motion: &AirMotion) -> Self {
+        let air_velocity = subtract(self.air_velocity, motion.velocity);
+        Self {
+            air_velocity,
+            air: air_data(air_velocity, &self.atmosphere),
+            rates_to_earth: subtract(self.rates_to_earth, motion.rates),
+            ..*self
         }
     }
 

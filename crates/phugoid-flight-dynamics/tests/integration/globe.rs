@@ -4,9 +4,11 @@ use phugoid_flight_dynamics::globe::attitude::{EulerAngles, Quaternion};
 use phugoid_flight_dynamics::globe::condition::{AirModel, Condition, GlobeState, InitialRates, Launch, Wind, World};
 use phugoid_flight_dynamics::globe::flight::{FlightError, fly, motion};
 use phugoid_flight_dynamics::globe::loads::{BluntBody, ForcesAndMoments, Loads};
+use phugoid_flight_dynamics::globe::moving_air::InMovingAir;
 use phugoid_flight_dynamics::globe::planet::{Geodetic, Planet};
 use phugoid_flight_dynamics::globe::steady::{solve, unsteadiness};
 use phugoid_flight_dynamics::globe::vector::{Vector, apply, apply_transposed, cross, dot, norm, subtract};
+use phugoid_flight_dynamics::gust::AirMotion;
 use phugoid_flight_dynamics::mass::MassProperties;
 
 fn brick(drag: f64, damping: Vector) -> BluntBody {
@@ -350,4 +352,36 @@ fn unusable_intervals_and_loads_end_the_flight() {
     fly(&world, &mut brick(0.1, [0.0; 3]), start, 2.0, 1.05, 0.1, |m| times.push(m.condition.time)).unwrap();
     assert_eq!(times.len(), 12);
     assert!((times[10] - 3.0).abs() < 1e-12 && times[11] == 3.05);
+}
+
+#[test]
+fn a_steady_gust_is_a_wind() {
+    let launch = Launch {
+        place: Geodetic { altitude: 9_000.0, ..Default::default() },
+        velocity: [0.0; 3],
+        euler: EulerAngles::default(),
+        // The body keeps its axes along local north, east and down.
+        rates: InitialRates::Local([0.0; 3]),
+    };
+    let wind = World { wind: Wind { at_zero: [0.0, 6.0, 0.0], gradient: [0.0; 3] }, ..World::new(Planet::WGS84) };
+    let still = World::new(Planet::WGS84);
+    let start: GlobeState = launch.state(&still.planet, 0.0, []);
+    let blown = fly(&wind, &mut brick(1.0, [0.0; 3]), start, 0.0, 10.0, 0.01, |_| ()).unwrap();
+    let mut asked = Vec::new();
+    let gust = |time: f64| {
+        asked.push(time);
+        AirMotion { velocity: [0.0, 6.0, 0.0], rates: [0.0; 3] }
+    };
+    let mut gusty = InMovingAir::new(brick(1.0, [0.0; 3]), gust);
+    let carried = fly(&still, &mut gusty, start, 0.0, 10.0, 0.01, |_| ()).unwrap();
+    assert_eq!(gusty.vehicle().drag, 1.0);
+    let apart = norm(subtract(blown.position, carried.position));
+    let moved = fly(&still, &mut brick(1.0, [0.0; 3]), start, 0.0, 10.0, 0.01, |_| ()).unwrap();
+    let drifted = norm(subtract(blown.position, moved.position));
+    assert!(drifted > 5.0 && apart < 1e-3 * drifted, "{drifted} {apart}");
+    assert_eq!(asked.len(), 1001);
+    // Air that turns with the body damps nothing.
+    let condition = Condition::<0>::of(&still, 0.0, &start);
+    let turned = condition.in_moving_air(&AirMotion { velocity: [0.0; 3], rates: condition.rates_to_earth });
+    assert_eq!((turned.rates_to_earth, turned.air), ([0.0; 3], condition.air));
 }
