@@ -6,6 +6,7 @@ use phugoid_flight_dynamics::globe::attitude::EulerAngles;
 use phugoid_flight_dynamics::globe::condition::{InitialRates, Launch, World};
 use phugoid_flight_dynamics::globe::flight::fly;
 use phugoid_flight_dynamics::globe::planet::{Geodetic, Planet};
+use phugoid_flight_dynamics::globe::steady::{solve, unsteadiness};
 
 use crate::jsbsim::{package, text_of};
 use crate::shared_data::shared_file;
@@ -97,4 +98,85 @@ fn flown(aircraft: &Aircraft, record: &Record) -> [f64; COMPARED.len()] {
     .unwrap();
     assert_eq!(row, time.len());
     worst
+}
+
+/// Trim with all six unknowns: pitch angle, sideslip, elevator, aileron, rudder and thrust.
+#[test]
+fn trim_is_that_of_jsbsim() {
+    let Some(package) = package() else { return };
+    let planet = Planet::sphere(20_925_646.0 * FOOT, 1.407_644_175_72e16 * FOOT.powi(3), 0.0);
+    let world = World::new(planet);
+    for name in ["c182", "fokker100", "f15"] {
+        let Some(file) = shared_file(&format!("jsbsim/{name}.json")) else { return };
+        let known: serde_json::Value = serde_json::from_str(&text_of(&file)).unwrap();
+        let trim = |key: &str| known["trim"][key].as_f64().unwrap();
+        let aircraft = Aircraft::open(package.join("aircraft").join(name)).unwrap();
+        let mut evaluator = Evaluator::new(&aircraft);
+        evaluator.set("gear/gear-pos-norm", 0.0);
+        let mut vehicle = JsbsimVehicle::new(evaluator).unwrap();
+        let solution = solve(
+            |&[pitch, sideslip, elevator, aileron, rudder, thrust]: &[f64; 6]| {
+                for (property, value) in [
+                    ("fcs/elevator-pos-rad", elevator),
+                    ("fcs/left-aileron-pos-rad", aileron),
+                    ("fcs/rudder-pos-rad", rudder),
+                ] {
+                    vehicle.evaluator().set(property, value);
+                }
+                vehicle.replace_engines([thrust, 0.0, 0.0]);
+                let launch = Launch {
+                    place: Geodetic { altitude: trim("alt_m"), ..Geodetic::default() },
+                    velocity: [trim("V_m_s") * sideslip.cos(), trim("V_m_s") * sideslip.sin(), 0.0],
+                    euler: EulerAngles { pitch, ..EulerAngles::default() },
+                    rates: InitialRates::Local([0.0; 3]),
+                };
+                let left = unsteadiness(&world, &mut vehicle, &launch, []);
+                let ([x, y, z], [l, m, n]) = (left.along_right_down, left.angular_acceleration);
+                [x, y, z, l, m, n]
+            },
+            [0.02, 0.0, 0.0, 0.0, 0.0, 0.2 * trim("thrust_x_n")],
+            [1e-6, 1e-6, 1e-6, 1e-6, 1e-6, 0.01],
+            1e-9,
+        )
+        .unwrap();
+        // JSBSim's trim has no rates at all; this one turns with the curvature, which takes V^2/R off the lift and adds
+        // a pitch rate of V/R.
+        let turning = trim("V_m_s") / (20_925_646.0 * FOOT);
+        let slack = 2e-7 + 2.0 * trim("alpha_rad").abs() * trim("V_m_s") * turning / 9.8 + 10.0 * turning;
+        let [pitch, sideslip, elevator, aileron, rudder, thrust] = solution;
+        for (ours, key) in [
+            (pitch, "theta_rad"),
+            (sideslip, "beta_rad"),
+            (elevator, "elevator_rad"),
+            (aileron, "aileron_rad"),
+            (rudder, "rudder_rad"),
+        ] {
+            assert!((ours - trim(key)).abs() < slack, "{name} {key}: {ours} {} {slack:e}", trim(key));
+        }
+        assert!((thrust / trim("thrust_x_n") - 1.0).abs() < 1e-3, "{name}: {thrust}");
+    }
+}
+
+#[test]
+fn flight_control_of_the_files_moves_the_surfaces() {
+    let Some(package) = package() else { return };
+    let aircraft = Aircraft::open(package.join("aircraft/c182")).unwrap();
+    let world = World::new(Planet::WGS84);
+    let launch = Launch {
+        place: Geodetic { latitude: 0.7, longitude: 0.2, altitude: 1500.0 },
+        velocity: [60.0, 0.0, 0.0],
+        euler: EulerAngles { pitch: 0.02, ..EulerAngles::default() },
+        rates: InitialRates::Local([0.0; 3]),
+    };
+    let pitch_rate = |command: f64| {
+        let mut vehicle = JsbsimVehicle::new(Evaluator::new(&aircraft)).unwrap();
+        vehicle.run_channels(0.01);
+        assert!(vehicle.evaluator().set("fcs/elevator-cmd-norm", command));
+        let start = launch.state(&world.planet, 0.0, []);
+        let end = fly(&world, &mut vehicle, start, 0.0, 1.0, 0.01, |_| ()).unwrap();
+        (end.rates[1], vehicle.evaluator().get("fcs/elevator-pos-rad").unwrap())
+    };
+    let ((up, up_surface), (down, down_surface)) = (pitch_rate(-0.2), pitch_rate(0.2));
+    assert!(up_surface < 0.0 && down_surface > 0.0, "{up_surface} {down_surface}");
+    assert!(up > down + 0.05, "{up} {down}");
 }
