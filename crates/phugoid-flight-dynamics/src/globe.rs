@@ -11,11 +11,13 @@
 //! - [`flight`]: the equations of motion and their integration in time.
 //! - [`steady`]: trim for straight flight.
 //! - [`moving_air`]: gusts and turbulence.
+//! - [`coefficients`]: any [`Aircraft`](crate::aircraft::Aircraft) as such a vehicle.
 //!
 //! Units are SI and angles are in radians throughout. The equations are those of B. L. Stevens, F. L. Lewis and
 //! E. N. Johnson, Aircraft Control and Simulation, 3rd ed., sections 1.4 to 1.7. They agree with the simulators of NASA's
 //! check cases (NASA/TM-2015-218675).
 pub mod attitude;
+pub mod coefficients;
 pub mod condition;
 pub mod flight;
 pub mod loads;

@@ -62,6 +62,28 @@ pub trait Loads<const X: usize = 0> {
     }
 }
 
+impl<const X: usize, L: Loads<X> + ?Sized> Loads<X> for &mut L {
+    fn mass_properties(&mut self, condition: &Condition<X>) -> MassProperties {
+        (**self).mass_properties(condition)
+    }
+
+    fn loads(&mut self, condition: &Condition<X>) -> ForcesAndMoments {
+        (**self).loads(condition)
+    }
+
+    fn internal_rates(&mut self, condition: &Condition<X>) -> [f64; X] {
+        (**self).internal_rates(condition)
+    }
+
+    fn uses_angle_rates(&self) -> bool {
+        (**self).uses_angle_rates()
+    }
+
+    fn update(&mut self, condition: &Condition<X>) {
+        (**self).update(condition);
+    }
+}
+
 /// The simplest vehicle: constant drag along the motion through the air, and damping of the rotation.
 ///
 /// Drag is `qbar S C_D` against the motion through the air. The damping moments are

@@ -1,6 +1,10 @@
 //! Flight over the Earth: geodesy, conservation laws, symmetries, order of the integration.
 
+use phugoid_flight_dynamics::aircraft::Controls;
+use phugoid_flight_dynamics::atmosphere::Atmosphere;
+use phugoid_flight_dynamics::f16::{F16, F16Options};
 use phugoid_flight_dynamics::globe::attitude::{EulerAngles, Quaternion};
+use phugoid_flight_dynamics::globe::coefficients::FlownAircraft;
 use phugoid_flight_dynamics::globe::condition::{AirModel, Condition, GlobeState, InitialRates, Launch, Wind, World};
 use phugoid_flight_dynamics::globe::flight::{FlightError, fly, motion};
 use phugoid_flight_dynamics::globe::loads::{BluntBody, ForcesAndMoments, Loads};
@@ -10,6 +14,8 @@ use phugoid_flight_dynamics::globe::steady::{solve, unsteadiness};
 use phugoid_flight_dynamics::globe::vector::{Vector, apply, apply_transposed, cross, dot, norm, subtract};
 use phugoid_flight_dynamics::gust::AirMotion;
 use phugoid_flight_dynamics::mass::MassProperties;
+use phugoid_flight_dynamics::simulate::{Simulation, still_air};
+use phugoid_flight_dynamics::trim::{TrimCondition, trim};
 
 fn brick(drag: f64, damping: Vector) -> BluntBody {
     let inertia = [[0.002568, 0.0, 0.0], [0.0, 0.008421, 0.0], [0.0, 0.0, 0.009755]];
@@ -384,4 +390,45 @@ fn a_steady_gust_is_a_wind() {
     let condition = Condition::<0>::of(&still, 0.0, &start);
     let turned = condition.in_moving_air(&AirMotion { velocity: [0.0; 3], rates: condition.rates_to_earth });
     assert_eq!((turned.rates_to_earth, turned.air), ([0.0; 3], condition.air));
+}
+
+/// The equations over a flat earth in speed, flow angles and Euler angles, and those in Cartesian components and a quaternion:
+/// two ways to the same flight.
+#[test]
+fn over_a_plane_it_flies_as_the_equations_for_a_flat_earth() {
+    let aircraft = F16::new(F16Options { cg: 0.30, ..F16Options::default() }).unwrap();
+    let steady = trim(&aircraft, &TrimCondition::steady(&aircraft, 205.74, 6096.0, 0.0, 0.0)).unwrap();
+    let pulled = Controls { elevator: steady.controls().elevator - 0.02, aileron: 0.01, rudder: -0.01, throttle: 0.3 };
+    let mut simulation = Simulation::new(&aircraft, steady.state(), steady.controls(), 10.0);
+    simulation.use_actuators = false;
+    let flat = simulation.run(|_| pulled, still_air).unwrap();
+    let planet = Planet::Flat { gravity: phugoid_flight_dynamics::aircraft::Aircraft::gravity(&aircraft) };
+    let world = World { air: AirModel::Simple(Atmosphere::Book), ..World::new(planet) };
+    let state = steady.state();
+    let launch = Launch {
+        place: Geodetic { altitude: state.altitude, ..Default::default() },
+        velocity: [state.speed, 0.0, 0.0],
+        euler: EulerAngles { yaw: state.psi, pitch: state.theta, roll: state.phi },
+        rates: InitialRates::Earth([state.p, state.q, state.r]),
+    };
+    let mut vehicle = FlownAircraft::new(&aircraft, |_| pulled);
+    let mut row = 0;
+    let start = launch.state(&planet, 0.0, [state.power]);
+    fly(&world, &mut vehicle, start, 0.0, 10.0, 0.01, |motion| {
+        let (ours, theirs) = (&motion.condition, &flat.samples[row].state);
+        let close =
+            |a: f64, b: f64, what: &str| assert!((a - b).abs() < 1e-6 + 1e-8 * b.abs(), "{row} {what}: {a} {b}");
+        close(ours.air.speed, theirs.speed, "speed");
+        close(ours.air.alpha, theirs.alpha, "alpha");
+        close(ours.air.beta, theirs.beta, "beta");
+        close(ours.euler.roll, theirs.phi, "phi");
+        close(ours.euler.pitch, theirs.theta, "theta");
+        close(ours.euler.yaw, theirs.psi, "psi");
+        close(ours.rates_to_earth[1], theirs.q, "q");
+        close(ours.place.altitude, theirs.altitude, "altitude");
+        close(ours.state.internal[0], theirs.power, "power");
+        row += 1;
+    })
+    .unwrap();
+    assert_eq!(row, flat.samples.len());
 }
