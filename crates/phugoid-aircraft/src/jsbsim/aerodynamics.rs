@@ -122,7 +122,7 @@ impl Aerodynamics {
                     read.shift = Some(function::read(model, source, inside)?);
                 }
                 "property" => super::declare(model, source, part)?,
-                "documentation" | "description" => {}
+                "documentation" | "description" | "limitation" | "note" => {}
                 other => omitted.push(source.omit(part, format!("<{}> is left out", shortened(other)))),
             }
         }
@@ -181,7 +181,7 @@ impl Aerodynamics {
                         _ => self.axes[axis].push(made),
                     }
                 }
-                "documentation" | "description" => {}
+                "documentation" | "description" | "limitation" | "note" => {}
                 other => {
                     return Err(source.refuse(part, format!("<{}> in an axis is not supported", shortened(other))));
                 }

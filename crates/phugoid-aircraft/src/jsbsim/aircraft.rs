@@ -7,6 +7,7 @@ use roxmltree::Node;
 use super::aerodynamics::Aerodynamics;
 use super::channels::Channels;
 use super::error::{JsbsimError, Omission};
+use super::fed::Fed;
 use super::files::{Files, Kind};
 use super::flight::FlightProperties;
 use super::function;
@@ -28,6 +29,7 @@ pub struct Aircraft {
     pub(super) channels: Channels,
     pub(super) engines: Vec<Engine>,
     pub(super) flight: FlightProperties,
+    pub(super) fed: Fed,
 }
 
 /// The sections that make an aircraft, as they are found.
@@ -128,8 +130,9 @@ impl Aircraft {
             parts.omitted.push(source.omit(node, format!("<{}>: {what}", shortened(tag(node)))));
         }
         function::check_circles(&model)?;
+        let fed = Fed::new(&mut model, engines.len());
         let name = root.attribute("name").unwrap_or_default().trim().to_owned();
-        Ok(Self { name, omitted, model, metrics, masses, aerodynamics, channels, engines, flight })
+        Ok(Self { name, omitted, model, metrics, masses, aerodynamics, channels, engines, flight, fed })
     }
 
     /// The name that the file gives.
@@ -204,6 +207,7 @@ impl Aircraft {
                 && !property(index).declared
                 && property(index).function.is_none()
                 && !self.flight.contain(*index)
+                && !self.fed.contain(*index)
         };
         (0..read.len()).filter(open).collect()
     }

@@ -13,6 +13,7 @@ mod aircraft;
 mod channels;
 mod error;
 mod evaluator;
+mod fed;
 mod files;
 mod flight;
 mod function;

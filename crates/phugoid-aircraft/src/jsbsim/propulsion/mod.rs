@@ -16,7 +16,7 @@ use super::mass::{Masses, arm_ft, give};
 use super::model::{Lookup, Model, State};
 use super::source::{Source, child, children, shortened, tag};
 use super::table::Table;
-use super::units::{FOOT, POUND_FORCE, PSF, Unit};
+use super::units::{POUND_FORCE, PSF, Unit};
 use crate::xml;
 
 /// An engine of an aircraft.
@@ -84,24 +84,30 @@ struct Turbine {
     injected: bool,
 }
 
+/// What an engine does: force and moment in body axes, the moment about the centre of gravity.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Push {
+    /// Pounds.
+    pub(super) force_lb: [f64; 3],
+    /// Foot pounds.
+    pub(super) moment_ft_lb: [f64; 3],
+    /// Thrust, pounds.
+    pub(super) thrust_lb: f64,
+    /// Speed of its propeller, turns per minute; 0 without one.
+    pub(super) rpm: f64,
+}
+
 impl Engine {
-    /// Force and moment about a centre of gravity, in inches in the structural frame; body axes, N and N m. `set` is what was set
-    /// from outside: a thrust, N, or the speed of a propeller, turns per minute.
-    pub(super) fn force_moment(
-        &self,
-        model: &Model,
-        state: &mut State,
-        set: Option<f64>,
-        centre_in: [f64; 3],
-    ) -> ([f64; 3], [f64; 3]) {
-        let thrust_n = match &self.drive {
-            Drive::None => set.unwrap_or(0.0),
-            Drive::Turbine(turbine) => turbine.thrust_lb(model, state) * POUND_FORCE,
+    /// What it does about a centre of gravity, in inches in the structural frame. `set` is what was set from outside: a thrust, N,
+    /// or the speed of a propeller, turns per minute.
+    pub(super) fn push(&self, model: &Model, state: &mut State, set: Option<f64>, centre_in: [f64; 3]) -> Push {
+        let thrust_lb = match &self.drive {
+            Drive::None => set.unwrap_or(0.0) / POUND_FORCE,
+            Drive::Turbine(turbine) => turbine.thrust_lb(model, state),
             Drive::Propeller(propelled) => return self.propelled(propelled, model, state, set, centre_in),
         };
-        let force = self.direction.map(|part| part * thrust_n);
-        let arm = arm_ft(self.location_in, centre_in).map(|feet| feet * FOOT);
-        (force, cross(arm, force))
+        let force_lb = self.direction.map(|part| part * thrust_lb);
+        Push { force_lb, moment_ft_lb: cross(arm_ft(self.location_in, centre_in), force_lb), thrust_lb, rpm: 0.0 }
     }
 
     fn propelled(
@@ -111,7 +117,7 @@ impl Engine {
         state: &mut State,
         rpm: Option<f64>,
         centre_in: [f64; 3],
-    ) -> ([f64; 3], [f64; 3]) {
+    ) -> Push {
         let [u, v, w, p, q, r, density, sound, pi, qi, ri, pressure, temperature, qbar] =
             propelled.inflow.map(|index| state.read(model, index));
         let arm = arm_ft(self.location_in, centre_in);
@@ -137,16 +143,15 @@ impl Engine {
             place[1] += factor * local[2];
             place[2] += factor * local[1];
         }
-        let force = axis.map(|part| part * work.thrust_lb);
-        let lever = cross(arm_ft(place, centre_in), force);
+        let force_lb = axis.map(|part| part * work.thrust_lb);
+        let lever = cross(arm_ft(place, centre_in), force_lb);
         let spin = propelled.sense * propelled.propeller.inertia * work.rpm / 60.0 * 2.0 * std::f64::consts::PI;
         let gyroscopic = cross([pi, qi, ri], axis.map(|part| part * spin * propelled.propeller.gyroscopic));
-        let mut moment = [0.0; 3];
+        let mut moment_ft_lb = [0.0; 3];
         for k in 0..3 {
-            let torque = -propelled.sense * work.torque_ft_lb * axis[k];
-            moment[k] = (lever[k] + torque + gyroscopic[k]) * POUND_FORCE * FOOT;
+            moment_ft_lb[k] = lever[k] - propelled.sense * work.torque_ft_lb * axis[k] + gyroscopic[k];
         }
-        (force.map(|pounds| pounds * POUND_FORCE), moment)
+        Push { force_lb, moment_ft_lb, thrust_lb: work.thrust_lb, rpm: work.rpm }
     }
 }
 
@@ -190,7 +195,7 @@ pub(super) fn read(
                 engines.push(engine);
             }
             "tank" => masses.read_tank(model, source, part)?,
-            "documentation" | "description" => {}
+            "documentation" | "description" | "limitation" | "note" => {}
             "property" => super::declare(model, source, part)?,
             other => omitted.push(source.omit(part, format!("<{}> is left out", shortened(other)))),
         }
@@ -283,7 +288,8 @@ fn drive(
     let made = document.root_element();
     if tag(root) == "turbine_engine" {
         if tag(made) != "direct" {
-            return Err(thruster_source.refuse(made, format!("<{}> is not supported", shortened(tag(made)))));
+            let what = format!("a turbine that turns a <{}> is not supported", shortened(tag(made)));
+            return Err(thruster_source.refuse(made, what));
         }
         return turbine(model, inside, root, number).map(Drive::Turbine);
     }

@@ -57,6 +57,11 @@ fn recordings(engines: bool) -> Vec<(String, PathBuf)> {
         .filter(|(name, _)| name.ends_with(".engines") == engines && !RESERVED.contains(&name.as_str()))
         .collect();
     found.sort();
+    assert!(
+        !found.is_empty() || std::env::var_os("PHUGOID_JSBSIM_RECORDED").is_none(),
+        "there is nothing in {}",
+        folder.display()
+    );
     if found.is_empty() {
         eprintln!("skipped: no recordings in {} (scripts/jsbsim/record.py makes them)", folder.display());
     }
@@ -275,6 +280,8 @@ fn flight_control_is_that_of_jsbsim_step_by_step() {
             }
             // Flight control has run twice when the initial condition is there.
             for _ in 0..if row == 0 { 2 } else { 1 } {
+                // The time of the first two is the same.
+                evaluator.set("simulation/sim-time-sec", recording.value("simulation/sim-time-sec", row).unwrap());
                 evaluator.step_channels(1.0 / 120.0);
             }
             for &index in &outputs {
