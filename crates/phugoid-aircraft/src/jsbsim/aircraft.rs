@@ -58,7 +58,7 @@ impl Aircraft {
         } else {
             path.to_path_buf()
         };
-        let text = xml::text_of(&file).map_err(JsbsimError::Unreadable)?;
+        let text = super::files::text_of(&file)?;
         Self::read(&text, &file, Files::of(&file))
     }
 
@@ -93,17 +93,29 @@ impl Aircraft {
         // In the order in which JSBSim reads them, whatever theirs in the file is.
         let missing = |what: &str| source.refuse(root, format!("the aircraft has no <{what}>"));
         let node = single("metrics").ok_or_else(|| missing("metrics"))?;
-        let metrics = parts
-            .section(&source, node, Kind::Section, |parts, source, node| Metrics::read(parts.model, source, node))?;
+        let metrics = parts.section(&source, node, Kind::Section, |parts, source, node| {
+            let metrics = Metrics::read(parts.model, source, node)?;
+            parts.functions(source, node)?;
+            Ok(metrics)
+        })?;
         let mut masses = Masses::default();
         let node = single("mass_balance").ok_or_else(|| missing("mass_balance"))?;
         parts.section(&source, node, Kind::Section, |parts, source, node| {
-            masses.read_balance(parts.model, source, node)
+            masses.read_balance(parts.model, source, node)?;
+            parts.functions(source, node)
         })?;
+        // Of these only the functions are kept, which others may read.
+        for name in ["ground_reactions", "external_reactions", "buoyant_forces"] {
+            for node in sections(name) {
+                parts.section(&source, node, Kind::Section, |parts, source, node| parts.functions(source, node))?;
+            }
+        }
         let mut engines = Vec::new();
         if let Some(node) = single("propulsion") {
             engines = parts.section(&source, node, Kind::Section, |parts, source, node| {
-                propulsion::read(parts.model, &mut masses, parts.files, source, node, parts.omitted)
+                let engines = propulsion::read(parts.model, &mut masses, parts.files, source, node, parts.omitted)?;
+                parts.functions(source, node)?;
+                Ok(engines)
             })?;
         }
         let mut channels = Channels::default();
@@ -222,6 +234,20 @@ impl Aircraft {
 }
 
 impl Parts<'_> {
+    /// Reads the properties and functions of a section that is about something else.
+    fn functions(&mut self, source: &Source, node: Node<'_, '_>) -> Result<(), JsbsimError> {
+        for part in children(node) {
+            match tag(part) {
+                "property" => super::declare(self.model, source, part)?,
+                "function" => {
+                    function::read(self.model, source, part)?;
+                }
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+
     /// Reads a section from where it stands, or from the file that it refers to.
     fn section<R>(
         &mut self,

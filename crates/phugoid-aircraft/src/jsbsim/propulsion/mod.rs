@@ -195,8 +195,7 @@ pub(super) fn read(
                 engines.push(engine);
             }
             "tank" => masses.read_tank(model, source, part)?,
-            "documentation" | "description" | "limitation" | "note" => {}
-            "property" => super::declare(model, source, part)?,
+            "documentation" | "description" | "limitation" | "note" | "property" | "function" => {}
             other => omitted.push(source.omit(part, format!("<{}> is left out", shortened(other)))),
         }
     }

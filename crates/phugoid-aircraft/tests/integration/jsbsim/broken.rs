@@ -243,6 +243,16 @@ fn files_are_read_only_below_the_folders_of_the_aircraft() {
         Some(8.0),
         "what stands in the aircraft goes before what stands in the system"
     );
+    // A letter that is not UTF-8 is read as Latin-1.
+    let mut bytes = with("<!-- Andr\u{1} -->").into_bytes();
+    bytes.iter_mut().filter(|byte| **byte == 1).for_each(|byte| *byte = 0xe9);
+    std::fs::write(aircraft.join("glider.xml"), bytes).unwrap();
+    assert!(Aircraft::open(&aircraft).is_ok());
+    // A function of another section may be read.
+    let read =
+        open(&with("<external_reactions><function name=\"a/two\"><value>2</value></function></external_reactions>"))
+            .unwrap();
+    assert_eq!(Evaluator::new(&read).get("a/two"), Some(2.0));
     // A system that is not there is left out.
     let read = open(&with("<system file=\"missing\"/>")).unwrap();
     assert!(read.omitted().iter().any(|note| note.what.contains("missing")));
