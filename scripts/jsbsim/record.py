@@ -4,7 +4,8 @@ compared with.
 
     scripts/jsbsim/record.py FOLDER [AIRCRAFT ...]
 
-Needs the package jsbsim (scripts/python-tools.sh). Writes FOLDER/AIRCRAFT.csv.gz. The first line names the properties; those
+Needs the package jsbsim (scripts/python-tools.sh). Writes FOLDER/AIRCRAFT.csv.gz, with engines at rest, and
+FOLDER/AIRCRAFT.engines.csv.gz, 30 s with engines that run at 0.7 of their throttle and hands off. The first line names the properties; those
 that never change stand there as NAME=VALUE and have no column. The first row is the state after the initial condition.
 command/NAME is what a control was set to before the step, which flight control may have overwritten at its end.
 """
@@ -43,7 +44,7 @@ def commands(time):
     }
 
 
-def record(folder, name):
+def record(folder, name, running):
     """One aircraft; gives a line that says what came of it."""
     import jsbsim
 
@@ -62,6 +63,14 @@ def record(folder, name):
     names = sorted({line.split(" (")[0].strip() for line in flight.query_property_catalog("").split("\n")} - {""})
     known = set(names)
     set_names = [key for key in commands(0.0) if key in known]
+    if running:
+        set_names = []
+        for key, value in {"propulsion/set-running": -1, "propulsion/magneto_cmd": 3}.items():
+            flight[key] = value
+        for found in names:
+            for start, value in {"fcs/throttle-cmd-norm": 0.7, "fcs/mixture-cmd-norm": 0.87, "fcs/advance-cmd-norm": 1.0}.items():
+                if found.startswith(start):
+                    flight[found] = value
     rows = []
 
     def take(settings):
@@ -69,13 +78,14 @@ def record(folder, name):
 
     take([flight.get_property_value(key) for key in set_names])
     try:
-        for k in range(1, STEPS + 1):
+        for k in range(1, (6 if running else 1) * STEPS + 1):
             wanted = commands(k / RATE_HZ)
             for key in set_names:
                 flight[key] = wanted[key]
             if not flight.run():
                 break
-            take([wanted[key] for key in set_names])
+            if not running or k % 60 == 0:
+                take([wanted[key] for key in set_names])
             if not math.isfinite(flight["velocities/vt-fps"]):
                 rows.pop()
                 break
@@ -86,7 +96,7 @@ def record(folder, name):
     names += [f"command/{key}" for key in set_names]
     constant = [len({repr(row[k]) for row in rows}) == 1 for k in range(len(names))]
     header = [f"{found}={rows[0][k]!r}" if constant[k] else found for k, found in enumerate(names)]
-    with gzip.open(os.path.join(folder, f"{name}.csv.gz"), "wt", compresslevel=1) as out:
+    with gzip.open(os.path.join(folder, f"{name}{'.engines' if running else ''}.csv.gz"), "wt", compresslevel=1) as out:
         out.write(",".join(header) + "\n")
         for row in rows:
             out.write(",".join(repr(value) for k, value in enumerate(row) if not constant[k]) + "\n")
@@ -106,12 +116,13 @@ def main():
     for name in names:
         if name in RESERVED:
             continue
-        pool = multiprocessing.get_context("spawn").Pool(1)
-        try:
-            print(pool.apply_async(record, (folder, name)).get(timeout=120), flush=True)
-        except Exception as error:  # noqa: BLE001
-            print(f"{name}: none: {error!r}"[:200], flush=True)
-        pool.terminate()
+        for running in (False, True):
+            pool = multiprocessing.get_context("spawn").Pool(1)
+            try:
+                print(pool.apply_async(record, (folder, name, running)).get(timeout=120), flush=True)
+            except Exception as error:  # noqa: BLE001
+                print(f"{name}: none: {error!r}"[:200], flush=True)
+            pool.terminate()
 
 
 if __name__ == "__main__":

@@ -122,7 +122,7 @@ impl Aerodynamics {
                     read.shift = Some(function::read(model, source, inside)?);
                 }
                 "property" => super::declare(model, source, part)?,
-                "documentation" | "description" => {}
+                "documentation" | "description" | "limitation" | "note" => {}
                 other => omitted.push(source.omit(part, format!("<{}> is left out", shortened(other)))),
             }
         }
@@ -151,18 +151,22 @@ impl Aerodynamics {
                 return Err(source.refuse(node, format!("frame=\"{}\" is not known", shortened(other))));
             }
         };
+        let turned = matches!(frame, Some(Frame::Stability | Frame::Wind));
         let (axis, frame) = match name {
-            "DRAG" => (0, frame.or(Some(Frame::Wind))),
-            "LIFT" => (2, frame.or(Some(Frame::Wind))),
-            "SIDE" => (1, frame),
-            "AXIAL" => (0, Some(Frame::AxialNormal)),
-            "NORMAL" => (2, Some(Frame::AxialNormal)),
-            "X" => (0, frame.or(Some(Frame::Body))),
-            "Y" => (1, frame.or(Some(Frame::Body))),
-            "Z" => (2, frame.or(Some(Frame::Body))),
+            "DRAG" if frame != Some(Frame::Body) => (0, frame.or(Some(Frame::Wind))),
+            "LIFT" if frame != Some(Frame::Body) => (2, frame.or(Some(Frame::Wind))),
+            "SIDE" => (1, frame.filter(|_| turned)),
+            "AXIAL" if !turned => (0, Some(Frame::AxialNormal)),
+            "NORMAL" if !turned => (2, Some(Frame::AxialNormal)),
+            "X" if !turned => (0, Some(Frame::Body)),
+            "Y" if !turned => (1, Some(Frame::Body)),
+            "Z" if !turned => (2, Some(Frame::Body)),
             "ROLL" => (3, frame.or(Some(Frame::Body))),
             "PITCH" => (4, frame.or(Some(Frame::Body))),
             "YAW" => (5, frame.or(Some(Frame::Body))),
+            "DRAG" | "LIFT" | "AXIAL" | "NORMAL" | "X" | "Y" | "Z" => {
+                return Err(source.refuse(node, format!("the axis {name} cannot be in this frame")));
+            }
             other => {
                 return Err(source.refuse(node, format!("the axis \"{}\" is not known", shortened(other))));
             }
@@ -177,7 +181,7 @@ impl Aerodynamics {
                         _ => self.axes[axis].push(made),
                     }
                 }
-                "documentation" | "description" => {}
+                "documentation" | "description" | "limitation" | "note" => {}
                 other => {
                     return Err(source.refuse(part, format!("<{}> in an axis is not supported", shortened(other))));
                 }

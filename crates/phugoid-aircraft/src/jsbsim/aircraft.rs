@@ -7,6 +7,7 @@ use roxmltree::Node;
 use super::aerodynamics::Aerodynamics;
 use super::channels::Channels;
 use super::error::{JsbsimError, Omission};
+use super::fed::Fed;
 use super::files::{Files, Kind};
 use super::flight::FlightProperties;
 use super::function;
@@ -28,6 +29,7 @@ pub struct Aircraft {
     pub(super) channels: Channels,
     pub(super) engines: Vec<Engine>,
     pub(super) flight: FlightProperties,
+    pub(super) fed: Fed,
 }
 
 /// The sections that make an aircraft, as they are found.
@@ -56,7 +58,7 @@ impl Aircraft {
         } else {
             path.to_path_buf()
         };
-        let text = xml::text_of(&file).map_err(JsbsimError::Unreadable)?;
+        let text = super::files::text_of(&file)?;
         Self::read(&text, &file, Files::of(&file))
     }
 
@@ -91,17 +93,29 @@ impl Aircraft {
         // In the order in which JSBSim reads them, whatever theirs in the file is.
         let missing = |what: &str| source.refuse(root, format!("the aircraft has no <{what}>"));
         let node = single("metrics").ok_or_else(|| missing("metrics"))?;
-        let metrics = parts
-            .section(&source, node, Kind::Section, |parts, source, node| Metrics::read(parts.model, source, node))?;
+        let metrics = parts.section(&source, node, Kind::Section, |parts, source, node| {
+            let metrics = Metrics::read(parts.model, source, node)?;
+            parts.functions(source, node)?;
+            Ok(metrics)
+        })?;
         let mut masses = Masses::default();
         let node = single("mass_balance").ok_or_else(|| missing("mass_balance"))?;
         parts.section(&source, node, Kind::Section, |parts, source, node| {
-            masses.read_balance(parts.model, source, node)
+            masses.read_balance(parts.model, source, node)?;
+            parts.functions(source, node)
         })?;
+        // Of these only the functions are kept, which others may read.
+        for name in ["ground_reactions", "external_reactions", "buoyant_forces"] {
+            for node in sections(name) {
+                parts.section(&source, node, Kind::Section, |parts, source, node| parts.functions(source, node))?;
+            }
+        }
         let mut engines = Vec::new();
         if let Some(node) = single("propulsion") {
             engines = parts.section(&source, node, Kind::Section, |parts, source, node| {
-                propulsion::read(parts.model, &mut masses, parts.files, source, node, parts.omitted)
+                let engines = propulsion::read(parts.model, &mut masses, parts.files, source, node, parts.omitted)?;
+                parts.functions(source, node)?;
+                Ok(engines)
             })?;
         }
         let mut channels = Channels::default();
@@ -128,8 +142,9 @@ impl Aircraft {
             parts.omitted.push(source.omit(node, format!("<{}>: {what}", shortened(tag(node)))));
         }
         function::check_circles(&model)?;
+        let fed = Fed::new(&mut model, engines.len());
         let name = root.attribute("name").unwrap_or_default().trim().to_owned();
-        Ok(Self { name, omitted, model, metrics, masses, aerodynamics, channels, engines, flight })
+        Ok(Self { name, omitted, model, metrics, masses, aerodynamics, channels, engines, flight, fed })
     }
 
     /// The name that the file gives.
@@ -204,6 +219,7 @@ impl Aircraft {
                 && !property(index).declared
                 && property(index).function.is_none()
                 && !self.flight.contain(*index)
+                && !self.fed.contain(*index)
         };
         (0..read.len()).filter(open).collect()
     }
@@ -218,6 +234,20 @@ impl Aircraft {
 }
 
 impl Parts<'_> {
+    /// Reads the properties and functions of a section that is about something else.
+    fn functions(&mut self, source: &Source, node: Node<'_, '_>) -> Result<(), JsbsimError> {
+        for part in children(node) {
+            match tag(part) {
+                "property" => super::declare(self.model, source, part)?,
+                "function" => {
+                    function::read(self.model, source, part)?;
+                }
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+
     /// Reads a section from where it stands, or from the file that it refers to.
     fn section<R>(
         &mut self,

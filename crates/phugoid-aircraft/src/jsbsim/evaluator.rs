@@ -88,7 +88,8 @@ impl<'a> Evaluator<'a> {
     /// Sets the properties of motion and air that follow from a flight condition.
     pub fn set_flight(&mut self, flight: &FlightCondition) {
         let aircraft = self.aircraft;
-        let (_, centre) = aircraft.masses.weight_and_centre(&aircraft.model, &mut self.state);
+        let (weight, centre) = aircraft.masses.weight_and_centre(&aircraft.model, &mut self.state);
+        aircraft.fed.weight(&aircraft.model, &mut self.state, (weight, centre));
         aircraft.flight.set(&aircraft.model, &mut self.state, flight, &aircraft.metrics, centre);
     }
 
@@ -112,6 +113,7 @@ impl<'a> Evaluator<'a> {
         let (_, centre) = aircraft.masses.weight_and_centre(model, &mut self.state);
         let sum =
             aircraft.aerodynamics.sum(model, &mut self.state, &aircraft.metrics, centre, self.lift_before.as_mut());
+        aircraft.fed.aerodynamics(model, &mut self.state, sum.force, sum.moment);
         ForceMoment {
             force_n: sum.force.map(|pounds| pounds * POUND_FORCE),
             moment_n_m: sum.moment.map(|foot_pounds| foot_pounds * POUND_FORCE * FOOT),
@@ -155,22 +157,31 @@ impl<'a> Evaluator<'a> {
     pub fn propulsive_force_moment(&mut self) -> ForceMoment {
         let aircraft = self.aircraft;
         let (_, centre) = aircraft.masses.weight_and_centre(&aircraft.model, &mut self.state);
-        let mut sum = ForceMoment::default();
-        for (engine, &set) in aircraft.engines.iter().zip(&self.engines_set) {
-            let (force, moment) = engine.force_moment(&aircraft.model, &mut self.state, set, centre);
+        let model = &aircraft.model;
+        let (mut force, mut moment) = ([0.0; 3], [0.0; 3]);
+        for (number, (engine, &set)) in aircraft.engines.iter().zip(&self.engines_set).enumerate() {
+            let push = engine.push(model, &mut self.state, set, centre);
+            aircraft.fed.engine(model, &mut self.state, number, push.thrust_lb, push.rpm);
             for axis in 0..3 {
-                sum.force_n[axis] += force[axis];
-                sum.moment_n_m[axis] += moment[axis];
+                force[axis] += push.force_lb[axis];
+                moment[axis] += push.moment_ft_lb[axis];
             }
         }
-        sum
+        aircraft.fed.propulsion(model, &mut self.state, force, moment);
+        ForceMoment {
+            force_n: force.map(|pounds| pounds * POUND_FORCE),
+            moment_n_m: moment.map(|foot_pounds| foot_pounds * POUND_FORCE * FOOT),
+        }
     }
 
-    /// Runs systems, autopilots and flight control once, in the order of the files. `step_s` is the time since they ran last, s.
+    /// Runs systems, autopilots and flight control once, in the order of the files, and then adds `step_s`, the time since they
+    /// ran last, s, to the time that they see (`simulation/sim-time-sec`). Of forces they see those that were computed last.
     /// Without a call of this, surfaces stay where they are set.
     pub fn step_channels(&mut self, step_s: f64) {
         let aircraft = self.aircraft;
+        aircraft.fed.begin_step(&aircraft.model, &mut self.state, step_s);
         aircraft.channels.step(&aircraft.model, &mut self.state, &mut self.memories, step_s);
+        aircraft.fed.end_step(&aircraft.model, &mut self.state, step_s);
     }
 
     /// Makes systems, autopilots and flight control forget what they did; properties stay as they are.

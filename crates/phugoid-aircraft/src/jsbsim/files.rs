@@ -1,5 +1,6 @@
 //! The files that an aircraft may read: those of its own folder, and of the folders of systems and engines beside it.
 
+use std::io::Read as _;
 use std::path::{Component, Path, PathBuf};
 
 use roxmltree::Node;
@@ -89,7 +90,7 @@ impl Files {
                 if !found.is_file() || !found.starts_with(&root) {
                     continue;
                 }
-                let text = xml::text_of(&found).map_err(JsbsimError::Unreadable)?;
+                let text = text_of(&found)?;
                 self.bytes = self.bytes.saturating_add(text.len());
                 if self.bytes > MAX_TOTAL_BYTES {
                     return refuse("the files of the aircraft are too large together");
@@ -98,5 +99,19 @@ impl Files {
             }
         }
         refuse("there is no such file in the folders of the aircraft and of its package")
+    }
+}
+
+/// The text of a file. Where it is not UTF-8, each byte is a letter of its own (Latin-1), as in older files.
+pub(super) fn text_of(file: &Path) -> Result<String, JsbsimError> {
+    match xml::text_of(file) {
+        Err(xml::XmlError::Unreadable { source, .. }) if source.kind() == std::io::ErrorKind::InvalidData => {
+            let mut bytes = Vec::new();
+            let unreadable = |source| JsbsimError::Unreadable(xml::XmlError::Unreadable { file: file.into(), source });
+            let opened = std::fs::File::open(file).map_err(unreadable)?;
+            opened.take(xml::MAX_BYTES).read_to_end(&mut bytes).map_err(unreadable)?;
+            Ok(bytes.into_iter().map(char::from).collect())
+        }
+        other => other.map_err(JsbsimError::Unreadable),
     }
 }

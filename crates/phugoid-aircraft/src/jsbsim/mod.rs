@@ -7,12 +7,50 @@
 //! Functions of the aerodynamics have the values of the moment that they are asked for, whatever was asked before: those that
 //! JSBSim takes from the step before (the square of the lift coefficient, and functions that stand after the one that reads
 //! them) differ from it by one step, unless [`Evaluator::set_stepwise`] asks for them.
+//!
+//! What goes in and comes out of the methods is in SI units and body axes (x forward, y right, z down); properties by name are in
+//! the units of JSBSim that their names tell. Surfaces stay where they are set, or follow their commands where
+//! [`Evaluator::step_channels`] runs flight control:
+//!
+//! ```no_run
+//! use phugoid_aircraft::jsbsim::{Aircraft, Evaluator, FlightCondition};
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let aircraft = Aircraft::open("jsbsim/aircraft/c182")?;
+//! for note in aircraft.omitted() {
+//!     eprintln!("{note}");
+//! }
+//! let mut evaluator = Evaluator::new(&aircraft);
+//! evaluator.set_flight(&FlightCondition {
+//!     airspeed_m_s: 62.0,
+//!     alpha_rad: 0.01,
+//!     beta_rad: 0.0,
+//!     alphadot_rad_s: 0.0,
+//!     betadot_rad_s: 0.0,
+//!     rates_rad_s: [0.0; 3],
+//!     attitude_rad: [0.0, 0.01, 0.0],
+//!     height_m: 1524.0,
+//!     height_above_ground_m: 1524.0,
+//!     density_kg_m3: 1.0556,
+//!     pressure_pa: 84_307.0,
+//!     temperature_k: 278.2,
+//!     sound_speed_m_s: 334.4,
+//! });
+//! evaluator.set("fcs/elevator-pos-rad", 0.08);
+//! evaluator.set("fcs/throttle-pos-norm", 0.7);
+//! let air = evaluator.aerodynamic_force_moment();
+//! let engines = evaluator.propulsive_force_moment();
+//! println!("{:?} N, {} kg", air.force_n[0] + engines.force_n[0], evaluator.mass_properties().mass_kg);
+//! # Ok(())
+//! # }
+//! ```
 
 mod aerodynamics;
 mod aircraft;
 mod channels;
 mod error;
 mod evaluator;
+mod fed;
 mod files;
 mod flight;
 mod function;

@@ -1,9 +1,11 @@
 //! Engines: where their thrust acts, and how much of it there is.
 
+mod piston;
 mod propeller;
 
 use roxmltree::Node;
 
+use piston::Air;
 use propeller::{Inflow, Power, Propeller};
 
 use super::aerodynamics::cross;
@@ -14,7 +16,7 @@ use super::mass::{Masses, arm_ft, give};
 use super::model::{Lookup, Model, State};
 use super::source::{Source, child, children, shortened, tag};
 use super::table::Table;
-use super::units::{FOOT, POUND_FORCE, SLUG_FT3, Unit};
+use super::units::{POUND_FORCE, PSF, Unit};
 use crate::xml;
 
 /// An engine of an aircraft.
@@ -50,7 +52,7 @@ struct Propelled {
     p_factor: f64,
     throttle: usize,
     lever: usize,
-    inflow: [usize; 11],
+    inflow: [usize; 14],
 }
 
 /// What the file of an engine describes.
@@ -59,8 +61,8 @@ struct Propelled {
 pub enum EngineKind {
     /// A turbine: its thrust follows from throttle, Mach number and height, without delay.
     Turbine,
-    /// A propeller: it turns as fast as the power of its engine turns it at the throttle, without delay. That power is the one
-    /// that the file states for full throttle, less in thinner air, and for a piston engine in proportion to its speed.
+    /// A propeller: it turns as fast as the power of its engine turns it at the throttle, without delay. That of a piston engine
+    /// follows from the pressure behind the throttle with a rich mixture; another one's is in proportion to the throttle.
     Propeller,
     /// Another engine: its thrust is what is set.
     ConstantForce,
@@ -77,28 +79,35 @@ struct Turbine {
     /// How the afterburner is lit.
     augmentation: f64,
     throttle: usize,
+    /// Share of the thrust that is lost to air for other uses.
     bleed: f64,
     injected: bool,
 }
 
+/// What an engine does: force and moment in body axes, the moment about the centre of gravity.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Push {
+    /// Pounds.
+    pub(super) force_lb: [f64; 3],
+    /// Foot pounds.
+    pub(super) moment_ft_lb: [f64; 3],
+    /// Thrust, pounds.
+    pub(super) thrust_lb: f64,
+    /// Speed of its propeller, turns per minute; 0 without one.
+    pub(super) rpm: f64,
+}
+
 impl Engine {
-    /// Force and moment about a centre of gravity, in inches in the structural frame; body axes, N and N m. `set` is what was set
-    /// from outside: a thrust, N, or the speed of a propeller, turns per minute.
-    pub(super) fn force_moment(
-        &self,
-        model: &Model,
-        state: &mut State,
-        set: Option<f64>,
-        centre_in: [f64; 3],
-    ) -> ([f64; 3], [f64; 3]) {
-        let thrust_n = match &self.drive {
-            Drive::None => set.unwrap_or(0.0),
-            Drive::Turbine(turbine) => turbine.thrust_lb(model, state) * POUND_FORCE,
+    /// What it does about a centre of gravity, in inches in the structural frame. `set` is what was set from outside: a thrust, N,
+    /// or the speed of a propeller, turns per minute.
+    pub(super) fn push(&self, model: &Model, state: &mut State, set: Option<f64>, centre_in: [f64; 3]) -> Push {
+        let thrust_lb = match &self.drive {
+            Drive::None => set.unwrap_or(0.0) / POUND_FORCE,
+            Drive::Turbine(turbine) => turbine.thrust_lb(model, state),
             Drive::Propeller(propelled) => return self.propelled(propelled, model, state, set, centre_in),
         };
-        let force = self.direction.map(|part| part * thrust_n);
-        let arm = arm_ft(self.location_in, centre_in).map(|feet| feet * FOOT);
-        (force, cross(arm, force))
+        let force_lb = self.direction.map(|part| part * thrust_lb);
+        Push { force_lb, moment_ft_lb: cross(arm_ft(self.location_in, centre_in), force_lb), thrust_lb, rpm: 0.0 }
     }
 
     fn propelled(
@@ -108,8 +117,9 @@ impl Engine {
         state: &mut State,
         rpm: Option<f64>,
         centre_in: [f64; 3],
-    ) -> ([f64; 3], [f64; 3]) {
-        let [u, v, w, p, q, r, density, sound, pi, qi, ri] = propelled.inflow.map(|index| state.read(model, index));
+    ) -> Push {
+        let [u, v, w, p, q, r, density, sound, pi, qi, ri, pressure, temperature, qbar] =
+            propelled.inflow.map(|index| state.read(model, index));
         let arm = arm_ft(self.location_in, centre_in);
         let turning = cross([p, q, r], arm);
         let local = [u + turning[0], v + turning[1], w + turning[2]];
@@ -121,7 +131,8 @@ impl Engine {
             None => {
                 let throttle = state.read(model, propelled.throttle);
                 let lever = state.read(model, propelled.lever);
-                propelled.propeller.balance(&inflow, &propelled.power, throttle, lever, density / SEA_DENSITY_SLUG_FT3)
+                let air = Air { pressure_pa: pressure * PSF, temperature_k: temperature / 1.8, ram_pa: qbar * PSF };
+                propelled.propeller.balance(&inflow, &propelled.power, throttle, lever, &air)
             }
         };
         let mut place = self.location_in;
@@ -132,22 +143,17 @@ impl Engine {
             place[1] += factor * local[2];
             place[2] += factor * local[1];
         }
-        let force = axis.map(|part| part * work.thrust_lb);
-        let lever = cross(arm_ft(place, centre_in), force);
+        let force_lb = axis.map(|part| part * work.thrust_lb);
+        let lever = cross(arm_ft(place, centre_in), force_lb);
         let spin = propelled.sense * propelled.propeller.inertia * work.rpm / 60.0 * 2.0 * std::f64::consts::PI;
-        let gyroscopic = cross([pi, qi, ri], axis.map(|part| part * spin));
-        let mut moment = [0.0; 3];
+        let gyroscopic = cross([pi, qi, ri], axis.map(|part| part * spin * propelled.propeller.gyroscopic));
+        let mut moment_ft_lb = [0.0; 3];
         for k in 0..3 {
-            // The gyroscopic part is that on the aircraft with JSBSim's sign.
-            let torque = -propelled.sense * work.torque_ft_lb * axis[k];
-            moment[k] = (lever[k] + torque + gyroscopic[k]) * POUND_FORCE * FOOT;
+            moment_ft_lb[k] = lever[k] - propelled.sense * work.torque_ft_lb * axis[k] + gyroscopic[k];
         }
-        (force.map(|pounds| pounds * POUND_FORCE), moment)
+        Push { force_lb, moment_ft_lb, thrust_lb: work.thrust_lb, rpm: work.rpm }
     }
 }
-
-/// Density at the sea in the standard atmosphere of 1976, slug/ft3.
-const SEA_DENSITY_SLUG_FT3: f64 = 1.225 / SLUG_FT3;
 
 impl Turbine {
     /// Thrust at the throttle and the flight that the properties hold, pounds.
@@ -156,17 +162,19 @@ impl Turbine {
         let idle = self.dry_lb * state.call(model, self.idle);
         let span = (self.dry_lb - idle) * state.call(model, self.dry);
         let spool = throttle.min(1.0);
-        let mut pounds = idle + span * spool * spool;
+        let dry = idle + span * spool * spool;
         if let Some(wet) = self.wet {
             let full = self.wet_lb * state.call(model, wet);
             if self.augmentation == 1.0 && throttle > 0.99 {
-                pounds = full;
-            } else if self.augmentation == 2.0 {
-                // The throttle beyond 1 is that of the afterburner.
-                pounds += (full - pounds) * (throttle - 1.0).clamp(0.0, 1.0);
+                return full;
+            }
+            // The throttle beyond 1 is that of the afterburner.
+            if self.augmentation == 2.0 && throttle > 1.0 {
+                return dry + (full - dry) * (throttle - 1.0).min(1.0);
             }
         }
-        pounds * (1.0 - self.bleed)
+        // With the afterburner, no air is taken for other uses.
+        dry * (1.0 - self.bleed)
     }
 }
 
@@ -187,8 +195,7 @@ pub(super) fn read(
                 engines.push(engine);
             }
             "tank" => masses.read_tank(model, source, part)?,
-            "documentation" | "description" => {}
-            "property" => super::declare(model, source, part)?,
+            "documentation" | "description" | "limitation" | "note" | "property" | "function" => {}
             other => omitted.push(source.omit(part, format!("<{}> is left out", shortened(other)))),
         }
     }
@@ -253,8 +260,7 @@ fn read_engine(
         Ok(drive) => {
             (engine.kind, engine.drive) = (EngineKind::Propeller, drive);
             format!(
-                "engine {number}: its power is that of full throttle in the file, times throttle and what is left in thin air; \
-                 the propeller turns at once as fast as that turns it"
+                "engine {number}: it runs steadily with a rich mixture; the propeller turns at once as fast as it is turned"
             )
         }
         Err(error) => format!("engine {number}: its thrust is what is set, a constant force: {error}"),
@@ -281,7 +287,8 @@ fn drive(
     let made = document.root_element();
     if tag(root) == "turbine_engine" {
         if tag(made) != "direct" {
-            return Err(thruster_source.refuse(made, format!("<{}> is not supported", shortened(tag(made)))));
+            let what = format!("a turbine that turns a <{}> is not supported", shortened(tag(made)));
+            return Err(thruster_source.refuse(made, what));
         }
         return turbine(model, inside, root, number).map(Drive::Turbine);
     }
@@ -302,6 +309,9 @@ fn drive(
         "velocities/pi-rad_sec",
         "velocities/qi-rad_sec",
         "velocities/ri-rad_sec",
+        "atmosphere/P-psf",
+        "atmosphere/T-R",
+        "aero/qbar-psf",
     ]
     .map(|name| model.property(name));
     Ok(Drive::Propeller(Box::new(Propelled {

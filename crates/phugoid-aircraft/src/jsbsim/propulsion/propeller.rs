@@ -3,60 +3,69 @@
 use roxmltree::Node;
 
 use super::super::error::JsbsimError;
-use super::super::source::{Source, children, shortened, tag};
+use super::super::source::{Source, children, parse, shortened, tag};
 use super::super::table::Table;
 use super::super::units::Unit;
+use super::piston::{Air, Piston};
 
 /// Foot pounds per second in a horsepower.
 const HORSEPOWER: f64 = 550.0;
 /// Watts in a horsepower.
 const WATTS: f64 = 745.7;
 
-/// Power of an engine at full throttle at the sea, and how it falls.
+/// Power of an engine.
 #[derive(Debug, Clone)]
-pub(super) struct Power {
-    /// Foot pounds per second.
-    full: f64,
-    /// Speed of the engine at which it is given, turns per minute, for one whose torque does not depend on its speed.
-    at_rpm: Option<f64>,
-    /// Whether it breathes air.
-    breathes: bool,
+pub(super) enum Power {
+    /// A piston engine.
+    Piston(Box<Piston>),
+    /// In proportion to the throttle: foot pounds per second at full throttle at the sea, and whether it breathes air.
+    Constant {
+        /// Foot pounds per second.
+        full: f64,
+        /// Whether thinner air takes some of it.
+        breathes: bool,
+    },
 }
 
 impl Power {
     /// Reads the power of an engine; refused for one that has none of a simple form.
     pub(super) fn read(source: &Source, root: Node<'_, '_>) -> Result<Self, JsbsimError> {
-        let find = |name: &str| children(root).find(|part| tag(*part).eq_ignore_ascii_case(name));
-        let power = |name: &str| -> Result<f64, JsbsimError> {
-            let found = find(name).ok_or_else(|| source.refuse(root, format!("the engine has no <{name}>")))?;
-            let number = source.number(found)?;
-            Ok(match found.attribute("unit").map(str::trim) {
-                Some("WATTS") => number / WATTS * HORSEPOWER,
-                _ => number * HORSEPOWER,
-            })
+        let power = |name: &str, otherwise: f64| -> Result<f64, JsbsimError> {
+            let found = children(root).find(|part| tag(*part).eq_ignore_ascii_case(name));
+            let found = found.ok_or_else(|| source.refuse(root, format!("the engine has no <{name}>")))?;
+            let unit = match found.attribute("unit").map(str::trim) {
+                Some("WATTS") => 1.0 / WATTS,
+                Some("HP") => 1.0,
+                _ => otherwise,
+            };
+            Ok(source.number(found)? * unit * HORSEPOWER)
         };
         match tag(root) {
-            "piston_engine" => {
-                let at_rpm = find("maxrpm").map(|found| source.number(found)).transpose()?.unwrap_or(2800.0);
-                Ok(Self { full: power("maxhp")?, at_rpm: Some(at_rpm.max(1.0)), breathes: true })
-            }
-            "electric_engine" => {
-                let watts = find("power").map(|found| found.attribute("unit").is_none());
-                // Without a unit, the power is in watts.
-                let scale = if watts == Some(true) { 1.0 / WATTS } else { 1.0 };
-                Ok(Self { full: scale * power("power")?, at_rpm: None, breathes: false })
-            }
-            "turboprop_engine" => Ok(Self { full: power("maxpower")?, at_rpm: None, breathes: true }),
+            "piston_engine" => Ok(Self::Piston(Box::new(Piston::read(source, root)?))),
+            "electric_engine" => Ok(Self::Constant { full: power("power", 1.0 / WATTS)?, breathes: false }),
+            "turboprop_engine" => Ok(Self::Constant { full: power("maxpower", 1.0)?, breathes: true }),
             other => Err(source.refuse(root, format!("<{}> is not supported", shortened(other)))),
         }
     }
 
-    /// Foot pounds per second at a throttle from 0 to 1, a speed of the engine, and a density over that at the sea.
-    fn at(&self, throttle: f64, rpm: f64, density_ratio: f64) -> f64 {
-        // What is left of the power of an engine without a supercharger (Gagg and Farrar).
-        let air = if self.breathes { (density_ratio - (1.0 - density_ratio) / 7.55).clamp(0.0, 1.2) } else { 1.0 };
-        let speed = self.at_rpm.map_or(1.0, |at| (rpm / at).min(1.2));
-        self.full * throttle.clamp(0.0, 1.0) * air * speed
+    /// Foot pounds per second at a throttle from 0 to 1 and a speed of the engine.
+    fn at(&self, throttle: f64, rpm: f64, air: &Air) -> f64 {
+        match self {
+            Self::Piston(piston) => piston.power(throttle, rpm, air),
+            Self::Constant { full, breathes } => {
+                let density_ratio = air.pressure_pa / 101_325.0 * 288.15 / air.temperature_k.max(1.0);
+                let left = if *breathes { density_ratio.clamp(0.0, 1.2) } else { 1.0 };
+                full * throttle.clamp(0.0, 1.0) * left
+            }
+        }
+    }
+
+    /// Speed above which the engine is not asked to run, turns per minute.
+    fn most_rpm(&self) -> f64 {
+        match self {
+            Self::Piston(piston) => piston.most_rpm(),
+            Self::Constant { .. } => 10_000.0,
+        }
     }
 }
 
@@ -75,6 +84,8 @@ pub(super) struct Propeller {
     thrust_mach: Option<Table>,
     power_mach: Option<Table>,
     factors: [f64; 2],
+    /// Sign of its spin in the gyroscopic moment: files before version 1.01 have the opposite one.
+    pub(super) gyroscopic: f64,
 }
 
 /// What a propeller meets.
@@ -137,6 +148,11 @@ impl Propeller {
             thrust_mach: table("CT_MACH", Some(1))?,
             power_mach: table("CP_MACH", Some(1))?,
             factors: [number("ct_factor", 1.0)?, number("cp_factor", 1.0)?],
+            gyroscopic: if root.attribute("version").and_then(parse).is_some_and(|version| version >= 1.01) {
+                -1.0
+            } else {
+                1.0
+            },
         })
     }
 
@@ -164,18 +180,10 @@ impl Propeller {
     }
 
     /// The work at which engine and propeller are in balance. `lever` from 0 to 1 asks for a speed between the least and the most.
-    pub(super) fn balance(
-        &self,
-        inflow: &Inflow,
-        engine: &Power,
-        throttle: f64,
-        lever: f64,
-        density_ratio: f64,
-    ) -> Work {
+    pub(super) fn balance(&self, inflow: &Inflow, engine: &Power, throttle: f64, lever: f64, air: &Air) -> Work {
         let surplus = |rpm: f64, pitch: f64| {
             let work = self.at(inflow, rpm, pitch);
-            engine.at(throttle, rpm * self.gear, density_ratio)
-                - work.torque_ft_lb * rpm / 60.0 * 2.0 * std::f64::consts::PI
+            engine.at(throttle, rpm * self.gear, air) - work.torque_ft_lb * rpm / 60.0 * 2.0 * std::f64::consts::PI
         };
         let [fine, coarse] = self.pitch_deg;
         if self.constant_speed && fine < coarse {
@@ -185,7 +193,7 @@ impl Propeller {
                     return self.at(inflow, self.free_rpm(|rpm| surplus(rpm, fine), wanted), fine);
                 }
                 if surplus(wanted, coarse) >= 0.0 {
-                    return self.at(inflow, self.free_rpm(|rpm| surplus(rpm, coarse), 4.0 * wanted), coarse);
+                    return self.at(inflow, self.free_rpm(|rpm| surplus(rpm, coarse), 1.2 * wanted), coarse);
                 }
                 let (mut low, mut high) = (fine, coarse);
                 for _ in 0..50 {
@@ -195,13 +203,18 @@ impl Propeller {
                 return self.at(inflow, wanted, low);
             }
         }
-        self.at(inflow, self.free_rpm(|rpm| surplus(rpm, fine), 10_000.0), fine)
+        self.at(inflow, self.free_rpm(|rpm| surplus(rpm, fine), engine.most_rpm() / self.gear), fine)
     }
 
-    /// The speed at which there is no power to spare, below a bound.
+    /// The highest speed below a bound at which there is no power to spare; 0 where there is none at any speed.
     fn free_rpm(&self, surplus: impl Fn(f64) -> f64, most: f64) -> f64 {
-        let (mut low, mut high) = (1.0, most.max(1.0));
-        for _ in 0..60 {
+        const STEPS: u32 = 100;
+        let step = most / f64::from(STEPS);
+        let Some(below) = (1..=STEPS).rev().map(|k| f64::from(k) * step).find(|&rpm| surplus(rpm) > 0.0) else {
+            return 0.0;
+        };
+        let (mut low, mut high) = (below, (below + step).min(most));
+        for _ in 0..40 {
             let middle = 0.5 * (low + high);
             *(if surplus(middle) > 0.0 { &mut low } else { &mut high }) = middle;
         }

@@ -60,6 +60,35 @@ fn forces_of_a_small_aircraft_are_those_by_hand() {
 }
 
 #[test]
+fn forces_and_moments_in_the_axes_that_a_file_names_come_out_in_body_axes() {
+    let turned = |frame: &str, alpha: f64, beta: f64| {
+        let text = GLIDER
+            .replace("<axis name=\"LIFT\">", &format!("<axis name=\"LIFT\" frame=\"{frame}\">"))
+            .replace("<axis name=\"DRAG\">", &format!("<axis name=\"DRAG\" frame=\"{frame}\">"))
+            .replace("<axis name=\"PITCH\">", &format!("<axis name=\"ROLL\" frame=\"{frame}\">"))
+            .replace("<x> 40 </x> <y> 0 </y> <z> 3 </z>", "<x> 25 </x> <y> 0 </y> <z> 1 </z>");
+        let aircraft = Aircraft::from_text(&text).unwrap();
+        let mut evaluator = Evaluator::new(&aircraft);
+        evaluator.set_flight(&FlightCondition { beta_rad: beta, ..calm(alpha) });
+        evaluator.set("fcs/elevator-pos-rad", 0.1);
+        evaluator.coefficients()
+    };
+    let (alpha, beta) = (0.1_f64, 0.2_f64);
+    let (lift, drag, roll) = (0.3 + 5.0 * alpha, 0.03 + 0.25 * 0.02, -0.1 * 2.5 * 0.3048 / 15.0);
+    let ((sa, ca), (sb, cb)) = (alpha.sin_cos(), beta.sin_cos());
+    let close = |found: [f64; 3], expected: [f64; 3]| {
+        let worst = found.iter().zip(expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(worst < 1e-6, "{found:?} instead of {expected:?}");
+    };
+    let stability = turned("STABILITY", alpha, beta);
+    close(stability.force, [lift * sa - drag * ca, 0.0, -lift * ca - drag * sa]);
+    close(stability.moment, [roll * ca, 0.0, roll * sa]);
+    let wind = turned("WIND", alpha, beta);
+    close(wind.force, [lift * sa - drag * ca * cb, -drag * sb, -lift * ca - drag * sa * cb]);
+    close(wind.moment, [roll * ca * cb, roll * sb * 15.0 / (2.5 * 0.3048), roll * sa * cb]);
+}
+
+#[test]
 fn flight_control_moves_the_surfaces_when_it_is_run() {
     let aircraft = Aircraft::from_text(GLIDER).unwrap();
     let mut evaluator = Evaluator::new(&aircraft);
@@ -108,6 +137,8 @@ fn what_is_wrong_is_named_with_its_line() {
         ("0.1   0.03  0.05", "0.1   0.03  x".into(), "numbers"),
         ("<axis name=\"DRAG\">", "<axis name=\"X\">".into(), "mixes"),
         ("<axis name=\"DRAG\">", "<axis name=\"THRUST\">".into(), "THRUST"),
+        ("<axis name=\"DRAG\">", "<axis name=\"DRAG\" frame=\"BODY\">".into(), "frame"),
+        ("<axis name=\"DRAG\">", "<axis name=\"DRAG\" frame=\"EARTH\">".into(), "EARTH"),
         ("lookup=\"column\"", "lookup=\"depth\"".into(), "depth"),
         ("unit=\"M2\"", "unit=\"ACRE\"".into(), "ACRE"),
         ("<metrics>", "<metrics file=\"../../../etc/passwd\">".into(), "below the folder"),
@@ -212,6 +243,16 @@ fn files_are_read_only_below_the_folders_of_the_aircraft() {
         Some(8.0),
         "what stands in the aircraft goes before what stands in the system"
     );
+    // A letter that is not UTF-8 is read as Latin-1.
+    let mut bytes = with("<!-- Andr\u{1} -->").into_bytes();
+    bytes.iter_mut().filter(|byte| **byte == 1).for_each(|byte| *byte = 0xe9);
+    std::fs::write(aircraft.join("glider.xml"), bytes).unwrap();
+    assert!(Aircraft::open(&aircraft).is_ok());
+    // A function of another section may be read.
+    let read =
+        open(&with("<external_reactions><function name=\"a/two\"><value>2</value></function></external_reactions>"))
+            .unwrap();
+    assert_eq!(Evaluator::new(&read).get("a/two"), Some(2.0));
     // A system that is not there is left out.
     let read = open(&with("<system file=\"missing\"/>")).unwrap();
     assert!(read.omitted().iter().any(|note| note.what.contains("missing")));

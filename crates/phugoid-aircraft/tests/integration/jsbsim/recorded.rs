@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-use phugoid_aircraft::jsbsim::{Aircraft, Evaluator, FlightCondition};
+use phugoid_aircraft::jsbsim::{Aircraft, EngineKind, Evaluator, FlightCondition};
 
 use super::{RESERVED, package, repository, text_of};
 
@@ -43,7 +43,7 @@ impl Recording {
 }
 
 /// Recordings in `target/jsbsim`, or in the folder of `PHUGOID_JSBSIM_RECORDED`.
-fn recordings() -> Vec<(String, PathBuf)> {
+fn recordings(engines: bool) -> Vec<(String, PathBuf)> {
     let folder =
         std::env::var_os("PHUGOID_JSBSIM_RECORDED").map_or_else(|| repository().join("target/jsbsim"), PathBuf::from);
     let mut found: Vec<_> = std::fs::read_dir(&folder)
@@ -54,9 +54,14 @@ fn recordings() -> Vec<(String, PathBuf)> {
             let name = entry.file_name().to_string_lossy().strip_suffix(".csv.gz")?.to_owned();
             Some((name, entry.path()))
         })
-        .filter(|(name, _)| !RESERVED.contains(&name.as_str()))
+        .filter(|(name, _)| name.ends_with(".engines") == engines && !RESERVED.contains(&name.as_str()))
         .collect();
     found.sort();
+    assert!(
+        !found.is_empty() || std::env::var_os("PHUGOID_JSBSIM_RECORDED").is_none(),
+        "there is nothing in {}",
+        folder.display()
+    );
     if found.is_empty() {
         eprintln!("skipped: no recordings in {} (scripts/jsbsim/record.py makes them)", folder.display());
     }
@@ -90,7 +95,7 @@ fn computed_after_control(name: &str) -> bool {
 #[test]
 fn mass_and_sizes_are_those_of_jsbsim() {
     let Some(package) = package() else { return };
-    for (name, path) in recordings() {
+    for (name, path) in recordings(false) {
         let Ok(aircraft) = Aircraft::open(package.join("aircraft").join(&name)) else { continue };
         let recording = Recording::read(&path);
         let mass = aircraft.mass_properties();
@@ -139,7 +144,7 @@ fn mass_and_sizes_are_those_of_jsbsim() {
 fn a_flight_condition_sets_what_jsbsim_has() {
     let Some(package) = package() else { return };
     for (name, path) in
-        recordings().into_iter().filter(|(name, _)| ["c182", "T38", "X15", "B747"].contains(&name.as_str()))
+        recordings(false).into_iter().filter(|(name, _)| ["c182", "T38", "X15", "B747"].contains(&name.as_str()))
     {
         let aircraft = Aircraft::open(package.join("aircraft").join(&name)).unwrap();
         let recording = Recording::read(&path);
@@ -196,7 +201,7 @@ fn a_flight_condition_sets_what_jsbsim_has() {
 #[test]
 fn aerodynamic_forces_are_those_of_jsbsim() {
     let Some(package) = package() else { return };
-    for (name, path) in recordings() {
+    for (name, path) in recordings(false) {
         let Ok(aircraft) = Aircraft::open(package.join("aircraft").join(&name)) else { continue };
         let recording = Recording::read(&path);
         let mut evaluator = Evaluator::new(&aircraft);
@@ -246,7 +251,7 @@ fn aerodynamic_forces_are_those_of_jsbsim() {
 fn flight_control_is_that_of_jsbsim_step_by_step() {
     let Some(package) = package() else { return };
     let (mut compared, mut equal) = (0, 0);
-    for (name, path) in recordings() {
+    for (name, path) in recordings(false) {
         let Ok(aircraft) = Aircraft::open(package.join("aircraft").join(&name)) else { continue };
         let recording = Recording::read(&path);
         let mut evaluator = Evaluator::new(&aircraft);
@@ -275,6 +280,8 @@ fn flight_control_is_that_of_jsbsim_step_by_step() {
             }
             // Flight control has run twice when the initial condition is there.
             for _ in 0..if row == 0 { 2 } else { 1 } {
+                // The time of the first two is the same.
+                evaluator.set("simulation/sim-time-sec", recording.value("simulation/sim-time-sec", row).unwrap());
                 evaluator.step_channels(1.0 / 120.0);
             }
             for &index in &outputs {
@@ -313,4 +320,54 @@ fn flight_control_is_that_of_jsbsim_step_by_step() {
         assert!(worst.is_empty() || DIFFERENT.contains(&name.as_str()), "{name}");
     }
     eprintln!("flight control of {equal} of {compared} aircraft is the same within 1e-9 in every step");
+}
+
+#[test]
+fn engines_give_the_thrust_of_jsbsim() {
+    /// Propellers of fixed pitch, whose thrust at a speed is known.
+    const FIXED: [&str; 5] = ["Camel", "J3Cub", "Submarine_Scout", "c172r", "wrightFlyer1903"];
+    /// Piston engines that run in the recording: their power is not the same, since JSBSim leans the mixture with height.
+    const PISTONS: [&str; 6] = ["Camel", "Submarine_Scout", "c172r", "c172x", "c182", "pa28"];
+    let Some(package) = package() else { return };
+    for (name, path) in recordings(true) {
+        let name = name.trim_end_matches(".engines");
+        let Ok(aircraft) = Aircraft::open(package.join("aircraft").join(name)) else { continue };
+        let recording = Recording::read(&path);
+        let turbines = aircraft.engines().iter().all(|engine| engine.kind == EngineKind::Turbine);
+        let (fixed, piston) = (FIXED.contains(&name), PISTONS.contains(&name));
+        if aircraft.engines().is_empty() || recording.rows.len() < 50 || !(turbines || fixed || piston) {
+            continue;
+        }
+        let mut evaluator = Evaluator::new(&aircraft);
+        let names: Vec<String> = aircraft.properties().map(str::to_owned).collect();
+        let (mut worst_set, mut worst_free) = (0.0_f64, 0.0_f64);
+        for row in 45..recording.rows.len() {
+            for (index, name) in names.iter().enumerate() {
+                if let Some(value) = recording.value(name, row) {
+                    evaluator.set_index(index, value);
+                }
+            }
+            let expected = recording.value("forces/fbx-prop-lbs", row).unwrap();
+            for set in [false, true] {
+                for engine in 0..aircraft.engines().len() {
+                    let rpm = format!("propulsion/engine[{engine}]/propeller-rpm").replace("[0]", "");
+                    evaluator.set_propeller_rpm(engine, recording.value(&rpm, row).filter(|_| set));
+                }
+                let found = evaluator.propulsive_force_moment().force_n[0] / 4.448_221_615_260_5;
+                let worst = if set { &mut worst_set } else { &mut worst_free };
+                *worst = worst.max((found - expected).abs());
+            }
+        }
+        let largest = (45..recording.rows.len())
+            .map(|row| recording.value("forces/fbx-prop-lbs", row).unwrap().abs())
+            .fold(0.0, f64::max);
+        eprintln!(
+            "{name}: of {largest:.0} lb, {worst_free:.1e} at its throttle, {worst_set:.1e} at its speed ({:?})",
+            aircraft.engines()[0].kind
+        );
+        assert!(!turbines || worst_free < 1e-6 * largest, "{name}");
+        // The speed that is recorded is that after the step, the thrust that before.
+        assert!(!fixed || worst_set < 0.02 * largest, "{name}");
+        assert!(!piston || worst_free < 0.35 * largest, "{name}");
+    }
 }
