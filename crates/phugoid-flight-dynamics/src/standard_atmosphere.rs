@@ -122,7 +122,8 @@ mod tests {
     use super::*;
 
     /// U.S. Standard Atmosphere 1976, table I: geometric altitude (m), temperature (K), pressure (Pa), density (kg/m^3),
-    /// speed of sound (m/s; 0 where not used), viscosity (Pa s; 0 where not used).
+    /// speed of sound (m/s; 0 where not used), viscosity (Pa s; 0 where not used). A few rows by hand; a test of
+    /// `phugoid-aircraft` compares temperature, pressure and density with the whole table as NASA typed it.
     const TABLE: [[f64; 6]; 10] = [
         [-1_000.0, 294.651, 1.1393e5, 1.3470, 344.11, 1.8206e-5],
         [0.0, 288.150, 1.01325e5, 1.2250, 340.29, 1.7894e-5],

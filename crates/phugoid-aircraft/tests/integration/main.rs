@@ -14,3 +14,4 @@ mod daveml_write;
 mod jsbsim;
 mod jsbsim_flown;
 mod nesc;
+mod published_atmosphere;
