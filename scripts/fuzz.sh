@@ -11,7 +11,7 @@ cd "$(dirname "$0")/.."
 minutes=${1:-6}
 [ $# -gt 0 ] && shift
 if [ $# -eq 0 ]; then
-    set -- csv_reader ulog dataflash matlab parquet arrow mcap model_file daveml telemetry recording
+    set -- csv_reader ulog dataflash matlab parquet arrow mcap model_file daveml telemetry recording jsbsim
 fi
 
 command -v cargo-fuzz >/dev/null 2>&1 || { echo "fuzz: cargo-fuzz is not found: cargo install cargo-fuzz" >&2; exit 1; }
@@ -23,6 +23,7 @@ for target in "$@"; do
     dictionary=
     [ "$target" != csv_reader ] || dictionary=-dict=fuzz/dictionaries/csv.dict
     [ "$target" != model_file ] || cp data/models/*.toml "$seeds"
+    [ "$target" != jsbsim ] || cp crates/phugoid-aircraft/tests/integration/jsbsim/*.xml "$seeds"
     for folder in "fuzz/seeds/$target" "crates/phugoid-flight-data/tests/data/$target"; do
         [ ! -d "$folder" ] || cp "$folder"/* "$seeds"
     done

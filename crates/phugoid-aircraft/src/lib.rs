@@ -1,4 +1,7 @@
 #![doc = include_str!("../README.md")]
 
+pub mod check_case;
 pub mod daveml;
+pub mod jsbsim;
+pub mod vehicle;
 pub mod xml;

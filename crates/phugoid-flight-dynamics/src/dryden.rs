@@ -178,24 +178,12 @@ impl Dryden {
     /// # Errors
     /// [`DrydenError`] names the number that is out of range.
     pub fn new(field: DrydenField, airspeed: f64, span: f64, sample_time: f64, seed: u64) -> Result<Self, DrydenError> {
-        let positive = "a positive, finite number";
-        let mut needed = vec![("the airspeed", airspeed), ("the wing span", span), ("the sample time", sample_time)];
-        needed.extend(field.scale_length.map(|l| ("a scale length", l)));
-        for (what, value) in needed {
-            if !(value > 0.0 && value.is_finite()) {
-                return Err(DrydenError { what, value, expected: positive });
-            }
-        }
-        if let Some(value) = field.sigma.into_iter().find(|s| !(*s >= 0.0 && s.is_finite())) {
-            return Err(DrydenError { what: "an intensity", value, expected: "a finite number, not negative" });
-        }
+        check(&field, airspeed, span, sample_time)?;
         let [tau_u, tau_v, tau_w] = field.scale_length.map(|l| l / airspeed);
         let [sigma_u, sigma_v, sigma_w] = field.sigma;
         let pi = core::f64::consts::PI;
         let (tau_pitch, tau_yaw) = (4.0 * span / (pi * airspeed), 3.0 * span / (pi * airspeed));
-        let scale_w = field.scale_length[2];
-        let roll_gain =
-            (pi / airspeed * sigma_w * sigma_w / scale_w * 0.8 * (pi * scale_w / (4.0 * span)).cbrt()).sqrt();
+        let roll_gain = roll_gain(&field, airspeed, span);
         let mut random = Pcg64Mcg::seed_from_u64(seed);
         let along = lag(sigma_u * (2.0 * tau_u).sqrt(), tau_u, sample_time, &mut random);
         let lateral = transverse(sigma_v, tau_v, tau_yaw, airspeed, sample_time, &mut random);
@@ -218,9 +206,32 @@ impl Dryden {
     }
 }
 
+/// Whether turbulence can be sampled with these numbers.
+pub(crate) fn check(field: &DrydenField, airspeed: f64, span: f64, sample_time: f64) -> Result<(), DrydenError> {
+    let positive = "a positive, finite number";
+    let mut needed = vec![("the airspeed", airspeed), ("the wing span", span), ("the sample time", sample_time)];
+    needed.extend(field.scale_length.map(|l| ("a scale length", l)));
+    for (what, value) in needed {
+        if !(value > 0.0 && value.is_finite()) {
+            return Err(DrydenError { what, value, expected: positive });
+        }
+    }
+    if let Some(value) = field.sigma.into_iter().find(|s| !(*s >= 0.0 && s.is_finite())) {
+        return Err(DrydenError { what: "an intensity", value, expected: "a finite number, not negative" });
+    }
+    Ok(())
+}
+
+/// Gain of the rolling gust's filter, `sqrt(pi/V sigma_w^2/L_w 0.8 (pi L_w/4b)^(1/3))`.
+pub(crate) fn roll_gain(field: &DrydenField, airspeed: f64, span: f64) -> f64 {
+    let pi = core::f64::consts::PI;
+    let (scale_w, sigma_w) = (field.scale_length[2], field.sigma[2]);
+    (pi / airspeed * sigma_w * sigma_w / scale_w * 0.8 * (pi * scale_w / (4.0 * span)).cbrt()).sqrt()
+}
+
 /// A sampled linear system driven by white noise.
 #[derive(Clone, Debug)]
-struct Filter<const N: usize> {
+pub(crate) struct Filter<const N: usize> {
     state: SVector<f64, N>,
     transition: SMatrix<f64, N, N>,
     /// `noise noise^T` is the covariance that one interval adds.
@@ -230,17 +241,17 @@ struct Filter<const N: usize> {
 }
 
 impl<const N: usize> Filter<N> {
-    fn outputs<const M: usize>(&self) -> [f64; M] {
+    pub(crate) fn outputs<const M: usize>(&self) -> [f64; M] {
         let y = self.output * self.state;
         core::array::from_fn(|i| y[i])
     }
 
-    fn advance(&mut self, random: &mut Pcg64Mcg) {
+    pub(crate) fn advance(&mut self, random: &mut Pcg64Mcg) {
         self.state = self.transition * self.state + self.noise * standard_normal(random);
     }
 
     /// Starts in the stationary distribution, of covariance `stationary`.
-    fn new(
+    pub(crate) fn new(
         transition: SMatrix<f64, N, N>,
         noise_covariance: SMatrix<f64, N, N>,
         stationary: SMatrix<f64, N, N>,
@@ -273,7 +284,7 @@ fn factor<const N: usize>(covariance: SMatrix<f64, N, N>) -> SMatrix<f64, N, N> 
 }
 
 /// `gain / (1 + tau s)`.
-fn lag(gain: f64, tau: f64, h: f64, random: &mut Pcg64Mcg) -> Filter<1> {
+pub(crate) fn lag(gain: f64, tau: f64, h: f64, random: &mut Pcg64Mcg) -> Filter<1> {
     let variance = gain * gain / (2.0 * tau);
     Filter::new(
         SMatrix::from_element((-h / tau).exp()),

@@ -16,6 +16,7 @@ pub mod built_in;
 #[cfg(feature = "std")]
 pub mod dryden;
 pub mod f16;
+pub mod globe;
 pub mod gust;
 pub mod increments;
 pub mod integrate;
@@ -32,7 +33,10 @@ pub mod scalar;
 pub mod sensors;
 #[cfg(feature = "std")]
 pub mod simulate;
+pub mod standard_atmosphere;
 pub mod table;
 mod trigonometry;
 #[cfg(feature = "std")]
 pub mod trim;
+#[cfg(feature = "std")]
+pub mod von_karman;

@@ -3,8 +3,15 @@
 
 #[path = "../../../../tests/shared_data.rs"]
 mod shared_data;
+#[path = "../simulators/mod.rs"]
+mod simulators;
 
 mod daveml_broken;
+mod daveml_flown;
 mod daveml_models;
 mod daveml_standard;
 mod daveml_write;
+mod jsbsim;
+mod jsbsim_flown;
+mod nesc;
+mod published_atmosphere;

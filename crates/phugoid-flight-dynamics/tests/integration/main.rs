@@ -11,6 +11,7 @@ mod daveml;
 mod dryden;
 mod dual;
 mod equations;
+mod globe;
 mod increments;
 mod integrate;
 mod linearize;

@@ -1,0 +1,119 @@
+//! Flight control: components that run one after the other, in the order of the file, once per step.
+
+mod component;
+mod read;
+mod run;
+
+pub(super) use component::{Component, Memory};
+
+use super::model::{Model, State};
+use component::Parameter;
+
+/// One channel: components that run together.
+#[derive(Debug, Clone)]
+struct Channel {
+    /// The property that has to be other than 0 for the channel to run.
+    execute: Option<usize>,
+    /// It runs in one of so many steps.
+    rate: u32,
+    components: Vec<Component>,
+}
+
+/// All channels of an aircraft in the order in which they run: systems, autopilots, flight control.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Channels {
+    channels: Vec<Channel>,
+    /// Functions that are computed before the channels run, and after.
+    before: Vec<usize>,
+    after: Vec<usize>,
+    /// Properties of commands, and of the positions that follow them unless a channel says otherwise.
+    followed: Vec<(usize, usize)>,
+}
+
+/// What the components remember from one step to the next.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Memories {
+    components: Vec<Vec<Memory>>,
+    /// Steps since each channel ran.
+    waited: Vec<u32>,
+}
+
+impl Channels {
+    /// The memory of channels that never ran.
+    pub(super) fn memories(&self) -> Memories {
+        Memories {
+            components: self.channels.iter().map(|channel| vec![Memory::default(); channel.components.len()]).collect(),
+            waited: self.channels.iter().map(|channel| channel.rate).collect(),
+        }
+    }
+
+    /// Makes throttle, mixture, propeller advance and feather positions of engines follow their commands.
+    pub(super) fn follow_engines(&mut self, model: &mut Model, engines: usize) {
+        let pairs = [
+            ("throttle-cmd-norm", "throttle-pos-norm"),
+            ("mixture-cmd-norm", "mixture-pos-norm"),
+            ("advance-cmd-norm", "advance-pos-norm"),
+            ("feather-cmd-norm", "feather-pos-norm"),
+        ];
+        for engine in 0..engines {
+            for (command, position) in pairs {
+                let [command, position] =
+                    [command, position].map(|name| model.property(&format!("fcs/{name}[{engine}]")));
+                self.followed.push((command, position));
+            }
+        }
+    }
+
+    /// Properties that channels write.
+    pub(super) fn outputs(&self) -> impl Iterator<Item = usize> {
+        let components = self.channels.iter().flat_map(|channel| &channel.components);
+        components.flat_map(|component| component.outputs.iter().copied())
+    }
+
+    /// Properties that channels read themselves; those that their functions read are not among them.
+    pub(super) fn inputs(&self) -> impl Iterator<Item = usize> {
+        let components = self.channels.iter().flat_map(|channel| &channel.components);
+        let executing = self.channels.iter().filter_map(|channel| channel.execute);
+        components.flat_map(Component::reads).chain(executing)
+    }
+
+    /// Number of components.
+    pub(super) fn len(&self) -> usize {
+        self.channels.iter().map(|channel| channel.components.len()).sum()
+    }
+
+    /// Runs all channels once. `step_s` is the time between two steps.
+    pub(super) fn step(&self, model: &Model, state: &mut State, memories: &mut Memories, step_s: f64) {
+        state.hold(model, &self.before, true);
+        for &(command, position) in &self.followed {
+            let value = state.read(model, command);
+            state.write(model, position, value);
+        }
+        let memory = memories.components.iter_mut().zip(&mut memories.waited);
+        for (channel, (memories, waited)) in self.channels.iter().zip(memory) {
+            if channel.execute.is_some_and(|property| state.read(model, property) == 0.0) {
+                continue;
+            }
+            if *waited >= channel.rate {
+                *waited = 0;
+            }
+            *waited += 1;
+            if *waited < channel.rate {
+                continue;
+            }
+            for (component, memory) in channel.components.iter().zip(memories) {
+                component.run(model, state, memory, step_s * f64::from(channel.rate));
+            }
+        }
+        state.hold(model, &self.after, true);
+    }
+}
+
+impl Parameter {
+    fn value(self, model: &Model, state: &mut State) -> f64 {
+        match self {
+            Self::Number(value) => value,
+            Self::Property(index, sign) => sign * state.read(model, index),
+        }
+    }
+}

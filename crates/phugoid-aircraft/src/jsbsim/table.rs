@@ -1,0 +1,155 @@
+//! Tables of numbers over one, two or three properties, interpolated linearly and held constant beyond their ends.
+
+use roxmltree::Node;
+
+use super::error::JsbsimError;
+use super::source::{Source, child, children, parse, shortened, tag, text};
+
+/// One table: rows, columns and pages, of which a table of one variable has only rows.
+#[derive(Debug, Clone)]
+pub(super) struct Table {
+    /// The two-dimensional tables; one, unless the table has breakpoints over a third variable.
+    pages: Vec<Page>,
+    /// Values of the third variable.
+    breaks: Vec<f64>,
+}
+
+/// A table of one or two variables.
+#[derive(Debug, Clone)]
+struct Page {
+    rows: Vec<f64>,
+    /// Empty for a table of one variable.
+    columns: Vec<f64>,
+    /// Row by row.
+    values: Vec<f64>,
+}
+
+impl Table {
+    /// The data of a `<table>` with a number of variables.
+    pub(super) fn read(source: &Source, node: Node<'_, '_>, dimensions: usize) -> Result<Self, JsbsimError> {
+        let data: Vec<_> = children(node).filter(|part| tag(*part) == "tableData").collect();
+        match (dimensions, data.as_slice()) {
+            (_, []) => Err(source.refuse(node, "the table has no <tableData>")),
+            (1 | 2, [one]) => Ok(Self { pages: vec![Page::read(source, *one, dimensions == 2)?], breaks: Vec::new() }),
+            (3, pages) => {
+                let mut table = Self { pages: Vec::new(), breaks: Vec::new() };
+                for &page in pages {
+                    let at = page.attribute("breakPoint").and_then(parse);
+                    let at = at.ok_or_else(|| source.refuse(page, "the attribute breakPoint holds no number"))?;
+                    if table.breaks.last().is_some_and(|&last| last >= at) {
+                        return Err(source.refuse(page, format!("the breakpoint {at} does not increase")));
+                    }
+                    table.breaks.push(at);
+                    table.pages.push(Page::read(source, page, true)?);
+                }
+                Ok(table)
+            }
+            (1 | 2, _) => Err(source.refuse(node, "a table of one or two variables has more than one <tableData>")),
+            _ => Err(source.refuse(node, format!("a table of {dimensions} variables is not supported"))),
+        }
+    }
+
+    /// Number of variables that the data of a table without `<independentVar>` are for.
+    pub(super) fn dimensions(node: Node<'_, '_>) -> usize {
+        let pages = children(node).filter(|part| tag(*part) == "tableData").count();
+        let width =
+            child(node, "tableData").map_or(0, |data| lines(data).iter().map(|line| line.len()).max().unwrap_or(0));
+        if pages > 1 {
+            3
+        } else if width > 2 {
+            2
+        } else {
+            1
+        }
+    }
+
+    /// The value at a row, a column and a page; those that the table does not have are not looked at.
+    pub(super) fn value(&self, at: [f64; 3]) -> f64 {
+        let page = |index: usize| self.pages.get(index).map_or(f64::NAN, |page| page.value(at[0], at[1]));
+        if self.breaks.is_empty() {
+            return page(0);
+        }
+        let (below, share) = place(&self.breaks, at[2]);
+        let first = page(below);
+        if share == 0.0 { first } else { first + share * (page(below + 1) - first) }
+    }
+}
+
+impl Page {
+    fn read(source: &Source, node: Node<'_, '_>, two: bool) -> Result<Self, JsbsimError> {
+        let mut lines = lines(node).into_iter();
+        let mut page = Self { rows: Vec::new(), columns: Vec::new(), values: Vec::new() };
+        let numbers = |line: &[String]| {
+            let parsed: Option<Vec<f64>> = line.iter().map(|word| parse(word)).collect();
+            parsed.ok_or_else(|| {
+                source.refuse(
+                    node,
+                    format!("the table holds something else than numbers: \"{}\"", shortened(&line.join(" "))),
+                )
+            })
+        };
+        if two {
+            page.columns = numbers(&lines.next().unwrap_or_default())?;
+        }
+        let width = if two { page.columns.len() } else { 1 };
+        for line in lines {
+            let row = numbers(&line)?;
+            if row.len() != width + 1 {
+                let row_number = page.rows.len() + 1;
+                return Err(source.refuse(
+                    node,
+                    format!("row {row_number} of the table has {} numbers, not {}", row.len(), width + 1),
+                ));
+            }
+            page.rows.extend_from_slice(&row[..1]);
+            page.values.extend_from_slice(&row[1..]);
+        }
+        if page.rows.is_empty() || width == 0 {
+            return Err(source.refuse(node, "the table is empty"));
+        }
+        for (keys, what) in [(&page.rows, "row"), (&page.columns, "column")] {
+            if let Some(pair) = keys.windows(2).find(|pair| pair[0] >= pair[1]) {
+                return Err(source.refuse(
+                    node,
+                    format!("the {what} keys of the table do not increase: {} is followed by {}", pair[0], pair[1]),
+                ));
+            }
+        }
+        Ok(page)
+    }
+
+    fn value(&self, row: f64, column: f64) -> f64 {
+        let (r, row_share) = place(&self.rows, row);
+        let width = self.columns.len().max(1);
+        let at = |r: usize, c: usize| self.values.get(r * width + c).copied().unwrap_or(f64::NAN);
+        let along = |c: usize| {
+            let first = at(r, c);
+            if row_share == 0.0 { first } else { first + row_share * (at(r + 1, c) - first) }
+        };
+        if self.columns.is_empty() {
+            return along(0);
+        }
+        let (c, column_share) = place(&self.columns, column);
+        let first = along(c);
+        if column_share == 0.0 { first } else { first + column_share * (along(c + 1) - first) }
+    }
+}
+
+/// The words of each line that is not empty.
+fn lines(node: Node<'_, '_>) -> Vec<Vec<String>> {
+    let words = |line: &str| line.split_whitespace().map(str::to_owned).collect::<Vec<_>>();
+    text(node).lines().map(words).filter(|words| !words.is_empty()).collect()
+}
+
+/// The interval of increasing keys that a value lies in, and how far in it from 0 to 1; beyond the ends, the end.
+fn place(keys: &[f64], value: f64) -> (usize, f64) {
+    let above = keys.partition_point(|&key| key <= value);
+    if value.is_nan() {
+        return (0, f64::NAN);
+    }
+    if above == 0 || above >= keys.len() {
+        return (above.saturating_sub(1), 0.0);
+    }
+    let (low, high) = (keys[above - 1], keys[above]);
+    (above - 1, (value - low) / (high - low))
+}
