@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use phugoid_aircraft::jsbsim::{Aircraft, EngineKind, Evaluator, FlightCondition};
 
-use super::{RESERVED, package, repository, text_of};
+use super::{is_reserved, package, repository, text_of};
 
 /// Aircraft with gas, whose mass and pressure are left out.
 const BUOYANT: [&str; 3] = ["Submarine_Scout", "ZLT-NT", "weather-balloon"];
@@ -54,7 +54,7 @@ fn recordings(engines: bool) -> Vec<(String, PathBuf)> {
             let name = entry.file_name().to_string_lossy().strip_suffix(".csv.gz")?.to_owned();
             Some((name, entry.path()))
         })
-        .filter(|(name, _)| name.ends_with(".engines") == engines && !RESERVED.contains(&name.as_str()))
+        .filter(|(name, _)| name.ends_with(".engines") == engines && !is_reserved(name.trim_end_matches(".engines")))
         .collect();
     found.sort();
     assert!(
