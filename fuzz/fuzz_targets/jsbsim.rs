@@ -24,6 +24,7 @@ fuzz_target!(|bytes: &[u8]| {
                 temperature_k: 280.0,
                 sound_speed_m_s: 335.0,
             });
+            evaluator.start_channels(0.01);
             evaluator.step_channels(0.01);
             evaluator.step_channels(0.01);
             evaluator.coefficients();

@@ -14,11 +14,14 @@ import gzip
 import math
 import multiprocessing
 import os
+import shutil
 import sys
 
 RATE_HZ = 120
 STEPS = 600
-# Kept for a check by others.
+PARTS = "parts"
+TESTS = os.path.join(os.path.dirname(__file__), "../../crates/phugoid-aircraft/tests/integration/jsbsim")
+# Kept for a last check: recorded only where they are named.
 RESERVED = {"c172p", "737", "f16", "SGS", "minisgs", "Concorde"}
 
 
@@ -56,6 +59,12 @@ def record(folder, name, running):
     flight.set_debug_level(0)
     flight.disable_output()
     flight.set_dt(1.0 / RATE_HZ)
+    if name == PARTS:
+        # An aircraft of ours with every component and function: JSBSim looks for it in a folder of its name.
+        place = os.path.join(folder, "aircraft", name)
+        os.makedirs(place, exist_ok=True)
+        shutil.copy(os.path.join(TESTS, f"{name}.xml"), place)
+        flight.set_aircraft_path(os.path.abspath(os.path.join(folder, "aircraft")))
     flight.load_model(name)
     for key, value in {"h-sl-ft": 8000, "vt-kts": 220, "alpha-deg": 3, "beta-deg": 1, "phi-deg": 5, "theta-deg": 4, "psi-true-deg": 30}.items():
         flight[f"ic/{key}"] = value
@@ -112,9 +121,10 @@ def main():
     names = sys.argv[2:] or sorted(
         name for name in os.listdir(aircraft) if os.path.isfile(os.path.join(aircraft, name, f"{name}.xml"))
     )
+    names += [] if sys.argv[2:] else [PARTS]
     # Each in a process of its own: JSBSim may end the process of an aircraft that it refuses.
     for name in names:
-        if name in RESERVED:
+        if name in RESERVED and not sys.argv[2:]:
             continue
         for running in (False, True):
             pool = multiprocessing.get_context("spawn").Pool(1)

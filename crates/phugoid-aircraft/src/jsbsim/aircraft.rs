@@ -15,7 +15,7 @@ use super::mass::{Geometry, MassProperties, Masses, Metrics};
 use super::model::{Model, State};
 use super::propulsion::{self, Engine};
 use super::source::{Source, children, shortened, tag};
-use crate::xml;
+use crate::xml::{self, XmlError};
 
 /// An aircraft of JSBSim. It does not change; an [`Evaluator`](super::Evaluator) holds what does.
 #[derive(Debug, Clone)]
@@ -71,6 +71,9 @@ impl Aircraft {
     }
 
     fn read(text: &str, file: &Path, mut files: Files) -> Result<Self, JsbsimError> {
+        if text.len() as u64 > xml::MAX_BYTES {
+            return Err(JsbsimError::Unreadable(XmlError::TooLarge { file: file.into(), bytes: text.len() as u64 }));
+        }
         let source = Source::new(file.into(), text);
         let document = xml::parse(text).map_err(|source| JsbsimError::Xml { file: file.into(), source })?;
         let root = document.root_element();

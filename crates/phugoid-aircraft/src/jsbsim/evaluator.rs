@@ -178,10 +178,20 @@ impl<'a> Evaluator<'a> {
     /// ran last, s, to the time that they see (`simulation/sim-time-sec`). Of forces they see those that were computed last.
     /// Without a call of this, surfaces stay where they are set.
     pub fn step_channels(&mut self, step_s: f64) {
+        self.run_channels(step_s, true);
+        self.aircraft.fed.end_step(&self.aircraft.model, &mut self.state, step_s);
+    }
+
+    /// Runs systems, autopilots and flight control once at an initial condition, as JSBSim does (twice) before its first step: all
+    /// channels run, also those that run in one of several steps, and time stands still. `step_s` is the step to come, s.
+    pub fn start_channels(&mut self, step_s: f64) {
+        self.run_channels(step_s, false);
+    }
+
+    fn run_channels(&mut self, step_s: f64, counted: bool) {
         let aircraft = self.aircraft;
         aircraft.fed.begin_step(&aircraft.model, &mut self.state, step_s);
-        aircraft.channels.step(&aircraft.model, &mut self.state, &mut self.memories, step_s);
-        aircraft.fed.end_step(&aircraft.model, &mut self.state, step_s);
+        aircraft.channels.step(&aircraft.model, &mut self.state, &mut self.memories, step_s, counted);
     }
 
     /// Makes systems, autopilots and flight control forget what they did; properties stay as they are.

@@ -82,8 +82,9 @@ impl Channels {
         self.channels.iter().map(|channel| channel.components.len()).sum()
     }
 
-    /// Runs all channels once. `step_s` is the time between two steps.
-    pub(super) fn step(&self, model: &Model, state: &mut State, memories: &mut Memories, step_s: f64) {
+    /// Runs all channels once. `step_s` is the time between two steps. Unless it is `counted`, those that run in one of several
+    /// steps run too, and it is not one of those steps.
+    pub(super) fn step(&self, model: &Model, state: &mut State, memories: &mut Memories, step_s: f64, counted: bool) {
         state.hold(model, &self.before, true);
         for &(command, position) in &self.followed {
             let value = state.read(model, command);
@@ -94,12 +95,14 @@ impl Channels {
             if channel.execute.is_some_and(|property| state.read(model, property) == 0.0) {
                 continue;
             }
-            if *waited >= channel.rate {
-                *waited = 0;
-            }
-            *waited += 1;
-            if *waited < channel.rate {
-                continue;
+            if counted {
+                if *waited >= channel.rate {
+                    *waited = 0;
+                }
+                *waited += 1;
+                if *waited < channel.rate {
+                    continue;
+                }
             }
             for (component, memory) in channel.components.iter().zip(memories) {
                 component.run(model, state, memory, step_s * f64::from(channel.rate));

@@ -9,8 +9,11 @@ mod recorded;
 
 use std::path::{Path, PathBuf};
 
-/// Kept for a check by others: nothing here may read them.
-pub(super) const RESERVED: [&str; 6] = ["c172p", "737", "f16", "SGS", "minisgs", "Concorde"];
+/// Whether an aircraft is kept for a last check: nothing was made with it in mind. `PHUGOID_JSBSIM_RESERVED` makes that check.
+pub(super) fn is_reserved(name: &str) -> bool {
+    const RESERVED: [&str; 6] = ["c172p", "737", "f16", "SGS", "minisgs", "Concorde"];
+    RESERVED.contains(&name) && std::env::var_os("PHUGOID_JSBSIM_RESERVED").is_none()
+}
 
 /// The folder of JSBSim's Python package: that of the environment variable `PHUGOID_JSBSIM`, which has to be there, or the one
 /// that scripts/python-tools.sh made. Where there is none, says so in a line.

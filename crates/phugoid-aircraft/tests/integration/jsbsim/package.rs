@@ -2,7 +2,7 @@
 
 use phugoid_aircraft::jsbsim::Aircraft;
 
-use super::{RESERVED, package};
+use super::{is_reserved, package};
 
 #[test]
 fn most_aircraft_of_the_package_load() {
@@ -13,7 +13,7 @@ fn most_aircraft_of_the_package_load() {
     let (mut loaded, mut refused) = (0, Vec::new());
     for folder in folders.iter().filter(|folder| folder.is_dir()) {
         let name = folder.file_name().unwrap().to_string_lossy().into_owned();
-        if RESERVED.contains(&name.as_str()) {
+        if is_reserved(&name) {
             continue;
         }
         match Aircraft::open(folder) {
