@@ -10,7 +10,8 @@ use phugoid_identification::model_file::ModelFile;
 use crate::common as shared_data;
 
 fn record(text: &str) -> Record {
-    phugoid_flight_data::csv::read(text.as_bytes(), "flight.csv", &phugoid_flight_data::csv::CsvOptions::default()).unwrap()
+    phugoid_flight_data::csv::read(text.as_bytes(), "flight.csv", &phugoid_flight_data::csv::CsvOptions::default())
+        .unwrap()
 }
 
 fn run(record: &Record, model: &str) -> Estimation {
