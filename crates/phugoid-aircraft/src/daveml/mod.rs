@@ -62,8 +62,10 @@ mod program;
 mod reader;
 mod repair;
 mod scattered;
+mod shots;
 mod tables;
 mod tree;
+mod uncertainty;
 mod units;
 mod write;
 

@@ -1,17 +1,13 @@
 //! A model that was read: what it has, and where its values are.
 
 use std::collections::HashMap;
-use std::path::Path;
 use std::sync::Arc;
 
 use phugoid_flight_dynamics::scalar::Scalar;
 
-use super::checks::{self, CheckReport};
 use super::document::{Function, Header, Role, StaticShot, Variable};
 use super::error::DavemlError;
 use super::program::{Evaluator, Program};
-use super::reader;
-use crate::xml;
 
 /// A model in DAVE-ML, ready to be evaluated.
 #[derive(Clone, Debug)]
@@ -31,24 +27,6 @@ pub struct Model {
 }
 
 impl Model {
-    /// Reads a file.
-    ///
-    /// # Errors
-    /// [`DavemlError`]; the message names the file.
-    pub fn open(file: impl AsRef<Path>) -> Result<Self, DavemlError> {
-        let file = file.as_ref();
-        let text = xml::text_of(file)?;
-        Self::parse(&text).map_err(|source| DavemlError::InFile { file: file.into(), source: Box::new(source) })
-    }
-
-    /// Reads a text. Nothing else is read: a document type on the network is not fetched.
-    ///
-    /// # Errors
-    /// [`DavemlError`], with the line.
-    pub fn parse(text: &str) -> Result<Self, DavemlError> {
-        reader::read(text)
-    }
-
     pub(super) fn new(
         header: Header,
         variables: Vec<Variable>,
@@ -214,12 +192,6 @@ impl Model {
         }
         evaluator.run();
         Ok(evaluator)
-    }
-
-    /// Compares the model with its own check data. Values whose unit is of the same kind as that of the variable and
-    /// another are converted.
-    pub fn check(&self) -> CheckReport {
-        checks::check(self)
     }
 }
 

@@ -2,19 +2,21 @@
 
 use std::cell::Cell;
 use std::collections::HashMap;
+use std::path::Path;
 use std::sync::Arc;
 
 use roxmltree::Document;
 
-use super::checks;
-use super::document::{Bound, Distribution, Effect, Header, Role, Uncertainty, Variable};
+use super::document::{Bound, Distribution, Header, Role, Uncertainty, Variable};
 use super::error::{DavemlError, brief};
 use super::mathml::{Translated, Translator};
 use super::model::Model;
 use super::program::{Limits, Program, Source, Step, Table, order};
 use super::repair::repaired;
-use super::tables::{Definitions, PASSED_OVER, TableReader, description};
-use super::tree::{Element, Lines, child, elements, label, name, words};
+use super::shots;
+use super::tables::{Definitions, TableReader, description};
+use super::tree::{Element, Lines, PASSED_OVER, child, elements, label, name, words};
+use super::uncertainty::uncertainty;
 use crate::xml;
 
 /// Most variables that a circle is told with.
@@ -106,7 +108,7 @@ fn read_document<'t>(text: &str, document: &'t Document<'t>) -> Result<Model, Da
     let mut model = Model::new(header, variables, functions, index, Arc::new(program), &used);
     let mut read = Vec::new();
     for element in shots {
-        checks::read(&lines, element, &model, &mut read)?;
+        shots::read(&lines, element, &model, &mut read)?;
     }
     model.set_shots(read);
     Ok(model)
@@ -214,57 +216,6 @@ fn read_variable<'t>(
     Ok(())
 }
 
-/// An `uncertainty` element.
-pub(super) fn uncertainty(lines: &Lines, node: Element<'_>) -> Result<Uncertainty, DavemlError> {
-    lines.attribute(node, "effect")?;
-    let effects = [
-        ("additive", Effect::Additive),
-        ("multiplicative", Effect::Multiplicative),
-        ("percentage", Effect::Percentage),
-        ("absolute", Effect::Absolute),
-    ];
-    let allowed = "additive, multiplicative, percentage, absolute";
-    let effect = lines.choice(node, "effect", &effects, Effect::Additive, allowed)?;
-    let mut children = elements(node);
-    let distribution = children.next().ok_or_else(|| lines.missing(node, "normalPDF"))?;
-    if let Some(second) = children.next() {
-        return Err(lines.unknown(second));
-    }
-    let mut bounds = Vec::new();
-    let (mut correlates_with, mut correlations) = (Vec::new(), Vec::new());
-    for element in elements(distribution) {
-        match name(element) {
-            "bounds" => bounds.push(bound(lines, element)?),
-            "correlatesWith" => correlates_with.push(lines.attribute(element, "varID")?.to_owned()),
-            "correlation" => {
-                let with = lines.attribute(element, "varID")?.to_owned();
-                let text = lines.attribute(element, "corrCoef")?;
-                correlations.push((with, lines.number(element, text, "the attribute `corrCoef`")?));
-            }
-            _ => return Err(lines.unknown(element)),
-        }
-    }
-    if bounds.is_empty() {
-        return Err(lines.missing(distribution, "bounds"));
-    }
-    let distribution = match name(distribution) {
-        "normalPDF" => {
-            let text = lines.attribute(distribution, "numSigmas")?;
-            let place = "the attribute `numSigmas`";
-            let sigmas = lines.number(distribution, text, place)?;
-            if sigmas <= 0.0 {
-                let (text, place) = (text.to_owned(), format!("{place}, which has to be positive,"));
-                return Err(DavemlError::Number { text, place, line: lines.line(distribution) });
-            }
-            let bound = bounds.swap_remove(0);
-            Distribution::Normal { sigmas, bound, correlates_with, correlations }
-        }
-        "uniformPDF" => Distribution::Uniform { bounds },
-        _ => return Err(lines.unknown(distribution)),
-    };
-    Ok(Uncertainty { effect, distribution })
-}
-
 /// What an uncertainty refers to and is not there. A correlation may be with a table.
 fn unknown_reference<'u>(
     doubt: &'u Uncertainty,
@@ -286,14 +237,23 @@ fn unknown_reference<'u>(
     bounds.filter(missing).chain(correlated.into_iter().filter(|id| missing(id) && !definitions.has_table(id))).next()
 }
 
-fn bound(lines: &Lines, node: Element<'_>) -> Result<Bound, DavemlError> {
-    match elements(node).next() {
-        None => lines.content_number(node).map(Bound::Value),
-        Some(inside) => match name(inside) {
-            "dataTable" => Ok(Bound::Table(lines.numbers(inside)?.into())),
-            "variableDef" | "variableRef" => Ok(Bound::Variable(lines.attribute(inside, "varID")?.to_owned())),
-            _ => Err(lines.unknown(inside)),
-        },
+impl Model {
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// [`DavemlError`]; the message names the file.
+    pub fn open(file: impl AsRef<Path>) -> Result<Self, DavemlError> {
+        let file = file.as_ref();
+        let text = xml::text_of(file)?;
+        Self::parse(&text).map_err(|source| DavemlError::InFile { file: file.into(), source: Box::new(source) })
+    }
+
+    /// Reads a text. Nothing else is read: a document type on the network is not fetched.
+    ///
+    /// # Errors
+    /// [`DavemlError`], with the line.
+    pub fn parse(text: &str) -> Result<Self, DavemlError> {
+        read(text)
     }
 }
 

@@ -9,12 +9,9 @@ use super::document::{Bound, Function, Uncertainty};
 use super::error::{DavemlError, brief};
 use super::gridded::Gridded;
 use super::program::Table;
-use super::reader::uncertainty;
 use super::scattered::{Scattered, Surface};
-use super::tree::{Element, Lines, child, elements, label, name};
-
-/// Elements that say where data come from and change nothing.
-pub(super) const PASSED_OVER: [&str; 4] = ["description", "provenance", "provenanceRef", "confidenceBound"];
+use super::tree::{Element, Lines, PASSED_OVER, child, elements, label, name};
+use super::uncertainty::uncertainty;
 
 /// A table definition, read and not yet used by a function.
 pub(super) struct TableDefinition {

@@ -4,6 +4,9 @@ use roxmltree::Node;
 
 use super::error::{DavemlError, brief};
 
+/// Elements that say where data come from and change nothing.
+pub(super) const PASSED_OVER: [&str; 4] = ["description", "provenance", "provenanceRef", "confidenceBound"];
+
 pub(super) type Element<'t> = Node<'t, 't>;
 
 /// Lines of a text by position: asking the parser costs the length of the text each time.

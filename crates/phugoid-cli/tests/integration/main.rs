@@ -13,6 +13,7 @@ mod compare;
 mod deletion;
 mod destinations;
 mod field;
+mod init;
 mod inspect;
 mod live;
 mod logs;

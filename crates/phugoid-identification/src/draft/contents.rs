@@ -63,11 +63,21 @@ impl<'a> Contents<'a> {
         median(&mut self.values(name).collect::<Vec<_>>())
     }
 
-    /// The largest less the smallest value of a channel over its median.
+    /// Median step of the record, s.
+    pub(super) fn sample_time(&self) -> f64 {
+        self.record.sample_time_s()
+    }
+
+    /// The largest less the smallest value of a channel, SI.
+    pub(super) fn range(&self, name: &str) -> Option<f64> {
+        let ends = |(low, high): (f64, f64), v: f64| (low.min(v), high.max(v));
+        let (low, high) = self.values(name).fold((f64::INFINITY, f64::NEG_INFINITY), ends);
+        Some(high - low).filter(|range| range.is_finite())
+    }
+
+    /// The range of a channel over its median.
     pub(super) fn spread(&self, name: &str) -> Option<f64> {
-        let (low, high) =
-            self.values(name).fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
-        Some((high - low) / self.middle(name)?).filter(|spread| spread.is_finite())
+        Some(self.range(name)? / self.middle(name)?).filter(|spread| spread.is_finite())
     }
 
     /// Header of the column that became a channel.

@@ -1,0 +1,80 @@
+//! `phugoid init`: from a flight to a model file, and from there to an estimate.
+#![allow(clippy::unwrap_used)]
+
+use crate::common;
+
+use common::{Folder, phugoid};
+
+#[test]
+fn a_model_file_is_begun_from_a_flight_and_a_few_options() {
+    let folder = Folder::new("init");
+    assert_eq!(phugoid(&folder.0, &["simulate", "f16-calm", "--out", "."]).code, Some(0));
+    let run = phugoid(&folder.0, &["init", "measured.csv"]);
+    assert_eq!(run.code, Some(3));
+    assert!(run.err.contains("--class: what kind of aircraft"), "{}", run.err);
+    let run = phugoid(&folder.0, &["init", "measured.csv", "--class", "fighter"]);
+    assert_eq!(run.code, Some(3));
+    for option in ["--mass: mass in flight", "--wing-area", "--wing-span"] {
+        assert!(run.err.contains(option), "{option}: {}", run.err);
+    }
+    let answers = [
+        "init",
+        "measured.csv",
+        "--class",
+        "fighter",
+        "--mass",
+        "20500lb",
+        "--wing-area",
+        "300ft^2",
+        "--wing-span",
+        "30ft",
+        "--mean-chord",
+        "11.32ft",
+        "--iyy",
+        "55814slug*ft^2",
+    ];
+    // Printed, so that it can be looked at or sent on.
+    let run = phugoid(&folder.0, &answers);
+    assert_eq!(run.code, Some(0), "{}", run.err);
+    assert!(run.out.contains("wing_area = \"27.87091 m^2\"") && !run.err.contains("Assumed"), "{}", run.out);
+    // What nobody said goes to standard error too.
+    let run = phugoid(&folder.0, &answers[..answers.len() - 2]);
+    assert!(run.err.contains("Assumed, because nobody said it") && run.out.contains("inertia = 0.3"), "{}", run.err);
+    // Never over the flight.
+    let run = phugoid(&folder.0, &[&answers[..], &["--out", "measured.csv"]].concat());
+    assert_eq!(run.code, Some(3), "{}", run.err);
+    let run = phugoid(&folder.0, &[&answers[..], &["--out", "mine.toml"]].concat());
+    assert_eq!(run.code, Some(0), "{}", run.err);
+    assert!(run.err.contains("Next: phugoid estimate measured.csv --model mine.toml"), "{}", run.err);
+    let run = phugoid(&folder.0, &["estimate", "measured.csv", "--model", "mine.toml", "--no-report", "--json"]);
+    let estimated = run.json();
+    let parameter = |name: &str| {
+        let all = estimated["parameters"].as_array().unwrap();
+        all.iter().find(|p| p["name"] == name).unwrap_or_else(|| panic!("no {name}: {all:?}"))["value"]
+            .as_f64()
+            .unwrap()
+    };
+    // The totals of the README's table: the database's slope and the increment.
+    assert!((parameter("Cm_q") + 8.75).abs() < 1.5, "{}", parameter("Cm_q"));
+    assert!((parameter("CL_alpha") - 4.02).abs() < 0.5, "{}", parameter("CL_alpha"));
+    // A pound is no kilogram: the record says so.
+    let run = phugoid(
+        &folder.0,
+        &["init", "measured.csv", "--class", "drone", "--mass", "20500lb", "--wing-area", "3m^2", "--wing-span", "3m"],
+    );
+    assert!(run.err.contains("Does not belong together") && run.err.contains("is no usual mass"), "{}", run.err);
+}
+
+/// Whatever a person's table looks like, it is read from the file and from a pipe.
+#[test]
+fn a_table_without_names_or_times_is_told_by_options() {
+    let folder = Folder::new("nameless");
+    let rows: String = (0..60).map(|k| format!("{},{}\n", f64::from(k).sin(), k)).collect();
+    std::fs::write(folder.0.join("bare.txt"), &rows).unwrap();
+    let run = phugoid(&folder.0, &["inspect", "bare.txt"]);
+    assert!(run.code == Some(3) && run.err.contains("--columns"), "{}", run.err);
+    let run = phugoid(&folder.0, &["inspect", "bare.txt", "--columns", "alpha_deg,count"]);
+    assert!(run.code == Some(3) && run.err.contains("--sample-time"), "{}", run.err);
+    let run = phugoid(&folder.0, &["inspect", "bare.txt", "--columns", "alpha_deg,count", "--sample-time", "20ms"]);
+    assert!(run.code == Some(0) && run.out.contains("60 samples from 0.00 s to 1.18 s"), "{}{}", run.out, run.err);
+}
