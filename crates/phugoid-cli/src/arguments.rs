@@ -4,6 +4,7 @@
 #[cfg(feature = "live")]
 pub(crate) mod address;
 mod aircraft;
+mod check;
 mod compare;
 mod compatibility;
 mod delivery;
@@ -32,6 +33,7 @@ use clap::{Args, Parser, Subcommand};
 use phugoid_identification::method::Method;
 
 pub(crate) use aircraft::{AircraftName, FlightCondition, TablesName};
+pub(crate) use check::Check;
 pub(crate) use compare::Compare;
 pub(crate) use compatibility::{Compatibility, SensorGroup};
 pub(crate) use delivery::PictureFormat;
@@ -76,6 +78,7 @@ pub(crate) struct Arguments {
 pub(crate) enum Command {
     Trim(Trim),
     Linearize(Linearize),
+    Check(Check),
     Simulate(Simulate),
     Inspect(Inspect),
     Init(Init),

@@ -154,6 +154,10 @@ impl Plan {
             }
             Some(Command::Trim(a)) => plan.file("--out", a.delivery.out.as_ref()),
             Some(Command::Linearize(a)) => plan.file("--out", a.delivery.out.as_ref()),
+            Some(Command::Check(a)) => {
+                plan.inputs.extend(a.models.iter().cloned());
+                plan.file("--out", a.delivery.out.as_ref());
+            }
             Some(Command::Simulate(a)) => {
                 if a.list || a.show {
                     return plan;

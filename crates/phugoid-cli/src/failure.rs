@@ -6,6 +6,8 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use phugoid_flight_data::printable;
+use phugoid_identification::batch::BatchError;
+use phugoid_identification::error::EstimateError;
 
 use crate::commands;
 
@@ -22,8 +24,25 @@ impl From<phugoid::Error> for Failure {
         match error {
             phugoid::Error::Flight(error) => commands::simulate::failure(error),
             phugoid::Error::Study(error) => commands::study::failure(error),
+            phugoid::Error::Estimate(error) => error.into(),
             phugoid::Error::Trim(_) | phugoid::Error::Aircraft(_) | phugoid::Error::Modes(_) => Self::impossible(error),
             other => Self::input(other),
+        }
+    }
+}
+
+impl From<EstimateError> for Failure {
+    /// What the flight cannot give and what a search did not find are told apart from an input that is wrong.
+    fn from(error: EstimateError) -> Self {
+        match &error {
+            EstimateError::TooShort { .. } | EstimateError::NoExcitation { .. } | EstimateError::EmptyChannel(_) => {
+                Self::NoData(error.to_string())
+            }
+            EstimateError::Batch(BatchError::Singular { .. }) => Self::NoData(error.to_string()),
+            EstimateError::Batch(
+                BatchError::NotConverged { .. } | BatchError::Diverged { .. } | BatchError::Unstable { .. },
+            ) => Self::NotConverged(error.to_string()),
+            _ => Self::Input(error.to_string()),
         }
     }
 }
@@ -37,6 +56,10 @@ pub(crate) enum Failure {
     Input(String),
     /// A result cannot be written. Exit code 4.
     Output(String),
+    /// The flight can be read and holds nothing that could be estimated: too few samples, nothing that moves. Exit code 5.
+    NoData(String),
+    /// The search of a batch method found no minimum. Exit code 6.
+    NotConverged(String),
     /// The reader of standard output went away, as `head` does: nothing went wrong. Exit code 0.
     ReaderLeft,
 }
@@ -87,6 +110,8 @@ impl Failure {
             Self::Impossible(message) => (message, 1),
             Self::Input(message) => (message, 3),
             Self::Output(message) => (message, 4),
+            Self::NoData(message) => (message, 5),
+            Self::NotConverged(message) => (message, 6),
             Self::ReaderLeft => return ExitCode::SUCCESS,
         };
         // Nobody is left to tell when standard error is closed.

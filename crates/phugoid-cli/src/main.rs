@@ -29,6 +29,10 @@ fn main() -> ExitCode {
         None => return estimated(commands::demonstrate::run(&arguments.demonstration)),
         Some(Command::Trim(arguments)) => commands::trim::run(arguments),
         Some(Command::Linearize(arguments)) => commands::linearize::run(arguments),
+        Some(Command::Check(arguments)) => match commands::check::run(arguments) {
+            Ok(false) => return ExitCode::from(failure::REFUSED),
+            other => other.map(|_| ()),
+        },
         Some(Command::Simulate(arguments)) => commands::simulate::run(arguments),
         Some(Command::Inspect(arguments)) => commands::inspect::run(arguments),
         Some(Command::Init(arguments)) => commands::init::run(arguments),

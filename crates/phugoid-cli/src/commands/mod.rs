@@ -1,6 +1,7 @@
 //! One file per command: each reads its input, calls the library and prints the result.
 
 mod axes_form;
+pub(crate) mod check;
 pub(crate) mod compare;
 pub(crate) mod compatibility;
 mod deleting;

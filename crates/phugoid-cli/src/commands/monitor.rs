@@ -39,8 +39,7 @@ pub(crate) fn run(arguments: &arguments::Monitor) -> Result<bool, Failure> {
     let (estimation, report) = {
         let progress = Progress::new("monitoring");
         let health = HealthOptions { expected, false_alarms_per_hour };
-        monitor(&record, &model, &EstimateOptions::default(), &health, &mut |done| progress.set(done))
-            .map_err(Failure::input)?
+        monitor(&record, &model, &EstimateOptions::default(), &health, &mut |done| progress.set(done))?
     };
     let figures = match &arguments.out {
         Some(folder) => write(folder, &report, &estimation)?,

@@ -35,7 +35,7 @@ pub(crate) fn run(arguments: &arguments::Regress) -> Result<(), Failure> {
     };
     let found = {
         let _progress = Progress::spinner("selecting");
-        regress(&record, &model, &options).map_err(Failure::input)?
+        regress(&record, &model, &options)?
     };
     let delivery = &arguments.delivery;
     deliver(&found, delivery.json, delivery.out.as_deref(), || {

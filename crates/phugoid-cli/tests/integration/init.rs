@@ -78,3 +78,22 @@ fn a_table_without_names_or_times_is_told_by_options() {
     let run = phugoid(&folder.0, &["inspect", "bare.txt", "--columns", "alpha_deg,count", "--sample-time", "20ms"]);
     assert!(run.code == Some(0) && run.out.contains("60 samples from 0.00 s to 1.18 s"), "{}{}", run.out, run.err);
 }
+
+/// What the flight cannot give is told apart from what cannot be read: scripts go on with the next flight.
+#[test]
+fn a_flight_that_says_nothing_is_no_bad_input() {
+    let folder = Folder::new("says-nothing");
+    let rows: String =
+        (0..400).map(|k| format!("{},205,0.04,0.04,0,0.4,-9.8,6000,10000,-0.03\n", 0.02 * f64::from(k))).collect();
+    let header = "time_s,tas_m_s,alpha_rad,theta_rad,q_rad_s,ax_m_s2,az_m_s2,altitude_m,thrust_n,elevator_rad\n";
+    std::fs::write(folder.0.join("still.csv"), format!("{header}{rows}")).unwrap();
+    let estimate = |file: &str| phugoid(&folder.0, &["estimate", file, "--model", "f16", "--no-report"]);
+    let run = estimate("still.csv");
+    assert_eq!(run.code, Some(5), "{}{}", run.out, run.err);
+    let first: String = rows.lines().take(8).map(|line| format!("{line}\n")).collect();
+    std::fs::write(folder.0.join("short.csv"), format!("{header}{first}")).unwrap();
+    let run = estimate("short.csv");
+    assert_eq!(run.code, Some(5), "{}{}", run.out, run.err);
+    assert!(run.err.contains("at least 20 are needed"), "{}", run.err);
+    assert_eq!(estimate("nowhere.csv").code, Some(3));
+}

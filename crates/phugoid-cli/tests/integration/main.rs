@@ -9,6 +9,7 @@ mod live_program;
 mod telemetry;
 
 mod axes;
+mod check;
 mod compare;
 mod deletion;
 mod destinations;
