@@ -16,11 +16,12 @@ import multiprocessing
 import os
 import shutil
 import sys
+import tempfile
 
 RATE_HZ = 120
 STEPS = 600
 PARTS = "parts"
-TESTS = os.path.join(os.path.dirname(__file__), "../../crates/phugoid-aircraft/tests/integration/jsbsim")
+TESTS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../crates/phugoid-aircraft/tests/integration/jsbsim")
 # Kept for a last check: recorded only where they are named.
 RESERVED = {"c172p", "737", "f16", "SGS", "minisgs", "Concorde"}
 
@@ -115,8 +116,11 @@ def record(folder, name, running):
 def main():
     import jsbsim
 
-    folder = sys.argv[1]
+    folder = os.path.abspath(sys.argv[1])
     os.makedirs(folder, exist_ok=True)
+    # Some aircraft write files of their own into the current folder.
+    scratch = tempfile.TemporaryDirectory()
+    os.chdir(scratch.name)
     aircraft = os.path.join(jsbsim.get_default_root_dir(), "aircraft")
     names = sys.argv[2:] or sorted(
         name for name in os.listdir(aircraft) if os.path.isfile(os.path.join(aircraft, name, f"{name}.xml"))

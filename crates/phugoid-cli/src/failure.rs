@@ -35,10 +35,11 @@ impl From<EstimateError> for Failure {
     /// What the flight cannot give and what a search did not find are told apart from an input that is wrong.
     fn from(error: EstimateError) -> Self {
         match &error {
-            EstimateError::TooShort { .. } | EstimateError::NoExcitation { .. } | EstimateError::EmptyChannel(_) => {
-                Self::NoData(error.to_string())
-            }
-            EstimateError::Batch(BatchError::Singular { .. }) => Self::NoData(error.to_string()),
+            EstimateError::TooShort { .. }
+            | EstimateError::NoExcitation { .. }
+            | EstimateError::EmptyChannel(_)
+            | EstimateError::Noise(_)
+            | EstimateError::Batch(BatchError::Singular { .. }) => Self::NoData(error.to_string()),
             EstimateError::Batch(
                 BatchError::NotConverged { .. } | BatchError::Diverged { .. } | BatchError::Unstable { .. },
             ) => Self::NotConverged(error.to_string()),

@@ -161,7 +161,9 @@ fn titles(rows: &[&str], format: Format) -> usize {
     let filled: Vec<usize> =
         rows.iter().map(|row| format.owned_cells(row).iter().filter(|cell| !cell.trim().is_empty()).count()).collect();
     let (cells, often) = most_frequent(&filled);
-    let titles = filled.iter().take_while(|&&count| 2 * count < cells).count();
+    // A name in quotes may hold a line end: its beginning is no title.
+    let is_title = |(row, &count): (&&str, &usize)| 2 * count < cells && !format.is_open(row);
+    let titles = rows.iter().zip(&filled).take_while(|&row| is_title(row)).count();
     // The table has to be there: a header and rows of numbers below the titles.
     if titles <= MOST_TITLES && often >= 3 { titles } else { 0 }
 }
