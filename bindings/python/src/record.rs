@@ -57,18 +57,24 @@ impl Record {
 
     /// Reads a flight from a file.
     #[staticmethod]
-    #[pyo3(signature = (path, model=None, mappings=Vec::new(), max_memory=None))]
+    #[pyo3(signature = (path, model=None, mappings=Vec::new(), max_memory=None, names=Vec::new(), sample_time_s=None, variable=None))]
+    #[allow(clippy::too_many_arguments)] // one for each keyword of the Python function
     fn open(
         py: Python<'_>,
         path: PathBuf,
         model: Option<&Model>,
         mappings: Vec<(String, String, Option<String>, f64)>,
         max_memory: Option<&str>,
+        names: Vec<String>,
+        sample_time_s: Option<f64>,
+        variable: Option<String>,
     ) -> PyResult<Self> {
         let memory: Memory = max_memory.map(str::parse).transpose().map_err(raise)?.unwrap_or_default();
         let mut columns = model.map(|model| model.inner.columns()).unwrap_or_default();
         columns.extend(to_mappings(mappings));
-        let options = ReadOptions::with_columns(columns).with_max_memory(memory);
+        let mut options = ReadOptions::with_columns(columns).with_max_memory(memory);
+        (options.table.column_names, options.table.sample_time_s, options.table.variable) =
+            (names, sample_time_s, variable);
         py.detach(|| reader::read_path(&path, &options).map(Self::from).map_err(raise))
     }
 

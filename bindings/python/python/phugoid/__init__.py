@@ -84,13 +84,25 @@ class Record:
         model: Optional[Model] = None,
         columns: Optional[Columns] = None,
         max_memory: Optional[str] = None,
+        *,
+        names: Optional[Sequence[str]] = None,
+        sample_time_s: Optional[float] = None,
+        variable: Optional[str] = None,
     ) -> "Record":
         """Opens a flight of any format that the reader knows; the format is recognised from the content of the file.
 
         ``model`` (its table ``[channels]``) and ``columns`` assign headers of the file to channels by hand. Reading may
         take 200 MB of memory, or ``max_memory`` (``"500MB"``); a file that needs more is refused.
+
+        ``names`` are those of the columns, with units, in the order of the file, for a table without a header or in place of
+        it; ``sample_time_s`` counts the rows of a table without times; ``variable`` is the variable of a MATLAB file, or the
+        sheet of a workbook, that is read.
         """
-        return Record(_phugoid.Record.open(path, model, _mappings(columns), max_memory))
+        return Record(
+            _phugoid.Record.open(
+                path, model, _mappings(columns), max_memory, list(names or []), sample_time_s, variable
+            )
+        )
 
     @staticmethod
     def from_columns(

@@ -20,7 +20,13 @@ class Record:
     quality: str
     @staticmethod
     def open(
-        path: _Path, model: Optional[Model] = ..., mappings: list[_Mapping] = ..., max_memory: Optional[str] = ...
+        path: _Path,
+        model: Optional[Model] = ...,
+        mappings: list[_Mapping] = ...,
+        max_memory: Optional[str] = ...,
+        names: list[str] = ...,
+        sample_time_s: Optional[float] = ...,
+        variable: Optional[str] = ...,
     ) -> Record: ...
     @staticmethod
     def from_columns(

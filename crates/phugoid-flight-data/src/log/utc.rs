@@ -1,5 +1,7 @@
 //! Dates: GPS time to UTC, and UTC as text.
 
+use crate::calendar;
+
 /// The beginning of GPS time, 1980-01-06T00:00:00 UTC, in seconds from 1970.
 const GPS_EPOCH_S: f64 = 315_964_800.0;
 
@@ -34,15 +36,7 @@ pub fn text(unix_s: f64) -> Option<String> {
     }
     let milliseconds = (unix_s * 1e3).round() as i64;
     let (days, of_day) = (milliseconds.div_euclid(86_400_000), milliseconds.rem_euclid(86_400_000));
-    // The Gregorian calendar in years that begin in March, so that the leap day is the last of its year.
-    let days = days + 719_468;
-    let (era, of_era) = (days.div_euclid(146_097), days.rem_euclid(146_097));
-    let year_of_era = (of_era - of_era / 1460 + of_era / 36_524 - of_era / 146_096) / 365;
-    let of_year = of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
-    let month = (5 * of_year + 2) / 153;
-    let day = of_year - (153 * month + 2) / 5 + 1;
-    let month = if month < 10 { month + 3 } else { month - 9 };
-    let year = year_of_era + 400 * era + i64::from(month <= 2);
+    let (year, month, day) = calendar::date(days);
     let (hour, minute) = (of_day / 3_600_000, of_day / 60_000 % 60);
     let (second, millisecond) = (of_day / 1000 % 60, of_day % 1000);
     Some(format!("{year:04}-{month:02}-{day:02}T{hour:02}:{minute:02}:{second:02}.{millisecond:03}Z"))

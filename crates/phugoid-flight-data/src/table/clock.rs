@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use crate::calendar;
+
 /// A clock time as it is written.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Reading {
@@ -103,7 +105,7 @@ impl Clock {
     /// Days from 1970-01-01.
     fn days(&mut self, date: Date) -> Option<f64> {
         let (first, second, year) = match date {
-            Date::Known(year, month, day) => return Some(days(year, month, day)),
+            Date::Known(year, month, day) => return Some(calendar::days(year, month, day) as f64),
             Date::DayOrMonthFirst(first, second, year) => (first, second, year),
         };
         let before = self.numbers.replace((first, second, year)).filter(|before| *before != (first, second, year));
@@ -128,24 +130,11 @@ impl Clock {
 /// Days from 1970-01-01 to a date in one of the two orders; `None` where there is no such date.
 fn in_order(first: u32, second: u32, year: i64, month_first: bool) -> Option<f64> {
     let (month, day) = if month_first { (first, second) } else { (second, first) };
-    Some(days(year, in_range(month, 1..13)?, in_range(day, 1..32)?))
+    Some(calendar::days(year, in_range(month, 1..13)?, in_range(day, 1..32)?) as f64)
 }
 
 fn in_range(number: u32, range: Range<u32>) -> Option<u32> {
     range.contains(&number).then_some(number)
-}
-
-/// Days from 1970-01-01 to a day of the Gregorian calendar.
-fn days(year: i64, month: u32, day: u32) -> f64 {
-    // Counted with years that begin in March, so that a leap day is the last of its year.
-    let (year, month) = (year - i64::from(month <= 2), i64::from((month + 9) % 12));
-    let days = 365 * year + year.div_euclid(4) - year.div_euclid(100)
-        + year.div_euclid(400)
-        + (153 * month + 2) / 5
-        + i64::from(day)
-        - 1
-        - 719_468;
-    days as f64
 }
 
 /// Seconds as `2024-05-01 12:34:56.500000`, counted from 1970, or, without a date, as the time of day, counted from midnight;
@@ -160,21 +149,8 @@ pub(crate) fn written(seconds: f64, dated: bool) -> String {
     if !dated {
         return time;
     }
-    let (year, month, day) = date(days as i64);
+    let (year, month, day) = calendar::date(days as i64);
     format!("{year:04}-{month:02}-{day:02} {time}")
-}
-
-/// Year, month and day of a number of days from 1970-01-01.
-fn date(days: i64) -> (i64, i64, i64) {
-    // In years that begin in March, within eras of 400 years (146,097 days).
-    let from_march = days + 719_468;
-    let (era, of_era) = (from_march.div_euclid(146_097), from_march.rem_euclid(146_097));
-    let year = (of_era - of_era / 1460 + of_era / 36_524 - of_era / 146_096) / 365;
-    let of_year = of_era - (365 * year + year / 4 - year / 100);
-    let month = (5 * of_year + 2) / 153;
-    let day = of_year - (153 * month + 2) / 5 + 1;
-    let month = if month < 10 { month + 3 } else { month - 9 };
-    (era * 400 + year + i64::from(month <= 2), month, day)
 }
 
 fn read(text: &str) -> Option<Reading> {

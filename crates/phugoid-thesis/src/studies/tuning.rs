@@ -36,7 +36,7 @@ fn run(id: &str, progress: &(dyn Fn(f64) + Sync)) -> Result<Reproduction, StudyE
     Ok(Reproduction {
         id: id.to_owned(),
         title: ENTRIES[0].title.to_owned(),
-        place: "chapter 6, future work".to_owned(),
+        place: "section 5.2, future work".to_owned(),
         published:
             "The gains lambda, eta and K were found by trial; an automated way to tune them is the first of the open \
                     problems."
