@@ -83,9 +83,12 @@ fn ask_class() -> Result<ClassName, Failure> {
     }
 }
 
+/// Reads an answer as a number in SI units.
+type Parse = fn(&str) -> Result<f64, String>;
+
 /// Asks until the answer is a quantity with its unit.
 fn ask(question: &Question, answers: &mut Answers) -> Result<(), Failure> {
-    let (parse, slot, example): (fn(&str) -> Result<f64, String>, _, _) = match question.key {
+    let (parse, slot, example): (Parse, _, _) = match question.key {
         "mass" => (init::mass, &mut answers.mass_kg, "1034 kg"),
         "wing_area" => (init::area, &mut answers.wing_area_m2, "16.2 m^2"),
         "wing_span" => (init::length, &mut answers.wing_span_m, "10.9 m"),
