@@ -65,6 +65,44 @@ fn a_model_file_is_begun_from_a_flight_and_a_few_options() {
     assert!(run.err.contains("Does not belong together") && run.err.contains("is no usual mass"), "{}", run.err);
 }
 
+/// A lateral-directional model needs no thrust, and is not blamed for the drag that it does not know.
+#[test]
+fn a_lateral_model_is_begun_where_the_ailerons_were_moved() {
+    let folder = Folder::new("init-lateral");
+    assert_eq!(phugoid(&folder.0, &["simulate", "f16-lateral", "--out", "."]).code, Some(0));
+    let run = phugoid(
+        &folder.0,
+        &[
+            "init",
+            "measured.csv",
+            "--class",
+            "fighter",
+            "--mass",
+            "20500lb",
+            "--wing-area",
+            "300ft^2",
+            "--wing-span",
+            "30ft",
+            "--mean-chord",
+            "11.32ft",
+            "--out",
+            "mine.toml",
+        ],
+    );
+    assert_eq!(run.code, Some(0), "{}", run.err);
+    let text = std::fs::read_to_string(folder.0.join("mine.toml")).unwrap();
+    assert!(
+        text.contains("axes = [\"lateral\"]") && !run.err.contains("Does not belong together"),
+        "{text}{}",
+        run.err
+    );
+    let without_thrust: String =
+        text.lines().filter(|line| !line.starts_with("thrust")).map(|line| format!("{line}\n")).collect();
+    std::fs::write(folder.0.join("mine.toml"), without_thrust).unwrap();
+    let run = phugoid(&folder.0, &["estimate", "measured.csv", "--model", "mine.toml", "--no-report"]);
+    assert!(!run.out.contains("Check thrust") && !run.out.starts_with("REFUSED"), "{}", run.out);
+}
+
 /// Whatever a person's table looks like, it is read from the file and from a pipe.
 #[test]
 fn a_table_without_names_or_times_is_told_by_options() {

@@ -14,6 +14,8 @@ pub(super) const GRAVITY: f64 = 9.806_65;
 /// One sigma of moments of inertia that were estimated by class and size: radii of gyration of one class scatter by about 15 %
 /// (the tables of Raymer and Roskam), moments by twice that.
 const ESTIMATED_INERTIA: f64 = 0.3;
+/// Largest estimated izz over the sum of ixx and iyy: aeroplanes are nearly flat.
+const FLATTEST: f64 = 0.97;
 /// One sigma of a thrust that was taken from a typical ratio of lift to drag.
 const ESTIMATED_THRUST: f64 = 0.4;
 /// From this part of the airspeed on, its change over the record asks for terms in the airspeed.
@@ -171,7 +173,7 @@ impl<'a> Writer<'a> {
             self.put("mean_chord", &quantity(chord, "m"), "");
         }
         self.density();
-        if self.axes.has_longitudinal() {
+        if self.axes.has_longitudinal() || self.contents.has("thrust") || self.answers.thrust_n.is_some() {
             self.thrust();
         }
         if let Some(speed) = self.contents.middle("true_airspeed").filter(|_| self.varies()) {
@@ -195,7 +197,12 @@ impl<'a> Writer<'a> {
         for (axis, (name, said)) in given.into_iter().enumerate() {
             // Raymer's dimensionless radius of gyration: twice the radius over the length.
             let radius = 0.5 * typical.radii[axis] * lengths[axis];
-            let estimate = rounded(mass * radius * radius);
+            let mut estimate = mass * radius * radius;
+            if axis == 2 {
+                // No body has an izz above the sum of the others.
+                estimate = estimate.min(FLATTEST * (self.aircraft.inertia[0] + self.aircraft.inertia[1]));
+            }
+            let estimate = rounded(estimate);
             self.aircraft.inertia[axis] = said.unwrap_or(estimate);
             if name != "iyy" && !self.axes.has_lateral() {
                 continue;

@@ -58,8 +58,11 @@ impl Flown {
             let lift = |k: usize| force(k).0 * alpha[k].sin() - force(k).1 * alpha[k].cos();
             let drag = |k: usize| -(force(k).0 * alpha[k].cos() + force(k).1 * alpha[k].sin());
             flown.lift = middle(&mut (0..samples).map(lift));
-            // Without a recorded thrust or forward acceleration there is no balance along the path.
-            flown.drag = (ax.is_some() && thrust.is_some()).then(|| middle(&mut (0..samples).map(drag))).flatten();
+            // Without a thrust or a recorded forward acceleration there is no balance along the path. A lateral-directional
+            // model needs no thrust, and one that it does not state is zero here.
+            let stated = |thrust: &Vec<f64>| M::AXES.has_longitudinal() || thrust.iter().any(|t| *t > 0.0);
+            let balanced = ax.is_some() && thrust.as_ref().is_some_and(stated);
+            flown.drag = balanced.then(|| middle(&mut (0..samples).map(drag))).flatten();
         }
         flown.powered = thrust.as_ref().is_some_and(|thrust| thrust.iter().any(|t| *t > 0.0));
         let altitude = record.channel("altitude").and_then(|c| middle(&mut c.values.iter().copied()));
