@@ -101,7 +101,7 @@ fn count_from_first(time: &mut [f64], clock: Option<&Clock>, report: &mut Qualit
         return;
     }
     time.iter_mut().for_each(|t| *t -= first);
-    let first = clock.map_or_else(|| format!("{} s", Short(first)), |clock| clock.written(first));
+    let first = clock.map_or_else(|| format!("{first:.3} s"), |clock| clock.written(first));
     report.note("time", format!("counts from the first row, which is at {first}"));
     if let Some(turns) = clock.map(Clock::turns).filter(|turns| *turns > 0.0) {
         report.note("time", format!("the clock begins again {}; counted on", plural(turns as usize, "time")));
