@@ -141,17 +141,6 @@ def test_errors_have_the_texts_of_the_command_line(tmp_path, flight, model):
         phugoid.Record.open(tmp_path / "flight.csv", max_memory="5kB")
     with pytest.raises(phugoid.PhugoidError, match="no amount of memory"):
         phugoid.Record.open(tmp_path / "flight.csv", max_memory="5")
-
-
-def test_tables_without_names_or_times(tmp_path):
-    (tmp_path / "bare.txt").write_text("1 0.5\n2 0.6\n3 0.7\n")
-    record = phugoid.Record.open(tmp_path / "bare.txt", names=["alpha_deg", "q_deg_s"], sample_time_s=0.02)
-    assert list(record.time) == [0.0, 0.02, 0.04]
-    assert abs(record["alpha"][2] - np.radians(3)) < 1e-15
-    (tmp_path / "clock.csv").write_text("Uhrzeit;nz\n23:59:59,5;1\n00:00:00,0;1,1\n00:00:00,5;1\n")
-    record = phugoid.Record.open(tmp_path / "clock.csv")
-    assert list(record.time) == [0.0, 0.5, 1.0]
-    assert abs(record["az"][1] + 1.1 * 9.80665) < 1e-12
     with pytest.raises(phugoid.PhugoidError, match="shape"):
         phugoid.Record.from_columns({"time_s": np.zeros((3, 2))})
     with pytest.raises(KeyError, match="alpha"):
@@ -279,3 +268,14 @@ def test_every_object_says_what_it_is(flight, model, result):
     assert "2001 samples" in repr(flight[0]) and "needs elevator" in repr(model)
     assert "dCm_q" in repr(result) and "no estimate yet" in repr(phugoid.Session(model))
     assert Path(phugoid.__file__).with_name("py.typed").exists()
+
+
+def test_tables_without_names_or_times(tmp_path):
+    (tmp_path / "bare.txt").write_text("1 0.5\n2 0.6\n3 0.7\n")
+    record = phugoid.Record.open(tmp_path / "bare.txt", names=["alpha_deg", "q_deg_s"], sample_time_s=0.02)
+    assert list(record.time) == [0.0, 0.02, 0.04]
+    assert abs(record["alpha"][2] - np.radians(3)) < 1e-15
+    (tmp_path / "clock.csv").write_text("Uhrzeit;nz\n23:59:59,5;1\n00:00:00,0;1,1\n00:00:00,5;1\n")
+    record = phugoid.Record.open(tmp_path / "clock.csv")
+    assert list(record.time) == [0.0, 0.5, 1.0]
+    assert abs(record["az"][1] + 1.1 * 9.80665) < 1e-12
