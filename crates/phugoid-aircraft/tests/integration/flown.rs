@@ -106,11 +106,16 @@ fn linear_models_are_those_of_jsbsim() {
                 assert!((share * ours - theirs).abs() / scale < 6e-3, "{what}[{i}][{j}]: {ours} {theirs}");
                 return;
             }
+            // The same with the ailerons of the fokker100, 3.7e-4 rad from the point of a table.
+            if name == "fokker100" && what == "B" && j == 1 {
+                assert!(difference < 6e-3, "{what}[{i}][{j}]: {ours} {theirs}");
+                return;
+            }
             worst = worst.max(difference);
         };
         let row_scale = |what: &str, i: usize| {
             let row = known["linear"][what][i].as_array().unwrap();
-            row.iter().fold(0.0, |most: f64, x| most.max(x.as_f64().unwrap().abs()))
+            row.iter().fold(1e-9, |most: f64, x| most.max(x.as_f64().unwrap().abs()))
         };
         for j in 0..8 {
             let column = |k: usize| match j {
@@ -130,7 +135,7 @@ fn linear_models_are_those_of_jsbsim() {
             compare("B", i, 3, ours, row_scale("B", i));
         }
         println!("{name}: worst difference {worst:.1e} of the largest of its row");
-        assert!(worst < 1e-3, "{name}: {worst:e}");
+        assert!(worst < 5e-5, "{name}: {worst:e}");
     }
 }
 
