@@ -67,13 +67,13 @@ impl Channels {
 
     /// Properties that channels write.
     pub(super) fn outputs(&self) -> impl Iterator<Item = usize> {
-        let components = self.channels.iter().flat_map(|channel| &channel.components);
+        let mut components = self.channels.iter().flat_map(|channel| &channel.components);
         components.flat_map(|component| component.outputs.iter().copied())
     }
 
     /// Properties that channels read themselves; those that their functions read are not among them.
     pub(super) fn inputs(&self) -> impl Iterator<Item = usize> {
-        let components = self.channels.iter().flat_map(|channel| &channel.components);
+        let mut components = self.channels.iter().flat_map(|channel| &channel.components);
         let executing = self.channels.iter().filter_map(|channel| channel.execute);
         components.flat_map(Component::reads).chain(executing)
     }
@@ -84,8 +84,8 @@ impl Channels {
         let mut at = property;
         // A circle of components has no end.
         for _ in 0..16 {
-            let components = self.channels.iter().flat_map(|channel| &channel.components);
-            let writer = components.filter(|component| component.outputs.contains(&at)).last()?;
+            let mut components = self.channels.iter().flat_map(|channel| &channel.components);
+            let writer = components.rfind(|component| component.outputs.contains(&at))?;
             let input = match *writer.inputs.first()? {
                 Parameter::Property(index, sign) => (index, sign),
                 Parameter::Number(_) => return None,
