@@ -67,13 +67,13 @@ impl Channels {
 
     /// Properties that channels write.
     pub(super) fn outputs(&self) -> impl Iterator<Item = usize> {
-        let mut components = self.channels.iter().flat_map(|channel| &channel.components);
+        let components = self.channels.iter().flat_map(|channel| &channel.components);
         components.flat_map(|component| component.outputs.iter().copied())
     }
 
     /// Properties that channels read themselves; those that their functions read are not among them.
     pub(super) fn inputs(&self) -> impl Iterator<Item = usize> {
-        let mut components = self.channels.iter().flat_map(|channel| &channel.components);
+        let components = self.channels.iter().flat_map(|channel| &channel.components);
         let executing = self.channels.iter().filter_map(|channel| channel.execute);
         components.flat_map(Component::reads).chain(executing)
     }
