@@ -2,6 +2,7 @@
 
 pub mod check_case;
 pub mod daveml;
+pub mod flown;
 pub mod jsbsim;
 pub mod vehicle;
 pub mod xml;

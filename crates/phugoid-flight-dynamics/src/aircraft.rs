@@ -112,6 +112,20 @@ pub struct Coefficients<T = f64> {
     pub cn: T,
 }
 
+impl<T: Scalar> Coefficients<T> {
+    /// These with a slope times the variable that it is by.
+    pub(crate) fn with(&self, slope: &Self, variable: T) -> Self {
+        Self {
+            cx: self.cx + slope.cx * variable,
+            cy: self.cy + slope.cy * variable,
+            cz: self.cz + slope.cz * variable,
+            cl: self.cl + slope.cl * variable,
+            cm: self.cm + slope.cm * variable,
+            cn: self.cn + slope.cn * variable,
+        }
+    }
+}
+
 /// Force and moment of the propulsion system in body axes, about the centre of gravity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Propulsion<T = f64> {
@@ -179,6 +193,20 @@ pub trait Aircraft {
 
     /// Aerodynamic coefficients from air data, body rates `[p, q, r]` in rad/s and surface positions.
     fn coefficients<T: Scalar>(&self, air: &AirData<T>, rates: [T; 3], controls: &Controls<T>) -> Coefficients<T>;
+
+    /// Change of the [`coefficients`](Self::coefficients) with the rate of the angle of attack, per rad/s; `None`, as by
+    /// default, for data that do not know that rate. The coefficients themselves are then those without it.
+    ///
+    /// The equations of motion add this, times the rate that they solve for, in closed form: the coefficients are linear in
+    /// it. The rate is that of the state; how fast a gust changes is not in it.
+    fn alpha_rate_coefficients<T: Scalar>(
+        &self,
+        _air: &AirData<T>,
+        _rates: [T; 3],
+        _controls: &Controls<T>,
+    ) -> Option<Coefficients<T>> {
+        None
+    }
 
     /// Propulsion from the engine state (percent), altitude (m) and Mach number.
     fn propulsion<T: Scalar>(&self, power: T, altitude: T, mach: T) -> Propulsion<T>;

@@ -99,6 +99,18 @@ impl Aircraft for BuiltInAircraft {
     }
 
     #[inline]
+    fn alpha_rate_coefficients<T: Scalar>(
+        &self,
+        air: &AirData<T>,
+        rates: [T; 3],
+        controls: &Controls<T>,
+    ) -> Option<Coefficients<T>> {
+        match self {
+            Self::F16(aircraft) => aircraft.alpha_rate_coefficients(air, rates, controls),
+        }
+    }
+
+    #[inline]
     fn propulsion<T: Scalar>(&self, power: T, altitude: T, mach: T) -> Propulsion<T> {
         match self {
             Self::F16(aircraft) => aircraft.propulsion(power, altitude, mach),

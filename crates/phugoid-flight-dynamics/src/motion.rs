@@ -123,11 +123,21 @@ pub fn motion<T: Scalar, A: Aircraft>(
     let propulsion = aircraft.propulsion(power, altitude, air.mach);
     let force_scale = air.dynamic_pressure * geometry.wing_area;
     let acceleration_scale = force_scale * mass.inverse_mass();
-    let specific_force = [
-        coefficients.cx * acceleration_scale + propulsion.force[0] * mass.inverse_mass(),
-        coefficients.cy * acceleration_scale + propulsion.force[1] * mass.inverse_mass(),
-        coefficients.cz * acceleration_scale + propulsion.force[2] * mass.inverse_mass(),
-    ];
+    let specific_force_of = |coefficients: &Coefficients<T>| {
+        [
+            coefficients.cx * acceleration_scale + propulsion.force[0] * mass.inverse_mass(),
+            coefficients.cy * acceleration_scale + propulsion.force[1] * mass.inverse_mass(),
+            coefficients.cz * acceleration_scale + propulsion.force[2] * mass.inverse_mass(),
+        ]
+    };
+    if let Some(slope) = aircraft.alpha_rate_coefficients(&air, air_rates, controls) {
+        // alpha' = without + gain alpha': the forces are linear in the rate that they make.
+        let without = specific_force_of(&coefficients);
+        let [_, without, _] = force_equations(speed, &angles, velocity, [p, q, r], without, gravity);
+        let gain = (cos_alpha * slope.cz - sin_alpha * slope.cx) * acceleration_scale / speed / angles.cos_beta;
+        coefficients = coefficients.with(&slope, without / (T::from(1.0) - gain));
+    }
+    let specific_force = specific_force_of(&coefficients);
     let moment_scale = force_scale * geometry.span;
     let moment = [
         coefficients.cl * moment_scale + propulsion.moment[0],

@@ -18,6 +18,9 @@ pub trait Scalar:
     + Mul<f64, Output = Self>
     + Div<f64, Output = Self>
 {
+    /// Whether this is a plain number without derivatives: data whose derivatives cost more than their value leave them out.
+    const IS_REAL: bool = false;
+
     /// The value without its derivatives (for branches and table look-up).
     fn real(self) -> f64;
     /// Square root; NaN for negative numbers.
@@ -71,6 +74,8 @@ mod maths {
 }
 
 impl Scalar for f64 {
+    const IS_REAL: bool = true;
+
     #[inline]
     fn real(self) -> f64 {
         self

@@ -41,6 +41,15 @@ impl<A: Aircraft> Aircraft for ConstantThrust<'_, A> {
         self.aircraft.coefficients(air, rates, controls)
     }
 
+    fn alpha_rate_coefficients<T: Scalar>(
+        &self,
+        air: &AirData<T>,
+        rates: [T; 3],
+        controls: &Controls<T>,
+    ) -> Option<Coefficients<T>> {
+        self.aircraft.alpha_rate_coefficients(air, rates, controls)
+    }
+
     fn propulsion<T: Scalar>(&self, _power: T, _altitude: T, _mach: T) -> Propulsion<T> {
         Propulsion { force: self.propulsion.force.map(T::from), moment: self.propulsion.moment.map(T::from) }
     }

@@ -121,6 +121,24 @@ impl<A: Aircraft> Aircraft for Misjudged<'_, A> {
         }
     }
 
+    fn alpha_rate_coefficients<T: Scalar>(
+        &self,
+        air: &AirData<T>,
+        rates: [T; 3],
+        controls: &Controls<T>,
+    ) -> Option<Coefficients<T>> {
+        let c = self.aircraft.alpha_rate_coefficients(air, rates, controls)?;
+        let f = &self.factors;
+        Some(Coefficients {
+            cx: c.cx * f.CX,
+            cy: c.cy * f.CY,
+            cz: c.cz * f.CZ,
+            cl: c.cl * f.Cl,
+            cm: c.cm * f.Cm,
+            cn: c.cn * f.Cn,
+        })
+    }
+
     fn propulsion<T: Scalar>(&self, power: T, altitude: T, mach: T) -> Propulsion<T> {
         self.aircraft.propulsion(power, altitude, mach)
     }

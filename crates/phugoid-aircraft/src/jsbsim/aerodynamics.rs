@@ -190,6 +190,12 @@ impl Aerodynamics {
         Ok((axis, frame))
     }
 
+    /// The functions that it calls itself.
+    pub(super) fn functions(&self) -> impl Iterator<Item = usize> {
+        let axes = self.axes.iter().chain(&self.at_centre).flatten();
+        self.before.iter().chain(&self.after).chain(axes).chain(&self.shift).copied()
+    }
+
     /// Force and moment at the properties as they stand.
     ///
     /// `centre_in` is the centre of gravity, inches in the structural frame. Where the file asks for the square of the lift

@@ -39,7 +39,28 @@ pub struct Evaluator<'a> {
     lift_before: Option<f64>,
 }
 
+/// What an evaluator holds, without the aircraft: it can be kept beside that.
+#[derive(Debug, Clone)]
+pub(crate) struct Moment {
+    state: State,
+    memories: Memories,
+    engines_set: Vec<Option<f64>>,
+    lift_before: Option<f64>,
+}
+
 impl<'a> Evaluator<'a> {
+    /// An evaluator that goes on where one of the same aircraft was.
+    pub(crate) fn resume(aircraft: &'a Aircraft, moment: Moment) -> Self {
+        let Moment { state, memories, engines_set, lift_before } = moment;
+        Self { aircraft, state, memories, engines_set, lift_before }
+    }
+
+    /// What it holds.
+    pub(crate) fn into_moment(self) -> Moment {
+        let Self { state, memories, engines_set, lift_before, .. } = self;
+        Moment { state, memories, engines_set, lift_before }
+    }
+
     /// The properties as the files give them; what they do not give is 0, and the gear is down (`gear/gear-pos-norm` is 1).
     pub fn new(aircraft: &'a Aircraft) -> Self {
         Self {

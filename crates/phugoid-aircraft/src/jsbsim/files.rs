@@ -103,7 +103,7 @@ impl Files {
 }
 
 /// The text of a file. Where it is not UTF-8, each byte is a letter of its own (Latin-1), as in older files.
-pub(super) fn text_of(file: &Path) -> Result<String, JsbsimError> {
+pub(crate) fn text_of(file: &Path) -> Result<String, JsbsimError> {
     match xml::text_of(file) {
         Err(xml::XmlError::Unreadable { source, .. }) if source.kind() == std::io::ErrorKind::InvalidData => {
             let mut bytes = Vec::new();

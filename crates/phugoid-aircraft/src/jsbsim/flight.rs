@@ -262,7 +262,7 @@ fn geometric_m(geopotential: f64) -> f64 {
 }
 
 /// Height at which the standard atmosphere has a density, m; 0 without density.
-fn altitude_of_density_m(density: f64) -> f64 {
+pub(crate) fn altitude_of_density_m(density: f64) -> f64 {
     standard_height_m(density / SEA_DENSITY, 4.255_879_8, 0.297_075_8)
 }
 

@@ -58,6 +58,7 @@ mod mass;
 mod model;
 mod propulsion;
 mod source;
+mod surfaces;
 mod table;
 mod units;
 
@@ -68,6 +69,11 @@ pub use files::{MAX_FILES, MAX_TOTAL_BYTES};
 pub use flight::FlightCondition;
 pub use mass::{Geometry, MassProperties};
 pub use propulsion::{Engine, EngineKind};
+
+pub(crate) use evaluator::Moment;
+pub(crate) use files::text_of;
+pub(crate) use flight::altitude_of_density_m;
+pub(crate) use surfaces::Scaling;
 
 use model::Model;
 use roxmltree::Node;

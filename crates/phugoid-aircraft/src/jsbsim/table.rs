@@ -63,6 +63,17 @@ impl Table {
         }
     }
 
+    /// First and last value of a variable: 0 the row, 1 the column, 2 the page.
+    pub(super) fn ends(&self, variable: usize) -> Option<[f64; 2]> {
+        let page = self.pages.first()?;
+        let keys = match variable {
+            0 => &page.rows,
+            1 => &page.columns,
+            _ => &self.breaks,
+        };
+        Some([*keys.first()?, *keys.last()?])
+    }
+
     /// The value at a row, a column and a page; those that the table does not have are not looked at.
     pub(super) fn value(&self, at: [f64; 3]) -> f64 {
         let page = |index: usize| self.pages.get(index).map_or(f64::NAN, |page| page.value(at[0], at[1]));

@@ -11,6 +11,7 @@ mod daveml_flown;
 mod daveml_models;
 mod daveml_standard;
 mod daveml_write;
+mod flown;
 mod jsbsim;
 mod jsbsim_flown;
 mod nesc;

@@ -7,7 +7,8 @@ mod run;
 pub(super) use component::{Component, Memory};
 
 use super::model::{Model, State};
-use component::Parameter;
+use super::surfaces::Scaling;
+use component::{Kind, Parameter};
 
 /// One channel: components that run together.
 #[derive(Debug, Clone)]
@@ -75,6 +76,35 @@ impl Channels {
         let components = self.channels.iter().flat_map(|channel| &channel.components);
         let executing = self.channels.iter().filter_map(|channel| channel.execute);
         components.flat_map(Component::reads).chain(executing)
+    }
+
+    /// How the values of a property follow from those of another through a scale or a drive; looked for through lags and
+    /// actuators.
+    pub(super) fn scaling(&self, property: usize) -> Option<Scaling> {
+        let mut at = property;
+        // A circle of components has no end.
+        for _ in 0..16 {
+            let mut components = self.channels.iter().flat_map(|channel| &channel.components);
+            let writer = components.rfind(|component| component.outputs.contains(&at))?;
+            let input = match *writer.inputs.first()? {
+                Parameter::Property(index, sign) => (index, sign),
+                Parameter::Number(_) => return None,
+            };
+            match &writer.kind {
+                Kind::Scale { gain: Parameter::Number(gain), domain, range, centred } => {
+                    let range = range.map(|end| end * gain);
+                    return Some(Scaling { input, domain: *domain, range, centred: *centred });
+                }
+                Kind::Kinematic { positions, scaled, .. } => {
+                    let range = [*positions.first()?, *positions.last()?];
+                    let domain = if *scaled { [-1.0, 1.0] } else { range };
+                    return Some(Scaling { input, domain, range, centred: false });
+                }
+                Kind::Actuator { .. } | Kind::Lag { .. } => at = input.0,
+                _ => return None,
+            }
+        }
+        None
     }
 
     /// Number of components.

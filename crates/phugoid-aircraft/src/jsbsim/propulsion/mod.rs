@@ -98,6 +98,14 @@ pub(super) struct Push {
 }
 
 impl Engine {
+    /// The most of its throttle (`fcs/throttle-pos-norm`) that does not light an afterburner.
+    pub(crate) fn dry_throttle(&self) -> f64 {
+        match &self.drive {
+            Drive::Turbine(turbine) if turbine.wet.is_some() && turbine.augmentation == 1.0 => 0.99,
+            _ => 1.0,
+        }
+    }
+
     /// What it does about a centre of gravity, in inches in the structural frame. `set` is what was set from outside: a thrust, N,
     /// or the speed of a propeller, turns per minute.
     pub(super) fn push(&self, model: &Model, state: &mut State, set: Option<f64>, centre_in: [f64; 3]) -> Push {

@@ -1,0 +1,200 @@
+//! Aircraft of other programs' files as an [`Aircraft`]: what trim, linear models, scenarios and studies work on, over a flat
+//! earth.
+//!
+//! [`FlownJsbsim`] is an aircraft of JSBSim; [`AircraftFile`] opens whatever kind of file a path leads to. What the files say
+//! and the equations of motion cannot take in, and what had to be assumed, each of them tells in sentences (`notes`).
+
+mod jsbsim;
+mod surface;
+
+use std::path::{Path, PathBuf};
+
+use phugoid_flight_dynamics::actuator::Actuators;
+use phugoid_flight_dynamics::aircraft::{AirData, Aircraft, Coefficients, Controls, DataRange, Geometry, Propulsion};
+use phugoid_flight_dynamics::atmosphere::Atmosphere;
+use phugoid_flight_dynamics::mass::MassProperties;
+use phugoid_flight_dynamics::scalar::Scalar;
+
+pub use self::jsbsim::{FlownJsbsim, FlownOptions, Thrust};
+use crate::jsbsim::JsbsimError;
+use crate::xml::{self, XmlError};
+
+/// Why a file does not make an aircraft that can be flown.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum FlownError {
+    /// The files of an aircraft of JSBSim cannot be read.
+    #[error(transparent)]
+    Jsbsim(#[from] JsbsimError),
+    /// A file is no XML.
+    #[error("{}: {source}", file.display())]
+    NoXml {
+        /// The file.
+        file: PathBuf,
+        /// What is wrong with it.
+        source: XmlError,
+    },
+    /// The file is of no kind that is known.
+    #[error("{}: the file begins with <{root}>; aircraft of JSBSim begin with <fdm_config>", file.display())]
+    UnknownKind {
+        /// The file.
+        file: PathBuf,
+        /// Name of its outermost element.
+        root: String,
+    },
+    /// The aerodynamics move with something that cannot be made of the angle of a surface.
+    #[error("the aerodynamics read {property}, which cannot be made of the angle of the {surface}")]
+    Surface {
+        /// `elevator`, `aileron` or `rudder`.
+        surface: &'static str,
+        /// The property.
+        property: String,
+    },
+    /// A property that was to be set is not in the files.
+    #[error("no file mentions the property {name}")]
+    Property {
+        /// Its name.
+        name: String,
+    },
+    /// A number is out of its range.
+    #[error("{what} is {value}; it has to be {expected}")]
+    Number {
+        /// What it is.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+        /// What it has to be.
+        expected: &'static str,
+    },
+    /// Mass or inertia are not positive.
+    #[error("mass or inertia are not positive")]
+    Mass,
+}
+
+/// An aircraft of a file, whatever program it was made for.
+///
+/// ```no_run
+/// use phugoid_aircraft::flown::AircraftFile;
+/// use phugoid_flight_dynamics::trim::{TrimCondition, trim};
+///
+/// let aircraft = AircraftFile::open("jsbsim/aircraft/c182")?;
+/// for note in aircraft.notes() {
+///     eprintln!("{note}");
+/// }
+/// let level = trim(&aircraft, &TrimCondition::steady(&aircraft, 61.7, 1524.0, 0.0, 0.0))?;
+/// println!("{:.2} deg, throttle {:.2}", level.alpha_rad.to_degrees(), level.throttle);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub enum AircraftFile {
+    /// An aircraft of JSBSim.
+    Jsbsim(Box<FlownJsbsim>),
+}
+
+impl AircraftFile {
+    /// Opens a file, or of a folder `name` the file `name/name.xml`: an aircraft of JSBSim if it begins with `fdm_config`.
+    ///
+    /// # Errors
+    /// [`FlownError`]: the file cannot be read, is of no known kind, or does not make an aircraft that can be flown.
+    pub fn open(path: impl AsRef<Path>) -> Result<Self, FlownError> {
+        Self::open_with(path, &FlownOptions::default())
+    }
+
+    /// As [`open`](Self::open), with options.
+    ///
+    /// # Errors
+    /// As [`open`](Self::open), and for an option that makes no sense.
+    pub fn open_with(path: impl AsRef<Path>, options: &FlownOptions) -> Result<Self, FlownError> {
+        let path = path.as_ref();
+        // Only aircraft of JSBSim have a folder each.
+        if !path.is_dir() {
+            let root = root_of(path)?;
+            if root != "fdm_config" {
+                return Err(FlownError::UnknownKind { file: path.into(), root });
+            }
+        }
+        Ok(Self::Jsbsim(Box::new(FlownJsbsim::open_with(path, options)?)))
+    }
+
+    /// The name that the file gives the aircraft.
+    pub fn name(&self) -> &str {
+        match self {
+            Self::Jsbsim(aircraft) => aircraft.name(),
+        }
+    }
+
+    /// What is left out and what is assumed, in sentences.
+    pub fn notes(&self) -> &[String] {
+        match self {
+            Self::Jsbsim(aircraft) => aircraft.notes(),
+        }
+    }
+}
+
+/// Name of the outermost element of a file.
+fn root_of(file: &Path) -> Result<String, FlownError> {
+    let text = crate::jsbsim::text_of(file)?;
+    let document = xml::parse(&text).map_err(|source| FlownError::NoXml { file: file.into(), source })?;
+    Ok(document.root_element().tag_name().name().chars().take(60).collect())
+}
+
+/// The aircraft of whatever variant.
+macro_rules! of_file {
+    ($file:expr, $aircraft:ident => $made:expr) => {
+        match $file {
+            AircraftFile::Jsbsim($aircraft) => $made,
+        }
+    };
+}
+
+impl Aircraft for AircraftFile {
+    fn geometry(&self) -> &Geometry {
+        of_file!(self, aircraft => aircraft.geometry())
+    }
+
+    fn mass_properties(&self) -> &MassProperties {
+        of_file!(self, aircraft => aircraft.mass_properties())
+    }
+
+    fn gravity(&self) -> f64 {
+        of_file!(self, aircraft => aircraft.gravity())
+    }
+
+    fn atmosphere(&self) -> Atmosphere {
+        of_file!(self, aircraft => aircraft.atmosphere())
+    }
+
+    fn coefficients<T: Scalar>(&self, air: &AirData<T>, rates: [T; 3], controls: &Controls<T>) -> Coefficients<T> {
+        of_file!(self, aircraft => aircraft.coefficients(air, rates, controls))
+    }
+
+    fn alpha_rate_coefficients<T: Scalar>(
+        &self,
+        air: &AirData<T>,
+        rates: [T; 3],
+        controls: &Controls<T>,
+    ) -> Option<Coefficients<T>> {
+        of_file!(self, aircraft => aircraft.alpha_rate_coefficients(air, rates, controls))
+    }
+
+    fn propulsion<T: Scalar>(&self, power: T, altitude: T, mach: T) -> Propulsion<T> {
+        of_file!(self, aircraft => aircraft.propulsion(power, altitude, mach))
+    }
+
+    fn power_rate<T: Scalar>(&self, throttle: T, power: T) -> T {
+        of_file!(self, aircraft => aircraft.power_rate(throttle, power))
+    }
+
+    fn steady_power<T: Scalar>(&self, throttle: T) -> T {
+        of_file!(self, aircraft => aircraft.steady_power(throttle))
+    }
+
+    fn actuators(&self) -> &Actuators {
+        of_file!(self, aircraft => aircraft.actuators())
+    }
+
+    fn data_range(&self) -> DataRange {
+        of_file!(self, aircraft => aircraft.data_range())
+    }
+}

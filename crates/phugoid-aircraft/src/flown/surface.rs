@@ -1,0 +1,131 @@
+//! How the angle of a surface gets into the properties that the aerodynamics of JSBSim read.
+
+use phugoid_flight_dynamics::actuator::Actuator;
+
+use super::FlownError;
+use crate::jsbsim::{Aircraft, Evaluator, Scaling};
+
+/// Time constant of a surface behind its command, s: an assumption, the same for every aircraft.
+pub(super) const LAG_S: f64 = 0.05;
+/// Largest deflection where the files give none, rad.
+const UNKNOWN_LIMIT: f64 = 60.0 * DEGREE;
+const DEGREE: f64 = std::f64::consts::PI / 180.0;
+
+/// A property, and how its value follows from the angle of the surface, rad, in the sign of JSBSim.
+#[derive(Clone, Copy, Debug)]
+enum Target {
+    /// The angle times a sign.
+    Radian(usize, f64),
+    /// A scale of the angle times a sign.
+    Scaled(usize, f64, Scaling),
+}
+
+/// One surface: the properties that follow it, and its actuator.
+#[derive(Clone, Debug)]
+pub(super) struct Surface {
+    targets: Vec<Target>,
+    /// From the sign of the equations of motion to that of JSBSim.
+    sign: f64,
+    pub(super) actuator: Actuator,
+}
+
+/// Names of the properties of a surface without their unit, each with its sign against the first.
+const ELEVATOR: &[(&str, f64)] = &[("fcs/elevator-pos", 1.0)];
+const AILERON: &[(&str, f64)] =
+    &[("fcs/left-aileron-pos", 1.0), ("fcs/right-aileron-pos", -1.0), ("fcs/aileron-pos", 1.0)];
+const RUDDER: &[(&str, f64)] = &[("fcs/rudder-pos", 1.0)];
+
+/// Elevator, aileron and rudder; what is assumed of them is added to the notes.
+///
+/// JSBSim measures the aileron by the angle of the left one, positive with its trailing edge down, which rolls to the right.
+/// A rudder is positive with its trailing edge to the left, and an elevator with it down, as in the equations of motion.
+pub(super) fn surfaces(aircraft: &Aircraft, notes: &mut Vec<String>) -> Result<[Surface; 3], FlownError> {
+    Ok([
+        surface(aircraft, "elevator", ELEVATOR, 1.0, notes)?,
+        surface(aircraft, "aileron", AILERON, -1.0, notes)?,
+        surface(aircraft, "rudder", RUDDER, 1.0, notes)?,
+    ])
+}
+
+fn surface(
+    aircraft: &Aircraft,
+    name: &'static str,
+    forms: &[(&str, f64)],
+    sign: f64,
+    notes: &mut Vec<String>,
+) -> Result<Surface, FlownError> {
+    let read = aircraft.aerodynamics_read();
+    let mut targets = Vec::new();
+    let mut limits: Option<[f64; 2]> = None;
+    for &(stem, side) in forms {
+        let [radian, degree, share] = ["rad", "deg", "norm"].map(|unit| format!("{stem}-{unit}"));
+        let magnitude = radian.replacen("fcs/", "fcs/mag-", 1);
+        // The ends of the angle, if flight control gives them in radians or in degrees.
+        let ends = [(&radian, 1.0), (&degree, DEGREE)]
+            .into_iter()
+            .find_map(|(property, factor)| Some(aircraft.scaling(property)?.range.map(|end| end * factor)))
+            .filter(|[low, high]| low < high);
+        if read.iter().any(|property| [&radian, &degree, &magnitude].iter().any(|form| form == property)) {
+            if let Some(index) = aircraft.property(&radian) {
+                targets.push(Target::Radian(index, side));
+            } else if let Some(index) = aircraft.property(&degree) {
+                let range = [-1.0 / DEGREE, 1.0 / DEGREE];
+                let scaling = Scaling { input: (index, 1.0), domain: [-1.0, 1.0], range, centred: false };
+                targets.push(Target::Scaled(index, side, scaling));
+            }
+        }
+        if let Some(index) = aircraft.property(&share).filter(|_| read.contains(&share.as_str())) {
+            let own = aircraft.scaling(&share).filter(|own| aircraft.property(&radian) == Some(own.input.0));
+            let by_ends = ends.map(|domain| Scaling { input: (index, 1.0), domain, range: [-1.0, 1.0], centred: true });
+            let finite = |scaling: &Scaling| scaling.value(0.1).is_finite() && scaling.value(-0.1).is_finite();
+            let Some(scaling) = own.or(by_ends).filter(finite) else {
+                return Err(FlownError::Surface { surface: name, property: share });
+            };
+            targets.push(Target::Scaled(index, side * scaling.input.1, scaling));
+        }
+        if !targets.is_empty() && limits.is_none() {
+            limits = ends.map(|[low, high]| if side < 0.0 { [-high, -low] } else { [low, high] });
+        }
+    }
+    if targets.is_empty() {
+        if let Some(other) = read.iter().find(|property| property.starts_with("fcs/") && property.contains(name)) {
+            return Err(FlownError::Surface { surface: name, property: (*other).to_owned() });
+        }
+        notes.push(format!("The aerodynamics know no {name}: it moves nothing."));
+    }
+    let limit = limits.map_or(UNKNOWN_LIMIT, |[low, high]| low.abs().max(high.abs()));
+    match limits {
+        Some([low, high]) if (low + high).abs() > 1e-6 * limit => notes.push(format!(
+            "In JSBSim the {name} goes from {:.1} to {:.1} deg; the larger of the two is its limit to either side.",
+            low.to_degrees(),
+            high.to_degrees()
+        )),
+        Some(_) => {}
+        None => {
+            let degrees = limit.to_degrees();
+            notes.push(format!("The files do not say how far the {name} goes: {degrees:.0} deg are taken."));
+        }
+    }
+    let actuator = Actuator { limit, rate_limit: f64::INFINITY, lag: LAG_S };
+    Ok(Surface { targets, sign, actuator })
+}
+
+impl Surface {
+    /// Sets the properties for an angle in the sign of the equations of motion, rad.
+    pub(super) fn set(&self, evaluator: &mut Evaluator<'_>, angle: f64) {
+        let angle = self.sign * angle;
+        for target in &self.targets {
+            match target {
+                Target::Radian(index, side) => evaluator.set_index(*index, side * angle),
+                Target::Scaled(index, side, scaling) => evaluator.set_index(*index, scaling.value(side * angle)),
+            }
+        }
+    }
+
+    /// Whether it sets a property.
+    pub(super) fn sets(&self, index: usize) -> bool {
+        self.targets.iter().any(|target| match target {
+            Target::Radian(own, _) | Target::Scaled(own, ..) => *own == index,
+        })
+    }
+}
