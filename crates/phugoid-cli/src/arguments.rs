@@ -32,7 +32,7 @@ use std::path::{Path, PathBuf};
 use clap::{Args, Parser, Subcommand};
 use phugoid_identification::method::Method;
 
-pub(crate) use aircraft::{AircraftName, FlightCondition, TablesName};
+pub(crate) use aircraft::{AircraftChoice, FlightCondition, TablesName};
 pub(crate) use check::Check;
 pub(crate) use compare::Compare;
 pub(crate) use compatibility::{Compatibility, SensorGroup};

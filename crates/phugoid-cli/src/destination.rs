@@ -195,6 +195,7 @@ impl Plan {
                 plan.figures.clone_from(&a.figures);
                 plan.file("--history", a.history.as_ref().and_then(Option::as_ref));
                 a.export.iter().for_each(|export| plan.file("--export", Some(&export.file)));
+                plan.file("--write-model", a.write_model.as_ref());
             }
             Some(Command::Regress(a)) => {
                 plan.inputs.push(a.flight.clone());

@@ -1,6 +1,7 @@
 //! Writes an input as files: for `phugoid simulate` and for autopilots.
 
 use std::fmt::Write as _;
+use std::path::Path;
 
 use phugoid_flight_data::quality::QualityReport;
 use phugoid_flight_data::record::{Channel, Quantity, Record};
@@ -31,13 +32,20 @@ pub fn record(design: &Design) -> Record {
 }
 
 /// A scenario file that plays `csv` (a path relative to the scenario file): the text of the scenario that the input was designed
-/// for, with its manoeuvres, duration and sample rate replaced.
+/// for, with its manoeuvres, duration and sample rate replaced. The file of its aircraft, which is relative to `folder`, gets
+/// its whole path: the new scenario may lie elsewhere.
 ///
 /// # Errors
 /// [`DesignError::Unsuitable`] if the text is no TOML.
-pub fn scenario_text(scenario: &str, design: &Design, csv: &str) -> Result<String, DesignError> {
+pub fn scenario_text(scenario: &str, folder: &Path, design: &Design, csv: &str) -> Result<String, DesignError> {
     let unsuitable = |e: &dyn std::fmt::Display| DesignError::Unsuitable(e.to_string());
     let mut table: toml::Table = scenario.parse().map_err(|e: toml::de::Error| unsuitable(&e))?;
+    let file = table.get_mut("aircraft").and_then(|aircraft| aircraft.get_mut("file"));
+    if let Some(file) = file
+        && let Some(whole) = file.as_str().and_then(|path| std::fs::canonicalize(folder.join(path)).ok())
+    {
+        *file = toml::Value::String(whole.to_string_lossy().into_owned());
+    }
     let manoeuvre = |surface: Surface| {
         let keys = [("type", "csv"), ("surface", surface.name()), ("file", csv)];
         toml::Value::Table(keys.map(|(key, value)| (key.to_owned(), value.into())).into_iter().collect())

@@ -150,6 +150,12 @@ pub fn shape(kind: Kind, request: &Request, modes: &ModeFrequencies) -> Result<S
     if let Some(twice) = surfaces.iter().enumerate().find(|(k, s)| surfaces[..*k].contains(s)) {
         return unsuitable(format!("the {} is named twice", twice.1.name()));
     }
+    if let Some(dead) = surfaces.iter().find(|surface| modes.of(**surface).is_nan()) {
+        return unsuitable(format!(
+            "the aircraft has no motion that the {} excites: a model of the longitudinal axes alone knows the elevator only",
+            dead.name()
+        ));
+    }
     let active = duration_s - lead_s;
     if !(*sample_rate_hz > 0.0 && *lead_s >= 0.0 && active * sample_rate_hz >= 20.0 && duration_s.is_finite()) {
         return unsuitable(format!(

@@ -6,7 +6,7 @@ use phugoid_flight_dynamics::motion::Disturbance;
 use serde::Serialize;
 
 use super::error::DesignError;
-use phugoid_simulation::flight::{FlightError, trimmed_aircraft};
+use phugoid_simulation::flight::trimmed_aircraft;
 use phugoid_simulation::manoeuvre::Surface;
 use phugoid_simulation::scenario::Scenario;
 
@@ -15,9 +15,9 @@ use phugoid_simulation::scenario::Scenario;
 pub struct ModeFrequencies {
     /// Short period, or what stands for it where stability is relaxed: the third oscillatory mode, else the fastest root.
     pub short_period: f64,
-    /// Dutch roll, else the fastest lateral root but roll.
+    /// Dutch roll, else the fastest lateral root but roll; not a number for an aircraft without lateral motion.
     pub dutch_roll: f64,
-    /// Roll mode: the inverse of its time constant.
+    /// Roll mode: the inverse of its time constant; not a number for an aircraft without lateral motion.
     pub roll: f64,
 }
 
@@ -40,28 +40,28 @@ impl ModeFrequencies {
     /// [`DesignError`]: the aircraft has no trim in the scenario's condition, or the modes cannot be computed.
     pub fn of_scenario(scenario: &Scenario) -> Result<Self, DesignError> {
         let (aircraft, trim) = trimmed_aircraft(scenario)?;
-        let model = linearize(&aircraft, &trim.state(), &trim.controls(), &Disturbance::default());
+        let model = linearize(aircraft.as_ref(), &trim.state(), &trim.controls(), &Disturbance::default());
         let no_modes = |e: phugoid_flight_dynamics::modes::ModesError| DesignError::Unsuitable(e.to_string());
         let longitudinal = model.longitudinal().map_err(no_modes)?.modes;
         let lateral = model.lateral().map_err(no_modes)?.modes;
+        // What is slower is a root at zero.
+        const SLOWEST: f64 = 1e-9;
         let of = |modes: &[Mode], names: &[ModeName]| {
             let named = names.iter().find_map(|name| modes.iter().find(|m| m.name == *name));
-            named.or(modes.first()).map(|m| m.natural_frequency_rad_s).filter(|w| *w > 0.0)
+            named.or(modes.first()).map(|m| m.natural_frequency_rad_s).filter(|w| *w > SLOWEST).unwrap_or(f64::NAN)
         };
-        let frequencies = (
-            of(&longitudinal, &[ModeName::ShortPeriod, ModeName::ThirdOscillatory]),
-            of(&lateral, &[ModeName::DutchRoll, ModeName::YawSubsidence, ModeName::YawDivergence]),
-            of(&lateral, &[ModeName::Roll, ModeName::LateralPhugoid]),
-        );
-        match frequencies {
-            (Some(short_period), Some(dutch_roll), Some(roll)) => Ok(Self { short_period, dutch_roll, roll }),
-            _ => Err(DesignError::Flight(FlightError::Scenario(
-                phugoid_simulation::scenario::ScenarioError::OutOfRange {
-                    place: scenario.name.clone(),
-                    message: "the aircraft has no modes to excite in this condition".to_owned(),
-                },
-            ))),
+        let frequencies = Self {
+            short_period: of(&longitudinal, &[ModeName::ShortPeriod, ModeName::ThirdOscillatory]),
+            dutch_roll: of(&lateral, &[ModeName::DutchRoll, ModeName::YawSubsidence, ModeName::YawDivergence]),
+            roll: of(&lateral, &[ModeName::Roll, ModeName::LateralPhugoid]),
+        };
+        if [Surface::Elevator, Surface::Aileron, Surface::Rudder].iter().all(|s| frequencies.of(*s).is_nan()) {
+            return Err(DesignError::Unsuitable(format!(
+                "{}: the aircraft has no modes to excite in this condition",
+                scenario.name
+            )));
         }
+        Ok(frequencies)
     }
 
     /// Natural frequency of the mode that this surface moves most, rad/s.

@@ -13,6 +13,7 @@
 //! | [`inspect`], [`manoeuvres`] | what a record holds, and which derivatives could be estimated from it, without estimating |
 //! | [`compatibility`] | errors of the sensors from the kinematics of a rigid body; corrected records |
 //! | [`regress`](mod@regress) | which polynomial a coefficient of a flight asks for: orthogonal functions, stepwise regression |
+//! | [`aircraft`] | a model file, or an identified model, as an aircraft that trims and flies |
 //! | [`form`] | derivatives in body axes and stability axes, with their covariance |
 //! | [`export`] | estimates as CSV and Parquet; identified models for JSBSim and Gazebo |
 //! | [`batch`] | equation error, output error and filter error for any model, not only aircraft |
@@ -22,6 +23,7 @@
 //! | [`prepare`], [`trim`], [`noise`], [`front_end`] | steps of the preparation: signals, level trim, noise levels, smoothed states |
 //! | [`stack`] | how much stack an estimation needs |
 #![cfg_attr(not(test), deny(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
+pub mod aircraft;
 pub mod batch;
 pub mod compatibility;
 mod core;

@@ -1,6 +1,7 @@
 //! Flies a scenario: trims the aircraft, integrates its motion, and simulates the sensors.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use phugoid_flight_data::quality::QualityReport;
 use phugoid_flight_data::record::{Channel, Quantity, Record};
@@ -13,6 +14,7 @@ use phugoid_flight_dynamics::increments::{IncrementChange, IncrementSchedule, In
 use phugoid_flight_dynamics::simulate::{CommandHold, Simulation, SimulationError, Trajectory, TrajectorySample};
 use phugoid_flight_dynamics::trim::{Trim, TrimCondition, TrimError, trim};
 
+use crate::aircraft::{AircraftError, AnyAircraft};
 use crate::constant_thrust::ConstantThrust;
 use crate::manoeuvre::Surface;
 use crate::model_error::Misjudged;
@@ -68,9 +70,9 @@ pub enum FlightError {
     /// The scenario contains something that cannot be flown.
     #[error(transparent)]
     Scenario(#[from] ScenarioError),
-    /// The data of the aircraft could not be read or are not complete.
-    #[error(transparent)]
-    Aircraft(#[from] F16DataError),
+    /// The aircraft cannot be opened: no such file, or data that make no aircraft.
+    #[error("the aircraft: {0}")]
+    Aircraft(#[from] AircraftError),
     /// The aircraft has no steady state at the condition of the scenario.
     #[error("the scenario has no trim to start in: {0}")]
     Trim(#[from] TrimError),
@@ -80,6 +82,12 @@ pub enum FlightError {
     /// The simulation failed: the times make no grid, or the motion is not finite. The message says which.
     #[error("{0}")]
     Simulation(#[from] SimulationError),
+}
+
+impl From<F16DataError> for FlightError {
+    fn from(error: F16DataError) -> Self {
+        Self::Aircraft(error.into())
+    }
 }
 
 /// Integration steps per sample: the half sample keeps the truncation error of the fastest actuator mode far below any
@@ -102,13 +110,16 @@ pub fn fly(scenario: &Scenario) -> Result<Flight, FlightError> {
 /// # Errors
 /// As [`fly`].
 pub fn fly_with_progress(scenario: &Scenario, progress: &dyn Fn(f64)) -> Result<Flight, FlightError> {
-    match aircraft_of(scenario)? {
-        BuiltInAircraft::F16(aircraft) => fly_aircraft(aircraft.as_ref(), scenario, progress),
+    let aircraft = scenario.aircraft.aircraft(&scenario.folder)?;
+    match aircraft.as_ref() {
+        // Compiled for itself: nothing is asked at each evaluation.
+        AnyAircraft::BuiltIn(BuiltInAircraft::F16(aircraft)) => fly_aircraft(aircraft.as_ref(), scenario, progress),
+        aircraft => fly_aircraft(aircraft, scenario, progress),
     }
 }
 
-/// As [`fly_with_progress`], with any aircraft in place of the one that the scenario names: the entries `type`, `tables` and
-/// `cg` of its `[aircraft]` are not read.
+/// As [`fly_with_progress`], with any aircraft in place of the one that the scenario names: the entries `type`, `file` and
+/// those that belong to them are not read.
 ///
 /// ```
 /// use phugoid_flight_dynamics::f16::{F16, F16Constants, F16Options};
@@ -167,16 +178,10 @@ pub fn fly_aircraft<A: Aircraft>(
 ///
 /// # Errors
 /// [`FlightError`]: the aircraft's data, no trim in this condition.
-pub fn trimmed_aircraft(scenario: &Scenario) -> Result<(BuiltInAircraft, Trim), FlightError> {
-    let aircraft = aircraft_of(scenario)?;
-    let trim = trim_of(&aircraft, scenario)?;
+pub fn trimmed_aircraft(scenario: &Scenario) -> Result<(Arc<AnyAircraft>, Trim), FlightError> {
+    let aircraft = scenario.aircraft.aircraft(&scenario.folder)?;
+    let trim = trim_of(aircraft.as_ref(), scenario)?;
     Ok((aircraft, trim))
-}
-
-/// The aircraft that a scenario names.
-fn aircraft_of(scenario: &Scenario) -> Result<BuiltInAircraft, FlightError> {
-    let settings = &scenario.aircraft;
-    Ok(BuiltInAircraft::new(settings.kind, settings.tables, settings.cg)?)
 }
 
 /// The steady flight that a scenario starts in, of any aircraft.

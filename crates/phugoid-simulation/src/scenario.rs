@@ -71,7 +71,7 @@ pub struct Scenario {
 }
 
 impl Scenario {
-    /// Reads the scenario file at this path; paths in it start from its folder.
+    /// Reads the scenario file at this path, and the aircraft that it names; paths in it start from its folder.
     ///
     /// ```
     /// use phugoid_simulation::scenario::Scenario;
@@ -81,19 +81,24 @@ impl Scenario {
     /// ```
     ///
     /// # Errors
-    /// [`ScenarioError`]: the file cannot be read, or something in it is wrong.
+    /// [`ScenarioError`]: the file cannot be read, something in it is wrong, or its aircraft cannot be opened.
     pub fn open(path: impl AsRef<Path>) -> Result<Self, ScenarioError> {
         let file = path.as_ref();
         let text = std::fs::read_to_string(file)
             .map_err(|source| ScenarioError::Unreadable { file: file.to_owned(), source })?;
         let mut scenario = Self::parse(&text, &file.display().to_string())?;
         scenario.folder = file.parent().map(Path::to_owned).unwrap_or_default();
+        scenario.aircraft.open(&scenario.folder).map_err(|source| ScenarioError::Aircraft {
+            place: file.display().to_string(),
+            source: Box::new(source),
+        })?;
         Ok(scenario)
     }
 
     /// True values, at the end of the flight, of what a model file may ask for, by its names: the increments about the trim
     /// (`dCm_alpha`, ..., `dCn_rudder`), zero or not, the constant ones (`dCY_0`, ...), which are zero, and the sensors'
-    /// constant errors (`bias_alpha`, ...), SI.
+    /// constant errors (`bias_alpha`, ...), SI. Of an aircraft from a model file that flies as its file says, the values in
+    /// that file (`Cm_alpha`, ...) as well.
     pub fn true_parameters(&self) -> BTreeMap<String, f64> {
         self.true_parameters_at(f64::INFINITY)
     }
@@ -103,12 +108,17 @@ impl Scenario {
         let drawn = self.drawn();
         let increments = drawn.increments_at(time).named();
         let constants = ["dCL_0", "dCD_0", "dCm_0", "dCY_0", "dCl_0", "dCn_0"].map(|name| (name, 0.0));
-        increments
-            .into_iter()
-            .chain(constants)
-            .chain(drawn.sensors.biases())
-            .map(|(name, value)| (name.to_owned(), value))
-            .collect()
+        let named = increments.into_iter().chain(constants).chain(drawn.sensors.biases());
+        let of_model = self.aircraft.parameters(&self.folder).filter(|_| self.is_as_modelled()).unwrap_or_default();
+        named.map(|(name, value)| (name.to_owned(), value)).chain(of_model).collect()
+    }
+
+    /// Whether the aircraft flies as its data say: no increments, no damage, no error of the model, and nothing drawn.
+    pub fn is_as_modelled(&self) -> bool {
+        self.increments == Increments::default()
+            && self.increment_ranges == Ranges::default()
+            && self.damage.is_empty()
+            && self.model_error == ModelError::default()
     }
 
     /// The increments in force at a time (s). Where something is drawn, ask [`drawn`](Self::drawn) first.
@@ -145,10 +155,7 @@ impl Scenario {
         let samples = self.duration.si() * self.sample_rate.si();
         range(samples <= MOST_SAMPLES, "`duration` times `sample_rate` is more than two million samples: shorten one")?;
         range(samples >= 1.0, "`duration` is shorter than one sample of `sample_rate`")?;
-        range(
-            (0.0..=1.0).contains(&self.aircraft.cg),
-            "`aircraft.cg` is a fraction of the mean chord, 0 to 1 (0.30, not 30)",
-        )?;
+        self.aircraft.check()?;
         range((0.0..=1.0).contains(&self.sensors.drops), "`sensors.drops` is a probability, 0 to 1 (0.05, not 5)")?;
         for increments in std::iter::once(&self.increments).chain(self.damage.iter().map(|d| &d.increments)) {
             range(

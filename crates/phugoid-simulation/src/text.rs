@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use serde::de::DeserializeOwned;
 
+use crate::aircraft::AircraftError;
 use crate::toml_tree;
 
 /// Why a scenario could not be read or flown.
@@ -28,6 +29,14 @@ pub enum ScenarioError {
         message: String,
         /// Text of the line in which the error is.
         excerpt: String,
+    },
+    /// The aircraft that the scenario names cannot be opened.
+    #[error("{place}: the aircraft: {source}")]
+    Aircraft {
+        /// File or name of the scenario.
+        place: String,
+        /// Why it cannot be opened.
+        source: Box<AircraftError>,
     },
     /// A value is out of range.
     #[error("{place}: {message}")]

@@ -11,7 +11,7 @@ use phugoid_identification::estimate::EstimateError;
 use phugoid_identification::method::UnknownMethod;
 use phugoid_identification::model_file::{ModelError, ModelFileError};
 
-use crate::studies::{DesignError, FlightError, NamedError, ScenarioError, StudyError};
+use crate::studies::{AircraftError, DesignError, FlightError, NamedError, ScenarioError, StudyError};
 
 /// Why a function of this crate has no result.
 ///
@@ -61,9 +61,9 @@ pub enum Error {
     /// A scenario cannot be flown.
     #[error(transparent)]
     Flight(#[from] FlightError),
-    /// The data of the F-16 do not allow these options.
+    /// An aircraft cannot be opened: no such file, data that make no aircraft, or options that they do not allow.
     #[error(transparent)]
-    Aircraft(#[from] F16DataError),
+    Aircraft(#[from] AircraftError),
     /// There is no trim in this condition.
     #[error(transparent)]
     Trim(#[from] TrimError),
@@ -92,6 +92,12 @@ fn expected(nearest: Option<&str>, known: &[&str]) -> String {
     match nearest {
         Some(near) => format!("did you mean `{near}`?"),
         None => format!("there are {}", known.join(", ")),
+    }
+}
+
+impl From<F16DataError> for Error {
+    fn from(error: F16DataError) -> Self {
+        Self::Aircraft(error.into())
     }
 }
 

@@ -9,6 +9,7 @@ mod examination;
 mod simulation;
 mod studies;
 
+pub use phugoid_aircraft::flown::FlownOptions;
 pub use phugoid_flight_data::deletion::{Deleted, Deletion, DeletionError, DeletionFile, DeletionFileError};
 pub use phugoid_flight_data::memory::Memory;
 pub use phugoid_flight_data::reader::ReadError;
@@ -34,7 +35,10 @@ pub use error::Error;
 pub use estimation::{estimate, estimate_with_progress};
 pub use examination::{compatibility, inspect};
 pub use simulation::{simulate, simulate_with_progress};
-pub use studies::{Arena, DesignError, Entry, Flight, FlightError, NamedError, Scenario, ScenarioError, StudyError};
+pub use studies::{
+    AircraftError, AnyAircraft, Arena, DesignError, Entry, Flight, FlightError, NamedError, Scenario, ScenarioError,
+    StudyError,
+};
 
 /// The crates from which this one takes its items, for functions that it does not re-export. Their interfaces change
 /// more often than the interface of this crate.

@@ -4,6 +4,7 @@ pub use phugoid_design as design;
 pub use phugoid_design::DesignError;
 pub use phugoid_evaluation::accuracy::StudyError;
 pub use phugoid_evaluation::arena::{Arena, Entry};
+pub use phugoid_simulation::aircraft::{AircraftError, AnyAircraft};
 pub use phugoid_simulation::flight::{Flight, FlightError};
 pub use phugoid_simulation::manoeuvre::Surface;
 pub use phugoid_simulation::named::NamedError;

@@ -17,6 +17,7 @@ SI units and radians throughout; body axes x forward, y right, z down.
 from __future__ import annotations
 
 import json
+import os
 import warnings
 from typing import Any, Callable, Iterable, Mapping, NamedTuple, Optional, Sequence, Union
 
@@ -626,22 +627,41 @@ def simulate(scenario: str, seed: Optional[int] = None) -> tuple[Record, Record,
 
 
 def trim(
-    altitude_m: float, speed_m_s: float, *, cg: float = 0.35, flight_path_rad: float = 0.0, turn_rate_rad_s: float = 0.0
+    altitude_m: float,
+    speed_m_s: float,
+    *,
+    cg: float = 0.35,
+    flight_path_rad: float = 0.0,
+    turn_rate_rad_s: float = 0.0,
+    aircraft: str | os.PathLike[str] = "f16",
 ) -> dict[str, Any]:
-    """Controls and attitude that hold the F-16 in steady flight. Angles in rad; ``cg`` is a fraction of the mean
-    chord."""
-    document: dict[str, Any] = json.loads(_phugoid.trim(altitude_m, speed_m_s, cg, flight_path_rad, turn_rate_rad_s))
+    """Controls and attitude that hold an aircraft in steady flight. Angles in rad.
+
+    ``aircraft`` is ``"f16"``, the path of a model file, the name of a built-in model (``"hfb320"``), or the file or folder
+    of an aircraft of JSBSim. ``cg``, a fraction of the mean chord, is that of the F-16.
+    """
+    document: dict[str, Any] = json.loads(
+        _phugoid.trim(altitude_m, speed_m_s, cg, flight_path_rad, turn_rate_rad_s, os.fspath(aircraft))
+    )
     return document
 
 
 def linearize(
-    altitude_m: float, speed_m_s: float, *, cg: float = 0.35, flight_path_rad: float = 0.0, turn_rate_rad_s: float = 0.0
+    altitude_m: float,
+    speed_m_s: float,
+    *,
+    cg: float = 0.35,
+    flight_path_rad: float = 0.0,
+    turn_rate_rad_s: float = 0.0,
+    aircraft: str | os.PathLike[str] = "f16",
 ) -> dict[str, Any]:
-    """Linear model of the F-16 about a trim: ``model``, and its ``longitudinal`` and ``lateral`` parts with their modes.
+    """Linear model of an aircraft about a trim: ``model``, and its ``longitudinal`` and ``lateral`` parts with their modes.
 
     The matrices are numpy arrays; the arguments are those of :func:`trim`.
     """
-    document: dict[str, Any] = json.loads(_phugoid.linearize(altitude_m, speed_m_s, cg, flight_path_rad, turn_rate_rad_s))
+    document: dict[str, Any] = json.loads(
+        _phugoid.linearize(altitude_m, speed_m_s, cg, flight_path_rad, turn_rate_rad_s, os.fspath(aircraft))
+    )
     for part in ("model", "longitudinal", "lateral"):
         for matrix in {"A", "B", "C", "D"} & set(document[part]):
             document[part][matrix] = np.array(document[part][matrix])

@@ -1,14 +1,7 @@
 //! Options that name an aircraft and the flight condition in which it is trimmed.
 
 use clap::{Args, ValueEnum};
-use phugoid_simulation::quantity::{Angle, AngularRate, Length, Speed};
-
-/// Built-in aircraft that `trim` and `linearize` know.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum AircraftName {
-    /// F-16 of Stevens & Lewis, Aircraft Control and Simulation
-    F16,
-}
+use phugoid_simulation::quantity::{Angle, AngularRate, Force, Length, Speed};
 
 /// Digitisations of the F-16 wind-tunnel tables.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -19,18 +12,40 @@ pub(crate) enum TablesName {
     Morelli,
 }
 
+/// The aircraft, and what its file leaves open.
+#[derive(Debug, Args)]
+pub(crate) struct AircraftChoice {
+    /// Aircraft: f16 (Stevens & Lewis), a model file, the name of a built-in model (hfb320), or the file or folder of an
+    /// aircraft of JSBSim
+    #[arg(long, value_name = "NAME|FILE", default_value = "f16")]
+    pub(crate) aircraft: String,
+    /// Aerodynamic tables of the F-16 [default: book]
+    #[arg(long, value_enum)]
+    pub(crate) tables: Option<TablesName>,
+    /// Centre of gravity of the F-16, as a fraction of the mean aerodynamic chord [default: 0.35]
+    #[arg(long, value_parser = fraction, allow_negative_numbers = true)]
+    pub(crate) cg: Option<f64>,
+    /// Property of an aircraft of JSBSim, in its units, for example fcs/flap-pos-norm=0.5; may be repeated
+    #[arg(long = "property", value_name = "NAME=VALUE", value_parser = property)]
+    pub(crate) properties: Vec<(String, f64)>,
+    /// Thrust at full throttle of an aircraft of JSBSim, along body x, in place of its engines
+    #[arg(long, value_name = "FORCE")]
+    pub(crate) largest_thrust: Option<Force>,
+}
+
+fn property(text: &str) -> Result<(String, f64), String> {
+    let (name, value) = text.split_once('=').ok_or("write NAME=VALUE, as in fcs/flap-pos-norm=0.5")?;
+    match value.trim().parse::<f64>() {
+        Ok(value) if value.is_finite() && !name.trim().is_empty() => Ok((name.trim().to_owned(), value)),
+        _ => Err("write NAME=VALUE with a number, as in fcs/flap-pos-norm=0.5".to_owned()),
+    }
+}
+
 /// Aircraft and steady flight condition of `trim` and `linearize`.
 #[derive(Debug, Args)]
 pub(crate) struct FlightCondition {
-    /// Aircraft to trim
-    #[arg(long, value_enum, default_value = "f16")]
-    pub(crate) aircraft: AircraftName,
-    /// Aerodynamic tables of the aircraft
-    #[arg(long, value_enum, default_value = "book")]
-    pub(crate) tables: TablesName,
-    /// Position of the centre of gravity, as a fraction of the mean aerodynamic chord
-    #[arg(long, default_value_t = 0.35, value_parser = fraction, allow_negative_numbers = true)]
-    pub(crate) cg: f64,
+    #[command(flatten)]
+    pub(crate) aircraft: AircraftChoice,
     /// Altitude above sea level, for example 20000ft or 6096m
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
     pub(crate) altitude: Length,

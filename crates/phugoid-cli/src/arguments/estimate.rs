@@ -22,6 +22,7 @@ use super::reading::{Deleting, Reading};
   phugoid estimate flight.csv --model jet.toml --segment 2     one manoeuvre of `phugoid inspect`
   phugoid estimate flight.csv --model jet.toml --delete 'alpha@12.3s..12.8s: bird strike'
   phugoid estimate flight.csv --model jet.toml --export jsbsim=aero.xml --export csv=estimates.csv
+  phugoid estimate flight.csv --model jet.toml --write-model identified.toml
   phugoid estimate --list-models                   the model files that are built in"
 ))]
 pub(crate) struct Estimate {
@@ -112,6 +113,9 @@ pub(crate) struct Estimate {
     /// advanced lift-drag plugin that PX4's simulations use. May be repeated
     #[arg(long, value_name = "FORM=FILE", value_parser = export)]
     pub(crate) export: Vec<Export>,
+    /// Write the model file again, with the estimates as start values: an aircraft for `trim`, `simulate` and `design`
+    #[arg(long, value_name = "FILE.toml")]
+    pub(crate) write_model: Option<PathBuf>,
     /// Write the histories of all signals and parameters to this file: CSV, or Parquet if its name ends in .parquet.
     /// Without a name they become part of the JSON document
     #[arg(long, value_name = "FILE.csv", num_args = 0..=1)]

@@ -103,7 +103,8 @@ pub(crate) fn run(arguments: &arguments::Design) -> Result<(), Failure> {
     };
     let input_csv = place("input.csv");
     csv::write_path(&files::record(&chosen.design), &input_csv).map_err(|e| Failure::writing(&input_csv, e))?;
-    let playing = files::scenario_text(&text_of(&arguments.scenario)?, &chosen.design, "input.csv").map_err(failure)?;
+    let playing = files::scenario_text(&text_of(&arguments.scenario)?, &base.folder, &chosen.design, "input.csv");
+    let playing = playing.map_err(failure)?;
     let scenario_toml = write("scenario.toml", &playing)?;
     let autopilot_table = write("autopilot.csv", &files::table(&chosen.design))?;
     let ardupilot_script = write("ardupilot.lua", &files::ardupilot_lua(&chosen.design))?;

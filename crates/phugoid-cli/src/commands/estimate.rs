@@ -122,6 +122,9 @@ pub(crate) fn run(arguments: &arguments::Estimate) -> Result<EstimationStatus, F
     };
     presentation.present(&estimation)?;
     export::write(&arguments.export, &estimation, &model, arguments.json)?;
+    if let Some(file) = &arguments.write_model {
+        export::write_model(file, wanted, &estimation, &model, arguments.json)?;
+    }
     Ok(estimation.status)
 }
 

@@ -4,7 +4,7 @@ use phugoid_flight_data::output_file;
 use std::path::Path;
 
 use phugoid_identification::estimation::Estimation;
-use phugoid_identification::export::{ExportError, Exported, Identified, csv, gazebo, jsbsim};
+use phugoid_identification::export::{ExportError, Exported, Identified, csv, gazebo, jsbsim, model_file};
 use phugoid_identification::model_file::ModelFile;
 
 use super::result::{Document, paragraph};
@@ -70,6 +70,32 @@ pub(crate) fn write(
         }
     }
     if as_json || told.is_empty() { Ok(()) } else { print(&told) }
+}
+
+/// Writes the model file with the estimates as start values, and prints its name and notes unless standard output is
+/// reserved for the JSON document.
+pub(crate) fn write_model(
+    file: &Path,
+    wanted: &str,
+    estimation: &Estimation,
+    model: &ModelFile,
+    as_json: bool,
+) -> Result<(), Failure> {
+    let (_, text) = ModelFile::find_text(wanted).map_err(Failure::input)?;
+    let exported = model_file(&Identified::new(model, estimation), &text)
+        .map_err(|e| Failure::input(format!("--write-model: {e}")))?;
+    output_file::write(file, exported.text).map_err(|e| Failure::writing_of("--write-model", file, e))?;
+    if as_json {
+        return Ok(());
+    }
+    let mut told = String::new();
+    let title = format!("Written: {} (fly it with phugoid trim --aircraft {0})", file.display());
+    if exported.notes.is_empty() {
+        told.push_str(&format!("\n{title}\n"));
+    } else {
+        paragraph(&mut told, &title, exported.notes.into_iter());
+    }
+    print(&told)
 }
 
 #[cfg(feature = "parquet")]

@@ -8,16 +8,15 @@ use phugoid_flight_dynamics::modes::Mode;
 use phugoid_flight_dynamics::trim::Trim;
 use serde::Serialize;
 
-use super::trim::{aircraft, names, title, trimmed};
+use super::trim::{Described, aircraft, title, trimmed};
 use crate::arguments;
 use crate::failure::Failure;
 use crate::output::{Table, deliver, significant};
 
 #[derive(Serialize)]
 struct Document<'a> {
-    aircraft: &'a str,
-    tables: &'a str,
-    cg: f64,
+    #[serde(flatten)]
+    aircraft: &'a Described,
     trim: Trim,
     /// The whole linear model, with all states and inputs.
     #[serde(flatten)]
@@ -30,14 +29,11 @@ struct Document<'a> {
 
 pub(crate) fn run(arguments: &arguments::Linearize) -> Result<(), Failure> {
     let condition = &arguments.condition;
-    let aircraft = aircraft(condition)?;
+    let (aircraft, described) = aircraft(&condition.aircraft)?;
     let trim = trimmed(&aircraft, condition)?;
     let Linearization { model, longitudinal, lateral } = linearize(&aircraft, &trim)?;
-    let (aircraft, tables) = names(condition);
     let document = Document {
-        aircraft,
-        tables,
-        cg: condition.cg,
+        aircraft: &described,
         trim,
         model,
         modes: longitudinal.modes.iter().chain(&lateral.modes).collect(),
@@ -49,12 +45,14 @@ pub(crate) fn run(arguments: &arguments::Linearize) -> Result<(), Failure> {
 }
 
 fn text(document: &Document) -> String {
-    let mut text = title(document.aircraft, document.tables, document.cg, &document.trim);
-    for (name, part) in [("Longitudinal", document.longitudinal), ("Lateral", document.lateral)] {
+    let mut text = title(document.aircraft, &document.trim);
+    let parts = [("Longitudinal", document.longitudinal), ("Lateral", document.lateral)];
+    for (name, part) in parts.into_iter().filter(|(_, part)| !part.modes.is_empty()) {
         // Writing to a string cannot fail.
         let _ = writeln!(text, "\n{name}: x' = A x + B u, SI units and radians\n{}", matrices(part));
         text.push_str(&modes(&part.modes));
     }
+    text.push_str(&document.aircraft.notes_text());
     text
 }
 

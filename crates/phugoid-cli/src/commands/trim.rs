@@ -3,35 +3,112 @@
 use std::fmt::Write as _;
 
 use phugoid::trim;
+use phugoid_aircraft::flown::{FlownOptions, Thrust};
 use phugoid_flight_dynamics::aircraft::Aircraft;
-use phugoid_flight_dynamics::built_in::{self, BuiltInAircraft};
+use phugoid_flight_dynamics::built_in::{AircraftName, BuiltInAircraft};
 use phugoid_flight_dynamics::f16::F16Tables;
 use phugoid_flight_dynamics::trim::{Trim, TrimCondition};
+use phugoid_simulation::aircraft::{AircraftError, AnyAircraft};
 use serde::Serialize;
 
-use crate::arguments::{self, AircraftName, FlightCondition, TablesName};
+use crate::arguments::{self, AircraftChoice, FlightCondition, TablesName};
 use crate::failure::Failure;
-use crate::output::{Table, deliver, fixed, significant};
+use crate::output::{Table, deliver, fixed, significant, wrapped};
 
 #[derive(Serialize)]
 struct Document<'a> {
-    aircraft: &'a str,
-    tables: &'a str,
-    cg: f64,
+    #[serde(flatten)]
+    aircraft: &'a Described,
     #[serde(flatten)]
     trim: &'a Trim,
 }
 
-/// The aircraft that the command line names.
-pub(crate) fn aircraft(condition: &FlightCondition) -> Result<BuiltInAircraft, Failure> {
-    let name = match condition.aircraft {
-        AircraftName::F16 => built_in::AircraftName::F16,
+/// What a document says of the aircraft.
+#[derive(Serialize)]
+pub(crate) struct Described {
+    aircraft: String,
+    /// Aerodynamic tables of the F-16; not there for other aircraft.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    tables: Option<&'static str>,
+    /// Centre of gravity, fraction of the mean aerodynamic chord.
+    cg: f64,
+    /// What the file asks for and is left out, and what is assumed.
+    #[serde(skip_serializing_if = "<[_]>::is_empty")]
+    notes: Vec<String>,
+}
+
+impl Described {
+    fn of(aircraft: &AnyAircraft, choice: &AircraftChoice) -> Self {
+        let tables = matches!(aircraft, AnyAircraft::BuiltIn(_)).then(|| match choice.tables {
+            None | Some(TablesName::Book) => "book",
+            Some(TablesName::Morelli) => "morelli",
+        });
+        Self {
+            aircraft: aircraft.name().to_owned(),
+            tables,
+            cg: aircraft.geometry().cg,
+            notes: aircraft.notes().to_vec(),
+        }
+    }
+
+    /// The notes as lines of text after a result; empty without any.
+    pub(crate) fn notes_text(&self) -> String {
+        let lines = self.notes.iter().map(|note| wrapped(&format!("Note: {note}")));
+        let text: String = lines.collect();
+        if text.is_empty() { text } else { format!("\n{text}") }
+    }
+}
+
+/// Centre of gravity of the F-16 where none is asked for: that of its aerodynamic data, fraction of the mean chord.
+const REFERENCE_CG: f64 = 0.35;
+
+/// The aircraft that the command line names, and what documents say of it.
+pub(crate) fn aircraft(choice: &AircraftChoice) -> Result<(AnyAircraft, Described), Failure> {
+    let aircraft = opened(choice)?;
+    let described = Described::of(&aircraft, choice);
+    Ok((aircraft, described))
+}
+
+fn opened(choice: &AircraftChoice) -> Result<AnyAircraft, Failure> {
+    let wanted = choice.aircraft.as_str();
+    let refuse = |option: &str, of: &str| {
+        Err(Failure::input(format!(
+            "{option} has a meaning for {of} alone, and the aircraft is `{wanted}`: leave it out"
+        )))
     };
-    let tables = match condition.tables {
-        TablesName::Book => F16Tables::Book,
-        TablesName::Morelli => F16Tables::Morelli,
-    };
-    BuiltInAircraft::new(name, tables, condition.cg).map_err(Failure::impossible)
+    if wanted == AircraftName::F16.word() {
+        if !choice.properties.is_empty() {
+            return refuse("--property", "an aircraft of JSBSim");
+        }
+        if choice.largest_thrust.is_some() {
+            return refuse("--largest-thrust", "an aircraft of JSBSim");
+        }
+        let tables = match choice.tables {
+            None | Some(TablesName::Book) => F16Tables::Book,
+            Some(TablesName::Morelli) => F16Tables::Morelli,
+        };
+        let built_in = BuiltInAircraft::new(AircraftName::F16, tables, choice.cg.unwrap_or(REFERENCE_CG));
+        return Ok(AnyAircraft::BuiltIn(built_in.map_err(Failure::impossible)?));
+    }
+    if choice.tables.is_some() {
+        return refuse("--tables", "the F-16");
+    }
+    if choice.cg.is_some() {
+        return refuse("--cg", "the F-16");
+    }
+    let thrust = choice.largest_thrust.map_or(Thrust::Engines, |force| Thrust::AlongBodyX { largest_n: force.si() });
+    let options = FlownOptions { thrust, properties: choice.properties.clone(), ..FlownOptions::default() };
+    AnyAircraft::open(wanted, &options).map_err(|error| not_opened(wanted, &error))
+}
+
+fn not_opened(wanted: &str, error: &AircraftError) -> Failure {
+    if std::path::Path::new(wanted).exists() {
+        return Failure::input(error);
+    }
+    Failure::input(format!(
+        "{error}\n`{wanted}` is neither f16, nor a built-in model, nor a file or a folder: --aircraft takes a model file \
+         (.toml), or an aircraft of JSBSim (its folder, or the XML file in it)"
+    ))
 }
 
 /// The trim of the aircraft in the given condition.
@@ -41,23 +118,11 @@ pub(crate) fn trimmed<A: Aircraft>(aircraft: &A, condition: &FlightCondition) ->
     Ok(trim(aircraft, &TrimCondition::steady(aircraft, speed, altitude, path, turn))?)
 }
 
-/// Names of the aircraft and its tables, as JSON documents contain them.
-pub(crate) fn names(condition: &FlightCondition) -> (&'static str, &'static str) {
-    let aircraft = match condition.aircraft {
-        AircraftName::F16 => "f16",
-    };
-    let tables = match condition.tables {
-        TablesName::Book => "book",
-        TablesName::Morelli => "morelli",
-    };
-    (aircraft, tables)
-}
-
 pub(crate) fn run(arguments: &arguments::Trim) -> Result<(), Failure> {
     let condition = &arguments.condition;
-    let trim = trimmed(&aircraft(condition)?, condition)?;
-    let (aircraft, tables) = names(condition);
-    let document = Document { aircraft, tables, cg: condition.cg, trim: &trim };
+    let (aircraft, described) = aircraft(&condition.aircraft)?;
+    let trim = trimmed(&aircraft, condition)?;
+    let document = Document { aircraft: &described, trim: &trim };
     let delivery = &arguments.delivery;
     deliver(&document, delivery.json, delivery.out.as_deref(), || text(&document))
 }
@@ -86,16 +151,19 @@ fn text(document: &Document) -> String {
     row("dynamic pressure", format!("{:.2}", trim.dynamic_pressure_pa), "Pa");
     row("Mach number", format!("{:.5}", trim.mach), "-");
     row("trim index", format!("{:.2e}", trim.trim_index), "-");
-    let mut text = title(document.aircraft, document.tables, document.cg, trim);
+    let mut text = title(document.aircraft, trim);
     // Writing to a string cannot fail.
-    let _ = write!(text, "\n{}", table.render());
+    let _ = write!(text, "\n{}{}", table.render(), document.aircraft.notes_text());
     text
 }
 
 /// The first line of the text about a trim.
-pub(crate) fn title(aircraft: &str, tables: &str, cg: f64, trim: &Trim) -> String {
+pub(crate) fn title(aircraft: &Described, trim: &Trim) -> String {
+    let tables = aircraft.tables.map_or_else(String::new, |tables| format!(" ({tables} tables)"));
     let mut text = format!(
-        "{aircraft} ({tables} tables), cg at {cg} of the mean chord: {} m/s at {} m",
+        "{}{tables}, cg at {} of the mean chord: {} m/s at {} m",
+        aircraft.aircraft,
+        (aircraft.cg * 1e4).round() / 1e4,
         significant(trim.speed_m_s, 5),
         significant(trim.altitude_m, 5)
     );

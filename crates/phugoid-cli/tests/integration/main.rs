@@ -8,6 +8,7 @@ mod live_program;
 #[path = "../../../../tests/telemetry.rs"]
 mod telemetry;
 
+mod aircraft;
 mod axes;
 mod check;
 mod compare;

@@ -2,6 +2,8 @@
 //! predicted.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests")]
 
+use std::path::Path;
+
 use phugoid_design::fit::{Fitted, Limits, fitted};
 use phugoid_design::modes::ModeFrequencies;
 use phugoid_design::predict::predict;
@@ -95,7 +97,7 @@ fn what_was_designed_is_what_the_scenario_flies() {
     csv::write_path(&files::record(&fitted.design), &folder.join("input.csv")).unwrap();
     let (_, text) = BUILT_IN.iter().find(|(name, _)| *name == "f16-calm").unwrap();
     let file = folder.join("scenario.toml");
-    std::fs::write(&file, files::scenario_text(text, &fitted.design, "input.csv").unwrap()).unwrap();
+    std::fs::write(&file, files::scenario_text(text, Path::new(""), &fitted.design, "input.csv").unwrap()).unwrap();
     let flight = fly(&Scenario::open(&file).unwrap()).unwrap();
     std::fs::remove_dir_all(&folder).unwrap();
     for input in &fitted.design.inputs {

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use phugoid_flight_data::statistics::median;
 
 use crate::core::estimation::Estimation;
+use crate::core::soundness::EstimationStatus;
 use crate::core::term::{Coefficient, Term};
 use crate::model_file::{Base, ModelFile, Parameter, ReferenceValue, Role};
 
@@ -29,6 +30,9 @@ pub struct Identified<'a> {
     pub model: &'a ModelFile,
     /// Values by parameter name, per radian; a parameter that is missing here has its start value.
     pub values: BTreeMap<String, f64>,
+    /// Standard errors by parameter name, per radian, random and systematic part together; one that is missing here was not
+    /// estimated.
+    pub std_errors: BTreeMap<String, f64>,
     /// Angle of attack at which the terms' `alpha` is zero, rad.
     pub alpha_reference: f64,
     /// Angle of attack in the middle of the flight, rad: terms that the other format cannot express are approximated
@@ -67,10 +71,22 @@ impl<'a> Identified<'a> {
         Self {
             model,
             values: estimation.parameters.iter().map(|p| (p.name.clone(), p.value)).collect(),
+            std_errors: estimation.parameters.iter().map(|p| (p.name.clone(), 0.25 * (p.upper - p.lower))).collect(),
             alpha_reference: estimation.alpha_reference,
             alpha_typical: middle("alpha").unwrap_or(estimation.alpha_reference),
             elevator_typical: middle("elevator").unwrap_or_else(|| given(model.reference.elevator)),
-            origin: format!("{}, model {}, estimator {}", estimation.source, estimation.model, estimation.method),
+            origin: format!(
+                "{}, model {}, estimator {}{}",
+                estimation.source,
+                estimation.model,
+                estimation.method,
+                match estimation.status {
+                    EstimationStatus::Sound => "",
+                    EstimationStatus::Provisional => ", PROVISIONAL: the flight does not settle these numbers",
+                    EstimationStatus::Doubtful => ", DOUBTFUL: read the verdict before these numbers are used",
+                    EstimationStatus::Refused => ", REFUSED: neither these numbers nor their bounds may be used",
+                }
+            ),
         }
     }
 
@@ -80,6 +96,7 @@ impl<'a> Identified<'a> {
         Self {
             model,
             values: BTreeMap::new(),
+            std_errors: BTreeMap::new(),
             alpha_reference: alpha,
             alpha_typical: alpha,
             elevator_typical: given(model.reference.elevator),

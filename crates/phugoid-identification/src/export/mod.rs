@@ -4,6 +4,7 @@
 //! |---|---|---|
 //! | table of the estimates, CSV | [`csv()`] | everything |
 //! | the same as Parquet (feature `parquet`) | `parquet` | everything |
+//! | the model file with its values, to fly and to start from | [`model_file()`] | everything |
 //! | `<aerodynamics>` section of JSBSim | [`jsbsim()`] | every term of a model in absolute form |
 //! | parameters of Gazebo's advanced lift-drag plugin, as PX4 simulates with | [`gazebo()`] | terms of first order; the rest is said |
 //!
@@ -14,6 +15,7 @@ mod estimates;
 mod gazebo;
 mod identified;
 mod jsbsim;
+mod model_file;
 
 pub use estimates::csv;
 #[cfg(feature = "parquet")]
@@ -21,3 +23,4 @@ pub use estimates::parquet;
 pub use gazebo::gazebo;
 pub use identified::{ExportError, Exported, Identified};
 pub use jsbsim::jsbsim;
+pub use model_file::model_file;

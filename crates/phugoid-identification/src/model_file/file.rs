@@ -7,6 +7,7 @@ use phugoid_flight_data::table::ColumnMapping;
 use super::aircraft::{AirDensity, AircraftData, Base, RateSpeed, Reference, Source, Thrust};
 use super::parameter::{Expectation, Parameter, Role};
 use super::settings::{EstimatorTuning, InputHold, ProcessNoise};
+use super::simulation::SimulationData;
 use super::uncertainty::Uncertainty;
 use crate::core::axes::Axes;
 use crate::core::output::{CHANNELS, Output};
@@ -49,6 +50,8 @@ pub struct ModelFile {
     pub process_noise: ProcessNoise,
     /// Settings of the estimator beside the automatic rule.
     pub estimator: EstimatorTuning,
+    /// What a simulation of the aircraft needs beside what an estimation needs.
+    pub simulation: SimulationData,
     /// How the input runs between samples.
     pub input: InputHold,
     /// True if a change of the parameters in flight is looked for.

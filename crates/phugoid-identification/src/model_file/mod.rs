@@ -11,6 +11,7 @@ mod parameter;
 mod parse;
 mod section;
 mod settings;
+mod simulation;
 mod uncertainty;
 
 pub use aircraft::{AirDensity, AircraftData, Base, RateSpeed, Reference, ReferenceValue, Source, Thrust};
@@ -20,4 +21,5 @@ pub use named::ModelError;
 pub use parameter::{Expectation, Parameter, Role};
 pub(crate) use parse::LIGHT_TURBULENCE;
 pub use settings::{EstimatorTuning, InputHold, ProcessNoise};
+pub use simulation::SimulationData;
 pub use uncertainty::{Propagation, Uncertainty};

@@ -23,6 +23,7 @@ use super::file::ModelFile;
 use super::parameter::Role;
 use super::section::{Section, Source as Text};
 use super::settings::{EstimatorTuning, InputHold};
+use super::simulation::simulation;
 use super::uncertainty::Uncertainty;
 use crate::core::axes::Axes;
 use crate::core::method::Method;
@@ -31,7 +32,7 @@ use crate::core::term::{EXTRA_INPUTS, Variable};
 /// The name that `change_detection` had until version 0.1.
 const FORMER_CHANGE_DETECTION: &str = "re_reaching";
 
-const TOP_KEYS: [&str; 19] = [
+const TOP_KEYS: [&str; 20] = [
     "name",
     "axes",
     "base",
@@ -51,6 +52,7 @@ const TOP_KEYS: [&str; 19] = [
     "expected",
     "estimator",
     "uncertainty",
+    "simulation",
 ];
 const ESTIMATOR_KEYS: [&str; 7] = [
     "method",
@@ -132,6 +134,7 @@ fn parse(file: &str, text: &str) -> Result<ModelFile, ModelFileError> {
         reference: reference(&top, base)?,
         process_noise: process_noise(&top, axes)?,
         estimator: estimator(&top)?,
+        simulation: simulation(&top)?,
         input,
         change_detection,
         notes,

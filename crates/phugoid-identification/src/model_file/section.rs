@@ -213,6 +213,11 @@ impl<'a> Section<'a> {
 
     /// A list of exactly two numbers.
     pub(super) fn pair(&self, key: &str) -> Result<Option<[f64; 2]>, ModelFileError> {
+        self.pair_of(key, Dimension::NUMBER)
+    }
+
+    /// A list of exactly two quantities, the lower one first.
+    pub(super) fn pair_of(&self, key: &str, dimension: Dimension) -> Result<Option<[f64; 2]>, ModelFileError> {
         let Some(value) = self.get(key) else { return Ok(None) };
         let items = value.get_ref().as_array().filter(|a| a.len() == 2);
         let Some(items) = items else {
@@ -220,7 +225,7 @@ impl<'a> Section<'a> {
         };
         let mut pair = [0.0; 2];
         for (slot, item) in pair.iter_mut().zip(items.iter()) {
-            *slot = self.quantity(key, item, Dimension::NUMBER)?;
+            *slot = self.quantity(key, item, dimension)?;
         }
         if pair[0] >= pair[1] {
             return Err(

@@ -249,7 +249,8 @@ fn known(
 ) -> Result<(Vec<KnownInput>, Option<LevelTrim>), EstimateError> {
     let density = recorded(record, &Origin::of_density(file))?;
     let mass = recorded(record, &Origin::of_mass(file))?;
-    let trim = trim_of(file, database, [&density, &mass])?;
+    let first = |values: &[f64]| values.iter().copied().find(|v| v.is_finite()).unwrap_or(f64::NAN);
+    let trim = reference_trim(file, database, first(&density), first(&mass))?;
     Ok((known_inputs(file, trim.map(|trim| trim.thrust))?, trim))
 }
 
@@ -297,10 +298,13 @@ fn missing(record: &Record, name: &str, others: &[&str]) -> EstimateError {
     }
 }
 
-fn trim_of(
+/// The level trim of the database at the reference speed and altitude of the file, where the file asks for it. The density
+/// (kg/m^3) counts where no altitude gives it; mass in kg.
+pub(crate) fn reference_trim(
     file: &ModelFile,
     database: &Database,
-    [density, mass]: [&[f64]; 2],
+    density: f64,
+    mass: f64,
 ) -> Result<Option<LevelTrim>, EstimateError> {
     let Reference { alpha, elevator, altitude, .. } = file.reference;
     let wanted = file.aircraft.thrust == Thrust::Trim || [alpha, elevator].contains(&ReferenceValue::Trim);
@@ -311,12 +315,12 @@ fn trim_of(
     let density = match (&aircraft.air_density, altitude) {
         (AirDensity::BookAtmosphere, Some(h)) => Atmosphere::Book.at(h).density,
         (AirDensity::StandardAtmosphere, Some(h)) => Atmosphere::Standard.at(h).density,
-        _ => density.iter().copied().find(|v| v.is_finite()).unwrap_or(f64::NAN),
+        _ => density,
     };
     let condition = TrimCondition {
         speed: aircraft.reference_speed.unwrap_or(f64::NAN),
         density,
-        mass: mass.iter().copied().find(|v| v.is_finite()).unwrap_or(f64::NAN),
+        mass,
         gravity: aircraft.gravity,
         wing_area: aircraft.wing_area,
         mean_chord: aircraft.mean_chord,

@@ -1,34 +1,130 @@
 //! The aircraft of a scenario and where its flight starts.
 
-use phugoid_flight_dynamics::built_in::AircraftName;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use phugoid_aircraft::flown::{FlownOptions, Thrust as FlownThrust};
+use phugoid_flight_dynamics::built_in::{AircraftName, BuiltInAircraft};
 use phugoid_flight_dynamics::f16::F16Tables;
 use serde::Deserialize;
 
-use crate::quantity::{Angle, AngularRate, Length, Speed};
+use crate::aircraft::{AircraftError, AnyAircraft};
+use crate::quantity::{Angle, AngularRate, Force, Length, Speed};
 
 /// The aircraft of a scenario.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct AircraftSettings {
-    /// The built-in aircraft that flies, for instance the F-16.
-    #[serde(rename = "type")]
-    pub kind: AircraftName,
+    /// The built-in aircraft that flies, for instance the F-16; none where it comes from a `file`.
+    #[serde(rename = "type", default)]
+    pub kind: Option<AircraftName>,
+    /// The file, or the folder, of the aircraft that flies, relative to the scenario file: an aircraft of JSBSim or a model
+    /// file. The name of a built-in model (`hfb320`) where there is no such file.
+    #[serde(default)]
+    pub file: Option<PathBuf>,
+    /// Properties of an aircraft of JSBSim by name, in its units, set once: contents of tanks, flaps, gear.
+    #[serde(default)]
+    pub properties: BTreeMap<String, f64>,
+    /// Thrust at full throttle of an aircraft of JSBSim, along body x, in place of its engines.
+    #[serde(default)]
+    pub largest_thrust: Option<Force>,
     /// The set of aerodynamic tables that is used for the F-16: `book` or `morelli`.
     #[serde(default)]
-    pub tables: F16Tables,
-    /// Centre of gravity, fraction of the mean aerodynamic chord.
-    #[serde(default = "reference_cg")]
-    pub cg: f64,
+    pub tables: Option<F16Tables>,
+    /// Centre of gravity of the F-16, fraction of the mean aerodynamic chord; 0.35 where it is not given.
+    #[serde(default)]
+    pub cg: Option<f64>,
     /// Whether surfaces follow their commands through actuators (lag, rate and position limits) or at once.
     #[serde(default)]
     pub actuators: bool,
     /// Whether thrust stays as trimmed, or comes from the engine at fixed throttle.
     #[serde(default)]
     pub thrust: Thrust,
+    /// The aircraft once it was opened.
+    #[serde(skip)]
+    opened: Opened,
 }
 
-fn reference_cg() -> f64 {
-    0.35
+/// The aircraft of a scenario once it was opened. It follows from the settings, so that any two are equal.
+#[derive(Clone, Debug, Default)]
+struct Opened(Option<Arc<AnyAircraft>>);
+
+impl PartialEq for Opened {
+    fn eq(&self, _other: &Self) -> bool {
+        true
+    }
+}
+
+/// Centre of gravity of the F-16 where none is given: that of its aerodynamic data, fraction of the mean chord.
+const REFERENCE_CG: f64 = 0.35;
+
+impl AircraftSettings {
+    /// The aircraft, opened if it was not yet; relative paths start in `folder`.
+    ///
+    /// # Errors
+    /// [`AircraftError`]: no such file, a file that cannot be read, or one that makes no aircraft.
+    pub fn aircraft(&self, folder: &Path) -> Result<Arc<AnyAircraft>, AircraftError> {
+        match &self.opened.0 {
+            Some(aircraft) => Ok(Arc::clone(aircraft)),
+            None => Ok(Arc::new(self.read(folder)?)),
+        }
+    }
+
+    /// Opens the aircraft once for all flights of this scenario and its copies.
+    ///
+    /// # Errors
+    /// As [`aircraft`](Self::aircraft).
+    pub fn open(&mut self, folder: &Path) -> Result<(), AircraftError> {
+        self.opened = Opened(None);
+        self.opened = Opened(Some(self.aircraft(folder)?));
+        Ok(())
+    }
+
+    /// The parameters of a model file with their values; none for other aircraft, and for one that cannot be opened.
+    pub(super) fn parameters(&self, folder: &Path) -> Option<BTreeMap<String, f64>> {
+        self.file.as_ref()?;
+        Some(self.aircraft(folder).ok()?.parameters().clone())
+    }
+
+    fn read(&self, folder: &Path) -> Result<AnyAircraft, AircraftError> {
+        let Some(file) = &self.file else {
+            let name = self.kind.unwrap_or(AircraftName::F16);
+            let (tables, cg) = (self.tables.unwrap_or_default(), self.cg.unwrap_or(REFERENCE_CG));
+            return Ok(AnyAircraft::BuiltIn(BuiltInAircraft::new(name, tables, cg)?));
+        };
+        let thrust =
+            self.largest_thrust.map_or(FlownThrust::Engines, |force| FlownThrust::AlongBodyX { largest_n: force.si() });
+        let properties = self.properties.iter().map(|(name, value)| (name.clone(), *value)).collect();
+        let options = FlownOptions { thrust, properties, ..FlownOptions::default() };
+        let beside = folder.join(file);
+        // A name of a built-in model stands in no folder.
+        let found = if beside.exists() || file.components().count() > 1 { &beside } else { file };
+        AnyAircraft::open(found, &options)
+    }
+
+    pub(super) fn check(&self) -> Result<(), String> {
+        match (&self.kind, &self.file) {
+            (Some(_), None) | (None, Some(_)) => {}
+            (None, None) => {
+                return Err("`aircraft` needs `type = \"f16\"`, or `file` with the path of an aircraft".to_owned());
+            }
+            (Some(_), Some(_)) => return Err("`aircraft` has both `type` and `file`: give one of the two".to_owned()),
+        }
+        let f16_only = [("tables", self.tables.is_some()), ("cg", self.cg.is_some())];
+        let file_only =
+            [("properties", !self.properties.is_empty()), ("largest_thrust", self.largest_thrust.is_some())];
+        let (foreign, of) = if self.file.is_some() { (f16_only, "type = \"f16\"") } else { (file_only, "file") };
+        if let Some((key, _)) = foreign.into_iter().find(|(_, given)| *given) {
+            return Err(format!("`aircraft.{key}` has a meaning with `{of}` alone: leave it out"));
+        }
+        if let Some(cg) = self.cg
+            && !(0.0..=1.0).contains(&cg)
+        {
+            return Err("`aircraft.cg` is a fraction of the mean chord, 0 to 1 (0.30, not 30)".to_owned());
+        }
+        Ok(())
+    }
 }
 
 /// What thrust does after the trim.

@@ -1,0 +1,133 @@
+//! Aircraft from files, in every command that takes one.
+#![allow(clippy::unwrap_used)]
+
+use crate::common;
+
+use common::{Folder, phugoid};
+
+const LEVEL: [&str; 4] = ["--altitude", "4300m", "--speed", "104.67m/s"];
+
+/// The model of the HFB-320 trims where its coefficients say: lift and thrust carry the weight, no pitching moment.
+#[test]
+fn a_model_file_trims_where_its_coefficients_say() {
+    let folder = Folder::new("aircraft-trim");
+    let text = phugoid(&folder.0, &["estimate", "--show-model", "hfb320"]).out;
+    std::fs::write(folder.0.join("jet.toml"), &text).unwrap();
+    let of = |aircraft: &str| {
+        let run = phugoid(&folder.0, &[["trim", "--aircraft", aircraft].as_slice(), &LEVEL, &["--json"]].concat());
+        assert_eq!(run.code, Some(0), "{}", run.err);
+        run.json()
+    };
+    let (file, named) = (of("jet.toml"), of("hfb320"));
+    assert_eq!(file, named);
+    let number = |key: &str| file[key].as_f64().unwrap();
+    let (alpha, elevator, thrust) = (number("alpha_rad"), number("elevator_rad"), number("thrust_n"));
+    let force = number("dynamic_pressure_pa") * 30.0968;
+    let lift = -0.318267 + 0.260317 + 5.37576 * alpha;
+    let weight = 7472.0 * 9.80665;
+    // Along the thrust line, 0.0524 rad above body x, which is level with the velocity plus alpha.
+    assert!((force * lift + thrust * (alpha + 0.0524).sin() - weight).abs() < 1e-6 * weight);
+    let drag = 0.00567516 + 0.00772612 + 0.674256 * alpha;
+    assert!((force * drag - thrust * (alpha + 0.0524).cos()).abs() < 1e-6 * weight);
+    let moment = 0.0498218 + 0.0189182 - 0.498586 * alpha - 0.990687 * elevator;
+    assert!((force * 2.43 * moment - 0.641114 * thrust).abs() < 1e-6 * weight);
+    let notes = file["notes"].as_array().unwrap();
+    assert!(notes.iter().any(|note| note.as_str().unwrap().contains("half the weight")), "{notes:?}");
+
+    // The limits of [simulation] count.
+    let weak = format!("{text}\n[simulation]\nlargest_thrust = \"5 kN\"\n");
+    std::fs::write(folder.0.join("weak.toml"), weak).unwrap();
+    let run = phugoid(&folder.0, &[["trim", "--aircraft", "weak.toml"].as_slice(), &LEVEL].concat());
+    assert!(run.code == Some(1) && run.err.contains("5000"), "{}", run.err);
+
+    // A model of the longitudinal axes has no lateral modes to print.
+    let run = phugoid(&folder.0, &[["linearize", "--aircraft", "hfb320"].as_slice(), &LEVEL].concat());
+    assert!(run.out.contains("short period") && !run.out.contains("Lateral"), "{}", run.out);
+}
+
+#[test]
+fn what_is_no_aircraft_is_refused_with_what_to_write() {
+    let folder = Folder::new("aircraft-refused");
+    let refused = |aircraft: &[&str]| {
+        let run = phugoid(&folder.0, &[["trim", "--aircraft"].as_slice(), aircraft, &LEVEL].concat());
+        assert_eq!(run.code, Some(3), "{}", run.out);
+        run.err
+    };
+    let message = refused(&["jett.toml"]);
+    assert!(message.contains("jett.toml") && message.contains("takes a model file"), "{message}");
+    let message = refused(&["hfb320", "--cg", "0.3"]);
+    assert!(message.contains("--cg") && message.contains("F-16"), "{message}");
+    let message = refused(&["f16", "--property", "fcs/flap-pos-deg=10"]);
+    assert!(message.contains("--property") && message.contains("JSBSim"), "{message}");
+    let message = refused(&["hfb320", "--largest-thrust", "10kN"]);
+    assert!(message.contains("largest_thrust") && message.contains("write it into the model file"), "{message}");
+    // A mass that comes from a record, and terms that count from its first sample.
+    let text = phugoid(&folder.0, &["estimate", "--show-model", "hfb320"]).out;
+    std::fs::write(folder.0.join("mass.toml"), text.replace("\"7472 kg\"", "{ channel = \"mass\" }")).unwrap();
+    let message = refused(&["mass.toml"]);
+    assert!(message.contains("`mass`") && message.contains("write a value"), "{message}");
+    std::fs::write(folder.0.join("first.toml"), format!("{text}\n[reference]\nalpha = \"first_sample\"\n")).unwrap();
+    let message = refused(&["first.toml"]);
+    assert!(message.contains("first sample"), "{message}");
+    // A slip of the pen under [simulation] is said with its line.
+    std::fs::write(folder.0.join("slip.toml"), format!("{text}\n[simulation]\nlargest_trust = \"1 kN\"\n")).unwrap();
+    let message = refused(&["slip.toml"]);
+    assert!(message.contains("slip.toml:") && message.contains("did you mean `largest_thrust`"), "{message}");
+    // What is no XML, and XML of another kind.
+    std::fs::write(folder.0.join("noise.xml"), "\u{1}\u{2} nothing").unwrap();
+    assert!(refused(&["noise.xml"]).contains("noise.xml"));
+    std::fs::write(folder.0.join("other.xml"), "<html/>").unwrap();
+    assert!(refused(&["other.xml"]).contains("<html>"));
+}
+
+/// From an aircraft to its identified model and back: fly, estimate, write the model, fly that.
+#[test]
+fn an_identified_model_flies_again() {
+    let folder = Folder::new("aircraft-round");
+    let run = phugoid(&folder.0, &["simulate", "hfb320", "--out", "flight", "--json"]);
+    assert_eq!(run.code, Some(0), "{}", run.err);
+    assert_eq!(run.json()["true_parameters"]["Cm_alpha"], -0.498586);
+    let measured = "flight/measured.csv";
+    let estimate = ["estimate", measured, "--model", "hfb320", "--truth", "hfb320", "--no-report", "--json"];
+    let run = phugoid(&folder.0, &[estimate.as_slice(), &["--write-model", "identified.toml"]].concat());
+    assert_eq!(run.code, Some(0), "{}", run.err);
+    let result = run.json();
+    let parameters = result["parameters"].as_array().unwrap();
+    let of = |name: &str| parameters.iter().find(|p| p["name"] == name).unwrap();
+    assert_eq!(of("Cm_q")["truth"], -25.8439);
+    let text = std::fs::read_to_string(folder.0.join("identified.toml")).unwrap();
+    assert!(text.starts_with("# Values estimated: flight/measured.csv, model hfb320, estimator smpe"), "{text}");
+    assert!(text.contains(&format!("Cm_alpha = {{ start = {}", of("Cm_alpha")["value"])), "{text}");
+    // Comments of the original are there as before.
+    assert!(text.contains("# both engines"), "{text}");
+    let scenario = phugoid(&folder.0, &["simulate", "hfb320", "--show"]).out;
+    let scenario = scenario.replace("file = \"hfb320\"", "file = \"identified.toml\"");
+    std::fs::write(folder.0.join("again.toml"), scenario).unwrap();
+    let run = phugoid(&folder.0, &["simulate", "again.toml", "--out", "again", "--json"]);
+    assert_eq!(run.code, Some(0), "{}", run.err);
+    assert_eq!(run.json()["true_parameters"]["Cm_alpha"], of("Cm_alpha")["value"]);
+    // Never over what is read.
+    let run = phugoid(&folder.0, &["estimate", measured, "--model", "identified.toml", "--write-model", measured]);
+    assert!(run.code == Some(3) && run.err.contains("--write-model"), "{}", run.err);
+}
+
+/// An input for a model file's aircraft, and the scenario that plays it from another folder.
+#[test]
+fn an_input_is_designed_for_the_aircraft_of_a_model_file() {
+    let folder = Folder::new("aircraft-design");
+    let text = phugoid(&folder.0, &["estimate", "--show-model", "hfb320"]).out;
+    std::fs::write(folder.0.join("jet.toml"), text).unwrap();
+    let scenario = phugoid(&folder.0, &["simulate", "hfb320", "--show"]).out;
+    std::fs::write(folder.0.join("flight.toml"), scenario.replace("\"hfb320\"", "\"jet.toml\"")).unwrap();
+    let design = ["design", "multisine", "--scenario", "flight.toml", "--model", "jet.toml", "--duration", "20s"];
+    let run = phugoid(&folder.0, &[design.as_slice(), &["--out", "designed", "--json"]].concat());
+    assert_eq!(run.code, Some(0), "{}", run.err);
+    let document = run.json();
+    assert!(document["modes"]["short_period"].as_f64().unwrap() > 1.0 && document["modes"]["dutch_roll"].is_null());
+    assert!(document["prediction"]["parameters"].as_array().is_some_and(|p| p.len() == 11), "{document}");
+    let run = phugoid(&folder.0, &["simulate", "designed/scenario.toml", "--out", "played", "--json"]);
+    assert_eq!(run.code, Some(0), "{}", run.err);
+    // Nothing that the rudder could move.
+    let run = phugoid(&folder.0, &[design.as_slice(), &["--surface", "rudder", "--out", "none"]].concat());
+    assert!(run.code == Some(1) && run.err.contains("rudder"), "{} {}", run.out, run.err);
+}

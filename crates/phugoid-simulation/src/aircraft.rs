@@ -1,0 +1,196 @@
+//! The aircraft that a name or a file stands for, whatever kind of file it is: what scenarios and command lines fly.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use phugoid_aircraft::flown::{AircraftFile, FlownError, FlownOptions};
+use phugoid_flight_dynamics::actuator::Actuators;
+use phugoid_flight_dynamics::aircraft::{AirData, Aircraft, Coefficients, Controls, DataRange, Geometry, Propulsion};
+use phugoid_flight_dynamics::atmosphere::Atmosphere;
+use phugoid_flight_dynamics::built_in::BuiltInAircraft;
+use phugoid_flight_dynamics::f16::F16DataError;
+use phugoid_flight_dynamics::mass::MassProperties;
+use phugoid_flight_dynamics::scalar::Scalar;
+use phugoid_identification::aircraft::{ModelAircraft, ModelAircraftError};
+use phugoid_identification::model_file::{ModelError, ModelFile};
+
+/// Why a name or a file stands for no aircraft that can be flown.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum AircraftError {
+    /// The data of a built-in aircraft cannot be read.
+    #[error(transparent)]
+    BuiltIn(#[from] F16DataError),
+    /// A file of another program cannot be read or flown.
+    #[error(transparent)]
+    File(#[from] FlownError),
+    /// A model file cannot be read.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    /// A model file makes no aircraft.
+    #[error("{}: {source}", file.display())]
+    Incomplete {
+        /// The model file.
+        file: PathBuf,
+        /// What it lacks.
+        source: ModelAircraftError,
+    },
+    /// A model file was opened with an option that only aircraft of other programs have.
+    #[error("{}: `{option}` is for aircraft of other programs; {instead}", file.display())]
+    Option {
+        /// The model file.
+        file: PathBuf,
+        /// The option.
+        option: &'static str,
+        /// What to do in its place.
+        instead: &'static str,
+    },
+}
+
+/// An aircraft by name or from a file: built in, of another program, or of a model file.
+///
+/// It is an [`Aircraft`]; which one is asked at each call, which costs nothing beside the aerodynamics of a file.
+///
+/// ```
+/// use phugoid_aircraft::flown::FlownOptions;
+/// use phugoid_flight_dynamics::trim::{TrimCondition, trim};
+/// use phugoid_simulation::aircraft::AnyAircraft;
+///
+/// let jet = AnyAircraft::open("hfb320", &FlownOptions::default())?;
+/// let level = trim(&jet, &TrimCondition::steady(&jet, 106.0, 5000.0, 0.0, 0.0))?;
+/// assert!(level.alpha_rad > 0.0 && (level.load_factor - 1.0).abs() < 0.05);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub enum AnyAircraft {
+    /// One that comes with Phugoid.
+    BuiltIn(BuiltInAircraft),
+    /// One of another program's file.
+    File(AircraftFile),
+    /// One of a model file.
+    Model(Box<ModelAircraft>, BTreeMap<String, f64>),
+}
+
+impl AnyAircraft {
+    /// Opens the aircraft of a file: a model file if its name ends in `.toml`, else a file or a folder of another program
+    /// ([`AircraftFile`]), which the options are for. Where there is no such file, the built-in model of this name
+    /// (`hfb320`).
+    ///
+    /// # Errors
+    /// [`AircraftError`]: no such file, a file that cannot be read, or one that makes no aircraft.
+    pub fn open(path: impl AsRef<Path>, options: &FlownOptions) -> Result<Self, AircraftError> {
+        let path = path.as_ref();
+        let is_model = path.extension().is_some_and(|end| end.eq_ignore_ascii_case("toml"));
+        let named = path.to_str().filter(|word| !path.exists() && ModelFile::text(word).is_ok());
+        if !is_model && named.is_none() {
+            return Ok(Self::File(AircraftFile::open_with(path, options)?));
+        }
+        let standard = FlownOptions::default();
+        let in_file = "write it into the model file";
+        for (option, given) in [
+            ("properties", options.properties != standard.properties),
+            ("thrust_scale", options.thrust_scale != standard.thrust_scale),
+            ("largest_thrust", options.thrust != standard.thrust),
+        ] {
+            if given {
+                return Err(AircraftError::Option { file: path.into(), option, instead: in_file });
+            }
+        }
+        let model = named.map_or_else(|| ModelFile::open(path), ModelFile::named)?;
+        let aircraft =
+            ModelAircraft::new(&model).map_err(|source| AircraftError::Incomplete { file: path.into(), source })?;
+        let values = model.parameters.iter().filter(|p| !p.is_nuisance()).map(|p| (p.name.clone(), p.start)).collect();
+        Ok(Self::Model(Box::new(aircraft), values))
+    }
+
+    /// The name of the aircraft: that of the word for one that is built in, else the one that the file gives.
+    pub fn name(&self) -> &str {
+        match self {
+            Self::BuiltIn(BuiltInAircraft::F16(_)) => "f16",
+            Self::File(aircraft) => aircraft.name(),
+            Self::Model(aircraft, _) => aircraft.name(),
+        }
+    }
+
+    /// What the file asks for and is left out, and what is assumed, in sentences.
+    pub fn notes(&self) -> &[String] {
+        match self {
+            Self::BuiltIn(_) => &[],
+            Self::File(aircraft) => aircraft.notes(),
+            Self::Model(aircraft, _) => aircraft.notes(),
+        }
+    }
+
+    /// True values of the parameters of a model file, by name, per radian where an angle is involved: what an estimation
+    /// with the same terms has to find. Empty for an aircraft whose coefficients are not built of terms.
+    pub fn parameters(&self) -> &BTreeMap<String, f64> {
+        const NONE: &BTreeMap<String, f64> = &BTreeMap::new();
+        match self {
+            Self::Model(_, values) => values,
+            Self::BuiltIn(_) | Self::File(_) => NONE,
+        }
+    }
+}
+
+/// The aircraft of whatever kind.
+macro_rules! of_kind {
+    ($any:expr, $aircraft:ident => $made:expr) => {
+        match $any {
+            AnyAircraft::BuiltIn($aircraft) => $made,
+            AnyAircraft::File($aircraft) => $made,
+            AnyAircraft::Model($aircraft, _) => $made,
+        }
+    };
+}
+
+impl Aircraft for AnyAircraft {
+    fn geometry(&self) -> &Geometry {
+        of_kind!(self, aircraft => aircraft.geometry())
+    }
+
+    fn mass_properties(&self) -> &MassProperties {
+        of_kind!(self, aircraft => aircraft.mass_properties())
+    }
+
+    fn gravity(&self) -> f64 {
+        of_kind!(self, aircraft => aircraft.gravity())
+    }
+
+    fn atmosphere(&self) -> Atmosphere {
+        of_kind!(self, aircraft => aircraft.atmosphere())
+    }
+
+    fn coefficients<T: Scalar>(&self, air: &AirData<T>, rates: [T; 3], controls: &Controls<T>) -> Coefficients<T> {
+        of_kind!(self, aircraft => aircraft.coefficients(air, rates, controls))
+    }
+
+    fn alpha_rate_coefficients<T: Scalar>(
+        &self,
+        air: &AirData<T>,
+        rates: [T; 3],
+        controls: &Controls<T>,
+    ) -> Option<Coefficients<T>> {
+        of_kind!(self, aircraft => aircraft.alpha_rate_coefficients(air, rates, controls))
+    }
+
+    fn propulsion<T: Scalar>(&self, power: T, altitude: T, mach: T) -> Propulsion<T> {
+        of_kind!(self, aircraft => aircraft.propulsion(power, altitude, mach))
+    }
+
+    fn power_rate<T: Scalar>(&self, throttle: T, power: T) -> T {
+        of_kind!(self, aircraft => aircraft.power_rate(throttle, power))
+    }
+
+    fn steady_power<T: Scalar>(&self, throttle: T) -> T {
+        of_kind!(self, aircraft => aircraft.steady_power(throttle))
+    }
+
+    fn actuators(&self) -> &Actuators {
+        of_kind!(self, aircraft => aircraft.actuators())
+    }
+
+    fn data_range(&self) -> DataRange {
+        of_kind!(self, aircraft => aircraft.data_range())
+    }
+}
