@@ -156,6 +156,18 @@ impl Transport {
         Coefficients { cx, cy, cz, cl, cm, cn }
     }
 
+    /// As [`coefficients_about_reference`](Self::coefficients_about_reference) without what the rates add. The tables of forced
+    /// oscillation are not all zero at a rate of zero, so that this differs a little from the coefficients without rates.
+    pub fn static_coefficients_about_reference<T: Scalar>(
+        &self,
+        alpha: T,
+        beta: T,
+        controls: &Controls<T>,
+    ) -> Coefficients<T> {
+        let [cx, cy, cz, cl, cm, cn] = self.aerodynamics.without_rates(alpha, beta, controls);
+        Coefficients { cx, cy, cz, cl, cm, cn }
+    }
+
     fn new(data: Arc<Data>, options: &TransportOptions) -> Result<Self, TransportError> {
         options.check(&data.tables)?;
         let vehicle = &data.vehicle;

@@ -105,6 +105,16 @@ impl Aerodynamics {
 
     /// CX, CY, CZ, Cl, Cm, Cn about the moment reference point: angles in rad, rates p b/2V, q c/2V, r b/2V.
     pub(super) fn coefficients<T: Scalar>(&self, alpha: T, beta: T, rates: [T; 3], controls: &Controls<T>) -> [T; 6] {
+        let mut sum = self.without_rates(alpha, beta, controls);
+        match &self.damage {
+            None => self.undamaged_rates(&mut sum, alpha, beta, rates),
+            Some(case) => self.damaged_rates(case, &mut sum, alpha, rates),
+        }
+        sum
+    }
+
+    /// The same without what the rates add, which is not all zero at rates of zero.
+    pub(super) fn without_rates<T: Scalar>(&self, alpha: T, beta: T, controls: &Controls<T>) -> [T; 6] {
         let tables = &*self.tables;
         let columns = tables.beta.len();
         let (a, b, opposite) = (tables.alpha.place(alpha), tables.beta.place(beta), tables.beta.place(-beta));
@@ -140,9 +150,10 @@ impl Aerodynamics {
             }
         }
 
-        match &self.damage {
-            None => self.undamaged_rates(&mut sum, alpha, beta, rates),
-            Some(case) => self.damaged(case, &mut sum, alpha, beta, rates),
+        if let Some(case) = &self.damage {
+            let tables = &tables.damage;
+            let (a, b) = (tables.alpha.place_within(alpha), tables.beta.place_within(beta));
+            add_all(&mut sum, &blend_2(&case.increment, tables.beta.len(), &a, &b), 1.0);
         }
         sum
     }
@@ -172,10 +183,8 @@ impl Aerodynamics {
         }
     }
 
-    fn damaged<T: Scalar>(&self, case: &DamageCase, sum: &mut [T; 6], alpha: T, beta: T, rates: [T; 3]) {
+    fn damaged_rates<T: Scalar>(&self, case: &DamageCase, sum: &mut [T; 6], alpha: T, rates: [T; 3]) {
         let tables = &self.tables.damage;
-        let (a, b) = (tables.alpha.place_within(alpha), tables.beta.place_within(beta));
-        add_all(sum, &blend_2(&case.increment, tables.beta.len(), &a, &b), 1.0);
         let scale = blend_1(&case.scale, &tables.scale_alpha.place_within(alpha));
         let rate = blend_1(&case.rate, &tables.rate_alpha.place_within(alpha));
         for (axis, hat) in rates.into_iter().enumerate() {
