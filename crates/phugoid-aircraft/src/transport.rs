@@ -45,6 +45,9 @@ const DEGREE: f64 = std::f64::consts::PI / 180.0;
 /// polynomials behind the tables reach values that no aircraft has, and the damage was not measured.
 const WHOLE: [[f64; 2]; 2] = [[-5.0, 40.0], [-30.0, 30.0]];
 const DAMAGED: [[f64; 2]; 2] = [[-4.0, 30.0], [-20.0, 20.0]];
+/// Pressure of the air at sea level, Pa, and ratio of specific heats of air.
+const SEA_LEVEL_PRESSURE: f64 = 101_325.0;
+const RATIO_OF_HEATS: f64 = 1.4;
 /// Largest deflections, deg: those of the tables for elevator (upwards) and aileron, and 30 deg for the rudder.
 const LIMIT: f64 = 30.0;
 
@@ -241,9 +244,15 @@ impl Aircraft for Transport {
         }
     }
 
-    fn propulsion<T: Scalar>(&self, power: T, _altitude: T, _mach: T) -> Propulsion<T> {
+    fn propulsion<T: Scalar>(&self, power: T, altitude: T, mach: T) -> Propulsion<T> {
         let vehicle = &self.data.vehicle;
-        let [thrust] = blend_1(&vehicle.thrust, &vehicle.handle.place_within(power));
+        let pressure = self.atmosphere().at(altitude).pressure;
+        let [static_thrust] = blend_1(&vehicle.thrust, &vehicle.handle.place_within(power));
+        let ram_drag = pressure * mach * mach * (0.5 * RATIO_OF_HEATS * vehicle.ram_drag * self.geometry.wing_area);
+        let mut thrust = static_thrust * (pressure / SEA_LEVEL_PRESSURE) - ram_drag;
+        if thrust.real() < 0.0 {
+            thrust = T::from(0.0);
+        }
         let [force, moment] = self.push.map(|each| each.map(|part| thrust * part));
         Propulsion { force, moment }
     }

@@ -34,6 +34,8 @@ pub(super) struct Aerodynamics {
     airframe: Vec<[f64; 6]>,
     /// (alpha, beta, elevator): CX, CZ, Cm of the segments that are there.
     elevator: Vec<[f64; 3]>,
+    /// Mean distance of those segments to the right of the plane of symmetry, spans.
+    elevator_arm: f64,
     left_aileron: bool,
     /// Share of the rudder that is there.
     rudder: f64,
@@ -54,8 +56,16 @@ struct DamageCase {
 impl Aerodynamics {
     pub(super) fn new(tables: Arc<Tables>, options: &TransportOptions, gone: &Gone) -> Self {
         let stabiliser = if gone.stabiliser_setting { 0.0 } else { options.stabiliser };
-        let segments = [gone.left_outboard_elevator, gone.left_inboard_elevator, false, false];
-        let elevators = segments.iter().filter(|gone| !**gone).count() as f64 / segments.len() as f64;
+        let [inboard, outboard] = options.elevator_arms;
+        let segments = [
+            (gone.left_outboard_elevator, -outboard),
+            (gone.left_inboard_elevator, -inboard),
+            (false, inboard),
+            (false, outboard),
+        ];
+        let there = segments.iter().filter(|(gone, _)| !gone);
+        let count = there.clone().count() as f64;
+        let elevators = count / segments.len() as f64;
         let halves = [gone.upper_rudder, gone.lower_rudder];
         let set = tables.stabiliser.place(stabiliser);
         let neutral = tables.elevator.place(0.0);
@@ -95,6 +105,7 @@ impl Aerodynamics {
         Self {
             airframe,
             elevator,
+            elevator_arm: there.map(|(_, arm)| arm).sum::<f64>() / count.max(1.0),
             left_aileron: !gone.left_aileron,
             rudder: halves.iter().filter(|gone| !**gone).count() as f64 / halves.len() as f64,
             rates: options.rates,
@@ -123,6 +134,11 @@ impl Aerodynamics {
         let (place, layers) = (tables.elevator.place(controls.elevator), tables.elevator.len());
         let elevator = blend_3(&self.elevator, [columns, layers], &a, &b, &place);
         add_some(&mut sum, LONGITUDINAL, &elevator);
+        if self.elevator_arm != 0.0 {
+            let [cx, cz, _] = elevator;
+            sum[CL] = sum[CL] + cz * self.elevator_arm;
+            sum[CN] = sum[CN] - cx * self.elevator_arm;
+        }
 
         let sizes = [columns, tables.aileron.len()];
         let aileron =
@@ -165,8 +181,8 @@ impl Aerodynamics {
             let (sin_beta, cos_beta) = beta.sin_cos();
             if let Some(omega) = steady_rotation(rates, [cos_alpha * cos_beta, sin_alpha * cos_beta]) {
                 let rotary = &self.tables.rotary;
-                let (a, o) = (rotary.alpha.place_within(alpha), rotary.omega.place_within(omega));
-                let (b, sizes) = (rotary.beta.place_within(beta), [rotary.omega.len(), rotary.beta.len()]);
+                let (a, o) = (rotary.alpha.place(alpha), rotary.omega.place_within(omega));
+                let (b, sizes) = (rotary.beta.place(beta), [rotary.omega.len(), rotary.beta.len()]);
                 add_all(sum, &blend_3(&rotary.data, sizes, &a, &o, &b), 1.0);
                 // The pitch rate is made dimensionless with the chord, the steady rotation with the span.
                 let [p, q, r] = rates;
@@ -200,7 +216,7 @@ impl Aerodynamics {
 
     fn oscillation<T: Scalar>(&self, axis: usize, alpha: T, hat: T) -> [T; 3] {
         let table = &self.tables.oscillation[axis];
-        let (a, rate) = (table.alpha.place_within(alpha), table.rate.place_within(hat));
+        let (a, rate) = (table.alpha.place(alpha), table.rate.place(hat));
         blend_2(&table.data, table.rate.len(), &a, &rate)
     }
 }

@@ -79,6 +79,8 @@ pub(super) struct VehicleData {
     pub(super) handle: Axis,
     /// Thrust of one engine at these positions of the lever, N.
     pub(super) thrust: Vec<[f64; 1]>,
+    /// Drag of the air that an engine takes in, as a coefficient of the wing area.
+    pub(super) ram_drag: f64,
     pub(super) damage: [DamageChange; CASES],
 }
 
@@ -127,7 +129,7 @@ impl VehicleData {
             let position = lengths(&engines.get(position)?, INCH)?;
             let angles: [f64; 3] = engines.get(angles)?.vector()?;
             let [_, (sin_pitch, cos_pitch), (sin_yaw, cos_yaw)] = angles.map(|x| x.to_radians().sin_cos());
-            Ok(EnginePlace { position, direction: [cos_pitch * cos_yaw, cos_pitch * sin_yaw, -sin_pitch] })
+            Ok(EnginePlace { position, direction: [cos_pitch * cos_yaw, sin_yaw, -sin_pitch * cos_yaw] })
         };
         let (handle, thrust) = thrust(&engines.get("thrust_table")?)?;
         Ok(Self {
@@ -140,6 +142,7 @@ impl VehicleData {
             engines: [engine("left_position_in", "left_angles_deg")?, engine("right_position_in", "right_angles_deg")?],
             handle,
             thrust,
+            ram_drag: engines.get("ram_drag_coefficient")?.number()?,
             damage: damage(&root.get("damage")?)?,
         })
     }

@@ -201,7 +201,12 @@ fn missing_surfaces_do_nothing() {
     let of_all = effect(Damage::None, elevator);
     for damage in [Damage::LeftElevatorOff, Damage::LeftStabiliserOff] {
         let half = effect(damage, elevator);
-        assert!((0..6).all(|i| (half[i] - 0.5 * of_all[i]).abs() < 1e-12), "{half:?} {of_all:?}");
+        // What is left is to the right: its upwards deflection pushes the right side down.
+        let mut expected = of_all.map(|value| 0.5 * value);
+        expected[3] = 0.05 * expected[2];
+        expected[5] = -0.05 * expected[0];
+        assert!((0..6).all(|i| (half[i] - expected[i]).abs() < 1e-12), "{half:?} {of_all:?}");
+        assert!(half[3] > 0.001, "{half:?}");
     }
     let (both, right) = (effect(Damage::None, aileron), effect(Damage::LeftWingTipOff, aileron));
     assert!(right[3] < 0.0 && right[3] > both[3], "{right:?} {both:?}");
@@ -240,11 +245,19 @@ fn moments_are_about_the_centre_of_gravity() {
     assert!((about_cg.cm - about_reference.cm - moment[1] / geometry.mean_chord).abs() < 1e-12);
     assert!((about_cg.cn - about_reference.cn - moment[2] / geometry.span).abs() < 1e-12);
     // The wing tip that is left moves the centre to the right by 0.628 in; lift to the left of it rolls to the right.
-    assert!((y - (-0.0118 / 1.0 + 0.628 / 12.0) * 0.3048).abs() < 1e-6, "{y}");
+    assert!((y - (-0.0118 + 0.628 / 12.0) * 0.3048).abs() < 1e-6, "{y}");
     assert!(about_cg.cl > about_reference.cl);
     // Two engines at 2 deg push up and forward; they hang below the centre of gravity, the nose comes up.
     let push = aircraft.propulsion(100.0, 0.0, 0.0);
     assert!((push.force[0] - 2.0 * 15.315_244 * 4.448_222 * 0.9988).abs() < 0.2, "{push:?}");
+    // At speed the air that is taken in drags, 0.01 of dynamic pressure and wing area for each engine.
+    let (fast, air) = (aircraft.propulsion(100.0, 500.0, 0.2), aircraft.atmosphere().at(500.0));
+    let static_thrust = aircraft.propulsion(100.0, 500.0, 0.0).force[0];
+    let speed = 0.2 * air.speed_of_sound;
+    let ram = 2.0 * 0.01 * 0.5 * air.density * speed * speed * geometry.wing_area;
+    assert!(((static_thrust - fast.force[0]) / (0.9988 * ram) - 1.0).abs() < 1e-3, "{fast:?} {ram}");
+    assert!((static_thrust / push.force[0] - air.pressure / 101_325.0).abs() < 1e-6);
+    assert_eq!(aircraft.propulsion(0.0, 500.0, 0.2).force, [0.0; 3]);
     assert!(push.force[2] < 0.0 && push.moment[1] > 0.0, "{push:?}");
     // The centre of gravity is to the right of the middle between the engines: the sum of both yaws to the right.
     let undamaged = whole.propulsion(100.0, 0.0, 0.0);
