@@ -12,7 +12,7 @@ use super::{Transport, cross, difference};
 ///
 /// The commands and the motion of the air are functions of the time since the start, as in [`Simulation::run`]. The time is
 /// rounded to the grid of the samples. The sample at that time is the first of the damaged aircraft; a time beyond the end
-/// leaves the aircraft whole, one before the start gives the damaged aircraft from the beginning.
+/// (or none, NaN) leaves the aircraft whole, one before the start gives the damaged aircraft from the beginning.
 ///
 /// The body keeps its motion: attitude, rates, the velocity of every point, engine state and surface positions are those of
 /// the instant before. The centre of gravity moves within the body, so that speed, angle of attack, sideslip and position,
@@ -30,7 +30,7 @@ pub fn fly_damaged<W: Into<AirMotion>>(
     let Simulation { duration, sample_time, .. } = *simulation;
     let sample = (at / sample_time).round().max(0.0);
     let begin = sample * sample_time;
-    if begin > duration || !(sample.is_finite() && sample_time > 0.0) {
+    if at.is_nan() || begin > duration || !(sample.is_finite() && sample_time > 0.0) {
         return simulation.run(commands, gust);
     }
     let before = Simulation { duration: begin, ..simulation.clone() };
@@ -40,15 +40,16 @@ pub fn fly_damaged<W: Into<AirMotion>>(
     let rate = (1.0 / sample_time).round();
     let even = rate > 0.0 && (rate * sample_time - 1.0).abs() < 1e-12;
     let grid = |k: f64| if even { k / rate } else { k * sample_time };
-    let since_start = |time: f64| {
+    let on_sample = |time: f64| {
         let k = (time / sample_time).round();
-        if (k * sample_time - time).abs() < 1e-9 * sample_time { grid(sample + k) } else { grid(sample) + time }
+        ((k * sample_time - time).abs() < 1e-6 * sample_time).then_some(k)
     };
+    let since_start = |time: f64| on_sample(time).map_or(grid(sample) + time, |k| grid(sample + k));
     let after = Simulation {
         aircraft: damaged,
         initial: moved_to(simulation.aircraft, damaged, &last.state),
         initial_surfaces: last.surfaces,
-        increments: from_then_on(&simulation.increments, grid(sample)),
+        increments: from_then_on(&simulation.increments, grid(sample), |time| on_sample(time).map_or(time, grid)),
         duration: duration - begin,
         ..simulation.clone()
     };
@@ -66,11 +67,15 @@ pub fn fly_damaged<W: Into<AirMotion>>(
     Ok(flight)
 }
 
-/// Increments with times that count from another instant.
-fn from_then_on(increments: &IncrementSchedule, begin: f64) -> IncrementSchedule {
-    let moved = |change: &IncrementChange| IncrementChange { time: change.time - begin, ..*change };
-    let changes = increments.changes().iter().map(moved).collect();
-    // Changes that were in order stay in order; should two fall on one instant, the later one alone counts.
+/// Increments with times that count from another instant. A change on a sample stays on it whatever the rounding.
+fn from_then_on(increments: &IncrementSchedule, begin: f64, grid: impl Fn(f64) -> f64) -> IncrementSchedule {
+    let mut changes: Vec<IncrementChange> = Vec::new();
+    for change in increments.changes() {
+        let moved = IncrementChange { time: grid(change.time - begin), ..*change };
+        // Two that rounding puts on one instant are the later one.
+        changes.pop_if(|last| last.time >= moved.time);
+        changes.push(moved);
+    }
     IncrementSchedule::new(changes).unwrap_or_else(|_| IncrementSchedule::constant(increments.at(begin)))
 }
 

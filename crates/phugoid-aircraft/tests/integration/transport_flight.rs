@@ -2,6 +2,7 @@
 
 use phugoid_aircraft::transport::{Damage, Transport, fly_damaged, moved_to};
 use phugoid_flight_dynamics::aircraft::{Aircraft, Controls, State};
+use phugoid_flight_dynamics::increments::{IncrementChange, IncrementSchedule, Increments};
 use phugoid_flight_dynamics::motion::{Disturbance, motion};
 use phugoid_flight_dynamics::simulate::{Simulation, TrajectorySample, still_air};
 use phugoid_simulation::flight::fly_aircraft;
@@ -82,6 +83,37 @@ fn a_vertical_tail_that_goes_lets_a_disturbance_in_yaw_grow() {
     assert!(largest(&flown.samples) > 0.3, "{}", largest(&flown.samples));
     // Beyond the end nothing happens.
     assert_eq!(fly_damaged(&simulation, &tailless, 9.0, |_| start.controls(), still_air).unwrap(), steady);
+}
+
+/// A flight that is cut in two without damage is the flight in one piece, changes of the increments included.
+#[test]
+fn a_flight_in_two_parts_keeps_its_times() {
+    let Some(whole) = whole() else { return };
+    let start = level(&whole).unwrap();
+    let change = |time: f64, slope: f64| IncrementChange {
+        time,
+        increments: Increments { dCm_alpha: slope, ..Increments::NONE },
+    };
+    let changes = vec![change(f64::NEG_INFINITY, 0.0), change(0.5, 0.05), change(1.11, -0.1), change(1.83, 0.02)];
+    let simulation = Simulation {
+        increments: IncrementSchedule::new(changes).unwrap(),
+        ..Simulation::new(&whole, start.state(), start.controls(), 2.5)
+    };
+    let commands = |time: f64| Controls {
+        elevator: start.elevator_rad + if time >= 1.47 { 0.01 } else { 0.0 },
+        ..start.controls()
+    };
+    let flight = simulation.run(commands, still_air).unwrap();
+    for at in [0.29, 1.01, 1.11, 2.5] {
+        let parts = fly_damaged(&simulation, &whole, at, commands, still_air).unwrap();
+        assert_eq!(parts.samples.len(), flight.samples.len());
+        for (a, b) in parts.samples.iter().zip(&flight.samples) {
+            assert_eq!((a.time, a.commands), (b.time, b.commands), "{at}");
+            let difference = (a.state.p - b.state.p).abs().max((a.state.q - b.state.q).abs());
+            assert!(difference < 1e-9, "{at}: {difference:e} at {}", a.time);
+        }
+    }
+    assert_eq!(fly_damaged(&simulation, &whole, f64::NAN, commands, still_air).unwrap(), flight);
 }
 
 /// A point of the body has the same velocity and the same place before and after.
