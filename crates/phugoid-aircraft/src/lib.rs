@@ -4,5 +4,6 @@ pub mod check_case;
 pub mod daveml;
 pub mod flown;
 pub mod jsbsim;
+pub mod transport;
 pub mod vehicle;
 pub mod xml;

@@ -16,3 +16,6 @@ mod jsbsim;
 mod jsbsim_flown;
 mod nesc;
 mod published_atmosphere;
+mod transport;
+mod transport_broken;
+mod transport_flight;
