@@ -1,7 +1,7 @@
 //! Aircraft of other programs' files as an [`Aircraft`]: what trim, linear models, scenarios and studies work on, over a flat
 //! earth.
 //!
-//! [`FlownJsbsim`] is an aircraft of JSBSim; [`AircraftFile`] opens whatever kind of file a path leads to. What the files say
+//! [`FlownJsbsim`] is an aircraft of JSBSim, [`Transport`] the transport of NASA with damage; [`AircraftFile`] opens whatever kind of file a path leads to. What the files say
 //! and the equations of motion cannot take in, and what had to be assumed, each of them tells in sentences (`notes`).
 
 mod jsbsim;
@@ -17,6 +17,7 @@ use phugoid_flight_dynamics::scalar::Scalar;
 
 pub use self::jsbsim::{FlownJsbsim, FlownOptions, Thrust};
 use crate::jsbsim::JsbsimError;
+use crate::transport::{Damage, Transport, TransportError, TransportOptions};
 use crate::xml::{self, XmlError};
 
 /// Why a file does not make an aircraft that can be flown.
@@ -33,6 +34,19 @@ pub enum FlownError {
         file: PathBuf,
         /// What is wrong with it.
         source: XmlError,
+    },
+    /// The tables of the Generic Transport Model cannot be read.
+    #[error(transparent)]
+    Transport(#[from] TransportError),
+    /// An option that the aircraft of this file does not have.
+    #[error("{}: `{option}` has no meaning for {aircraft}", file.display())]
+    Option {
+        /// The file or folder.
+        file: PathBuf,
+        /// The option.
+        option: &'static str,
+        /// What the aircraft is.
+        aircraft: &'static str,
     },
     /// The file is of no kind that is known.
     #[error("{}: the file begins with <{root}>; aircraft of JSBSim begin with <fdm_config>", file.display())]
@@ -90,10 +104,13 @@ pub enum FlownError {
 pub enum AircraftFile {
     /// An aircraft of JSBSim.
     Jsbsim(Box<FlownJsbsim>),
+    /// The Generic Transport Model of NASA.
+    Transport(Box<Transport>),
 }
 
 impl AircraftFile {
-    /// Opens a file, or of a folder `name` the file `name/name.xml`: an aircraft of JSBSim if it begins with `fdm_config`.
+    /// Opens a file, or of a folder `name` the file `name/name.xml`: an aircraft of JSBSim if it begins with `fdm_config`. A
+    /// folder with a file `vehicle.json` is the Generic Transport Model of NASA.
     ///
     /// # Errors
     /// [`FlownError`]: the file cannot be read, is of no known kind, or does not make an aircraft that can be flown.
@@ -107,7 +124,27 @@ impl AircraftFile {
     /// As [`open`](Self::open), and for an option that makes no sense.
     pub fn open_with(path: impl AsRef<Path>, options: &FlownOptions) -> Result<Self, FlownError> {
         let path = path.as_ref();
-        // Only aircraft of JSBSim have a folder each.
+        let no_option = |option: &'static str, aircraft: &'static str| {
+            Err(FlownError::Option { file: path.into(), option, aircraft })
+        };
+        if path.join("vehicle.json").is_file() {
+            let transport = "the Generic Transport Model";
+            if !options.properties.is_empty() {
+                return no_option("properties", transport);
+            }
+            if options.thrust != Thrust::Engines {
+                return no_option("largest_thrust", transport);
+            }
+            if options.thrust_scale != 1.0 {
+                return no_option("thrust_scale", transport);
+            }
+            let options =
+                TransportOptions { damage: options.damage, gravity: options.gravity, ..TransportOptions::default() };
+            return Ok(Self::Transport(Box::new(Transport::open_with(path, &options)?)));
+        }
+        if options.damage != Damage::None {
+            return no_option("damaged", "an aircraft of JSBSim");
+        }
         if !path.is_dir() {
             let root = root_of(path)?;
             if root != "fdm_config" {
@@ -121,6 +158,7 @@ impl AircraftFile {
     pub fn name(&self) -> &str {
         match self {
             Self::Jsbsim(aircraft) => aircraft.name(),
+            Self::Transport(_) => "Generic Transport Model",
         }
     }
 
@@ -128,6 +166,7 @@ impl AircraftFile {
     pub fn notes(&self) -> &[String] {
         match self {
             Self::Jsbsim(aircraft) => aircraft.notes(),
+            Self::Transport(_) => &[],
         }
     }
 }
@@ -144,6 +183,7 @@ macro_rules! of_file {
     ($file:expr, $aircraft:ident => $made:expr) => {
         match $file {
             AircraftFile::Jsbsim($aircraft) => $made,
+            AircraftFile::Transport($aircraft) => $made,
         }
     };
 }

@@ -1,5 +1,7 @@
 //! Flights of an aircraft from commands, gusts and a schedule of increments: histories in plain data.
 
+mod changed;
+
 use crate::aircraft::{AirData, Aircraft, Coefficients, Controls, STATES, State};
 use crate::gust::AirMotion;
 use crate::increments::IncrementSchedule;

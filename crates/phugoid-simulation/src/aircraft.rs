@@ -35,6 +35,9 @@ pub enum AircraftError {
         /// What it lacks.
         source: ModelAircraftError,
     },
+    /// Damage of this kind cannot happen to this aircraft in flight.
+    #[error("`damaged` is for the Generic Transport Model, and the aircraft is `{0}`: take [[damage]] with increments")]
+    NoDamage(String),
     /// A model file was opened with an option that only aircraft of other programs have.
     #[error("{}: `{option}` is for aircraft of other programs; {instead}", file.display())]
     Option {
@@ -92,6 +95,7 @@ impl AnyAircraft {
             ("properties", options.properties != standard.properties),
             ("thrust_scale", options.thrust_scale != standard.thrust_scale),
             ("largest_thrust", options.thrust != standard.thrust),
+            ("damaged", options.damage != standard.damage),
         ] {
             if given {
                 return Err(AircraftError::Option { file: path.into(), option, instead: in_file });

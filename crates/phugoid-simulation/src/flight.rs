@@ -3,9 +3,11 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use phugoid_aircraft::flown::AircraftFile;
+use phugoid_aircraft::transport::moved_to;
 use phugoid_flight_data::quality::QualityReport;
 use phugoid_flight_data::record::{Channel, Quantity, Record};
-use phugoid_flight_dynamics::aircraft::{Aircraft, Controls, DataRange};
+use phugoid_flight_dynamics::aircraft::{Aircraft, Controls, DataRange, State};
 use phugoid_flight_dynamics::built_in::BuiltInAircraft;
 use phugoid_flight_dynamics::dryden::{Dryden, DrydenError};
 use phugoid_flight_dynamics::f16::F16DataError;
@@ -111,10 +113,34 @@ pub fn fly(scenario: &Scenario) -> Result<Flight, FlightError> {
 /// As [`fly`].
 pub fn fly_with_progress(scenario: &Scenario, progress: &dyn Fn(f64)) -> Result<Flight, FlightError> {
     let aircraft = scenario.aircraft.aircraft(&scenario.folder)?;
-    match aircraft.as_ref() {
+    match (aircraft.as_ref(), scenario.aircraft.damage_in_flight()) {
         // Compiled for itself: nothing is asked at each evaluation.
-        AnyAircraft::BuiltIn(BuiltInAircraft::F16(aircraft)) => fly_aircraft(aircraft.as_ref(), scenario, progress),
-        aircraft => fly_aircraft(aircraft, scenario, progress),
+        (AnyAircraft::BuiltIn(BuiltInAircraft::F16(aircraft)), None) => {
+            fly_aircraft(aircraft.as_ref(), scenario, progress)
+        }
+        (aircraft, None) => fly_aircraft(aircraft, scenario, progress),
+        (AnyAircraft::File(AircraftFile::Transport(whole)), Some((damage, at))) => {
+            let damaged = whole.damaged(damage).map_err(|e| AircraftError::File(e.into()))?;
+            let moved = |state: &State| moved_to(whole, &damaged, state);
+            fly_changed(whole.as_ref(), Some(&Change { aircraft: &damaged, at, moved: &moved }), scenario, progress)
+        }
+        (aircraft, Some(_)) => Err(AircraftError::NoDamage(aircraft.name().to_owned()).into()),
+    }
+}
+
+/// Another aircraft from a time on.
+struct Change<'a, A> {
+    aircraft: &'a A,
+    /// When, s.
+    at: f64,
+    /// Its state from that of the aircraft before, in the same motion.
+    moved: &'a dyn Fn(&State) -> State,
+}
+
+impl<'a, A> Change<'a, A> {
+    /// The same change of an aircraft that stands for this one.
+    fn with<B>(&self, aircraft: &'a B) -> Change<'a, B> {
+        Change { aircraft, at: self.at, moved: self.moved }
     }
 }
 
@@ -142,6 +168,15 @@ pub fn fly_aircraft<A: Aircraft>(
     scenario: &Scenario,
     progress: &dyn Fn(f64),
 ) -> Result<Flight, FlightError> {
+    fly_changed(known, None, scenario, progress)
+}
+
+fn fly_changed<A: Aircraft>(
+    known: &A,
+    change: Option<&Change<'_, A>>,
+    scenario: &Scenario,
+    progress: &dyn Fn(f64),
+) -> Result<Flight, FlightError> {
     let scenario = scenario.drawn();
     let known_trim = trim_of(known, &scenario)?;
     let error = &scenario.model_error;
@@ -154,11 +189,20 @@ pub fn fly_aircraft<A: Aircraft>(
         trim = trim_of(&aircraft, &scenario)?;
         error_increments = aircraft.equivalent_increments(&trim);
     }
+    let later = change.map(|change| Misjudged::new(change.aircraft, error, trim.alpha_rad));
+    let change = change.zip(later.as_ref());
     let trajectory = match scenario.aircraft.thrust {
-        Thrust::Engine => trajectory(&scenario, &aircraft, &trim, progress)?,
+        Thrust::Engine => {
+            let change = change.map(|(change, later)| change.with(later));
+            trajectory(&scenario, &aircraft, change.as_ref(), &trim, progress)?
+        }
         Thrust::Constant => {
             let frozen = ConstantThrust::at(&aircraft, trim.power_percent, trim.altitude_m, trim.mach);
-            trajectory(&scenario, &frozen, &trim, progress)?
+            let later = change.map(|(change, later)| {
+                (change, ConstantThrust::at(later, trim.power_percent, trim.altitude_m, trim.mach))
+            });
+            let change = later.as_ref().map(|(change, later)| change.with(later));
+            trajectory(&scenario, &frozen, change.as_ref(), &trim, progress)?
         }
     };
     let thrust = |s: &TrajectorySample| match scenario.aircraft.thrust {
@@ -211,6 +255,7 @@ pub fn sense(truth: &Record, scenario: &Scenario, seed: u64) -> Result<Record, F
 fn trajectory<A: Aircraft>(
     scenario: &Scenario,
     aircraft: &A,
+    change: Option<&Change<'_, A>>,
     trim: &Trim,
     progress: &dyn Fn(f64),
 ) -> Result<Trajectory, FlightError> {
@@ -270,7 +315,10 @@ fn trajectory<A: Aircraft>(
         let Some(&random) = turbulence.get((t / stage).round() as usize) else { return AirMotion::from(gust) };
         AirMotion { velocity: std::array::from_fn(|i| gust[i] + random.velocity[i]), rates: random.rates }
     };
-    Ok(simulation.run(commands, air)?)
+    Ok(match change {
+        None => simulation.run(commands, air)?,
+        Some(change) => simulation.run_changed(change.aircraft, change.at, change.moved, commands, air)?,
+    })
 }
 
 /// Time between the instants at which the integration looks at the air: the stages of its steps.

@@ -15,7 +15,7 @@ use phugoid_flight_dynamics::increments::Increments;
 use serde::Deserialize;
 
 pub use self::air::{GustSettings, Turbulence};
-pub use self::aircraft::{AircraftSettings, Condition, ModelError, RecordedSurfaces, TableFactors, Thrust};
+pub use self::aircraft::{AircraftSettings, Condition, DamageWord, ModelError, RecordedSurfaces, TableFactors, Thrust};
 pub use self::built_in::{BUILT_IN, built_in};
 pub use self::damage::Damage;
 pub use self::ranges::Ranges;
@@ -113,7 +113,7 @@ impl Scenario {
         named.map(|(name, value)| (name.to_owned(), value)).chain(of_model).collect()
     }
 
-    /// Whether the aircraft flies as its data say: no increments, no damage, no error of the model, and nothing drawn.
+    /// Whether the aircraft flies as its data say: no increments, no damage in flight, no error of the model, nothing drawn.
     pub fn is_as_modelled(&self) -> bool {
         self.increments == Increments::default()
             && self.increment_ranges == Ranges::default()

@@ -14,6 +14,7 @@ use phugoid_flight_dynamics::scalar::Scalar;
 use super::FlownError;
 use super::surface::{LAG_S, Surface, surfaces};
 use crate::jsbsim::{Aircraft, Engine, EngineKind, Evaluator, FlightCondition, Moment, altitude_of_density_m};
+use crate::transport::Damage;
 
 /// What makes the thrust.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -42,11 +43,19 @@ pub struct FlownOptions {
     /// Properties by name with their values in the units of JSBSim, set once: contents of tanks, flaps, gear. By default the
     /// gear is up (`gear/gear-pos-norm` is 0).
     pub properties: Vec<(String, f64)>,
+    /// Damage, which the Generic Transport Model alone has; none by default.
+    pub damage: Damage,
 }
 
 impl Default for FlownOptions {
     fn default() -> Self {
-        Self { gravity: 9.80665, thrust: Thrust::Engines, thrust_scale: 1.0, properties: Vec::new() }
+        Self {
+            gravity: 9.80665,
+            thrust: Thrust::Engines,
+            thrust_scale: 1.0,
+            properties: Vec::new(),
+            damage: Damage::None,
+        }
     }
 }
 

@@ -1,6 +1,7 @@
 //! Options that name an aircraft and the flight condition in which it is trimmed.
 
 use clap::{Args, ValueEnum};
+use phugoid_aircraft::transport::Damage;
 use phugoid_simulation::quantity::{Angle, AngularRate, Force, Length, Speed};
 
 /// Digitisations of the F-16 wind-tunnel tables.
@@ -15,8 +16,8 @@ pub(crate) enum TablesName {
 /// The aircraft, and what its file leaves open.
 #[derive(Debug, Args)]
 pub(crate) struct AircraftChoice {
-    /// Aircraft: f16 (Stevens & Lewis), a model file, the name of a built-in model (hfb320), or the file or folder of an
-    /// aircraft of JSBSim
+    /// Aircraft: f16 (Stevens & Lewis), a model file, the name of a built-in model (hfb320), the file or folder of an
+    /// aircraft of JSBSim, or the folder of NASA's Generic Transport Model
     #[arg(long, value_name = "NAME|FILE", default_value = "f16")]
     pub(crate) aircraft: String,
     /// Aerodynamic tables of the F-16 [default: book]
@@ -25,12 +26,19 @@ pub(crate) struct AircraftChoice {
     /// Centre of gravity of the F-16, as a fraction of the mean aerodynamic chord [default: 0.35]
     #[arg(long, value_parser = fraction, allow_negative_numbers = true)]
     pub(crate) cg: Option<f64>,
+    /// Damage of the Generic Transport Model, for example left-stabiliser-off
+    #[arg(long, value_name = "DAMAGE", value_parser = damage)]
+    pub(crate) damaged: Option<Damage>,
     /// Property of an aircraft of JSBSim, in its units, for example fcs/flap-pos-norm=0.5; may be repeated
     #[arg(long = "property", value_name = "NAME=VALUE", value_parser = property)]
     pub(crate) properties: Vec<(String, f64)>,
     /// Thrust at full throttle of an aircraft of JSBSim, along body x, in place of its engines
     #[arg(long, value_name = "FORCE")]
     pub(crate) largest_thrust: Option<Force>,
+}
+
+fn damage(text: &str) -> Result<Damage, String> {
+    Damage::from_word(text).ok_or_else(|| format!("there are {}", Damage::ALL.map(Damage::word).join(", ")))
 }
 
 fn property(text: &str) -> Result<(String, f64), String> {

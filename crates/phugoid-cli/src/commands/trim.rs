@@ -83,6 +83,9 @@ fn opened(choice: &AircraftChoice) -> Result<AnyAircraft, Failure> {
         if choice.largest_thrust.is_some() {
             return refuse("--largest-thrust", "an aircraft of JSBSim");
         }
+        if choice.damaged.is_some() {
+            return refuse("--damaged", "the Generic Transport Model");
+        }
         let tables = match choice.tables {
             None | Some(TablesName::Book) => F16Tables::Book,
             Some(TablesName::Morelli) => F16Tables::Morelli,
@@ -97,7 +100,8 @@ fn opened(choice: &AircraftChoice) -> Result<AnyAircraft, Failure> {
         return refuse("--cg", "the F-16");
     }
     let thrust = choice.largest_thrust.map_or(Thrust::Engines, |force| Thrust::AlongBodyX { largest_n: force.si() });
-    let options = FlownOptions { thrust, properties: choice.properties.clone(), ..FlownOptions::default() };
+    let damage = choice.damaged.unwrap_or_default();
+    let options = FlownOptions { thrust, properties: choice.properties.clone(), damage, ..FlownOptions::default() };
     AnyAircraft::open(wanted, &options).map_err(|error| not_opened(wanted, &error))
 }
 
@@ -107,7 +111,7 @@ fn not_opened(wanted: &str, error: &AircraftError) -> Failure {
     }
     Failure::input(format!(
         "{error}\n`{wanted}` is neither f16, nor a built-in model, nor a file or a folder: --aircraft takes a model file \
-         (.toml), or an aircraft of JSBSim (its folder, or the XML file in it)"
+         (.toml), an aircraft of JSBSim (its folder, or the XML file in it), or the folder of NASA's Generic Transport Model"
     ))
 }
 

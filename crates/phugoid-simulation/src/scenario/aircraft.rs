@@ -5,12 +5,14 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use phugoid_aircraft::flown::{FlownOptions, Thrust as FlownThrust};
+use phugoid_aircraft::transport::Damage;
 use phugoid_flight_dynamics::built_in::{AircraftName, BuiltInAircraft};
 use phugoid_flight_dynamics::f16::F16Tables;
-use serde::Deserialize;
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer};
 
 use crate::aircraft::{AircraftError, AnyAircraft};
-use crate::quantity::{Angle, AngularRate, Force, Length, Speed};
+use crate::quantity::{Angle, AngularRate, Force, Length, Speed, Time};
 
 /// The aircraft of a scenario.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -29,6 +31,12 @@ pub struct AircraftSettings {
     /// Thrust at full throttle of an aircraft of JSBSim, along body x, in place of its engines.
     #[serde(default)]
     pub largest_thrust: Option<Force>,
+    /// Damage of the Generic Transport Model, for example `left-stabiliser-off`.
+    #[serde(default)]
+    pub damaged: Option<DamageWord>,
+    /// When the damage happens; from the start of the flight where it is not given.
+    #[serde(default)]
+    pub damaged_at: Option<Time>,
     /// The set of aerodynamic tables that is used for the F-16: `book` or `morelli`.
     #[serde(default)]
     pub tables: Option<F16Tables>,
@@ -44,6 +52,20 @@ pub struct AircraftSettings {
     /// The aircraft once it was opened.
     #[serde(skip)]
     opened: Opened,
+}
+
+/// The word for a damage of the Generic Transport Model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct DamageWord(pub Damage);
+
+impl<'de> Deserialize<'de> for DamageWord {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let word = String::deserialize(deserializer)?;
+        Damage::from_word(&word).map(Self).ok_or_else(|| {
+            let words = Damage::ALL.map(|damage| format!("`{}`", damage.word()));
+            D::Error::custom(format!("unknown damage `{word}`, expected one of {}", words.join(", ")))
+        })
+    }
 }
 
 /// The aircraft of a scenario once it was opened. It follows from the settings, so that any two are equal.
@@ -96,14 +118,28 @@ impl AircraftSettings {
         let thrust =
             self.largest_thrust.map_or(FlownThrust::Engines, |force| FlownThrust::AlongBodyX { largest_n: force.si() });
         let properties = self.properties.iter().map(|(name, value)| (name.clone(), *value)).collect();
-        let options = FlownOptions { thrust, properties, ..FlownOptions::default() };
+        let damage = self.damaged.filter(|_| self.damaged_at.is_none()).map_or(Damage::None, |word| word.0);
+        let options = FlownOptions { thrust, properties, damage, ..FlownOptions::default() };
         let beside = folder.join(file);
         // A name of a built-in model stands in no folder.
         let found = if beside.exists() || file.components().count() > 1 { &beside } else { file };
         AnyAircraft::open(found, &options)
     }
 
+    /// The damage that happens in flight, and when, s; none for one that is there from the start.
+    pub(crate) fn damage_in_flight(&self) -> Option<(Damage, f64)> {
+        Some((self.damaged?.0, self.damaged_at?.si()))
+    }
+
     pub(super) fn check(&self) -> Result<(), String> {
+        if let Some(at) = self.damaged_at {
+            if self.damaged.is_none() {
+                return Err("`aircraft.damaged_at` needs `damaged`, the damage that happens then".to_owned());
+            }
+            if at.si() < 0.0 {
+                return Err(format!("`aircraft.damaged_at` is {at}: a time from the start of the flight on"));
+            }
+        }
         match (&self.kind, &self.file) {
             (Some(_), None) | (None, Some(_)) => {}
             (None, None) => {
@@ -112,10 +148,16 @@ impl AircraftSettings {
             (Some(_), Some(_)) => return Err("`aircraft` has both `type` and `file`: give one of the two".to_owned()),
         }
         let f16_only = [("tables", self.tables.is_some()), ("cg", self.cg.is_some())];
-        let file_only =
-            [("properties", !self.properties.is_empty()), ("largest_thrust", self.largest_thrust.is_some())];
-        let (foreign, of) = if self.file.is_some() { (f16_only, "type = \"f16\"") } else { (file_only, "file") };
-        if let Some((key, _)) = foreign.into_iter().find(|(_, given)| *given) {
+        let file_only = [
+            ("properties", !self.properties.is_empty()),
+            ("largest_thrust", self.largest_thrust.is_some()),
+            ("damaged", self.damaged.is_some()),
+        ];
+        let (foreign, of) = match self.file {
+            Some(_) => (f16_only.as_slice(), "type = \"f16\""),
+            None => (file_only.as_slice(), "file"),
+        };
+        if let Some((key, _)) = foreign.iter().find(|(_, given)| *given) {
             return Err(format!("`aircraft.{key}` has a meaning with `{of}` alone: leave it out"));
         }
         if let Some(cg) = self.cg
