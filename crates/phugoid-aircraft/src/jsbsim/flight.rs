@@ -76,6 +76,57 @@ const NAMES: [&str; 75] = [
     "flight-path/gamma-rad", "atmosphere/pressure-altitude",
 ];
 
+/// Which of the properties that take some computing are wanted.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(super) struct Wanted {
+    /// Components of the velocity.
+    velocity: bool,
+    /// What follows from the attitude.
+    path: bool,
+    calibrated: bool,
+    equivalent: bool,
+    reynolds: bool,
+    density_altitude: bool,
+    pressure_altitude: bool,
+    /// Heights above the sea or the ground.
+    pub(super) height: bool,
+}
+
+impl Wanted {
+    /// All of them.
+    const ALL: Self = Self {
+        velocity: true,
+        path: true,
+        calibrated: true,
+        equivalent: true,
+        reynolds: true,
+        density_altitude: true,
+        pressure_altitude: true,
+        height: true,
+    };
+
+    /// Adds the property of a name.
+    fn add(&mut self, name: &str) {
+        match name {
+            "velocities/vc-kts" | "velocities/vc-fps" => self.calibrated = true,
+            "velocities/ve-kts" | "velocities/ve-fps" => self.equivalent = true,
+            "aero/Re" => self.reynolds = true,
+            "atmosphere/density-altitude" => self.density_altitude = true,
+            "atmosphere/pressure-altitude" => self.pressure_altitude = true,
+            "aero/h_b-cg-ft" => self.height = true,
+            "aero/h_b-mac-ft" => (self.height, self.path) = (true, true),
+            "velocities/machU" | "aero/qbarUW-psf" | "aero/qbarUV-psf" => self.velocity = true,
+            _ if name.starts_with("position/") => self.height = true,
+            _ if name.starts_with("aero/") => {}
+            _ if ["/u-", "/v-fps", "/v-aero-", "/w-"].iter().any(|part| name.contains(part)) => self.velocity = true,
+            _ if ["dot-rad_sec", "/v-", "/h-dot", "/vg-", "flight-path/"].iter().any(|part| name.contains(part)) => {
+                (self.velocity, self.path) = (true, true);
+            }
+            _ => {}
+        }
+    }
+}
+
 impl FlightProperties {
     /// Makes the properties.
     pub(super) fn new(model: &mut Model) -> Self {
@@ -92,6 +143,39 @@ impl FlightProperties {
         self.0.contains(&index)
     }
 
+    /// Number of the properties.
+    pub(super) const COUNT: usize = NAMES.len();
+    /// Place of the dynamic pressure among them, which a test checks.
+    pub(super) const QBAR: usize = 42;
+
+    /// Place of a property among them.
+    pub(super) fn place(&self, index: usize) -> Option<usize> {
+        self.0.iter().position(|&own| own == index)
+    }
+
+    /// The properties in the order of [`FlightProperties::values`].
+    pub(super) fn indices(&self) -> &[usize] {
+        &self.0
+    }
+
+    /// What is to be computed for some of them, by their place in this order.
+    pub(super) fn wanted(places: impl Iterator<Item = usize>) -> Wanted {
+        let mut wanted = Wanted::default();
+        places.for_each(|place| wanted.add(NAMES[place]));
+        wanted
+    }
+
+    /// Values of the properties, of which those that are not wanted mean nothing.
+    #[inline]
+    pub(super) fn values(
+        flight: &FlightCondition,
+        metrics: &Metrics,
+        centre_in: [f64; 3],
+        wanted: &Wanted,
+    ) -> [f64; NAMES.len()] {
+        values(flight, metrics, centre_in, wanted)
+    }
+
     /// Sets the properties.
     pub(super) fn set(
         &self,
@@ -101,24 +185,30 @@ impl FlightProperties {
         metrics: &Metrics,
         centre_in: [f64; 3],
     ) {
-        for (&index, value) in self.0.iter().zip(values(flight, metrics, centre_in)) {
+        for (&index, value) in self.0.iter().zip(values(flight, metrics, centre_in, &Wanted::ALL)) {
             state.write(model, index, value);
         }
     }
 }
 
-/// Values of the properties in the order of [`NAMES`].
-fn values(flight: &FlightCondition, metrics: &Metrics, centre_in: [f64; 3]) -> [f64; 75] {
+/// Values of the properties in the order of [`NAMES`]; those that are not wanted mean nothing.
+#[inline]
+fn values(flight: &FlightCondition, metrics: &Metrics, centre_in: [f64; 3], wanted: &Wanted) -> [f64; NAMES.len()] {
     let speed = flight.airspeed_m_s / FOOT;
     let sound = flight.sound_speed_m_s / FOOT;
     let rho = flight.density_kg_m3 / SLUG_FT3;
     let pressure = flight.pressure_pa / PSF;
     let (alpha, beta) = (flight.alpha_rad, flight.beta_rad);
-    let ((sa, ca), (sb, cb)) = (alpha.sin_cos(), beta.sin_cos());
-    let [u, v, w] = [speed * ca * cb, speed * sb, speed * sa * cb];
+    let [u, v, w] = if wanted.velocity {
+        let ((sa, ca), (sb, cb)) = (alpha.sin_cos(), beta.sin_cos());
+        [speed * ca * cb, speed * sb, speed * sa * cb]
+    } else {
+        [0.0; 3]
+    };
     let [p, q, r] = flight.rates_rad_s;
     let [phi, theta, psi] = flight.attitude_rad;
-    let ((sphi, cphi), (stheta, ctheta), (spsi, cpsi)) = (phi.sin_cos(), theta.sin_cos(), psi.sin_cos());
+    let turned = |angle: f64| if wanted.path { angle.sin_cos() } else { (0.0, 1.0) };
+    let ((sphi, cphi), (stheta, ctheta), (spsi, cpsi)) = (turned(phi), turned(theta), turned(psi));
     // Velocity against the ground where the air is still.
     let (forward, side) = (u * ctheta + (v * sphi + w * cphi) * stheta, v * cphi - w * sphi);
     let north = forward * cpsi - side * spsi;
@@ -127,17 +217,23 @@ fn values(flight: &FlightCondition, metrics: &Metrics, centre_in: [f64; 3]) -> [
     let turning = if ctheta == 0.0 { 0.0 } else { (q * sphi + r * cphi) / ctheta };
     let mach = flight.mach();
     let ratio = |above: f64, below: f64| if below == 0.0 { 0.0 } else { above / below };
-    let calibrated = calibrated_m_s(mach, flight.pressure_pa);
-    let equivalent = (2.0 * flight.dynamic_pressure_pa() / SEA_DENSITY).sqrt();
+    let computed = |is_wanted: bool, value: &dyn Fn() -> f64| if is_wanted { value() } else { 0.0 };
+    let calibrated = computed(wanted.calibrated, &|| calibrated_m_s(mach, flight.pressure_pa));
+    let equivalent = computed(wanted.equivalent, &|| (2.0 * flight.dynamic_pressure_pa() / SEA_DENSITY).sqrt());
     let square = 0.5 * rho;
     let (height, above_ground) = (flight.height_m / FOOT, flight.height_above_ground_m / FOOT);
     let arm = arm_ft(metrics.reference_in, centre_in);
     let reference_down = -arm[0] * stheta + (arm[1] * sphi + arm[2] * cphi) * ctheta;
     let temperature = flight.temperature_k;
-    // Sutherland's law.
-    let viscosity = 1.458e-6 * temperature.max(0.0).powf(1.5) / (temperature + 110.4);
-    let reynolds = ratio(flight.density_kg_m3 * flight.airspeed_m_s * metrics.chord_ft * FOOT, viscosity);
-    let pressure_altitude = altitude_of_pressure_m(flight.pressure_pa) / FOOT;
+    let reynolds = computed(wanted.reynolds, &|| {
+        // Sutherland's law.
+        let viscosity = 1.458e-6 * temperature.max(0.0).powf(1.5) / (temperature + 110.4);
+        ratio(flight.density_kg_m3 * flight.airspeed_m_s * metrics.chord_ft * FOOT, viscosity)
+    });
+    let pressure_altitude = computed(wanted.pressure_altitude, &|| altitude_of_pressure_m(flight.pressure_pa) / FOOT);
+    let density_altitude = computed(wanted.density_altitude, &|| altitude_of_density_m(flight.density_kg_m3) / FOOT);
+    let ground_speed = computed(wanted.path, &|| north.hypot(east));
+    let climb = computed(wanted.path, &|| (-down).atan2(ground_speed));
     [
         speed,
         mach,
@@ -170,7 +266,7 @@ fn values(flight: &FlightCondition, metrics: &Metrics, centre_in: [f64; 3]) -> [
         east,
         down,
         -down,
-        north.hypot(east),
+        ground_speed,
         alpha,
         alpha.to_degrees(),
         beta,
@@ -198,7 +294,7 @@ fn values(flight: &FlightCondition, metrics: &Metrics, centre_in: [f64; 3]) -> [
         flight.density_kg_m3 / SEA_DENSITY,
         flight.pressure_pa / SEA_PRESSURE,
         temperature / SEA_TEMPERATURE,
-        altitude_of_density_m(flight.density_kg_m3) / FOOT,
+        density_altitude,
         height,
         flight.height_m,
         above_ground,
@@ -212,7 +308,7 @@ fn values(flight: &FlightCondition, metrics: &Metrics, centre_in: [f64; 3]) -> [
         phi.to_degrees(),
         theta.to_degrees(),
         psi.to_degrees(),
-        (-down).atan2(north.hypot(east)),
+        climb,
         pressure_altitude,
     ]
 }

@@ -27,6 +27,16 @@ impl Scaling {
     }
 }
 
+/// A property of the aerodynamics that follows the angle of a surface.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Follower {
+    pub(crate) property: usize,
+    /// What the angle is multiplied by, one after the other.
+    pub(crate) factors: [f64; 2],
+    /// The scale of the result, if it is not the result itself.
+    pub(crate) scaling: Option<Scaling>,
+}
+
 /// Properties and tables that the aerodynamics go through.
 struct Reached {
     properties: Vec<bool>,

@@ -63,6 +63,24 @@ impl Table {
         }
     }
 
+    /// Rows, columns (none for a table of one variable) and values row by row; `None` for a table of three variables.
+    pub(super) fn flat(&self) -> Option<(&[f64], &[f64], &[f64])> {
+        match self.pages.as_slice() {
+            [page] if self.breaks.is_empty() => Some((&page.rows, &page.columns, &page.values)),
+            _ => None,
+        }
+    }
+
+    /// The least value of a table of one or two variables between two rows, at a column; `None` for another table.
+    pub(super) fn least(&self, rows: [f64; 2], column: f64) -> Option<f64> {
+        let (keys, ..) = self.flat()?;
+        let [low, high] = rows;
+        let start = keys.partition_point(|&key| key <= low);
+        let inside = keys[start..].iter().copied().take_while(|&key| key < high);
+        let values = inside.chain(rows).map(|row| self.value([row, column, 0.0]));
+        Some(values.fold(f64::INFINITY, |least, value| if value >= least { least } else { value }))
+    }
+
     /// First and last value of a variable: 0 the row, 1 the column, 2 the page.
     pub(super) fn ends(&self, variable: usize) -> Option<[f64; 2]> {
         let page = self.pages.first()?;
@@ -150,6 +168,18 @@ impl Page {
 fn lines(node: Node<'_, '_>) -> Vec<Vec<String>> {
     let words = |line: &str| line.split_whitespace().map(str::to_owned).collect::<Vec<_>>();
     text(node).lines().map(words).filter(|words| !words.is_empty()).collect()
+}
+
+/// As [`place`]; an interval that was found before is looked at first.
+#[inline]
+pub(super) fn place_from(keys: &[f64], value: f64, before: usize) -> (usize, f64) {
+    if let Some(&[low, high]) = keys.get(before..).and_then(<[f64]>::first_chunk)
+        && low <= value
+        && value < high
+    {
+        return (before, (value - low) / (high - low));
+    }
+    place(keys, value)
 }
 
 /// The interval of increasing keys that a value lies in, and how far in it from 0 to 1; beyond the ends, the end.

@@ -138,6 +138,18 @@ impl Piston {
         1.5 * self.max_rpm
     }
 
+    /// Friction, foot pounds per second, that is the same at every speed: with it added, the power at a throttle over the speed
+    /// nowhere rises with the speed, because the pressure in the manifold falls. None where sizes of the file do not say so.
+    pub(super) fn constant_loss(&self, throttle: f64) -> Option<f64> {
+        let closed = 1.0 - throttle.clamp(0.0, 1.0);
+        let falls = self.airbox + closed * closed * self.throttle >= 0.0
+            && self.friction_hp >= 0.0
+            && self.friction_pa[0] >= 0.0
+            && self.consumption > 0.0
+            && self.boosts.iter().all(|boost| boost.times >= 0.0);
+        falls.then_some(self.friction_hp * HORSEPOWER)
+    }
+
     /// Power at a throttle from 0 to 1 and a speed, foot pounds per second. Friction may take more than there is.
     pub(super) fn power(&self, throttle: f64, rpm: f64, air: &Air) -> f64 {
         let speed_ft_s = (rpm * self.stroke_in / 360.0).max(1e-3);

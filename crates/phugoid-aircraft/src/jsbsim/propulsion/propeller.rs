@@ -1,4 +1,4 @@
-//! A propeller at the speed at which it takes the power that its engine gives.
+//! A propeller: thrust and torque at a speed and a pitch, and the power that turns it.
 
 use roxmltree::Node;
 
@@ -49,7 +49,7 @@ impl Power {
     }
 
     /// Foot pounds per second at a throttle from 0 to 1 and a speed of the engine.
-    fn at(&self, throttle: f64, rpm: f64, air: &Air) -> f64 {
+    pub(super) fn at(&self, throttle: f64, rpm: f64, air: &Air) -> f64 {
         match self {
             Self::Piston(piston) => piston.power(throttle, rpm, air),
             Self::Constant { full, breathes } => {
@@ -61,10 +61,19 @@ impl Power {
     }
 
     /// Speed above which the engine is not asked to run, turns per minute.
-    fn most_rpm(&self) -> f64 {
+    pub(super) fn most_rpm(&self) -> f64 {
         match self {
             Self::Piston(piston) => piston.most_rpm(),
             Self::Constant { .. } => 10_000.0,
+        }
+    }
+
+    /// A loss, foot pounds per second, not negative, with which the power over the speed nowhere rises with the speed; none where
+    /// that cannot be said.
+    pub(super) fn constant_loss(&self, throttle: f64) -> Option<f64> {
+        match self {
+            Self::Piston(piston) => piston.constant_loss(throttle),
+            Self::Constant { full, .. } => (*full >= 0.0).then_some(0.0),
         }
     }
 }
@@ -75,15 +84,15 @@ pub(super) struct Propeller {
     diameter_ft: f64,
     /// Inertia about its axis, slug ft2.
     pub(super) inertia: f64,
-    gear: f64,
-    pitch_deg: [f64; 2],
-    rpm: [f64; 2],
-    constant_speed: bool,
+    pub(super) gear: f64,
+    pub(super) pitch_deg: [f64; 2],
+    pub(super) rpm: [f64; 2],
+    pub(super) constant_speed: bool,
     thrust: Table,
-    power: Table,
+    pub(super) power: Table,
     thrust_mach: Option<Table>,
-    power_mach: Option<Table>,
-    factors: [f64; 2],
+    pub(super) power_mach: Option<Table>,
+    pub(super) factors: [f64; 2],
     /// Sign of its spin in the gyroscopic moment: files before version 1.01 have the opposite one.
     pub(super) gyroscopic: f64,
 }
@@ -159,65 +168,39 @@ impl Propeller {
     /// Thrust and torque at a speed and a pitch.
     pub(super) fn at(&self, inflow: &Inflow, rpm: f64, pitch_deg: f64) -> Work {
         let turns = rpm / 60.0;
-        let advance = inflow.along_ft_s / (self.diameter_ft * if turns > 0.0 { turns } else { 1.0 });
+        let advance = self.advance(inflow, rpm);
+        let mach = self.of_mach(&self.thrust_mach, inflow, turns);
+        let thrust = self.factors[0] * mach * self.thrust.value([advance, pitch_deg, 0.0]);
+        let square = inflow.density * turns * turns * self.diameter_ft.powi(4);
+        Work { thrust_lb: thrust * square, torque_ft_lb: self.torque_ft_lb(inflow, rpm, pitch_deg), rpm }
+    }
+
+    /// Torque that it takes at a speed and a pitch, foot pounds.
+    pub(super) fn torque_ft_lb(&self, inflow: &Inflow, rpm: f64, pitch_deg: f64) -> f64 {
+        let turns = rpm / 60.0;
+        let advance = self.advance(inflow, rpm);
+        let mach = self.of_mach(&self.power_mach, inflow, turns);
+        let power = self.factors[1] * mach * self.power.value([advance, pitch_deg, 0.0]);
+        let square = inflow.density * turns * turns * self.diameter_ft.powi(4);
+        power * square * self.diameter_ft / (2.0 * std::f64::consts::PI)
+    }
+
+    /// Advance ratio at a speed.
+    pub(super) fn advance(&self, inflow: &Inflow, rpm: f64) -> f64 {
+        let turns = rpm / 60.0;
+        inflow.along_ft_s / (self.diameter_ft * if turns > 0.0 { turns } else { 1.0 })
+    }
+
+    /// The value of a table over the Mach number of the tip; 1 without a table.
+    fn of_mach(&self, table: &Option<Table>, inflow: &Inflow, turns: f64) -> f64 {
+        let Some(table) = table else { return 1.0 };
         let tip = turns * self.diameter_ft * std::f64::consts::PI;
         let tip_mach = if inflow.sound_ft_s > 0.0 { tip.hypot(inflow.along_ft_s) / inflow.sound_ft_s } else { 0.0 };
-        let mach = |table: &Option<Table>| table.as_ref().map_or(1.0, |table| table.value([tip_mach, 0.0, 0.0]));
-        let thrust = self.factors[0] * mach(&self.thrust_mach) * self.thrust.value([advance, pitch_deg, 0.0]);
-        let power = self.factors[1] * mach(&self.power_mach) * self.power.value([advance, pitch_deg, 0.0]);
-        let diameter4 = self.diameter_ft.powi(4);
-        let square = inflow.density * turns * turns * diameter4;
-        Work {
-            thrust_lb: thrust * square,
-            torque_ft_lb: power * square * self.diameter_ft / (2.0 * std::f64::consts::PI),
-            rpm,
-        }
+        table.value([tip_mach, 0.0, 0.0])
     }
 
     /// Pitch at one end of its range.
     pub(super) fn fine_pitch_deg(&self) -> f64 {
         self.pitch_deg[0]
-    }
-
-    /// The work at which engine and propeller are in balance. `lever` from 0 to 1 asks for a speed between the least and the most.
-    pub(super) fn balance(&self, inflow: &Inflow, engine: &Power, throttle: f64, lever: f64, air: &Air) -> Work {
-        let surplus = |rpm: f64, pitch: f64| {
-            let work = self.at(inflow, rpm, pitch);
-            engine.at(throttle, rpm * self.gear, air) - work.torque_ft_lb * rpm / 60.0 * 2.0 * std::f64::consts::PI
-        };
-        let [fine, coarse] = self.pitch_deg;
-        if self.constant_speed && fine < coarse {
-            let wanted = self.rpm[0] + (self.rpm[1] - self.rpm[0]) * lever.clamp(0.0, 1.0);
-            if wanted > 0.0 {
-                if surplus(wanted, fine) <= 0.0 {
-                    return self.at(inflow, self.free_rpm(|rpm| surplus(rpm, fine), wanted), fine);
-                }
-                if surplus(wanted, coarse) >= 0.0 {
-                    return self.at(inflow, self.free_rpm(|rpm| surplus(rpm, coarse), 1.2 * wanted), coarse);
-                }
-                let (mut low, mut high) = (fine, coarse);
-                for _ in 0..50 {
-                    let middle = 0.5 * (low + high);
-                    *(if surplus(wanted, middle) > 0.0 { &mut low } else { &mut high }) = middle;
-                }
-                return self.at(inflow, wanted, low);
-            }
-        }
-        self.at(inflow, self.free_rpm(|rpm| surplus(rpm, fine), engine.most_rpm() / self.gear), fine)
-    }
-
-    /// The highest speed below a bound at which there is no power to spare; 0 where there is none at any speed.
-    fn free_rpm(&self, surplus: impl Fn(f64) -> f64, most: f64) -> f64 {
-        const STEPS: u32 = 100;
-        let step = most / f64::from(STEPS);
-        let Some(below) = (1..=STEPS).rev().map(|k| f64::from(k) * step).find(|&rpm| surplus(rpm) > 0.0) else {
-            return 0.0;
-        };
-        let (mut low, mut high) = (below, (below + step).min(most));
-        for _ in 0..40 {
-            let middle = 0.5 * (low + high);
-            *(if surplus(middle) > 0.0 { &mut low } else { &mut high }) = middle;
-        }
-        low
     }
 }
