@@ -4,6 +4,7 @@ mod compiled;
 
 pub(crate) use compiled::{AerodynamicWorkspace, CompiledAerodynamics};
 
+use phugoid_flight_dynamics::scalar::Scalar;
 use roxmltree::Node;
 
 use super::error::{JsbsimError, Omission};
@@ -331,7 +332,7 @@ struct Turn([(f64, f64); 2]);
 
 impl Turn {
     fn new(alpha: f64, beta: f64) -> Self {
-        Self([alpha.sin_cos(), beta.sin_cos()])
+        Self([alpha, beta].map(Scalar::sin_cos))
     }
 
     /// From axes of the wind to those of the body.

@@ -2,7 +2,7 @@
 
 use super::aircraft::Aircraft;
 use super::evaluator::{Evaluator, ForceMoment};
-use super::flight::{FlightCondition, FlightProperties, Wanted};
+use super::flight::{FlightCondition, FlightProperties, Known, Wanted};
 use super::function::Action;
 use super::mass::Metrics;
 use super::model::State;
@@ -33,7 +33,7 @@ impl FlightInputs {
         &self.wanted
     }
 
-    /// Sets the registers and gives all values.
+    /// Sets the registers; gives the dynamic pressure, pounds per square foot.
     #[inline]
     pub(super) fn set(
         &self,
@@ -41,17 +41,12 @@ impl FlightInputs {
         flight: &FlightCondition,
         metrics: &Metrics,
         centre_in: [f64; 3],
-    ) -> [f64; FlightProperties::COUNT] {
-        let values = FlightProperties::values(flight, metrics, centre_in, &self.wanted);
+    ) -> f64 {
+        let known = Known::new(flight, metrics, centre_in, &self.wanted);
         for &(place, register) in &self.registers {
-            registers.values[register as usize] = values[place];
+            registers.values[register as usize] = known.value(place);
         }
-        values
-    }
-
-    /// Dynamic pressure among the values, pounds per square foot.
-    pub(super) fn qbar_psf(values: &[f64; FlightProperties::COUNT]) -> f64 {
-        values[FlightProperties::QBAR]
+        known.qbar()
     }
 }
 

@@ -19,6 +19,10 @@ pub(super) enum Operation {
     Subtract(Register, Register),
     /// Product.
     Multiply(Register, Register),
+    /// Sum of a range of the arguments, from the first on.
+    Sum(u32, u32),
+    /// Product of a range of the arguments, from the first on.
+    Product(u32, u32),
     /// The first over the second, infinite where that is 0.
     Divide(Register, Register),
     /// An action of one number.
@@ -31,7 +35,7 @@ pub(super) enum Operation {
     Many(Action, u32, u32),
     /// Finds the place of a number among a range of the numbers.
     Locate { keys: [u32; 2], x: Register },
-    /// Interpolates in the numbers from `values` on.
+    /// Interpolates in the pairs from `values` on, each of a number and of what the next row has more.
     Linear { values: u32, row: u32 },
     /// The same by rows of `width` numbers.
     Bilinear { values: u32, width: u32, row: u32, column: u32 },
@@ -52,8 +56,10 @@ pub(super) struct Program {
     pub(super) instructions: Vec<Instruction>,
     /// What the registers hold before the first run: constants in their places, 0 elsewhere.
     pub(super) initial: Vec<f64>,
-    /// Keys and values of tables.
+    /// Keys of tables.
     pub(super) numbers: Vec<f64>,
+    /// Values of tables, each with what the next row has more, and 0 in the last row.
+    pub(super) pairs: Vec<[f64; 2]>,
     pub(super) arguments: Vec<Register>,
     /// Tables of three variables.
     pub(super) tables: Vec<Table>,
@@ -84,10 +90,12 @@ impl Program {
     /// Computes what some instructions of it give.
     pub(super) fn run_some(&self, instructions: &[Instruction], registers: &mut Registers) {
         let Registers { values, places, arguments } = registers;
+        let (values, places) = (values.as_mut_slice(), places.as_mut_slice());
         let numbers = self.numbers.as_slice();
-        let number = |index: usize| numbers.get(index).copied().unwrap_or(f64::NAN);
-        let between = |first: f64, next: usize, share: f64| {
-            if share == 0.0 { first } else { first + share * (number(next) - first) }
+        // At a row, a share of the way to the next one; of the last row there is none, and its share is 0.
+        let along = |pair: usize, share: f64| match self.pairs.get(pair) {
+            Some(&[first, more]) => first + share * more,
+            None => f64::NAN,
         };
         for instruction in instructions {
             let value = |register: Register| values[register as usize];
@@ -95,6 +103,14 @@ impl Program {
                 Operation::Add(a, b) => value(a) + value(b),
                 Operation::Subtract(a, b) => value(a) - value(b),
                 Operation::Multiply(a, b) => value(a) * value(b),
+                Operation::Sum(start, end) => {
+                    let from = &self.arguments[start as usize..end as usize];
+                    from.iter().fold(0.0, |sum, &register| sum + value(register))
+                }
+                Operation::Product(start, end) => {
+                    let from = &self.arguments[start as usize..end as usize];
+                    from.iter().fold(1.0, |product, &register| product * value(register))
+                }
                 Operation::Divide(a, b) => {
                     let below = value(b);
                     if below == 0.0 { f64::INFINITY } else { value(a) / below }
@@ -102,9 +118,9 @@ impl Program {
                 Operation::One(action, a) => apply(action, &[value(a)]),
                 Operation::Two(action, from) => apply(action, &from.map(value)),
                 Operation::Three(action, from) => apply(action, &from.map(value)),
-                Operation::Many(action, start, count) => {
+                Operation::Many(action, start, end) => {
                     arguments.clear();
-                    let from = &self.arguments[start as usize..(start + count) as usize];
+                    let from = &self.arguments[start as usize..end as usize];
                     arguments.extend(from.iter().map(|&register| values[register as usize]));
                     apply(action, arguments)
                 }
@@ -115,16 +131,17 @@ impl Program {
                 }
                 Operation::Linear { values, row } => {
                     let (row, share) = places[row as usize];
-                    let first = values as usize + row;
-                    between(number(first), first + 1, share)
+                    along(values as usize + row, share)
                 }
                 Operation::Bilinear { values, width, row, column } => {
                     let ((row, row_share), (column, column_share)) = (places[row as usize], places[column as usize]);
-                    let width = width as usize;
-                    let start = values as usize + row * width + column;
-                    let along = |start: usize| between(number(start), start + width, row_share);
-                    let first = along(start);
-                    if column_share == 0.0 { first } else { first + column_share * (along(start + 1) - first) }
+                    let start = values as usize + row * width as usize + column;
+                    let first = along(start, row_share);
+                    if column_share == 0.0 {
+                        first
+                    } else {
+                        first + column_share * (along(start + 1, row_share) - first)
+                    }
                 }
                 Operation::Table { table, at } => self.tables[table as usize].value(at.map(value)),
             };
@@ -150,7 +167,9 @@ impl Program {
                 Operation::One(_, a) => any(&[a]),
                 Operation::Two(_, from) => any(&from),
                 Operation::Three(_, from) | Operation::Table { at: from, .. } => any(&from),
-                Operation::Many(_, start, count) => any(&self.arguments[start as usize..(start + count) as usize]),
+                Operation::Sum(start, end) | Operation::Product(start, end) | Operation::Many(_, start, end) => {
+                    any(&self.arguments[start as usize..end as usize])
+                }
                 Operation::Locate { x, .. } => any(&[x]),
                 Operation::Linear { row, .. } => moved_places[row as usize],
                 Operation::Bilinear { row, column, .. } => moved_places[row as usize] || moved_places[column as usize],

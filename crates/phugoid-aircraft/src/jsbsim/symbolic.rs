@@ -251,13 +251,54 @@ impl<'a> Symbolic<'a> {
                 self.sources(name).into_iter().for_each(|source| needed[source] = true);
             }
         }
+        let chains = self.chains(&needed, outputs);
         let mut building = Building::default();
         let mut registers = vec![Register::MAX; self.nodes.len()];
         for name in (0..self.nodes.len()).filter(|&name| needed[name]) {
-            registers[name] = building.add(self.model, &self.nodes[name], &registers);
+            match &chains[name] {
+                Chain::Inside => {}
+                Chain::None => registers[name] = building.add(self.model, &self.nodes[name], &registers),
+                Chain::Whole(action, links) => registers[name] = building.add_chain(*action, links, &registers),
+            }
         }
         let inputs = inputs.iter().map(|&name| needed[name].then_some(registers[name])).collect();
         (building.program, inputs, outputs.iter().map(|&name| registers[name]).collect())
+    }
+
+    /// Sums of sums and products of products, of which only the last is used, are one chain.
+    fn chains(&self, needed: &[bool], outputs: &[Name]) -> Vec<Chain> {
+        let mut uses = vec![0_usize; self.nodes.len()];
+        for &output in outputs {
+            // Not inside a chain, whatever else uses it.
+            uses[output] += 2;
+        }
+        for name in (0..self.nodes.len()).filter(|&name| needed[name]) {
+            self.sources(name).into_iter().for_each(|source| uses[source] += 1);
+        }
+        let pair = |name: Name| match &self.nodes[name] {
+            Node::Apply(action @ (Action::Sum | Action::Product), from) => match from.as_ref() {
+                [a, b] => Some((*action, [*a, *b])),
+                _ => None,
+            },
+            _ => None,
+        };
+        let mut chains: Vec<Chain> = self.nodes.iter().map(|_| Chain::None).collect();
+        for name in (0..self.nodes.len()).filter(|&name| needed[name]) {
+            let Some((action, [first, last])) = pair(name) else { continue };
+            if uses[first] != 1 {
+                continue;
+            }
+            let links = match (std::mem::replace(&mut chains[first], Chain::Inside), pair(first)) {
+                (Chain::Whole(before, links), _) if before == action => [links.as_slice(), &[last]].concat(),
+                (Chain::None, Some((before, [a, b]))) if before == action => vec![a, b, last],
+                (other, _) => {
+                    chains[first] = other;
+                    continue;
+                }
+            };
+            chains[name] = Chain::Whole(action, links);
+        }
+        chains
     }
 
     fn sources(&self, name: Name) -> Vec<Name> {
@@ -269,6 +310,16 @@ impl<'a> Symbolic<'a> {
             Node::Table(_, at) => at.to_vec(),
         }
     }
+}
+
+/// What a node is of a chain of sums or of products.
+#[derive(Debug)]
+enum Chain {
+    None,
+    /// Only the next one of the chain uses it.
+    Inside,
+    /// The last, with all numbers that the chain goes through.
+    Whole(Action, Vec<Name>),
 }
 
 /// A program in the making.
@@ -296,9 +347,8 @@ impl Building {
                 (action, [a, b]) => Operation::Two(action, [register(a), register(b)]),
                 (action, [a, b, c]) => Operation::Three(action, [a, b, c].map(register)),
                 (action, from) => {
-                    let start = self.program.arguments.len() as u32;
-                    self.program.arguments.extend(from.iter().map(register));
-                    Operation::Many(action, start, from.len() as u32)
+                    let [start, end] = self.arguments(from, registers);
+                    Operation::Many(action, start, end)
                 }
             },
             Node::Place(keys, x) => {
@@ -312,12 +362,19 @@ impl Building {
             Node::Value(table, row, column) => {
                 let flat = model.tables[*table].table.flat();
                 let (_, columns, numbers) = flat.unwrap_or_default();
-                let values = *self.values.entry(*table).or_insert_with(|| push(&mut self.program.numbers, numbers)[0]);
+                let width = columns.len().max(1);
+                let values = *self.values.entry(*table).or_insert_with(|| {
+                    let start = self.program.pairs.len() as u32;
+                    let next = numbers.iter().skip(width).zip(numbers).map(|(next, value)| next - value);
+                    let next = next.chain(std::iter::repeat(0.0));
+                    self.program.pairs.extend(numbers.iter().zip(next).map(|(&value, more)| [value, more]));
+                    start
+                });
                 match column {
                     None => Operation::Linear { values, row: register(row) },
                     Some(column) => Operation::Bilinear {
                         values,
-                        width: columns.len() as u32,
+                        width: width as u32,
                         row: register(row),
                         column: register(column),
                     },
@@ -329,9 +386,30 @@ impl Building {
                 Operation::Table { table, at: at.map(|name| registers[name]) }
             }
         };
+        self.instruction(operation)
+    }
+
+    /// Adds a chain of sums or products.
+    fn add_chain(&mut self, action: Action, links: &[Name], registers: &[Register]) -> Register {
+        let [start, end] = self.arguments(links, registers);
+        self.instruction(if action == Action::Sum {
+            Operation::Sum(start, end)
+        } else {
+            Operation::Product(start, end)
+        })
+    }
+
+    fn instruction(&mut self, operation: Operation) -> Register {
         let to = self.register(0.0);
         self.program.instructions.push(Instruction { to, operation });
         to
+    }
+
+    /// Appends arguments; gives where they begin and end.
+    fn arguments(&mut self, names: &[Name], registers: &[Register]) -> [u32; 2] {
+        let start = self.program.arguments.len() as u32;
+        self.program.arguments.extend(names.iter().map(|&name| registers[name]));
+        [start, self.program.arguments.len() as u32]
     }
 
     fn register(&mut self, holding: f64) -> Register {

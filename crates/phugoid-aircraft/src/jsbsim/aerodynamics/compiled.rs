@@ -154,8 +154,7 @@ impl CompiledAerodynamics {
         flight: &FlightCondition,
         angles: [f64; 3],
     ) -> ForceMoment {
-        let values = self.flight.set(&mut workspace.registers, flight, &aircraft.metrics, self.centre_in);
-        workspace.qbar_psf = FlightInputs::qbar_psf(&values);
+        workspace.qbar_psf = self.flight.set(&mut workspace.registers, flight, &aircraft.metrics, self.centre_in);
         if self.turns {
             workspace.turn = Turn::new(flight.alpha_rad, flight.beta_rad);
         }

@@ -1,67 +1,79 @@
 //! The speed and the pitch at which a propeller takes the power that its engine gives.
 
 use super::piston::Air;
-use super::propeller::{Inflow, Power, Propeller, Work};
+use super::propeller::{Inflow, Power, Propeller, Rows, Running, Taking, Work};
 
 /// Speeds are found to this part of a turn per minute, a power of two, so that what is found does not depend on where the
 /// search began.
 const GRAIN: f64 = 1.0 / (1_u64 << 35) as f64;
+/// Distance from the balance times that of the points of a line, over the speed, for the line to stand for the curve.
+const NEAR: f64 = 1e-3 * GRAIN;
+/// Share of the grain that the error of such a line is far below.
+const MARGIN: f64 = 0.05;
 /// Parts of the range of speeds that are looked at in turn.
 const STEPS: u32 = 100;
-
-/// An engine at a throttle from 0 to 1 in some air.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Running<'a> {
-    pub(super) power: &'a Power,
-    pub(super) throttle: f64,
-    pub(super) air: Air,
-}
 
 /// Where the balance was last, to begin the next search from: turns per minute, and the change of the power to spare with it.
 /// It makes the search shorter and does not change what is found.
 #[derive(Debug, Clone, Copy, Default)]
 pub(in crate::jsbsim) struct Guess {
     found: Option<[f64; 2]>,
+    /// Rows of the tables.
+    pub(super) rows: Rows,
+}
+
+/// An engine at a throttle from 0 to 1 in some air.
+#[derive(Debug)]
+pub(super) struct Engine<'a> {
+    running: Running<'a>,
+    most_rpm: f64,
+    /// As [`Power::constant_loss`].
+    loss: Option<f64>,
+}
+
+impl<'a> Engine<'a> {
+    pub(super) fn new(power: &'a Power, throttle: f64, air: &Air) -> Self {
+        Self { running: power.running(throttle, air), most_rpm: power.most_rpm(), loss: power.constant_loss(throttle) }
+    }
 }
 
 /// A propeller of a pitch with its engine.
 struct Turning<'a> {
     propeller: &'a Propeller,
     inflow: &'a Inflow,
-    engine: &'a Running<'a>,
-    pitch_deg: f64,
+    engine: &'a Engine<'a>,
+    taking: Taking<'a>,
     /// Speed that it is not above, turns per minute.
     most: f64,
 }
 
 impl Propeller {
     /// The work at which engine and propeller are in balance. `lever` from 0 to 1 asks for a speed between the least and the most.
-    pub(super) fn balance(&self, inflow: &Inflow, engine: &Running<'_>, lever: f64, guess: &mut Guess) -> Work {
+    pub(super) fn balance(&self, inflow: &Inflow, engine: &Engine<'_>, lever: f64, guess: &mut Guess) -> Work {
         let [fine, coarse] = self.pitch_deg;
         let free = |pitch_deg: f64, most: f64, guess: &mut Guess| {
-            let turning = Turning { propeller: self, inflow, engine, pitch_deg, most };
-            self.at(inflow, turning.free_rpm(guess), pitch_deg)
+            let turning =
+                Turning { propeller: self, inflow, engine, taking: self.taking(inflow, pitch_deg, guess.rows), most };
+            let rpm = turning.free_rpm(guess);
+            turning.taking.work(rpm, &mut guess.rows)
         };
         if self.constant_speed && fine < coarse {
             let wanted = self.rpm[0] + (self.rpm[1] - self.rpm[0]) * lever.clamp(0.0, 1.0);
             if wanted > 0.0 {
-                let given = engine.power.at(engine.throttle, wanted * self.gear, &engine.air);
-                let surplus = |pitch: f64| given - self.taken(inflow, wanted, pitch);
+                let given = engine.running.at(wanted * self.gear);
+                let rows = guess.rows;
+                let surplus = |pitch: f64| given - self.taking(inflow, pitch, rows).at(wanted);
                 if surplus(fine) <= 0.0 {
                     return free(fine, wanted, guess);
                 }
                 if surplus(coarse) >= 0.0 {
                     return free(coarse, 1.2 * wanted, guess);
                 }
-                return self.at(inflow, wanted, self.balanced_pitch(surplus));
+                let pitch = self.balanced_pitch(surplus);
+                return self.taking(inflow, pitch, rows).work(wanted, &mut guess.rows);
             }
         }
-        free(fine, engine.power.most_rpm() / self.gear, guess)
-    }
-
-    /// Power that it takes at a speed and a pitch, foot pounds per second.
-    fn taken(&self, inflow: &Inflow, rpm: f64, pitch_deg: f64) -> f64 {
-        self.torque_ft_lb(inflow, rpm, pitch_deg) * rpm / 60.0 * 2.0 * std::f64::consts::PI
+        free(fine, engine.most_rpm / self.gear, guess)
     }
 
     /// The pitch at which there is no power to spare, of which there is some at the finest and none at the coarsest.
@@ -93,11 +105,11 @@ impl Propeller {
 
 impl Turning<'_> {
     fn given(&self, rpm: f64) -> f64 {
-        self.engine.power.at(self.engine.throttle, rpm * self.propeller.gear, &self.engine.air)
+        self.engine.running.at(rpm * self.propeller.gear)
     }
 
     fn taken(&self, rpm: f64) -> f64 {
-        self.propeller.taken(self.inflow, rpm, self.pitch_deg)
+        self.taking.at(rpm)
     }
 
     fn surplus(&self, rpm: f64) -> f64 {
@@ -139,70 +151,63 @@ impl Turning<'_> {
         let (mut rpm, mut surplus, mut slope) = (before, self.surplus(before), slope);
         for _ in 0..6 {
             let next = rpm - surplus / slope;
-            let near = (next - rpm).abs() < 0.02 * self.most;
-            if !near {
+            let low = (next / GRAIN).floor() * GRAIN;
+            if !((next - rpm).abs() < 0.02 * self.most && low > 0.0 && low < self.most) {
                 return None;
             }
-            let grain = (next / GRAIN).floor();
-            let low = grain * GRAIN;
-            if !(low > 0.0 && low < self.most) {
-                return None;
-            }
-            let here = self.surplus(low);
+            let (given, taken) = (self.given(low), self.taken(low));
+            let here = given - taken;
+            let slope_before = slope;
             if low != rpm {
                 slope = (here - surplus) / (low - rpm);
             }
-            // As good as it gets when the power to spare is what a few grains change.
-            if here.abs() <= 4.0 * GRAIN * slope.abs() {
-                return self.last_grain(grain, here).map(|rpm| [rpm, slope]);
+            // A line through the last two differs from the curve by a share of their distance, unless there is a kink between.
+            let off = (here / slope).abs();
+            if off * (low - rpm).abs() <= NEAR * rpm && (slope - slope_before).abs() <= 2e-3 * slope.abs() {
+                let rpm = self.last_grain(low, here, slope)?;
+                return self.none_above(rpm, given, taken).then_some([rpm, slope]);
             }
             (rpm, surplus) = (low, here);
         }
         None
     }
 
-    /// The last point of the grain with power to spare, from one beside it; none where there may be a higher one.
-    fn last_grain(&self, mut grain: f64, surplus: f64) -> Option<f64> {
+    /// The last point of the grain with power to spare, from the power to spare at one near it and the slope.
+    fn last_grain(&self, near: f64, surplus: f64, slope: f64) -> Option<f64> {
         const TRIED: u32 = 16;
-        let mut spare = surplus > 0.0;
+        let crossing = (near - surplus / slope) / GRAIN;
+        let low = crossing.floor();
+        if (MARGIN..=1.0 - MARGIN).contains(&(crossing - low)) {
+            return Some(low * GRAIN);
+        }
+        // The crossing is beside a point of the grain, where only the power to spare tells on which side.
+        let mut grain = crossing.round();
+        let mut spare = self.surplus(grain * GRAIN) > 0.0;
         for _ in 0..TRIED {
             let next = if spare { grain + 1.0 } else { grain - 1.0 };
-            let high = grain.max(next) * GRAIN;
-            let (given, taken) = (self.given(next * GRAIN), self.taken(next * GRAIN));
-            let next_spare = given - taken > 0.0;
+            let next_spare = self.surplus(next * GRAIN) > 0.0;
             if spare != next_spare {
-                return self.none_above(high).then_some(grain.min(next) * GRAIN);
+                return Some(grain.min(next) * GRAIN);
             }
             (grain, spare) = (next, next_spare);
         }
         None
     }
 
-    /// Whether it is certain that nowhere between a speed without power to spare and the bound there is some.
+    /// Whether it is certain that nowhere between a speed of balance and the bound there is power to spare, from the powers beside
+    /// the balance.
     ///
     /// At `x` times the speed, `x >= 1`, the engine gives no more than `x (given + loss) - loss`, and the propeller takes no less
-    /// than `x^3` times what it would with the least coefficient in between.
-    fn none_above(&self, rpm: f64) -> bool {
+    /// than `x^3` times what it takes now where no coefficient in between is less than that of now.
+    fn none_above(&self, rpm: f64, given: f64, taken: f64) -> bool {
         let propeller = self.propeller;
-        let Some(loss) = self.engine.power.constant_loss(self.engine.throttle) else { return false };
-        if propeller.power_mach.is_some() || propeller.factors[1] < 0.0 {
-            return false;
-        }
+        let Some(loss) = self.engine.loss else { return false };
         let advances = [self.most, rpm].map(|rpm| propeller.advance(self.inflow, rpm));
-        if advances[0] > advances[1] {
-            return false;
-        }
-        let Some(least) = propeller.power.least(advances, self.pitch_deg) else { return false };
-        let here = propeller.power.value([advances[1], self.pitch_deg, 0.0]);
-        let (given, taken) = (self.given(rpm), self.taken(rpm));
-        // What is taken with the coefficient of now is in proportion to it.
-        let taken = if least < here { taken * (least / here) } else { taken };
-        let excess = |x: f64| x * x * x * taken - x * (given + loss) + loss;
-        if !(taken >= 0.0 && excess(1.0) >= 0.0) {
-            return false;
-        }
-        // Convex in x: its least value is where it does not change, or at an end.
-        let flat = ((given + loss).max(0.0) / (3.0 * taken)).sqrt();
-        flat <= 1.0 || excess(flat.min(self.most / rpm)) >= 0.0
+        // Then it takes more than the engine gives from here on, because it does so where x begins to rise.
+        propeller.power_mach.is_none()
+            && propeller.factors[1] >= 0.0
+            && 3.0 * taken > 1.001 * (given + loss)
+            && advances[0] <= advances[1]
+            && self.taking.is_least_at_end(advances)
     }
 }

@@ -6,8 +6,8 @@ mod propeller;
 
 use roxmltree::Node;
 
+use balance::Engine as Turning;
 pub(super) use balance::Guess;
-use balance::Running;
 use piston::Air;
 use propeller::{Inflow, Power, Propeller};
 
@@ -180,7 +180,7 @@ impl Engine {
             Some(rpm) => propelled.propeller.at(&inflow, rpm.max(0.0), propelled.propeller.fine_pitch_deg()),
             None => {
                 let air = Air { pressure_pa: pressure * PSF, temperature_k: temperature / 1.8, ram_pa: qbar * PSF };
-                let engine = Running { power: &propelled.power, throttle, air };
+                let engine = Turning::new(&propelled.power, throttle, &air);
                 propelled.propeller.balance(&inflow, &engine, lever, guess)
             }
         };

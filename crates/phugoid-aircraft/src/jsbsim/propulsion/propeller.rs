@@ -4,9 +4,9 @@ use roxmltree::Node;
 
 use super::super::error::JsbsimError;
 use super::super::source::{Source, children, parse, shortened, tag};
-use super::super::table::Table;
+use super::super::table::{Column, Table};
 use super::super::units::Unit;
-use super::piston::{Air, Piston};
+use super::piston::{Air, Piston, RunningPiston};
 
 /// Foot pounds per second in a horsepower.
 const HORSEPOWER: f64 = 550.0;
@@ -48,14 +48,14 @@ impl Power {
         }
     }
 
-    /// Foot pounds per second at a throttle from 0 to 1 and a speed of the engine.
-    pub(super) fn at(&self, throttle: f64, rpm: f64, air: &Air) -> f64 {
+    /// It at a throttle from 0 to 1 in some air.
+    pub(super) fn running(&self, throttle: f64, air: &Air) -> Running<'_> {
         match self {
-            Self::Piston(piston) => piston.power(throttle, rpm, air),
+            Self::Piston(piston) => Running::Piston(piston.running(throttle, air)),
             Self::Constant { full, breathes } => {
                 let density_ratio = air.pressure_pa / 101_325.0 * 288.15 / air.temperature_k.max(1.0);
                 let left = if *breathes { density_ratio.clamp(0.0, 1.2) } else { 1.0 };
-                full * throttle.clamp(0.0, 1.0) * left
+                Running::Constant(full * throttle.clamp(0.0, 1.0) * left)
             }
         }
     }
@@ -74,6 +74,26 @@ impl Power {
         match self {
             Self::Piston(piston) => piston.constant_loss(throttle),
             Self::Constant { full, .. } => (*full >= 0.0).then_some(0.0),
+        }
+    }
+}
+
+/// An engine at a throttle in some air.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Running<'a> {
+    /// A piston engine.
+    Piston(RunningPiston<'a>),
+    /// The same at every speed, foot pounds per second.
+    Constant(f64),
+}
+
+impl Running<'_> {
+    /// Foot pounds per second at a speed of the engine, turns per minute.
+    #[inline]
+    pub(super) fn at(&self, rpm: f64) -> f64 {
+        match self {
+            Self::Piston(piston) => piston.power(rpm),
+            Self::Constant(power) => *power,
         }
     }
 }
@@ -167,28 +187,26 @@ impl Propeller {
 
     /// Thrust and torque at a speed and a pitch.
     pub(super) fn at(&self, inflow: &Inflow, rpm: f64, pitch_deg: f64) -> Work {
-        let turns = rpm / 60.0;
-        let advance = self.advance(inflow, rpm);
-        let mach = self.of_mach(&self.thrust_mach, inflow, turns);
-        let thrust = self.factors[0] * mach * self.thrust.value([advance, pitch_deg, 0.0]);
-        let square = inflow.density * turns * turns * self.diameter_ft.powi(4);
-        Work { thrust_lb: thrust * square, torque_ft_lb: self.torque_ft_lb(inflow, rpm, pitch_deg), rpm }
-    }
-
-    /// Torque that it takes at a speed and a pitch, foot pounds.
-    pub(super) fn torque_ft_lb(&self, inflow: &Inflow, rpm: f64, pitch_deg: f64) -> f64 {
-        let turns = rpm / 60.0;
-        let advance = self.advance(inflow, rpm);
-        let mach = self.of_mach(&self.power_mach, inflow, turns);
-        let power = self.factors[1] * mach * self.power.value([advance, pitch_deg, 0.0]);
-        let square = inflow.density * turns * turns * self.diameter_ft.powi(4);
-        power * square * self.diameter_ft / (2.0 * std::f64::consts::PI)
+        self.taking(inflow, pitch_deg, Rows::default()).work(rpm, &mut Rows::default())
     }
 
     /// Advance ratio at a speed.
     pub(super) fn advance(&self, inflow: &Inflow, rpm: f64) -> f64 {
         let turns = rpm / 60.0;
         inflow.along_ft_s / (self.diameter_ft * if turns > 0.0 { turns } else { 1.0 })
+    }
+
+    /// What it takes at a pitch, to be asked at several speeds.
+    pub(super) fn taking<'a>(&'a self, inflow: &'a Inflow, pitch_deg: f64, rows: Rows) -> Taking<'a> {
+        let scale = self.factors[1] * inflow.density * self.diameter_ft.powi(5) / 60.0_f64.powi(3);
+        Taking {
+            propeller: self,
+            inflow,
+            pitch_deg,
+            coefficients: self.power.at_column(pitch_deg, rows.power),
+            scale,
+            rows,
+        }
     }
 
     /// The value of a table over the Mach number of the tip; 1 without a table.
@@ -202,5 +220,55 @@ impl Propeller {
     /// Pitch at one end of its range.
     pub(super) fn fine_pitch_deg(&self) -> f64 {
         self.pitch_deg[0]
+    }
+}
+
+/// Rows of tables to look at first.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Rows {
+    power: usize,
+    thrust: usize,
+}
+
+/// A propeller of a pitch in some air.
+#[derive(Debug)]
+pub(super) struct Taking<'a> {
+    propeller: &'a Propeller,
+    inflow: &'a Inflow,
+    pitch_deg: f64,
+    rows: Rows,
+    coefficients: Column<'a>,
+    /// Power for a coefficient of 1 and each turn per minute cubed, foot pounds per second.
+    scale: f64,
+}
+
+impl Taking<'_> {
+    /// What it does at a speed; the rows that were found go into `rows`.
+    pub(super) fn work(&self, rpm: f64, rows: &mut Rows) -> Work {
+        let Self { propeller, inflow, .. } = self;
+        let (turns, advance) = (rpm / 60.0, propeller.advance(inflow, rpm));
+        let square = inflow.density * turns * turns * propeller.diameter_ft.powi(4);
+        let thrusts = propeller.thrust.at_column(self.pitch_deg, self.rows.thrust);
+        let of_mach = |table: &Option<Table>| propeller.of_mach(table, inflow, turns);
+        let thrust = propeller.factors[0] * of_mach(&propeller.thrust_mach) * thrusts.value(advance);
+        let power = propeller.factors[1] * of_mach(&propeller.power_mach) * self.coefficients.value(advance);
+        let torque_ft_lb = power * square * propeller.diameter_ft / (2.0 * std::f64::consts::PI);
+        *rows = Rows { power: self.coefficients.row(), thrust: thrusts.row() };
+        Work { thrust_lb: thrust * square, torque_ft_lb, rpm }
+    }
+    /// Whether its coefficient is nowhere between two advance ratios less than at the second.
+    pub(super) fn is_least_at_end(&self, advances: [f64; 2]) -> bool {
+        self.coefficients.is_least_at_end(advances)
+    }
+
+    /// Power that it takes at a speed, foot pounds per second.
+    #[inline]
+    pub(super) fn at(&self, rpm: f64) -> f64 {
+        let coefficient = self.coefficients.value(self.propeller.advance(self.inflow, rpm));
+        let power = coefficient * self.scale * rpm * rpm * rpm;
+        match &self.propeller.power_mach {
+            None => power,
+            table => power * self.propeller.of_mach(table, self.inflow, rpm / 60.0),
+        }
     }
 }
