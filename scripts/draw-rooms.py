@@ -40,6 +40,7 @@ FOLDERS = {
     "inspect": "what a flight holds",
     "regress": "which terms a coefficient asks for",
     "draft": "a first model file, from a flight and a few answers",
+    "aircraft": "a model file as an aircraft that flies",
     "export": "results for JSBSim, Gazebo, tables",
 }
 

@@ -2,8 +2,8 @@
 
 use phugoid_flight_dynamics::actuator::Actuator;
 
-use super::FlownError;
-use crate::jsbsim::{Aircraft, Evaluator, Scaling};
+use super::error::FlownError;
+use crate::jsbsim::{Aircraft, Follower, Scaling};
 
 /// Time constant of a surface behind its command, s: an assumption, the same for every aircraft.
 pub(super) const LAG_S: f64 = 0.05;
@@ -11,21 +11,10 @@ pub(super) const LAG_S: f64 = 0.05;
 const UNKNOWN_LIMIT: f64 = 60.0 * DEGREE;
 const DEGREE: f64 = std::f64::consts::PI / 180.0;
 
-/// A property, and how its value follows from the angle of the surface, rad, in the sign of JSBSim.
-#[derive(Clone, Copy, Debug)]
-enum Target {
-    /// The angle times a sign.
-    Radian(usize, f64),
-    /// A scale of the angle times a sign.
-    Scaled(usize, f64, Scaling),
-}
-
 /// One surface: the properties that follow it, and its actuator.
 #[derive(Clone, Debug)]
 pub(super) struct Surface {
-    targets: Vec<Target>,
-    /// From the sign of the equations of motion to that of JSBSim.
-    sign: f64,
+    targets: Vec<Follower>,
     pub(super) actuator: Actuator,
 }
 
@@ -56,6 +45,8 @@ fn surface(
 ) -> Result<Surface, FlownError> {
     let read = aircraft.aerodynamics_read();
     let mut targets = Vec::new();
+    // From the sign of the equations of motion to that of JSBSim, and on to that of the property.
+    let follower = |property, side, scaling| Follower { property, factors: [sign, side], scaling };
     let mut limits: Option<[f64; 2]> = None;
     for &(stem, side) in forms {
         let [radian, degree, share] = ["rad", "deg", "norm"].map(|unit| format!("{stem}-{unit}"));
@@ -67,11 +58,11 @@ fn surface(
             .filter(|[low, high]| low < high);
         if read.iter().any(|property| [&radian, &degree, &magnitude].iter().any(|form| form == property)) {
             if let Some(index) = aircraft.property(&radian) {
-                targets.push(Target::Radian(index, side));
+                targets.push(follower(index, side, None));
             } else if let Some(index) = aircraft.property(&degree) {
                 let range = [-1.0 / DEGREE, 1.0 / DEGREE];
                 let scaling = Scaling { input: (index, 1.0), domain: [-1.0, 1.0], range, centred: false };
-                targets.push(Target::Scaled(index, side, scaling));
+                targets.push(follower(index, side, Some(scaling)));
             }
         }
         if let Some(index) = aircraft.property(&share).filter(|_| read.contains(&share.as_str())) {
@@ -81,7 +72,7 @@ fn surface(
             let Some(scaling) = own.or(by_ends).filter(finite) else {
                 return Err(FlownError::Surface { surface: name, property: share });
             };
-            targets.push(Target::Scaled(index, side * scaling.input.1, scaling));
+            targets.push(follower(index, side * scaling.input.1, Some(scaling)));
         }
         if !targets.is_empty() && limits.is_none() {
             limits = ends.map(|[low, high]| if side < 0.0 { [-high, -low] } else { [low, high] });
@@ -107,25 +98,17 @@ fn surface(
         }
     }
     let actuator = Actuator { limit, rate_limit: f64::INFINITY, lag: LAG_S };
-    Ok(Surface { targets, sign, actuator })
+    Ok(Surface { targets, actuator })
 }
 
 impl Surface {
-    /// Sets the properties for an angle in the sign of the equations of motion, rad.
-    pub(super) fn set(&self, evaluator: &mut Evaluator<'_>, angle: f64) {
-        let angle = self.sign * angle;
-        for target in &self.targets {
-            match target {
-                Target::Radian(index, side) => evaluator.set_index(*index, side * angle),
-                Target::Scaled(index, side, scaling) => evaluator.set_index(*index, scaling.value(side * angle)),
-            }
-        }
+    /// The properties that follow its angle in the sign of the equations of motion, rad.
+    pub(super) fn followers(&self) -> &[Follower] {
+        &self.targets
     }
 
     /// Whether it sets a property.
     pub(super) fn sets(&self, index: usize) -> bool {
-        self.targets.iter().any(|target| match target {
-            Target::Radian(own, _) | Target::Scaled(own, ..) => *own == index,
-        })
+        self.targets.iter().any(|target| target.property == index)
     }
 }

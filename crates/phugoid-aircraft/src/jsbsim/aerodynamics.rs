@@ -1,5 +1,10 @@
 //! The aerodynamic forces and moments of a file, and their sum about the centre of gravity.
 
+mod compiled;
+
+pub(crate) use compiled::{AerodynamicWorkspace, CompiledAerodynamics};
+
+use phugoid_flight_dynamics::scalar::Scalar;
 use roxmltree::Node;
 
 use super::error::{JsbsimError, Omission};
@@ -215,7 +220,7 @@ impl Aerodynamics {
         let qbar = state.read(model, own.qbar);
         state.write(model, own.qbar_area, qbar * metrics.area_ft2);
         self.stall(model, state, alpha);
-        let wind_to_body = wind_to_body(alpha, beta);
+        let turn = Turn::new(alpha, beta);
         let passes = if own.reads_cl_squared && !stepwise { 2 } else { 1 };
         // As in JSBSim, nothing is said of the coefficient without dynamic pressure.
         let squared = |lift: f64| (lift / (metrics.area_ft2 * qbar)).powi(2);
@@ -227,10 +232,10 @@ impl Aerodynamics {
         let (mut force, mut at_centre) = ([0.0; 3], [0.0; 3]);
         for _ in 0..passes {
             state.hold(model, &self.before, stepwise);
-            force = self.to_body(total(model, state, &self.axes[..3]), alpha, &wind_to_body);
-            at_centre = self.to_body(total(model, state, &self.at_centre), alpha, &wind_to_body);
-            let lift = -transposed_row(&wind_to_body, 2, add(force, at_centre));
-            let drag = -transposed_row(&wind_to_body, 0, add(force, at_centre));
+            force = self.to_body(total(model, state, &self.axes[..3]), &turn);
+            at_centre = self.to_body(total(model, state, &self.at_centre), &turn);
+            let lift = -transposed_row(&turn.of_wind(), 2, add(force, at_centre));
+            let drag = -transposed_row(&turn.of_wind(), 0, add(force, at_centre));
             if let Some(before) = lift_before.as_deref_mut() {
                 *before = lift;
             } else if qbar > 1.0 {
@@ -240,30 +245,43 @@ impl Aerodynamics {
                 state.write(model, own.lift_over_drag, (lift / drag).abs());
             }
         }
-        let mut reference = metrics.reference_in;
-        if let Some(shift) = self.shift {
-            // Aft is positive in the structural frame.
-            reference[0] += 12.0 * metrics.chord_ft * state.call(model, shift);
-        }
-        let arm = arm_ft(reference, centre_in);
+        let shift = self.shift.map(|shift| state.call(model, shift));
         let given = total(model, state, &self.axes[3..]);
-        let moment = match self.moments {
-            Frame::Body | Frame::AxialNormal => given,
-            Frame::Stability => rotate(&wind_to_body_of_stability(alpha), given),
-            Frame::Wind => rotate(&wind_to_body, given),
-        };
-        let sum = Sum { force: add(force, at_centre), moment: add(moment, cross(arm, force)) };
+        let sum = self.about_centre([force, at_centre, given], shift, &turn, metrics, centre_in);
         state.hold(model, &self.after, stepwise);
         sum
     }
 
-    fn to_body(&self, given: [f64; 3], alpha: f64, wind_to_body: &[[f64; 3]; 3]) -> [f64; 3] {
+    /// The sum of forces in body axes, those whose moment about the centre of gravity is none, and moments as they are given.
+    fn about_centre(
+        &self,
+        [force, at_centre, given]: [[f64; 3]; 3],
+        shift: Option<f64>,
+        turn: &Turn,
+        metrics: &Metrics,
+        centre_in: [f64; 3],
+    ) -> Sum {
+        let mut reference = metrics.reference_in;
+        if let Some(shift) = shift {
+            // Aft is positive in the structural frame.
+            reference[0] += 12.0 * metrics.chord_ft * shift;
+        }
+        let arm = arm_ft(reference, centre_in);
+        let moment = match self.moments {
+            Frame::Body | Frame::AxialNormal => given,
+            Frame::Stability => rotate(&turn.of_stability(), given),
+            Frame::Wind => rotate(&turn.of_wind(), given),
+        };
+        Sum { force: add(force, at_centre), moment: add(moment, cross(arm, force)) }
+    }
+
+    fn to_body(&self, given: [f64; 3], turn: &Turn) -> [f64; 3] {
         let backward_up = [-given[0], given[1], -given[2]];
         match self.forces {
             Frame::Body => given,
             Frame::AxialNormal => backward_up,
-            Frame::Stability => rotate(&wind_to_body_of_stability(alpha), backward_up),
-            Frame::Wind => rotate(wind_to_body, backward_up),
+            Frame::Stability => rotate(&turn.of_stability(), backward_up),
+            Frame::Wind => rotate(&turn.of_wind(), backward_up),
         }
     }
 
@@ -308,13 +326,25 @@ fn total(model: &Model, state: &mut State, axes: &[Vec<usize>]) -> [f64; 3] {
     sums
 }
 
-fn wind_to_body(alpha: f64, beta: f64) -> [[f64; 3]; 3] {
-    let ((sa, ca), (sb, cb)) = (alpha.sin_cos(), beta.sin_cos());
-    [[ca * cb, -ca * sb, -sa], [sb, cb, 0.0], [sa * cb, -sa * sb, ca]]
-}
+/// Sine and cosine of the angles of attack and sideslip.
+#[derive(Debug, Clone, Copy)]
+struct Turn([(f64, f64); 2]);
 
-fn wind_to_body_of_stability(alpha: f64) -> [[f64; 3]; 3] {
-    wind_to_body(alpha, 0.0)
+impl Turn {
+    fn new(alpha: f64, beta: f64) -> Self {
+        Self([alpha, beta].map(Scalar::sin_cos))
+    }
+
+    /// From axes of the wind to those of the body.
+    fn of_wind(&self) -> [[f64; 3]; 3] {
+        let [(sa, ca), (sb, cb)] = self.0;
+        [[ca * cb, -ca * sb, -sa], [sb, cb, 0.0], [sa * cb, -sa * sb, ca]]
+    }
+
+    /// From stability axes to those of the body.
+    fn of_stability(&self) -> [[f64; 3]; 3] {
+        Self([self.0[0], (0.0, 1.0)]).of_wind()
+    }
 }
 
 fn rotate(matrix: &[[f64; 3]; 3], vector: [f64; 3]) -> [f64; 3] {

@@ -2,11 +2,12 @@
 
 use super::aircraft::Aircraft;
 use super::channels::Memories;
+use super::compiled::force_moment;
 use super::flight::FlightCondition;
 use super::mass::MassProperties;
 use super::model::State;
-use super::propulsion::EngineKind;
-use super::units::{FOOT, POUND_FORCE, PSF};
+use super::propulsion::{EngineKind, Guess, INPUTS, Source};
+use super::units::PSF;
 
 /// Force and moment in body axes (x forward, y right, z down), the moment about the centre of gravity.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -31,36 +32,17 @@ pub struct Coefficients {
 #[derive(Debug, Clone)]
 pub struct Evaluator<'a> {
     aircraft: &'a Aircraft,
-    state: State,
+    pub(super) state: State,
     memories: Memories,
     /// What was set for each engine: a thrust, N, or the speed of a propeller, turns per minute.
     engines_set: Vec<Option<f64>>,
+    /// Where the balance of each propeller was.
+    guesses: Vec<Guess>,
     /// Lift of the call before, pounds, if it is asked for.
     lift_before: Option<f64>,
 }
 
-/// What an evaluator holds, without the aircraft: it can be kept beside that.
-#[derive(Debug, Clone)]
-pub(crate) struct Moment {
-    state: State,
-    memories: Memories,
-    engines_set: Vec<Option<f64>>,
-    lift_before: Option<f64>,
-}
-
 impl<'a> Evaluator<'a> {
-    /// An evaluator that goes on where one of the same aircraft was.
-    pub(crate) fn resume(aircraft: &'a Aircraft, moment: Moment) -> Self {
-        let Moment { state, memories, engines_set, lift_before } = moment;
-        Self { aircraft, state, memories, engines_set, lift_before }
-    }
-
-    /// What it holds.
-    pub(crate) fn into_moment(self) -> Moment {
-        let Self { state, memories, engines_set, lift_before, .. } = self;
-        Moment { state, memories, engines_set, lift_before }
-    }
-
     /// The properties as the files give them; what they do not give is 0, and the gear is down (`gear/gear-pos-norm` is 1).
     pub fn new(aircraft: &'a Aircraft) -> Self {
         Self {
@@ -68,6 +50,7 @@ impl<'a> Evaluator<'a> {
             state: State::new(&aircraft.model),
             memories: aircraft.channels.memories(),
             engines_set: vec![None; aircraft.engines.len()],
+            guesses: vec![Guess::default(); aircraft.engines.len()],
             lift_before: None,
         }
     }
@@ -135,10 +118,7 @@ impl<'a> Evaluator<'a> {
         let sum =
             aircraft.aerodynamics.sum(model, &mut self.state, &aircraft.metrics, centre, self.lift_before.as_mut());
         aircraft.fed.aerodynamics(model, &mut self.state, sum.force, sum.moment);
-        ForceMoment {
-            force_n: sum.force.map(|pounds| pounds * POUND_FORCE),
-            moment_n_m: sum.moment.map(|foot_pounds| foot_pounds * POUND_FORCE * FOOT),
-        }
+        force_moment(sum.force, sum.moment)
     }
 
     /// Coefficients of [`Evaluator::aerodynamic_force_moment`]; not a number without dynamic pressure or without a size.
@@ -180,8 +160,15 @@ impl<'a> Evaluator<'a> {
         let (_, centre) = aircraft.masses.weight_and_centre(&aircraft.model, &mut self.state);
         let model = &aircraft.model;
         let (mut force, mut moment) = ([0.0; 3], [0.0; 3]);
-        for (number, (engine, &set)) in aircraft.engines.iter().zip(&self.engines_set).enumerate() {
-            let push = engine.push(model, &mut self.state, set, centre);
+        for (number, engine) in aircraft.engines.iter().enumerate() {
+            let mut inputs = [0.0; INPUTS];
+            for (input, source) in inputs.iter_mut().zip(engine.sources()) {
+                *input = match source {
+                    Source::Property(index) => self.state.read(model, index),
+                    Source::Function(function) => self.state.call(model, function),
+                };
+            }
+            let push = engine.push(&inputs, self.engines_set[number], centre, &mut self.guesses[number]);
             aircraft.fed.engine(model, &mut self.state, number, push.thrust_lb, push.rpm);
             for axis in 0..3 {
                 force[axis] += push.force_lb[axis];
@@ -189,10 +176,7 @@ impl<'a> Evaluator<'a> {
             }
         }
         aircraft.fed.propulsion(model, &mut self.state, force, moment);
-        ForceMoment {
-            force_n: force.map(|pounds| pounds * POUND_FORCE),
-            moment_n_m: moment.map(|foot_pounds| foot_pounds * POUND_FORCE * FOOT),
-        }
+        force_moment(force, moment)
     }
 
     /// Runs systems, autopilots and flight control once, in the order of the files, and then adds `step_s`, the time since they

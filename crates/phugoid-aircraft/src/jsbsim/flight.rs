@@ -1,5 +1,7 @@
 //! What is known of the flight at one moment, and the properties of JSBSim that follow from it.
 
+use phugoid_flight_dynamics::scalar::Scalar;
+
 use super::mass::{Metrics, arm_ft};
 use super::model::{Model, State};
 use super::units::{FOOT, KNOT, PSF, SLUG_FT3};
@@ -47,7 +49,7 @@ impl FlightCondition {
     }
 }
 
-/// Indices of the properties that a flight condition sets, in the order of [`values`].
+/// Indices of the properties that a flight condition sets, in the order of [`NAMES`].
 #[derive(Debug, Clone)]
 pub(super) struct FlightProperties(Vec<usize>);
 
@@ -76,6 +78,38 @@ const NAMES: [&str; 75] = [
     "flight-path/gamma-rad", "atmosphere/pressure-altitude",
 ];
 
+/// What some of the properties follow from and takes some computing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Wanted {
+    /// Components of the velocity.
+    velocity: bool,
+    /// Sine and cosine of the attitude.
+    attitude: bool,
+    /// Heights above the sea or the ground.
+    pub(super) height: bool,
+}
+
+impl Wanted {
+    /// All of it.
+    const ALL: Self = Self { velocity: true, attitude: true, height: true };
+
+    /// Adds that of the property of a name.
+    fn add(&mut self, name: &str) {
+        match name {
+            "aero/h_b-cg-ft" => self.height = true,
+            "aero/h_b-mac-ft" => (self.height, self.attitude) = (true, true),
+            "velocities/machU" | "aero/qbarUW-psf" | "aero/qbarUV-psf" => self.velocity = true,
+            _ if name.starts_with("position/") => self.height = true,
+            _ if name.starts_with("aero/") => {}
+            _ if ["/u-", "/v-fps", "/v-aero-", "/w-"].iter().any(|part| name.contains(part)) => self.velocity = true,
+            _ if ["dot-rad_sec", "/v-", "/h-dot", "/vg-", "flight-path/"].iter().any(|part| name.contains(part)) => {
+                (self.velocity, self.attitude) = (true, true);
+            }
+            _ => {}
+        }
+    }
+}
+
 impl FlightProperties {
     /// Makes the properties.
     pub(super) fn new(model: &mut Model) -> Self {
@@ -92,6 +126,23 @@ impl FlightProperties {
         self.0.contains(&index)
     }
 
+    /// Place of a property among them.
+    pub(super) fn place(&self, index: usize) -> Option<usize> {
+        self.0.iter().position(|&own| own == index)
+    }
+
+    /// The properties in the order of [`NAMES`].
+    pub(super) fn indices(&self) -> &[usize] {
+        &self.0
+    }
+
+    /// What is to be computed for some of them, by their place in this order.
+    pub(super) fn wanted(places: impl Iterator<Item = usize>) -> Wanted {
+        let mut wanted = Wanted { velocity: false, attitude: false, height: false };
+        places.for_each(|place| wanted.add(NAMES[place]));
+        wanted
+    }
+
     /// Sets the properties.
     pub(super) fn set(
         &self,
@@ -101,120 +152,171 @@ impl FlightProperties {
         metrics: &Metrics,
         centre_in: [f64; 3],
     ) {
-        for (&index, value) in self.0.iter().zip(values(flight, metrics, centre_in)) {
-            state.write(model, index, value);
+        let known = Known::new(flight, metrics, centre_in, &Wanted::ALL);
+        for (place, &index) in self.0.iter().enumerate() {
+            state.write(model, index, known.value(place));
         }
     }
 }
 
-/// Values of the properties in the order of [`NAMES`].
-fn values(flight: &FlightCondition, metrics: &Metrics, centre_in: [f64; 3]) -> [f64; 75] {
-    let speed = flight.airspeed_m_s / FOOT;
-    let sound = flight.sound_speed_m_s / FOOT;
-    let rho = flight.density_kg_m3 / SLUG_FT3;
-    let pressure = flight.pressure_pa / PSF;
-    let (alpha, beta) = (flight.alpha_rad, flight.beta_rad);
-    let ((sa, ca), (sb, cb)) = (alpha.sin_cos(), beta.sin_cos());
-    let [u, v, w] = [speed * ca * cb, speed * sb, speed * sa * cb];
-    let [p, q, r] = flight.rates_rad_s;
-    let [phi, theta, psi] = flight.attitude_rad;
-    let ((sphi, cphi), (stheta, ctheta), (spsi, cpsi)) = (phi.sin_cos(), theta.sin_cos(), psi.sin_cos());
-    // Velocity against the ground where the air is still.
-    let (forward, side) = (u * ctheta + (v * sphi + w * cphi) * stheta, v * cphi - w * sphi);
-    let north = forward * cpsi - side * spsi;
-    let east = forward * spsi + side * cpsi;
-    let down = -u * stheta + (v * sphi + w * cphi) * ctheta;
-    let turning = if ctheta == 0.0 { 0.0 } else { (q * sphi + r * cphi) / ctheta };
-    let mach = flight.mach();
-    let ratio = |above: f64, below: f64| if below == 0.0 { 0.0 } else { above / below };
-    let calibrated = calibrated_m_s(mach, flight.pressure_pa);
-    let equivalent = (2.0 * flight.dynamic_pressure_pa() / SEA_DENSITY).sqrt();
-    let square = 0.5 * rho;
-    let (height, above_ground) = (flight.height_m / FOOT, flight.height_above_ground_m / FOOT);
-    let arm = arm_ft(metrics.reference_in, centre_in);
-    let reference_down = -arm[0] * stheta + (arm[1] * sphi + arm[2] * cphi) * ctheta;
-    let temperature = flight.temperature_k;
-    // Sutherland's law.
-    let viscosity = 1.458e-6 * temperature.max(0.0).powf(1.5) / (temperature + 110.4);
-    let reynolds = ratio(flight.density_kg_m3 * flight.airspeed_m_s * metrics.chord_ft * FOOT, viscosity);
-    let pressure_altitude = altitude_of_pressure_m(flight.pressure_pa) / FOOT;
-    [
-        speed,
-        mach,
-        ratio(u, sound),
-        calibrated / KNOT,
-        calibrated / FOOT,
-        equivalent / KNOT,
-        equivalent / FOOT,
-        flight.airspeed_m_s / KNOT,
-        speed,
-        u,
-        v,
-        w,
-        u,
-        v,
-        w,
-        p,
-        q,
-        r,
-        p,
-        q,
-        r,
-        p,
-        q,
-        r,
-        p + turning * stheta,
-        q * cphi - r * sphi,
-        turning,
-        north,
-        east,
-        down,
-        -down,
-        north.hypot(east),
-        alpha,
-        alpha.to_degrees(),
-        beta,
-        beta.to_degrees(),
-        beta.abs(),
-        beta.to_degrees().abs(),
-        flight.alphadot_rad_s,
-        flight.alphadot_rad_s.to_degrees(),
-        flight.betadot_rad_s,
-        flight.betadot_rad_s.to_degrees(),
-        square * speed * speed,
-        square * (u * u + w * w),
-        square * (u * u + v * v),
-        reynolds,
-        alpha + metrics.incidence_rad,
-        ratio(metrics.span_ft, 2.0 * speed),
-        ratio(metrics.chord_ft, 2.0 * speed),
-        square * speed * speed * metrics.area_ft2,
-        ratio(above_ground - reference_down, metrics.span_ft),
-        ratio(above_ground, metrics.span_ft),
-        rho,
-        pressure,
-        temperature * 1.8,
-        sound,
-        flight.density_kg_m3 / SEA_DENSITY,
-        flight.pressure_pa / SEA_PRESSURE,
-        temperature / SEA_TEMPERATURE,
-        altitude_of_density_m(flight.density_kg_m3) / FOOT,
-        height,
-        flight.height_m,
-        above_ground,
-        0.001 * flight.height_above_ground_m,
-        phi,
-        theta,
-        psi,
-        phi,
-        theta,
-        psi,
-        phi.to_degrees(),
-        theta.to_degrees(),
-        psi.to_degrees(),
-        (-down).atan2(north.hypot(east)),
-        pressure_altitude,
-    ]
+/// What is known of a flight condition, in feet and slugs.
+#[derive(Debug)]
+pub(super) struct Known<'a> {
+    flight: &'a FlightCondition,
+    metrics: &'a Metrics,
+    centre_in: [f64; 3],
+    speed: f64,
+    sound: f64,
+    square: f64,
+    /// Velocity in body axes.
+    velocity: [f64; 3],
+    /// Sine and cosine of bank, pitch and heading angle.
+    attitude: [(f64, f64); 3],
+}
+
+impl<'a> Known<'a> {
+    /// Where something is not wanted, the properties that follow from it mean nothing.
+    #[inline]
+    pub(super) fn new(flight: &'a FlightCondition, metrics: &'a Metrics, centre_in: [f64; 3], wanted: &Wanted) -> Self {
+        let speed = flight.airspeed_m_s / FOOT;
+        let velocity = if wanted.velocity {
+            let ((sa, ca), (sb, cb)) = (Scalar::sin_cos(flight.alpha_rad), Scalar::sin_cos(flight.beta_rad));
+            [speed * ca * cb, speed * sb, speed * sa * cb]
+        } else {
+            [0.0; 3]
+        };
+        let attitude = if wanted.attitude { flight.attitude_rad.map(Scalar::sin_cos) } else { [(0.0, 1.0); 3] };
+        let sound = flight.sound_speed_m_s / FOOT;
+        let square = 0.5 * (flight.density_kg_m3 / SLUG_FT3);
+        Self { flight, metrics, centre_in, speed, sound, square, velocity, attitude }
+    }
+
+    /// Dynamic pressure, pounds per square foot.
+    #[inline]
+    pub(super) fn qbar(&self) -> f64 {
+        self.square * self.speed * self.speed
+    }
+
+    /// Velocity over the ground where the air is still: north, east and down.
+    fn over_ground(&self) -> [f64; 3] {
+        let [u, v, w] = self.velocity;
+        let [(sphi, cphi), (stheta, ctheta), (spsi, cpsi)] = self.attitude;
+        let (forward, side) = (u * ctheta + (v * sphi + w * cphi) * stheta, v * cphi - w * sphi);
+        let down = -u * stheta + (v * sphi + w * cphi) * ctheta;
+        [forward * cpsi - side * spsi, forward * spsi + side * cpsi, down]
+    }
+
+    /// Rate of the heading angle.
+    fn turning(&self) -> f64 {
+        let [_, q, r] = self.flight.rates_rad_s;
+        let [(sphi, cphi), (_, ctheta), _] = self.attitude;
+        if ctheta == 0.0 { 0.0 } else { (q * sphi + r * cphi) / ctheta }
+    }
+
+    /// The value of the property at a place of [`NAMES`]. Kept out of loops, in which all values would be computed each time.
+    #[inline(never)]
+    pub(super) fn value(&self, place: usize) -> f64 {
+        let Self { flight, metrics, .. } = self;
+        match place {
+            0 | 8 => self.speed,
+            1 => flight.mach(),
+            2 => ratio(self.velocity[0], self.sound),
+            7 => flight.airspeed_m_s / KNOT,
+            9 | 12 => self.velocity[0],
+            10 | 13 => self.velocity[1],
+            11 | 14 => self.velocity[2],
+            15 | 18 | 21 => flight.rates_rad_s[0],
+            16 | 19 | 22 => flight.rates_rad_s[1],
+            17 | 20 | 23 => flight.rates_rad_s[2],
+            32 => flight.alpha_rad,
+            33 => flight.alpha_rad.to_degrees(),
+            34 => flight.beta_rad,
+            35 => flight.beta_rad.to_degrees(),
+            36 => flight.beta_rad.abs(),
+            37 => flight.beta_rad.to_degrees().abs(),
+            38 => flight.alphadot_rad_s,
+            39 => flight.alphadot_rad_s.to_degrees(),
+            40 => flight.betadot_rad_s,
+            41 => flight.betadot_rad_s.to_degrees(),
+            42 => self.qbar(),
+            46 => flight.alpha_rad + metrics.incidence_rad,
+            47 => ratio(metrics.span_ft, 2.0 * self.speed),
+            48 => ratio(metrics.chord_ft, 2.0 * self.speed),
+            49 => self.qbar() * metrics.area_ft2,
+            51 => ratio(self.above_ground(), metrics.span_ft),
+            52 => flight.density_kg_m3 / SLUG_FT3,
+            53 => flight.pressure_pa / PSF,
+            54 => flight.temperature_k * 1.8,
+            55 => self.sound,
+            56 => flight.density_kg_m3 / SEA_DENSITY,
+            57 => flight.pressure_pa / SEA_PRESSURE,
+            58 => flight.temperature_k / SEA_TEMPERATURE,
+            60 => flight.height_m / FOOT,
+            61 => flight.height_m,
+            62 => self.above_ground(),
+            63 => 0.001 * flight.height_above_ground_m,
+            64 | 67 => flight.attitude_rad[0],
+            65 | 68 => flight.attitude_rad[1],
+            66 | 69 => flight.attitude_rad[2],
+            70 => flight.attitude_rad[0].to_degrees(),
+            71 => flight.attitude_rad[1].to_degrees(),
+            72 => flight.attitude_rad[2].to_degrees(),
+            _ => self.other(place),
+        }
+    }
+
+    /// The values that take more.
+    #[inline(never)]
+    fn other(&self, place: usize) -> f64 {
+        let Self { flight, metrics, .. } = self;
+        match place {
+            3 => calibrated_m_s(flight.mach(), flight.pressure_pa) / KNOT,
+            4 => calibrated_m_s(flight.mach(), flight.pressure_pa) / FOOT,
+            5 => (2.0 * flight.dynamic_pressure_pa() / SEA_DENSITY).sqrt() / KNOT,
+            6 => (2.0 * flight.dynamic_pressure_pa() / SEA_DENSITY).sqrt() / FOOT,
+            24 => flight.rates_rad_s[0] + self.turning() * self.attitude[1].0,
+            25 => flight.rates_rad_s[1] * self.attitude[0].1 - flight.rates_rad_s[2] * self.attitude[0].0,
+            26 => self.turning(),
+            27 => self.over_ground()[0],
+            28 => self.over_ground()[1],
+            29 => self.over_ground()[2],
+            30 => -self.over_ground()[2],
+            31 => {
+                let [north, east, _] = self.over_ground();
+                north.hypot(east)
+            }
+            43 => self.square * (self.velocity[0] * self.velocity[0] + self.velocity[2] * self.velocity[2]),
+            44 => self.square * (self.velocity[0] * self.velocity[0] + self.velocity[1] * self.velocity[1]),
+            45 => {
+                // Sutherland's law.
+                let temperature = flight.temperature_k;
+                let viscosity = 1.458e-6 * temperature.max(0.0).powf(1.5) / (temperature + 110.4);
+                ratio(flight.density_kg_m3 * flight.airspeed_m_s * metrics.chord_ft * FOOT, viscosity)
+            }
+            50 => {
+                let arm = arm_ft(metrics.reference_in, self.centre_in);
+                let reference_down = -arm[0] * self.attitude[1].0
+                    + (arm[1] * self.attitude[0].0 + arm[2] * self.attitude[0].1) * self.attitude[1].1;
+                ratio(self.above_ground() - reference_down, metrics.span_ft)
+            }
+            59 => altitude_of_density_m(flight.density_kg_m3) / FOOT,
+            73 => {
+                let [north, east, down] = self.over_ground();
+                (-down).atan2(north.hypot(east))
+            }
+            74 => altitude_of_pressure_m(flight.pressure_pa) / FOOT,
+            _ => f64::NAN,
+        }
+    }
+
+    fn above_ground(&self) -> f64 {
+        self.flight.height_above_ground_m / FOOT
+    }
+}
+
+/// A quotient; 0 where its denominator is.
+fn ratio(above: f64, below: f64) -> f64 {
+    if below == 0.0 { 0.0 } else { above / below }
 }
 
 /// Density at the sea in the standard atmosphere of 1976, kg/m3.

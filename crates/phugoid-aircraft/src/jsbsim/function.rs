@@ -21,9 +21,9 @@ pub(super) enum Op {
 }
 
 /// What replaces some numbers by one.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[rustfmt::skip]
-pub(super) enum Action {
+pub(crate) enum Action {
     Sum, Difference, Product, Quotient, Pow, Sqrt, Exp, Log2, Ln, Log10, Abs, Sign, Fmod, Mod, Sin, Cos, Tan, Asin, Acos,
     Atan, Atan2, Min, Max, Avg, Fraction, Integer, Floor, Ceil, RoundMultiple, ToRadians, ToDegrees, Lt, Le, Gt, Ge, Eq,
     Nq, And, Or, Not, IfThen, Switch, Interpolate,

@@ -48,6 +48,7 @@
 mod aerodynamics;
 mod aircraft;
 mod channels;
+mod compiled;
 mod error;
 mod evaluator;
 mod fed;
@@ -56,9 +57,12 @@ mod flight;
 mod function;
 mod mass;
 mod model;
+mod program;
 mod propulsion;
+mod scaling;
 mod source;
 mod surfaces;
+mod symbolic;
 mod table;
 mod units;
 
@@ -70,10 +74,11 @@ pub use flight::FlightCondition;
 pub use mass::{Geometry, MassProperties};
 pub use propulsion::{Engine, EngineKind};
 
-pub(crate) use evaluator::Moment;
+pub(crate) use aerodynamics::{AerodynamicWorkspace, CompiledAerodynamics};
+pub(crate) use compiled::{CompiledPropulsion, PropulsiveWorkspace};
 pub(crate) use files::text_of;
 pub(crate) use flight::altitude_of_density_m;
-pub(crate) use surfaces::Scaling;
+pub(crate) use scaling::{Follower, Scaling};
 
 use model::Model;
 use roxmltree::Node;

@@ -26,13 +26,15 @@ pub(super) struct Property {
     /// The function whose value it is, if it has none of its own.
     pub(super) function: Option<usize>,
     /// What is written along with it.
-    links: Vec<(usize, Link)>,
+    pub(super) links: Vec<(usize, Link)>,
 }
 
 /// How the value of a property follows from that of another.
 #[derive(Debug, Clone, Copy)]
-enum Link {
+pub(super) enum Link {
+    /// A factor times it.
     Times(f64),
+    /// Its magnitude in radians.
     Magnitude,
 }
 
@@ -169,6 +171,11 @@ impl State {
             held: vec![None; model.functions.len()],
             stack: Vec::new(),
         }
+    }
+
+    /// What a property without a function holds.
+    pub(super) fn held_by(&self, index: usize) -> f64 {
+        self.values[index]
     }
 
     /// The value of a property; that of its function, where it has one.

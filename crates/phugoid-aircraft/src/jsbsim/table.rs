@@ -1,5 +1,7 @@
 //! Tables of numbers over one, two or three properties, interpolated linearly and held constant beyond their ends.
 
+use std::cell::Cell;
+
 use roxmltree::Node;
 
 use super::error::JsbsimError;
@@ -61,6 +63,23 @@ impl Table {
         } else {
             1
         }
+    }
+
+    /// Rows, columns (none for a table of one variable) and values row by row; `None` for a table of three variables.
+    pub(super) fn flat(&self) -> Option<(&[f64], &[f64], &[f64])> {
+        match self.pages.as_slice() {
+            [page] if self.breaks.is_empty() => Some((&page.rows, &page.columns, &page.values)),
+            _ => None,
+        }
+    }
+
+    /// It at a value of the second variable, to be asked at several of the first, near a row that was found before.
+    pub(super) fn at_column(&self, column: f64, near: usize) -> Column<'_> {
+        let flat = self.flat().map(|(rows, columns, values)| {
+            let (place, share) = if columns.is_empty() { (0, 0.0) } else { place(columns, column) };
+            Flat { rows, values, width: columns.len().max(1), column: place, share }
+        });
+        Column { table: self, column, flat, near: Cell::new(near) }
     }
 
     /// First and last value of a variable: 0 the row, 1 the column, 2 the page.
@@ -146,10 +165,89 @@ impl Page {
     }
 }
 
+/// A table at a value of its second variable.
+#[derive(Debug)]
+pub(super) struct Column<'a> {
+    table: &'a Table,
+    column: f64,
+    /// Without a third variable.
+    flat: Option<Flat<'a>>,
+    /// Where the row before was.
+    near: Cell<usize>,
+}
+
+#[derive(Debug)]
+struct Flat<'a> {
+    rows: &'a [f64],
+    values: &'a [f64],
+    width: usize,
+    column: usize,
+    share: f64,
+}
+
+impl Column<'_> {
+    /// The row that was found last.
+    pub(super) fn row(&self) -> usize {
+        self.near.get()
+    }
+
+    /// Whether it has, between two rows, nowhere less than at the second; `false` with a third variable.
+    pub(super) fn is_least_at_end(&self, [low, high]: [f64; 2]) -> bool {
+        let Some(Flat { rows, .. }) = &self.flat else { return false };
+        let end = self.value(high);
+        // From the end down, and one key below the lower end too: between two keys there is nothing less than at both.
+        let (from, _) = place_from(rows, high, self.near.get());
+        for &key in rows[..=from].iter().rev().filter(|&&key| key < high) {
+            // What is not a number is not least either.
+            if self.value(key).partial_cmp(&end).is_none_or(std::cmp::Ordering::is_lt) {
+                return false;
+            }
+            if key <= low {
+                break;
+            }
+        }
+        true
+    }
+
+    /// The value at a row.
+    #[inline]
+    pub(super) fn value(&self, row: f64) -> f64 {
+        let Some(Flat { rows, values, width, column, share }) = &self.flat else {
+            return self.table.value([row, self.column, 0.0]);
+        };
+        let (r, row_share) = place_from(rows, row, self.near.get());
+        self.near.set(r);
+        let at = |index: usize| values.get(index).copied().unwrap_or(f64::NAN);
+        let along = |start: usize| {
+            let first = at(start);
+            if row_share == 0.0 { first } else { first + row_share * (at(start + width) - first) }
+        };
+        let start = r * width + column;
+        let first = along(start);
+        if *share == 0.0 { first } else { first + share * (along(start + 1) - first) }
+    }
+}
+
 /// The words of each line that is not empty.
 fn lines(node: Node<'_, '_>) -> Vec<Vec<String>> {
     let words = |line: &str| line.split_whitespace().map(str::to_owned).collect::<Vec<_>>();
     text(node).lines().map(words).filter(|words| !words.is_empty()).collect()
+}
+
+/// As [`place`]; an interval that was found before is looked at first.
+#[inline]
+pub(super) fn place_from(keys: &[f64], value: f64, before: usize) -> (usize, f64) {
+    if let Some(&[low, high]) = keys.get(before..).and_then(<[f64]>::first_chunk)
+        && low <= value
+        && value < high
+    {
+        return (before, (value - low) / (high - low));
+    }
+    match keys {
+        [first, ..] if value < *first => (0, 0.0),
+        [.., last] if value >= *last => (keys.len() - 1, 0.0),
+        _ => place(keys, value),
+    }
 }
 
 /// The interval of increasing keys that a value lies in, and how far in it from 0 to 1; beyond the ends, the end.

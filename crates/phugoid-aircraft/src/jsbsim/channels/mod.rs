@@ -7,7 +7,7 @@ mod run;
 pub(super) use component::{Component, Memory};
 
 use super::model::{Model, State};
-use super::surfaces::Scaling;
+use super::scaling::Scaling;
 use component::{Kind, Parameter};
 
 /// One channel: components that run together.

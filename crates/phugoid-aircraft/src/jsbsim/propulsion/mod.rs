@@ -1,10 +1,13 @@
 //! Engines: where their thrust acts, and how much of it there is.
 
+mod balance;
 mod piston;
 mod propeller;
 
 use roxmltree::Node;
 
+use balance::Engine as Turning;
+pub(super) use balance::Guess;
 use piston::Air;
 use propeller::{Inflow, Power, Propeller};
 
@@ -13,11 +16,23 @@ use super::error::{JsbsimError, Omission};
 use super::files::{Files, Kind};
 use super::function::{self, Op};
 use super::mass::{Masses, arm_ft, give};
-use super::model::{Lookup, Model, State};
-use super::source::{Source, child, children, shortened, tag};
+use super::model::{Lookup, Model};
+use super::source::{Source as File, child, children, shortened, tag};
 use super::table::Table;
 use super::units::{POUND_FORCE, PSF, Unit};
 use crate::xml;
+
+/// Most values that an engine reads.
+pub(super) const INPUTS: usize = 16;
+
+/// Where a value that an engine reads comes from.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Source {
+    /// A property.
+    Property(usize),
+    /// A function.
+    Function(usize),
+}
 
 /// An engine of an aircraft.
 #[derive(Debug, Clone)]
@@ -106,13 +121,41 @@ impl Engine {
         }
     }
 
-    /// What it does about a centre of gravity, in inches in the structural frame. `set` is what was set from outside: a thrust, N,
-    /// or the speed of a propeller, turns per minute.
-    pub(super) fn push(&self, model: &Model, state: &mut State, set: Option<f64>, centre_in: [f64; 3]) -> Push {
+    /// What it reads, at most [`INPUTS`].
+    pub(super) fn sources(&self) -> impl Iterator<Item = Source> {
+        let mut sources = [None; INPUTS];
+        match &self.drive {
+            Drive::None => {}
+            Drive::Turbine(turbine) => {
+                let functions = [Some(turbine.idle), Some(turbine.dry), turbine.wet];
+                sources[0] = Some(Source::Property(turbine.throttle));
+                for (source, function) in sources[1..].iter_mut().zip(functions) {
+                    *source = function.map(Source::Function);
+                }
+            }
+            Drive::Propeller(propelled) => {
+                let properties = propelled.inflow.into_iter().chain([propelled.throttle, propelled.lever]);
+                for (source, property) in sources.iter_mut().zip(properties) {
+                    *source = Some(Source::Property(property));
+                }
+            }
+        }
+        sources.into_iter().flatten()
+    }
+
+    /// What it does about a centre of gravity, in inches in the structural frame. `inputs` are the values of its sources, and `set`
+    /// is what was set from outside: a thrust, N, or the speed of a propeller, turns per minute.
+    pub(super) fn push(
+        &self,
+        inputs: &[f64; INPUTS],
+        set: Option<f64>,
+        centre_in: [f64; 3],
+        guess: &mut Guess,
+    ) -> Push {
         let thrust_lb = match &self.drive {
             Drive::None => set.unwrap_or(0.0) / POUND_FORCE,
-            Drive::Turbine(turbine) => turbine.thrust_lb(model, state),
-            Drive::Propeller(propelled) => return self.propelled(propelled, model, state, set, centre_in),
+            Drive::Turbine(turbine) => turbine.thrust_lb(inputs),
+            Drive::Propeller(propelled) => return self.propelled(propelled, inputs, set, centre_in, guess),
         };
         let force_lb = self.direction.map(|part| part * thrust_lb);
         Push { force_lb, moment_ft_lb: cross(arm_ft(self.location_in, centre_in), force_lb), thrust_lb, rpm: 0.0 }
@@ -121,13 +164,12 @@ impl Engine {
     fn propelled(
         &self,
         propelled: &Propelled,
-        model: &Model,
-        state: &mut State,
+        inputs: &[f64; INPUTS],
         rpm: Option<f64>,
         centre_in: [f64; 3],
+        guess: &mut Guess,
     ) -> Push {
-        let [u, v, w, p, q, r, density, sound, pi, qi, ri, pressure, temperature, qbar] =
-            propelled.inflow.map(|index| state.read(model, index));
+        let &[u, v, w, p, q, r, density, sound, pi, qi, ri, pressure, temperature, qbar, throttle, lever] = inputs;
         let arm = arm_ft(self.location_in, centre_in);
         let turning = cross([p, q, r], arm);
         let local = [u + turning[0], v + turning[1], w + turning[2]];
@@ -137,10 +179,9 @@ impl Engine {
         let work = match rpm {
             Some(rpm) => propelled.propeller.at(&inflow, rpm.max(0.0), propelled.propeller.fine_pitch_deg()),
             None => {
-                let throttle = state.read(model, propelled.throttle);
-                let lever = state.read(model, propelled.lever);
                 let air = Air { pressure_pa: pressure * PSF, temperature_k: temperature / 1.8, ram_pa: qbar * PSF };
-                propelled.propeller.balance(&inflow, &propelled.power, throttle, lever, &air)
+                let engine = Turning::new(&propelled.power, throttle, &air);
+                propelled.propeller.balance(&inflow, &engine, lever, guess)
             }
         };
         let mut place = self.location_in;
@@ -164,15 +205,15 @@ impl Engine {
 }
 
 impl Turbine {
-    /// Thrust at the throttle and the flight that the properties hold, pounds.
-    fn thrust_lb(&self, model: &Model, state: &mut State) -> f64 {
-        let throttle = state.read(model, self.throttle).max(0.0);
-        let idle = self.dry_lb * state.call(model, self.idle);
-        let span = (self.dry_lb - idle) * state.call(model, self.dry);
+    /// Thrust at the throttle and the values of its functions, pounds.
+    fn thrust_lb(&self, &[throttle, idle, dry, wet, ..]: &[f64; INPUTS]) -> f64 {
+        let throttle = throttle.max(0.0);
+        let idle = self.dry_lb * idle;
+        let span = (self.dry_lb - idle) * dry;
         let spool = throttle.min(1.0);
         let dry = idle + span * spool * spool;
-        if let Some(wet) = self.wet {
-            let full = self.wet_lb * state.call(model, wet);
+        if self.wet.is_some() {
+            let full = self.wet_lb * wet;
             if self.augmentation == 1.0 && throttle > 0.99 {
                 return full;
             }
@@ -191,7 +232,7 @@ pub(super) fn read(
     model: &mut Model,
     masses: &mut Masses,
     files: &mut Files,
-    source: &Source,
+    source: &File,
     node: Node<'_, '_>,
     omitted: &mut Vec<Omission>,
 ) -> Result<Vec<Engine>, JsbsimError> {
@@ -213,7 +254,7 @@ pub(super) fn read(
 fn read_engine(
     model: &mut Model,
     files: &mut Files,
-    source: &Source,
+    source: &File,
     node: Node<'_, '_>,
     number: usize,
     omitted: &mut Vec<Omission>,
@@ -255,7 +296,7 @@ fn read_engine(
             return Ok(engine);
         }
     };
-    let inside = Source::new(path.clone(), &text);
+    let inside = File::new(path.clone(), &text);
     let document = xml::parse(&text).map_err(|source| JsbsimError::Xml { file: path, source })?;
     let root = document.root_element();
     let read = drive(model, files, source, node, &inside, root, number);
@@ -281,16 +322,16 @@ fn read_engine(
 fn drive(
     model: &mut Model,
     files: &mut Files,
-    source: &Source,
+    source: &File,
     node: Node<'_, '_>,
-    inside: &Source,
+    inside: &File,
     root: Node<'_, '_>,
     number: usize,
 ) -> Result<Drive, JsbsimError> {
     let thruster = child(node, "thruster").ok_or_else(|| source.refuse(node, "the engine has no <thruster>"))?;
     let name = thruster.attribute("file").unwrap_or_default();
     let (path, text) = files.text(source, thruster, name, Kind::Engine)?;
-    let thruster_source = Source::new(path.clone(), &text);
+    let thruster_source = File::new(path.clone(), &text);
     let document = xml::parse(&text).map_err(|source| JsbsimError::Xml { file: path, source })?;
     let made = document.root_element();
     if tag(root) == "turbine_engine" {
@@ -333,7 +374,7 @@ fn drive(
     })))
 }
 
-fn turbine(model: &mut Model, source: &Source, root: Node<'_, '_>, number: usize) -> Result<Turbine, JsbsimError> {
+fn turbine(model: &mut Model, source: &File, root: Node<'_, '_>, number: usize) -> Result<Turbine, JsbsimError> {
     let value = |name: &str| source.child_number(root, name).map(|found| found.unwrap_or(0.0));
     let pounds = |name: &str| source.child_quantity(root, name, Unit::Pound).map(|found| found.unwrap_or(0.0));
     let (dry_lb, wet_lb) = (pounds("milthrust")?, pounds("maxthrust")?);
@@ -368,7 +409,7 @@ fn turbine(model: &mut Model, source: &Source, root: Node<'_, '_>, number: usize
 }
 
 /// A table over Mach number and density altitude.
-fn internal(model: &mut Model, source: &Source, node: Node<'_, '_>) -> Result<usize, JsbsimError> {
+fn internal(model: &mut Model, source: &File, node: Node<'_, '_>) -> Result<usize, JsbsimError> {
     if child(node, "independentVar").is_some() {
         let table = function::read_table(model, source, node)?;
         return Ok(function::define(model, source, node, vec![Op::Table(table)], None));

@@ -138,23 +138,67 @@ impl Piston {
         1.5 * self.max_rpm
     }
 
-    /// Power at a throttle from 0 to 1 and a speed, foot pounds per second. Friction may take more than there is.
-    pub(super) fn power(&self, throttle: f64, rpm: f64, air: &Air) -> f64 {
-        let speed_ft_s = (rpm * self.stroke_in / 360.0).max(1e-3);
-        let engine = self.peak_speed_ft_s / speed_ft_s;
+    /// Friction, foot pounds per second, that is the same at every speed: with it added, the power at a throttle over the speed
+    /// nowhere rises with the speed, because the pressure in the manifold falls. None where sizes of the file do not say so.
+    pub(super) fn constant_loss(&self, throttle: f64) -> Option<f64> {
         let closed = 1.0 - throttle.clamp(0.0, 1.0);
-        let share = engine / (engine + self.airbox + closed * closed * self.throttle);
-        let drawn_pa = (air.pressure_pa + air.ram_pa * self.ram) * share;
-        let boosted = self.boosts.iter().map(|boost| (drawn_pa * boost.times).min(boost.most_pa));
-        let manifold_pa = boosted.fold(drawn_pa, f64::max);
-        let exhaust = (air.pressure_pa / manifold_pa.max(1.0)).min(self.compression);
-        let filling = (GAMMA - 1.0) / GAMMA + (self.compression - exhaust) / (GAMMA * (self.compression - 1.0));
-        let swept_m3_s = self.displacement_m3 * rpm / 60.0 / 2.0;
-        let air_kg_s = swept_m3_s * self.efficiency * filling * manifold_pa / (GAS * air.temperature_k.max(1.0));
+        let falls = self.airbox + closed * closed * self.throttle >= 0.0
+            && self.friction_hp >= 0.0
+            && self.friction_pa[0] >= 0.0
+            && self.consumption > 0.0
+            && self.boosts.iter().all(|boost| boost.times >= 0.0);
+        falls.then_some(self.friction_hp * HORSEPOWER)
+    }
+
+    /// It at a throttle from 0 to 1 in some air.
+    pub(super) fn running(&self, throttle: f64, air: &Air) -> RunningPiston<'_> {
+        let closed = 1.0 - throttle.clamp(0.0, 1.0);
+        let swept_m3 = self.displacement_m3 / 60.0 / 2.0;
+        let air_kg_s = swept_m3 * self.efficiency / (GAS * air.temperature_k.max(1.0));
         let fuel_lb_h = air_kg_s * FUEL_AIR * 3600.0 / 0.453_592_37;
-        let friction = self.friction_pa[0] * speed_ft_s * 0.3048 + self.friction_pa[1];
-        let pumping = (drawn_pa - air.pressure_pa) * self.efficiency;
-        let lost_hp = (pumping - friction) * self.displacement_m3 * rpm / (self.cycles * 22_371.0);
-        (fuel_lb_h / self.consumption - self.friction_hp + lost_hp) * HORSEPOWER
+        RunningPiston {
+            piston: self,
+            pressure_pa: air.pressure_pa,
+            total_pa: air.pressure_pa + air.ram_pa * self.ram,
+            resistance: self.airbox + closed * closed * self.throttle,
+            speed_by_rpm: self.stroke_in / 360.0,
+            power_by_charge: fuel_lb_h / self.consumption * HORSEPOWER,
+            loss_by_pressure: self.displacement_m3 / (self.cycles * 22_371.0) * HORSEPOWER,
+            filling: [(GAMMA - 1.0) / GAMMA, 1.0 / (GAMMA * (self.compression - 1.0))],
+        }
+    }
+}
+
+/// A piston engine at a throttle in some air.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct RunningPiston<'a> {
+    piston: &'a Piston,
+    pressure_pa: f64,
+    total_pa: f64,
+    resistance: f64,
+    speed_by_rpm: f64,
+    /// Foot pounds per second for each pascal in the manifold and turn per minute, were the cylinders filled.
+    power_by_charge: f64,
+    /// Foot pounds per second for each pascal and turn per minute.
+    loss_by_pressure: f64,
+    filling: [f64; 2],
+}
+
+impl RunningPiston<'_> {
+    /// Power at a speed, foot pounds per second. Friction may take more than there is.
+    #[inline]
+    pub(super) fn power(&self, rpm: f64) -> f64 {
+        let piston = self.piston;
+        let speed_ft_s = (rpm * self.speed_by_rpm).max(1e-3);
+        let drawn_pa =
+            self.total_pa * (piston.peak_speed_ft_s / (piston.peak_speed_ft_s + speed_ft_s * self.resistance));
+        let boosted = piston.boosts.iter().map(|boost| (drawn_pa * boost.times).min(boost.most_pa));
+        let manifold_pa = boosted.fold(drawn_pa, f64::max);
+        let exhaust = (self.pressure_pa / manifold_pa.max(1.0)).min(piston.compression);
+        let filling = self.filling[0] + (piston.compression - exhaust) * self.filling[1];
+        let burnt = filling * manifold_pa * self.power_by_charge;
+        let friction_pa = piston.friction_pa[0] * speed_ft_s * 0.3048 + piston.friction_pa[1];
+        let pumping_pa = (drawn_pa - self.pressure_pa) * piston.efficiency;
+        (burnt + (pumping_pa - friction_pa) * self.loss_by_pressure) * rpm - piston.friction_hp * HORSEPOWER
     }
 }

@@ -1,12 +1,12 @@
-//! A propeller at the speed at which it takes the power that its engine gives.
+//! A propeller: thrust and torque at a speed and a pitch, and the power that turns it.
 
 use roxmltree::Node;
 
 use super::super::error::JsbsimError;
 use super::super::source::{Source, children, parse, shortened, tag};
-use super::super::table::Table;
+use super::super::table::{Column, Table};
 use super::super::units::Unit;
-use super::piston::{Air, Piston};
+use super::piston::{Air, Piston, RunningPiston};
 
 /// Foot pounds per second in a horsepower.
 const HORSEPOWER: f64 = 550.0;
@@ -48,23 +48,52 @@ impl Power {
         }
     }
 
-    /// Foot pounds per second at a throttle from 0 to 1 and a speed of the engine.
-    fn at(&self, throttle: f64, rpm: f64, air: &Air) -> f64 {
+    /// It at a throttle from 0 to 1 in some air.
+    pub(super) fn running(&self, throttle: f64, air: &Air) -> Running<'_> {
         match self {
-            Self::Piston(piston) => piston.power(throttle, rpm, air),
+            Self::Piston(piston) => Running::Piston(piston.running(throttle, air)),
             Self::Constant { full, breathes } => {
                 let density_ratio = air.pressure_pa / 101_325.0 * 288.15 / air.temperature_k.max(1.0);
                 let left = if *breathes { density_ratio.clamp(0.0, 1.2) } else { 1.0 };
-                full * throttle.clamp(0.0, 1.0) * left
+                Running::Constant(full * throttle.clamp(0.0, 1.0) * left)
             }
         }
     }
 
     /// Speed above which the engine is not asked to run, turns per minute.
-    fn most_rpm(&self) -> f64 {
+    pub(super) fn most_rpm(&self) -> f64 {
         match self {
             Self::Piston(piston) => piston.most_rpm(),
             Self::Constant { .. } => 10_000.0,
+        }
+    }
+
+    /// A loss, foot pounds per second, not negative, with which the power over the speed nowhere rises with the speed; none where
+    /// that cannot be said.
+    pub(super) fn constant_loss(&self, throttle: f64) -> Option<f64> {
+        match self {
+            Self::Piston(piston) => piston.constant_loss(throttle),
+            Self::Constant { full, .. } => (*full >= 0.0).then_some(0.0),
+        }
+    }
+}
+
+/// An engine at a throttle in some air.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Running<'a> {
+    /// A piston engine.
+    Piston(RunningPiston<'a>),
+    /// The same at every speed, foot pounds per second.
+    Constant(f64),
+}
+
+impl Running<'_> {
+    /// Foot pounds per second at a speed of the engine, turns per minute.
+    #[inline]
+    pub(super) fn at(&self, rpm: f64) -> f64 {
+        match self {
+            Self::Piston(piston) => piston.power(rpm),
+            Self::Constant(power) => *power,
         }
     }
 }
@@ -75,15 +104,15 @@ pub(super) struct Propeller {
     diameter_ft: f64,
     /// Inertia about its axis, slug ft2.
     pub(super) inertia: f64,
-    gear: f64,
-    pitch_deg: [f64; 2],
-    rpm: [f64; 2],
-    constant_speed: bool,
+    pub(super) gear: f64,
+    pub(super) pitch_deg: [f64; 2],
+    pub(super) rpm: [f64; 2],
+    pub(super) constant_speed: bool,
     thrust: Table,
-    power: Table,
+    pub(super) power: Table,
     thrust_mach: Option<Table>,
-    power_mach: Option<Table>,
-    factors: [f64; 2],
+    pub(super) power_mach: Option<Table>,
+    pub(super) factors: [f64; 2],
     /// Sign of its spin in the gyroscopic moment: files before version 1.01 have the opposite one.
     pub(super) gyroscopic: f64,
 }
@@ -158,66 +187,88 @@ impl Propeller {
 
     /// Thrust and torque at a speed and a pitch.
     pub(super) fn at(&self, inflow: &Inflow, rpm: f64, pitch_deg: f64) -> Work {
+        self.taking(inflow, pitch_deg, Rows::default()).work(rpm, &mut Rows::default())
+    }
+
+    /// Advance ratio at a speed.
+    pub(super) fn advance(&self, inflow: &Inflow, rpm: f64) -> f64 {
         let turns = rpm / 60.0;
-        let advance = inflow.along_ft_s / (self.diameter_ft * if turns > 0.0 { turns } else { 1.0 });
+        inflow.along_ft_s / (self.diameter_ft * if turns > 0.0 { turns } else { 1.0 })
+    }
+
+    /// What it takes at a pitch, to be asked at several speeds.
+    pub(super) fn taking<'a>(&'a self, inflow: &'a Inflow, pitch_deg: f64, rows: Rows) -> Taking<'a> {
+        let scale = self.factors[1] * inflow.density * self.diameter_ft.powi(5) / 60.0_f64.powi(3);
+        Taking {
+            propeller: self,
+            inflow,
+            pitch_deg,
+            coefficients: self.power.at_column(pitch_deg, rows.power),
+            scale,
+            rows,
+        }
+    }
+
+    /// The value of a table over the Mach number of the tip; 1 without a table.
+    fn of_mach(&self, table: &Option<Table>, inflow: &Inflow, turns: f64) -> f64 {
+        let Some(table) = table else { return 1.0 };
         let tip = turns * self.diameter_ft * std::f64::consts::PI;
         let tip_mach = if inflow.sound_ft_s > 0.0 { tip.hypot(inflow.along_ft_s) / inflow.sound_ft_s } else { 0.0 };
-        let mach = |table: &Option<Table>| table.as_ref().map_or(1.0, |table| table.value([tip_mach, 0.0, 0.0]));
-        let thrust = self.factors[0] * mach(&self.thrust_mach) * self.thrust.value([advance, pitch_deg, 0.0]);
-        let power = self.factors[1] * mach(&self.power_mach) * self.power.value([advance, pitch_deg, 0.0]);
-        let diameter4 = self.diameter_ft.powi(4);
-        let square = inflow.density * turns * turns * diameter4;
-        Work {
-            thrust_lb: thrust * square,
-            torque_ft_lb: power * square * self.diameter_ft / (2.0 * std::f64::consts::PI),
-            rpm,
-        }
+        table.value([tip_mach, 0.0, 0.0])
     }
 
     /// Pitch at one end of its range.
     pub(super) fn fine_pitch_deg(&self) -> f64 {
         self.pitch_deg[0]
     }
+}
 
-    /// The work at which engine and propeller are in balance. `lever` from 0 to 1 asks for a speed between the least and the most.
-    pub(super) fn balance(&self, inflow: &Inflow, engine: &Power, throttle: f64, lever: f64, air: &Air) -> Work {
-        let surplus = |rpm: f64, pitch: f64| {
-            let work = self.at(inflow, rpm, pitch);
-            engine.at(throttle, rpm * self.gear, air) - work.torque_ft_lb * rpm / 60.0 * 2.0 * std::f64::consts::PI
-        };
-        let [fine, coarse] = self.pitch_deg;
-        if self.constant_speed && fine < coarse {
-            let wanted = self.rpm[0] + (self.rpm[1] - self.rpm[0]) * lever.clamp(0.0, 1.0);
-            if wanted > 0.0 {
-                if surplus(wanted, fine) <= 0.0 {
-                    return self.at(inflow, self.free_rpm(|rpm| surplus(rpm, fine), wanted), fine);
-                }
-                if surplus(wanted, coarse) >= 0.0 {
-                    return self.at(inflow, self.free_rpm(|rpm| surplus(rpm, coarse), 1.2 * wanted), coarse);
-                }
-                let (mut low, mut high) = (fine, coarse);
-                for _ in 0..50 {
-                    let middle = 0.5 * (low + high);
-                    *(if surplus(wanted, middle) > 0.0 { &mut low } else { &mut high }) = middle;
-                }
-                return self.at(inflow, wanted, low);
-            }
-        }
-        self.at(inflow, self.free_rpm(|rpm| surplus(rpm, fine), engine.most_rpm() / self.gear), fine)
+/// Rows of tables to look at first.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Rows {
+    power: usize,
+    thrust: usize,
+}
+
+/// A propeller of a pitch in some air.
+#[derive(Debug)]
+pub(super) struct Taking<'a> {
+    propeller: &'a Propeller,
+    inflow: &'a Inflow,
+    pitch_deg: f64,
+    rows: Rows,
+    coefficients: Column<'a>,
+    /// Power for a coefficient of 1 and each turn per minute cubed, foot pounds per second.
+    scale: f64,
+}
+
+impl Taking<'_> {
+    /// What it does at a speed; the rows that were found go into `rows`.
+    pub(super) fn work(&self, rpm: f64, rows: &mut Rows) -> Work {
+        let Self { propeller, inflow, .. } = self;
+        let (turns, advance) = (rpm / 60.0, propeller.advance(inflow, rpm));
+        let square = inflow.density * turns * turns * propeller.diameter_ft.powi(4);
+        let thrusts = propeller.thrust.at_column(self.pitch_deg, self.rows.thrust);
+        let of_mach = |table: &Option<Table>| propeller.of_mach(table, inflow, turns);
+        let thrust = propeller.factors[0] * of_mach(&propeller.thrust_mach) * thrusts.value(advance);
+        let power = propeller.factors[1] * of_mach(&propeller.power_mach) * self.coefficients.value(advance);
+        let torque_ft_lb = power * square * propeller.diameter_ft / (2.0 * std::f64::consts::PI);
+        *rows = Rows { power: self.coefficients.row(), thrust: thrusts.row() };
+        Work { thrust_lb: thrust * square, torque_ft_lb, rpm }
+    }
+    /// Whether its coefficient is nowhere between two advance ratios less than at the second.
+    pub(super) fn is_least_at_end(&self, advances: [f64; 2]) -> bool {
+        self.coefficients.is_least_at_end(advances)
     }
 
-    /// The highest speed below a bound at which there is no power to spare; 0 where there is none at any speed.
-    fn free_rpm(&self, surplus: impl Fn(f64) -> f64, most: f64) -> f64 {
-        const STEPS: u32 = 100;
-        let step = most / f64::from(STEPS);
-        let Some(below) = (1..=STEPS).rev().map(|k| f64::from(k) * step).find(|&rpm| surplus(rpm) > 0.0) else {
-            return 0.0;
-        };
-        let (mut low, mut high) = (below, (below + step).min(most));
-        for _ in 0..40 {
-            let middle = 0.5 * (low + high);
-            *(if surplus(middle) > 0.0 { &mut low } else { &mut high }) = middle;
+    /// Power that it takes at a speed, foot pounds per second.
+    #[inline]
+    pub(super) fn at(&self, rpm: f64) -> f64 {
+        let coefficient = self.coefficients.value(self.propeller.advance(self.inflow, rpm));
+        let power = coefficient * self.scale * rpm * rpm * rpm;
+        match &self.propeller.power_mach {
+            None => power,
+            table => power * self.propeller.of_mach(table, self.inflow, rpm / 60.0),
         }
-        low
     }
 }

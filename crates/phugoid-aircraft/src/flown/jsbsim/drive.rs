@@ -1,0 +1,98 @@
+//! The thrust of an aircraft of JSBSim.
+
+use phugoid_flight_dynamics::atmosphere::Atmosphere;
+
+use super::pool::Pool;
+use crate::flown::options::Thrust;
+use crate::jsbsim::{
+    Aircraft, CompiledPropulsion, Engine, EngineKind, Evaluator, FlightCondition, PropulsiveWorkspace,
+};
+
+/// Time constant of the engines behind the throttle, s.
+pub(super) const ENGINE_LAG_S: f64 = 1.0;
+
+/// The thrust as it is made.
+#[derive(Clone, Debug)]
+pub(super) enum Drive {
+    /// By the engines of the files.
+    Engines(Box<Engines>),
+    /// Along body x, N at full power.
+    Force(f64),
+}
+
+/// The engines of the files, each at the same share of its throttle.
+#[derive(Clone, Debug)]
+pub(super) struct Engines {
+    compiled: CompiledPropulsion,
+    /// The most of the throttle of each.
+    most: Vec<f64>,
+    pool: Pool<PropulsiveWorkspace>,
+}
+
+impl Drive {
+    /// The thrust that is asked for, at what an evaluator of the aircraft holds of everything but the throttles.
+    pub(super) fn new(
+        aircraft: &Aircraft,
+        evaluator: &Evaluator<'_>,
+        thrust: Thrust,
+        weight_n: f64,
+        notes: &mut Vec<String>,
+    ) -> Self {
+        if let Thrust::AlongBodyX { largest_n } = thrust {
+            notes.push(format!(
+                "Thrust is a force along body x through the centre of gravity, {largest_n:.0} N at full throttle."
+            ));
+            return Self::Force(largest_n);
+        }
+        let engines = aircraft.engines();
+        let (throttles, most): (Vec<_>, Vec<_>) = engines
+            .iter()
+            .enumerate()
+            .filter(|(_, engine)| matches!(engine.kind, EngineKind::Turbine | EngineKind::Propeller))
+            .filter_map(|(number, engine)| {
+                let throttle = aircraft.property(&format!("fcs/throttle-pos-norm[{number}]"))?;
+                Some((throttle, Engine::dry_throttle(engine)))
+            })
+            .unzip();
+        if !engines.is_empty() && throttles.len() == engines.len() {
+            notes.push(format!("The engines follow the throttle with a lag of {ENGINE_LAG_S} s, without afterburner."));
+            let compiled = aircraft.compile_propulsion(evaluator, &throttles);
+            return Self::Engines(Box::new(Engines { compiled, most, pool: Pool::default() }));
+        }
+        let largest = 0.5 * weight_n;
+        notes.push(format!(
+            "Not all engines have a model here, or there is none: thrust is a force along body x through the centre of \
+             gravity, {largest:.0} N (half the weight) at full throttle."
+        ));
+        Self::Force(largest)
+    }
+}
+
+impl Engines {
+    /// Force (N) and moment (N m) at power (percent), altitude (m) and Mach number, in axial flow.
+    pub(super) fn push(&self, aircraft: &Aircraft, [power, altitude, mach]: [f64; 3]) -> [f64; 6] {
+        let air = Atmosphere::Standard.at(altitude);
+        let flight = FlightCondition {
+            airspeed_m_s: mach * air.speed_of_sound,
+            alpha_rad: 0.0,
+            beta_rad: 0.0,
+            alphadot_rad_s: 0.0,
+            betadot_rad_s: 0.0,
+            rates_rad_s: [0.0; 3],
+            attitude_rad: [0.0; 3],
+            height_m: altitude,
+            height_above_ground_m: altitude,
+            density_kg_m3: air.density,
+            pressure_pa: air.pressure,
+            temperature_k: air.temperature,
+            sound_speed_m_s: air.speed_of_sound,
+        };
+        let share = 0.01 * power.clamp(0.0, 100.0);
+        let throttles = self.most.iter().map(|most| share * most);
+        let sum = self
+            .pool
+            .lend(|| self.compiled.workspace(), |workspace| self.compiled.run(aircraft, workspace, &flight, throttles));
+        let ([x, y, z], [l, m, n]) = (sum.force_n, sum.moment_n_m);
+        [x, y, z, l, m, n]
+    }
+}
