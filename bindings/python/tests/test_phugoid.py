@@ -264,6 +264,19 @@ def test_trim_and_linear_model():
     assert min(abs(eigenvalues.real - modes[0]["eigenvalue_real"])) < 1e-9
 
 
+def test_aircraft_of_model_files(tmp_path):
+    jet = phugoid.trim(4300.0, 104.67, aircraft="hfb320")
+    # Lift and the thrust along its line, 0.0524 rad above body x, carry the weight.
+    force = jet["dynamic_pressure_pa"] * 30.0968
+    lift = force * (-0.318267 + 0.260317 + 5.37576 * jet["alpha_rad"])
+    assert lift + jet["thrust_n"] * np.sin(jet["alpha_rad"] + 0.0524) == pytest.approx(7472 * 9.80665, rel=1e-6)
+    linear = phugoid.linearize(4300.0, 104.67, aircraft="hfb320")
+    assert {mode["name"] for mode in linear["longitudinal"]["modes"]} == {"short period", "phugoid"}
+    assert linear["lateral"]["modes"] == []
+    with pytest.raises(phugoid.PhugoidError, match="no-such.toml"):
+        phugoid.trim(4300.0, 104.67, aircraft=tmp_path / "no-such.toml")
+
+
 def test_every_object_says_what_it_is(flight, model, result):
     assert "2001 samples" in repr(flight[0]) and "needs elevator" in repr(model)
     assert "dCm_q" in repr(result) and "no estimate yet" in repr(phugoid.Session(model))

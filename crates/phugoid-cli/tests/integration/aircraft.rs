@@ -3,7 +3,7 @@
 
 use crate::common;
 
-use common::{Folder, phugoid};
+use common::{Folder, phugoid, shared_file};
 
 const LEVEL: [&str; 4] = ["--altitude", "4300m", "--speed", "104.67m/s"];
 
@@ -130,4 +130,45 @@ fn an_input_is_designed_for_the_aircraft_of_a_model_file() {
     // Nothing that the rudder could move.
     let run = phugoid(&folder.0, &[design.as_slice(), &["--surface", "rudder", "--out", "none"]].concat());
     assert!(run.code == Some(1) && run.err.contains("rudder"), "{} {}", run.out, run.err);
+}
+
+/// NASA's transport, whole and damaged, from the start and in mid-flight.
+#[test]
+fn the_transport_loses_a_stabiliser() {
+    let Some(vehicle) = shared_file("gtm/vehicle.json") else { return };
+    let gtm = vehicle.parent().unwrap().to_str().unwrap();
+    let folder = Folder::new("aircraft-transport");
+    let level = ["--altitude", "300m", "--speed", "40m/s", "--json"];
+    let of = |damaged: &str| {
+        let run =
+            phugoid(&folder.0, &[["linearize", "--aircraft", gtm, "--damaged", damaged].as_slice(), &level].concat());
+        assert_eq!(run.code, Some(0), "{}", run.err);
+        run.json()
+    };
+    let (whole, damaged) = (of("none"), of("left-stabiliser-off"));
+    // Half the stabiliser is gone, and with it half of the pitch stiffness and of the pitch damping.
+    let pitch = |document: &serde_json::Value, state: usize| document["longitudinal"]["A"][3][state].as_f64().unwrap();
+    assert!(pitch(&whole, 1) < 1.5 * pitch(&damaged, 1) && pitch(&damaged, 1) < 0.0);
+    assert!(pitch(&whole, 3) < 1.5 * pitch(&damaged, 3) && pitch(&damaged, 3) < 0.0);
+
+    let scenario = |damage: &str| {
+        format!(
+            "name = \"transport\"\nduration = \"4 s\"\nsample_rate = \"100 Hz\"\n[aircraft]\nfile = {gtm:?}\n{damage}\n\
+             [condition]\naltitude = \"300 m\"\nspeed = \"40 m/s\"\n"
+        )
+    };
+    let flown = |damage: &str| {
+        std::fs::write(folder.0.join("flight.toml"), scenario(damage)).unwrap();
+        let run = phugoid(&folder.0, &["simulate", "flight.toml", "--out", "flight", "--json"]);
+        assert_eq!(run.code, Some(0), "{}", run.err);
+        std::fs::read_to_string(folder.0.join("flight/truth.csv")).unwrap()
+    };
+    let (steady, damaged) = (flown(""), flown("damaged = \"left-stabiliser-off\"\ndamaged_at = \"2 s\""));
+    let line = |text: &str, k: usize| text.lines().nth(1 + k).unwrap().to_owned();
+    // The same until the instant, and another motion from then on.
+    assert_eq!(line(&steady, 199), line(&damaged, 199));
+    assert_ne!(line(&steady, 201), line(&damaged, 201));
+    std::fs::write(folder.0.join("flight.toml"), scenario("damaged = \"left-stabilizer-off\"")).unwrap();
+    let run = phugoid(&folder.0, &["simulate", "flight.toml", "--out", "flight"]);
+    assert!(run.code == Some(3) && run.err.contains("did you mean `left-stabiliser-off`"), "{}", run.err);
 }
