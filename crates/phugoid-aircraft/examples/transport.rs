@@ -8,23 +8,19 @@
 
 use std::time::Instant;
 
-use phugoid_aircraft::transport::{Damage, RateModel, Transport, TransportOptions, straight_flight};
+use phugoid_aircraft::transport::{Damage, RateModel, Transport, TransportOptions};
 use phugoid_flight_dynamics::aircraft::{AirData, Aircraft, Controls, State};
 use phugoid_flight_dynamics::linearize::{SubModel, linearize};
 use phugoid_flight_dynamics::motion::{Disturbance, motion};
 use phugoid_flight_dynamics::scalar::{Dual, Scalar};
 use phugoid_flight_dynamics::trim::{TrimCondition, trim};
 
-/// Steady straight flight: with wings level if the rudder can make the side force vanish, banked otherwise.
+/// Steady straight flight: with wings level if a rudder can make the side force vanish, else banked.
 fn steady(aircraft: &Transport, speed: f64, altitude: f64) -> Result<(State, Controls, &'static str), String> {
-    let level = trim(aircraft, &TrimCondition::steady(aircraft, speed, altitude, 0.0, 0.0));
-    match level {
-        Ok(trim) => Ok((trim.state(), trim.controls(), "wings level")),
-        Err(level) => match straight_flight(aircraft, speed, altitude, 0.0, 0.0) {
-            Ok(flight) => Ok((flight.state, flight.controls, "banked")),
-            Err(banked) => Err(format!("{level}; {banked}")),
-        },
-    }
+    let found =
+        trim(aircraft, &TrimCondition::steady(aircraft, speed, altitude, 0.0, 0.0)).map_err(|e| e.to_string())?;
+    let words = if found.phi_rad.abs() < 1e-6 { "wings level" } else { "banked" };
+    Ok((found.state(), found.controls(), words))
 }
 
 /// Derivatives of the six coefficients by alpha, beta, the three dimensionless rates, elevator, aileron and rudder, per rad.

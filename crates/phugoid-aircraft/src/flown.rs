@@ -96,7 +96,7 @@ impl AircraftFile {
     pub fn name(&self) -> &str {
         match self {
             Self::Jsbsim(aircraft) => aircraft.name(),
-            Self::Transport(_) => "Generic Transport Model",
+            Self::Transport(aircraft) => aircraft.name(),
         }
     }
 
@@ -104,7 +104,7 @@ impl AircraftFile {
     pub fn notes(&self) -> &[String] {
         match self {
             Self::Jsbsim(aircraft) => aircraft.notes(),
-            Self::Transport(_) => &[],
+            Self::Transport(aircraft) => aircraft.notes(),
         }
     }
 }

@@ -6,8 +6,7 @@
 //! equations and the assumptions stand in `docs/transport.md`.
 //!
 //! [`Transport`] is an [`Aircraft`] like any other: trim, linear models, scenarios and studies work on it.
-//! [`Transport::damaged`] is the same aircraft with a damage, [`fly_damaged`] a flight in which damage happens, and
-//! [`straight_flight`] a trim for aircraft without a rudder.
+//! [`Transport::damaged`] is the same aircraft with a damage, [`fly_damaged`] a flight in which damage happens.
 
 mod aerodynamics;
 mod axis;
@@ -16,7 +15,6 @@ mod error;
 mod flight;
 mod options;
 mod read;
-mod straight;
 mod tables;
 mod vehicle;
 
@@ -35,7 +33,6 @@ pub use self::damage::Damage;
 pub use self::error::TransportError;
 pub use self::flight::{fly_damaged, moved_to};
 pub use self::options::{RateModel, TransportOptions};
-pub use self::straight::{StraightFlight, StraightFlightError, straight_flight};
 use self::tables::Tables;
 use self::vehicle::VehicleData;
 
@@ -85,6 +82,8 @@ pub struct Transport {
     /// Force and moment about the centre of gravity, body axes, of 1 N of thrust of each engine.
     push: [[f64; 3]; 2],
     actuators: Actuators,
+    name: String,
+    notes: Vec<String>,
 }
 
 /// What all configurations share.
@@ -205,8 +204,43 @@ impl Transport {
             push,
             actuators: Actuators { elevator: actuator, aileron: actuator, rudder: actuator },
             data,
+            name: match options.damage {
+                Damage::None => "Generic Transport Model".to_owned(),
+                damage => format!("Generic Transport Model, {damage}"),
+            },
+            notes: notes(options),
         })
     }
+
+    /// The name, with the damage.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// What the data do not give and is assumed, and the settings that stay as they are, in sentences.
+    pub fn notes(&self) -> &[String] {
+        &self.notes
+    }
+}
+
+fn notes(options: &TransportOptions) -> Vec<String> {
+    let degrees = |angle: f64| angle / DEGREE;
+    let gear = if options.gear_down { "down" } else { "up" };
+    vec![
+        format!(
+            "It stays so in flight: stabiliser at {} deg, flaps at {} deg, landing gear {gear}, {} % of the fuel.",
+            degrees(options.stabiliser),
+            degrees(options.flaps),
+            100.0 * options.fuel
+        ),
+        format!(
+            "Assumed: surfaces with a lag of {:.3} s, at most {:.0} deg/s and {LIMIT} deg to either side; engines with a lag of \
+             {} s.",
+            options.actuator_lag,
+            degrees(options.surface_rate),
+            options.engine_lag
+        ),
+    ]
 }
 
 impl Aircraft for Transport {

@@ -16,8 +16,12 @@ pub(crate) fn days(year: i64, month: u32, day: u32) -> i64 {
         - TO_1970
 }
 
-/// Year, month and day of a number of days from 1970-01-01.
-pub(crate) fn date(days: i64) -> (i64, i64, i64) {
+/// Year, month (1 to 12) and day of the month (from 1) of a number of days from 1970-01-01.
+///
+/// ```
+/// assert_eq!(phugoid_flight_data::calendar::date(19_844), (2024, 5, 1));
+/// ```
+pub fn date(days: i64) -> (i64, i64, i64) {
     // Within eras of 400 years, which have 146,097 days each.
     let days = days + TO_1970;
     let (era, of_era) = (days.div_euclid(146_097), days.rem_euclid(146_097));

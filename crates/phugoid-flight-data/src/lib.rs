@@ -25,7 +25,7 @@ pub mod airspeed;
 pub mod align;
 #[cfg(feature = "parquet")]
 pub mod arrow;
-mod calendar;
+pub mod calendar;
 pub mod channels;
 pub mod csv;
 pub mod deletion;

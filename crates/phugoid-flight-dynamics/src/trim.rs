@@ -8,7 +8,8 @@
 //!
 //! in the eight unknowns alpha, beta, phi, theta, throttle, elevator, aileron, rudder. The last equation says that no side
 //! force is felt: in steady flight it is the turn coordination constraint of Stevens, Lewis & Johnson (3.6-7), and
-//! without a turn it makes the wings level. The climb equation is their rate-of-climb constraint (3.6-1). The body rates
+//! without a turn it makes the wings level. An aircraft whose rudder moves nothing, because it is gone or in no table, cannot
+//! meet it: its rudder is held at zero in its place, and it may fly banked, with a side force. The climb equation is their rate-of-climb constraint (3.6-1). The body rates
 //! follow from the turn rate (their 3.6-6):
 //!
 //! ```text

@@ -289,7 +289,10 @@ impl<'a> Symbolic<'a> {
                 continue;
             }
             let links = match (std::mem::replace(&mut chains[first], Chain::Inside), pair(first)) {
-                (Chain::Whole(before, links), _) if before == action => [links.as_slice(), &[last]].concat(),
+                (Chain::Whole(before, mut links), _) if before == action => {
+                    links.push(last);
+                    links
+                }
                 (Chain::None, Some((before, [a, b]))) if before == action => vec![a, b, last],
                 (other, _) => {
                     chains[first] = other;

@@ -109,7 +109,8 @@ pub(crate) struct Estimate {
     #[arg(long)]
     pub(crate) json: bool,
     /// Also write the result in another form: `csv=FILE`, `parquet=FILE` and `json=FILE` write the estimates,
-    /// `jsbsim=FILE` the model as a JSBSim `<aerodynamics>` section, `gazebo=FILE` the model as parameters of the
+    /// `jsbsim=FILE` the model as a JSBSim `<aerodynamics>` section, `daveml=FILE` as a model in DAVE-ML with uncertainties
+    /// and check data (`phugoid check FILE` evaluates it), `gazebo=FILE` the model as parameters of the
     /// advanced lift-drag plugin that PX4's simulations use. May be repeated
     #[arg(long, value_name = "FORM=FILE", value_parser = export)]
     pub(crate) export: Vec<Export>,
@@ -209,6 +210,7 @@ pub(crate) enum ExportForm {
     Parquet,
     Jsbsim,
     Gazebo,
+    Daveml,
 }
 
 /// One value of `--export`: a format, and the file to write.
@@ -226,8 +228,11 @@ fn export(text: &str) -> Result<Export, String> {
         "parquet" => ExportForm::Parquet,
         "jsbsim" => ExportForm::Jsbsim,
         "gazebo" | "px4" => ExportForm::Gazebo,
+        "daveml" => ExportForm::Daveml,
         other => {
-            return Err(format!("`{other}` is no form: write csv=, json=, parquet=, jsbsim= or gazebo= and a file"));
+            return Err(format!(
+                "`{other}` is no form: write csv=, json=, parquet=, jsbsim=, daveml= or gazebo= and a file"
+            ));
         }
     };
     if file.is_empty() {

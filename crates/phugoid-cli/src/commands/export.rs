@@ -4,7 +4,7 @@ use phugoid_flight_data::output_file;
 use std::path::Path;
 
 use phugoid_identification::estimation::Estimation;
-use phugoid_identification::export::{ExportError, Exported, Identified, csv, gazebo, jsbsim, model_file};
+use phugoid_identification::export::{ExportError, Exported, Identified, csv, daveml, gazebo, jsbsim, model_file};
 use phugoid_identification::model_file::ModelFile;
 
 use super::result::{Document, paragraph};
@@ -20,6 +20,7 @@ fn writer(form: ExportForm) -> Option<Writer> {
         ExportForm::Csv | ExportForm::Json | ExportForm::Parquet => None,
         ExportForm::Jsbsim => Some(jsbsim),
         ExportForm::Gazebo => Some(gazebo),
+        ExportForm::Daveml => Some(daveml),
     }
 }
 

@@ -8,7 +8,9 @@ use phugoid_flight_dynamics::aircraft::Aircraft;
 use phugoid_flight_dynamics::built_in::{AircraftName, BuiltInAircraft};
 use phugoid_flight_dynamics::f16::F16Tables;
 use phugoid_flight_dynamics::trim::{Trim, TrimCondition};
+use phugoid_identification::model_file::ModelFile;
 use phugoid_simulation::aircraft::{AircraftError, AnyAircraft};
+use phugoid_simulation::scenario::nearest;
 use serde::Serialize;
 
 use crate::arguments::{self, AircraftChoice, FlightCondition, TablesName};
@@ -108,6 +110,10 @@ fn opened(choice: &AircraftChoice) -> Result<AnyAircraft, Failure> {
 fn not_opened(wanted: &str, error: &AircraftError) -> Failure {
     if std::path::Path::new(wanted).exists() {
         return Failure::input(error);
+    }
+    let names = ModelFile::BUILT_IN.iter().map(|(name, _)| *name).chain([AircraftName::F16.word()]);
+    if let Some(near) = nearest(wanted, names) {
+        return Failure::input(format!("{error}\nThere is no built-in aircraft `{wanted}`: did you mean `{near}`?"));
     }
     Failure::input(format!(
         "{error}\n`{wanted}` is neither f16, nor a built-in model, nor a file or a folder: --aircraft takes a model file \

@@ -55,6 +55,8 @@ fn what_is_no_aircraft_is_refused_with_what_to_write() {
     };
     let message = refused(&["jett.toml"]);
     assert!(message.contains("jett.toml") && message.contains("takes a model file"), "{message}");
+    let message = refused(&["hfb230"]);
+    assert!(message.contains("did you mean `hfb320`"), "{message}");
     let message = refused(&["hfb320", "--cg", "0.3"]);
     assert!(message.contains("--cg") && message.contains("F-16"), "{message}");
     let message = refused(&["f16", "--property", "fcs/flap-pos-deg=10"]);
@@ -106,6 +108,19 @@ fn an_identified_model_flies_again() {
     let run = phugoid(&folder.0, &["simulate", "again.toml", "--out", "again", "--json"]);
     assert_eq!(run.code, Some(0), "{}", run.err);
     assert_eq!(run.json()["true_parameters"]["Cm_alpha"], of("Cm_alpha")["value"]);
+    // The same model in DAVE-ML passes its own check data, and carries the uncertainties.
+    let run = phugoid(&folder.0, &[estimate.as_slice(), &["--export", "daveml=jet.dml"]].concat());
+    assert_eq!(run.code, Some(0), "{}", run.err);
+    let run = phugoid(&folder.0, &["check", "jet.dml", "--json"]);
+    assert_eq!(
+        (run.code, run.json()["models"][0]["shots_passed"].as_u64()),
+        (Some(0), Some(3)),
+        "{} {}",
+        run.out,
+        run.err
+    );
+    let text = std::fs::read_to_string(folder.0.join("jet.dml")).unwrap();
+    assert!(text.contains("Cm_elevator") && text.contains("normalPDF"), "{text}");
     // Never over what is read.
     let run = phugoid(&folder.0, &["estimate", measured, "--model", "identified.toml", "--write-model", measured]);
     assert!(run.code == Some(3) && run.err.contains("--write-model"), "{}", run.err);

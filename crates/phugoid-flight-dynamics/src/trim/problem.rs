@@ -20,6 +20,8 @@ pub(super) struct Problem<'a, A> {
     disturbance: Disturbance,
     /// Specific force per unit of throttle beyond its ends, along the full thrust.
     excess: [f64; 3],
+    /// Whether the rudder moves anything: without it, nothing could make the side force vanish.
+    has_rudder: bool,
 }
 
 /// Where the solver has come to.
@@ -45,7 +47,11 @@ impl<'a, A: Aircraft> Problem<'a, A> {
         let inverse_mass = aircraft.mass_properties().inverse_mass();
         let excess = core::array::from_fn(|i| (full[i] - idle[i]) * inverse_mass);
         let disturbance = Disturbance { increments: condition.increments, ..Disturbance::default() };
-        Self { aircraft, condition, disturbance, excess }
+        let mut problem = Self { aircraft, condition, disturbance, excess, has_rudder: true };
+        let start = problem.start(STARTS_DEG[0].to_radians());
+        let moved = problem.residuals::<Dual<UNKNOWNS>>(&core::array::from_fn(|i| Dual::variable(start[i], i)));
+        problem.has_rudder = moved.iter().any(|residual| residual.derivatives[UNKNOWNS - 1] != 0.0);
+        problem
     }
 
     fn state_and_controls<T: Scalar>(&self, z: &[T; UNKNOWNS]) -> (State<T>, Controls<T>) {
@@ -99,7 +105,7 @@ impl<'a, A: Aircraft> Problem<'a, A> {
             rates.q,
             rates.r,
             rates.altitude / speed - Scalar::sin_cos(self.condition.flight_path_angle).0,
-            (specific_force[1] + ay) / gravity,
+            if self.has_rudder { (specific_force[1] + ay) / gravity } else { controls.rudder },
         ]
     }
 

@@ -33,6 +33,8 @@ pub struct Identified<'a> {
     /// Standard errors by parameter name, per radian, random and systematic part together; one that is missing here was not
     /// estimated.
     pub std_errors: BTreeMap<String, f64>,
+    /// Correlations of the errors of pairs of parameters, by their names.
+    pub correlations: Vec<(String, String, f64)>,
     /// Angle of attack at which the terms' `alpha` is zero, rad.
     pub alpha_reference: f64,
     /// Angle of attack in the middle of the flight, rad: terms that the other format cannot express are approximated
@@ -72,6 +74,7 @@ impl<'a> Identified<'a> {
             model,
             values: estimation.parameters.iter().map(|p| (p.name.clone(), p.value)).collect(),
             std_errors: estimation.parameters.iter().map(|p| (p.name.clone(), 0.25 * (p.upper - p.lower))).collect(),
+            correlations: correlations(estimation),
             alpha_reference: estimation.alpha_reference,
             alpha_typical: middle("alpha").unwrap_or(estimation.alpha_reference),
             elevator_typical: middle("elevator").unwrap_or_else(|| given(model.reference.elevator)),
@@ -97,6 +100,7 @@ impl<'a> Identified<'a> {
             model,
             values: BTreeMap::new(),
             std_errors: BTreeMap::new(),
+            correlations: Vec::new(),
             alpha_reference: alpha,
             alpha_typical: alpha,
             elevator_typical: given(model.reference.elevator),
@@ -140,6 +144,20 @@ impl<'a> Identified<'a> {
             ))),
         }
     }
+}
+
+/// The correlations of all pairs of estimated parameters.
+fn correlations(estimation: &Estimation) -> Vec<(String, String, f64)> {
+    let parameters = &estimation.parameters;
+    let mut pairs = Vec::new();
+    for (i, (second, row)) in parameters.iter().zip(&estimation.correlation).enumerate() {
+        for (first, value) in parameters.iter().zip(row).take(i) {
+            if value.is_finite() && *value != 0.0 {
+                pairs.push((first.name.clone(), second.name.clone(), *value));
+            }
+        }
+    }
+    pairs
 }
 
 /// The reference that the model file gives, rad; zero where it would come from a flight.

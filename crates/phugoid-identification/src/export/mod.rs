@@ -6,17 +6,20 @@
 //! | the same as Parquet (feature `parquet`) | `parquet` | everything |
 //! | the model file with its values, to fly and to start from | [`model_file()`] | everything |
 //! | `<aerodynamics>` section of JSBSim | [`jsbsim()`] | every term of a model in absolute form |
+//! | model in DAVE-ML (ANSI/AIAA S-119) with uncertainties and check data | [`daveml()`] | every term of a model in absolute form |
 //! | parameters of Gazebo's advanced lift-drag plugin, as PX4 simulates with | [`gazebo()`] | terms of first order; the rest is said |
 //!
 //! Increments to a database are refused: the database is not part of the result, and these formats have no place for
 //! it.
 
+mod daveml;
 mod estimates;
 mod gazebo;
 mod identified;
 mod jsbsim;
 mod model_file;
 
+pub use daveml::daveml;
 pub use estimates::csv;
 #[cfg(feature = "parquet")]
 pub use estimates::parquet;

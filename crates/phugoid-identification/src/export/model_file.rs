@@ -23,7 +23,7 @@ use crate::model_file::{ModelFile, ReferenceValue};
 /// identified.std_errors.insert("Cm_alpha".to_owned(), 0.02);
 /// let written = model_file(&identified, text)?.text;
 /// let line = written.lines().find(|line| line.starts_with("Cm_alpha")).unwrap_or_default();
-/// assert_eq!(line, "Cm_alpha = { start = -0.61, prior_std = 4.98586 } # estimated, one sigma 0.02");
+/// assert_eq!(line, "Cm_alpha = { start = -0.61, prior_std = 4.98586 } # estimated, one sigma 0.020");
 /// let read = ModelFile::parse("written", &written)?;
 /// assert!(read.parameters.iter().any(|p| p.name == "Cm_alpha" && p.start == -0.61));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
