@@ -271,7 +271,7 @@ def test_aircraft_of_model_files(tmp_path):
     lift = force * (-0.318267 + 0.260317 + 5.37576 * jet["alpha_rad"])
     assert lift + jet["thrust_n"] * np.sin(jet["alpha_rad"] + 0.0524) == pytest.approx(7472 * 9.80665, rel=1e-6)
     linear = phugoid.linearize(4300.0, 104.67, aircraft="hfb320")
-    assert {mode["name"] for mode in linear["longitudinal"]["modes"]} == {"short period", "phugoid"}
+    assert {mode["name"] for mode in linear["longitudinal"]["modes"]} == {"short_period", "phugoid"}
     assert linear["lateral"]["modes"] == []
     with pytest.raises(phugoid.PhugoidError, match="no-such.toml"):
         phugoid.trim(4300.0, 104.67, aircraft=tmp_path / "no-such.toml")
