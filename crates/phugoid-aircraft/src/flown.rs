@@ -1,4 +1,4 @@
-//! Aircraft of other programs' files as an [`Aircraft`]: what trim, linear models, scenarios and studies work on, over a flat
+//! Aircraft of other programs' files as an [`Aircraft`](phugoid_flight_dynamics::aircraft::Aircraft): what trim, linear models, scenarios and studies work on, over a flat
 //! earth.
 //!
 //! [`FlownJsbsim`] is an aircraft of JSBSim, [`Transport`] the transport of NASA with damage; [`AircraftFile`] opens whatever kind of file a path leads to. What the files say
@@ -11,11 +11,7 @@ mod surface;
 
 use std::path::Path;
 
-use phugoid_flight_dynamics::actuator::Actuators;
-use phugoid_flight_dynamics::aircraft::{AirData, Aircraft, Coefficients, Controls, DataRange, Geometry, Propulsion};
-use phugoid_flight_dynamics::atmosphere::Atmosphere;
-use phugoid_flight_dynamics::mass::MassProperties;
-use phugoid_flight_dynamics::scalar::Scalar;
+use phugoid_flight_dynamics::aircraft_by_variant;
 
 pub use self::error::FlownError;
 pub use self::jsbsim::FlownJsbsim;
@@ -116,63 +112,4 @@ fn root_of(file: &Path) -> Result<String, FlownError> {
     Ok(document.root_element().tag_name().name().chars().take(60).collect())
 }
 
-/// The aircraft of whatever variant.
-macro_rules! of_file {
-    ($file:expr, $aircraft:ident => $made:expr) => {
-        match $file {
-            AircraftFile::Jsbsim($aircraft) => $made,
-            AircraftFile::Transport($aircraft) => $made,
-        }
-    };
-}
-
-impl Aircraft for AircraftFile {
-    fn geometry(&self) -> &Geometry {
-        of_file!(self, aircraft => aircraft.geometry())
-    }
-
-    fn mass_properties(&self) -> &MassProperties {
-        of_file!(self, aircraft => aircraft.mass_properties())
-    }
-
-    fn gravity(&self) -> f64 {
-        of_file!(self, aircraft => aircraft.gravity())
-    }
-
-    fn atmosphere(&self) -> Atmosphere {
-        of_file!(self, aircraft => aircraft.atmosphere())
-    }
-
-    fn coefficients<T: Scalar>(&self, air: &AirData<T>, rates: [T; 3], controls: &Controls<T>) -> Coefficients<T> {
-        of_file!(self, aircraft => aircraft.coefficients(air, rates, controls))
-    }
-
-    fn alpha_rate_coefficients<T: Scalar>(
-        &self,
-        air: &AirData<T>,
-        rates: [T; 3],
-        controls: &Controls<T>,
-    ) -> Option<Coefficients<T>> {
-        of_file!(self, aircraft => aircraft.alpha_rate_coefficients(air, rates, controls))
-    }
-
-    fn propulsion<T: Scalar>(&self, power: T, altitude: T, mach: T) -> Propulsion<T> {
-        of_file!(self, aircraft => aircraft.propulsion(power, altitude, mach))
-    }
-
-    fn power_rate<T: Scalar>(&self, throttle: T, power: T) -> T {
-        of_file!(self, aircraft => aircraft.power_rate(throttle, power))
-    }
-
-    fn steady_power<T: Scalar>(&self, throttle: T) -> T {
-        of_file!(self, aircraft => aircraft.steady_power(throttle))
-    }
-
-    fn actuators(&self) -> &Actuators {
-        of_file!(self, aircraft => aircraft.actuators())
-    }
-
-    fn data_range(&self) -> DataRange {
-        of_file!(self, aircraft => aircraft.data_range())
-    }
-}
+aircraft_by_variant!(AircraftFile, aircraft: Self::Jsbsim(aircraft), Self::Transport(aircraft));

@@ -24,6 +24,7 @@ use std::sync::Arc;
 use phugoid_flight_dynamics::actuator::{Actuator, Actuators};
 use phugoid_flight_dynamics::aircraft::{AirData, Aircraft, Coefficients, Controls, DataRange, Geometry, Propulsion};
 use phugoid_flight_dynamics::atmosphere::Atmosphere;
+use phugoid_flight_dynamics::globe::vector::{cross, subtract};
 use phugoid_flight_dynamics::mass::MassProperties;
 use phugoid_flight_dynamics::scalar::Scalar;
 
@@ -185,7 +186,7 @@ impl Transport {
         let centre = mass.centre;
         let mut push = [[0.0; 3]; 2];
         for engine in vehicle.engines {
-            let moment = cross(difference(engine.position, centre), engine.direction);
+            let moment = cross(subtract(engine.position, centre), engine.direction);
             for (sum, part) in push.iter_mut().zip([engine.direction, moment]) {
                 *sum = std::array::from_fn(|i| sum[i] + part[i]);
             }
@@ -200,7 +201,7 @@ impl Transport {
             geometry,
             mass: properties.ok_or(TransportError::Mass { damage: options.damage.word() })?,
             centre,
-            arm: difference(vehicle.reference, centre),
+            arm: subtract(vehicle.reference, centre),
             push,
             actuators: Actuators { elevator: actuator, aileron: actuator, rudder: actuator },
             data,
@@ -322,12 +323,4 @@ impl Aircraft for Transport {
             rudder: [-rudder, rudder],
         }
     }
-}
-
-fn difference(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    std::array::from_fn(|i| a[i] - b[i])
-}
-
-fn cross([ax, ay, az]: [f64; 3], [bx, by, bz]: [f64; 3]) -> [f64; 3] {
-    [ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx]
 }

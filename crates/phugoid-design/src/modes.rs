@@ -44,11 +44,9 @@ impl ModeFrequencies {
         let no_modes = |e: phugoid_flight_dynamics::modes::ModesError| DesignError::Unsuitable(e.to_string());
         let longitudinal = model.longitudinal().map_err(no_modes)?.modes;
         let lateral = model.lateral().map_err(no_modes)?.modes;
-        // What is slower is a root at zero.
-        const SLOWEST: f64 = 1e-9;
         let of = |modes: &[Mode], names: &[ModeName]| {
             let named = names.iter().find_map(|name| modes.iter().find(|m| m.name == *name));
-            named.or(modes.first()).map(|m| m.natural_frequency_rad_s).filter(|w| *w > SLOWEST).unwrap_or(f64::NAN)
+            named.or(modes.first()).map(|m| m.natural_frequency_rad_s).filter(|w| *w > 0.0).unwrap_or(f64::NAN)
         };
         let frequencies = Self {
             short_period: of(&longitudinal, &[ModeName::ShortPeriod, ModeName::ThirdOscillatory]),

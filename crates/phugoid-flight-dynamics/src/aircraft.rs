@@ -135,6 +135,14 @@ pub struct Propulsion<T = f64> {
     pub moment: [T; 3],
 }
 
+impl Propulsion {
+    /// Size of the force, N, negative where it pushes backwards along body x.
+    pub fn thrust(&self) -> f64 {
+        let [x, y, z] = self.force;
+        (x * x + y * y + z * z).sqrt().copysign(x)
+    }
+}
+
 /// The lengths and the area that make coefficients of forces and moments, and the centre of gravity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Geometry {
@@ -167,6 +175,18 @@ pub struct DataRange {
 }
 
 impl DataRange {
+    /// The range that both cover.
+    pub fn within(&self, other: &Self) -> Self {
+        let both = |a: [f64; 2], b: [f64; 2]| [a[0].max(b[0]), a[1].min(b[1])];
+        Self {
+            alpha: both(self.alpha, other.alpha),
+            beta: both(self.beta, other.beta),
+            elevator: both(self.elevator, other.elevator),
+            aileron: both(self.aileron, other.aileron),
+            rudder: both(self.rudder, other.rudder),
+        }
+    }
+
     /// The range of an aircraft that says nothing about it: angles of attack from -20 to 50 deg, everything else unlimited.
     /// Databases that go further are rare, and an aircraft has equilibria beyond its data that mean nothing.
     pub const UNSTATED: Self = {

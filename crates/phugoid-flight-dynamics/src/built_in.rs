@@ -1,16 +1,11 @@
 //! The aircraft that come with the crate, by name: the one place that decides which aircraft a word means.
 //!
-//! Trim, linearisation and simulation take anything that implements [`Aircraft`]. A program that lets its user name an
-//! aircraft asks here.
+//! Trim, linearisation and simulation take anything that implements [`Aircraft`](crate::aircraft::Aircraft). A program that
+//! lets its user name an aircraft asks here.
 
 use serde::{Deserialize, Serialize};
 
-use crate::actuator::Actuators;
-use crate::aircraft::{AirData, Aircraft, Coefficients, Controls, DataRange, Geometry, Propulsion};
-use crate::atmosphere::Atmosphere;
 use crate::f16::{F16, F16DataError, F16Options, F16Tables};
-use crate::mass::MassProperties;
-use crate::scalar::Scalar;
 
 /// The names of the built-in aircraft, as scenario files and command lines write them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -41,7 +36,7 @@ impl AircraftName {
 /// # Ok::<(), phugoid_flight_dynamics::f16::F16DataError>(())
 /// ```
 ///
-/// It is an [`Aircraft`] itself. Where speed matters, match once and hand the aircraft inside to a generic function. An
+/// It is an [`Aircraft`](crate::aircraft::Aircraft) itself. Where speed matters, match once and hand the aircraft inside to a generic function. An
 /// aircraft that is read from a model file becomes another variant here.
 #[derive(Clone, Debug)]
 pub enum BuiltInAircraft {
@@ -62,85 +57,98 @@ impl BuiltInAircraft {
     }
 }
 
-impl Aircraft for BuiltInAircraft {
-    #[inline]
-    fn geometry(&self) -> &Geometry {
-        match self {
-            Self::F16(aircraft) => aircraft.geometry(),
-        }
-    }
+/// Makes an enum whose variants each hold an aircraft an [`Aircraft`](crate::aircraft::Aircraft) itself: that of the variant, which
+/// the patterns name.
+///
+/// ```
+/// use phugoid_flight_dynamics::aircraft::Aircraft;
+/// use phugoid_flight_dynamics::f16::{F16, F16Options};
+///
+/// enum Hangar {
+///     Own(F16),
+///     Lent(Box<F16>),
+/// }
+/// phugoid_flight_dynamics::aircraft_by_variant!(Hangar, aircraft: Self::Own(aircraft), Self::Lent(aircraft));
+///
+/// let jet = Hangar::Lent(Box::new(F16::new(F16Options::default())?));
+/// assert!(jet.mass_properties().mass() > 9_000.0); // kg
+/// # Ok::<(), phugoid_flight_dynamics::f16::F16DataError>(())
+/// ```
+#[macro_export]
+macro_rules! aircraft_by_variant {
+    ($any:ty, $aircraft:ident: $($variant:pat),+ $(,)?) => {
+        impl $crate::aircraft::Aircraft for $any {
+            #[inline]
+            fn geometry(&self) -> &$crate::aircraft::Geometry {
+                match self { $($variant => $aircraft.geometry()),+ }
+            }
 
-    #[inline]
-    fn mass_properties(&self) -> &MassProperties {
-        match self {
-            Self::F16(aircraft) => aircraft.mass_properties(),
-        }
-    }
+            #[inline]
+            fn mass_properties(&self) -> &$crate::mass::MassProperties {
+                match self { $($variant => $aircraft.mass_properties()),+ }
+            }
 
-    #[inline]
-    fn gravity(&self) -> f64 {
-        match self {
-            Self::F16(aircraft) => aircraft.gravity(),
-        }
-    }
+            #[inline]
+            fn gravity(&self) -> f64 {
+                match self { $($variant => $aircraft.gravity()),+ }
+            }
 
-    #[inline]
-    fn atmosphere(&self) -> Atmosphere {
-        match self {
-            Self::F16(aircraft) => aircraft.atmosphere(),
-        }
-    }
+            #[inline]
+            fn atmosphere(&self) -> $crate::atmosphere::Atmosphere {
+                match self { $($variant => $aircraft.atmosphere()),+ }
+            }
 
-    #[inline]
-    fn coefficients<T: Scalar>(&self, air: &AirData<T>, rates: [T; 3], controls: &Controls<T>) -> Coefficients<T> {
-        match self {
-            Self::F16(aircraft) => aircraft.coefficients(air, rates, controls),
-        }
-    }
+            #[inline]
+            fn coefficients<T: $crate::scalar::Scalar>(
+                &self,
+                air: &$crate::aircraft::AirData<T>,
+                rates: [T; 3],
+                controls: &$crate::aircraft::Controls<T>,
+            ) -> $crate::aircraft::Coefficients<T> {
+                match self { $($variant => $aircraft.coefficients(air, rates, controls)),+ }
+            }
 
-    #[inline]
-    fn alpha_rate_coefficients<T: Scalar>(
-        &self,
-        air: &AirData<T>,
-        rates: [T; 3],
-        controls: &Controls<T>,
-    ) -> Option<Coefficients<T>> {
-        match self {
-            Self::F16(aircraft) => aircraft.alpha_rate_coefficients(air, rates, controls),
-        }
-    }
+            #[inline]
+            fn alpha_rate_coefficients<T: $crate::scalar::Scalar>(
+                &self,
+                air: &$crate::aircraft::AirData<T>,
+                rates: [T; 3],
+                controls: &$crate::aircraft::Controls<T>,
+            ) -> Option<$crate::aircraft::Coefficients<T>> {
+                match self { $($variant => $aircraft.alpha_rate_coefficients(air, rates, controls)),+ }
+            }
 
-    #[inline]
-    fn propulsion<T: Scalar>(&self, power: T, altitude: T, mach: T) -> Propulsion<T> {
-        match self {
-            Self::F16(aircraft) => aircraft.propulsion(power, altitude, mach),
-        }
-    }
+            #[inline]
+            fn propulsion<T: $crate::scalar::Scalar>(
+                &self,
+                power: T,
+                altitude: T,
+                mach: T,
+            ) -> $crate::aircraft::Propulsion<T> {
+                match self { $($variant => $aircraft.propulsion(power, altitude, mach)),+ }
+            }
 
-    #[inline]
-    fn power_rate<T: Scalar>(&self, throttle: T, power: T) -> T {
-        match self {
-            Self::F16(aircraft) => aircraft.power_rate(throttle, power),
-        }
-    }
+            #[inline]
+            fn power_rate<T: $crate::scalar::Scalar>(&self, throttle: T, power: T) -> T {
+                match self { $($variant => $aircraft.power_rate(throttle, power)),+ }
+            }
 
-    #[inline]
-    fn steady_power<T: Scalar>(&self, throttle: T) -> T {
-        match self {
-            Self::F16(aircraft) => aircraft.steady_power(throttle),
-        }
-    }
+            #[inline]
+            fn steady_power<T: $crate::scalar::Scalar>(&self, throttle: T) -> T {
+                match self { $($variant => $aircraft.steady_power(throttle)),+ }
+            }
 
-    #[inline]
-    fn actuators(&self) -> &Actuators {
-        match self {
-            Self::F16(aircraft) => aircraft.actuators(),
-        }
-    }
+            #[inline]
+            fn actuators(&self) -> &$crate::actuator::Actuators {
+                match self { $($variant => $aircraft.actuators()),+ }
+            }
 
-    fn data_range(&self) -> DataRange {
-        match self {
-            Self::F16(aircraft) => aircraft.data_range(),
+            #[inline]
+            fn data_range(&self) -> $crate::aircraft::DataRange {
+                match self { $($variant => $aircraft.data_range()),+ }
+            }
         }
-    }
+    };
 }
+
+aircraft_by_variant!(BuiltInAircraft, aircraft: Self::F16(aircraft));

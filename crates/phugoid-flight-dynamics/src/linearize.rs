@@ -171,12 +171,14 @@ impl LinearModel {
         })
     }
 
-    /// States beta, phi, p, r; inputs aileron and rudder; output ay.
+    /// States beta, phi, p, r; inputs aileron and rudder; output ay. An aircraft that nothing rolls or yaws has no lateral modes.
     ///
     /// # Errors
     /// [`ModesError`] when the matrix has no eigenvalues to give.
     pub fn lateral(&self) -> Result<SubModel, ModesError> {
         let a = self.state_block(LATERAL_STATES);
+        // Rows of roll and yaw acceleration.
+        let turns = a.iter().skip(2).flatten().any(|value| *value != 0.0);
         Ok(SubModel {
             states: LATERAL_STATES.map(|i| STATE_NAMES[i]),
             inputs: [INPUT_NAMES[2], INPUT_NAMES[3]],
@@ -185,7 +187,7 @@ impl LinearModel {
             b: LATERAL_STATES.map(|i| [self.b[i][2], self.b[i][3]]),
             c: vec![LATERAL_STATES.map(|j| self.c[1][j])],
             d: vec![[self.d[1][2], self.d[1][3]]],
-            modes: lateral_modes(&a)?,
+            modes: if turns { lateral_modes(&a)? } else { Vec::new() },
         })
     }
 

@@ -38,16 +38,9 @@ pub struct Linearization {
     pub model: LinearModel,
     /// Speed, angle of attack, pitch angle and pitch rate: short period and phugoid.
     pub longitudinal: SubModel,
-    /// Sideslip, bank angle, roll rate and yaw rate: Dutch roll, roll and spiral modes. A model without rolling and yawing
-    /// moments has zeros there and no modes.
+    /// Sideslip, bank angle, roll rate and yaw rate: Dutch roll, roll and spiral modes. An aircraft that
+    /// nothing rolls or yaws has zeros there and no modes.
     pub lateral: SubModel,
-}
-
-impl Linearization {
-    /// Whether the aircraft has a lateral motion: a model of the longitudinal axes alone has none.
-    pub fn has_lateral(&self) -> bool {
-        !self.lateral.modes.is_empty()
-    }
 }
 
 /// The linear model of an aircraft about a steady flight in still air, with exact derivatives.
@@ -66,10 +59,6 @@ impl Linearization {
 /// [`Error::Modes`] if a matrix has no eigenvalues to give.
 pub fn linearize<A: Aircraft>(aircraft: &A, trim: &Trim) -> Result<Linearization, Error> {
     let model = library::linearize(aircraft, &trim.state(), &trim.controls(), &Disturbance::default());
-    let (longitudinal, mut lateral) = (model.longitudinal()?, model.lateral()?);
-    // Rows of roll and yaw acceleration.
-    if lateral.a.iter().skip(2).flatten().all(|value| *value == 0.0) {
-        lateral.modes.clear();
-    }
+    let (longitudinal, lateral) = (model.longitudinal()?, model.lateral()?);
     Ok(Linearization { model, longitudinal, lateral })
 }

@@ -102,7 +102,8 @@ impl FlownJsbsim {
             "Flight control does not run: surfaces follow their commands with a lag of {LAG_S} s and no limit of rate."
         ));
         let drive = Drive::new(&aircraft, &evaluator, options.thrust, mass.mass() * options.gravity, &mut notes);
-        let reads_alpha_rate = notes::note_inputs(&aircraft, &surfaces, &mut evaluator, &mut notes);
+        let reads_alpha_rate =
+            notes::note_inputs(&aircraft, &surfaces, &mut evaluator, &options.properties, &mut notes);
         let alpha = aircraft.alpha_of_tables().unwrap_or(DataRange::UNSTATED.alpha);
         let [elevator, aileron, rudder] = [0, 1, 2].map(|i: usize| surfaces[i].actuator);
         let aerodynamics = Aerodynamics::new(&aircraft, &evaluator, &surfaces);

@@ -1,11 +1,12 @@
 //! Flights in which damage happens.
 
 use phugoid_flight_dynamics::aircraft::{Controls, State};
+use phugoid_flight_dynamics::globe::vector::{cross, subtract};
 use phugoid_flight_dynamics::gust::AirMotion;
 use phugoid_flight_dynamics::rigid_body::Angles;
 use phugoid_flight_dynamics::simulate::{Simulation, SimulationError, Trajectory};
 
-use super::{Transport, cross, difference};
+use super::Transport;
 
 /// Flies a simulation whose aircraft is another from a time (s) on: damage in flight.
 ///
@@ -34,7 +35,7 @@ pub fn fly_damaged<W: Into<AirMotion>>(
 /// The velocity of the new centre of gravity is `v + w x d` and its position moves with the attitude by `d`, the way between
 /// both in body axes.
 pub fn moved_to(before: &Transport, after: &Transport, state: &State) -> State {
-    let way = difference(after.centre_of_gravity(), before.centre_of_gravity());
+    let way = subtract(after.centre_of_gravity(), before.centre_of_gravity());
     let angles = Angles::of(state.alpha, state.beta, state.phi, state.theta);
     let turning = cross([state.p, state.q, state.r], way);
     let velocity = angles.body_velocity(state.speed);

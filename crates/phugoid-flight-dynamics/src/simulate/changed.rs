@@ -1,6 +1,6 @@
 //! Flights in which the aircraft becomes another one: damage, a store that is dropped.
 
-use super::{Simulation, SimulationError, Trajectory};
+use super::{Simulation, SimulationError, Trajectory, grid_time};
 use crate::aircraft::{Aircraft, Controls, State};
 use crate::gust::AirMotion;
 use crate::increments::{IncrementChange, IncrementSchedule};
@@ -33,9 +33,7 @@ impl<A: Aircraft> Simulation<'_, A> {
         let mut flight = self.part(self.aircraft, self.increments.clone(), begin).run(&mut commands, &mut gust)?;
         let Some(last) = flight.samples.pop() else { return Ok(flight) };
         // The grid of the whole flight has the same times as that of a flight without the change.
-        let rate = (1.0 / sample_time).round();
-        let even = rate > 0.0 && (rate * sample_time - 1.0).abs() < 1e-12;
-        let grid = |k: f64| if even { k / rate } else { k * sample_time };
+        let grid = |k: f64| grid_time(k.max(0.0) as usize, sample_time);
         let on_sample = |time: f64| {
             let k = (time / sample_time).round();
             ((k * sample_time - time).abs() < 1e-6 * sample_time).then_some(k)

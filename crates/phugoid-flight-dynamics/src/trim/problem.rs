@@ -218,8 +218,7 @@ impl<'a, A: Aircraft> Problem<'a, A> {
 
     fn thrust(&self, state: &State) -> f64 {
         let mach = state.speed / self.aircraft.atmosphere().at(state.altitude).speed_of_sound;
-        let force = self.aircraft.propulsion(state.power, state.altitude, mach).force;
-        norm(force).copysign(force[0])
+        self.aircraft.propulsion(state.power, state.altitude, mach).thrust()
     }
 
     pub(super) fn report(&self, solution: &Solution) -> Trim {

@@ -8,6 +8,7 @@ pub(super) fn note_inputs(
     aircraft: &Aircraft,
     surfaces: &[Surface; 3],
     evaluator: &mut Evaluator<'_>,
+    given: &[(String, f64)],
     notes: &mut Vec<String>,
 ) -> bool {
     let read = aircraft.aerodynamics_read();
@@ -24,6 +25,11 @@ pub(super) fn note_inputs(
         if !moved && !angle {
             notes.push(format!("{name} stays at {}.", evaluator.get(name).unwrap_or(f64::NAN)));
         }
+    }
+    // Tanks and masses are read elsewhere; what flight control would make of its properties is made by nobody here.
+    let of_control = |name: &str| name.starts_with("fcs/") || name.starts_with("gear/");
+    for (name, _) in given.iter().filter(|(name, _)| of_control(name) && !read.contains(&name.as_str())) {
+        notes.push(format!("{name} is set, and the aerodynamics do not read it: it changes none of their forces."));
     }
     read.iter().any(|name| name.starts_with("aero/alphadot-"))
 }
