@@ -1,22 +1,23 @@
 //! Trim and linearisation of an aircraft: the built-in F-16, or that of a file.
 
-use phugoid::{
-    AircraftName, AnyAircraft, BuiltInAircraft, F16Tables, FlownOptions, Linearization, Trim, TrimCondition,
-};
+use phugoid::{AircraftName, AnyAircraft, FlownOptions, Linearization, Trim, TrimCondition};
 use pyo3::prelude::*;
+use serde_json::json;
 
 use crate::error::raise;
 
 fn trimmed(
     altitude_m: f64,
     speed_m_s: f64,
-    cg: f64,
+    cg: Option<f64>,
     flight_path_rad: f64,
     turn_rate_rad_s: f64,
     aircraft: &str,
 ) -> PyResult<(AnyAircraft, Trim)> {
     let aircraft = if aircraft == AircraftName::F16.word() {
-        AnyAircraft::BuiltIn(BuiltInAircraft::new(AircraftName::F16, F16Tables::Book, cg).map_err(raise)?)
+        AnyAircraft::f16(None, cg).map_err(raise)?
+    } else if cg.is_some() {
+        return Err(raise(format!("cg is that of the F-16, and the aircraft is `{aircraft}`: leave it out")));
     } else {
         AnyAircraft::open(aircraft, &FlownOptions::default()).map_err(raise)?
     };
@@ -25,35 +26,43 @@ fn trimmed(
     Ok((aircraft, trim))
 }
 
+/// What documents say of an aircraft beside its trim: its name, and what its file leaves out and what is assumed.
+fn described(document: &mut serde_json::Value, aircraft: &AnyAircraft) {
+    document["aircraft"] = json!(aircraft.name());
+    document["notes"] = json!(aircraft.notes());
+}
+
 /// Controls and attitude of steady flight, as a JSON document.
 #[pyfunction]
-#[pyo3(signature = (altitude_m, speed_m_s, cg=0.35, flight_path_rad=0.0, turn_rate_rad_s=0.0, aircraft="f16"))]
+#[pyo3(signature = (altitude_m, speed_m_s, cg=None, flight_path_rad=0.0, turn_rate_rad_s=0.0, aircraft="f16"))]
 pub(crate) fn trim(
     altitude_m: f64,
     speed_m_s: f64,
-    cg: f64,
+    cg: Option<f64>,
     flight_path_rad: f64,
     turn_rate_rad_s: f64,
     aircraft: &str,
 ) -> PyResult<String> {
-    let (_, trim) = trimmed(altitude_m, speed_m_s, cg, flight_path_rad, turn_rate_rad_s, aircraft)?;
-    serde_json::to_string(&trim).map_err(raise)
+    let (aircraft, trim) = trimmed(altitude_m, speed_m_s, cg, flight_path_rad, turn_rate_rad_s, aircraft)?;
+    let mut document = serde_json::to_value(&trim).map_err(raise)?;
+    described(&mut document, &aircraft);
+    Ok(document.to_string())
 }
 
 /// The linear model about a trim, with its longitudinal and lateral parts and their modes, as a JSON document.
 #[pyfunction]
-#[pyo3(signature = (altitude_m, speed_m_s, cg=0.35, flight_path_rad=0.0, turn_rate_rad_s=0.0, aircraft="f16"))]
+#[pyo3(signature = (altitude_m, speed_m_s, cg=None, flight_path_rad=0.0, turn_rate_rad_s=0.0, aircraft="f16"))]
 pub(crate) fn linearize(
     altitude_m: f64,
     speed_m_s: f64,
-    cg: f64,
+    cg: Option<f64>,
     flight_path_rad: f64,
     turn_rate_rad_s: f64,
     aircraft: &str,
 ) -> PyResult<String> {
     let (aircraft, trim) = trimmed(altitude_m, speed_m_s, cg, flight_path_rad, turn_rate_rad_s, aircraft)?;
     let Linearization { model, longitudinal, lateral } = phugoid::linearize(&aircraft, &trim).map_err(raise)?;
-    let document =
-        serde_json::json!({ "trim": trim, "longitudinal": longitudinal, "lateral": lateral, "model": model });
+    let mut document = json!({ "trim": trim, "longitudinal": longitudinal, "lateral": lateral, "model": model });
+    described(&mut document, &aircraft);
     Ok(document.to_string())
 }

@@ -11,12 +11,17 @@ use crate::record::Record;
 /// Simulates a scenario. Returns the measured record, the true record, and the true parameters as a JSON document.
 #[pyfunction]
 #[pyo3(signature = (scenario, seed=None))]
-pub(crate) fn simulate(py: Python<'_>, scenario: &str, seed: Option<u64>) -> PyResult<(Record, Record, String)> {
+pub(crate) fn simulate(
+    py: Python<'_>,
+    scenario: &str,
+    seed: Option<u64>,
+) -> PyResult<(Record, Record, String, Vec<String>)> {
     let mut scenario = Scenario::find(scenario).map_err(raise)?;
     scenario.seed = seed.unwrap_or(scenario.seed);
     let flight = py.detach(|| phugoid::simulate(&scenario)).map_err(raise)?;
     let truth = serde_json::to_string(&flight.true_parameters).map_err(raise)?;
-    Ok((flight.measured.into(), flight.truth.into(), truth))
+    let notes = scenario.notes().map_err(raise)?;
+    Ok((flight.measured.into(), flight.truth.into(), truth, notes))
 }
 
 /// Compares methods on the same simulated flights; the result is a JSON document. `progress` is called with the

@@ -273,8 +273,13 @@ def test_aircraft_of_model_files(tmp_path):
     linear = phugoid.linearize(4300.0, 104.67, aircraft="hfb320")
     assert {mode["name"] for mode in linear["longitudinal"]["modes"]} == {"short_period", "phugoid"}
     assert linear["lateral"]["modes"] == []
+    assert any("half the weight" in note for note in jet["notes"]) and jet["aircraft"] == "HFB-320"
+    with pytest.warns(UserWarning, match="half the weight"):
+        phugoid.simulate("hfb320")
     with pytest.raises(phugoid.PhugoidError, match="no-such.toml"):
         phugoid.trim(4300.0, 104.67, aircraft=tmp_path / "no-such.toml")
+    with pytest.raises(phugoid.PhugoidError, match="leave it out"):
+        phugoid.trim(4300.0, 104.67, aircraft="hfb320", cg=0.2)
 
 
 def test_every_object_says_what_it_is(flight, model, result):

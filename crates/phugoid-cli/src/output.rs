@@ -114,6 +114,11 @@ pub(crate) fn significant(value: f64, digits: usize) -> String {
     format!("{value:.decimals$}")
 }
 
+/// Notes as wrapped lines, one after the other.
+pub(crate) fn notes_text(notes: &[String]) -> String {
+    notes.iter().map(|note| wrapped(&format!("Note: {note}"))).collect()
+}
+
 /// A sentence in lines of at most a hundred characters, indented by two and from the second line on by four.
 pub(crate) fn wrapped(sentence: &str) -> String {
     const WIDTH: usize = 100;

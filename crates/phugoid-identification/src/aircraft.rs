@@ -9,7 +9,7 @@ use phugoid_flight_dynamics::scalar::Scalar;
 
 use crate::core::term::{Coefficient, EXTRA_INPUTS, Term, Variable};
 use crate::export::Identified;
-use crate::model_file::{AirDensity, ModelFile, ReferenceValue, Role, Source};
+use crate::model_file::{AirDensity, ModelFile, ReferenceValue, Source};
 use crate::models::longitudinal::Database;
 use crate::models::rigid::{Aerodynamics, Air, AircraftConstants, MassInput};
 use crate::motion::ReferencePoint;
@@ -109,6 +109,7 @@ pub enum ModelAircraftError {
 #[derive(Clone, Debug)]
 pub struct ModelAircraft {
     name: String,
+    centre_of_gravity: Option<f64>,
     aerodynamics: Aerodynamics,
     /// The terms of the rate of the angle of attack, with their values.
     rate_terms: Vec<(Coefficient, Term, f64)>,
@@ -116,8 +117,8 @@ pub struct ModelAircraft {
     mass: MassProperties,
     gravity: f64,
     atmosphere: Atmosphere,
-    /// Along the thrust line, N at full throttle; of no meaning on a database, which has its own engine.
-    largest_thrust: f64,
+    /// Along the thrust line, N at full throttle; none: the engine of the database.
+    largest_thrust: Option<f64>,
     /// Direction of the thrust along body x and z, and its moment per newton, m.
     thrust_line: [f64; 3],
     engine_lag_s: f64,
@@ -181,28 +182,29 @@ impl ModelAircraft {
         if !model.extra_inputs.is_empty() {
             notes.push(format!("These inputs of the model are 0 in flight: {}.", model.extra_inputs.join(", ")));
         }
-        let known = valued(identified);
+        let terms = |c: Coefficient| identified.terms(c).into_iter().map(move |valued| (c, valued.term, valued.value));
+        let known = Coefficient::ALL.into_iter().flat_map(terms).filter(|(_, _, value)| *value != 0.0);
         let is_rate = |term: &Term| term.powers().any(|(variable, _)| variable == Variable::AlphaRate.index());
-        let (rate_terms, known) = known.into_iter().partition(|(_, term, _)| is_rate(term));
+        let (rate_terms, known) = known.partition(|(_, term, _)| is_rate(term));
+        // Coefficients of a model file are about the centre of gravity, wherever that is.
         let cg = data.cg.unwrap_or(0.25);
         let geometry = Geometry {
             wing_area: data.wing_area,
             span: constants.span,
             mean_chord: data.mean_chord,
             cg,
-            // Coefficients of a model file are about the centre of gravity.
             cg_reference: cg,
         };
         let largest_thrust = match (model.simulation.largest_thrust, &database) {
-            (Some(largest), _) => largest,
-            (None, Database::F16(_)) => 0.0,
+            (Some(largest), _) => Some(largest),
+            (None, Database::F16(_)) => None,
             (None, Database::None) => {
                 let half = 0.5 * mass * data.gravity;
                 notes.push(format!(
                     "The thrust at full throttle is taken to be half the weight, {half:.0} N (largest_thrust in \
                      [simulation])."
                 ));
-                half
+                Some(half)
             }
         };
         let atmosphere = match &data.air_density {
@@ -226,6 +228,7 @@ impl ModelAircraft {
         };
         Ok(Self {
             name: model.name.clone(),
+            centre_of_gravity: data.cg,
             aerodynamics: Aerodynamics { constants, database, known, columns: Vec::new() },
             rate_terms,
             geometry,
@@ -246,23 +249,15 @@ impl ModelAircraft {
         &self.name
     }
 
+    /// Centre of gravity behind the leading edge of the mean chord, fraction of it, if the file says it.
+    pub fn centre_of_gravity(&self) -> Option<f64> {
+        self.centre_of_gravity
+    }
+
     /// What the file does not say and is assumed, in sentences.
     pub fn notes(&self) -> &[String] {
         &self.notes
     }
-}
-
-/// All terms with their values; offsets are constants.
-fn valued(identified: &Identified) -> Vec<(Coefficient, Term, f64)> {
-    let terms = identified.model.parameters.iter().filter_map(|p| {
-        let (coefficient, term) = match &p.role {
-            Role::Term(coefficient, term) => (*coefficient, term.clone()),
-            Role::Offset(coefficient) => (*coefficient, Term::default()),
-            Role::Bias(_) => return None,
-        };
-        Some((coefficient, term, identified.values.get(&p.name).copied().unwrap_or(p.start)))
-    });
-    terms.filter(|(_, _, value)| *value != 0.0).collect()
 }
 
 /// Density of the air at the reference point, kg/m^3; not a number where it comes from a record.
@@ -350,11 +345,10 @@ impl Aircraft for ModelAircraft {
 
     fn propulsion<T: Scalar>(&self, power: T, altitude: T, mach: T) -> Propulsion<T> {
         let zero = T::from(0.0);
-        let thrust = match &self.aerodynamics.database {
-            Database::F16(aircraft) if self.largest_thrust == 0.0 => {
-                aircraft.propulsion(power, altitude, mach).force[0]
-            }
-            _ => power * (0.01 * self.largest_thrust),
+        let thrust = match (self.largest_thrust, &self.aerodynamics.database) {
+            (Some(largest), _) => power * (0.01 * largest),
+            (None, Database::F16(aircraft)) => aircraft.propulsion(power, altitude, mach).force[0],
+            (None, Database::None) => zero,
         };
         let [along_x, along_z, arm] = self.thrust_line;
         Propulsion { force: [thrust * along_x, zero, thrust * along_z], moment: [zero, thrust * arm, zero] }

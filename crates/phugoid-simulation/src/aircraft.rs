@@ -4,13 +4,10 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use phugoid_aircraft::flown::{AircraftFile, FlownError, FlownOptions};
-use phugoid_flight_dynamics::actuator::Actuators;
-use phugoid_flight_dynamics::aircraft::{AirData, Aircraft, Coefficients, Controls, DataRange, Geometry, Propulsion};
-use phugoid_flight_dynamics::atmosphere::Atmosphere;
-use phugoid_flight_dynamics::built_in::BuiltInAircraft;
-use phugoid_flight_dynamics::f16::F16DataError;
-use phugoid_flight_dynamics::mass::MassProperties;
-use phugoid_flight_dynamics::scalar::Scalar;
+use phugoid_flight_dynamics::aircraft::Aircraft;
+use phugoid_flight_dynamics::aircraft_by_variant;
+use phugoid_flight_dynamics::built_in::{AircraftName, BuiltInAircraft};
+use phugoid_flight_dynamics::f16::{F16DataError, F16Options, F16Tables};
 use phugoid_identification::aircraft::{ModelAircraft, ModelAircraftError};
 use phugoid_identification::model_file::{ModelError, ModelFile};
 
@@ -76,6 +73,25 @@ pub enum AnyAircraft {
 }
 
 impl AnyAircraft {
+    /// The F-16 with these tables and this centre of gravity (fraction of the mean chord behind its leading edge); the book's
+    /// tables and the reference point of the data where they are not given.
+    ///
+    /// # Errors
+    /// [`AircraftError::BuiltIn`]: a centre of gravity that is not finite.
+    pub fn f16(tables: Option<F16Tables>, cg: Option<f64>) -> Result<Self, AircraftError> {
+        let cg = cg.unwrap_or(F16Options::default().cg);
+        Ok(Self::BuiltIn(BuiltInAircraft::new(AircraftName::F16, tables.unwrap_or_default(), cg)?))
+    }
+
+    /// Centre of gravity behind the leading edge of the mean chord, fraction of it; none for a model file that does not say
+    /// it: its coefficients are about the centre of gravity wherever that is.
+    pub fn centre_of_gravity(&self) -> Option<f64> {
+        match self {
+            Self::Model(aircraft, _) => aircraft.centre_of_gravity(),
+            Self::BuiltIn(_) | Self::File(_) => Some(self.geometry().cg),
+        }
+    }
+
     /// Opens the aircraft of a file: a model file if its name ends in `.toml`, else a file or a folder of another program
     /// ([`AircraftFile`]), which the options are for. Where there is no such file, the built-in model of this name
     /// (`hfb320`).
@@ -137,64 +153,9 @@ impl AnyAircraft {
     }
 }
 
-/// The aircraft of whatever kind.
-macro_rules! of_kind {
-    ($any:expr, $aircraft:ident => $made:expr) => {
-        match $any {
-            AnyAircraft::BuiltIn($aircraft) => $made,
-            AnyAircraft::File($aircraft) => $made,
-            AnyAircraft::Model($aircraft, _) => $made,
-        }
-    };
-}
-
-impl Aircraft for AnyAircraft {
-    fn geometry(&self) -> &Geometry {
-        of_kind!(self, aircraft => aircraft.geometry())
-    }
-
-    fn mass_properties(&self) -> &MassProperties {
-        of_kind!(self, aircraft => aircraft.mass_properties())
-    }
-
-    fn gravity(&self) -> f64 {
-        of_kind!(self, aircraft => aircraft.gravity())
-    }
-
-    fn atmosphere(&self) -> Atmosphere {
-        of_kind!(self, aircraft => aircraft.atmosphere())
-    }
-
-    fn coefficients<T: Scalar>(&self, air: &AirData<T>, rates: [T; 3], controls: &Controls<T>) -> Coefficients<T> {
-        of_kind!(self, aircraft => aircraft.coefficients(air, rates, controls))
-    }
-
-    fn alpha_rate_coefficients<T: Scalar>(
-        &self,
-        air: &AirData<T>,
-        rates: [T; 3],
-        controls: &Controls<T>,
-    ) -> Option<Coefficients<T>> {
-        of_kind!(self, aircraft => aircraft.alpha_rate_coefficients(air, rates, controls))
-    }
-
-    fn propulsion<T: Scalar>(&self, power: T, altitude: T, mach: T) -> Propulsion<T> {
-        of_kind!(self, aircraft => aircraft.propulsion(power, altitude, mach))
-    }
-
-    fn power_rate<T: Scalar>(&self, throttle: T, power: T) -> T {
-        of_kind!(self, aircraft => aircraft.power_rate(throttle, power))
-    }
-
-    fn steady_power<T: Scalar>(&self, throttle: T) -> T {
-        of_kind!(self, aircraft => aircraft.steady_power(throttle))
-    }
-
-    fn actuators(&self) -> &Actuators {
-        of_kind!(self, aircraft => aircraft.actuators())
-    }
-
-    fn data_range(&self) -> DataRange {
-        of_kind!(self, aircraft => aircraft.data_range())
-    }
-}
+aircraft_by_variant!(
+    AnyAircraft,
+    aircraft: Self::BuiltIn(aircraft),
+    Self::File(aircraft),
+    Self::Model(aircraft, _),
+);

@@ -189,6 +189,7 @@ fn fly_changed<A: Aircraft>(
         trim = trim_of(&aircraft, &scenario)?;
         error_increments = aircraft.equivalent_increments(&trim);
     }
+    let changed = change.map(|change| change.aircraft);
     let later = change.map(|change| Misjudged::new(change.aircraft, error, trim.alpha_rad));
     let change = change.zip(later.as_ref());
     let trajectory = match scenario.aircraft.thrust {
@@ -206,12 +207,14 @@ fn fly_changed<A: Aircraft>(
         }
     };
     let thrust = |s: &TrajectorySample| match scenario.aircraft.thrust {
-        Thrust::Engine => aircraft.propulsion(s.state.power, s.state.altitude, s.air.mach).force[0],
+        Thrust::Engine => aircraft.propulsion(s.state.power, s.state.altitude, s.air.mach).thrust(),
         Thrust::Constant => trim.thrust_n,
     };
     let truth = true_record(&scenario, &trajectory, thrust);
     let measured = sense(&truth, &scenario, scenario.seed)?;
-    let data_range = known.data_range();
+    let whole = known.data_range();
+    // Damaged, the data end earlier.
+    let data_range = changed.map_or(whole, |changed| changed.data_range().within(&whole));
     let mut flight =
         Flight { measured, truth, trim, true_parameters: BTreeMap::new(), scenario, error_increments, data_range };
     flight.true_parameters = flight.true_parameters_at(f64::INFINITY);

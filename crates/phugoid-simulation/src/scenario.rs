@@ -20,6 +20,7 @@ pub use self::built_in::{BUILT_IN, built_in};
 pub use self::damage::Damage;
 pub use self::ranges::Ranges;
 pub use self::sensors::{Sensor, Sensors};
+use crate::aircraft::AircraftError;
 use crate::manoeuvre::Manoeuvre;
 use crate::quantity::{Frequency, Time};
 pub use crate::text::{ScenarioError, nearest, parse_toml};
@@ -111,6 +112,17 @@ impl Scenario {
         let named = increments.into_iter().chain(constants).chain(drawn.sensors.biases());
         let of_model = self.aircraft.parameters(&self.folder).filter(|_| self.is_as_modelled()).unwrap_or_default();
         named.map(|(name, value)| (name.to_owned(), value)).chain(of_model).collect()
+    }
+
+    /// What is left out of the file of the aircraft and what is assumed, in sentences; empty for a built-in one.
+    ///
+    /// # Errors
+    /// [`AircraftError`]: the aircraft cannot be opened.
+    pub fn notes(&self) -> Result<Vec<String>, AircraftError> {
+        if self.aircraft.file.is_none() {
+            return Ok(Vec::new());
+        }
+        Ok(self.aircraft.aircraft(&self.folder)?.notes().to_vec())
     }
 
     /// Whether the aircraft flies as its data say: no increments, no damage in flight, no error of the model, nothing drawn.

@@ -620,9 +620,11 @@ def simulate(scenario: str, seed: Optional[int] = None) -> tuple[Record, Record,
     """Simulates a scenario (a file, or one of :func:`scenarios`).
 
     Returns the measured record, the true record, and the true parameters by name. ``seed`` replaces the seed of the
-    scenario.
+    scenario. What is left out of the file of an aircraft and what is assumed is warned of.
     """
-    measured, truth, parameters = _phugoid.simulate(scenario, seed)
+    measured, truth, parameters, notes = _phugoid.simulate(scenario, seed)
+    if notes:
+        warnings.warn("the aircraft of this scenario: " + " ".join(notes), stacklevel=2)
     return Record(measured), Record(truth), json.loads(parameters)
 
 
@@ -630,7 +632,7 @@ def trim(
     altitude_m: float,
     speed_m_s: float,
     *,
-    cg: float = 0.35,
+    cg: Optional[float] = None,
     flight_path_rad: float = 0.0,
     turn_rate_rad_s: float = 0.0,
     aircraft: str | os.PathLike[str] = "f16",
@@ -638,7 +640,8 @@ def trim(
     """Controls and attitude that hold an aircraft in steady flight. Angles in rad.
 
     ``aircraft`` is ``"f16"``, the path of a model file, the name of a built-in model (``"hfb320"``), or the file or folder
-    of an aircraft of JSBSim. ``cg``, a fraction of the mean chord, is that of the F-16.
+    of an aircraft of JSBSim. ``cg``, a fraction of the mean chord, is that of the F-16 (0.35). ``notes`` of the result say
+    what the file leaves out and what is assumed.
     """
     document: dict[str, Any] = json.loads(
         _phugoid.trim(altitude_m, speed_m_s, cg, flight_path_rad, turn_rate_rad_s, os.fspath(aircraft))
@@ -650,7 +653,7 @@ def linearize(
     altitude_m: float,
     speed_m_s: float,
     *,
-    cg: float = 0.35,
+    cg: Optional[float] = None,
     flight_path_rad: float = 0.0,
     turn_rate_rad_s: float = 0.0,
     aircraft: str | os.PathLike[str] = "f16",

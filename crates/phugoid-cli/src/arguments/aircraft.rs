@@ -29,7 +29,7 @@ pub(crate) struct AircraftChoice {
     /// Damage of the Generic Transport Model, for example left-stabiliser-off
     #[arg(long, value_name = "DAMAGE", value_parser = damage)]
     pub(crate) damaged: Option<Damage>,
-    /// Property of an aircraft of JSBSim, in its units, for example fcs/flap-pos-norm=0.5; may be repeated
+    /// Property of an aircraft of JSBSim, in its units, for example fcs/flap-pos-deg=10; may be repeated
     #[arg(long = "property", value_name = "NAME=VALUE", value_parser = property)]
     pub(crate) properties: Vec<(String, f64)>,
     /// Thrust at full throttle of an aircraft of JSBSim, along body x, in place of its engines
@@ -42,10 +42,10 @@ fn damage(text: &str) -> Result<Damage, String> {
 }
 
 fn property(text: &str) -> Result<(String, f64), String> {
-    let (name, value) = text.split_once('=').ok_or("write NAME=VALUE, as in fcs/flap-pos-norm=0.5")?;
+    let (name, value) = text.split_once('=').ok_or("write NAME=VALUE, as in fcs/flap-pos-deg=10")?;
     match value.trim().parse::<f64>() {
         Ok(value) if value.is_finite() && !name.trim().is_empty() => Ok((name.trim().to_owned(), value)),
-        _ => Err("write NAME=VALUE with a number, as in fcs/flap-pos-norm=0.5".to_owned()),
+        _ => Err("write NAME=VALUE with a number, as in fcs/flap-pos-deg=10".to_owned()),
     }
 }
 

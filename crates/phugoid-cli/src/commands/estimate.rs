@@ -10,6 +10,7 @@ use phugoid_flight_data::record::Record;
 use phugoid_identification::compatibility::estimate_corrected;
 use phugoid_identification::estimate::{EstimateOptions, StructureSearch, with_offered};
 use phugoid_identification::estimation::{Estimation, EstimationStatus, UncertainQuantity};
+use phugoid_identification::export::Identified;
 use phugoid_identification::inspect::segment;
 use phugoid_identification::manoeuvres::{Settings, find};
 use phugoid_identification::model_file::{ModelFile, Uncertainty};
@@ -42,8 +43,12 @@ pub(crate) fn run(arguments: &arguments::Estimate) -> Result<EstimationStatus, F
     };
     let history = History::new(arguments)?;
     once_each(flight, &arguments.with, arguments.predict.as_deref())?;
-    let model = model(wanted)?;
+    let (name, text) = ModelFile::find_text(wanted).map_err(Failure::input)?;
+    let model = ModelFile::parse(&name, &text).map_err(Failure::input)?;
     export::check(&arguments.export, &model)?;
+    if arguments.write_model.is_some() {
+        export::with_values(&Identified::start(&model), &text)?;
+    }
     let truth = truth(&arguments.truth, &model)?;
     let options = arguments.reading.options();
     let paths: Vec<&Path> =
@@ -123,7 +128,7 @@ pub(crate) fn run(arguments: &arguments::Estimate) -> Result<EstimationStatus, F
     presentation.present(&estimation)?;
     export::write(&arguments.export, &estimation, &model, arguments.json)?;
     if let Some(file) = &arguments.write_model {
-        export::write_model(file, wanted, &estimation, &model, arguments.json)?;
+        export::write_model(file, &text, &estimation, &model, arguments.json)?;
     }
     Ok(estimation.status)
 }

@@ -63,40 +63,42 @@ pub(crate) fn write(
             (ExportForm::Parquet, None) => write_parquet(estimation, file)?,
             _ => as_text(json(&Document::new(estimation, None, Vec::new()))?)?,
         }
-        let title = format!("Written: {}", file.display());
-        if notes.is_empty() {
-            told.push_str(&format!("\n{title}\n"));
-        } else {
-            paragraph(&mut told, &title, notes.into_iter());
-        }
+        told.push_str(&written(format!("Written: {}", file.display()), notes));
     }
     if as_json || told.is_empty() { Ok(()) } else { print(&told) }
+}
+
+/// A file that was written, with its notes, as text.
+fn written(title: String, notes: Vec<String>) -> String {
+    if notes.is_empty() {
+        return format!("\n{title}\n");
+    }
+    let mut text = String::new();
+    paragraph(&mut text, &title, notes.into_iter());
+    text
+}
+
+/// A model file with identified values as its start values; `text` is that of the file.
+///
+/// # Errors
+/// [`Failure::Input`] if the text cannot be written so.
+pub(crate) fn with_values(identified: &Identified<'_>, text: &str) -> Result<Exported, Failure> {
+    model_file(identified, text).map_err(|e| Failure::input(format!("--write-model: {e}")))
 }
 
 /// Writes the model file with the estimates as start values, and prints its name and notes unless standard output is
 /// reserved for the JSON document.
 pub(crate) fn write_model(
     file: &Path,
-    wanted: &str,
+    text: &str,
     estimation: &Estimation,
     model: &ModelFile,
     as_json: bool,
 ) -> Result<(), Failure> {
-    let (_, text) = ModelFile::find_text(wanted).map_err(Failure::input)?;
-    let exported = model_file(&Identified::new(model, estimation), &text)
-        .map_err(|e| Failure::input(format!("--write-model: {e}")))?;
-    output_file::write(file, exported.text).map_err(|e| Failure::writing_of("--write-model", file, e))?;
-    if as_json {
-        return Ok(());
-    }
-    let mut told = String::new();
+    let Exported { text, notes } = with_values(&Identified::new(model, estimation), text)?;
+    output_file::write(file, text).map_err(|e| Failure::writing_of("--write-model", file, e))?;
     let title = format!("Written: {} (fly it with phugoid trim --aircraft {0})", file.display());
-    if exported.notes.is_empty() {
-        told.push_str(&format!("\n{title}\n"));
-    } else {
-        paragraph(&mut told, &title, exported.notes.into_iter());
-    }
-    print(&told)
+    if as_json { Ok(()) } else { print(&written(title, notes)) }
 }
 
 #[cfg(feature = "parquet")]

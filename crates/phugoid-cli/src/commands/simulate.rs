@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
+use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
 use phugoid::simulate_with_progress;
@@ -20,7 +21,7 @@ use serde::Serialize;
 use crate::arguments;
 use crate::destination;
 use crate::failure::Failure;
-use crate::output::{Table, json, print, significant};
+use crate::output::{Table, json, notes_text, print, significant};
 use crate::progress::Progress;
 
 #[derive(Serialize)]
@@ -37,6 +38,8 @@ struct Document<'a> {
     truth_csv: &'a Path,
     figures: Vec<PathBuf>,
     warnings: Vec<String>,
+    /// What is left out of the file of the aircraft and what is assumed; empty for a built-in one.
+    notes: Vec<String>,
 }
 
 pub(crate) fn run(arguments: &arguments::Simulate) -> Result<(), Failure> {
@@ -83,13 +86,19 @@ pub(crate) fn run(arguments: &arguments::Simulate) -> Result<(), Failure> {
         truth_csv: &truth,
         figures,
         warnings: beyond_the_tables(&flight),
+        notes: scenario.notes().map_err(Failure::input)?,
     };
     if arguments.json { print(&json(&document)?) } else { print(&text(&document, &flight)) }
 }
 
-/// Reads a scenario file, or takes the built-in scenario of this name.
+/// Reads a scenario file, or takes the built-in scenario of this name. What is assumed of an aircraft from a file is said on
+/// standard error, whatever is then done with it.
 pub(crate) fn scenario(wanted: &str) -> Result<Scenario, Failure> {
-    Scenario::find(wanted).map_err(Failure::input)
+    let scenario = Scenario::find(wanted).map_err(Failure::input)?;
+    let notes = scenario.notes().map_err(Failure::input)?;
+    // Nobody is left to tell when standard error is closed.
+    let _ = write!(io::stderr(), "{}", notes_text(&notes));
+    Ok(scenario)
 }
 
 /// The failure for a flight that cannot be simulated: an input error if the scenario is wrong, else a task without an

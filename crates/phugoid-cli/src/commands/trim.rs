@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use phugoid::trim;
 use phugoid_aircraft::flown::{FlownOptions, Thrust};
 use phugoid_flight_dynamics::aircraft::Aircraft;
-use phugoid_flight_dynamics::built_in::{AircraftName, BuiltInAircraft};
+use phugoid_flight_dynamics::built_in::AircraftName;
 use phugoid_flight_dynamics::f16::F16Tables;
 use phugoid_flight_dynamics::trim::{Trim, TrimCondition};
 use phugoid_identification::model_file::ModelFile;
@@ -15,7 +15,7 @@ use serde::Serialize;
 
 use crate::arguments::{self, AircraftChoice, FlightCondition, TablesName};
 use crate::failure::Failure;
-use crate::output::{Table, deliver, fixed, significant, wrapped};
+use crate::output::{Table, deliver, fixed, notes_text, significant};
 
 #[derive(Serialize)]
 struct Document<'a> {
@@ -32,8 +32,9 @@ pub(crate) struct Described {
     /// Aerodynamic tables of the F-16; not there for other aircraft.
     #[serde(skip_serializing_if = "Option::is_none")]
     tables: Option<&'static str>,
-    /// Centre of gravity, fraction of the mean aerodynamic chord.
-    cg: f64,
+    /// Centre of gravity, fraction of the mean aerodynamic chord; not there for a model file that does not say it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    cg: Option<f64>,
     /// What the file asks for and is left out, and what is assumed.
     #[serde(skip_serializing_if = "<[_]>::is_empty")]
     notes: Vec<String>,
@@ -48,21 +49,17 @@ impl Described {
         Self {
             aircraft: aircraft.name().to_owned(),
             tables,
-            cg: aircraft.geometry().cg,
+            cg: aircraft.centre_of_gravity(),
             notes: aircraft.notes().to_vec(),
         }
     }
 
     /// The notes as lines of text after a result; empty without any.
     pub(crate) fn notes_text(&self) -> String {
-        let lines = self.notes.iter().map(|note| wrapped(&format!("Note: {note}")));
-        let text: String = lines.collect();
+        let text = notes_text(&self.notes);
         if text.is_empty() { text } else { format!("\n{text}") }
     }
 }
-
-/// Centre of gravity of the F-16 where none is asked for: that of its aerodynamic data, fraction of the mean chord.
-const REFERENCE_CG: f64 = 0.35;
 
 /// The aircraft that the command line names, and what documents say of it.
 pub(crate) fn aircraft(choice: &AircraftChoice) -> Result<(AnyAircraft, Described), Failure> {
@@ -88,12 +85,11 @@ fn opened(choice: &AircraftChoice) -> Result<AnyAircraft, Failure> {
         if choice.damaged.is_some() {
             return refuse("--damaged", "the Generic Transport Model");
         }
-        let tables = match choice.tables {
-            None | Some(TablesName::Book) => F16Tables::Book,
-            Some(TablesName::Morelli) => F16Tables::Morelli,
-        };
-        let built_in = BuiltInAircraft::new(AircraftName::F16, tables, choice.cg.unwrap_or(REFERENCE_CG));
-        return Ok(AnyAircraft::BuiltIn(built_in.map_err(Failure::impossible)?));
+        let tables = choice.tables.map(|tables| match tables {
+            TablesName::Book => F16Tables::Book,
+            TablesName::Morelli => F16Tables::Morelli,
+        });
+        return AnyAircraft::f16(tables, choice.cg).map_err(Failure::impossible);
     }
     if choice.tables.is_some() {
         return refuse("--tables", "the F-16");
@@ -170,10 +166,11 @@ fn text(document: &Document) -> String {
 /// The first line of the text about a trim.
 pub(crate) fn title(aircraft: &Described, trim: &Trim) -> String {
     let tables = aircraft.tables.map_or_else(String::new, |tables| format!(" ({tables} tables)"));
+    let cg =
+        aircraft.cg.map(|cg| format!(", cg at {} of the mean chord", (cg * 1e4).round() / 1e4)).unwrap_or_default();
     let mut text = format!(
-        "{}{tables}, cg at {} of the mean chord: {} m/s at {} m",
+        "{}{tables}{cg}: {} m/s at {} m",
         aircraft.aircraft,
-        (aircraft.cg * 1e4).round() / 1e4,
         significant(trim.speed_m_s, 5),
         significant(trim.altitude_m, 5)
     );

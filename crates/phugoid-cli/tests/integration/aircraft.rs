@@ -33,6 +33,8 @@ fn a_model_file_trims_where_its_coefficients_say() {
     assert!((force * 2.43 * moment - 0.641114 * thrust).abs() < 1e-6 * weight);
     let notes = file["notes"].as_array().unwrap();
     assert!(notes.iter().any(|note| note.as_str().unwrap().contains("half the weight")), "{notes:?}");
+    // The file does not say where the centre of gravity is, so nobody does.
+    assert!(file.get("cg").is_none(), "{file}");
 
     // The limits of [simulation] count.
     let weak = format!("{text}\n[simulation]\nlargest_thrust = \"5 kN\"\n");
@@ -88,6 +90,8 @@ fn an_identified_model_flies_again() {
     let folder = Folder::new("aircraft-round");
     let run = phugoid(&folder.0, &["simulate", "hfb320", "--out", "flight", "--json"]);
     assert_eq!(run.code, Some(0), "{}", run.err);
+    // What is assumed is said for a flight as for a trim.
+    assert!(run.err.contains("half the weight") && run.json()["notes"][0].is_string(), "{}", run.err);
     assert_eq!(run.json()["true_parameters"]["Cm_alpha"], -0.498586);
     let measured = "flight/measured.csv";
     let estimate = ["estimate", measured, "--model", "hfb320", "--truth", "hfb320", "--no-report", "--json"];
@@ -183,6 +187,16 @@ fn the_transport_loses_a_stabiliser() {
     // The same until the instant, and another motion from then on.
     assert_eq!(line(&steady, 199), line(&damaged, 199));
     assert_ne!(line(&steady, 201), line(&damaged, 201));
+    // The data of the damaged aircraft end at -4 deg of angle of attack, which this flight goes below.
+    let diving = scenario("damaged = \"left-stabiliser-off\"\ndamaged_at = \"2 s\"");
+    let push = "[[manoeuvre]]\ntype = \"doublet\"\nsurface = \"elevator\"\nstart = \"2 s\"\nwidth = \"1 s\"\namplitude = \"6 deg\"\n";
+    std::fs::write(folder.0.join("flight.toml"), format!("{diving}{push}")).unwrap();
+    let run = phugoid(&folder.0, &["simulate", "flight.toml", "--out", "flight"]);
+    assert!(
+        run.code == Some(0) && run.out.contains("alpha leaves the aerodynamic tables (-4 to 30 deg)"),
+        "{}",
+        run.out
+    );
     std::fs::write(folder.0.join("flight.toml"), scenario("damaged = \"left-stabilizer-off\"")).unwrap();
     let run = phugoid(&folder.0, &["simulate", "flight.toml", "--out", "flight"]);
     assert!(run.code == Some(3) && run.err.contains("did you mean `left-stabiliser-off`"), "{}", run.err);

@@ -56,10 +56,10 @@ pub struct Exported {
 }
 
 /// A term with its value.
-pub(super) struct Valued {
+pub(crate) struct Valued {
     pub(super) name: String,
-    pub(super) term: Term,
-    pub(super) value: f64,
+    pub(crate) term: Term,
+    pub(crate) value: f64,
 }
 
 impl<'a> Identified<'a> {
@@ -118,7 +118,7 @@ impl<'a> Identified<'a> {
     }
 
     /// The terms of a coefficient; an offset is a constant one.
-    pub(super) fn terms(&self, coefficient: Coefficient) -> Vec<Valued> {
+    pub(crate) fn terms(&self, coefficient: Coefficient) -> Vec<Valued> {
         let of = |p: &Parameter| {
             let term = match &p.role {
                 Role::Term(c, term) if *c == coefficient => term.clone(),

@@ -235,7 +235,8 @@ pub fn database(file: &ModelFile) -> Result<Database, EstimateError> {
     Ok(match file.base {
         Base::None => Database::None,
         Base::F16 => {
-            let options = F16Options { cg: file.aircraft.cg.unwrap_or(0.35), ..F16Options::default() };
+            let standard = F16Options::default();
+            let options = F16Options { cg: file.aircraft.cg.unwrap_or(standard.cg), ..standard };
             Database::F16(Box::new(F16::new(options).map_err(|e| EstimateError::Model(e.to_string()))?))
         }
     })

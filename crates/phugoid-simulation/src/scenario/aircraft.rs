@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use phugoid_aircraft::flown::{FlownOptions, Thrust as FlownThrust};
 use phugoid_aircraft::transport::Damage;
-use phugoid_flight_dynamics::built_in::{AircraftName, BuiltInAircraft};
+use phugoid_flight_dynamics::built_in::AircraftName;
 use phugoid_flight_dynamics::f16::F16Tables;
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer};
@@ -68,9 +68,10 @@ impl<'de> Deserialize<'de> for DamageWord {
     }
 }
 
-/// The aircraft of a scenario once it was opened. It follows from the settings, so that any two are equal.
+/// The aircraft of a scenario once it was opened, with the settings and the folder that it was opened for: others open another.
+/// It follows from these, so that any two are equal.
 #[derive(Clone, Debug, Default)]
-struct Opened(Option<Arc<AnyAircraft>>);
+struct Opened(Option<Arc<(AircraftSettings, PathBuf, Arc<AnyAircraft>)>>);
 
 impl PartialEq for Opened {
     fn eq(&self, _other: &Self) -> bool {
@@ -78,18 +79,15 @@ impl PartialEq for Opened {
     }
 }
 
-/// Centre of gravity of the F-16 where none is given: that of its aerodynamic data, fraction of the mean chord.
-const REFERENCE_CG: f64 = 0.35;
-
 impl AircraftSettings {
     /// The aircraft, opened if it was not yet; relative paths start in `folder`.
     ///
     /// # Errors
     /// [`AircraftError`]: no such file, a file that cannot be read, or one that makes no aircraft.
     pub fn aircraft(&self, folder: &Path) -> Result<Arc<AnyAircraft>, AircraftError> {
-        match &self.opened.0 {
-            Some(aircraft) => Ok(Arc::clone(aircraft)),
-            None => Ok(Arc::new(self.read(folder)?)),
+        match self.opened.0.as_deref() {
+            Some((settings, from, aircraft)) if settings == self && from == folder => Ok(Arc::clone(aircraft)),
+            _ => Ok(Arc::new(self.read(folder)?)),
         }
     }
 
@@ -98,8 +96,9 @@ impl AircraftSettings {
     /// # Errors
     /// As [`aircraft`](Self::aircraft).
     pub fn open(&mut self, folder: &Path) -> Result<(), AircraftError> {
-        self.opened = Opened(None);
-        self.opened = Opened(Some(self.aircraft(folder)?));
+        let aircraft = Arc::new(self.read(folder)?);
+        let settings = Self { opened: Opened(None), ..self.clone() };
+        self.opened = Opened(Some(Arc::new((settings, folder.to_owned(), aircraft))));
         Ok(())
     }
 
@@ -111,9 +110,9 @@ impl AircraftSettings {
 
     fn read(&self, folder: &Path) -> Result<AnyAircraft, AircraftError> {
         let Some(file) = &self.file else {
-            let name = self.kind.unwrap_or(AircraftName::F16);
-            let (tables, cg) = (self.tables.unwrap_or_default(), self.cg.unwrap_or(REFERENCE_CG));
-            return Ok(AnyAircraft::BuiltIn(BuiltInAircraft::new(name, tables, cg)?));
+            return match self.kind {
+                None | Some(AircraftName::F16) => AnyAircraft::f16(self.tables, self.cg),
+            };
         };
         let thrust =
             self.largest_thrust.map_or(FlownThrust::Engines, |force| FlownThrust::AlongBodyX { largest_n: force.si() });
