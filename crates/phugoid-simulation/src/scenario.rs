@@ -99,7 +99,7 @@ impl Scenario {
     /// True values, at the end of the flight, of what a model file may ask for, by its names: the increments about the trim
     /// (`dCm_alpha`, ..., `dCn_rudder`), zero or not, the constant ones (`dCY_0`, ...), which are zero, and the sensors'
     /// constant errors (`bias_alpha`, ...), SI. Of an aircraft from a model file that flies as its file says, the values in
-    /// that file (`Cm_alpha`, ...) as well.
+    /// that file (`Cm_alpha`, ...) as well; of one that is damaged in flight the sensors' errors alone.
     pub fn true_parameters(&self) -> BTreeMap<String, f64> {
         self.true_parameters_at(f64::INFINITY)
     }
@@ -109,7 +109,9 @@ impl Scenario {
         let drawn = self.drawn();
         let increments = drawn.increments_at(time).named();
         let constants = ["dCL_0", "dCD_0", "dCm_0", "dCY_0", "dCl_0", "dCn_0"].map(|name| (name, 0.0));
-        let named = increments.into_iter().chain(constants).chain(drawn.sensors.biases());
+        // What a measured damage changes is in no increment: that these are zero would not be true.
+        let whole = self.aircraft.damage_in_flight().is_none();
+        let named = increments.into_iter().chain(constants).filter(|_| whole).chain(drawn.sensors.biases());
         let of_model = self.aircraft.parameters(&self.folder).filter(|_| self.is_as_modelled()).unwrap_or_default();
         named.map(|(name, value)| (name.to_owned(), value)).chain(of_model).collect()
     }

@@ -180,6 +180,13 @@ fn the_transport_loses_a_stabiliser() {
         std::fs::write(folder.0.join("flight.toml"), scenario(damage)).unwrap();
         let run = phugoid(&folder.0, &["simulate", "flight.toml", "--out", "flight", "--json"]);
         assert_eq!(run.code, Some(0), "{}", run.err);
+        // No increment says what the damage changes, so none is called zero.
+        assert_eq!(
+            run.json()["true_parameters"].get("dCm_alpha").is_none(),
+            damage.contains("damaged_at"),
+            "{}",
+            run.out
+        );
         std::fs::read_to_string(folder.0.join("flight/truth.csv")).unwrap()
     };
     let (steady, damaged) = (flown(""), flown("damaged = \"left-stabiliser-off\"\ndamaged_at = \"2 s\""));
